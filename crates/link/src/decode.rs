@@ -1,0 +1,146 @@
+//! Bytes to messages: an incremental decoder that survives anything.
+//!
+//! Bytes go in one at a time; at each delimiter comes either a message or the reason why the bytes before it were not one. After a
+//! damaged frame the decoder is in step again at the next delimiter. Every refused frame is counted by cause.
+
+use cobs::{DecodeResult, DecoderState};
+use heapless::Vec;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use crate::{CRC, MAGIC, MAX_PAYLOAD, PROTOCOL_VERSION};
+
+/// Why the bytes up to a delimiter are not a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FrameError {
+    /// The stuffing does not end where the frame does.
+    Cobs,
+    /// The check sum does not match.
+    Crc,
+    /// Longer than any frame.
+    Overlong,
+    /// Sound, but no message of this protocol.
+    Unknown,
+    /// Sound, but a greeting of another protocol version.
+    OtherVersion {
+        /// The version found.
+        found: u8,
+    },
+}
+
+impl core::fmt::Display for FrameError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Cobs => f.write_str("broken stuffing"),
+            Self::Crc => f.write_str("check sum does not match"),
+            Self::Overlong => write!(f, "longer than {MAX_PAYLOAD} bytes"),
+            Self::Unknown => f.write_str("no message of this protocol"),
+            Self::OtherVersion { found } => {
+                write!(f, "protocol version {found}, expected {PROTOCOL_VERSION}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// Refused frames by cause. The counts stop at their maximum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BadFrames {
+    /// [`FrameError::Cobs`].
+    pub cobs: u32,
+    /// [`FrameError::Crc`].
+    pub crc: u32,
+    /// [`FrameError::Overlong`].
+    pub overlong: u32,
+    /// [`FrameError::Unknown`] and [`FrameError::OtherVersion`].
+    pub unknown: u32,
+}
+
+impl BadFrames {
+    /// All causes together.
+    #[must_use]
+    pub const fn total(&self) -> u32 {
+        self.cobs.saturating_add(self.crc).saturating_add(self.overlong).saturating_add(self.unknown)
+    }
+
+    fn count(&mut self, error: FrameError) {
+        let counter = match error {
+            FrameError::Cobs => &mut self.cobs,
+            FrameError::Crc => &mut self.crc,
+            FrameError::Overlong => &mut self.overlong,
+            FrameError::Unknown | FrameError::OtherVersion { .. } => &mut self.unknown,
+        };
+        *counter = counter.saturating_add(1);
+    }
+}
+
+/// Decodes a stream of bytes into messages.
+#[derive(Debug)]
+pub struct Decoder {
+    stuffing: DecoderState,
+    payload: Vec<u8, MAX_PAYLOAD>,
+    overlong: bool,
+    bad: BadFrames,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Decoder {
+    /// Creates a decoder that waits for the start of a frame.
+    #[must_use]
+    pub const fn new() -> Self {
+        let bad = BadFrames { cobs: 0, crc: 0, overlong: 0, unknown: 0 };
+        Self { stuffing: DecoderState::Idle, payload: Vec::new(), overlong: false, bad }
+    }
+
+    /// Frames refused so far.
+    #[must_use]
+    pub const fn bad_frames(&self) -> BadFrames {
+        self.bad
+    }
+
+    /// Takes one byte. Returns something only at a delimiter that closes a frame.
+    pub fn push<M: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<M, FrameError>> {
+        let result = match self.stuffing.feed(byte) {
+            Ok(DecodeResult::NoData) => return None,
+            Ok(DecodeResult::DataContinue(byte)) => {
+                self.overlong |= self.payload.push(byte).is_err();
+                return None;
+            }
+            Ok(DecodeResult::DataComplete) if self.overlong => Err(FrameError::Overlong),
+            Ok(DecodeResult::DataComplete) => parse(&self.payload),
+            Err(_) => Err(FrameError::Cobs),
+        };
+        if let Err(error) = result {
+            self.bad.count(error);
+        }
+        self.payload.clear();
+        self.overlong = false;
+        Some(result)
+    }
+}
+
+/// Checks the CRC, then reads the message, which must use up the payload.
+fn parse<M: DeserializeOwned>(payload: &[u8]) -> Result<M, FrameError> {
+    let (message, sum) = payload.split_last_chunk::<4>().ok_or(FrameError::Crc)?;
+    if CRC.checksum(message) != u32::from_le_bytes(*sum) {
+        return Err(FrameError::Crc);
+    }
+    match postcard::take_from_bytes::<M>(message) {
+        Ok((value, [])) if other_version(message).is_none() => Ok(value),
+        _ => Err(match other_version(message) {
+            Some(found) => FrameError::OtherVersion { found },
+            None => FrameError::Unknown,
+        }),
+    }
+}
+
+/// Version of a greeting that is not ours. A greeting starts with its variant (0), the magic and the version in every version.
+fn other_version(message: &[u8]) -> Option<u8> {
+    let rest = message.strip_prefix(&[0])?.strip_prefix(&MAGIC)?;
+    rest.first().copied().filter(|&version| version != PROTOCOL_VERSION)
+}
