@@ -1,0 +1,48 @@
+//! Everything that a training depends on.
+
+use crate::ranges::RangeKind;
+use serde::{Deserialize, Serialize};
+
+/// Recipe of one training of both networks of a bearing. The same recipe gives the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recipe {
+    /// Name of the bearing.
+    pub bearing: String,
+    /// Range and distribution of the rows.
+    pub range: RangeKind,
+    /// Seed of every draw.
+    pub seed: u64,
+    /// Rows of the training set.
+    pub rows: usize,
+    /// Rows of the validation set.
+    pub validation_rows: usize,
+    /// Windows per step of the optimiser.
+    pub batch: usize,
+    /// Passes over the rows with free weights.
+    pub epochs: usize,
+    /// Further passes with the weights on the 8-bit grid in the forward pass.
+    pub grid_epochs: usize,
+    /// Largest learning rate; falls as a cosine to a thousandth.
+    pub learning_rate: f64,
+    /// Largest learning rate of the passes on the grid; falls in the same way.
+    pub grid_learning_rate: f64,
+}
+
+impl Recipe {
+    /// The recipe of the checked-in models.
+    pub fn standard(bearing: inference::Bearing) -> Self {
+        Self {
+            bearing: bearing.name().to_owned(),
+            range: RangeKind::Bench,
+            seed: 1,
+            rows: 1 << 17,
+            validation_rows: 1 << 13,
+            batch: 1024,
+            epochs: 100,
+            grid_epochs: 40,
+            learning_rate: 4e-3,
+            grid_learning_rate: 1e-3,
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Rows of a data set: physical states and the forces of the laws.
+
+use crate::draw::{Draw, Purpose};
+use crate::law::{friction_law, normal_law};
+use crate::ranges::{RangeKind, header};
+use inference::{Bearing, ContactState, Header};
+use rayon::prelude::*;
+
+/// How often a row is drawn again before its last draw is taken with the ratio at rest.
+const DRAWS: usize = 64;
+
+/// One state and its forces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// The state as the networks get it.
+    pub state: ContactState,
+    /// Normal force of the law in N.
+    pub normal_force_n: f64,
+    /// Friction force of the law in N, opposed to the sliding speed.
+    pub friction_force_n: f64,
+}
+
+impl Row {
+    /// The forces of the laws at a state; the ratio of the rate is limited to the header's range first.
+    pub fn at(header: &Header, mut state: ContactState) -> Self {
+        let floored = state.approach_speed_m_s.max(header.latch_floor_m_s);
+        let ratio = state.deformation_rate_m_s / floored;
+        if !header.rate_ratio.contains(ratio) {
+            state.deformation_rate_m_s = header.rate_ratio.clamp(ratio) * floored;
+        }
+        let law = normal_law(
+            header.bearing,
+            f64::from(state.radial_clearance_m),
+            f64::from(header.latch_floor_m_s),
+        );
+        let normal_force_n = law.force_n(
+            f64::from(state.deformation_m),
+            f64::from(state.deformation_rate_m_s),
+            f64::from(state.approach_speed_m_s),
+        );
+        let friction_force_n =
+            friction_law(header.bearing).force_n(normal_force_n, f64::from(state.sliding_speed_m_s));
+        Self { state, normal_force_n, friction_force_n }
+    }
+}
+
+/// Draws row `index` of a set.
+pub fn row(bearing: Bearing, kind: RangeKind, seed: u64, purpose: Purpose, index: u64) -> Row {
+    let header = header(bearing, kind);
+    let mut draw = Draw::new(seed, purpose, index);
+    let mut drawn = Row::at(&header, state(&header, kind, &mut draw));
+    for _ in 0..DRAWS {
+        if drawn.normal_force_n <= f64::from(header.normal_force_n.high) {
+            return drawn;
+        }
+        drawn = Row::at(&header, state(&header, kind, &mut draw));
+    }
+    Row::at(&header, ContactState { deformation_rate_m_s: 0.0, ..drawn.state })
+}
+
+/// Draws `count` rows of a set, in parallel; row by row the same whatever the number of threads.
+pub fn rows(bearing: Bearing, kind: RangeKind, seed: u64, purpose: Purpose, count: usize) -> Vec<Row> {
+    (0..count as u64).into_par_iter().map(|index| row(bearing, kind, seed, purpose, index)).collect()
+}
+
+fn state(header: &Header, kind: RangeKind, draw: &mut Draw) -> ContactState {
+    let clearance = header.radial_clearance_m;
+    let deformation_high = f64::from(header.deformation_m.high);
+    let floor = f64::from(header.latch_floor_m_s);
+    let (radial_clearance_m, deformation_m, rate, approach) = match kind {
+        RangeKind::Paper => (
+            draw.uniform(f64::from(clearance.low), f64::from(clearance.high)),
+            draw.truncated_exponential(deformation_high),
+            draw.truncated_exponential(1.0),
+            draw.truncated_exponential(1.0),
+        ),
+        RangeKind::Bench => {
+            let radial_clearance_m = draw.log_uniform(f64::from(clearance.low), f64::from(clearance.high));
+            let deformation_m = deformation_high * draw.unit();
+            let approach =
+                if draw.unit() < 0.5 { floor } else { draw.log_uniform(0.1 * floor, 50.0 * floor) };
+            let ratio_high = f64::from(header.rate_ratio.high);
+            let ratio = if draw.unit() < 0.25 {
+                draw.uniform(-ratio_high, ratio_high)
+            } else {
+                let magnitude = (0.8 * draw.exponential()).min(ratio_high);
+                if draw.unit() < 0.3 { -magnitude } else { magnitude }
+            };
+            (radial_clearance_m, deformation_m, ratio * approach.max(floor), approach)
+        }
+    };
+    let speed_high = f64::from(header.sliding_speed_m_s.high);
+    let sliding =
+        if draw.unit() < 0.5 { draw.uniform(0.0, speed_high) } else { draw.log_uniform(1e-5, speed_high) };
+    let sliding = sliding * draw.sign();
+    ContactState {
+        radial_clearance_m: clearance.clamp(radial_clearance_m as f32),
+        deformation_m: header.deformation_m.clamp(deformation_m as f32),
+        deformation_rate_m_s: rate as f32,
+        approach_speed_m_s: approach as f32,
+        sliding_speed_m_s: header.sliding_speed_m_s.clamp(sliding as f32),
+    }
+}
