@@ -1,1 +1,28 @@
-//! placeholder
+//! Plants of the test benches, their measured logs and the integrator.
+//!
+//! A [`description::Bench`] (TOML) says what a bench is; [`transmission`], [`friction_rig`] and [`slider_crank`] hold
+//! the equations; [`run`] integrates a transmission bench; [`respond`] gives what a bench would have logged under a
+//! measured log's own inputs, which is what a diagnosis compares; [`effects`] are what may be missing from a model.
+#![forbid(unsafe_code)]
+
+pub mod atomic;
+pub mod channel;
+pub mod description;
+mod description_io;
+pub mod effects;
+pub mod friction_rig;
+pub mod integrate;
+pub mod log;
+pub mod log_format;
+pub mod motion;
+pub mod record;
+pub mod respond;
+pub mod run;
+pub mod sensor;
+pub mod slider_crank;
+pub mod transmission;
+
+pub use channel::{Channel, Role};
+pub use description::{BearingMaterial, Bench, DescriptionError};
+pub use description_io::PRESETS;
+pub use log::MeasuredLog;

@@ -1,0 +1,322 @@
+//! The bench description: one TOML file says what a bench is, what its sensors do and what is uncertain about it.
+
+use crate::channel::Channel;
+use crate::effects::Effect;
+use crate::log_format::LogFormat;
+use crate::sensor::Sensor;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A bench of either kind that a log can be compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bench {
+    /// The rudder-drive transmission bench.
+    Transmission(Box<TransmissionBench>),
+    /// A single driven axis with a measured effort: the friction rig, or a linear axis.
+    FrictionRig(Box<FrictionRig>),
+}
+
+/// Why a description was refused.
+#[derive(Debug, thiserror::Error)]
+pub enum DescriptionError {
+    /// The file could not be read.
+    #[error("{file}: cannot be read: {source}")]
+    Unreadable {
+        /// Path given.
+        file: String,
+        /// Cause.
+        source: std::io::Error,
+    },
+    /// The text is no bench description.
+    #[error("{file}: {message}")]
+    Malformed {
+        /// Path or preset.
+        file: String,
+        /// Line, column, what was found and expected.
+        message: String,
+    },
+    /// A number is outside what the model can take.
+    #[error("{file}: {field} is {found}; expected {expected}")]
+    OutOfRange {
+        /// Path or preset.
+        file: String,
+        /// Dotted name of the field.
+        field: String,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        expected: String,
+    },
+}
+
+macro_rules! section {
+    ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident : $type:ty,)* }) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name { $($(#[$field_meta])* pub $field: $type,)* }
+    };
+}
+
+section! {
+    /// Levers and stroke of the transmission bench.
+    Geometry {
+        /// Drive crank `R_d` in m.
+        drive_lever_radius_m: f64,
+        /// Load crank `R_l` in m.
+        load_lever_radius_m: f64,
+    }
+}
+section! {
+    /// The shaft with everything that moves with it.
+    Shaft {
+        /// Mass in kg.
+        mass_kg: f64,
+        /// Moment of inertia about its axis in kg m2.
+        inertia_kg_m2: f64,
+    }
+}
+section! {
+    /// The clearance bearing.
+    Bearing {
+        /// Material name, for the choice of the trained networks.
+        material: BearingMaterial,
+        /// Bearing radius `R_B` in m.
+        bearing_radius_m: f64,
+        /// Radial clearance `D` in m.
+        radial_clearance_m: f64,
+        /// Bearing length in m.
+        length_m: f64,
+        /// Young's modulus of the bearing in Pa.
+        youngs_modulus_pa: f64,
+        /// Poisson's ratio of the bearing.
+        poisson_ratio: f64,
+        /// Nominal restitution.
+        restitution: f64,
+    }
+}
+section! {
+    /// Normal law of the contact.
+    ContactSection {
+        /// Stiffness part.
+        stiffness: StiffnessName,
+        /// Dissipation factor.
+        dissipation: DissipationName,
+        /// Floor of the latched approach speed in m/s.
+        latch_floor_m_s: f64,
+    }
+}
+section! {
+    /// Friction law of the contact; see `contact::FrictionLaw`.
+    FrictionSection {
+        /// Coefficient at high speed.
+        coulomb_coefficient: f64,
+        /// Coefficient at the onset of sliding.
+        static_coefficient: f64,
+        /// Stribeck speed in m/s.
+        stribeck_speed_m_s: f64,
+        /// Stribeck exponent by name.
+        shape: ShapeName,
+        /// Slope over speed in s/m.
+        viscous_slope_s_m: f64,
+        /// Speed where the slope begins, m/s.
+        viscous_onset_m_s: f64,
+        /// Width of the regularised sign in m/s.
+        regularisation_m_s: f64,
+        /// Factor on the whole coefficient: what "friction level" means in `[uncertain]`.
+        #[serde(default = "one")]
+        level: f64,
+    }
+}
+section! {
+    /// Motion of the drive: `V sin(wt)`, so a one-sided stroke `(X/2)(1 - cos wt)`.
+    Drive {
+        /// Stroke `X` in m.
+        stroke_m: f64,
+        /// Period in s.
+        period_s: f64,
+        /// Cycles of a run.
+        cycles: u32,
+    }
+}
+section! {
+    /// Force of the load cylinder.
+    Load {
+        /// Force along +Y in N.
+        force_n: f64,
+        /// Length of the raised-cosine ramp at the start, s.
+        ramp_s: f64,
+    }
+}
+section! {
+    /// How a log of the bench is taken.
+    Logging {
+        /// Samples a second.
+        sample_rate_hz: f64,
+    }
+}
+
+/// Bearing materials with trained networks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BearingMaterial {
+    /// Babbitt alloy.
+    Babbitt,
+    /// Engineering plastic alloy.
+    Plastic,
+}
+
+/// Stiffness parts that a description may name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StiffnessName {
+    /// The paper's hybrid law as printed.
+    HybridAsPrinted,
+    /// Liu's law times the bearing length.
+    LiuTimesLength,
+}
+
+/// Dissipation factors that a description may name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DissipationName {
+    /// No loss.
+    None,
+    /// Hunt and Crossley.
+    HuntCrossley,
+    /// Lankarani and Nikravesh.
+    LankaraniNikravesh,
+    /// Zhiying and Qishao.
+    ZhiyingQishao,
+}
+
+/// Stribeck exponents that a description may name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShapeName {
+    /// Exponent 1.
+    Tustin,
+    /// Exponent 2.
+    Gauss,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// Description of the transmission bench.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TransmissionBench {
+    /// Always `transmission-bench`.
+    pub plant: String,
+    /// Levers.
+    pub geometry: Geometry,
+    /// Shaft.
+    pub shaft: Shaft,
+    /// Clearance bearing.
+    pub bearing: Bearing,
+    /// Normal law.
+    pub contact: ContactSection,
+    /// Friction law.
+    pub friction: FrictionSection,
+    /// Drive motion.
+    pub drive: Drive,
+    /// Load.
+    pub load: Load,
+    /// Log.
+    pub logging: Logging,
+    /// Sensors by channel.
+    #[serde(default)]
+    pub sensors: BTreeMap<Channel, Sensor>,
+    /// Standard deviation of what calibration may move, by parameter name.
+    #[serde(default)]
+    pub uncertain: BTreeMap<String, f64>,
+    /// How a foreign log is read.
+    #[serde(default, skip_serializing_if = "LogFormat::is_default")]
+    pub log: LogFormat,
+    /// Extensions beyond the nominal model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<Effect>,
+    /// What effects switch on; never in a file.
+    #[serde(skip)]
+    pub extension: Extension,
+}
+
+/// Model terms that the nominal transmission bench leaves out and effects switch on. All zero: nominal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extension {
+    /// Friction force on the journal per sliding speed, N s/m.
+    pub viscous_n_s_m: f64,
+    /// Relative change of the friction level, opposite in the two directions.
+    pub coulomb_asymmetry: f64,
+    /// Compliance of the hydraulic column between drive cylinder and fork, m/N.
+    pub hydraulic_compliance_m_n: f64,
+    /// Lag of the fork behind the drive cylinder, s.
+    pub drive_lag_s: f64,
+}
+
+section! {
+    /// The driven axis of a friction rig.
+    Axis {
+        /// `rotary` (angle, torque) or `linear` (position, force).
+        kind: AxisKind,
+        /// Inertia in kg m2, or mass in kg.
+        inertia: f64,
+        /// Radius at which friction acts, m (rotary; 1 for a linear axis).
+        friction_radius_m: f64,
+        /// Share of the load that the measured effort carries directly (0: none; a cylinder's force: 1).
+        load_gain: f64,
+        /// Dry friction that does not depend on the load: effort in N or N m.
+        coulomb_effort: f64,
+        /// Viscous effort per speed, N s/m or N m s/rad.
+        viscous_effort: f64,
+        /// Coefficient of load-dependent dry friction.
+        load_coefficient: f64,
+        /// Width of the regularised sign, m/s at the friction radius.
+        regularisation_m_s: f64,
+        /// Difference of the dry effort between the directions, half of it each way.
+        #[serde(default)]
+        coulomb_asymmetry: f64,
+        /// Period of the sinusoidal motion in s, for records.
+        period_s: f64,
+        /// Amplitude of the motion in rad or m, for records.
+        amplitude: f64,
+    }
+}
+
+/// Kind of a driven axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AxisKind {
+    /// Angle and torque.
+    Rotary,
+    /// Position and force.
+    Linear,
+}
+
+/// Description of a single driven axis with a measured effort.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionRig {
+    /// Always `friction-rig`.
+    pub plant: String,
+    /// The axis.
+    pub axis: Axis,
+    /// Load.
+    pub load: Load,
+    /// Log.
+    pub logging: Logging,
+    /// Sensors by channel.
+    #[serde(default)]
+    pub sensors: BTreeMap<Channel, Sensor>,
+    /// Standard deviation of what calibration may move, by parameter name.
+    #[serde(default)]
+    pub uncertain: BTreeMap<String, f64>,
+    /// How a foreign log is read.
+    #[serde(default, skip_serializing_if = "LogFormat::is_default")]
+    pub log: LogFormat,
+    /// Extensions beyond the nominal model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<Effect>,
+}

@@ -1,0 +1,189 @@
+//! Given motion and load: analytic profiles, or curves through a log's samples.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Value with its first and second derivative.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Value.
+    pub value: f64,
+    /// First derivative.
+    pub rate: f64,
+    /// Second derivative.
+    pub acceleration: f64,
+}
+
+/// A signal over time that a plant is driven by.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Profile {
+    /// `(stroke/2)(1 - cos wt)` for a number of cycles, at rest after them.
+    Cycles {
+        /// Stroke.
+        stroke: f64,
+        /// Period in s.
+        period_s: f64,
+        /// Cycles.
+        cycles: f64,
+    },
+    /// A constant after a raised-cosine ramp from 0.
+    Ramp {
+        /// Final value.
+        level: f64,
+        /// Ramp length in s.
+        ramp_s: f64,
+    },
+    /// Curve through smoothed nodes.
+    Curve {
+        /// Node times in s, ascending.
+        time_s: Vec<f64>,
+        /// Smoothed motion at each node.
+        nodes: Vec<Motion>,
+    },
+}
+
+impl Profile {
+    /// The motion at a time.
+    pub fn at(&self, time_s: f64) -> Motion {
+        match self {
+            Self::Cycles { stroke, period_s, cycles } => {
+                if time_s >= period_s * cycles {
+                    return Motion::default();
+                }
+                let w = 2.0 * core::f64::consts::PI / period_s;
+                let (sin, cos) = (w * time_s).sin_cos();
+                let half = 0.5 * stroke;
+                Motion { value: half * (1.0 - cos), rate: half * w * sin, acceleration: half * w * w * cos }
+            }
+            Self::Ramp { level, ramp_s } => {
+                if time_s >= *ramp_s {
+                    return Motion { value: *level, ..Motion::default() };
+                }
+                let w = core::f64::consts::PI / ramp_s;
+                let (sin, cos) = (w * time_s).sin_cos();
+                let half = 0.5 * level;
+                Motion { value: half * (1.0 - cos), rate: half * w * sin, acceleration: half * w * w * cos }
+            }
+            Self::Curve { time_s: times, nodes } => {
+                let after = times.partition_point(|&t| t <= time_s).clamp(1, times.len().max(2) - 1);
+                let (Some(&t0), Some(&t1)) = (times.get(after - 1), times.get(after)) else {
+                    return nodes.first().copied().unwrap_or_default();
+                };
+                match (nodes.get(after - 1), nodes.get(after)) {
+                    (Some(a), Some(b)) => between(a, b, t1 - t0, ((time_s - t0) / (t1 - t0)).clamp(0.0, 1.0)),
+                    _ => Motion::default(),
+                }
+            }
+        }
+    }
+
+    /// A curve through samples: at every sample a polynomial of `order` is fitted to the values (and rates, where
+    /// given) within `half_window_s` and at least `order + 2` samples, and its value and derivatives become a node.
+    ///
+    /// Values and rates are weighted by the noise that their own fourth differences show.
+    pub fn through(
+        time_s: &[f64],
+        values: &[f64],
+        rates: Option<&[f64]>,
+        half_window_s: f64,
+        order: usize,
+    ) -> Self {
+        let count = time_s.len().min(values.len());
+        let mut nodes = Vec::with_capacity(count);
+        // Rows of rates are in units of the value: `rate * half_window`.
+        let scale = half_window_s.max(f64::MIN_POSITIVE);
+        let rate_weight = rates.map_or(0.0, |r| noise_of(values) / (noise_of(r) * scale));
+        for (i, &centre) in time_s.iter().enumerate().take(count) {
+            let least = (order + 2).div_ceil(2);
+            let low = time_s.partition_point(|&t| t < centre - half_window_s).min(i.saturating_sub(least));
+            let high = time_s.partition_point(|&t| t <= centre + half_window_s).max(i + least + 1).min(count);
+            let low = low.min(high.saturating_sub(order + 2));
+            let rows = (high - low) * if rates.is_some() { 2 } else { 1 };
+            let mut matrix = DMatrix::zeros(rows, order + 1);
+            let mut right = DVector::zeros(rows);
+            let base = values[i];
+            for (row, k) in (low..high).enumerate() {
+                let u = (time_s[k] - centre) / scale;
+                let mut power = 1.0;
+                for column in 0..=order {
+                    matrix[(row, column)] = power;
+                    power *= u;
+                }
+                right[row] = values[k] - base;
+                if let Some(rates) = rates {
+                    let row = row + high - low;
+                    let mut power = 1.0;
+                    for column in 1..=order {
+                        matrix[(row, column)] = rate_weight * column as f64 * power;
+                        power *= u;
+                    }
+                    right[row] = rate_weight * rates[k] * scale;
+                }
+            }
+            let normal = matrix.transpose() * &matrix;
+            let solution = normal.cholesky().map(|c| c.solve(&(matrix.transpose() * right)));
+            let get = |k: usize| solution.as_ref().and_then(|s| s.get(k).copied()).unwrap_or_default();
+            nodes.push(Motion {
+                value: base + get(0),
+                rate: get(1) / scale,
+                acceleration: 2.0 * get(2) / (scale * scale),
+            });
+        }
+        Self::Curve { time_s: time_s[..count].to_vec(), nodes }
+    }
+}
+
+/// White noise of a smooth signal, from its fourth differences; never 0.
+fn noise_of(values: &[f64]) -> f64 {
+    let size = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let sum: f64 =
+        values.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2)).sum();
+    (sum / (70.0 * values.len().max(1) as f64)).sqrt().max(1e-14 * size).max(f64::MIN_POSITIVE)
+}
+
+/// Interpolation between two nodes `h` apart at `s` in 0..1: each quantity from its own nodes, with the next
+/// derivative as slope.
+///
+/// One curve for all three would turn noise of a nanometre on neighbouring values into an acceleration of
+/// `60 * 1e-9/h^2`; a plant takes the three as given and does not need the one to be the other's exact derivative.
+fn between(a: &Motion, b: &Motion, h: f64, s: f64) -> Motion {
+    Motion {
+        value: cubic(a.value, a.rate, b.value, b.rate, h, s),
+        rate: cubic(a.rate, a.acceleration, b.rate, b.acceleration, h, s),
+        acceleration: a.acceleration + s * (b.acceleration - a.acceleration),
+    }
+}
+
+/// Cubic Hermite interpolation.
+fn cubic(p0: f64, m0: f64, p1: f64, m1: f64, h: f64, s: f64) -> f64 {
+    let (s2, r) = (s * s, 1.0 - s);
+    p0 * (1.0 + 2.0 * s) * r * r + m0 * h * s * r * r + p1 * s2 * (3.0 - 2.0 * s) - m1 * h * s2 * r
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_through_samples_of_a_cycle_follows_its_acceleration() {
+        let truth = Profile::Cycles { stroke: 0.172, period_s: 1.0, cycles: 1.0 };
+        let time: Vec<f64> = (0..1000).map(|i| i as f64 * 1e-3).collect();
+        // Rounded as a log would round them.
+        let round = |v: f64| (v * 1e7).round() / 1e7;
+        let values: Vec<f64> = time.iter().map(|&t| round(truth.at(t).value)).collect();
+        let rates: Vec<f64> = time.iter().map(|&t| round(truth.at(t).rate)).collect();
+        let curve = Profile::through(&time, &values, Some(&rates), 0.010, 4);
+        for i in 0..9900 {
+            let t = i as f64 * 1.00007e-4;
+            let (a, b) = (curve.at(t), truth.at(t));
+            // A window at the very end of a log is one-sided, and the rounding weighs more there.
+            let bound = if (0.010..0.989).contains(&t) { 2e-3 } else { 2e-2 };
+            assert!((a.value - b.value).abs() < 1e-7, "x at {t}");
+            assert!(
+                (a.acceleration - b.acceleration).abs() < bound,
+                "a at {t}: {} {}",
+                a.acceleration,
+                b.acceleration
+            );
+        }
+    }
+}

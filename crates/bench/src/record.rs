@@ -1,0 +1,73 @@
+//! Logs of simulated benches as their sensors would take them, from a seed.
+
+use crate::channel::Channel;
+use crate::description::{Bench, FrictionRig, TransmissionBench};
+use crate::friction_rig;
+use crate::integrate::IntegrationError;
+use crate::log::MeasuredLog;
+use crate::motion::Profile;
+use crate::respond::{Response, outputs_of};
+use crate::run::{DEFAULT_TOLERANCE, run_with_law};
+use crate::sensor::Sensor;
+use crate::transmission::Transmission;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// Inputs and outputs of the transmission bench's log.
+const TRANSMISSION_CHANNELS: &[Channel] = &[
+    Channel::DriveDisplacement,
+    Channel::DriveVelocity,
+    Channel::LoadForce,
+    Channel::ShaftAngle,
+    Channel::ShaftSpeed,
+    Channel::JournalY,
+    Channel::JournalZ,
+    Channel::BearingForceY,
+    Channel::BearingForceZ,
+    Channel::FrictionTorque,
+    Channel::DriveForce,
+];
+
+/// Records the described run: effects applied, every sensor's electronics, noise and resolution from `seed`.
+pub fn record(bench: &Bench, seed: u64) -> Result<MeasuredLog, IntegrationError> {
+    let resolved = bench.resolved();
+    let (time_s, mut channels) = match &resolved {
+        Bench::Transmission(bench) => transmission(bench)?,
+        Bench::FrictionRig(rig) => axis(rig),
+    };
+    let perfect = Sensor::default();
+    for (index, (channel, values)) in channels.iter_mut().enumerate() {
+        let sensor = resolved.sensors().get(channel).unwrap_or(&perfect);
+        *values = sensor.respond(&time_s, values);
+        // A stream of its own for each channel: leaving one out does not change the others.
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(index as u64 + 1);
+        sensor.read(values, &mut rng);
+    }
+    Ok(MeasuredLog { source: "recorded".into(), time_s, channels })
+}
+
+fn transmission(bench: &TransmissionBench) -> Result<(Vec<f64>, Response), IntegrationError> {
+    let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
+    let time_s = bench.sample_times_s(bench.logging.sample_rate_hz);
+    let run = run_with_law(&plant, bench.duration_s(), &time_s, DEFAULT_TOLERANCE)?;
+    let channels = outputs_of(&run.samples, TRANSMISSION_CHANNELS);
+    Ok((time_s, channels))
+}
+
+fn axis(rig: &FrictionRig) -> (Vec<f64>, Response) {
+    let drive =
+        Profile::Cycles { stroke: 2.0 * rig.axis.amplitude, period_s: rig.axis.period_s, cycles: 1.0 };
+    let load = Profile::Ramp { level: rig.load.force_n, ramp_s: rig.load.ramp_s };
+    let count = (rig.axis.period_s * rig.logging.sample_rate_hz).round() as usize;
+    let time_s: Vec<f64> = (0..count).map(|i| i as f64 / rig.logging.sample_rate_hz).collect();
+    let (position, speed, effort) = rig.channels();
+    let at = |read: &dyn Fn(f64) -> f64| time_s.iter().map(|&t| read(t)).collect::<Vec<f64>>();
+    let channels = Response::from([
+        (position, at(&|t| drive.at(t).value)),
+        (speed, at(&|t| drive.at(t).rate)),
+        (Channel::LoadForce, at(&|t| load.at(t).value)),
+        (effort, at(&|t| friction_rig::effort(rig, &drive.at(t), load.at(t).value).effort)),
+    ]);
+    (time_s, channels)
+}

@@ -1,0 +1,177 @@
+//! Runs of the transmission bench: with its analytic laws, or with a bearing force from outside held over a step.
+
+use crate::description::TransmissionBench;
+use crate::integrate::{Impact, IntegrationError, integrate};
+use crate::motion::Profile;
+use crate::transmission::{BearingForces, ContactView, Snapshot, State, Transmission};
+use differential_equations::ode::OrdinaryNumericalMethod;
+use differential_equations::prelude::{ExplicitRungeKutta, ODE};
+use std::cell::Cell;
+
+/// Relative tolerance of a run unless stated otherwise.
+pub const DEFAULT_TOLERANCE: f64 = 1e-7;
+/// Error goal, in m, below which a fixed communication step has to keep the journal: a sensor's noise.
+const ENERGY_FLOOR_J: f64 = 1.0;
+
+/// A run of the bench.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The bench at the requested times.
+    pub samples: Vec<Snapshot>,
+    /// Periods in contact; with a held force their times are those of communication steps.
+    pub impacts: Vec<Impact>,
+    /// Energy of the shaft less the work on it, relative to the drive's absolute work.
+    pub energy_residual_rel: f64,
+    /// Integrator steps.
+    pub steps: usize,
+}
+
+impl TransmissionBench {
+    /// The described drive.
+    pub fn drive_profile(&self) -> Profile {
+        Profile::Cycles {
+            stroke: self.drive.stroke_m,
+            period_s: self.drive.period_s,
+            cycles: f64::from(self.drive.cycles),
+        }
+    }
+
+    /// The described load.
+    pub fn load_profile(&self) -> Profile {
+        Profile::Ramp { level: self.load.force_n, ramp_s: self.load.ramp_s }
+    }
+
+    /// Length of a run in s.
+    pub fn duration_s(&self) -> f64 {
+        self.drive.period_s * f64::from(self.drive.cycles)
+    }
+
+    /// Ascending sample times of a run at a rate, from 0 up to and without the end.
+    pub fn sample_times_s(&self, rate_hz: f64) -> Vec<f64> {
+        let count = (self.duration_s() * rate_hz).round() as usize;
+        (0..count).map(|i| i as f64 / rate_hz).collect()
+    }
+}
+
+/// Integrates the plant with its analytic laws.
+pub fn run_with_law(
+    plant: &Transmission,
+    end_s: f64,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Run, IntegrationError> {
+    let start_s = samples_s.first().copied().unwrap_or_default().min(end_s);
+    let initial = plant.initial_state(start_s);
+    let mut samples = Vec::with_capacity(samples_s.len());
+    let result = integrate(
+        plant,
+        (start_s, end_s),
+        initial,
+        false,
+        samples_s,
+        &plant.tolerances(tolerance),
+        |t, s, latched| {
+            let forces = plant.law(&plant.contact_view(t, s, latched));
+            samples.push(plant.snapshot(t, s, latched, forces));
+        },
+    )?;
+    Ok(Run {
+        samples,
+        impacts: result.impacts,
+        energy_residual_rel: energy_residual(plant, start_s, &initial, end_s, &result.state),
+        steps: result.steps,
+    })
+}
+
+fn energy_residual(plant: &Transmission, start_s: f64, initial: &State, end_s: f64, last: &State) -> f64 {
+    let change = plant.kinetic_energy_j(end_s, last) - plant.kinetic_energy_j(start_s, initial);
+    (change - last[6]).abs() / last[7].max(ENERGY_FLOOR_J)
+}
+
+struct Held<'a> {
+    plant: &'a Transmission,
+    components: Cell<(f64, f64, f64)>,
+}
+
+impl ODE<f64, State> for Held<'_> {
+    fn diff(&self, time_s: f64, state: &State, derivative: &mut State) {
+        self.plant.dynamics(time_s, state, self.components.get(), derivative);
+    }
+}
+
+/// Integrates the plant with a bearing force from outside, sampled and held at `step_s`.
+///
+/// `force` sees the contact once a step. In sustained contact the damping `chi d'/d'0` makes the loop stiff: above
+/// some 20 us it is unstable with the 1 mm/s floor. Samples are taken at the nearest step before.
+pub fn run_with_held_force(
+    plant: &Transmission,
+    end_s: f64,
+    samples_s: &[f64],
+    step_s: f64,
+    mut force: impl FnMut(&ContactView) -> BearingForces,
+) -> Result<Run, IntegrationError> {
+    let count = (end_s / step_s).round() as usize;
+    let initial = plant.initial_state(0.0);
+    let mut state = initial;
+    let system = Held { plant, components: Cell::new((0.0, 0.0, 0.0)) };
+    let mut samples = Vec::with_capacity(samples_s.len());
+    let mut next_sample = 0;
+    let mut impacts: Vec<Impact> = Vec::new();
+    let (mut contact, mut latched) = (false, 0.0);
+    for step in 0..count {
+        let time_s = step as f64 * step_s;
+        let mut view = plant.contact_view(time_s, &state, latched);
+        let touching = view.deformation_m > 0.0;
+        if touching && !contact {
+            latched = view.rate_m_s.max(0.0);
+            view.latched_m_s = latched;
+            impacts.push(Impact {
+                onset_s: time_s,
+                approach_speed_m_s: latched,
+                peak_force_n: 0.0,
+                peak_s: time_s,
+                max_deformation_m: 0.0,
+                separation_s: None,
+            });
+        } else if !touching && contact {
+            latched = 0.0;
+            view.latched_m_s = 0.0;
+            if let Some(impact) = impacts.last_mut() {
+                impact.separation_s = Some(time_s);
+            }
+        }
+        contact = touching;
+        let forces = force(&view);
+        if !(forces.normal_n.is_finite() && forces.friction_n.is_finite()) {
+            return Err(IntegrationError::Stopped {
+                time_s,
+                reason: "the bearing force is not finite".into(),
+            });
+        }
+        if touching && let Some(impact) = impacts.last_mut() {
+            impact.max_deformation_m = impact.max_deformation_m.max(view.deformation_m);
+            if forces.normal_n > impact.peak_force_n {
+                (impact.peak_force_n, impact.peak_s) = (forces.normal_n, time_s);
+            }
+        }
+        while samples_s.get(next_sample).is_some_and(|&t| t < time_s + 0.5 * step_s) {
+            samples.push(plant.snapshot(time_s, &state, latched, forces));
+            next_sample += 1;
+        }
+        system.components.set(plant.components(&state, &forces));
+        let mut method = ExplicitRungeKutta::rk4(step_s);
+        let stopped = |e| IntegrationError::Stopped { time_s, reason: format!("{e:?}") };
+        method.init(&system, time_s, time_s + step_s, &state).map_err(stopped)?;
+        method.step(&system).map_err(stopped)?;
+        state = *method.y();
+        if !state.iter().all(|v| v.is_finite()) {
+            return Err(IntegrationError::Stopped { time_s, reason: "the state is no longer finite".into() });
+        }
+    }
+    Ok(Run {
+        samples,
+        impacts,
+        energy_residual_rel: energy_residual(plant, 0.0, &initial, count as f64 * step_s, &state),
+        steps: count,
+    })
+}

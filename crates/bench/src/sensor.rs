@@ -1,0 +1,131 @@
+//! What a sensor does to a signal: bandwidth, delay, gain, offset, drift, noise, resolution, in this order.
+
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+/// One sensor. All in the unit of its channel, SI.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sensor {
+    /// Standard deviation of white noise at the log's sample rate.
+    #[serde(default)]
+    pub noise: f64,
+    /// Step of the reading; 0: continuous.
+    #[serde(default)]
+    pub resolution: f64,
+    /// Delay in s.
+    #[serde(default)]
+    pub delay_s: f64,
+    /// Cut-off of a first-order low-pass in Hz; 0: none.
+    #[serde(default)]
+    pub bandwidth_hz: f64,
+    /// Constant added to the reading.
+    #[serde(default)]
+    pub offset: f64,
+    /// Factor of the reading.
+    #[serde(default = "one")]
+    pub gain: f64,
+    /// Change of the offset per second.
+    #[serde(default)]
+    pub drift_per_s: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Default for Sensor {
+    fn default() -> Self {
+        Self {
+            noise: 0.0,
+            resolution: 0.0,
+            delay_s: 0.0,
+            bandwidth_hz: 0.0,
+            offset: 0.0,
+            gain: 1.0,
+            drift_per_s: 0.0,
+        }
+    }
+}
+
+impl Sensor {
+    /// What the sensor's electronics make of a true signal, without noise and resolution.
+    ///
+    /// The signal before the first sample is taken as the first sample. Delay interpolates linearly.
+    pub fn respond(&self, time_s: &[f64], truth: &[f64]) -> Vec<f64> {
+        let mut signal = truth.to_vec();
+        if self.bandwidth_hz > 0.0 {
+            let rate = 2.0 * core::f64::consts::PI * self.bandwidth_hz;
+            let mut previous = truth.first().copied().unwrap_or_default();
+            let mut last_time = time_s.first().copied().unwrap_or_default();
+            for (value, &t) in signal.iter_mut().zip(time_s) {
+                previous += (*value - previous) * (1.0 - (-rate * (t - last_time)).exp());
+                last_time = t;
+                *value = previous;
+            }
+        }
+        if self.delay_s != 0.0 {
+            signal = time_s.iter().map(|&t| interpolate(time_s, &signal, t - self.delay_s)).collect();
+        }
+        let start = time_s.first().copied().unwrap_or_default();
+        for (value, &t) in signal.iter_mut().zip(time_s) {
+            *value = self.gain * *value + self.offset + self.drift_per_s * (t - start);
+        }
+        signal
+    }
+
+    /// Adds noise and rounds to the resolution.
+    pub fn read(&self, signal: &mut [f64], rng: &mut impl rand::Rng) {
+        for value in signal {
+            let draw: f64 = StandardNormal.sample(rng);
+            *value += self.noise * draw;
+            if self.resolution > 0.0 {
+                *value = (*value / self.resolution).round() * self.resolution;
+            }
+        }
+    }
+
+    /// Standard deviation that noise and resolution leave on a reading.
+    pub fn floor(&self) -> f64 {
+        (self.noise * self.noise + self.resolution * self.resolution / 12.0).sqrt()
+    }
+}
+
+/// Linear interpolation in ascending `time_s`; the end values hold outside.
+pub fn interpolate(time_s: &[f64], values: &[f64], at_s: f64) -> f64 {
+    let after = time_s.partition_point(|&t| t <= at_s);
+    match (
+        after.checked_sub(1).and_then(|i| Some((*time_s.get(i)?, *values.get(i)?))),
+        time_s.get(after),
+        values.get(after),
+    ) {
+        (Some((t0, v0)), Some(&t1), Some(&v1)) => v0 + (v1 - v0) * (at_s - t0) / (t1 - t0),
+        (Some((_, v0)), ..) => v0,
+        (None, _, Some(&v1)) => v1,
+        (None, ..) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delayed_ramp_lags_by_the_delay() {
+        let time: Vec<f64> = (0..100).map(|i| i as f64 * 1e-3).collect();
+        let sensor = Sensor { delay_s: 0.0025, gain: 2.0, offset: 1.0, ..Sensor::default() };
+        let out = sensor.respond(&time, &time);
+        assert!((out[50] - (2.0 * (0.050 - 0.0025) + 1.0)).abs() < 1e-12);
+        assert_eq!(out[0], 1.0);
+    }
+
+    #[test]
+    fn bandwidth_attenuates_by_the_first_order_gain() {
+        let time: Vec<f64> = (0..20_000).map(|i| i as f64 * 1e-4).collect();
+        let truth: Vec<f64> = time.iter().map(|t| (2.0 * core::f64::consts::PI * 50.0 * t).sin()).collect();
+        let sensor = Sensor { bandwidth_hz: 50.0, ..Sensor::default() };
+        let out = sensor.respond(&time, &truth);
+        let peak = out[10_000..].iter().fold(0.0_f64, |m, v| m.max(*v));
+        assert!((peak - 0.5_f64.sqrt()).abs() < 0.02, "{peak}");
+    }
+}

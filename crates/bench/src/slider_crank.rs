@@ -1,0 +1,147 @@
+//! Slider-crank with one dry clearance joint at the pin between rod and slider, crank speed prescribed.
+//!
+//! The rod hangs from the crank pin (prescribed motion) and turns freely; the slider moves along x. The pin at the
+//! rod's far end is the journal, the slider carries the bearing. No gravity, no friction. States: rod angle, slider
+//! position, and their rates. The rod's centre of mass lies at its middle.
+
+use crate::integrate::{ContactPlant, Tolerances};
+use contact::NormalLaw;
+
+/// Parameters, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SliderCrank {
+    /// Crank length in m.
+    pub crank_length_m: f64,
+    /// Crank speed in rad/s.
+    pub crank_speed_rad_s: f64,
+    /// Rod length in m.
+    pub rod_length_m: f64,
+    /// Rod mass in kg.
+    pub rod_mass_kg: f64,
+    /// Rod inertia about its centre of mass in kg m2.
+    pub rod_inertia_kg_m2: f64,
+    /// Slider mass in kg.
+    pub slider_mass_kg: f64,
+    /// Radial clearance in m.
+    pub radial_clearance_m: f64,
+    /// Normal law of the joint.
+    pub normal_law: NormalLaw,
+}
+
+impl SliderCrank {
+    /// Aligned, concentric, slider at rest: the rod starts with the angular speed that keeps its pin at rest.
+    pub fn initial_state(&self) -> [f64; 4] {
+        let rod_speed = -self.crank_length_m * self.crank_speed_rad_s / self.rod_length_m;
+        [0.0, self.crank_length_m + self.rod_length_m, rod_speed, 0.0]
+    }
+
+    /// Tolerances that give the slider's position within 1e-6 m over .6 revolutions.
+    pub fn tolerances(&self, relative: f64) -> Tolerances<4> {
+        Tolerances { relative, absolute: [relative * 1e-2; 4], largest_step_s: 1e-4 }
+    }
+
+    /// Journal centre relative to the bearing centre and its rate: `[x, y, x', y']`.
+    fn relative(&self, time_s: f64, [rod, slider, rod_rate, slider_rate]: &[f64; 4]) -> [f64; 4] {
+        let (sc, cc) = (self.crank_speed_rad_s * time_s).sin_cos();
+        let (sr, cr) = rod.sin_cos();
+        let (r, l, w) = (self.crank_length_m, self.rod_length_m, self.crank_speed_rad_s);
+        [
+            r * cc + l * cr - slider,
+            r * sc + l * sr,
+            -r * w * sc - l * rod_rate * sr - slider_rate,
+            r * w * cc + l * rod_rate * cr,
+        ]
+    }
+}
+
+impl ContactPlant<4> for SliderCrank {
+    fn derivative(&self, time_s: f64, state: &[f64; 4], latched_m_s: f64, out: &mut [f64; 4]) {
+        let [x, y, ..] = self.relative(time_s, state);
+        let force = self.normal_force_n(time_s, state, latched_m_s);
+        let distance = x.hypot(y);
+        let (nx, ny) = if distance > 0.0 { (x / distance, y / distance) } else { (0.0, 0.0) };
+        // Force on the journal is -F n, on the slider's bearing +F n.
+        let (sc, cc) = (self.crank_speed_rad_s * time_s).sin_cos();
+        let (sr, cr) = state[0].sin_cos();
+        let (l, half) = (self.rod_length_m, 0.5 * self.rod_length_m);
+        let pin = self.crank_length_m * self.crank_speed_rad_s * self.crank_speed_rad_s;
+        let (pin_ax, pin_ay) = (-pin * cc, -pin * sc);
+        // Moments about the moving crank pin: I_pin rod'' = r x F - m half (e x a_pin).
+        let inertia = self.rod_inertia_kg_m2 + self.rod_mass_kg * half * half;
+        let moment = l * (cr * (-force * ny) - sr * (-force * nx))
+            - self.rod_mass_kg * half * (cr * pin_ay - sr * pin_ax);
+        *out = [state[2], state[3], moment / inertia, force * nx / self.slider_mass_kg];
+    }
+
+    fn deformation(&self, time_s: f64, state: &[f64; 4]) -> (f64, f64) {
+        let [x, y, vx, vy] = self.relative(time_s, state);
+        let distance = x.hypot(y);
+        let rate = if distance > 0.0 { (x * vx + y * vy) / distance } else { 0.0 };
+        (distance - self.radial_clearance_m, rate)
+    }
+
+    fn normal_force_n(&self, time_s: f64, state: &[f64; 4], latched_m_s: f64) -> f64 {
+        let (depth, rate) = self.deformation(time_s, state);
+        self.normal_law.force_n(depth, rate, latched_m_s)
+    }
+}
+
+/// The public problem with known answers (5000 rpm, bearing 10 mm, journal 9.5 mm, steel 207 GPa, e = .9,
+/// Hunt-Crossley on Hertz), confirmed by three independent codes.
+pub fn reference_problem() -> SliderCrank {
+    let steel = contact::Material { youngs_modulus_pa: 207e9, poisson_ratio: 0.3 };
+    SliderCrank {
+        crank_length_m: 0.05,
+        crank_speed_rad_s: 5000.0 * core::f64::consts::PI / 30.0,
+        rod_length_m: 0.12,
+        rod_mass_kg: 0.21,
+        rod_inertia_kg_m2: 2.5e-4,
+        slider_mass_kg: 0.14,
+        radial_clearance_m: 0.5e-3,
+        normal_law: NormalLaw {
+            stiffness: contact::Stiffness::Hertz {
+                coefficient: contact::hertz_sphere_in_sphere(10e-3, &steel, 9.5e-3, &steel),
+            },
+            dissipation: contact::Dissipation::HuntCrossley,
+            restitution: 0.9,
+            latch_floor_m_s: 1e-3,
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::integrate;
+
+    #[test]
+    fn slider_crank_matches_the_known_answers() {
+        let plant = reference_problem();
+        let revolution = 2.0 * core::f64::consts::PI / plant.crank_speed_rad_s;
+        let result = integrate(
+            &plant,
+            (0.0, 0.6 * revolution),
+            plant.initial_state(),
+            false,
+            &[],
+            &plant.tolerances(1e-11),
+            |_, _, _| {},
+        )
+        .unwrap();
+        let first = result.impacts[0];
+        assert!((first.onset_s - 227.286e-6).abs() < 1e-9, "onset {}", first.onset_s);
+        assert!((first.approach_speed_m_s - 4.385783).abs() < 1e-6, "speed {}", first.approach_speed_m_s);
+        assert!((first.peak_force_n / 45777.46 - 1.0).abs() < 1e-6, "peak {}", first.peak_force_n);
+        assert!(
+            (first.separation_s.unwrap() - 280.763e-6).abs() < 1e-9,
+            "separation {:?}",
+            first.separation_s
+        );
+        for (impact, peak) in result.impacts.iter().zip([45777.46, 20971.99, 25593.21, 6770.89, 13012.17]) {
+            assert!((impact.peak_force_n / peak - 1.0).abs() < 1e-5, "{impact:?} for {peak}");
+        }
+        assert_eq!(result.impacts.len(), 20);
+        assert!((result.state[1] - 0.0754435223).abs() < 1e-6, "x(.6 rev) = {}", result.state[1]);
+        assert!((result.state[3] - 9.984871).abs() < 1e-3, "v(.6 rev) = {}", result.state[3]);
+    }
+}
