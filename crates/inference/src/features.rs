@@ -14,6 +14,9 @@ use libm::sqrtf;
 /// Largest i16 activation: a feature of 1.
 pub const FULL_SCALE: f32 = 32767.0;
 
+/// The force goes on growing with the deformation up to this multiple of the training range (and is flagged).
+pub const EXTRAPOLATION: f32 = 4.0;
+
 /// Collision features of a state, the state's flags, and the factor of the network's output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CollisionColumn {
@@ -48,6 +51,7 @@ impl Header {
         let span = clearance + deformation;
         let magnitude = if ratio < 0.0 { -ratio } else { ratio };
         let unclamped = if contact { state.deformation_m / self.deformation_m.high } else { 0.0 };
+        let unclamped = if unclamped > EXTRAPOLATION { EXTRAPOLATION } else { unclamped };
         let root_force_factor = match self.deformation_half_powers {
             0 => f32::from(u8::from(contact)),
             1 => sqrtf(unclamped),
