@@ -204,6 +204,10 @@ fn one() -> f64 {
     1.0
 }
 
+fn one_cycle() -> u32 {
+    1
+}
+
 /// Description of the transmission bench.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -282,6 +286,9 @@ section! {
         period_s: f64,
         /// Amplitude of the motion in rad or m, for records.
         amplitude: f64,
+        /// Cycles of a record.
+        #[serde(default = "one_cycle")]
+        cycles: u32,
     }
 }
 

@@ -108,6 +108,14 @@ impl Bench {
         }
     }
 
+    /// Sets the number of cycles of a run or a record.
+    pub fn set_cycles(&mut self, cycles: u32) {
+        match self {
+            Self::Transmission(bench) => bench.drive.cycles = cycles,
+            Self::FrictionRig(rig) => rig.axis.cycles = cycles,
+        }
+    }
+
     /// The description with all its effects applied: what is simulated.
     pub fn resolved(&self) -> Self {
         let mut bench = self.clone();
@@ -177,6 +185,7 @@ impl Bench {
                 ("axis.regularisation_m_s", r.axis.regularisation_m_s),
                 ("axis.period_s", r.axis.period_s),
                 ("axis.amplitude", r.axis.amplitude),
+                ("axis.cycles", f64::from(r.axis.cycles)),
                 ("load.ramp_s", r.load.ramp_s),
                 ("logging.sample_rate_hz", r.logging.sample_rate_hz),
             ],

@@ -9,7 +9,7 @@ use crate::motion::Profile;
 use crate::respond::{Response, outputs_of};
 use crate::run::{DEFAULT_TOLERANCE, run_with_law};
 use crate::sensor::Sensor;
-use crate::transmission::Transmission;
+use crate::transmission::{Snapshot, Transmission};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
@@ -31,10 +31,20 @@ const TRANSMISSION_CHANNELS: &[Channel] = &[
 /// Records the described run: effects applied, every sensor's electronics, noise and resolution from `seed`.
 pub fn record(bench: &Bench, seed: u64) -> Result<MeasuredLog, IntegrationError> {
     let resolved = bench.resolved();
-    let (time_s, mut channels) = match &resolved {
+    let (time_s, channels) = match &resolved {
         Bench::Transmission(bench) => transmission(bench)?,
         Bench::FrictionRig(rig) => axis(rig),
     };
+    Ok(sensed(&resolved, time_s, channels, seed))
+}
+
+/// The log that the sensors of a transmission bench take of a run sampled at the logging rate.
+pub fn log_of(bench: &Bench, samples: &[Snapshot], seed: u64) -> MeasuredLog {
+    let time_s = samples.iter().map(|s| s.time_s).collect();
+    sensed(&bench.resolved(), time_s, outputs_of(samples, TRANSMISSION_CHANNELS), seed)
+}
+
+fn sensed(resolved: &Bench, time_s: Vec<f64>, mut channels: Response, seed: u64) -> MeasuredLog {
     let perfect = Sensor::default();
     for (index, (channel, values)) in channels.iter_mut().enumerate() {
         let sensor = resolved.sensors().get(channel).unwrap_or(&perfect);
@@ -44,7 +54,7 @@ pub fn record(bench: &Bench, seed: u64) -> Result<MeasuredLog, IntegrationError>
         rng.set_stream(index as u64 + 1);
         sensor.read(values, &mut rng);
     }
-    Ok(MeasuredLog { source: "recorded".into(), time_s, channels })
+    MeasuredLog { source: "recorded".into(), time_s, channels }
 }
 
 fn transmission(bench: &TransmissionBench) -> Result<(Vec<f64>, Response), IntegrationError> {
@@ -56,10 +66,10 @@ fn transmission(bench: &TransmissionBench) -> Result<(Vec<f64>, Response), Integ
 }
 
 fn axis(rig: &FrictionRig) -> (Vec<f64>, Response) {
-    let drive =
-        Profile::Cycles { stroke: 2.0 * rig.axis.amplitude, period_s: rig.axis.period_s, cycles: 1.0 };
+    let cycles = f64::from(rig.axis.cycles);
+    let drive = Profile::Cycles { stroke: 2.0 * rig.axis.amplitude, period_s: rig.axis.period_s, cycles };
     let load = Profile::Ramp { level: rig.load.force_n, ramp_s: rig.load.ramp_s };
-    let count = (rig.axis.period_s * rig.logging.sample_rate_hz).round() as usize;
+    let count = (cycles * rig.axis.period_s * rig.logging.sample_rate_hz).round() as usize;
     let time_s: Vec<f64> = (0..count).map(|i| i as f64 / rig.logging.sample_rate_hz).collect();
     let (position, speed, effort) = rig.channels();
     let at = |read: &dyn Fn(f64) -> f64| time_s.iter().map(|&t| read(t)).collect::<Vec<f64>>();

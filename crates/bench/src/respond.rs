@@ -125,7 +125,13 @@ fn integrated(time_s: &[f64], rate: &[f64], half: f64) -> Profile {
 /// Simulates `bench` (effects applied, sensors' electronics included, noise not) under the inputs of a log.
 pub fn respond(bench: &Bench, inputs: &Inputs) -> Result<Response, RespondError> {
     let resolved = bench.resolved();
-    let mut response = match &resolved {
+    let truth = truth(&resolved, inputs)?;
+    Ok(sensed(&resolved, inputs, &truth))
+}
+
+/// The true outputs of a resolved bench under the inputs of a log: the costly half of [`respond`].
+pub fn truth(resolved: &Bench, inputs: &Inputs) -> Result<Response, RespondError> {
+    Ok(match resolved {
         Bench::Transmission(bench) => {
             let plant = Transmission::new(bench, inputs.drive.clone(), inputs.load.clone());
             let end = inputs.time_s.last().copied().unwrap_or_default();
@@ -133,13 +139,17 @@ pub fn respond(bench: &Bench, inputs: &Inputs) -> Result<Response, RespondError>
             outputs_of(&run.samples, &inputs.outputs)
         }
         Bench::FrictionRig(rig) => axis_outputs(rig, inputs),
-    };
+    })
+}
+
+/// What the sensors' electronics of a resolved bench make of true outputs: the cheap half of [`respond`].
+pub fn sensed(resolved: &Bench, inputs: &Inputs, truth: &Response) -> Response {
     let perfect = Sensor::default();
-    for (channel, values) in &mut response {
+    let sense = |(channel, values): (&Channel, &Vec<f64>)| {
         let sensor = resolved.sensors().get(channel).unwrap_or(&perfect);
-        *values = sensor.respond(&inputs.time_s, values);
-    }
-    Ok(response)
+        (*channel, sensor.respond(&inputs.time_s, values))
+    };
+    truth.iter().map(sense).collect()
 }
 
 /// The true outputs of a run on the channels asked for; channels that the bench does not have are left out.

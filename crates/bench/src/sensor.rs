@@ -51,7 +51,7 @@ impl Default for Sensor {
 impl Sensor {
     /// What the sensor's electronics make of a true signal, without noise and resolution.
     ///
-    /// The signal before the first sample is taken as the first sample. Delay interpolates linearly.
+    /// The signal before the first sample is taken as the first sample.
     pub fn respond(&self, time_s: &[f64], truth: &[f64]) -> Vec<f64> {
         let mut signal = truth.to_vec();
         if self.bandwidth_hz > 0.0 {
@@ -91,9 +91,23 @@ impl Sensor {
     }
 }
 
-/// Linear interpolation in ascending `time_s`; the end values hold outside.
+/// Interpolation in ascending `time_s` by the cubic through the two samples on either side, a straight line beside
+/// the ends; the end values hold outside.
+///
+/// A straight line everywhere would take `(w h)^2/8` off an oscillation: 2 % at 65 Hz and 1 kHz, more than the
+/// sensors' noise on the bearing force.
 pub fn interpolate(time_s: &[f64], values: &[f64], at_s: f64) -> f64 {
     let after = time_s.partition_point(|&t| t <= at_s);
+    if let Some(first) = after.checked_sub(2)
+        && let (Some([t0, t1, t2, t3]), Some([v0, v1, v2, v3])) =
+            (time_s.get(first..first + 4), values.get(first..first + 4))
+    {
+        let [a, b, c, d] = [at_s - t0, at_s - t1, at_s - t2, at_s - t3];
+        return v0 * b * c * d / ((t0 - t1) * (t0 - t2) * (t0 - t3))
+            + v1 * a * c * d / ((t1 - t0) * (t1 - t2) * (t1 - t3))
+            + v2 * a * b * d / ((t2 - t0) * (t2 - t1) * (t2 - t3))
+            + v3 * a * b * c / ((t3 - t0) * (t3 - t1) * (t3 - t2));
+    }
     match (
         after.checked_sub(1).and_then(|i| Some((*time_s.get(i)?, *values.get(i)?))),
         time_s.get(after),
@@ -117,6 +131,18 @@ mod tests {
         let out = sensor.respond(&time, &time);
         assert!((out[50] - (2.0 * (0.050 - 0.0025) + 1.0)).abs() < 1e-12);
         assert_eq!(out[0], 1.0);
+    }
+
+    #[test]
+    fn a_delay_between_samples_keeps_an_oscillation() {
+        let wave = |t: f64| (2.0 * core::f64::consts::PI * 50.0 * t).sin();
+        let time: Vec<f64> = (0..200).filter(|i| i % 37 != 5).map(|i| i as f64 * 1e-3).collect();
+        let truth: Vec<f64> = time.iter().map(|&t| wave(t)).collect();
+        let sensor = Sensor { delay_s: 0.0025, ..Sensor::default() };
+        let out = sensor.respond(&time, &truth);
+        for (t, value) in time.iter().zip(&out).filter(|(t, _)| (0.01..0.19).contains(*t)) {
+            assert!((value - wave(t - 0.0025)).abs() < 2e-3, "{value} at {t}");
+        }
     }
 
     #[test]
