@@ -1,0 +1,192 @@
+//! `host-sim run`: the bench with the networks or the law as the bearing force, the estimator beside it.
+
+use super::run_report;
+use crate::controller::{ControllerError, EmulatedController, NativeController};
+use crate::error::CliError;
+use crate::estimator::{self, Tracked};
+use crate::force::{self, ForceSource, ForcedRun};
+use crate::options::BenchOptions;
+use crate::sensing;
+use crate::summary::{AgainstLaw, EstimatorSummary, Summary};
+use bench::description::TransmissionBench;
+use bench::transmission::Transmission;
+use bench::{Bench, MeasuredLog, atomic};
+use clap::{Args, Parser, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Rate of the controller and of a run's samples.
+pub const CONTROLLER_RATE_HZ: f64 = 10_000.0;
+/// Communication steps that the loop with networks can take, s.
+const STEP_RANGE_S: (f64, f64) = (1e-7, 1e-3);
+
+/// Where the estimator runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ControllerChoice {
+    /// No estimator.
+    None,
+    /// The firmware's estimator in this process.
+    Native,
+    /// The firmware on the emulated controller, in lockstep; also natively, and the two are compared bit for bit.
+    Emulated,
+}
+
+/// Arguments of `host-sim run`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Examples:\n  host-sim run\n  host-sim run --force law --bearing plastic --clearance-mm 1 --load-kn -5\n  \
+    host-sim run --controller emulated --json")]
+pub struct RunArgs {
+    /// The bench.
+    #[command(flatten)]
+    pub bench: BenchOptions,
+    /// Source of the bearing force.
+    #[arg(long, value_enum, default_value = "quantised-net")]
+    pub force: ForceSource,
+    /// Where the estimator runs.
+    #[arg(long, value_enum, default_value = "native")]
+    pub controller: ControllerChoice,
+    /// Communication step of the networks in microseconds: their force is held that long.
+    #[arg(long, default_value_t = 5.0, value_name = "US")]
+    pub step_us: f64,
+    /// Seed of the sensors' noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Firmware for the emulated controller.
+    #[arg(long, value_name = "FILE")]
+    pub elf: Option<PathBuf>,
+    /// Folder for log.csv, run.json and report.html.
+    #[arg(long, default_value = "out/run", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Print the figures as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Parser)]
+struct Defaults {
+    #[command(flatten)]
+    args: RunArgs,
+}
+
+impl RunArgs {
+    /// The main job: every option at its default.
+    pub fn default_job() -> Self {
+        Defaults::parse_from(["host-sim"]).args
+    }
+}
+
+/// A finished run with what the report shows of it.
+pub struct Finished {
+    /// The bench as run.
+    pub bench: TransmissionBench,
+    /// Figures.
+    pub summary: Summary,
+    /// The run.
+    pub forced: ForcedRun,
+    /// The run with the analytic law, if the force came from networks.
+    pub law: Option<ForcedRun>,
+    /// What the estimator said.
+    pub tracked: Option<Tracked>,
+}
+
+/// Runs the command.
+pub fn run(args: &RunArgs) -> Result<(), CliError> {
+    let finished = execute(args)?;
+    let json = serde_json::to_string_pretty(&finished.summary).map_err(|e| CliError::Work(e.to_string()))?;
+    let log = log_of(&finished, args.seed);
+    let page = run_report::page(&finished).map_err(CliError::Work)?;
+    for (name, bytes) in [("log.csv", log.to_csv()), ("run.json", format!("{json}\n")), ("report.html", page.render())] {
+        let path = args.out.join(name);
+        atomic::write(&path, bytes.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
+    }
+    if args.json {
+        println!("{json}");
+    } else {
+        for row in run_report::rows(&finished.summary) {
+            println!("{:<44} {:>14}", row[0], row[1]);
+        }
+        println!("\nreport: {}", args.out.join("report.html").display());
+    }
+    Ok(())
+}
+
+/// Runs the bench and the estimator.
+pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
+    let Bench::Transmission(bench) = args.bench.open()? else {
+        return Err(CliError::Input(format!(
+            "{}: found plant `friction-rig`; expected `transmission-bench` (a rig's logs go to `record` and `diagnose`)",
+            args.bench.bench
+        )));
+    };
+    let step_s = args.step_us * 1e-6;
+    if !(STEP_RANGE_S.0..=STEP_RANGE_S.1).contains(&step_s) {
+        return Err(CliError::Input(format!("--step-us: found {}; expected 0.1 to 1000", args.step_us)));
+    }
+    let described = Bench::Transmission(bench.clone());
+    let Bench::Transmission(resolved) = described.resolved() else { return Err(CliError::Work("plant changed".into())) };
+    let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
+    let times = resolved.sample_times_s(CONTROLLER_RATE_HZ);
+    let end_s = resolved.duration_s();
+    let material = resolved.bearing.material;
+
+    let bar = progress(args.json);
+    let started = Instant::now();
+    bar.set_message(format!("bench with {}", args.force.name()));
+    let forced = force::run(&plant, material, args.force, (end_s, step_s), &times, || bar.inc(1))?;
+    let wall_s = started.elapsed().as_secs_f64();
+    let mut summary = Summary::of(&resolved, args.force.name(), &forced, CONTROLLER_RATE_HZ, wall_s);
+    let law = if args.force == ForceSource::Law {
+        None
+    } else {
+        let law = force::run(&plant, material, ForceSource::Law, (end_s, step_s), &times, || {})?;
+        summary.against_law = Some(AgainstLaw::of(&resolved, &forced.run.samples, &law.run.samples));
+        Some(law)
+    };
+    let tracked = if args.controller == ControllerChoice::None {
+        None
+    } else {
+        bar.set_message("estimator");
+        let frames = sensing::frames(&described, &forced.run.samples, args.seed);
+        let configuration = estimator::configuration(&plant, &resolved, CONTROLLER_RATE_HZ)?;
+        let native = estimator::track(Box::new(NativeController::start(configuration)?), &frames)?;
+        let (tracked, differences) = if args.controller == ControllerChoice::Emulated {
+            let elf = args.elf.clone().unwrap_or_else(EmulatedController::default_elf);
+            let emulated = estimator::track(Box::new(EmulatedController::start(configuration, &elf)?), &frames)?;
+            let differences = estimator::bit_differences(&native, &emulated);
+            (emulated, Some(differences))
+        } else {
+            (native, None)
+        };
+        summary.estimator = Some(EstimatorSummary::of(&resolved, &forced.run.samples, &tracked, differences));
+        Some(tracked)
+    };
+    bar.finish_and_clear();
+    Ok(Finished { bench: *resolved, summary, forced, law, tracked })
+}
+
+/// A bar that shows itself only when the work takes longer than a second, and never beside JSON.
+fn progress(hidden: bool) -> ProgressBar {
+    if hidden {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(100);
+    if let Ok(style) = ProgressStyle::with_template("{msg:28} {bar:40} {elapsed} eta {eta}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_secs(1));
+    bar
+}
+
+/// The run as a measured log: the bench's sensors at its logging rate.
+fn log_of(finished: &Finished, seed: u64) -> MeasuredLog {
+    let every = ((CONTROLLER_RATE_HZ / finished.bench.logging.sample_rate_hz).round() as usize).max(1);
+    let samples: Vec<_> = finished.forced.run.samples.iter().step_by(every).copied().collect();
+    bench::record::log_of(&Bench::Transmission(Box::new(finished.bench.clone())), &samples, seed)
+}
+
+impl From<ControllerError> for CliError {
+    fn from(error: ControllerError) -> Self {
+        Self::Work(error.to_string())
+    }
+}

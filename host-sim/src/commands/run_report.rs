@@ -1,0 +1,141 @@
+//! The report of a run: the figures as a table, the forces over the cycle, the journal's orbit.
+
+use super::run::Finished;
+use crate::figure::{Chart, Series, lines, map};
+use crate::page::Page;
+use crate::summary::Summary;
+use bench::transmission::Snapshot;
+
+const WIDE: (u32, u32) = (1040, 360);
+const SQUARE: (u32, u32) = (500, 500);
+
+/// The figures in words: name, value with unit.
+pub fn rows(summary: &Summary) -> Vec<[String; 2]> {
+    let row = |name: &str, value: String| [name.to_owned(), value];
+    let mut rows = vec![
+        row("bearing", format!("{}, {:.2} mm, {:+.1} kN", summary.bearing, summary.clearance_mm, summary.load_kn)),
+        row("bearing force from", summary.force.into()),
+        row("peak contact force", format!("{:.0} N", summary.peak_contact_force_n)),
+        row("peak force along Y", format!("{:.0} N", summary.peak_force_y_n)),
+        row("peak force along Z", format!("{:.0} N", summary.peak_force_z_n)),
+        row("peak friction torque", format!("{:.1} N m", summary.peak_friction_torque_nm)),
+        row("largest deformation", format!("{:.1} um", summary.max_deformation_m * 1e6)),
+        row("oscillation, rms", format!("{:.0} N", summary.oscillation_rms_n)),
+        row("periods in contact", summary.contacts.to_string()),
+        row("energy residual", format!("{:.1e}", summary.energy_residual_rel)),
+        row("outside the training range", format!("{:.2} %", 100.0 * summary.outside_training_share)),
+        row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
+    ];
+    if let Some(law) = &summary.against_law {
+        rows.push(row("peak contact force of the analytic law", format!("{:.0} N", law.peak_contact_force_n)));
+        rows.push(row("rms difference from the law, force", format!("{:.0} N", law.force_rms_difference_n)));
+        rows.push(row("rms difference from the law, journal", format!("{:.2} um", law.journal_rms_difference_m * 1e6)));
+    }
+    if let Some(e) = &summary.estimator {
+        rows.push(row("estimator", e.controller.into()));
+        rows.push(row("estimator, rms error of the force", format!("{:.0} N", e.force_rms_error_n)));
+        rows.push(row("estimator, rms error of full scale", format!("{:.2} %", 100.0 * e.force_rms_error_n / e.force_full_scale_n.max(1e-9))));
+        rows.push(row("estimator, outside the training range", format!("{:.2} %", 100.0 * e.outside_training_share)));
+        rows.push(row("estimator, suspect sensors or timing", format!("{:.2} %", 100.0 * e.suspect_share)));
+        rows.push(row("estimator, ticks", e.ticks.to_string()));
+        rows.push(row("estimator, deadline misses", e.deadline_misses.to_string()));
+        if let Some(most) = e.instructions_per_tick_max {
+            rows.push(row("estimator, most instructions a tick", most.to_string()));
+        }
+        rows.push(row("exchanges per second", format!("{:.0}", e.exchanges_per_s)));
+        if let Some(differences) = e.native_emulated_bit_differences {
+            rows.push(row("estimates that differ, native and emulated", differences.to_string()));
+        }
+    }
+    rows
+}
+
+/// The page. An error is a drawing failure, in words.
+pub fn page(finished: &Finished) -> Result<Page, String> {
+    let summary = &finished.summary;
+    let mut page = Page::new("Transmission bench: one run");
+    page.lead(&format!(
+        "{}, radial clearance {:.2} mm, load {:+.1} kN, bearing force from {}: peak contact force {:.0} N, \
+         oscillation {:.0} N rms.",
+        summary.bearing, summary.clearance_mm, summary.load_kn, summary.force, summary.peak_contact_force_n,
+        summary.oscillation_rms_n,
+    ));
+    page.note(
+        "Peaks and errors leave out the start: they count from the end of the load's ramp. Forces are those of the \
+         bearing on the journal, normal and friction together.",
+    );
+    let table: Vec<Vec<String>> = rows(summary).into_iter().map(Vec::from).collect();
+    page.section("Figures").table(&["quantity", "value"], &table);
+    page.section("Forces over the cycle");
+    let samples = &finished.forced.run.samples;
+    let over_time = |name: &str, samples: &[Snapshot], read: fn(&Snapshot) -> f64| {
+        Series::new(name, samples.iter().map(|s| s.time_s), samples.iter().map(read))
+    };
+    let law = finished.law.as_ref().map(|l| l.run.samples.as_slice());
+    let mut contact = vec![over_time(summary.force, samples, |s| s.forces.normal_n)];
+    if let Some(law) = law {
+        contact.push(over_time("analytic law", law, |s| s.forces.normal_n));
+    }
+    page.figure(
+        &lines(&Chart { title: "Contact force", x: "time, s", y: "N", size: WIDE }, &contact)?,
+        "Normal force of the contact.",
+    );
+    if let Some(tracked) = &finished.tracked {
+        let estimate = Series::new(
+            "estimator",
+            tracked.estimates.iter().map(|e| f64::from(e.time_us) * 1e-6),
+            tracked.estimates.iter().map(|e| f64::from(e.normal_force_n)),
+        );
+        let truth = over_time("bench", samples, |s| s.forces.normal_n);
+        page.figure(
+            &lines(&Chart { title: "Estimated contact force", x: "time, s", y: "N", size: WIDE }, &[estimate, truth])?,
+            "What the controller made of noisy position and angle sensors at 10 kHz.",
+        );
+    }
+    let components = [over_time("Y", samples, |s| s.force_y_n), over_time("Z", samples, |s| s.force_z_n)];
+    page.figure(
+        &lines(&Chart { title: "Force on the journal", x: "time, s", y: "N", size: WIDE }, &components)?,
+        "Components along Y (transverse, towards the drive) and Z (upwards).",
+    );
+    let mut torque = vec![over_time(summary.force, samples, |s| s.friction_torque_nm)];
+    if let Some(law) = law {
+        torque.push(over_time("analytic law", law, |s| s.friction_torque_nm));
+    }
+    page.figure(
+        &lines(&Chart { title: "Friction torque", x: "time, s", y: "N m", size: WIDE }, &torque)?,
+        "Torque of the bearing on the shaft, negative while it turns forward.",
+    );
+    page.section("The journal in its clearance");
+    let clearance_um = finished.bench.bearing.radial_clearance_m * 1e6;
+    let circle = Series {
+        name: "clearance circle".into(),
+        points: (0..=180)
+            .map(|i| f64::from(i) * core::f64::consts::TAU / 180.0)
+            .map(|a| (clearance_um * a.cos(), clearance_um * a.sin()))
+            .collect(),
+    };
+    let orbit = |name: &str, samples: &[Snapshot]| {
+        let thinned = samples.iter().step_by((samples.len() / 2000).max(1));
+        Series { name: name.into(), points: thinned.map(|s| (s.y_m * 1e6, s.z_m * 1e6)).collect() }
+    };
+    let deformation = over_time("deformation", samples, |s| s.contact.deformation_m * 1e6);
+    page.figures(&[
+        (
+            map(
+                &Chart { title: "Orbit", x: "y, um", y: "z, um", size: SQUARE },
+                &[orbit("journal centre", samples), circle],
+            )?,
+            "Journal centre from the bearing's centre; outside the circle it deforms the bearing.",
+        ),
+        (
+            lines(&Chart { title: "Deformation", x: "time, s", y: "um", size: SQUARE }, &[deformation])?,
+            "Negative is a gap.",
+        ),
+    ]);
+    page.section("What this does not model");
+    page.text(
+        "Planar: no tilt of the shaft, no edge loading. Dry: no lubrication. The levers are rigid and the load \
+         cylinder has no friction of its own. Not a safety function.",
+    );
+    Ok(page)
+}

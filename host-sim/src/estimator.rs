@@ -1,0 +1,94 @@
+//! The estimator following a run: frames out, estimates back, and what they are worth.
+
+use crate::controller::{Controller, ControllerError};
+use crate::error::CliError;
+use crate::force::bearing_of;
+use crate::summary::{EstimatorSummary, after_start, peak, rms};
+use bench::description::TransmissionBench;
+use bench::transmission::{Snapshot, Transmission};
+use firmware::flags::SENSOR_FAULT;
+use inference::Flags;
+use link::{Configuration, Counters, EstimateFrame, SensorFrame};
+use std::time::Instant;
+
+/// Timer ticks of an instruction on the emulated controller: 64 ns an instruction at 168 MHz.
+const TICKS_PER_INSTRUCTION: f64 = 10.752;
+
+/// What a controller made of a run's frames.
+#[derive(Clone, Debug)]
+pub struct Tracked {
+    /// Where it ran.
+    pub controller: &'static str,
+    /// One estimate a frame.
+    pub estimates: Vec<EstimateFrame>,
+    /// The controller's counters at the end.
+    pub counters: Counters,
+    /// Wall time of the exchanges in s.
+    pub wall_s: f64,
+}
+
+/// The configuration of the controller for a bench: nominal values, as a user would set them.
+pub fn configuration(plant: &Transmission, bench: &TransmissionBench, rate_hz: f64) -> Result<Configuration, CliError> {
+    let counts = |field: &str, value: f64, unit: f64| {
+        let count = (value / unit).round();
+        if (1.0..=f64::from(u32::MAX)).contains(&count) {
+            Ok(count as u32)
+        } else {
+            Err(CliError::Input(format!("{field}: found {value}; expected 1 to {} units of {unit}", u32::MAX)))
+        }
+    };
+    Ok(Configuration {
+        bearing: bearing_of(bench.bearing.material).code(),
+        radial_clearance_nm: counts("bearing.radial_clearance_m", plant.radial_clearance_m(), 1e-9)?,
+        journal_radius_nm: counts("journal radius", plant.journal_radius_m(), 1e-9)?,
+        sample_period_us: counts("sample period", 1.0 / rate_hz, 1e-6)?,
+        latch_floor_um_s: counts("contact.latch_floor_m_s", bench.contact.latch_floor_m_s, 1e-6)?,
+    })
+}
+
+/// Exchanges every frame in lockstep.
+pub fn track(mut controller: Box<dyn Controller>, frames: &[SensorFrame]) -> Result<Tracked, ControllerError> {
+    let name = controller.name();
+    let started = Instant::now();
+    let estimates = frames.iter().map(|frame| controller.exchange(frame)).collect::<Result<_, _>>()?;
+    let wall_s = started.elapsed().as_secs_f64();
+    Ok(Tracked { controller: name, estimates, counters: controller.finish()?, wall_s })
+}
+
+/// Estimates that differ in any bit of any field but the tick count.
+pub fn bit_differences(a: &Tracked, b: &Tracked) -> u64 {
+    let pairs = a.estimates.iter().zip(&b.estimates).filter(|(a, b)| !a.same_bits(b)).count();
+    (pairs + a.estimates.len().abs_diff(b.estimates.len())) as u64
+}
+
+impl EstimatorSummary {
+    /// Holds the estimates against the true forces at the same samples.
+    pub fn of(bench: &TransmissionBench, truth: &[Snapshot], tracked: &Tracked, differences: Option<u64>) -> Self {
+        let counted = after_start(bench, truth);
+        let skipped = truth.len() - counted.len();
+        let errors = tracked
+            .estimates
+            .iter()
+            .skip(skipped)
+            .zip(counted)
+            .map(|(e, s)| f64::from(e.normal_force_n) - s.forces.normal_n);
+        let share = |flags: Flags| {
+            let hits = tracked.estimates.iter().filter(|e| Flags::from_bits(e.flags).intersects(flags)).count();
+            hits as f64 / tracked.estimates.len().max(1) as f64
+        };
+        let most_ticks = tracked.estimates.iter().map(|e| e.instruction_ticks).max().unwrap_or_default();
+        Self {
+            controller: tracked.controller,
+            force_rms_error_n: rms(errors),
+            force_full_scale_n: peak(counted, |s| s.forces.normal_n),
+            ticks: tracked.estimates.len() as u64,
+            deadline_misses: u64::from(tracked.counters.deadline_overruns),
+            instructions_per_tick_max: (most_ticks > 0)
+                .then(|| (f64::from(most_ticks) / TICKS_PER_INSTRUCTION).round() as u64),
+            exchanges_per_s: tracked.estimates.len() as f64 / tracked.wall_s.max(1e-9),
+            native_emulated_bit_differences: differences,
+            outside_training_share: share(Flags::OUTSIDE_TRAINING),
+            suspect_share: share(SENSOR_FAULT),
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Where a run's bearing force comes from: the analytic law, the float networks, or the quantised ones.
+
+use crate::error::CliError;
+use bench::BearingMaterial;
+use bench::run::{Run, run_with_held_force, run_with_law};
+use bench::transmission::{BearingForces, ContactView, Transmission};
+use clap::ValueEnum;
+use inference::{Bearing, ContactState, Estimate, Flags, Model, Pair, shipped};
+use model_quant::float_pair::FloatPair;
+
+/// Source of the bearing force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ForceSource {
+    /// The description's analytic laws, error-controlled.
+    Law,
+    /// The trained networks in floating point, held over the communication step.
+    FloatNet,
+    /// The quantised networks, the controller's own code, held over the communication step.
+    QuantisedNet,
+}
+
+impl ForceSource {
+    /// The name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Law => "law",
+            Self::FloatNet => "float-net",
+            Self::QuantisedNet => "quantised-net",
+        }
+    }
+}
+
+/// A run with what its force source said about itself.
+#[derive(Clone, Debug)]
+pub struct ForcedRun {
+    /// The run.
+    pub run: Run,
+    /// Share of the samples in contact on which the networks left their training range.
+    pub outside_training_share: f64,
+}
+
+/// The trained bearing of a material.
+pub const fn bearing_of(material: BearingMaterial) -> Bearing {
+    match material {
+        BearingMaterial::Babbitt => Bearing::Babbitt,
+        BearingMaterial::Plastic => Bearing::Plastic,
+    }
+}
+
+/// What the networks see of a contact.
+pub fn contact_state(view: &ContactView) -> ContactState {
+    ContactState {
+        radial_clearance_m: view.radial_clearance_m as f32,
+        deformation_m: view.deformation_m as f32,
+        deformation_rate_m_s: view.rate_m_s as f32,
+        approach_speed_m_s: view.latched_m_s as f32,
+        sliding_speed_m_s: view.sliding_speed_m_s as f32,
+    }
+}
+
+/// Runs the plant with a force source. `end_s` and `samples_s` as in `bench::run`; `step_s` is the communication step
+/// of the networks; `tick` is called a hundred times on the way.
+pub fn run(
+    plant: &Transmission,
+    material: BearingMaterial,
+    source: ForceSource,
+    (end_s, step_s): (f64, f64),
+    samples_s: &[f64],
+    mut tick: impl FnMut(),
+) -> Result<ForcedRun, CliError> {
+    let bearing = bearing_of(material);
+    let every = ((end_s / step_s / 100.0) as usize).max(1);
+    let (mut steps, mut contacts, mut outside) = (0_usize, 0_usize, 0_usize);
+    let mut held = |view: &ContactView, estimate: Estimate| {
+        steps += 1;
+        if steps.is_multiple_of(every) {
+            tick();
+        }
+        if view.deformation_m > 0.0 {
+            contacts += 1;
+            outside += usize::from(estimate.flags.intersects(Flags::OUTSIDE_TRAINING));
+        }
+        BearingForces { normal_n: f64::from(estimate.normal_force_n), friction_n: f64::from(estimate.friction_force_n) }
+    };
+    let run = match source {
+        ForceSource::Law => run_with_law(plant, end_s, samples_s, bench::run::DEFAULT_TOLERANCE)?,
+        ForceSource::FloatNet => {
+            let mut pair = FloatPair::new(bearing).map_err(|e| CliError::Work(format!("shipped checkpoint: {e}")))?;
+            run_with_held_force(plant, end_s, samples_s, step_s, |view| held(view, pair.step(&contact_state(view))))?
+        }
+        ForceSource::QuantisedNet => {
+            let model = Model::load(shipped(bearing)).map_err(|e| CliError::Work(format!("shipped image: {e}")))?;
+            let mut pair = Pair::new(model);
+            run_with_held_force(plant, end_s, samples_s, step_s, |view| held(view, pair.step(&contact_state(view))))?
+        }
+    };
+    Ok(ForcedRun { run, outside_training_share: if contacts > 0 { outside as f64 / contacts as f64 } else { 0.0 } })
+}

@@ -1,0 +1,49 @@
+//! `host-sim`: runs, records, diagnoses and validates the test bench.
+
+use clap::{Parser, Subcommand};
+use host_sim::commands::{diagnose, record, run, validate};
+use std::process::ExitCode;
+
+/// Simulates a rudder drive's test bench with the controller's own inference code in the loop, and finds what the
+/// simulation gets wrong in measured logs.
+///
+/// Without a command it does the main job: one cycle of bench B (Babbitt, 0.5 mm, +10 kN) with the quantised networks
+/// as the bearing force and the estimator following it, a summary, a log and a report in `out/run`.
+#[derive(Parser)]
+#[command(version, after_help = "Examples:\n  host-sim\n  host-sim run --bearing plastic --clearance-mm 1 --out out/plastic\n  \
+    host-sim record --cycles 5 --seed 7 --out log.csv\n  host-sim diagnose log.csv --out out/diagnosis\n\n\
+    Exit codes: 0 done, 1 the work failed, 2 the input is wrong.")]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run the bench with the networks or the law, and the estimator beside it.
+    Run(run::RunArgs),
+    /// Write a log of the bench as its sensors would take it.
+    Record(record::RecordArgs),
+    /// Say what a simulation gets wrong in measured logs, name the cause, measure the gain.
+    Diagnose(diagnose::DiagnoseArgs),
+    /// Compare the models with published known answers.
+    Validate(validate::ValidateArgs),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command {
+        None => run::run(&run::RunArgs::default_job()),
+        Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Record(args)) => record::run(&args),
+        Some(Command::Diagnose(args)) => diagnose::run(&args),
+        Some(Command::Validate(args)) => validate::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

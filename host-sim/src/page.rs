@@ -1,0 +1,110 @@
+//! A self-contained HTML page: text, tables and inline pictures, nothing fetched from elsewhere.
+
+/// A page under construction. Text is escaped; figures are SVG and go in as they are.
+#[derive(Clone, Debug)]
+pub struct Page {
+    title: String,
+    body: String,
+}
+
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;padding:0 1rem;color:#1c2733}\
+h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid #d5dce3}\
+p.lead{font-size:1.1rem}p.note{color:#56636f;font-size:.92rem}\
+table{border-collapse:collapse;margin:.8rem 0}th,td{padding:.25rem .8rem;border-bottom:1px solid #e3e8ec;text-align:left}\
+td.n{text-align:right;font-variant-numeric:tabular-nums}th{background:#f2f5f7}\
+figure{margin:1rem 0}figcaption{color:#56636f;font-size:.9rem}svg{max-width:100%;height:auto}\
+.pair{display:flex;flex-wrap:wrap;gap:1rem}";
+
+impl Page {
+    /// An empty page.
+    pub fn new(title: &str) -> Self {
+        Self { title: title.into(), body: format!("<h1>{}</h1>\n", escape(title)) }
+    }
+
+    /// The sentence that people read first.
+    pub fn lead(&mut self, text: &str) -> &mut Self {
+        self.push(&format!("<p class=\"lead\">{}</p>\n", escape(text)))
+    }
+
+    /// A heading.
+    pub fn section(&mut self, title: &str) -> &mut Self {
+        self.push(&format!("<h2>{}</h2>\n", escape(title)))
+    }
+
+    /// A paragraph.
+    pub fn text(&mut self, text: &str) -> &mut Self {
+        self.push(&format!("<p>{}</p>\n", escape(text)))
+    }
+
+    /// A remark in small print.
+    pub fn note(&mut self, text: &str) -> &mut Self {
+        self.push(&format!("<p class=\"note\">{}</p>\n", escape(text)))
+    }
+
+    /// A table; cells that begin with a digit or a sign are set as numbers.
+    pub fn table<S: AsRef<str>>(&mut self, header: &[&str], rows: &[Vec<S>]) -> &mut Self {
+        let mut out = String::from("<table><tr>");
+        for cell in header {
+            out.push_str(&format!("<th>{}</th>", escape(cell)));
+        }
+        out.push_str("</tr>\n");
+        for row in rows {
+            out.push_str("<tr>");
+            for cell in row {
+                let text = cell.as_ref();
+                let number = text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+');
+                out.push_str(&format!("<td{}>{}</td>", if number { " class=\"n\"" } else { "" }, escape(text)));
+            }
+            out.push_str("</tr>\n");
+        }
+        out.push_str("</table>\n");
+        self.push(&out)
+    }
+
+    /// A picture with a caption.
+    pub fn figure(&mut self, svg: &str, caption: &str) -> &mut Self {
+        self.push(&format!("<figure>{svg}<figcaption>{}</figcaption></figure>\n", escape(caption)))
+    }
+
+    /// Pictures side by side where the window is wide enough.
+    pub fn figures(&mut self, pictures: &[(String, &str)]) -> &mut Self {
+        self.push("<div class=\"pair\">\n");
+        for (svg, caption) in pictures {
+            self.figure(svg, caption);
+        }
+        self.push("</div>\n")
+    }
+
+    /// The page as HTML.
+    pub fn render(&self) -> String {
+        format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
+             content=\"width=device-width\"><title>{}</title>\n<style>{STYLE}</style></head>\n<body>\n{}</body></html>\n",
+            escape(&self.title),
+            self.body
+        )
+    }
+
+    fn push(&mut self, html: &str) -> &mut Self {
+        self.body.push_str(html);
+        self
+    }
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_escaped_and_nothing_is_fetched() {
+        let mut page = Page::new("a < b");
+        page.lead("x & y").table(&["k"], &[vec!["<script>"]]).figure("<svg></svg>", "c");
+        let html = page.render();
+        assert!(html.contains("a &lt; b") && html.contains("x &amp; y") && html.contains("&lt;script&gt;"));
+        assert!(!html.contains("http"), "a page must not reach outside");
+    }
+}

@@ -1,0 +1,205 @@
+//! The figures of a run, with the stable names of the machine-readable output.
+
+use crate::force::ForcedRun;
+use bench::description::TransmissionBench;
+use bench::transmission::Snapshot;
+use serde::Serialize;
+
+/// Window of the moving mean that the oscillation is measured against.
+const OSCILLATION_MEAN_S: f64 = 0.020;
+/// Where the oscillation is measured, in periods before and after the first sign change of the angular acceleration.
+const OSCILLATION_WINDOW: (f64, f64) = (0.02, 0.13);
+
+/// What a run came to. Peaks leave out the start: they count from the end of the load's ramp.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Bearing material.
+    pub bearing: &'static str,
+    /// Radial clearance.
+    pub clearance_mm: f64,
+    /// Load.
+    pub load_kn: f64,
+    /// Source of the bearing force.
+    pub force: &'static str,
+    /// Largest normal force.
+    pub peak_contact_force_n: f64,
+    /// Largest force along Y by magnitude.
+    pub peak_force_y_n: f64,
+    /// Largest force along Z by magnitude.
+    pub peak_force_z_n: f64,
+    /// Largest friction torque by magnitude.
+    pub peak_friction_torque_nm: f64,
+    /// Largest deformation.
+    pub max_deformation_m: f64,
+    /// Contact force less its 20 ms moving mean around the first sign change of the angular acceleration.
+    pub oscillation_rms_n: f64,
+    /// Periods in contact.
+    pub contacts: usize,
+    /// Energy residual relative to the drive's absolute work.
+    pub energy_residual_rel: f64,
+    /// Wall time of the bench alone.
+    pub wall_s_per_simulated_s: f64,
+    /// Share of the contact samples outside the networks' training range.
+    pub outside_training_share: f64,
+    /// The estimator, where one ran.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimator: Option<EstimatorSummary>,
+    /// The same run with the analytic law, where the force came from networks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against_law: Option<AgainstLaw>,
+}
+
+/// How the estimator did.
+#[derive(Clone, Debug, Serialize)]
+pub struct EstimatorSummary {
+    /// Where it ran: `native` or `emulated`.
+    pub controller: &'static str,
+    /// Rms of the estimated less the true normal force, after the start.
+    pub force_rms_error_n: f64,
+    /// The largest true normal force after the start: what the error is to be held against.
+    pub force_full_scale_n: f64,
+    /// Sensor frames.
+    pub ticks: u64,
+    /// Ticks that took longer than the sample period.
+    pub deadline_misses: u64,
+    /// Most instructions of a tick, where the controller counts them.
+    pub instructions_per_tick_max: Option<u64>,
+    /// Frames there and back a second.
+    pub exchanges_per_s: f64,
+    /// Fields that differ in any bit between the native and the emulated controller; null unless both ran.
+    pub native_emulated_bit_differences: Option<u64>,
+    /// Share of the ticks that carry a flag of the training range.
+    pub outside_training_share: f64,
+    /// Share of the ticks that carry a sensor or timing flag.
+    pub suspect_share: f64,
+}
+
+/// Distance of a run with networks from the run with the analytic law.
+#[derive(Clone, Debug, Serialize)]
+pub struct AgainstLaw {
+    /// Peak normal force of the law.
+    pub peak_contact_force_n: f64,
+    /// Rms difference of the normal force, after the start.
+    pub force_rms_difference_n: f64,
+    /// Rms difference of the journal's position, after the start.
+    pub journal_rms_difference_m: f64,
+}
+
+/// The samples from the end of the load's ramp on.
+pub fn after_start<'a>(bench: &TransmissionBench, samples: &'a [Snapshot]) -> &'a [Snapshot] {
+    let start = samples.partition_point(|s| s.time_s < bench.load.ramp_s);
+    samples.get(start..).unwrap_or_default()
+}
+
+/// Largest magnitude of a reading.
+pub fn peak(samples: &[Snapshot], read: impl Fn(&Snapshot) -> f64) -> f64 {
+    samples.iter().map(|s| read(s).abs()).fold(0.0, f64::max)
+}
+
+/// Root mean square.
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0_usize), |(s, n), v| (s + v * v, n + 1));
+    if count > 0 { (sum / count as f64).sqrt() } else { 0.0 }
+}
+
+impl Summary {
+    /// Sums up a run whose samples lie `rate_hz` apart.
+    pub fn of(bench: &TransmissionBench, force: &'static str, forced: &ForcedRun, rate_hz: f64, wall_s: f64) -> Self {
+        let samples = after_start(bench, &forced.run.samples);
+        // Between samples the integrator knows better.
+        let located = forced
+            .run
+            .impacts
+            .iter()
+            .filter(|i| i.peak_s >= bench.load.ramp_s)
+            .map(|i| i.peak_force_n)
+            .fold(0.0, f64::max);
+        Self {
+            bearing: bench.bearing.material.name(),
+            clearance_mm: bench.bearing.radial_clearance_m * 1e3,
+            load_kn: bench.load.force_n * 1e-3,
+            force,
+            peak_contact_force_n: peak(samples, |s| s.forces.normal_n).max(located),
+            peak_force_y_n: peak(samples, |s| s.force_y_n),
+            peak_force_z_n: peak(samples, |s| s.force_z_n),
+            peak_friction_torque_nm: peak(samples, |s| s.friction_torque_nm),
+            max_deformation_m: samples.iter().map(|s| s.contact.deformation_m).fold(0.0, f64::max),
+            oscillation_rms_n: oscillation_rms_n(bench, &forced.run.samples, rate_hz),
+            contacts: forced.run.impacts.len(),
+            energy_residual_rel: forced.run.energy_residual_rel,
+            wall_s_per_simulated_s: wall_s / bench.duration_s(),
+            outside_training_share: forced.outside_training_share,
+            estimator: None,
+            against_law: None,
+        }
+    }
+}
+
+impl AgainstLaw {
+    /// Compares two runs sampled at the same times.
+    pub fn of(bench: &TransmissionBench, run: &[Snapshot], law: &[Snapshot]) -> Self {
+        let (run, law) = (after_start(bench, run), after_start(bench, law));
+        Self {
+            peak_contact_force_n: peak(law, |s| s.forces.normal_n),
+            force_rms_difference_n: rms(run.iter().zip(law).map(|(a, b)| a.forces.normal_n - b.forces.normal_n)),
+            journal_rms_difference_m: rms(run.iter().zip(law).map(|(a, b)| (a.y_m - b.y_m).hypot(a.z_m - b.z_m))),
+        }
+    }
+}
+
+/// Time of the first sign change of the crank's angular acceleration, with the journal centred.
+pub fn first_acceleration_reversal_s(bench: &TransmissionBench) -> Option<f64> {
+    let drive = bench.drive_profile();
+    let lever = bench.geometry.drive_lever_radius_m;
+    let acceleration = |t: f64| {
+        let motion = drive.at(t);
+        let sin = motion.value / lever;
+        let cos = (1.0 - sin * sin).sqrt();
+        let speed = motion.rate / (lever * cos);
+        (motion.acceleration + lever * sin * speed * speed) / (lever * cos)
+    };
+    let step = bench.drive.period_s * 1e-4;
+    (1..10_000).map(|i| i as f64 * step).find(|&t| acceleration(t) * acceleration(t - step) < 0.0)
+}
+
+fn oscillation_rms_n(bench: &TransmissionBench, samples: &[Snapshot], rate_hz: f64) -> f64 {
+    let Some(reversal) = first_acceleration_reversal_s(bench) else { return 0.0 };
+    let period = bench.drive.period_s;
+    let (from, to) = (reversal - OSCILLATION_WINDOW.0 * period, reversal + OSCILLATION_WINDOW.1 * period);
+    let half = (0.5 * OSCILLATION_MEAN_S * rate_hz).round() as usize;
+    let low = samples.partition_point(|s| s.time_s < from);
+    let high = samples.partition_point(|s| s.time_s <= to);
+    rms((low..high).filter_map(|i| {
+        let window = samples.get(i.checked_sub(half)?..=i + half)?;
+        let mean = window.iter().map(|s| s.forces.normal_n).sum::<f64>() / window.len() as f64;
+        Some(samples.get(i)?.forces.normal_n - mean)
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::{ForceSource, run};
+    use bench::transmission::Transmission;
+    use bench::{Bench, BearingMaterial};
+
+    #[test]
+    fn the_reversal_and_the_oscillation_match_the_published_table() {
+        for (material, rows) in [
+            (BearingMaterial::Babbitt, [(0.1, 94.0), (0.25, 743.0), (0.5, 1034.0), (1.0, 1152.0)]),
+            (BearingMaterial::Plastic, [(0.1, 189.0), (0.25, 378.0), (0.5, 523.0), (1.0, 526.0)]),
+        ] {
+            for (clearance_mm, expected) in rows {
+                let Bench::Transmission(mut bench) = Bench::open("bench-b").unwrap() else { panic!("bench-b") };
+                bench.set_material(material);
+                bench.set_radial_clearance(clearance_mm * 1e-3);
+                assert!((first_acceleration_reversal_s(&bench).unwrap() - 0.266).abs() < 5e-4);
+                let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
+                let times = bench.sample_times_s(10_000.0);
+                let forced = run(&plant, material, ForceSource::Law, (1.0, 1e-5), &times, || {}).unwrap();
+                let found = Summary::of(&bench, "law", &forced, 10_000.0, 0.0).oscillation_rms_n;
+                assert!((found / expected - 1.0).abs() < 0.02, "{material:?} {clearance_mm} mm: {found} for {expected}");
+            }
+        }
+    }
+}
