@@ -57,9 +57,10 @@ impl<const TAPS: usize> Default for Stream<TAPS> {
 }
 
 impl<const TAPS: usize> Stream<TAPS> {
-    /// Takes one column of inputs (`TAPS / 3` of them) and gives the head's accumulator and the clipped activations.
+    /// Takes one column of `C` = `TAPS / 3` inputs and gives the head's accumulator and the clipped activations.
     #[inline]
-    pub fn step(&mut self, network: &Network<'_, TAPS>, column: &[i16]) -> (i32, u16) {
+    pub fn step<const C: usize>(&mut self, network: &Network<'_, TAPS>, column: &[i16; C]) -> (i32, u16) {
+        const { assert!(TAPS == KERNEL * C) };
         let mut outputs = [0; CHANNELS];
         push(&mut self.inputs, column);
         let mut clipped = network.first.apply(&self.inputs, &mut outputs);
@@ -67,18 +68,21 @@ impl<const TAPS: usize> Stream<TAPS> {
         clipped = clipped.wrapping_add(network.second.apply(&self.first, &mut outputs));
         push(&mut self.second, &outputs);
         clipped = clipped.wrapping_add(network.third.apply(&self.second, &mut outputs));
-        push(self.third.as_flattened_mut(), &outputs);
+        let [older, newest] = &mut self.third;
+        *older = *newest;
+        *newest = outputs;
         (network.head.apply(&self.third), clipped)
     }
 }
 
-/// Drops the oldest column and appends the newest.
+/// Drops the oldest of three columns and appends the newest.
 #[inline]
-fn push(columns: &mut [i16], newest: &[i16]) {
-    columns.rotate_left(newest.len().min(columns.len()));
-    for (slot, &value) in columns.iter_mut().rev().zip(newest.iter().rev()) {
-        *slot = value;
+fn push<const C: usize, const TAPS: usize>(columns: &mut [i16; TAPS], newest: &[i16; C]) {
+    if let ([oldest, middle, last], []) = columns.as_chunks_mut::<C>() {
+        *oldest = *middle;
+        *middle = *last;
+        *last = *newest;
     }
 }
 
-const _: () = assert!(HIDDEN_TAPS == KERNEL * CHANNELS);
+const _: () = assert!(HIDDEN_TAPS == KERNEL * CHANNELS && KERNEL == 3 && HEAD_COLUMNS == 2);
