@@ -4,7 +4,9 @@
 //! [`checkpoint`] keeps it, [`quantise`] turns it into the image that [`inference`] runs. Every draw comes from a
 //! seed, every result is the same bytes on any number of threads and on any machine with IEEE 754 arithmetic.
 
+pub mod card;
 pub mod checkpoint;
+pub mod csv;
 pub mod draw;
 pub mod float_pair;
 pub mod law;
@@ -16,4 +18,6 @@ pub mod recipe;
 pub mod round;
 pub mod rows;
 pub mod train;
+pub mod verify;
 pub mod window;
+pub mod write;

@@ -101,3 +101,43 @@ fn state(header: &Header, kind: RangeKind, draw: &mut Draw) -> ContactState {
         sliding_speed_m_s: header.sliding_speed_m_s.clamp(sliding as f32),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_stay_in_their_ranges_and_reach_their_ends() {
+        for bearing in Bearing::ALL {
+            for kind in [RangeKind::Paper, RangeKind::Bench] {
+                let header = header(bearing, kind);
+                let set = rows(bearing, kind, 3, Purpose::TestRows, 4000);
+                let mut extreme = 0;
+                for row in &set {
+                    assert!(header.radial_clearance_m.contains(row.state.radial_clearance_m));
+                    assert!(header.deformation_m.contains(row.state.deformation_m));
+                    assert!(header.sliding_speed_m_s.contains(row.state.sliding_speed_m_s));
+                    assert!(row.normal_force_n <= f64::from(header.normal_force_n.high), "{row:?}");
+                    let ratio = header.rate_ratio_of(&row.state);
+                    assert!(ratio.abs() < 1.000_001 * header.rate_ratio.high, "{ratio}");
+                    extreme += usize::from(ratio.abs() > 0.95 * header.rate_ratio.high);
+                    assert!(row.friction_force_n * f64::from(row.state.sliding_speed_m_s) <= 0.0);
+                }
+                assert!(extreme > 0, "the ratio comes near its limit");
+                let deepest = set.iter().map(|row| row.state.deformation_m).fold(0.0, f32::max);
+                assert!(deepest > 0.9 * header.deformation_m.high, "{deepest}");
+            }
+        }
+    }
+
+    #[test]
+    fn paper_rows_have_the_means_of_their_distributions() {
+        let set = rows(Bearing::Babbitt, RangeKind::Paper, 4, Purpose::TestRows, 20_000);
+        let mean = |pick: fn(&Row) -> f32| set.iter().map(|row| f64::from(pick(row))).sum::<f64>() / 20_000.0;
+        // Uniform up to 1.5 mm; truncated exponential: high (1/5 - 1/(e^5 - 1)).
+        let share = 0.2 - 1.0 / (5.0_f64.exp() - 1.0);
+        assert!((mean(|row| row.state.radial_clearance_m) / 0.75e-3 - 1.0).abs() < 0.02);
+        assert!((mean(|row| row.state.deformation_m) / (1e-4 * share) - 1.0).abs() < 0.03);
+        assert!((mean(|row| row.state.approach_speed_m_s) / share - 1.0).abs() < 0.03);
+    }
+}

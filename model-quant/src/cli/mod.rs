@@ -1,0 +1,103 @@
+//! The commands and what they share.
+
+mod dataset;
+mod quantize;
+mod train;
+mod verify;
+
+use clap::{Parser, Subcommand};
+use inference::{Bearing, ImageError};
+use model_quant::checkpoint::{Checkpoint, CheckpointError, bearing_named};
+use model_quant::float_pair::{LoadError, read_checkpoint, shipped};
+use model_quant::quantise::QuantiseError;
+use model_quant::write::WriteError;
+use std::path::{Path, PathBuf};
+
+/// Data sets, training, quantisation and verification of the contact networks.
+#[derive(Debug, Parser)]
+#[command(version, about)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    /// Worker threads; 0 takes one per core. The result does not depend on it.
+    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
+    threads: usize,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Dataset(dataset::Arguments),
+    Train(train::Arguments),
+    Quantize(quantize::Arguments),
+    Verify(verify::Arguments),
+}
+
+/// Why a command ended without its result.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CliError {
+    #[error("{0}")]
+    Load(#[from] LoadError),
+    #[error("shipped {0}")]
+    Shipped(#[from] CheckpointError),
+    #[error("{}: {source}", path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    #[error("{}: {source}", path.display())]
+    Image { path: PathBuf, source: ImageError },
+    #[error("{0}: found {1}, expected {2}")]
+    Argument(&'static str, String, &'static str),
+    #[error("{0}")]
+    Quantise(#[from] QuantiseError),
+    #[error("{0}")]
+    Write(#[from] WriteError),
+    #[error("output: {0}")]
+    Json(#[from] serde_json::Error),
+    #[error("worker threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    #[error("{0}")]
+    Differs(String),
+}
+
+impl CliError {
+    /// 2 for wrong input, 1 for failed work.
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
+            Self::Load(_) | Self::Read { .. } | Self::Image { .. } | Self::Argument(..) => 2,
+            _ => 1,
+        }
+    }
+}
+
+/// Runs a command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
+    match &arguments.command {
+        Command::Dataset(arguments) => dataset::run(arguments),
+        Command::Train(arguments) => train::run(arguments),
+        Command::Quantize(arguments) => quantize::run(arguments),
+        Command::Verify(arguments) => verify::run(arguments),
+    }
+}
+
+/// Reads a bearing's name.
+fn parse_bearing(name: &str) -> Result<Bearing, String> {
+    bearing_named(name).ok_or_else(|| format!("found `{name}`, expected `babbitt` or `plastic`"))
+}
+
+/// The bearings asked for: one, or both.
+fn bearings(chosen: Option<Bearing>) -> Vec<Bearing> {
+    chosen.map_or_else(|| Bearing::ALL.to_vec(), |bearing| vec![bearing])
+}
+
+/// A checkpoint and its training id: from a file, or the checked-in one of a bearing.
+fn checkpoint(file: Option<&Path>, bearing: Bearing) -> Result<(Checkpoint, u64), CliError> {
+    let (checkpoint, bytes) = match file {
+        Some(path) => read_checkpoint(path)?,
+        None => (Checkpoint::from_bytes(shipped(bearing))?, shipped(bearing).to_vec()),
+    };
+    Ok((checkpoint, Checkpoint::training_id(&bytes)))
+}
+
+fn print_json(value: &impl serde::Serialize) -> Result<(), CliError> {
+    println!("{}", serde_json::to_string_pretty(value)?);
+    Ok(())
+}

@@ -1,0 +1,185 @@
+//! Image against float networks against laws, on rows that no training saw.
+//!
+//! Every row is preceded by its history, and the networks run as streams, as they do on the controller; only the
+//! estimate after the newest column counts. The friction figures are those of the whole chain: the friction network
+//! behind the collision network.
+
+use crate::checkpoint::Checkpoint;
+use crate::draw::{Draw, Purpose};
+use crate::float_pair::FloatPair;
+use crate::rows::{Row, rows};
+use crate::window::history;
+use inference::layout::{CRC_LENGTH, check_sum};
+use inference::{ContactState, Estimate, ImageError, Model, Pair};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Rows of the test set.
+pub const TEST_ROWS: usize = 20_000;
+/// Upper ends in N of the bands of the normal force that errors are given for; the lower end of the first is 0.
+pub const BANDS_N: [f64; 6] = [100.0, 1000.0, 3000.0, 7000.0, 14_000.0, 40_000.0];
+/// The working points of the bench: normal force in N and largest magnitude of the rate ratio.
+pub const WORKING_FORCE_N: [f64; 2] = [1000.0, 14_000.0];
+/// See [`WORKING_FORCE_N`].
+pub const WORKING_RATIO: f64 = 2.0;
+
+/// Errors of one network in one band of the law's normal force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Band {
+    /// Upper end of the band in N.
+    pub up_to_n: f64,
+    /// Rows in the band.
+    pub rows: usize,
+    /// Mean absolute error of the float networks in N.
+    pub mae_float_n: f64,
+    /// Mean absolute error of the image in N.
+    pub mae_n: f64,
+    /// Largest absolute error of the image in N.
+    pub largest_n: f64,
+}
+
+/// What verification found for one network of one bearing.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Name of the bearing.
+    pub bearing: &'static str,
+    /// `collision` or `friction`.
+    pub network: &'static str,
+    /// Share of the variance of the law's force that the float networks explain.
+    pub r2_float: f64,
+    /// The same for the image.
+    pub r2_quantised: f64,
+    /// Mean absolute error of the image against the law in N.
+    pub mae_n: f64,
+    /// Mean absolute difference between image and float networks in N.
+    pub mae_quantisation_n: f64,
+    /// Median relative error of the image at the bench's working points.
+    pub working_error_median: f64,
+    /// 95th percentile of the same.
+    pub working_error_p95: f64,
+    /// Largest force that the image gives without contact, in N.
+    pub zero_contact_output: f64,
+    /// Whether the check sum at the end of the image is that of its bytes.
+    pub image_crc_ok: bool,
+    /// Whether the image was made from this checkpoint.
+    pub image_matches_checkpoint: bool,
+    /// Share of the rows in which an activation was clipped.
+    pub saturated_share: f64,
+    /// Rows tested.
+    pub rows: usize,
+    /// Errors by band.
+    pub bands: Vec<Band>,
+}
+
+struct Sample {
+    law: [f64; 2],
+    float: [f64; 2],
+    image: [f64; 2],
+    gap: f64,
+    saturated: bool,
+    working: bool,
+}
+
+fn forces(estimate: &Estimate) -> [f64; 2] {
+    [f64::from(estimate.normal_force_n), f64::from(estimate.friction_force_n)]
+}
+
+/// Runs image and float networks over the test rows; collision first, friction second.
+pub fn verify(checkpoint: &Checkpoint, training_id: u64, image: &[u8]) -> Result<[Verdict; 2], ImageError> {
+    let model = Model::load(image)?;
+    let image_crc_ok = (image.split_last_chunk::<CRC_LENGTH>())
+        .is_some_and(|(body, sum)| check_sum(body).to_le_bytes() == *sum);
+    let header = model.header();
+    let recipe = &checkpoint.recipe;
+    let set = rows(checkpoint.bearing, recipe.range, recipe.seed, Purpose::TestRows, TEST_ROWS);
+    let float = FloatPair::of(checkpoint, training_id);
+    let samples: Vec<Sample> = (set.par_iter().enumerate())
+        .map_init(
+            || (float.clone(), Pair::new(model.clone())),
+            |(float, image), (index, row)| {
+                float.reset();
+                image.reset();
+                let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 2 << 32 | index as u64);
+                let states = history(&header, row, &mut draw);
+                let mut last = [Estimate::default(); 2];
+                for state in &states {
+                    last = [float.step(state), image.step(state)];
+                }
+                let gap = ContactState { deformation_m: -row.state.deformation_m, ..row.state };
+                let [without_contact, sliding] = forces(&image.step(&gap));
+                Sample {
+                    law: [row.normal_force_n, row.friction_force_n],
+                    float: forces(&last[0]),
+                    image: forces(&last[1]),
+                    gap: without_contact.abs().max(sliding.abs()),
+                    saturated: last[1].saturated > 0,
+                    working: is_working_point(&header, row),
+                }
+            },
+        )
+        .collect();
+    let verdict = |which: usize, network| Verdict {
+        bearing: checkpoint.bearing.name(),
+        network,
+        r2_float: r_squared(&samples, |s| (s.law[which], s.float[which])),
+        r2_quantised: r_squared(&samples, |s| (s.law[which], s.image[which])),
+        mae_n: mean(samples.iter().map(|s| (s.law[which] - s.image[which]).abs())),
+        mae_quantisation_n: mean(samples.iter().map(|s| (s.float[which] - s.image[which]).abs())),
+        working_error_median: relative_error(&samples, which, 0.5),
+        working_error_p95: relative_error(&samples, which, 0.95),
+        zero_contact_output: samples.iter().fold(0.0, |largest, s| s.gap.max(largest)),
+        image_crc_ok,
+        image_matches_checkpoint: header.training_id == training_id,
+        saturated_share: mean(samples.iter().map(|s| f64::from(u8::from(s.saturated)))),
+        rows: samples.len(),
+        bands: bands(&samples, which),
+    };
+    Ok([verdict(0, "collision"), verdict(1, "friction")])
+}
+
+fn is_working_point(header: &inference::Header, row: &Row) -> bool {
+    let [low, high] = WORKING_FORCE_N;
+    let ratio = f64::from(header.rate_ratio_of(&row.state));
+    (low..=high).contains(&row.normal_force_n) && ratio.abs() <= WORKING_RATIO
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
+    if count == 0 { 0.0 } else { sum / count as f64 }
+}
+
+fn r_squared(samples: &[Sample], pick: impl Fn(&Sample) -> (f64, f64)) -> f64 {
+    let centre = mean(samples.iter().map(|s| pick(s).0));
+    let residual: f64 = samples.iter().map(&pick).map(|(law, found)| (law - found) * (law - found)).sum();
+    let total: f64 = samples.iter().map(&pick).map(|(law, _)| (law - centre) * (law - centre)).sum();
+    1.0 - residual / total
+}
+
+fn relative_error(samples: &[Sample], which: usize, quantile: f64) -> f64 {
+    let mut errors: Vec<f64> = (samples.iter())
+        .filter(|s| s.working && s.law[which] != 0.0)
+        .map(|s| ((s.image[which] - s.law[which]) / s.law[which]).abs())
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    let position = (quantile * errors.len().saturating_sub(1) as f64) as usize;
+    errors.get(position).copied().unwrap_or(0.0)
+}
+
+fn bands(samples: &[Sample], which: usize) -> Vec<Band> {
+    let mut low = -1.0;
+    BANDS_N
+        .map(|up_to_n| {
+            let inside = || samples.iter().filter(|s| s.law[0] > low && s.law[0] <= up_to_n);
+            let error = |s: &Sample| (s.law[which] - s.image[which]).abs();
+            let band = Band {
+                up_to_n,
+                rows: inside().count(),
+                mae_float_n: mean(inside().map(|s| (s.law[which] - s.float[which]).abs())),
+                mae_n: mean(inside().map(error)),
+                largest_n: inside().map(error).fold(0.0, f64::max),
+            };
+            low = up_to_n;
+            band
+        })
+        .to_vec()
+}

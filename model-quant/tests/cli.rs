@@ -1,0 +1,138 @@
+//! The command line: what it writes, what it refuses, and how it says so.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn model_quant(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_model-quant")).args(arguments).output().expect("model-quant")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn json(output: &Output) -> serde_json::Value {
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("json")
+}
+
+fn as_str(path: &Path) -> &str {
+    path.to_str().expect("path")
+}
+
+#[test]
+fn a_data_set_is_the_same_on_any_number_of_threads_and_begins_like_a_shorter_one() {
+    let directory = tempfile::tempdir().expect("directory");
+    let write = |name: &str, range: &str, rows: &str, threads: &str| {
+        let file = directory.path().join(name);
+        let output = model_quant(&[
+            "dataset",
+            "--range",
+            range,
+            "--rows",
+            rows,
+            "--seed",
+            "7",
+            "--threads",
+            threads,
+            "--json",
+            "--out",
+            as_str(&file),
+        ]);
+        assert_eq!(json(&output)["rows"].as_u64().map(|rows| rows.to_string()).as_deref(), Some(rows));
+        std::fs::read_to_string(&file).expect("table")
+    };
+    for range in ["paper", "bench"] {
+        let one = write("one.csv", range, "400", "1");
+        assert_eq!(one, write("three.csv", range, "400", "3"));
+        assert!(one.starts_with(&write("short.csv", range, "50", "2")));
+        assert_eq!(one.lines().count(), 401);
+        assert!(one.starts_with("radial_clearance_m,deformation_m,"));
+    }
+}
+
+#[test]
+fn a_small_training_goes_through_the_whole_chain() {
+    let directory = tempfile::tempdir().expect("directory");
+    let out = as_str(directory.path());
+    let trained = json(&model_quant(&[
+        "train",
+        "--bearing",
+        "plastic",
+        "--rows",
+        "2048",
+        "--epochs",
+        "2",
+        "--grid-epochs",
+        "1",
+        "--seed",
+        "5",
+        "--out",
+        out,
+        "--json",
+    ]));
+    assert_eq!(trained["epochs"].as_array().map(Vec::len), Some(6));
+    assert_eq!(trained["equals_checked_in"], false);
+    let checkpoint = directory.path().join("plastic.float");
+    let quantised =
+        json(&model_quant(&["quantize", "--checkpoint", as_str(&checkpoint), "--out", out, "--json"]));
+    assert_eq!(quantised[0]["bearing"], "plastic");
+    assert_eq!(quantised[0]["training_id"], trained["training_id"]);
+    let image = directory.path().join("plastic.pintle");
+    let verified = json(&model_quant(&[
+        "verify",
+        "--image",
+        as_str(&image),
+        "--checkpoint",
+        as_str(&checkpoint),
+        "--json",
+    ]));
+    assert_eq!(verified[0]["network"], "collision");
+    assert_eq!(verified[1]["network"], "friction");
+    assert_eq!(verified[0]["image_matches_checkpoint"], true);
+    assert_eq!(verified[0]["zero_contact_output"], 0.0);
+    let card = std::fs::read_to_string(directory.path().join("plastic.md")).expect("card");
+    assert!(card.contains("seed 5"), "{card}");
+
+    let mut bytes = std::fs::read(&image).expect("image");
+    bytes[1000] ^= 1;
+    std::fs::write(&image, bytes).expect("damaged image");
+    let refused = model_quant(&["verify", "--image", as_str(&image)]);
+    assert_eq!(refused.status.code(), Some(2));
+    let message = text(&refused.stderr);
+    assert!(message.contains("plastic.pintle") && message.contains("check sum"), "{message}");
+}
+
+#[test]
+fn wrong_input_exits_with_2_and_names_what_was_expected() {
+    let directory = tempfile::tempdir().expect("directory");
+    let not_a_model = directory.path().join("x");
+    std::fs::write(&not_a_model, b"nothing of the kind").expect("file");
+    let out = as_str(directory.path());
+    for (arguments, expected) in [
+        (vec!["train", "--bearing", "wood", "--out", out], "expected `babbitt` or `plastic`"),
+        (vec!["train", "--rows", "3", "--out", out], "expected at least a batch"),
+        (vec!["train", "--epochs", "0", "--out", out], "--epochs: found 0"),
+        (vec!["dataset", "--rows", "0", "--out", as_str(&not_a_model)], "--rows: found 0"),
+        (vec!["dataset", "--range", "moon", "--out", as_str(&not_a_model)], "paper"),
+        (vec!["quantize", "--checkpoint", as_str(&not_a_model), "--out", out], "float checkpoint"),
+        (vec!["quantize", "--checkpoint", "/nowhere/a.float", "--out", out], "/nowhere/a.float"),
+        (vec!["verify", "--image", as_str(&not_a_model)], "found 19 bytes"),
+    ] {
+        let output = model_quant(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let message = text(&output.stderr);
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+    }
+    assert_eq!(std::fs::read_dir(directory.path()).expect("directory").count(), 1, "nothing was written");
+}
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    for command in ["dataset", "train", "quantize", "verify"] {
+        let output = model_quant(&[command, "--help"]);
+        assert!(output.status.success());
+        let help = text(&output.stdout);
+        assert!(help.contains("Example") && help.contains(&format!("model-quant {command}")), "{help}");
+    }
+}
