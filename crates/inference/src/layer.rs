@@ -12,6 +12,11 @@ use crate::read::Reader;
 /// Largest magnitude of an activation.
 const ACTIVATION_MAGNITUDE: i64 = 32768;
 
+/// Largest magnitude that an accumulator can reach, with one more weight.
+fn with_weight(largest: i64, byte: u8) -> i64 {
+    largest.saturating_add(i64::from(weight(byte)).abs().saturating_mul(ACTIVATION_MAGNITUDE))
+}
+
 fn check(layer: LayerName, largest_accumulator: i64) -> Result<(), ImageError> {
     if largest_accumulator > i64::from(i32::MAX) {
         return Err(ImageError::Layer { layer, largest_accumulator });
@@ -39,14 +44,15 @@ impl<'a, const TAPS: usize> Convolution<'a, TAPS> {
         for ((weights, biases), multipliers) in
             layer_read.weights.iter().zip(layer_read.biases).zip(layer_read.multipliers)
         {
-            for (output, (bias, multiplier)) in biases.iter().zip(multipliers).enumerate() {
-                let magnitudes = weights
-                    .iter()
-                    .filter_map(|tap| tap.get(output))
-                    .map(|&byte| i64::from(weight(byte)).abs());
-                let bias = i64::from(i32::from_le_bytes(*bias)).abs();
-                check(layer, magnitudes.sum::<i64>() * ACTIVATION_MAGNITUDE + bias)?;
-                if i32::from_le_bytes(*multiplier) <= 0 {
+            let mut largest = biases.map(|bias| i64::from(i32::from_le_bytes(bias)).abs());
+            for tap in weights {
+                for (largest, &byte) in largest.iter_mut().zip(tap) {
+                    *largest = with_weight(*largest, byte);
+                }
+            }
+            for (&largest, &multiplier) in largest.iter().zip(multipliers) {
+                check(layer, largest)?;
+                if i32::from_le_bytes(multiplier) <= 0 {
                     return Err(ImageError::Layer { layer, largest_accumulator: 0 });
                 }
             }
@@ -121,8 +127,8 @@ impl<'a> Head<'a> {
     /// Takes the head from an image and proves its accumulator.
     pub(crate) fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
         let head = Self { scale: reader.f32()?, bias: reader.i32()?, weights: reader.chunk()? };
-        let magnitudes: i64 = head.weights.iter().map(|&byte| i64::from(weight(byte)).abs()).sum();
-        check(layer, magnitudes * ACTIVATION_MAGNITUDE + i64::from(head.bias).abs())?;
+        let bias = i64::from(head.bias).abs();
+        check(layer, head.weights.iter().fold(bias, |largest, &byte| with_weight(largest, byte)))?;
         if !(head.scale.is_finite() && head.scale > 0.0) {
             return Err(ImageError::Layer { layer, largest_accumulator: 0 });
         }
