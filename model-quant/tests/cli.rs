@@ -1,4 +1,5 @@
 //! The command line: what it writes, what it refuses, and how it says so.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,4 +1,5 @@
 //! The checked-in models: made from their checkpoints byte for byte, and as accurate as their cards say.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use inference::{Bearing, Flags, Model, Pair, shipped};
 use model_quant::card::card;

@@ -1,4 +1,5 @@
 //! Bad images are refused with a reason; nothing that can be read from a file makes the loader panic.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use inference::encode::seal;
 use inference::layout::{COLLISION_TAPS, HEADER_LENGTH, IMAGE_LENGTH, convolution_length};
