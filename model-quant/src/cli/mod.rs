@@ -11,6 +11,7 @@ use model_quant::checkpoint::{Checkpoint, CheckpointError, bearing_named};
 use model_quant::float_pair::{LoadError, read_checkpoint, shipped};
 use model_quant::quantise::QuantiseError;
 use model_quant::write::WriteError;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Data sets, training, quantisation and verification of the contact networks.
@@ -49,7 +50,9 @@ pub(crate) enum CliError {
     Quantise(#[from] QuantiseError),
     #[error("{0}")]
     Write(#[from] WriteError),
-    #[error("output: {0}")]
+    #[error("standard output: {0}")]
+    Output(std::io::Error),
+    #[error("json: {0}")]
     Json(#[from] serde_json::Error),
     #[error("worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -98,6 +101,13 @@ fn checkpoint(file: Option<&Path>, bearing: Bearing) -> Result<(Checkpoint, u64)
 }
 
 fn print_json(value: &impl serde::Serialize) -> Result<(), CliError> {
-    println!("{}", serde_json::to_string_pretty(value)?);
-    Ok(())
+    print(format_args!("{}", serde_json::to_string_pretty(value)?))
+}
+
+/// Prints a line; a reader that has gone away is no error.
+fn print(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(source) if source.kind() != std::io::ErrorKind::BrokenPipe => Err(CliError::Output(source)),
+        _ => Ok(()),
+    }
 }

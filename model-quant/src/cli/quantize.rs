@@ -62,11 +62,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         if !arguments.json {
             let did = if arguments.check { "quantised" } else { "wrote" };
             let equal = if equals_checked_in { "equal to" } else { "different from" };
-            println!(
+            super::print(format_args!(
                 "{did} {name}: {} bytes, CRC-32 {:08x}, {equal} the checked-in image",
                 image.len(),
                 header.crc
-            );
+            ))?;
         }
         summaries.push(json!({
             "bearing": name,

@@ -112,12 +112,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }))?;
     } else {
         let id = Checkpoint::training_id(&bytes);
-        println!(
+        super::print(format_args!(
             "trained {} in {seconds:.1} s, {samples_per_s:.0} samples/s, training id {id:016x}",
             arguments.bearing.name()
-        );
+        ))?;
         if !arguments.check {
-            println!("wrote {}", file.display());
+            super::print(format_args!("wrote {}", file.display()))?;
         }
     }
     if arguments.check && bytes != shipped(arguments.bearing) {

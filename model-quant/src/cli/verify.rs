@@ -47,9 +47,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.json {
         return print_json(&verdicts);
     }
-    println!("bearing  network    R^2 float  R^2 image  mae N  median %    95 %  no contact N  CRC");
+    super::print(format_args!(
+        "bearing  network    R^2 float  R^2 image  mae N  median %    95 %  no contact N  CRC"
+    ))?;
     for verdict in &verdicts {
-        println!(
+        super::print(format_args!(
             "{:8} {:9}  {:9.6}  {:9.6}  {:5.1}  {:8.2}  {:6.2}  {:12}  {}",
             verdict.bearing,
             verdict.network,
@@ -60,9 +62,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             100.0 * verdict.working_error_p95,
             verdict.zero_contact_output,
             if verdict.image_crc_ok { "ok" } else { "wrong" }
-        );
+        ))?;
     }
-    println!("(relative errors at 1 to 14 kN and rate ratios up to 2)");
+    super::print(format_args!("(relative errors at 1 to 14 kN and rate ratios up to 2)"))?;
     Ok(())
 }
 
