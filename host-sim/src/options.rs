@@ -25,7 +25,7 @@ impl From<BearingName> for BearingMaterial {
 /// The bench and what differs from its description.
 #[derive(Args, Clone, Debug)]
 pub struct BenchOptions {
-    /// Preset (bench-b, bench-a, friction-rig) or bench description file.
+    /// Preset (bench-b, bench-a, friction-rig, slider-crank) or bench description file.
     #[arg(long, default_value = "bench-b", value_name = "NAME|FILE")]
     pub bench: String,
     /// Bearing material, with its modulus, restitution and friction.

@@ -20,6 +20,7 @@ pub mod respond;
 pub mod run;
 pub mod sensor;
 pub mod slider_crank;
+pub mod slider_crank_description;
 pub mod transmission;
 
 pub use channel::{Channel, Role};

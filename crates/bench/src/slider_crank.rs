@@ -86,29 +86,6 @@ impl ContactPlant<4> for SliderCrank {
     }
 }
 
-/// The public problem with known answers (5000 rpm, bearing 10 mm, journal 9.5 mm, steel 207 GPa, e = .9,
-/// Hunt-Crossley on Hertz), confirmed by three independent codes.
-pub fn reference_problem() -> SliderCrank {
-    let steel = contact::Material { youngs_modulus_pa: 207e9, poisson_ratio: 0.3 };
-    SliderCrank {
-        crank_length_m: 0.05,
-        crank_speed_rad_s: 5000.0 * core::f64::consts::PI / 30.0,
-        rod_length_m: 0.12,
-        rod_mass_kg: 0.21,
-        rod_inertia_kg_m2: 2.5e-4,
-        slider_mass_kg: 0.14,
-        radial_clearance_m: 0.5e-3,
-        normal_law: NormalLaw {
-            stiffness: contact::Stiffness::Hertz {
-                coefficient: contact::hertz_sphere_in_sphere(10e-3, &steel, 9.5e-3, &steel),
-            },
-            dissipation: contact::Dissipation::HuntCrossley,
-            restitution: 0.9,
-            latch_floor_m_s: 1e-3,
-        },
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,11 +93,11 @@ mod tests {
 
     #[test]
     fn slider_crank_matches_the_known_answers() {
-        let plant = reference_problem();
-        let revolution = 2.0 * core::f64::consts::PI / plant.crank_speed_rad_s;
+        let bench = crate::slider_crank_description::reference_problem().unwrap();
+        let plant = bench.plant();
         let result = integrate(
             &plant,
-            (0.0, 0.6 * revolution),
+            (0.0, bench.duration_s()),
             plant.initial_state(),
             false,
             &[],

@@ -127,12 +127,7 @@ impl Transmission {
                 length_m: bench.bearing.length_m,
             },
         };
-        let dissipation = match bench.contact.dissipation {
-            DissipationName::None => Dissipation::None,
-            DissipationName::HuntCrossley => Dissipation::HuntCrossley,
-            DissipationName::LankaraniNikravesh => Dissipation::LankaraniNikravesh,
-            DissipationName::ZhiyingQishao => Dissipation::ZhiyingQishao,
-        };
+        let dissipation = bench.contact.dissipation.law();
         let compliance = bench.extension.hydraulic_compliance_m_n;
         let inertia = bench.shaft.inertia_kg_m2;
         let column = (compliance > LEAST_COMPLIANCE_M_N).then(|| {
@@ -372,6 +367,18 @@ impl TransmissionBench {
             viscous_slope_s_m: f.viscous_slope_s_m,
             viscous_onset_m_s: f.viscous_onset_m_s,
             regularisation_m_s: f.regularisation_m_s,
+        }
+    }
+}
+
+impl DissipationName {
+    /// The law of the name.
+    pub const fn law(self) -> Dissipation {
+        match self {
+            Self::None => Dissipation::None,
+            Self::HuntCrossley => Dissipation::HuntCrossley,
+            Self::LankaraniNikravesh => Dissipation::LankaraniNikravesh,
+            Self::ZhiyingQishao => Dissipation::ZhiyingQishao,
         }
     }
 }

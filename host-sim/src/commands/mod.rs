@@ -5,4 +5,5 @@ mod diagnose_report;
 pub mod record;
 pub mod run;
 mod run_report;
+mod slider_crank;
 pub mod validate;

@@ -1,6 +1,6 @@
 //! `host-sim run`: the bench with the networks or the law as the bearing force, the estimator beside it.
 
-use super::run_report;
+use super::{run_report, slider_crank};
 use crate::controller::{ControllerError, EmulatedController, NativeController};
 use crate::error::CliError;
 use crate::estimator::{self, Tracked};
@@ -9,6 +9,7 @@ use crate::options::BenchOptions;
 use crate::sensing;
 use crate::summary::{AgainstLaw, EstimatorSummary, Summary};
 use bench::description::TransmissionBench;
+use bench::slider_crank_description::SliderCrankBench;
 use bench::transmission::Transmission;
 use bench::{Bench, MeasuredLog, atomic};
 use clap::{Args, Parser, ValueEnum};
@@ -92,6 +93,9 @@ pub struct Finished {
 
 /// Runs the command.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
+    if let Some(bench) = SliderCrankBench::open(&args.bench.bench)? {
+        return slider_crank::run(&bench, args);
+    }
     let finished = execute(args)?;
     let json = serde_json::to_string_pretty(&finished.summary).map_err(|e| CliError::Work(e.to_string()))?;
     let log = log_of(&finished, args.seed);

@@ -10,7 +10,7 @@ const WIDE: (u32, u32) = (1040, 360);
 const SQUARE: (u32, u32) = (500, 500);
 
 /// The figures in words: name, value with unit.
-pub fn rows(summary: &Summary) -> Vec<[String; 2]> {
+pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
     let row = |name: &str, value: String| [name.to_owned(), value];
     let mut rows = vec![
         row("bearing", format!("{}, {:.2} mm, {:+.1} kN", summary.bearing, summary.clearance_mm, summary.load_kn)),
@@ -51,7 +51,7 @@ pub fn rows(summary: &Summary) -> Vec<[String; 2]> {
 }
 
 /// The page. An error is a drawing failure, in words.
-pub fn page(finished: &Finished) -> Result<Page, String> {
+pub(super) fn page(finished: &Finished) -> Result<Page, String> {
     let summary = &finished.summary;
     let mut page = Page::new("Transmission bench: one run");
     page.lead(&format!(

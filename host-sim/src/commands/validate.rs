@@ -4,7 +4,7 @@ use crate::error::CliError;
 use crate::force::{self, ForceSource};
 use crate::summary::Summary;
 use bench::integrate::integrate;
-use bench::slider_crank::reference_problem;
+use bench::slider_crank_description::reference_problem;
 use bench::transmission::Transmission;
 use bench::{Bench, BearingMaterial};
 use clap::Args;
@@ -82,9 +82,9 @@ fn restitution() -> Vec<Case> {
 }
 
 fn slider_crank() -> Result<Vec<Case>, CliError> {
-    let plant = reference_problem();
-    let end_s = 0.6 * core::f64::consts::TAU / plant.crank_speed_rad_s;
-    let result = integrate(&plant, (0.0, end_s), plant.initial_state(), false, &[], &plant.tolerances(1e-11), |_, _, _| {})?;
+    let bench = reference_problem()?;
+    let plant = bench.plant();
+    let result = integrate(&plant, (0.0, bench.duration_s()), plant.initial_state(), false, &[], &plant.tolerances(1e-11), |_, _, _| {})?;
     let first = result.impacts.first().map_or((0.0, 0.0), |i| (i.peak_force_n, i.onset_s));
     let position = result.state[1];
     let reference = 0.0754435223;

@@ -1,0 +1,198 @@
+//! The slider-crank's description in TOML.
+
+use crate::description::{DescriptionError, DissipationName};
+use crate::slider_crank::SliderCrank;
+use contact::{Material, NormalLaw, Stiffness, hertz_sphere_in_sphere};
+use serde::Deserialize;
+
+/// The preset's text.
+const PRESET: &str = include_str!("../presets/slider-crank.toml");
+/// The preset's name.
+pub const PRESET_NAME: &str = "slider-crank";
+
+/// Description of a slider-crank.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SliderCrankBench {
+    /// Always `slider-crank`.
+    pub plant: String,
+    /// Crank.
+    pub crank: Crank,
+    /// Rod.
+    pub rod: Rod,
+    /// Slider.
+    pub slider: Slider,
+    /// Clearance joint.
+    pub joint: Joint,
+}
+
+/// The crank and its prescribed motion.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Crank {
+    /// Length in m.
+    pub length_m: f64,
+    /// Speed in revolutions a minute.
+    pub speed_rpm: f64,
+    /// Length of a run in revolutions.
+    pub revolutions: f64,
+}
+
+/// The rod, its centre of mass at its middle.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rod {
+    /// Length in m.
+    pub length_m: f64,
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// Moment of inertia about the centre of mass in kg m2.
+    pub inertia_kg_m2: f64,
+}
+
+/// The slider.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Slider {
+    /// Mass in kg.
+    pub mass_kg: f64,
+}
+
+/// The clearance joint between rod and slider.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// Bearing radius in m.
+    pub bearing_radius_m: f64,
+    /// Journal radius in m, below the bearing's.
+    pub journal_radius_m: f64,
+    /// Young's modulus of both bodies in Pa.
+    pub youngs_modulus_pa: f64,
+    /// Poisson's ratio of both bodies.
+    pub poisson_ratio: f64,
+    /// Nominal restitution.
+    pub restitution: f64,
+    /// Dissipation factor.
+    pub dissipation: DissipationName,
+    /// Floor of the latched approach speed in m/s.
+    pub latch_floor_m_s: f64,
+}
+
+impl SliderCrankBench {
+    /// The preset by its name, or a description from a file; `None` if the file describes another plant.
+    pub fn open(name_or_file: &str) -> Result<Option<Self>, DescriptionError> {
+        if name_or_file == PRESET_NAME {
+            return Self::parse(PRESET_NAME, PRESET);
+        }
+        match std::fs::read_to_string(name_or_file) {
+            Ok(text) => Self::parse(name_or_file, &text),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Parses and checks a description; `None` if the text describes another plant or is no TOML at all.
+    pub fn parse(file: &str, text: &str) -> Result<Option<Self>, DescriptionError> {
+        let plant = toml::from_str::<toml::Table>(text).ok();
+        if plant.as_ref().and_then(|t| t.get("plant")).and_then(toml::Value::as_str) != Some("slider-crank") {
+            return Ok(None);
+        }
+        let bench: Self = toml::from_str(text)
+            .map_err(|e| DescriptionError::Malformed { file: file.into(), message: e.to_string() })?;
+        bench.check(file)?;
+        Ok(Some(bench))
+    }
+
+    fn check(&self, file: &str) -> Result<(), DescriptionError> {
+        let most = f64::MAX;
+        for (field, value, limit) in [
+            ("crank.length_m", self.crank.length_m, self.rod.length_m),
+            ("crank.speed_rpm", self.crank.speed_rpm, most),
+            ("crank.revolutions", self.crank.revolutions, 1000.0),
+            ("rod.length_m", self.rod.length_m, most),
+            ("rod.mass_kg", self.rod.mass_kg, most),
+            ("rod.inertia_kg_m2", self.rod.inertia_kg_m2, most),
+            ("slider.mass_kg", self.slider.mass_kg, most),
+            ("joint.journal_radius_m", self.joint.journal_radius_m, 0.9999 * self.joint.bearing_radius_m),
+            ("joint.bearing_radius_m", self.joint.bearing_radius_m, most),
+            ("joint.youngs_modulus_pa", self.joint.youngs_modulus_pa, most),
+            ("joint.poisson_ratio", self.joint.poisson_ratio, 0.5),
+            ("joint.restitution", self.joint.restitution, 1.0),
+            ("joint.latch_floor_m_s", self.joint.latch_floor_m_s, most),
+        ] {
+            if !(value > 0.0 && value <= limit) {
+                return Err(DescriptionError::OutOfRange {
+                    file: file.into(),
+                    field: field.into(),
+                    found: value.to_string(),
+                    expected: if limit < most {
+                        format!("above 0, up to {limit}")
+                    } else {
+                        "a number above 0".into()
+                    },
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> SliderCrank {
+        let solid = Material {
+            youngs_modulus_pa: self.joint.youngs_modulus_pa,
+            poisson_ratio: self.joint.poisson_ratio,
+        };
+        SliderCrank {
+            crank_length_m: self.crank.length_m,
+            crank_speed_rad_s: self.crank.speed_rpm * core::f64::consts::PI / 30.0,
+            rod_length_m: self.rod.length_m,
+            rod_mass_kg: self.rod.mass_kg,
+            rod_inertia_kg_m2: self.rod.inertia_kg_m2,
+            slider_mass_kg: self.slider.mass_kg,
+            radial_clearance_m: self.joint.bearing_radius_m - self.joint.journal_radius_m,
+            normal_law: NormalLaw {
+                stiffness: Stiffness::Hertz {
+                    coefficient: hertz_sphere_in_sphere(
+                        self.joint.bearing_radius_m,
+                        &solid,
+                        self.joint.journal_radius_m,
+                        &solid,
+                    ),
+                },
+                dissipation: self.joint.dissipation.law(),
+                restitution: self.joint.restitution,
+                latch_floor_m_s: self.joint.latch_floor_m_s,
+            },
+        }
+    }
+
+    /// Length of a run in s.
+    pub fn duration_s(&self) -> f64 {
+        60.0 * self.crank.revolutions / self.crank.speed_rpm
+    }
+}
+
+/// The published problem: the preset.
+pub fn reference_problem() -> Result<SliderCrankBench, DescriptionError> {
+    SliderCrankBench::parse(PRESET_NAME, PRESET)?.ok_or_else(|| DescriptionError::Malformed {
+        file: PRESET_NAME.into(),
+        message: "not a slider-crank".into(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refusals_name_the_field_and_other_plants_are_left_alone() {
+        let error =
+            SliderCrankBench::parse("x", &PRESET.replace("9.5e-3", "10.5e-3")).unwrap_err().to_string();
+        assert!(error.contains("joint.journal_radius_m is 0.0105; expected above 0, up to"), "{error}");
+        let error = SliderCrankBench::parse("x", &PRESET.replace("mass_kg = 0.14", "mas = 1"))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("unknown field `mas`"), "{error}");
+        assert_eq!(SliderCrankBench::parse("x", "plant = \"friction-rig\"").unwrap(), None);
+        assert_eq!(SliderCrankBench::parse("x", "no toml").unwrap(), None);
+    }
+}

@@ -1,0 +1,92 @@
+//! `host-sim run --bench slider-crank`: the impacts of a slider-crank with a clearance joint.
+
+use super::run::RunArgs;
+use crate::error::CliError;
+use crate::figure::{Chart, Series, lines};
+use crate::page::Page;
+use bench::atomic;
+use bench::integrate::{ContactPlant, Impact, integrate};
+use bench::slider_crank_description::SliderCrankBench;
+use serde::Serialize;
+
+/// Relative tolerance that keeps the slider's position within 1e-6 m over .6 revolutions.
+const TOLERANCE: f64 = 1e-11;
+/// Samples of a run.
+const SAMPLES: usize = 4000;
+
+/// What a run came to.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct SliderCrankSummary {
+    /// Periods in contact.
+    contacts: usize,
+    /// Largest force of the first contact.
+    first_peak_n: f64,
+    /// Largest force of all.
+    peak_contact_force_n: f64,
+    /// Slider position at the end.
+    slider_position_m: f64,
+    /// Slider speed at the end.
+    slider_speed_m_s: f64,
+    /// Onsets.
+    onsets_s: Vec<f64>,
+    /// Largest force of each contact.
+    peaks_n: Vec<f64>,
+}
+
+/// Runs the slider-crank and writes log.csv, run.json and report.html.
+pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliError> {
+    let plant = bench.plant();
+    let end_s = bench.duration_s();
+    let times: Vec<f64> = (0..SAMPLES).map(|i| end_s * i as f64 / SAMPLES as f64).collect();
+    let mut rows = Vec::with_capacity(SAMPLES);
+    let result = integrate(&plant, (0.0, end_s), plant.initial_state(), false, &times, &plant.tolerances(TOLERANCE), |t, s, latched| {
+        rows.push((t, s[1], s[3], plant.deformation(t, s).0, plant.normal_force_n(t, s, latched)));
+    })?;
+    let peaks_n: Vec<f64> = result.impacts.iter().map(|i: &Impact| i.peak_force_n).collect();
+    let [_, position, _, speed] = result.state;
+    let summary = SliderCrankSummary {
+        contacts: peaks_n.len(),
+        first_peak_n: peaks_n.first().copied().unwrap_or_default(),
+        peak_contact_force_n: peaks_n.iter().copied().fold(0.0, f64::max),
+        slider_position_m: position,
+        slider_speed_m_s: speed,
+        onsets_s: result.impacts.iter().map(|i| i.onset_s).collect(),
+        peaks_n,
+    };
+    let mut csv = String::from("t_s,position_m,velocity_m_s,deformation_m,contact_force_n\n");
+    for (t, x, v, d, f) in &rows {
+        csv.push_str(&format!("{t:e},{x:e},{v:e},{d:e},{f:e}\n"));
+    }
+    let chart = |title, y| Chart { title, x: "time, s", y, size: (1040, 360) };
+    let series = |name: &str, value: fn(&(f64, f64, f64, f64, f64)) -> f64| {
+        Series::new(name, rows.iter().map(|r| r.0), rows.iter().map(value))
+    };
+    let mut page = Page::new("Slider-crank with a clearance joint: one run");
+    page.lead(&format!(
+        "{} contacts in {} revolutions; first peak {:.2} N, largest {:.2} N.",
+        summary.contacts, bench.crank.revolutions, summary.first_peak_n, summary.peak_contact_force_n
+    ));
+    let table: Vec<Vec<String>> = result
+        .impacts
+        .iter()
+        .map(|i| vec![format!("{:.3}", i.onset_s * 1e6), format!("{:.4}", i.approach_speed_m_s), format!("{:.2}", i.peak_force_n)])
+        .collect();
+    page.figure(&lines(&chart("Contact force", "N"), &[series("force", |r| r.4)]).map_err(CliError::Work)?, "At the samples; the table has the located peaks.");
+    page.figure(&lines(&chart("Slider speed", "m/s"), &[series("speed", |r| r.2)]).map_err(CliError::Work)?, "Every contact is a kink.");
+    page.section("Contacts").table(&["onset, us", "approach speed, m/s", "peak force, N"], &table);
+    let json = serde_json::to_string_pretty(&summary).map_err(|e| CliError::Work(e.to_string()))?;
+    for (name, text) in [("log.csv", csv), ("run.json", format!("{json}\n")), ("report.html", page.render())] {
+        let path = args.out.join(name);
+        atomic::write(&path, text.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
+    }
+    if args.json {
+        println!("{json}");
+    } else {
+        println!("{:>12} {:>12} {:>14}", "onset, us", "speed, m/s", "peak force, N");
+        for row in &table {
+            println!("{:>12} {:>12} {:>14}", row[0], row[1], row[2]);
+        }
+        println!("slider at {position:.10} m, {speed:.6} m/s\n\nreport: {}", args.out.join("report.html").display());
+    }
+    Ok(())
+}

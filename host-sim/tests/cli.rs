@@ -1,0 +1,93 @@
+//! The command line as a user meets it: exit codes, messages, files, stable names.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn host_sim(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_host-sim")).current_dir(directory).args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn json(output: &Output) -> serde_json::Value {
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("broken.toml"), "plant = \"transmission-bench\"\n[geometry]\nlever = 3\n").unwrap();
+    for (arguments, expected) in [
+        (&["run", "--clearance-mm", "-1"][..], "bearing.radial_clearance_m is -0.001; expected"),
+        (&["run", "--clearance-mm", "9"], "bearing.radial_clearance_m"),
+        (&["run", "--load-kn", "nan"], "load.force_n is NaN; expected"),
+        (&["run", "--cycles", "0"], "drive.cycles is 0; expected"),
+        (&["run", "--bench", "no-such.toml"], "neither a preset"),
+        (&["run", "--bench", "broken.toml"], "broken.toml"),
+        (&["run", "--bench", "friction-rig"], "expected `transmission-bench`"),
+        (&["run", "--step-us", "0"], "--step-us: found 0; expected"),
+        (&["run", "--force", "wishes"], "possible values"),
+    ] {
+        let output = host_sim(directory.path(), arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+        assert!(!directory.path().join("out").exists(), "{arguments:?} left something behind");
+    }
+}
+
+#[test]
+fn an_output_that_cannot_be_written_exits_with_1() {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("taken"), "a file, not a folder").unwrap();
+    let output = host_sim(directory.path(), &["run", "--force", "law", "--controller", "none", "--out", "taken"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("taken"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn the_main_job_follows_the_law_and_its_estimator_follows_the_bench() {
+    let directory = tempfile::tempdir().unwrap();
+    let run = json(&host_sim(directory.path(), &["run", "--json"]));
+    let number = |name: &str| run.pointer(name).and_then(serde_json::Value::as_f64).unwrap_or_else(|| panic!("{name} in {run}"));
+    let law = number("/against_law/peak_contact_force_n");
+    assert!((law / 11755.0 - 1.0).abs() < 1e-3, "{law}");
+    assert!((number("/peak_contact_force_n") / law - 1.0).abs() < 0.03);
+    assert!(number("/against_law/force_rms_difference_n") < 0.01 * law);
+    assert!(number("/outside_training_share") < 0.01);
+    assert!(number("/energy_residual_rel") < 1e-6);
+    assert_eq!(number("/estimator/ticks"), 10_000.0);
+    assert!(number("/estimator/force_rms_error_n") < 0.05 * number("/estimator/force_full_scale_n"));
+    for name in ["peak_force_y_n", "peak_force_z_n", "peak_friction_torque_nm", "max_deformation_m", "oscillation_rms_n", "contacts", "wall_s_per_simulated_s"] {
+        assert!(run.get(name).is_some(), "{name} in {run}");
+    }
+    let report = std::fs::read_to_string(directory.path().join("out/run/report.html")).unwrap();
+    assert!(report.matches("<svg").count() >= 6 && report.contains("Orbit"));
+    let log = std::fs::read_to_string(directory.path().join("out/run/log.csv")).unwrap();
+    assert!(log.starts_with("t_s,drive_displacement_m,") && log.lines().count() == 1001);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
+    let directory = tempfile::tempdir().unwrap();
+    let log = |name: &str, seed: &str| {
+        let output = host_sim(directory.path(), &["run", "--controller", "none", "--seed", seed, "--out", name]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        std::fs::read(directory.path().join(name).join("log.csv")).unwrap()
+    };
+    let (a, b, c) = (log("a", "5"), log("b", "5"), log("c", "6"));
+    assert_eq!(a, b);
+    assert_ne!(a, c);
+}
+
+#[test]
+fn every_known_answer_holds() {
+    let directory = tempfile::tempdir().unwrap();
+    let cases = json(&host_sim(directory.path(), &["validate", "--json"]));
+    let cases = cases.get("cases").and_then(serde_json::Value::as_array).unwrap();
+    assert!(cases.len() >= 20);
+    assert!(cases.iter().all(|c| c.get("ok") == Some(&serde_json::Value::Bool(true))), "{cases:?}");
+}

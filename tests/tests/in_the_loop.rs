@@ -1,0 +1,31 @@
+//! The whole chain in lockstep: bench, quantised networks, emulated controller, one cycle, bit for bit.
+#![cfg(feature = "emulated")]
+
+use clap::Parser;
+use host_sim::commands::run::{RunArgs, execute};
+
+#[derive(Parser)]
+struct Options {
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+fn run(arguments: &[&str]) -> host_sim::summary::Summary {
+    let line = std::iter::once("run").chain(arguments.iter().copied()).chain(["--json"]);
+    execute(&Options::parse_from(line).run).unwrap().summary
+}
+
+#[test]
+fn native_and_emulated_controller_agree_bit_for_bit_over_a_cycle_of_either_bearing() {
+    for bearing in ["babbitt", "plastic"] {
+        let summary = run(&["--controller", "emulated", "--bearing", bearing]);
+        let estimator = summary.estimator.unwrap();
+        assert_eq!(estimator.controller, "emulated");
+        assert_eq!(estimator.ticks, 10_000);
+        assert_eq!(estimator.native_emulated_bit_differences, Some(0), "{bearing}");
+        assert_eq!(estimator.deadline_misses, 0, "{bearing}");
+        let most = estimator.instructions_per_tick_max.unwrap();
+        // The sample period of 100 us at 168 MHz.
+        assert!(most < 16_800, "{bearing}: {most} instructions in a tick");
+    }
+}
