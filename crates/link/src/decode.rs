@@ -63,7 +63,8 @@ impl BadFrames {
         self.cobs.saturating_add(self.crc).saturating_add(self.overlong).saturating_add(self.unknown)
     }
 
-    fn count(&mut self, error: FrameError) {
+    /// Counts one refused frame.
+    pub fn count(&mut self, error: FrameError) {
         let counter = match error {
             FrameError::Cobs => &mut self.cobs,
             FrameError::Crc => &mut self.crc,

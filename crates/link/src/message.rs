@@ -176,7 +176,7 @@ pub struct EstimateFrame {
     pub force_y_n: f32,
     /// Force of the bearing on the journal along z, N.
     pub force_z_n: f32,
-    /// Friction torque of the contact, N m, with the sign of `F_f R_J`: the bench's `T_f`.
+    /// Torque of the bearing on the shaft, N m: `F_f R_J`, negative while the shaft slides forward.
     pub friction_torque_nm: f32,
     /// Deformation, m; negative is the gap.
     pub deformation_m: f32,
