@@ -175,6 +175,7 @@ mod tests {
         journal_radius_nm: 69_500_000,
         sample_period_us: 100,
         latch_floor_um_s: 1_000,
+        unseen_approach_um_s: 1_000,
     };
 
     struct Fixed(u32);
@@ -204,7 +205,7 @@ mod tests {
         else {
             panic!("expected a greeting");
         };
-        assert_eq!((hello.magic, hello.protocol, hello.window), (MAGIC, PROTOCOL_VERSION, 44));
+        assert_eq!((hello.magic, hello.protocol, hello.window), (MAGIC, PROTOCOL_VERSION, WINDOW as u16));
         assert!(hello.models.iter().all(|model| model.crc != 0));
         assert_ne!(hello.models[0], hello.models[1]);
     }

@@ -43,6 +43,8 @@ pub fn configuration(plant: &Transmission, bench: &TransmissionBench, rate_hz: f
         journal_radius_nm: counts("journal radius", plant.journal_radius_m(), 1e-9)?,
         sample_period_us: counts("sample period", 1.0 / rate_hz, 1e-6)?,
         latch_floor_um_s: counts("contact.latch_floor_m_s", bench.contact.latch_floor_m_s, 1e-6)?,
+        // The windows are not yet full when the journal lands, so the controller has to be told how this bench starts.
+        unseen_approach_um_s: counts("landing speed", plant.landing_speed_m_s(), 1e-6)?,
     })
 }
 

@@ -170,6 +170,11 @@ impl Transmission {
         [0.0, -self.radial_clearance_m * (1.0 - START_GAP_SHARE), 0.0, 0.0, sine.asin(), speed, 0.0, 0.0]
     }
 
+    /// Speed in m/s at which the journal lands after the start: what the latch then holds.
+    pub fn landing_speed_m_s(&self) -> f64 {
+        (2.0 * GRAVITY_M_S2 * START_GAP_SHARE * self.radial_clearance_m).sqrt()
+    }
+
     /// Error control at a relative tolerance; absolute ones are that share of the states' natural sizes.
     pub fn tolerances(&self, relative: f64) -> Tolerances<8> {
         let share = relative;

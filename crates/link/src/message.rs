@@ -133,6 +133,8 @@ pub struct Configuration {
     pub sample_period_us: u32,
     /// Least approach speed that is latched at an onset, um/s.
     pub latch_floor_um_s: u32,
+    /// Approach speed assumed for a contact whose onset was not seen, um/s: what is known of how the bench starts.
+    pub unseen_approach_um_s: u32,
 }
 
 /// The configuration as accepted, with what will serve it.
@@ -285,6 +287,15 @@ pub enum Refusal {
     },
     /// The latch floor is outside what can be served.
     LatchFloor {
+        /// Found, um/s.
+        found_um_s: u32,
+        /// Least, um/s.
+        min_um_s: u32,
+        /// Most, um/s.
+        max_um_s: u32,
+    },
+    /// The approach speed assumed for an unseen onset is outside what can be served.
+    UnseenApproach {
         /// Found, um/s.
         found_um_s: u32,
         /// Least, um/s.

@@ -26,6 +26,7 @@ fn configuration() -> impl Strategy<Value = Configuration> {
         journal_radius_nm: radius,
         sample_period_us: period,
         latch_floor_um_s: floor,
+        unseen_approach_um_s: floor,
     })
 }
 
@@ -143,6 +144,7 @@ fn every_answer_fits_into_a_frame() {
         journal_radius_nm: u32::MAX,
         sample_period_us: u32::MAX,
         latch_floor_um_s: u32::MAX,
+        unseen_approach_um_s: u32::MAX,
     };
     let model = ModelId { crc: u32::MAX, training_id: u64::MAX };
     let answers = [

@@ -26,12 +26,6 @@ impl ContactFrame {
         }
     }
 
-    /// `n . v`: the rate of the deformation.
-    #[must_use]
-    pub fn normal_speed(&self, y_m_s: f32, z_m_s: f32) -> f32 {
-        self.normal_y * y_m_s + self.normal_z * z_m_s
-    }
-
     /// `t . v`: the journal's part of the sliding speed.
     #[must_use]
     pub fn tangential_speed(&self, y_m_s: f32, z_m_s: f32) -> f32 {
@@ -64,7 +58,6 @@ mod tests {
         let frame = ContactFrame::at(0.0, -500_000.0);
         assert_eq!((frame.normal_y, frame.normal_z, frame.distance_nm), (0.0, -1.0, 500_000.0));
         assert_eq!(frame.tangential_speed(1.0, 0.0), -1.0);
-        assert_eq!(frame.normal_speed(0.3, -2.0), 2.0);
         assert_eq!(frame.angle_rad(), -FRAC_PI_2);
         // Friction opposing forward sliding (negative) pushes the journal along +y; the bearing pushes it up.
         assert_eq!(frame.force(1000.0, -100.0), (100.0, 1000.0));

@@ -1,11 +1,15 @@
 //! One tick: a sensor sample becomes an estimate of the contact's forces.
 //!
-//! Checks ([`Plausibility`]) -> window fits of y, z and angle ([`Window`]) -> distance, deformation and its rate ([`ContactFrame`]) ->
-//! onset ([`Latch`]) -> sliding speed -> networks ([`inference::Pair`]) -> force components, torque, flags.
+//! Checks ([`Plausibility`]) -> window fits of y, z, distance and angle ([`Window`]) -> deformation and its rate
+//! ([`ContactFrame`]) -> onset ([`Latch`]) -> sliding speed -> networks ([`inference::Pair`]) -> force components, torque, flags.
+//!
+//! The distance has a window of its own: the journal swings along the clearance circle at 100 mm/s and more while its distance
+//! from the centre changes by less than 1 mm/s. A rate taken as the projection of two Cartesian slopes would mistake a
+//! fiftieth of the former for the latter.
 //!
 //! The deformation is that of the newest sample (no delay at constant acceleration); how well the rate follows the journal is
-//! told in [`window`]. Until the window is full (4.4 ms) after a start, a gap or a jump, the newest raw
-//! position is used and the rates are 0: flagged, not guessed.
+//! told in [`window`]. Until the window is full (3.6 ms) after a start, a gap or a jump, the newest raw position is used and
+//! the rates are 0: flagged, not guessed.
 
 mod geometry;
 mod latch;
@@ -29,6 +33,9 @@ use plausibility::DISCONTINUITY;
 use setup::Setup;
 use window::Fit;
 
+/// Fixed-point steps of the distance: finer than f32 resolves it at a millimetre, and far from overflow (at 5 mm: 2^27).
+const DISTANCE_STEPS_PER_NM: f32 = 16.0;
+
 /// The estimator of one bench.
 #[derive(Clone, Debug)]
 pub struct Estimator {
@@ -36,6 +43,7 @@ pub struct Estimator {
     plausibility: Plausibility,
     journal_y: Window,
     journal_z: Window,
+    distance: Window,
     shaft_angle: Window,
     filled: usize,
     latch: Latch,
@@ -57,9 +65,10 @@ impl Estimator {
             ),
             journal_y: Window::default(),
             journal_z: Window::default(),
+            distance: Window::default(),
             shaft_angle: Window::default(),
             filled: 0,
-            latch: Latch::new(setup.latch_floor_m_s),
+            latch: Latch::new(setup.latch_floor_m_s, setup.unseen_approach_m_s),
             pair: Pair::new(model),
             setup,
         })
@@ -73,6 +82,9 @@ impl Estimator {
             self.latch.reset();
             self.pair.reset();
         }
+        let raw = ContactFrame::at(frame.journal_y_nm as f32, frame.journal_z_nm as f32);
+        let distance = (raw.distance_nm * DISTANCE_STEPS_PER_NM) as i32;
+        self.distance.push(distance);
         self.journal_y.push(frame.journal_y_nm);
         self.journal_z.push(frame.journal_z_nm);
         self.shaft_angle.push(frame.shaft_angle_nrad);
@@ -86,11 +98,14 @@ impl Estimator {
             frame.journal_y_nm as f32 + y.correction,
             frame.journal_z_nm as f32 + z.correction,
         );
+        let radial = fit(&self.distance);
         let (y_m_s, z_m_s) = (y.slope * self.setup.per_sample_to_m_s, z.slope * self.setup.per_sample_to_m_s);
         let shaft_speed_rad_s = angle.slope * self.setup.per_sample_to_m_s;
-        let deformation_m = (contact.distance_nm - self.setup.radial_clearance_nm) * 1e-9;
-        let deformation_rate_m_s = contact.normal_speed(y_m_s, z_m_s);
-        let (approach_speed_m_s, onset_seen) = self.latch.update(deformation_m, deformation_rate_m_s);
+        let distance_nm = (distance as f32 + radial.correction) / DISTANCE_STEPS_PER_NM;
+        let deformation_m = (distance_nm - self.setup.radial_clearance_nm) * 1e-9;
+        let deformation_rate_m_s = radial.slope / DISTANCE_STEPS_PER_NM * self.setup.per_sample_to_m_s;
+        let (approach_speed_m_s, onset_seen) =
+            self.latch.update(deformation_m, full.then_some(deformation_rate_m_s));
         flags |= ONSET_NOT_SEEN.when(!onset_seen);
 
         let state = ContactState {

@@ -11,7 +11,7 @@ pub const CLEARANCE_RANGE_NM: RangeInclusive<u32> = 1_000..=5_000_000;
 pub const JOURNAL_RADIUS_RANGE_NM: RangeInclusive<u32> = 1_000_000..=1_000_000_000;
 /// Sample periods that can be served, us: 50 us to 1 ms. The window is chosen for 100 us.
 pub const SAMPLE_PERIOD_RANGE_US: RangeInclusive<u32> = 50..=1_000;
-/// Latch floors that can be served, um/s: 1 um/s to 1 m/s.
+/// Latch floors and assumed approach speeds that can be served, um/s: 1 um/s to 1 m/s.
 pub const LATCH_FLOOR_RANGE_UM_S: RangeInclusive<u32> = 1..=1_000_000;
 
 /// Factors of a tick.
@@ -21,6 +21,7 @@ pub(super) struct Setup {
     pub(super) radial_clearance_m: f32,
     pub(super) journal_radius_m: f32,
     pub(super) latch_floor_m_s: f32,
+    pub(super) unseen_approach_m_s: f32,
     /// From nm per sample to m/s, and from nrad per sample to rad/s.
     pub(super) per_sample_to_m_s: f32,
 }
@@ -36,6 +37,7 @@ impl Setup {
             journal_radius_nm,
             sample_period_us,
             latch_floor_um_s,
+            unseen_approach_um_s,
         } = configuration;
         let bearing = Bearing::from_code(code).ok_or(Refusal::UnknownBearing { found: code })?;
         within(&CLEARANCE_RANGE_NM, radial_clearance_nm, |found_nm, min_nm, max_nm| {
@@ -50,6 +52,9 @@ impl Setup {
         within(&LATCH_FLOOR_RANGE_UM_S, latch_floor_um_s, |found_um_s, min_um_s, max_um_s| {
             Refusal::LatchFloor { found_um_s, min_um_s, max_um_s }
         })?;
+        within(&LATCH_FLOOR_RANGE_UM_S, unseen_approach_um_s, |found_um_s, min_um_s, max_um_s| {
+            Refusal::UnseenApproach { found_um_s, min_um_s, max_um_s }
+        })?;
         let model = Model::load(image).map_err(|error| Refusal::Image { cause: image_cause(&error) })?;
         if model.header().bearing != bearing {
             return Err(Refusal::Image { cause: WRONG_BEARING });
@@ -59,6 +64,7 @@ impl Setup {
             radial_clearance_m: radial_clearance_nm as f32 * 1e-9,
             journal_radius_m: journal_radius_nm as f32 * 1e-9,
             latch_floor_m_s: latch_floor_um_s as f32 * 1e-6,
+            unseen_approach_m_s: unseen_approach_um_s as f32 * 1e-6,
             per_sample_to_m_s: 1e-3 / sample_period_us as f32,
         };
         Ok((setup, model))
@@ -104,6 +110,7 @@ mod tests {
         journal_radius_nm: 69_500_000,
         sample_period_us: 100,
         latch_floor_um_s: 1_000,
+        unseen_approach_um_s: 1_000,
     };
 
     fn refusal(configuration: Configuration) -> Option<Refusal> {

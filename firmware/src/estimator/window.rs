@@ -8,17 +8,20 @@
 //! |---|---|---|---|---|---|
 //! | line | 16 | 0.108 | 14, 21, 30 % | 0.131 | 0.237 |
 //! | line | 20 | 0.078 | 18, 27, 38 % | 0.121 | 0.278 |
-//! | parabola | 32 | 0.149 | 3, 8, 15 % | 0.151 | 0.167 |
-//! | **parabola** | **44** | **0.093** | **6, 14, 29 %** | **0.106** | **0.171** |
+//! | parabola | 28 | 0.181 | 3, 6, 12 % | 0.182 | 0.190 |
+//! | **parabola** | **36** | **0.125** | **4, 9, 19 %** | **0.130** | **0.157** |
+//! | parabola | 44 | 0.093 | 6, 14, 29 % | 0.106 | 0.170 |
 //! | parabola | 64 | 0.053 | 14, 30, 59 % | 0.117 | 0.303 |
 //!
-//! Noise gains at 44 samples: value 0.432; slope 0.0465 of one sample's noise per sample.
+//! Of 20 to 72 samples, 36 gave the least force error over a whole cycle of bench B with either bearing.
+//!
+//! Noise gains at 36 samples: value 0.473; slope 0.0626 of one sample's noise per sample.
 //!
 //! The sums are exact integers; the first rounding is their conversion to f32. The weights come from the discrete orthogonal
 //! polynomials `p1 = 2k - (N-1)` and `p2 = 6k^2 - 6(N-1)k + (N-1)(N-2)` over the age `k`.
 
 /// Samples in the window. See the module's table for the trade-off.
-pub const WINDOW: usize = 44;
+pub const WINDOW: usize = 36;
 
 const N: i64 = WINDOW as i64;
 
@@ -83,7 +86,7 @@ impl Window {
     /// Fits the parabola. Means something once [`WINDOW`] samples have been pushed.
     ///
     /// Differences to the newest sample are taken modulo 2^32, so an angle may wrap. No sum overflows: weights stay below 2^20, so
-    /// 44 terms below 2^57.
+    /// 36 terms below 2^57.
     #[must_use]
     pub fn fit(&self) -> Fit {
         let [newest, ..] = self.samples;
@@ -136,20 +139,20 @@ mod tests {
             weights.iter().map(|w| (f64::from(*w) / f64::from(denominator)).powi(2)).sum::<f64>().sqrt()
         };
         assert!(
-            (gain(&VALUE, VALUE_DENOMINATOR) - 0.432).abs() < 5e-4,
+            (gain(&VALUE, VALUE_DENOMINATOR) - 0.473).abs() < 5e-4,
             "{}",
             gain(&VALUE, VALUE_DENOMINATOR)
         );
         let slope = gain(&SLOPE, SLOPE_DENOMINATOR);
-        assert!((slope - 0.0465).abs() < 5e-5, "{slope}");
+        assert!((slope - 0.0626).abs() < 5e-5, "{slope}");
         let rate_noise_mm_s = slope * 0.2e-3 * 1e4;
-        assert!((rate_noise_mm_s - 0.093).abs() < 5e-4, "{rate_noise_mm_s}");
+        assert!((rate_noise_mm_s - 0.125).abs() < 5e-4, "{rate_noise_mm_s}");
     }
 
     /// A swing of 1 mm at 10 kHz sampling: the largest error of the slope over the largest slope.
     #[test]
     fn errors_at_the_journal_s_frequencies_are_the_documented_ones() {
-        for (frequency, expected) in [(30.0, 0.06), (45.0, 0.14), (65.0, 0.29)] {
+        for (frequency, expected) in [(30.0, 0.04), (45.0, 0.09), (65.0, 0.19)] {
             let step = TAU * frequency / 1e4;
             let worst = (0..1000)
                 .map(|i| {

@@ -1,0 +1,80 @@
+//! What can go wrong with a controller, and what to do about it.
+
+use link::{FrameError, Refusal};
+use std::path::PathBuf;
+
+/// Why a controller could not be used any further.
+#[derive(Debug, thiserror::Error)]
+pub enum ControllerError {
+    /// The emulator is not installed.
+    #[error("qemu-system-arm was not found; install it with `apt-get install qemu-system-arm`, or let `cargo xtask setup` do it")]
+    EmulatorMissing,
+    /// There is no firmware.
+    #[error("{path}: no firmware there; build it with `cargo xtask firmware`, or name one with --elf", path = path.display())]
+    FirmwareMissing {
+        /// Where it was looked for.
+        path: PathBuf,
+    },
+    /// The operating system refused something.
+    #[error("{what}: {source}")]
+    System {
+        /// What was tried.
+        what: &'static str,
+        /// Its answer.
+        source: std::io::Error,
+    },
+    /// No answer within the bound.
+    #[error("no answer to {waiting_for} within {bound_s} s; last sequence number answered: {last}. {cause}", last = last(*last_sequence))]
+    TimedOut {
+        /// What was waited for.
+        waiting_for: &'static str,
+        /// The bound in s.
+        bound_s: u64,
+        /// The last sample that was answered.
+        last_sequence: Option<u32>,
+        /// The likely cause.
+        cause: &'static str,
+    },
+    /// The controller has gone.
+    #[error("the controller ended ({status}); last sequence number answered: {last}. {said}", last = last(*last_sequence))]
+    Ended {
+        /// How it ended.
+        status: String,
+        /// The last sample that was answered.
+        last_sequence: Option<u32>,
+        /// What the emulator said, if anything.
+        said: String,
+    },
+    /// It speaks another version of the protocol.
+    #[error("the controller speaks protocol {found}; expected {expected}: firmware and host come from different builds")]
+    Version {
+        /// Found.
+        found: u8,
+        /// Expected.
+        expected: u8,
+    },
+    /// It did not accept the configuration.
+    #[error("the controller refused the configuration: {0:?}")]
+    Refused(Refusal),
+    /// A frame came damaged.
+    #[error("a damaged frame on the link: {0:?}")]
+    Frame(FrameError),
+    /// It greeted in the middle of a run.
+    #[error("the controller restarted; last sequence number answered: {last}", last = last(*last_sequence))]
+    Restarted {
+        /// The last sample that was answered.
+        last_sequence: Option<u32>,
+    },
+    /// It answered something else.
+    #[error("unexpected answer {found}; expected {expected}")]
+    Unexpected {
+        /// What came.
+        found: String,
+        /// What should have come.
+        expected: String,
+    },
+}
+
+fn last(sequence: Option<u32>) -> String {
+    sequence.map_or_else(|| "none".into(), |s| s.to_string())
+}
