@@ -78,15 +78,18 @@ impl EstimatorSummary {
             let hits = tracked.estimates.iter().filter(|e| Flags::from_bits(e.flags).intersects(flags)).count();
             hits as f64 / tracked.estimates.len().max(1) as f64
         };
-        let most_ticks = tracked.estimates.iter().map(|e| e.instruction_ticks).max().unwrap_or_default();
+        let instructions = |ticks: Option<u32>| {
+            ticks.filter(|&t| t > 0).map(|t| (f64::from(t) / TICKS_PER_INSTRUCTION).round() as u64)
+        };
+        let ticks = || tracked.estimates.iter().map(|e| e.instruction_ticks);
         Self {
             controller: tracked.controller,
             force_rms_error_n: rms(errors),
             force_full_scale_n: peak(counted, |s| s.forces.normal_n),
             ticks: tracked.estimates.len() as u64,
             deadline_misses: u64::from(tracked.counters.deadline_overruns),
-            instructions_per_tick_max: (most_ticks > 0)
-                .then(|| (f64::from(most_ticks) / TICKS_PER_INSTRUCTION).round() as u64),
+            instructions_per_tick_min: instructions(ticks().min()),
+            instructions_per_tick_max: instructions(ticks().max()),
             exchanges_per_s: tracked.estimates.len() as f64 / tracked.wall_s.max(1e-9),
             native_emulated_bit_differences: differences,
             outside_training_share: share(Flags::OUTSIDE_TRAINING),

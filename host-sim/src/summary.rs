@@ -62,6 +62,8 @@ pub struct EstimatorSummary {
     pub ticks: u64,
     /// Ticks that took longer than the sample period.
     pub deadline_misses: u64,
+    /// Fewest instructions of a tick, where the controller counts them.
+    pub instructions_per_tick_min: Option<u64>,
     /// Most instructions of a tick, where the controller counts them.
     pub instructions_per_tick_max: Option<u64>,
     /// Frames there and back a second.

@@ -1,2 +1,63 @@
-//! Workspace chores.
-fn main() {}
+//! Workspace chores: set-up, tests, instruction counts, sizes. CI calls nothing else.
+
+mod firmware;
+mod insn;
+mod run;
+mod setup;
+mod size;
+mod test;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Chores of the Pintle workspace.
+#[derive(Parser)]
+#[command(
+    after_help = "Examples:\n  cargo xtask test\n  cargo xtask firmware\n  cargo xtask insn --json\n\n\
+    Exit codes: 0 done, 1 the work failed, 2 the arguments are wrong."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Install what is missing: the controller's target and the emulator.
+    Setup,
+    /// Set up, build the firmware, run every test, the emulated ones included.
+    Test,
+    /// Build the firmware's image for the STM32F405.
+    Firmware,
+    /// Instructions of a controller tick, from the emulator over one cycle of either bearing.
+    Insn {
+        /// Print as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Flash and RAM of the image, and whether it contains a reachable panic.
+    Size {
+        /// Print as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Setup => setup::setup().map(|_| ()),
+        Command::Test => test::test(),
+        Command::Firmware => {
+            setup::target().and_then(|way| firmware::build(&way)).map(|elf| println!("{}", elf.display()))
+        }
+        Command::Insn { json } => insn::insn(json),
+        Command::Size { json } => size::size(json),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

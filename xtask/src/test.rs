@@ -1,0 +1,14 @@
+//! Every test there is.
+
+use crate::run::{ChoreError, cargo, run, succeeds};
+use crate::{firmware, setup};
+
+/// Sets up, builds the image, checks the format where rustfmt is there, and runs the tests with the emulated ones.
+pub(crate) fn test() -> Result<(), ChoreError> {
+    let way = setup::setup()?;
+    firmware::build(&way)?;
+    if succeeds(cargo().args(["fmt", "--version"])) {
+        run(cargo().args(["fmt", "--all", "--check"]))?;
+    }
+    run(cargo().args(["test", "--workspace", "--features", "system-tests/emulated"]))
+}
