@@ -1,1 +1,17 @@
-//! placeholder
+//! The host: runs of the bench with the controller's inference code in the loop, records, diagnoses, reports.
+//!
+//! [`force`] is where a run's bearing force comes from, [`sensing`] what the controller gets to see of it,
+//! [`controller`] the ends of the link, [`estimator`] their use, [`summary`] the figures, [`figure`] and [`page`] what people look at, and
+//! [`commands`] the command line.
+
+pub mod commands;
+pub mod controller;
+pub mod error;
+pub mod estimator;
+pub mod figure;
+pub mod force;
+pub mod options;
+pub mod page;
+pub mod progress;
+pub mod sensing;
+pub mod summary;

@@ -6,6 +6,7 @@ use crate::error::CliError;
 use crate::estimator::{self, Tracked};
 use crate::force::{self, ForceSource, ForcedRun};
 use crate::options::BenchOptions;
+use crate::progress;
 use crate::sensing;
 use crate::summary::{AgainstLaw, EstimatorSummary, Summary};
 use bench::description::TransmissionBench;
@@ -13,9 +14,8 @@ use bench::slider_crank_description::SliderCrankBench;
 use bench::transmission::Transmission;
 use bench::{Bench, MeasuredLog, atomic};
 use clap::{Args, Parser, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Rate of the controller and of a run's samples.
 pub const CONTROLLER_RATE_HZ: f64 = 10_000.0;
@@ -134,7 +134,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     let end_s = resolved.duration_s();
     let material = resolved.bearing.material;
 
-    let bar = progress(args.json);
+    let bar = progress::bar(args.json);
     let started = Instant::now();
     bar.set_message(format!("bench with {}", args.force.name()));
     let forced = force::run(&plant, material, args.force, (end_s, step_s), &times, || bar.inc(1))?;
@@ -167,19 +167,6 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     };
     bar.finish_and_clear();
     Ok(Finished { bench: *resolved, summary, forced, law, tracked })
-}
-
-/// A bar that shows itself only when the work takes longer than a second, and never beside JSON.
-fn progress(hidden: bool) -> ProgressBar {
-    if hidden {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(100);
-    if let Ok(style) = ProgressStyle::with_template("{msg:28} {bar:40} {elapsed} eta {eta}") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_secs(1));
-    bar
 }
 
 /// The run as a measured log: the bench's sensors at its logging rate.
