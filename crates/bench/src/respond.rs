@@ -80,6 +80,13 @@ impl Inputs {
         }
     }
 
+    /// The same inputs with the first `count` samples only: a shorter simulation.
+    pub fn first(&self, count: usize) -> Self {
+        let mut inputs = self.clone();
+        inputs.time_s.truncate(count);
+        inputs
+    }
+
     /// Times of the log's samples in s.
     pub fn time_s(&self) -> &[f64] {
         &self.time_s

@@ -1,1 +1,39 @@
-//! placeholder
+//! From the residual of a measured log to a named cause, an extended bench and its gain.
+//!
+//! [`diagnose`] simulates the logs with the bench's description, calibrates what the description declares uncertain
+//! (with its stated standard deviations as priors), asks every effect of [`bench::effects::CATALOGUE`] how much of the
+//! remaining residual it explains, refits the likely ones together with the uncertain parameters, and decides:
+//!
+//! * `none`: no effect passes the threshold, and no structure repeats in the residual;
+//! * `named`: one or two effects pass it, lower the error on samples that were not fitted, and have no equivalent;
+//! * `ambiguous`: as `named`, but another effect fits as well on these logs; `next_experiment` tells them apart;
+//! * `unknown`: structure repeats in the residual, and no effect explains most of it.
+//!
+//! The steps, one file each: `session` (logs prepared, samples split into fitted and held out), `noise` (level and
+//! correlation of the sensors' noise), `model` and `fit` (parameters, least squares with priors), `rank` (score test and
+//! refits), `select` (forward selection), `leftover` (structure in the last residual), `gain` (held-out error),
+//! `experiment` (what to measure next), `verdict` (the rules).
+//!
+//! What this does not protect from: a cause outside the catalogue that a catalogued one imitates on the given
+//! trajectory; inputs (drive, load) that are themselves measured wrongly; a declared uncertainty that is too wide.
+#![forbid(unsafe_code)]
+
+mod experiment;
+mod fit;
+mod gain;
+mod leftover;
+mod linear;
+mod model;
+mod noise;
+mod rank;
+mod result;
+mod select;
+mod session;
+mod structure;
+mod verdict;
+
+pub use result::{
+    Ambiguous, Calibrated, Cause, Diagnosis, Gain, Noise, ParameterEstimate, Ranked, Series, Signature,
+    Verdict,
+};
+pub use verdict::{DiagnosisError, Options, Progress, diagnose};

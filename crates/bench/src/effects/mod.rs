@@ -41,6 +41,9 @@ pub struct EffectParameter {
     pub most: f64,
 }
 
+/// Applies an effect to a description; the function gives its parameters by name.
+type Apply = fn(&mut Bench, Option<Channel>, &dyn Fn(&str) -> f64);
+
 /// An entry of the catalogue.
 #[derive(Clone, Copy)]
 pub struct EffectKind {
@@ -54,7 +57,7 @@ pub struct EffectKind {
     /// multiples of the sensor's own floor unless the unit says otherwise.
     pub parameters: fn(&Bench) -> &'static [EffectParameter],
     /// Applies the effect to a description.
-    apply: fn(&mut Bench, Option<Channel>, &dyn Fn(&str) -> f64),
+    apply: Apply,
 }
 
 /// Every effect the project knows.

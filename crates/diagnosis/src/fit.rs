@@ -1,0 +1,372 @@
+//! Least squares on the simulation error with Gaussian priors: Gauss-Newton within bounds and a trust region.
+//!
+//! The region is a ball in scaled parameters, so that "near" means standard deviations of what is uncertain: logs are so
+//! precise that a clearance off by a few deviations starts hundreds of noise levels away, and an unguarded step
+//! would go wherever the linearisation points.
+//!
+//! Sensitivities are finite differences of whole simulations, computed in parallel and put together in order, so that
+//! the number of threads changes nothing. A parameter that only concerns a sensor needs no simulation.
+
+use crate::linear::{dot, factor, gram, project};
+use crate::model::{Model, Parameter};
+use crate::noise::NoiseModel;
+use crate::session::{Columns, Data};
+use bench::Bench;
+use bench::respond::{RespondError, Response, sensed, truth};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// First radius of the trust region, in scaled units, and the one that ends a fit.
+const FIRST_RADIUS: f64 = 2.0;
+const LAST_RADIUS: f64 = 1e-4;
+/// Fall of the objective that ends a fit: absolute, and as a share of what is above the noise.
+const ENOUGH: f64 = 0.02;
+const ENOUGH_SHARE: f64 = 3e-4;
+
+/// A bench simulated under all sessions.
+pub(crate) struct Simulation {
+    /// Resolved and without sensors: what the truths depend on.
+    plant: Bench,
+    truths: Vec<Response>,
+    pub(crate) columns: Columns,
+}
+
+fn without_sensors(resolved: &Bench) -> Bench {
+    let mut bench = resolved.clone();
+    match &mut bench {
+        Bench::Transmission(b) => b.sensors.clear(),
+        Bench::FrictionRig(r) => r.sensors.clear(),
+    }
+    bench
+}
+
+/// Simulates a bench; takes the truths of `known` where the plant is the same.
+pub(crate) fn simulate(
+    data: &Data,
+    bench: &Bench,
+    known: Option<&Simulation>,
+) -> Result<Simulation, RespondError> {
+    let resolved = bench.resolved();
+    let plant = without_sensors(&resolved);
+    let truths = match known {
+        Some(known) if known.plant == plant => known.truths.clone(),
+        _ => data.sessions.par_iter().map(|s| truth(&resolved, &s.inputs)).collect::<Result<Vec<_>, _>>()?,
+    };
+    let responses: Vec<Response> =
+        data.sessions.iter().zip(&truths).map(|(s, t)| sensed(&resolved, &s.inputs, t)).collect();
+    Ok(Simulation { plant, truths, columns: data.columns(&responses) })
+}
+
+/// A fitted model.
+pub(crate) struct Fit {
+    pub(crate) model: Model,
+    /// Scaled parameters.
+    pub(crate) z: Vec<f64>,
+    pub(crate) simulation: Simulation,
+    /// Weighted residual of the fitted samples.
+    pub(crate) residual: Vec<f64>,
+    /// Weighted sensitivities of the fitted samples.
+    pub(crate) jacobian: Vec<Vec<f64>>,
+    /// Chi-square of data and priors.
+    pub(crate) objective: f64,
+}
+
+impl Fit {
+    /// `J'J` plus the priors' unit rows.
+    pub(crate) fn information(&self) -> DMatrix<f64> {
+        with_priors(&self.model, gram(&self.jacobian))
+    }
+
+    /// Gradient that is left, 0 at the optimum.
+    pub(crate) fn gradient(&self) -> DVector<f64> {
+        gradient(&self.model, &self.jacobian, &self.residual, &self.z)
+    }
+
+    /// Standard deviations in scaled units.
+    pub(crate) fn deviations(&self) -> Vec<f64> {
+        let information = self.information();
+        let inverse = factor(&information).map(|c| c.inverse());
+        let of = |i: usize| inverse.as_ref().map_or(f64::INFINITY, |m| m[(i, i)].max(0.0).sqrt());
+        (0..information.nrows()).map(of).collect()
+    }
+}
+
+fn with_priors(model: &Model, mut information: DMatrix<f64>) -> DMatrix<f64> {
+    for (i, p) in model.parameters.iter().enumerate() {
+        if p.has_prior() {
+            information[(i, i)] += 1.0;
+        }
+    }
+    information
+}
+
+fn gradient(model: &Model, jacobian: &[Vec<f64>], residual: &[f64], z: &[f64]) -> DVector<f64> {
+    let mut g = project(jacobian, residual);
+    for (i, p) in model.parameters.iter().enumerate() {
+        if p.has_prior() {
+            g[i] -= z[i];
+        }
+    }
+    g
+}
+
+/// Weighted sensitivities of the fitted samples to the parameters `which` at `z`.
+///
+/// An effect that moves the very number that an uncertain parameter moves has that parameter's sensitivity, exactly:
+/// two finite differences would differ by their curvature, and with thousands of precise samples that difference would
+/// pass for information.
+pub(crate) fn sensitivities(
+    data: &Data,
+    noise: &NoiseModel,
+    model: &Model,
+    z: &[f64],
+    at: &Simulation,
+    which: &[usize],
+) -> Result<Vec<Vec<f64>>, RespondError> {
+    let column = |i: usize| -> Result<Vec<f64>, RespondError> {
+        let step = model.parameters[i].step();
+        let (least, most) = model.parameters[i].bounds();
+        // Central, or at a bound the one-sided difference of second order: values and weights.
+        let [near, far, here, one, two] = if z[i] + step > most {
+            [-step, -2.0 * step, 3.0, -4.0, 1.0]
+        } else if z[i] - step < least {
+            [step, 2.0 * step, -3.0, 4.0, -1.0]
+        } else {
+            [step, -step, 0.0, 1.0, -1.0]
+        };
+        let moved = |by: f64| {
+            let mut z = z.to_vec();
+            z[i] += by;
+            simulate(data, &model.at(&z), Some(at))
+        };
+        let (near, far) = rayon::join(|| moved(near), || moved(far));
+        let (near, far) = (near?.columns, far?.columns);
+        let mut difference = at.columns.clone();
+        for ((d, n), f) in difference.iter_mut().zip(&near).zip(&far) {
+            for ((d, n), f) in d.iter_mut().zip(n).zip(f) {
+                *d = (here * *d + one * n + two * f) / (2.0 * step);
+            }
+        }
+        Ok(noise.stack(data, &difference))
+    };
+    let aliases: Vec<(usize, f64)> = which.iter().map(|&i| model.alias(z, i).unwrap_or((i, 1.0))).collect();
+    let mut own: Vec<usize> = aliases.iter().map(|a| a.0).collect();
+    own.sort_unstable();
+    own.dedup();
+    let columns: Vec<Vec<f64>> = own.par_iter().map(|&i| column(i)).collect::<Result<_, _>>()?;
+    let scaled = |&(i, factor): &(usize, f64)| -> Vec<f64> {
+        let place = own.binary_search(&i).unwrap_or_default();
+        columns.get(place).map_or_else(Vec::new, |c| c.iter().map(|v| factor * v).collect())
+    };
+    Ok(aliases.iter().map(scaled).collect())
+}
+
+/// How much a fit may cost.
+#[derive(Clone, Copy)]
+pub(crate) struct Effort {
+    iterations: usize,
+    jacobians: usize,
+}
+
+impl Effort {
+    /// To the optimum.
+    pub(crate) const FULL: Self = Self { iterations: 40, jacobians: 12 };
+    /// To see whether it leads anywhere.
+    pub(crate) const GLANCE: Self = Self { iterations: 10, jacobians: 1 };
+}
+
+/// Fits `model` from the scaled start `z`.
+pub(crate) fn fit(data: &Data, noise: &NoiseModel, model: Model, z: Vec<f64>) -> Result<Fit, RespondError> {
+    fit_from(data, noise, model, z, None, Effort::FULL)
+}
+
+/// Fits `model` from the scaled start `z`, with sensitivities that hold near it, where known.
+///
+/// Between fresh sensitivities Broyden's rank-one updates serve, as long as steps keep their promise.
+pub(crate) fn fit_from(
+    data: &Data,
+    noise: &NoiseModel,
+    model: Model,
+    mut z: Vec<f64>,
+    jacobian: Option<Vec<Vec<f64>>>,
+    effort: Effort,
+) -> Result<Fit, RespondError> {
+    let bounds: Vec<(f64, f64)> = model.parameters.iter().map(Parameter::bounds).collect();
+    z.iter_mut().zip(&bounds).for_each(|(z, (least, most))| *z = z.clamp(*least, *most));
+    let mut simulation = simulate(data, &model.at(&z), None)?;
+    let mut residual = noise.stack(data, &data.residual(&simulation.columns));
+    let mut objective = dot(&residual, &residual) + prior(&model, &z);
+    let all: Vec<usize> = (0..model.parameters.len()).collect();
+    let mut stale = jacobian.is_some();
+    let mut jacobian = match jacobian {
+        Some(jacobian) => jacobian,
+        None => sensitivities(data, noise, &model, &z, &simulation, &all)?,
+    };
+    let (mut radius, mut fresh) = (FIRST_RADIUS, usize::from(!stale));
+    for _ in 0..effort.iterations {
+        let information = with_priors(&model, gram(&jacobian));
+        let g = gradient(&model, &jacobian, &residual, &z);
+        let Some(step) = bounded_step(&information, &g, &z, &bounds, radius) else { break };
+        let length = step.norm();
+        let promised = 2.0 * g.dot(&step) - (&information * &step).dot(&step);
+        let enough = ENOUGH.max(ENOUGH_SHARE * (objective - residual.len() as f64));
+        let trial: Vec<f64> = z.iter().zip(step.iter()).map(|(z, s)| z + s).collect();
+        let mut renew = promised < enough;
+        if !renew {
+            // A parameter set that the plant cannot take is a step that does not help.
+            let tried = simulate(data, &model.at(&trial), Some(&simulation)).ok().map(|there| {
+                let residual = noise.stack(data, &data.residual(&there.columns));
+                let objective = dot(&residual, &residual) + prior(&model, &trial);
+                (there, residual, objective)
+            });
+            match tried {
+                Some((there, there_residual, there_objective))
+                    if objective - there_objective > 1e-3 * promised =>
+                {
+                    let kept = (objective - there_objective) / promised;
+                    update(&mut jacobian, &residual, &there_residual, &step);
+                    (z, simulation, residual, objective) = (trial, there, there_residual, there_objective);
+                    stale = true;
+                    renew = kept < 0.5;
+                    if kept > 0.75 && length > 0.8 * radius {
+                        radius *= 3.0;
+                    } else if kept < 0.25 {
+                        radius = 0.4 * length.min(radius);
+                    }
+                }
+                _ if stale => renew = true,
+                _ => {
+                    radius = 0.25 * length.min(radius);
+                    if radius < LAST_RADIUS {
+                        break;
+                    }
+                }
+            }
+        }
+        if renew {
+            if !stale {
+                // Fresh sensitivities promise nothing more, or have just been followed.
+                break;
+            }
+            if fresh >= effort.jacobians {
+                if promised < enough {
+                    break;
+                }
+                radius *= 0.5;
+                continue;
+            }
+            jacobian = sensitivities(data, noise, &model, &z, &simulation, &all)?;
+            (stale, fresh) = (false, fresh + 1);
+        }
+    }
+    if stale && effort.jacobians > 1 {
+        jacobian = sensitivities(data, noise, &model, &z, &simulation, &all)?;
+    }
+    Ok(Fit { model, z, simulation, residual, jacobian, objective })
+}
+
+/// Broyden's update: the least change of the sensitivities that explains the last step.
+fn update(jacobian: &mut [Vec<f64>], before: &[f64], after: &[f64], step: &DVector<f64>) {
+    let square = step.norm_squared();
+    if square <= 0.0 {
+        return;
+    }
+    let mut missed: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
+    for (column, s) in jacobian.iter().zip(step.iter()) {
+        missed.iter_mut().zip(column).for_each(|(m, c)| *m -= s * c);
+    }
+    for (column, s) in jacobian.iter_mut().zip(step.iter()) {
+        column.iter_mut().zip(&missed).for_each(|(c, m)| *c += m * s / square);
+    }
+}
+
+fn prior(model: &Model, z: &[f64]) -> f64 {
+    z.iter().zip(&model.parameters).filter(|(_, p)| p.has_prior()).map(|(z, _)| z * z).sum()
+}
+
+/// The Gauss-Newton step within a ball and within bounds: parameters that would leave stop at the bound, the others
+/// are solved again.
+fn bounded_step(
+    information: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    z: &[f64],
+    bounds: &[(f64, f64)],
+    radius: f64,
+) -> Option<DVector<f64>> {
+    let n = z.len();
+    let mut stopped: Vec<Option<f64>> = vec![None; n];
+    for _ in 0..=n {
+        let free: Vec<usize> = (0..n).filter(|&i| stopped[i].is_none()).collect();
+        let fixed = DVector::from_fn(n, |i, _| stopped[i].unwrap_or_default());
+        let pulled = gradient - information * &fixed;
+        let matrix = DMatrix::from_fn(free.len(), free.len(), |i, j| information[(free[i], free[j])]);
+        let right = DVector::from_fn(free.len(), |i, _| pulled[free[i]]);
+        let partial = within(&matrix, &right, radius)?;
+        let mut step = fixed;
+        for (k, &i) in free.iter().enumerate() {
+            step[i] = partial[k];
+        }
+        let mut left = false;
+        for &i in &free {
+            let (least, most) = bounds[i];
+            let inside = (z[i] + step[i]).clamp(least, most) - z[i];
+            if (inside - step[i]).abs() > 1e-12 {
+                stopped[i] = Some(inside);
+                left = true;
+            }
+        }
+        if !left {
+            return Some(step);
+        }
+    }
+    None
+}
+
+/// Solution of `(A + l I) s = g` with the least `l` that keeps `s` within the radius.
+fn within(matrix: &DMatrix<f64>, right: &DVector<f64>, radius: f64) -> Option<DVector<f64>> {
+    let solve = |damping: f64| {
+        let mut m = matrix.clone();
+        (0..m.nrows()).for_each(|i| m[(i, i)] += damping);
+        factor(&m).map(|c| c.solve(right))
+    };
+    let plain = solve(0.0)?;
+    if plain.norm() <= radius {
+        return Some(plain);
+    }
+    // |s| <= |g|/l bounds the damping from above.
+    let (mut low, mut high) = (0.0_f64, right.norm() / radius);
+    for _ in 0..60 {
+        let middle = if low > 0.0 { (low * high).sqrt() } else { 1e-4 * high };
+        if solve(middle)?.norm() > radius {
+            low = middle;
+        } else {
+            high = middle;
+            if low == 0.0 && middle < 1e-12 * right.norm() {
+                break;
+            }
+        }
+        if low > 0.0 && high / low < 1.05 {
+            break;
+        }
+    }
+    solve(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_stays_in_the_ball_and_in_the_bounds() {
+        let a = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 3.0]);
+        let g = DVector::from_vec(vec![40.0, 10.0]);
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        let plain = bounded_step(&a, &g, &[0.0, 0.0], &free, 1e9).unwrap();
+        assert!((&a * &plain - &g).norm() < 1e-9);
+        let short = bounded_step(&a, &g, &[0.0, 0.0], &free, 1.0).unwrap();
+        assert!(short.norm() <= 1.0 && short.norm() > 0.9, "{short}");
+        let stopped = bounded_step(&a, &g, &[0.0, 0.0], &[(-1.0, 2.0), (-9.0, 9.0)], 1e9).unwrap();
+        assert_eq!(stopped[0], 2.0);
+        assert!((stopped[1] - (10.0 - 2.0) / 3.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,220 @@
+//! The parameters of a fit: what the description declares uncertain, and what the chosen effects add.
+//!
+//! Every parameter is scaled: an uncertain one by its standard deviation, so that its prior is `z^2`, an effect's by a
+//! size that is visible but small.
+
+use crate::noise::NoiseModel;
+use bench::description::AxisKind;
+use bench::effects::{Effect, EffectKind};
+use bench::{Bench, Channel};
+use std::collections::BTreeMap;
+
+/// Least share of its described value that a positive parameter may fall to.
+const LEAST_SHARE: f64 = 0.1;
+/// Standard deviations that calibration may move a parameter: what lies farther out is a finding.
+const MOST_DEVIATIONS: f64 = 4.0;
+/// Share of its scale below which a one-sided effect counts as absent: a column that stiff would only slow the run.
+const ABSENT_SHARE: f64 = 0.02;
+/// Steps of finite differences in scaled units.
+const NOMINAL_STEP: f64 = 0.03;
+const EFFECT_STEP: f64 = 0.1;
+
+/// An effect of the catalogue on a sensor or on the plant.
+#[derive(Clone, Copy)]
+pub(crate) struct Candidate {
+    pub(crate) kind: &'static EffectKind,
+    pub(crate) channel: Option<Channel>,
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.kind.name == other.kind.name && self.channel == other.channel
+    }
+}
+
+#[derive(Clone)]
+enum Place {
+    Nominal(String),
+    Effect { index: usize, name: &'static str },
+}
+
+/// A parameter of a fit.
+#[derive(Clone)]
+pub(crate) struct Parameter {
+    place: Place,
+    pub(crate) unit: String,
+    pub(crate) centre: f64,
+    pub(crate) scale: f64,
+    least: f64,
+    most: f64,
+}
+
+impl Parameter {
+    pub(crate) fn name(&self) -> &str {
+        match &self.place {
+            Place::Nominal(name) => name,
+            Place::Effect { name, .. } => name,
+        }
+    }
+
+    /// Whether a prior holds it.
+    pub(crate) fn has_prior(&self) -> bool {
+        matches!(self.place, Place::Nominal(_))
+    }
+
+    /// Step of a finite difference in scaled units: large against the integrator's error, which moves the journal by
+    /// nanometres, small against what bends the response.
+    pub(crate) fn step(&self) -> f64 {
+        if self.has_prior() { NOMINAL_STEP } else { EFFECT_STEP }
+    }
+
+    /// Value at a scaled one, within its bounds.
+    pub(crate) fn value(&self, z: f64) -> f64 {
+        let value = (self.centre + z * self.scale).clamp(self.least, self.most);
+        if self.least == 0.0 && value < ABSENT_SHARE * self.scale { 0.0 } else { value }
+    }
+
+    /// Bounds in scaled units.
+    pub(crate) fn bounds(&self) -> (f64, f64) {
+        ((self.least - self.centre) / self.scale, (self.most - self.centre) / self.scale)
+    }
+
+    /// Whether the effect acts in one direction only.
+    pub(crate) fn one_sided(&self) -> bool {
+        self.least == 0.0
+    }
+}
+
+/// A bench with the parameters that a fit moves.
+#[derive(Clone)]
+pub(crate) struct Model {
+    bench: Bench,
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) chosen: Vec<Candidate>,
+}
+
+impl Model {
+    /// The described bench: only what is uncertain moves.
+    pub(crate) fn nominal(bench: &Bench) -> Self {
+        let mut probe = bench.clone();
+        let mut parameters = Vec::new();
+        for (name, &scale) in bench.uncertain() {
+            if let Some(&mut centre) = probe.parameter_mut(name) {
+                let least = centre - MOST_DEVIATIONS * scale;
+                let least = if centre > 0.0 { least.max(LEAST_SHARE * centre) } else { least };
+                parameters.push(Parameter {
+                    place: Place::Nominal(name.clone()),
+                    unit: String::new(),
+                    centre,
+                    scale,
+                    least,
+                    most: centre + MOST_DEVIATIONS * scale,
+                });
+            }
+        }
+        Self { bench: bench.clone(), parameters, chosen: Vec::new() }
+    }
+
+    /// The same with one more effect.
+    pub(crate) fn with(&self, candidate: Candidate, noise: &NoiseModel) -> Self {
+        let mut model = self.clone();
+        let index = model.bench.effects().len();
+        model.bench.effects_mut().push(Effect {
+            name: candidate.kind.name.into(),
+            channel: candidate.channel,
+            parameters: BTreeMap::new(),
+        });
+        for p in (candidate.kind.parameters)(&self.bench) {
+            // Offsets and drifts are scaled by their sensor's noise.
+            let unit_scale = match candidate.channel {
+                Some(channel) if p.unit.starts_with("channel") => noise.of(channel).floor,
+                _ => 1.0,
+            };
+            model.parameters.push(Parameter {
+                place: Place::Effect { index, name: p.name },
+                unit: unit(p.unit, candidate.channel, &self.bench),
+                centre: 0.0,
+                scale: p.scale * unit_scale,
+                least: p.least,
+                most: p.most,
+            });
+        }
+        model.chosen.push(candidate);
+        model
+    }
+
+    /// The bench at scaled parameters.
+    pub(crate) fn at(&self, z: &[f64]) -> Bench {
+        let mut bench = self.bench.clone();
+        for (parameter, &z) in self.parameters.iter().zip(z) {
+            let value = parameter.value(z);
+            match &parameter.place {
+                Place::Nominal(name) => {
+                    if let Some(place) = bench.parameter_mut(name) {
+                        *place = value;
+                    }
+                }
+                Place::Effect { index, name } => {
+                    if let Some(effect) = bench.effects_mut().get_mut(*index) {
+                        effect.parameters.insert((*name).into(), value);
+                    }
+                }
+            }
+        }
+        bench
+    }
+
+    /// The uncertain parameter that moves the very number which the effect parameter `i` moves, with the ratio of their
+    /// sensitivities.
+    pub(crate) fn alias(&self, z: &[f64], i: usize) -> Option<(usize, f64)> {
+        if self.parameters[i].has_prior() {
+            return None;
+        }
+        let moved = |i: usize| {
+            let mut there = z.to_vec();
+            let (step, (_, most)) = (self.parameters[i].step(), self.parameters[i].bounds());
+            let step = if z[i] + step > most { -step } else { step };
+            there[i] += step;
+            (self.at(&there).resolved(), step)
+        };
+        let mut here = self.at(z).resolved();
+        let (mut effect, effect_step) = moved(i);
+        for (k, parameter) in self.parameters.iter().enumerate() {
+            let Place::Nominal(name) = &parameter.place else { continue };
+            let (now, then) = (*here.parameter_mut(name)?, *effect.parameter_mut(name)?);
+            if now == then {
+                continue;
+            }
+            let mut probe = here.clone();
+            *probe.parameter_mut(name)? = then;
+            if probe != effect {
+                return None;
+            }
+            let (mut nominal, nominal_step) = moved(k);
+            let rate = (*nominal.parameter_mut(name)? - now) / nominal_step;
+            return Some((k, (then - now) / effect_step / rate));
+        }
+        None
+    }
+
+    /// Indices of the parameters of the chosen effect number `which`.
+    pub(crate) fn of_effect(&self, which: usize) -> Vec<usize> {
+        let index = self.bench.effects().len() - self.chosen.len() + which;
+        let belongs = |p: &Parameter| matches!(p.place, Place::Effect { index: i, .. } if i == index);
+        (0..self.parameters.len()).filter(|&i| belongs(&self.parameters[i])).collect()
+    }
+}
+
+/// The unit for people: of the channel, of the axis' effort.
+fn unit(unit: &str, channel: Option<Channel>, bench: &Bench) -> String {
+    if let (Some(rest), Some(channel)) = (unit.strip_prefix("channel"), channel) {
+        return format!("{}{rest}", channel.unit());
+    }
+    match (bench, unit.split_once(" or ")) {
+        (Bench::FrictionRig(rig), Some((linear, rotary))) => match rig.axis.kind {
+            AxisKind::Linear => linear.into(),
+            AxisKind::Rotary => rotary.into(),
+        },
+        _ => unit.into(),
+    }
+}

@@ -1,0 +1,166 @@
+//! Level and correlation of the noise on each channel.
+//!
+//! The level is the sensor's declared floor, or, where none is declared or the log shows more, what the residual's
+//! fourth differences show (they see white noise and hardly any structure). Two inflations follow once a model has been
+//! fitted: `excess`, the rms of its residual over the floor, and `correlation`, the integrated autocorrelation time in
+//! samples, so that `n/correlation` samples count as independent. A residual that is white at the declared floor has
+//! both at 1. They are taken from the best model at hand, not from the nominal one: noise that is fitted on the suspect
+//! residual eats slow effects completely.
+
+use crate::session::{Columns, Data, Use};
+use bench::{Bench, Channel};
+use std::collections::BTreeMap;
+
+/// Observed over declared noise from which the declaration is not believed.
+const DISBELIEF: f64 = 1.15;
+/// Most lags of the autocorrelation, as a share of a stretch.
+const LAG_SHARE: f64 = 0.25;
+
+/// Noise of one channel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChannelNoise {
+    /// White noise, one standard deviation; above 0.
+    pub(crate) floor: f64,
+    pub(crate) declared: bool,
+    /// Rms over the floor, 1 or more.
+    pub(crate) excess: f64,
+    /// Samples that count as one, 1 or more.
+    pub(crate) correlation: f64,
+}
+
+/// Noise of every channel.
+#[derive(Clone, Debug)]
+pub(crate) struct NoiseModel(BTreeMap<Channel, ChannelNoise>);
+
+impl NoiseModel {
+    /// Floors from the description and the residual of the nominal bench.
+    pub(crate) fn floors(bench: &Bench, data: &Data, residual: &Columns) -> Self {
+        let of = |&channel: &Channel| {
+            let declared = bench.sensors().get(&channel).map_or(0.0, bench::sensor::Sensor::floor);
+            let seen = differences(data, residual, channel);
+            let believed = declared > 0.0 && seen <= DISBELIEF * declared;
+            let floor = if believed { declared } else { seen };
+            let least = 1e-9 * size(data, channel).max(f64::MIN_POSITIVE);
+            (
+                channel,
+                ChannelNoise { floor: floor.max(least), declared: believed, excess: 1.0, correlation: 1.0 },
+            )
+        };
+        Self(data.channels.iter().map(of).collect())
+    }
+
+    /// The same floors with excess and correlation of a fitted model's residual.
+    pub(crate) fn inflated(&self, data: &Data, residual: &Columns) -> Self {
+        let of = |(&channel, noise): (&Channel, &ChannelNoise)| {
+            let (rms, correlation, count) = correlation(data, residual, channel);
+            let excess = rms / noise.floor;
+            // An rms scatters by 1/sqrt(2 n): less than three of that is no excess.
+            let scatter = 3.0 * (correlation / (2.0 * count.max(1.0))).sqrt();
+            let excess = if excess > 1.0 + scatter { excess } else { 1.0 };
+            (channel, ChannelNoise { excess, correlation, ..*noise })
+        };
+        Self(self.0.iter().map(of).collect())
+    }
+
+    /// Noise of a channel.
+    pub(crate) fn of(&self, channel: Channel) -> ChannelNoise {
+        let none = ChannelNoise { floor: 1.0, declared: false, excess: 1.0, correlation: 1.0 };
+        self.0.get(&channel).copied().unwrap_or(none)
+    }
+
+    /// Factor that makes a residual of a channel count as independent samples of unit variance.
+    pub(crate) fn weight(&self, channel: Channel) -> f64 {
+        let n = self.of(channel);
+        1.0 / (n.floor * n.excess * n.correlation.sqrt())
+    }
+
+    /// Independent samples among the fitted ones.
+    pub(crate) fn effective_samples(&self, data: &Data) -> f64 {
+        data.channels.iter().map(|&c| data.count(c, Use::Fit) as f64 / self.of(c).correlation).sum()
+    }
+
+    /// Largest change of a channel's weight against another model, as a factor of 1 or more.
+    pub(crate) fn change(&self, other: &Self) -> f64 {
+        let ratio = |&c: &Channel| {
+            let r = self.weight(c) / other.weight(c);
+            r.max(1.0 / r)
+        };
+        self.0.keys().map(ratio).fold(1.0, f64::max)
+    }
+
+    /// Stacks the fitted samples of columns, weighted.
+    pub(crate) fn stack(&self, data: &Data, columns: &Columns) -> Vec<f64> {
+        let mut out = Vec::new();
+        for (block, values) in data.blocks.iter().zip(columns) {
+            let weight = self.weight(block.channel);
+            let fitted = values.iter().zip(data.uses(block)).filter(|(_, u)| **u == Use::Fit);
+            out.extend(fitted.map(|(v, _)| weight * v));
+        }
+        out
+    }
+}
+
+fn size(data: &Data, channel: Channel) -> f64 {
+    let blocks = data.blocks.iter().filter(|b| b.channel == channel);
+    blocks.flat_map(|b| &b.measured).fold(0.0, |m, v| f64::max(m, v.abs()))
+}
+
+/// White noise from fourth differences; the median of their squares, so that jumps and stops do not count.
+fn differences(data: &Data, residual: &Columns, channel: Channel) -> f64 {
+    let mut squares: Vec<f64> = Vec::new();
+    for (block, values) in data.blocks.iter().zip(residual).filter(|(b, _)| b.channel == channel) {
+        for (w, u) in values.windows(5).zip(data.uses(block).windows(5)) {
+            if u.iter().all(|u| *u != Use::Skip) {
+                squares.push((w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2));
+            }
+        }
+    }
+    if squares.is_empty() {
+        return 0.0;
+    }
+    let middle = squares.len() / 2;
+    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
+    // The median of chi-square with one degree is 0.4549; the weights' squares add up to 70.
+    (*median / (0.4549 * 70.0)).sqrt()
+}
+
+/// Rms, integrated autocorrelation time and count of the fitted residual of a channel.
+///
+/// Autocovariances of all stretches are pooled; the sum ends at the first one that is lost in its own scatter.
+fn correlation(data: &Data, residual: &Columns, channel: Channel) -> (f64, f64, f64) {
+    let mut stretches: Vec<&[f64]> = Vec::new();
+    for (block, values) in data.blocks.iter().zip(residual).filter(|(b, _)| b.channel == channel) {
+        let mut start = 0;
+        for run in data.uses(block).chunk_by(|a, b| a == b) {
+            if run.first() == Some(&Use::Fit) {
+                stretches.extend(values.get(start..start + run.len()));
+            }
+            start += run.len();
+        }
+    }
+    let count: usize = stretches.iter().map(|s| s.len()).sum();
+    let power: f64 = stretches.iter().flat_map(|s| s.iter()).map(|v| v * v).sum();
+    if count == 0 || power <= 0.0 {
+        return (0.0, 1.0, count as f64);
+    }
+    let longest = stretches.iter().map(|s| s.len()).max().unwrap_or_default();
+    let mut time = 1.0;
+    for lag in 1..(longest as f64 * LAG_SHARE) as usize {
+        let (mut sum, mut pairs) = (0.0, 0usize);
+        for s in &stretches {
+            if let Some(later) = s.get(lag..) {
+                sum += s.iter().zip(later).map(|(a, b)| a * b).sum::<f64>();
+                pairs += later.len();
+            }
+        }
+        if pairs == 0 {
+            break;
+        }
+        let rho = sum / pairs as f64 / (power / count as f64);
+        if rho < 2.5 / (pairs as f64).sqrt() {
+            break;
+        }
+        time += 2.0 * rho;
+    }
+    ((power / count as f64).sqrt(), time, count as f64)
+}

@@ -1,0 +1,179 @@
+//! Which effects could explain the residual: a score test for every one, a joint refit for the likely ones.
+//!
+//! The score test takes the sensitivity `C` to an effect at zero, projects out what the uncertain parameters can absorb
+//! (with their priors as pseudo-observations), and gives the fall of chi-square that the effect promises, `g' M^-1 g`
+//! with `M = C'C - (J'C)' A^-1 (J'C)`, `g = C'r - (J'C)' A^-1 (J'r - P z)`, `A = J'J + P`.
+
+use crate::fit::{Effort, Fit, Simulation, fit, fit_from, sensitivities, simulate};
+use crate::linear::{dot, factor, gram, project};
+use crate::model::Candidate;
+use crate::noise::NoiseModel;
+use crate::session::Data;
+use bench::Bench;
+use bench::effects::CATALOGUE;
+use bench::respond::RespondError;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Share of an effect's sensitivity that has to survive the projection.
+const LEAST_SURVIVAL: f64 = 1e-13;
+
+/// The score of a candidate against a fitted model.
+pub(crate) struct Score {
+    pub(crate) candidate: Candidate,
+    /// Promised fall of chi-square.
+    pub(crate) evidence: f64,
+    /// Promised scaled parameters.
+    estimate: Vec<f64>,
+    /// Signature of those: weighted, before the projection.
+    signature: Vec<f64>,
+    /// `J'` of the signature.
+    shadow: DVector<f64>,
+}
+
+/// Every effect of the catalogue that this bench and these channels can show.
+pub(crate) fn candidates(bench: &Bench, data: &Data, excluded: &[String]) -> Vec<Candidate> {
+    let mut out = Vec::new();
+    for kind in CATALOGUE.iter().filter(|k| !excluded.iter().any(|e| e == k.name)) {
+        if (kind.parameters)(bench).is_empty() {
+            continue;
+        }
+        if kind.per_channel {
+            out.extend(data.channels.iter().map(|&c| Candidate { kind, channel: Some(c) }));
+        } else {
+            out.push(Candidate { kind, channel: None });
+        }
+    }
+    out
+}
+
+/// Scores candidates against a fitted model, most evidence first.
+pub(crate) fn scores(
+    data: &Data,
+    noise: &NoiseModel,
+    base: &Fit,
+    candidates: &[Candidate],
+) -> Result<Vec<Score>, RespondError> {
+    let Some(information) = factor(&base.information()) else { return Ok(Vec::new()) };
+    let left = base.gradient();
+    let nominal = base.model.parameters.len();
+    let score = |candidate: &Candidate| -> Result<Option<Score>, RespondError> {
+        let model = base.model.with(*candidate, noise);
+        let which: Vec<usize> = (nominal..model.parameters.len()).collect();
+        let mut z = base.z.clone();
+        z.resize(model.parameters.len(), 0.0);
+        let columns = sensitivities(data, noise, &model, &z, &base.simulation, &which)?;
+        let shadows: Vec<DVector<f64>> = columns.iter().map(|c| project(&base.jacobian, c)).collect();
+        let whole = gram(&columns);
+        let mut survived = whole.clone();
+        let mut g = project(&columns, &base.residual);
+        for (i, shadow) in shadows.iter().enumerate() {
+            let absorbed = information.solve(shadow);
+            g[i] -= absorbed.dot(&left);
+            for (j, other) in shadows.iter().enumerate() {
+                survived[(i, j)] -= absorbed.dot(other);
+            }
+        }
+        if (0..which.len()).any(|i| survived[(i, i)] <= LEAST_SURVIVAL * whole[(i, i)].max(f64::MIN_POSITIVE))
+        {
+            return Ok(None);
+        }
+        let Some(estimate) = factor(&survived).map(|c| c.solve(&g)) else { return Ok(None) };
+        let backwards =
+            which.iter().zip(estimate.iter()).any(|(&i, &b)| b < 0.0 && model.parameters[i].one_sided());
+        let evidence = if backwards { 0.0 } else { g.dot(&estimate) };
+        let signature = combine(&columns, &estimate);
+        let shadow =
+            shadows.iter().zip(estimate.iter()).fold(DVector::zeros(nominal), |sum, (s, &b)| sum + s * b);
+        Ok(Some(Score {
+            candidate: *candidate,
+            evidence,
+            estimate: estimate.iter().copied().collect(),
+            signature,
+            shadow,
+        }))
+    };
+    let found: Result<Vec<_>, RespondError> = candidates.par_iter().map(score).collect();
+    let mut scores: Vec<Score> = found?.into_iter().flatten().collect();
+    scores.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    Ok(scores)
+}
+
+fn combine(columns: &[Vec<f64>], factors: &DVector<f64>) -> Vec<f64> {
+    let mut out = vec![0.0; columns.first().map_or(0, Vec::len)];
+    for (column, &f) in columns.iter().zip(factors.iter()) {
+        out.iter_mut().zip(column).for_each(|(o, c)| *o += f * c);
+    }
+    out
+}
+
+/// Correlation of two projected signatures, 0 to 1.
+pub(crate) fn correlation(base: &Fit, a: &Score, b: &Score) -> f64 {
+    let information: DMatrix<f64> = base.information();
+    let Some(information) = factor(&information) else { return 0.0 };
+    let inner =
+        |a: &Score, b: &Score| dot(&a.signature, &b.signature) - information.solve(&a.shadow).dot(&b.shadow);
+    let norm = (inner(a, a) * inner(b, b)).sqrt();
+    if norm > 0.0 { (inner(a, b).abs() / norm).min(1.0) } else { 0.0 }
+}
+
+/// Refits a candidate together with everything that `base` moves.
+pub(crate) fn refit(data: &Data, noise: &NoiseModel, base: &Fit, score: &Score) -> Result<Fit, RespondError> {
+    let mut z = base.z.clone();
+    z.extend(&score.estimate);
+    fit(data, noise, base.model.with(score.candidate, noise), z)
+}
+
+/// Sizes of an effect, in multiples of its scale, that a search tries.
+const SIZES: [f64; 6] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
+
+/// A base at its described values on few samples, with its sensitivities there: where searches start.
+pub(crate) struct Origin<'a> {
+    data: &'a Data,
+    noise: &'a NoiseModel,
+    z: Vec<f64>,
+    simulation: Simulation,
+    jacobian: Vec<Vec<f64>>,
+}
+
+impl<'a> Origin<'a> {
+    /// The origin of a base; the effects that it has stay as fitted.
+    pub(crate) fn new(data: &'a Data, noise: &'a NoiseModel, base: &Fit) -> Result<Self, RespondError> {
+        let z: Vec<f64> = base
+            .z
+            .iter()
+            .zip(&base.model.parameters)
+            .map(|(z, p)| if p.has_prior() { 0.0 } else { *z })
+            .collect();
+        let simulation = simulate(data, &base.model.at(&z), None)?;
+        let all: Vec<usize> = (0..z.len()).collect();
+        let jacobian = sensitivities(data, noise, &base.model, &z, &simulation, &all)?;
+        Ok(Self { data, noise, z, simulation, jacobian })
+    }
+
+    /// A glance at a candidate from the size that fits best: scaled parameters and objective.
+    pub(crate) fn search(&self, base: &Fit, score: &Score) -> Result<(Vec<f64>, f64), RespondError> {
+        let model = base.model.with(score.candidate, self.noise);
+        let added = self.z.len()..model.parameters.len();
+        let at = |size: f64| {
+            let mut z = self.z.clone();
+            z.resize(model.parameters.len(), size);
+            let inside = added.clone().all(|i| {
+                let (least, most) = model.parameters[i].bounds();
+                (least..=most).contains(&size)
+            });
+            let simulation =
+                simulate(self.data, &model.at(&z), Some(&self.simulation)).ok().filter(|_| inside)?;
+            let residual = self.noise.stack(self.data, &self.data.residual(&simulation.columns));
+            Some((z, simulation, dot(&residual, &residual)))
+        };
+        let sizes = SIZES.iter().flat_map(|s| [*s, -s]);
+        let best = sizes.filter_map(at).min_by(|a, b| a.2.total_cmp(&b.2));
+        let Some((z, simulation, _)) = best else { return Ok((self.z.clone(), f64::INFINITY)) };
+        let which: Vec<usize> = added.collect();
+        let mut jacobian = self.jacobian.clone();
+        jacobian.extend(sensitivities(self.data, self.noise, &model, &z, &simulation, &which)?);
+        let found = fit_from(self.data, self.noise, model, z, Some(jacobian), Effort::GLANCE)?;
+        Ok((found.z, found.objective))
+    }
+}

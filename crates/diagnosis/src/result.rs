@@ -1,0 +1,206 @@
+//! What a diagnosis says, as it is written to `diagnosis.json`.
+
+use bench::{Bench, Channel};
+use serde::Serialize;
+
+/// The answer in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The causes are known.
+    Named,
+    /// Several causes fit equally.
+    Ambiguous,
+    /// Something is wrong, and no known effect explains it.
+    Unknown,
+    /// Nothing is wrong within the declared uncertainty.
+    None,
+}
+
+impl Verdict {
+    /// The word in JSON and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::Unknown => "unknown",
+            Self::None => "none",
+        }
+    }
+}
+
+/// A fitted parameter.
+#[derive(Clone, Debug, Serialize)]
+pub struct ParameterEstimate {
+    /// Name in the bench description.
+    pub name: String,
+    /// Estimate.
+    pub value: f64,
+    /// Unit.
+    pub unit: String,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+/// A cause.
+#[derive(Clone, Debug, Serialize)]
+pub struct Cause {
+    /// Effect in kebab-case.
+    pub effect: String,
+    /// Sensor, for sensor effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+    /// Posterior share among the refitted effects of its step.
+    pub probability: f64,
+    /// Its parameters.
+    pub parameters: Vec<ParameterEstimate>,
+}
+
+/// An effect that fits as well as a named one.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ambiguous {
+    /// Effect in kebab-case.
+    pub effect: String,
+    /// Sensor, for sensor effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+    /// Posterior share.
+    pub probability: f64,
+    /// Correlation of its projected signature with that of the first one.
+    pub correlation: f64,
+}
+
+/// Where structure is left in the residual.
+#[derive(Clone, Debug, Serialize)]
+pub struct Signature {
+    /// Channel that shows it most.
+    pub channel: Channel,
+    /// In words: cycle phase, direction, speed, load, position or time.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// The quantity that explains most of it.
+    pub feature: &'static str,
+    /// Its rms in the unit of the channel.
+    pub rms: f64,
+    /// Its rms in units of the noise.
+    pub rms_over_noise: f64,
+}
+
+/// Error on one channel before and after.
+#[derive(Clone, Debug, Serialize)]
+pub struct Gain {
+    /// Channel.
+    pub channel: Channel,
+    /// Rms residual of the calibrated nominal bench.
+    pub baseline_rms: f64,
+    /// Rms residual of the extended bench.
+    pub extended_rms: f64,
+    /// Rms of the sensor's noise.
+    pub noise_rms: f64,
+    /// Whether the figures are of samples that were not fitted.
+    pub held_out: bool,
+    /// Share of the residual's power above the noise that the extension takes away; null where there is none.
+    pub explained_share: Option<f64>,
+    /// 95 % interval of that share by a block bootstrap.
+    pub explained_share_ci95: Option<[f64; 2]>,
+}
+
+/// A calibrated parameter of the nominal bench.
+#[derive(Clone, Debug, Serialize)]
+pub struct Calibrated {
+    /// Dotted name.
+    pub name: String,
+    /// Value of the description.
+    pub described: f64,
+    /// Calibrated value, together with the causes.
+    pub value: f64,
+    /// Standard deviation that the description declares.
+    pub declared_deviation: f64,
+    /// Standard deviation after the fit.
+    pub deviation: f64,
+}
+
+/// Noise of one channel.
+#[derive(Clone, Debug, Serialize)]
+pub struct Noise {
+    /// Channel.
+    pub channel: Channel,
+    /// White noise, one standard deviation.
+    pub floor: f64,
+    /// Whether the floor was declared; otherwise it comes from the residual's own differences.
+    pub declared: bool,
+    /// Rms of the last residual over the floor, where above 1.
+    pub excess: f64,
+    /// Samples that count as one because the residual is correlated.
+    pub correlation_samples: f64,
+}
+
+/// A refitted candidate.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ranked {
+    /// Effect in kebab-case.
+    pub effect: String,
+    /// Sensor, for sensor effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+    /// Fall of chi-square against the bench without it, after the joint refit.
+    pub evidence: f64,
+    /// Posterior share.
+    pub probability: f64,
+}
+
+/// A residual over a log, for pictures.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// The log.
+    pub source: String,
+    /// Channel.
+    pub channel: Channel,
+    /// Time in s.
+    pub time_s: Vec<f64>,
+    /// Phase in cycles, where the motion repeats.
+    pub phase: Option<Vec<f64>>,
+    /// Measured less simulated with the calibrated nominal bench.
+    pub before: Vec<f64>,
+    /// Measured less simulated with the extended bench.
+    pub after: Vec<f64>,
+    /// Whether a sample was held out.
+    pub held_out: Vec<bool>,
+}
+
+/// The result.
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnosis {
+    /// The answer.
+    pub verdict: Verdict,
+    /// Causes, the main one first.
+    pub causes: Vec<Cause>,
+    /// Effects that fit as well as the causes.
+    pub ambiguous_with: Vec<Ambiguous>,
+    /// Structure that is left.
+    pub signature: Option<Signature>,
+    /// Error before and after, by channel.
+    pub gain: Vec<Gain>,
+    /// Share of the repeatable residual over all channels, in units of their noise, that the extension explains.
+    pub explained_share: Option<f64>,
+    /// 95 % interval of that share.
+    pub explained_share_ci95: Option<[f64; 2]>,
+    /// What to measure next.
+    pub next_experiment: Option<String>,
+    /// Path of the extended bench, once it is written.
+    pub extended_bench: Option<String>,
+    /// Parameters that calibration moved.
+    pub calibrated: Vec<Calibrated>,
+    /// Noise by channel.
+    pub noise: Vec<Noise>,
+    /// Candidates of the first step, most evidence first.
+    pub ranking: Vec<Ranked>,
+    /// Evidence that a cause had to pass.
+    pub threshold: f64,
+    /// The bench with calibrated parameters and found effects.
+    #[serde(skip)]
+    pub extended: Option<Bench>,
+    /// Residuals before and after.
+    #[serde(skip)]
+    pub series: Vec<Series>,
+}

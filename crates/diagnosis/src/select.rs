@@ -1,0 +1,218 @@
+//! Forward selection of causes: score, refit, compare; then once more on top of the winner.
+//!
+//! A cause has to lower chi-square by more than the family-wise threshold (chi-square quantile at [`FAMILY_ERROR`]
+//! shared by all candidates) and by more than `p ln n_eff`, and has to lower the error on held-out samples. Chi-square
+//! counts in units of the noise of the best model at hand, its excess and correlation included, so that structure which
+//! no candidate explains makes the test harder rather than every candidate significant.
+
+use crate::fit::{Fit, fit};
+use crate::gain;
+use crate::model::{Candidate, Model};
+use crate::noise::NoiseModel;
+use crate::rank::{Origin, Score, correlation, refit, scores};
+use crate::session::Data;
+use bench::respond::RespondError;
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Chance that a clean log names anything.
+const FAMILY_ERROR: f64 = 0.002;
+/// Candidates that are refitted.
+const GROUP: usize = 8;
+/// Chi-square over samples from which a base counts as far off.
+const FAR: f64 = 1.5;
+/// Distance of objectives on the first cycle, absolute and relative, within which a candidate is fitted on everything,
+/// and most of those.
+const NEAR: f64 = 400.0;
+const NEAR_SHARE: f64 = 1.0;
+const CLOSE: usize = 4;
+/// Least score that is worth a refit.
+const WORTH: f64 = 4.0;
+/// Change of a noise weight that calls for another round.
+const SETTLED: f64 = 1.15;
+const MOST_ROUNDS: usize = 4;
+/// Most causes at once.
+pub(crate) const MOST_CAUSES: usize = 2;
+/// Difference of the criterion within which two candidates fit equally: odds of 20 to 1.
+const EQUAL: f64 = 6.0;
+
+/// A refitted candidate of a stage.
+pub(crate) struct Contender {
+    pub(crate) candidate: Candidate,
+    pub(crate) fit: Fit,
+    /// Fall of chi-square.
+    pub(crate) evidence: f64,
+    pub(crate) probability: f64,
+    /// Correlation of its projected signature with the best one's.
+    pub(crate) correlation: f64,
+    criterion: f64,
+}
+
+/// One step of the forward selection.
+pub(crate) struct Stage {
+    /// The model before, fitted with this stage's noise.
+    pub(crate) base: Fit,
+    /// Refitted candidates, best first.
+    pub(crate) contenders: Vec<Contender>,
+    pub(crate) noise: NoiseModel,
+    pub(crate) threshold: f64,
+    /// Whether the best one is a cause.
+    pub(crate) accepted: bool,
+}
+
+impl Stage {
+    /// Contenders that fit as well as the best one.
+    pub(crate) fn equals(&self) -> impl Iterator<Item = &Contender> {
+        let best = self.contenders.first().map_or(0.0, |c| c.criterion);
+        self.contenders.iter().skip(1).filter(move |c| c.criterion - best < EQUAL)
+    }
+}
+
+fn threshold(parameters: usize, family: usize) -> f64 {
+    let quantile = 1.0 - FAMILY_ERROR / family.max(1) as f64;
+    ChiSquared::new(parameters.max(1) as f64).map_or(f64::INFINITY, |d| d.inverse_cdf(quantile))
+}
+
+/// The logs as a selection needs them.
+pub(crate) struct Views {
+    /// Everything.
+    pub(crate) whole: Data,
+    /// Up to the last fitted sample.
+    pub(crate) fitted: Data,
+    /// The first cycle.
+    pub(crate) coarse: Option<Data>,
+}
+
+/// Scores, refits and compares candidates on top of `model`.
+pub(crate) fn stage(
+    views: &Views,
+    floors: &NoiseModel,
+    mut noise: NoiseModel,
+    (model, start): (&Model, &[f64]),
+    candidates: &[Candidate],
+) -> Result<Stage, RespondError> {
+    let data = &views.fitted;
+    let free: Vec<Candidate> = candidates.iter().filter(|c| !model.chosen.contains(c)).copied().collect();
+    let mut start = start.to_vec();
+    let mut round = 0;
+    loop {
+        round += 1;
+        if let Some(coarse) = &views.coarse {
+            start = fit(coarse, &noise, model.clone(), start)?.z;
+        }
+        let base = fit(data, &noise, model.clone(), start.clone())?;
+        let scored = scores(data, &noise, &base, &free)?;
+        let samples = noise.effective_samples(data).max(2.0);
+        let fits = contend(views, &noise, &base, &scored)?;
+        let contender = |fit: Fit| {
+            let added = fit.model.parameters.len() - base.model.parameters.len();
+            let candidate = *fit.model.chosen.last()?;
+            let criterion = fit.objective + added as f64 * samples.ln();
+            let evidence = base.objective - fit.objective;
+            Some(Contender { candidate, fit, evidence, probability: 0.0, correlation: 0.0, criterion })
+        };
+        let mut contenders: Vec<Contender> = fits.into_iter().filter_map(contender).collect();
+        contenders.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let best = contenders.first().filter(|c| c.criterion < base.objective).map_or(&base, |c| &c.fit);
+        let next = floors.inflated(data, &data.residual(&best.simulation.columns));
+        if next.change(&noise) > SETTLED && round < MOST_ROUNDS {
+            noise = next;
+            start = base.z;
+            continue;
+        }
+        let added =
+            contenders.first().map_or(1, |c| c.fit.model.parameters.len() - base.model.parameters.len());
+        let threshold = threshold(added, free.len()).max(added as f64 * samples.ln());
+        main_effect_first(&mut contenders, threshold);
+        weigh(&mut contenders, base.objective);
+        relate(&mut contenders, &base, &scored);
+        let accepted = match contenders.first() {
+            Some(c) if c.evidence > threshold => gain::improves(&views.whole, &noise, &base, &c.fit)?,
+            _ => false,
+        };
+        return Ok(Stage { base, contenders, noise, threshold, accepted });
+    }
+}
+
+/// Fits the likely candidates.
+///
+/// Near the optimum the scores say which: sensitivities hold. A base that is far off has bent its parameters to imitate
+/// what it lacks, and scores there mean little; then every effect of the plant is searched for on the first cycle.
+fn contend(
+    views: &Views,
+    noise: &NoiseModel,
+    base: &Fit,
+    scored: &[Score],
+) -> Result<Vec<Fit>, RespondError> {
+    let data = &views.fitted;
+    let far = base.objective > FAR * base.residual.len() as f64;
+    if !far {
+        let group: Vec<&Score> = scored.iter().filter(|s| s.evidence > WORTH).take(GROUP).collect();
+        return group.par_iter().map(|s| refit(data, noise, base, s)).collect();
+    }
+    let sensors = scored.iter().filter(|s| s.candidate.channel.is_some()).take(GROUP);
+    let group: Vec<&Score> = scored.iter().filter(|s| s.candidate.channel.is_none()).chain(sensors).collect();
+    let coarse = views.coarse.as_ref().unwrap_or(data);
+    let origin = Origin::new(coarse, noise, base)?;
+    let glance = |s: &&Score| Ok((s.candidate, origin.search(base, s)?));
+    let found: Result<Vec<_>, RespondError> = group.par_iter().map(glance).collect();
+    let mut found = found?;
+    found.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    found.truncate(GROUP);
+    // To the optimum on the first cycle, then on everything for those that come near the best.
+    let settle = |(candidate, (z, _)): (Candidate, (Vec<f64>, f64))| {
+        fit(coarse, noise, base.model.with(candidate, noise), z)
+    };
+    let settled: Result<Vec<Fit>, RespondError> = found.into_par_iter().map(settle).collect();
+    let mut settled = settled?;
+    settled.sort_by(|a, b| a.objective.total_cmp(&b.objective));
+    let best = settled.first().map_or(0.0, |f| f.objective);
+    let near = NEAR.max(NEAR_SHARE * best);
+    let close = settled.into_iter().take(CLOSE).filter(|f| f.objective < best + near);
+    close.collect::<Vec<_>>().into_par_iter().map(|f| fit(data, noise, f.model, f.z)).collect()
+}
+
+/// Posterior shares from the criterion, the model without any candidate included.
+fn weigh(contenders: &mut [Contender], base: f64) {
+    let least = contenders.iter().map(|c| c.criterion).fold(base, f64::min);
+    let weight = |criterion: f64| (-0.5 * (criterion - least)).exp();
+    let sum = contenders.iter().fold(weight(base), |sum, c| sum + weight(c.criterion));
+    contenders.iter_mut().for_each(|c| c.probability = weight(c.criterion) / sum);
+}
+
+fn relate(contenders: &mut [Contender], base: &Fit, scored: &[Score]) {
+    let score_of = |candidate: &Candidate| scored.iter().find(|s| s.candidate == *candidate);
+    let Some(best) = contenders.first().and_then(|c| score_of(&c.candidate)) else { return };
+    for contender in contenders {
+        contender.correlation = score_of(&contender.candidate).map_or(0.0, |s| correlation(base, best, s));
+    }
+}
+
+/// Whether the first of two causes is still needed beside the second.
+pub(crate) fn first_is_needed(data: &Data, stage: &Stage, nominal: &Model) -> Result<bool, RespondError> {
+    let Some(best) = stage.contenders.first() else { return Ok(true) };
+    let alone = nominal.with(best.candidate, &stage.noise);
+    let own = best.fit.model.of_effect(best.fit.model.chosen.len() - 1);
+    let mut z: Vec<f64> = best.fit.z.iter().take(nominal.parameters.len()).copied().collect();
+    z.extend(own.iter().filter_map(|&i| best.fit.z.get(i)));
+    let alone = fit(data, &stage.noise, alone, z)?;
+    Ok(alone.objective - best.fit.objective > stage.threshold)
+}
+
+/// The effect whose refinement an effect is: friction that grows with load refines dry friction.
+fn refines(name: &str) -> Option<&'static str> {
+    match name {
+        "load-dependent-friction" | "coulomb-asymmetry" => Some("coulomb-level"),
+        _ => None,
+    }
+}
+
+/// A refinement enters after its main effect, if that is a cause by itself (the principle of marginality): moves the
+/// main effect to the front. Where the refinement was the whole truth, the main effect goes again as needless.
+fn main_effect_first(contenders: &mut [Contender], threshold: f64) {
+    let main = contenders.first().and_then(|c| refines(c.candidate.kind.name));
+    let place = contenders.iter().position(|c| Some(c.candidate.kind.name) == main && c.evidence > threshold);
+    if let Some(stretch) = place.and_then(|p| contenders.get_mut(..=p)) {
+        stretch.rotate_right(1);
+    }
+}

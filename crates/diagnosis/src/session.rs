@@ -1,0 +1,320 @@
+//! Logs prepared for comparison: inputs smoothed, cycles found, every sample fitted, held out or left out.
+
+use bench::log::LogError;
+use bench::respond::{Inputs, Response};
+use bench::{Bench, Channel, MeasuredLog};
+
+/// Left out at the start of a transmission bench's log beyond the load's ramp: the journal's landing.
+const START_MARGIN_S: f64 = 0.010;
+/// Left out at the end of it: the smoothing of the drive is one-sided there.
+const END_MARGIN_S: f64 = 0.010;
+/// Blocks that a log without cycles is cut into; every second one is held out.
+const BLOCKS: usize = 16;
+/// Hysteresis of the cycle finder, as a share of the motion's range.
+const HYSTERESIS: f64 = 0.2;
+
+/// What a sample is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Use {
+    /// Nothing.
+    Skip,
+    /// Fitted.
+    Fit,
+    /// Held out: only compared.
+    Held,
+}
+
+/// One log.
+pub(crate) struct Session {
+    pub(crate) source: String,
+    pub(crate) inputs: Inputs,
+    pub(crate) uses: Vec<Use>,
+    /// Cycles since the first crossing of the middle of the motion; the whole part counts cycles.
+    pub(crate) phase: Option<Vec<f64>>,
+    pub(crate) position: Vec<f64>,
+    pub(crate) speed: Vec<f64>,
+    pub(crate) load: Vec<f64>,
+}
+
+/// One output channel of one log.
+pub(crate) struct Block {
+    pub(crate) session: usize,
+    pub(crate) channel: Channel,
+    pub(crate) measured: Vec<f64>,
+}
+
+/// All logs.
+pub(crate) struct Data {
+    pub(crate) sessions: Vec<Session>,
+    pub(crate) blocks: Vec<Block>,
+    /// Channels of the blocks, each once, in order.
+    pub(crate) channels: Vec<Channel>,
+}
+
+/// One value a sample for every block of [`Data`].
+pub(crate) type Columns = Vec<Vec<f64>>;
+
+impl Data {
+    /// Prepares logs; without `held_out` a part of each log is held out.
+    pub(crate) fn new(
+        bench: &Bench,
+        logs: &[MeasuredLog],
+        held_out: &[MeasuredLog],
+    ) -> Result<Self, LogError> {
+        let mut sessions = Vec::new();
+        let mut blocks = Vec::new();
+        for (log, fitted) in logs.iter().map(|l| (l, true)).chain(held_out.iter().map(|l| (l, false))) {
+            let inputs = Inputs::new(bench, log)?;
+            let first = sessions.len();
+            let session = Session::new(bench, log, inputs, fitted, held_out.is_empty());
+            let simulated = simulable(bench, log);
+            for (channel, values) in log.outputs().filter(|(c, _)| simulated.contains(c)) {
+                blocks.push(Block { session: first, channel, measured: values.to_vec() });
+            }
+            if !blocks.iter().any(|b: &Block| b.session == first) {
+                return Err(LogError::Content {
+                    file: log.source.clone(),
+                    found: "no output channel that this plant simulates".into(),
+                    expected: "at least one measured output of the plant, such as a force or a position"
+                        .into(),
+                });
+            }
+            let used = session.uses.iter().filter(|u| **u != Use::Skip).count();
+            if used < 32 {
+                return Err(LogError::Content {
+                    file: log.source.clone(),
+                    found: format!("{used} samples after the start transient"),
+                    expected: "at least 32".into(),
+                });
+            }
+            sessions.push(session);
+        }
+        let mut channels: Vec<Channel> = blocks.iter().map(|b| b.channel).collect();
+        channels.sort();
+        channels.dedup();
+        Ok(Self { sessions, blocks, channels })
+    }
+
+    /// The same without what comes after the last fitted sample: all that a fit has to simulate.
+    pub(crate) fn fitted(&self) -> Self {
+        self.view(|s| s.uses.iter().rposition(|u| *u == Use::Fit).map_or(0, |last| last + 1))
+    }
+
+    /// The first fitted cycle, to get near with cheap simulations; `None` where that saves nothing.
+    pub(crate) fn coarse(&self) -> Option<Self> {
+        let view = self.view(|s| match &s.phase {
+            Some(phase) => {
+                let start = phase.first().copied().unwrap_or_default();
+                phase.partition_point(|p| *p < start + 1.0)
+            }
+            None => s.uses.len(),
+        });
+        let samples = |d: &Self| d.sessions.iter().map(|s| s.uses.len()).sum::<usize>();
+        (samples(&view) < samples(self)).then_some(view)
+    }
+
+    /// Shortens every session to a count of samples and leaves out those that keep none.
+    fn view(&self, count: impl Fn(&Session) -> usize) -> Self {
+        let mut place = Vec::new();
+        let mut sessions = Vec::new();
+        for session in &self.sessions {
+            let count = count(session);
+            place.push((count > 0).then_some((sessions.len(), count)));
+            if count > 0 {
+                sessions.push(session.first(count));
+            }
+        }
+        let short = |b: &Block| {
+            let (session, count) = place.get(b.session).copied().flatten()?;
+            let measured = b.measured.get(..count)?.to_vec();
+            Some(Block { session, channel: b.channel, measured })
+        };
+        let blocks = self.blocks.iter().filter_map(short).collect();
+        Self { sessions, blocks, channels: self.channels.clone() }
+    }
+
+    /// The columns of simulated outputs, one response a session.
+    pub(crate) fn columns(&self, responses: &[Response]) -> Columns {
+        self.blocks
+            .iter()
+            .map(|b| {
+                let values = responses.get(b.session).and_then(|r| r.get(&b.channel));
+                values.cloned().unwrap_or_else(|| vec![0.0; b.measured.len()])
+            })
+            .collect()
+    }
+
+    /// Measured less simulated.
+    pub(crate) fn residual(&self, simulated: &Columns) -> Columns {
+        self.blocks
+            .iter()
+            .zip(simulated)
+            .map(|(b, s)| b.measured.iter().zip(s).map(|(m, s)| m - s).collect())
+            .collect()
+    }
+
+    /// What each sample of a block is for.
+    pub(crate) fn uses(&self, block: &Block) -> &[Use] {
+        &self.sessions[block.session].uses
+    }
+
+    /// Samples of a channel that are used so.
+    pub(crate) fn count(&self, channel: Channel, wanted: Use) -> usize {
+        let of = |b: &Block| self.uses(b).iter().filter(|u| **u == wanted).count();
+        self.blocks.iter().filter(|b| b.channel == channel).map(of).sum()
+    }
+}
+
+/// Outputs that the plant simulates under the log's inputs.
+fn simulable(bench: &Bench, log: &MeasuredLog) -> Vec<Channel> {
+    let channels = log.outputs().map(|(c, _)| c);
+    match bench {
+        Bench::Transmission(_) => {
+            channels.filter(|c| !matches!(c, Channel::DriveTorque | Channel::BearingTemperature)).collect()
+        }
+        Bench::FrictionRig(rig) => {
+            let effort = rig.channels().2;
+            channels.filter(|c| *c == effort || *c == Channel::FrictionTorque).collect()
+        }
+    }
+}
+
+impl Session {
+    fn new(bench: &Bench, log: &MeasuredLog, inputs: Inputs, fitted: bool, split: bool) -> Self {
+        let times = &log.time_s;
+        let motions: Vec<_> = times.iter().map(|&t| inputs.drive(t)).collect();
+        let position: Vec<f64> = motions.iter().map(|m| m.value).collect();
+        let phase = phases(times, &position);
+        let start = times.first().copied().unwrap_or_default();
+        let end = times.last().copied().unwrap_or_default();
+        let (from, to) = match bench {
+            Bench::Transmission(b) => (start + b.load.ramp_s + START_MARGIN_S, end - END_MARGIN_S),
+            Bench::FrictionRig(_) => (start, end),
+        };
+        let cycles = phase.as_ref().map_or(0.0, |p| last_of(p) - p.first().copied().unwrap_or_default());
+        // Whole cycles: the first half of them, rounded up, is fitted.
+        let whole = (cycles + 0.05).floor();
+        let held_from =
+            if whole >= 2.0 { start + (end - start) * (0.5 * whole).ceil() / cycles.max(1.0) } else { end };
+        let block_s = (end - start) / BLOCKS as f64;
+        let uses = times
+            .iter()
+            .map(|&t| {
+                if t < from || t > to {
+                    Use::Skip
+                } else if !fitted {
+                    Use::Held
+                } else if !split {
+                    Use::Fit
+                } else if whole >= 2.0 {
+                    if t < held_from { Use::Fit } else { Use::Held }
+                } else if ((t - start) / block_s) as usize % 2 == 1 {
+                    Use::Held
+                } else {
+                    Use::Fit
+                }
+            })
+            .collect();
+        Self {
+            source: log.source.clone(),
+            uses,
+            phase,
+            speed: motions.iter().map(|m| m.rate).collect(),
+            load: times.iter().map(|&t| inputs.load_n(t)).collect(),
+            position,
+            inputs,
+        }
+    }
+}
+
+impl Session {
+    fn first(&self, count: usize) -> Self {
+        let cut = |values: &[f64]| values.get(..count).unwrap_or(values).to_vec();
+        Self {
+            source: self.source.clone(),
+            inputs: self.inputs.first(count),
+            uses: self.uses.get(..count).unwrap_or(&self.uses).to_vec(),
+            phase: self.phase.as_deref().map(cut),
+            position: cut(&self.position),
+            speed: cut(&self.speed),
+            load: cut(&self.load),
+        }
+    }
+}
+
+fn last_of(values: &[f64]) -> f64 {
+    values.last().copied().unwrap_or_default()
+}
+
+/// Cycles since the first upward crossing of the middle of the motion, from at least two such crossings; the mean
+/// period serves before the first and after the last.
+fn phases(time_s: &[f64], position: &[f64]) -> Option<Vec<f64>> {
+    let low = position.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = position.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (middle, margin) = (0.5 * (low + high), HYSTERESIS * (high - low));
+    let mut crossings: Vec<f64> = Vec::new();
+    let (mut armed, mut last) = (false, None);
+    for (pair, times) in position.windows(2).zip(time_s.windows(2)) {
+        let (&[x0, x1], &[t0, t1]) = (pair, times) else { continue };
+        if x0 < middle - margin {
+            armed = true;
+        }
+        if x0 <= middle && x1 > middle {
+            last = Some(t0 + (t1 - t0) * (middle - x0) / (x1 - x0));
+        }
+        if armed && x1 > middle + margin {
+            armed = false;
+            crossings.extend(last.take());
+        }
+    }
+    let (&first, &final_) = (crossings.first()?, crossings.last()?);
+    if crossings.len() < 2 || margin <= 0.0 {
+        return None;
+    }
+    let intervals = (crossings.len() - 1) as f64;
+    let period = (final_ - first) / intervals;
+    let phase = |t: f64| {
+        if t < first {
+            (t - first) / period
+        } else if t >= final_ {
+            intervals + (t - final_) / period
+        } else {
+            let i = crossings.partition_point(|&c| c <= t).max(1);
+            let (a, b) = (crossings[i - 1], crossings.get(i).copied().unwrap_or(final_ + period));
+            (i - 1) as f64 + (t - a) / (b - a)
+        }
+    };
+    Some(time_s.iter().map(|&t| phase(t)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_count_uneven_strokes() {
+        // Triangle strokes whose cycles last 2, 3 and 2 s.
+        let mut time = Vec::new();
+        let mut position = Vec::new();
+        let mut t0 = 0.0;
+        for period in [2.0, 3.0, 2.0] {
+            for i in 0..200 {
+                let u = f64::from(i) / 200.0;
+                time.push(t0 + u * period);
+                position.push(if u < 0.5 { 2.0 * u } else { 2.0 - 2.0 * u });
+            }
+            t0 += period;
+        }
+        let phase = phases(&time, &position).unwrap();
+        assert!((phase[50] - 0.0).abs() < 1e-9, "{}", phase[50]);
+        assert!((phase[250] - 1.0).abs() < 1e-9 && (phase[450] - 2.0).abs() < 1e-9);
+        assert!(phase.windows(2).all(|w| w[1] > w[0]));
+    }
+
+    #[test]
+    fn a_single_stroke_has_no_phase() {
+        let time: Vec<f64> = (0..100).map(f64::from).collect();
+        assert!(phases(&time, &time).is_none());
+        assert!(phases(&time, &vec![1.0; 100]).is_none());
+    }
+}

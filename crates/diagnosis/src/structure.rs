@@ -1,0 +1,101 @@
+//! Where structure sits: the quantity over whose bins the residual's mean varies most.
+
+use crate::session::{Columns, Data, Session, Use};
+use bench::Channel;
+
+/// Share of the best quantity's explained power at which a plainer one is preferred.
+const PLAINER: f64 = 0.85;
+
+struct Feature {
+    name: &'static str,
+    bins: usize,
+    read: fn(&Session, usize) -> Option<f64>,
+}
+
+/// Plain ones first.
+const FEATURES: &[Feature] = &[
+    Feature { name: "direction", bins: 2, read: |s, i| Some(s.speed[i].signum()) },
+    Feature { name: "load", bins: 4, read: |s, i| Some(s.load[i]) },
+    Feature { name: "load times direction", bins: 8, read: |s, i| Some(s.load[i] * s.speed[i].signum()) },
+    Feature { name: "speed", bins: 8, read: |s, i| Some(s.speed[i]) },
+    Feature { name: "position", bins: 8, read: |s, i| Some(s.position[i]) },
+    Feature { name: "time", bins: 12, read: |s, i| s.inputs.time_s().get(i).copied() },
+    Feature { name: "cycle phase", bins: 24, read: |s, i| s.phase.as_ref().map(|p| p[i].rem_euclid(1.0)) },
+];
+
+/// The quantity's name, and in words where the residual of a channel is largest.
+pub(crate) fn describe(data: &Data, residual: &Columns, channel: Channel) -> (&'static str, String) {
+    let binned: Vec<(&Feature, Vec<Bin>, f64)> = FEATURES
+        .iter()
+        .filter_map(|feature| {
+            let bins = bins(data, residual, channel, feature)?;
+            let total: f64 = bins.iter().map(|b| b.count).sum();
+            let explained = bins.iter().map(|b| b.count * b.mean * b.mean).sum::<f64>() / total;
+            Some((feature, bins, explained))
+        })
+        .collect();
+    let most = binned.iter().map(|b| b.2).fold(0.0, f64::max);
+    let Some((feature, bins, _)) = binned.iter().find(|b| b.2 >= PLAINER * most) else {
+        return ("none", "nowhere in particular".into());
+    };
+    let low = bins.iter().min_by(|a, b| a.mean.total_cmp(&b.mean));
+    let high = bins.iter().max_by(|a, b| a.mean.total_cmp(&b.mean));
+    let unit = channel.unit();
+    let words = match (low, high) {
+        (Some(low), Some(high)) => format!(
+            "varies with {}: mean residual {:+.3e} {unit} at {} and {:+.3e} {unit} at {}",
+            feature.name,
+            high.mean,
+            high.words(feature.name),
+            low.mean,
+            low.words(feature.name),
+        ),
+        _ => String::new(),
+    };
+    (feature.name, words)
+}
+
+struct Bin {
+    from: f64,
+    to: f64,
+    mean: f64,
+    count: f64,
+}
+
+impl Bin {
+    fn words(&self, feature: &str) -> String {
+        match feature {
+            "direction" if self.to > 0.0 => "forward motion".into(),
+            "direction" => "backward motion".into(),
+            _ => format!("{:.3} to {:.3}", self.from, self.to),
+        }
+    }
+}
+
+/// Bins of equal counts, so that no bin is a few outliers.
+fn bins(data: &Data, residual: &Columns, channel: Channel, feature: &Feature) -> Option<Vec<Bin>> {
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for (block, values) in data.blocks.iter().zip(residual).filter(|(b, _)| b.channel == channel) {
+        let session = &data.sessions[block.session];
+        for (i, value) in values.iter().enumerate().filter(|(i, _)| session.uses[*i] != Use::Skip) {
+            points.push(((feature.read)(session, i)?, *value));
+        }
+    }
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (first, last) = (points.first()?.0, points.last()?.0);
+    if last - first <= 1e-3 * last.abs().max(first.abs()) {
+        return None;
+    }
+    let groups: Vec<&[(f64, f64)]> = if feature.name == "direction" {
+        points.chunk_by(|a, b| a.0 == b.0).collect()
+    } else {
+        points.chunks(points.len().div_ceil(feature.bins)).collect()
+    };
+    let bin = |group: &&[(f64, f64)]| Bin {
+        from: group.first().map_or(0.0, |p| p.0),
+        to: group.last().map_or(0.0, |p| p.0),
+        mean: group.iter().map(|p| p.1).sum::<f64>() / group.len().max(1) as f64,
+        count: group.len() as f64,
+    };
+    Some(groups.iter().map(bin).collect())
+}

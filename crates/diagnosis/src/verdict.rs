@@ -1,0 +1,309 @@
+//! The diagnosis as a whole, and the rules that make a verdict of the figures.
+//!
+//! 1. A first cause is accepted by [`crate::select`], and a second one on top of it; the first one goes if the second
+//!    makes it needless.
+//! 2. No cause: `none` where [`crate::leftover`] finds nothing, else `unknown`.
+//! 3. Causes and nothing left over: `named`; `ambiguous` where another candidate fits equally.
+//! 4. Causes and something left over: they still count where they explain at least [`MAIN_SHARE`] of the repeatable
+//!    residual on held-out samples (the second one: of what the first leaves), with a lower bound of the interval above 0: a real bench always has structure beyond any
+//!    library. What is left stands in the signature. Below that share the answer is `unknown`: a cause that explains
+//!    little is more often an imitation than a part.
+
+use crate::experiment::propose;
+use crate::fit::{Fit, fit, simulate};
+use crate::gain::gains;
+use crate::leftover;
+use crate::model::{Candidate, Model};
+use crate::noise::NoiseModel;
+use crate::rank::candidates;
+use crate::result::{
+    Ambiguous, Calibrated, Cause, Diagnosis, Noise, ParameterEstimate, Ranked, Series, Signature, Verdict,
+};
+use crate::select::{Contender, MOST_CAUSES, Stage, Views, first_is_needed, stage};
+use crate::session::{Columns, Data, Use};
+use bench::log::LogError;
+use bench::respond::RespondError;
+use bench::{Bench, MeasuredLog};
+
+/// Share of the repeatable held-out residual that causes have to explain where structure is left.
+const MAIN_SHARE: f64 = 0.75;
+/// Factor of a standard deviation to a 95 % interval.
+const NINETY_FIVE: f64 = 1.96;
+
+/// What is told of the progress: the share done, and what comes next.
+pub type Progress = dyn Fn(f64, &str) + Sync;
+
+/// Choices of a diagnosis.
+#[derive(Clone, Copy, Default)]
+pub struct Options<'a> {
+    /// Effects that are not considered.
+    pub exclude: &'a [String],
+    /// Called now and then.
+    pub progress: Option<&'a Progress>,
+}
+
+/// Why a diagnosis failed.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnosisError {
+    /// A log is unusable.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The nominal bench cannot be simulated.
+    #[error(transparent)]
+    Respond(#[from] RespondError),
+    /// Nothing to diagnose.
+    #[error("no log given; expected at least one")]
+    NoLog,
+}
+
+/// Diagnoses logs of one bench. Without `held_out` a part of each log is held out.
+pub fn diagnose(
+    bench: &Bench,
+    logs: &[MeasuredLog],
+    held_out: &[MeasuredLog],
+    options: &Options<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    if logs.is_empty() {
+        return Err(DiagnosisError::NoLog);
+    }
+    let say = |share: f64, words: &str| {
+        if let Some(progress) = options.progress {
+            progress(share, words);
+        }
+    };
+    say(0.0, "reading the motion");
+    let whole = Data::new(bench, logs, held_out)?;
+    let described = simulate(&whole, bench, None)?;
+    let floors = NoiseModel::floors(bench, &whole, &whole.residual(&described.columns));
+    let fitted = whole.fitted();
+    let views = Views { coarse: fitted.coarse(), fitted, whole };
+    let nominal = Model::nominal(bench);
+    let all = candidates(bench, &views.whole, options.exclude);
+    say(0.1, "calibrating, ranking the effects");
+    let zero = vec![0.0; nominal.parameters.len()];
+    let mut stages = vec![stage(&views, &floors, floors.clone(), (&nominal, &zero), &all)?];
+    while stages.len() < MOST_CAUSES {
+        let Some(last) = stages.last().filter(|s| s.accepted) else { break };
+        let Some(best) = last.contenders.first() else { break };
+        say(0.6, "looking for a second cause");
+        let noise = floors.inflated(&views.fitted, &views.fitted.residual(&best.fit.simulation.columns));
+        let next = stage(&views, &floors, noise, (&best.fit.model, &best.fit.z), &all)?;
+        stages.push(next);
+    }
+    say(0.9, "testing what is left");
+    let judged = judge(bench, &views, &floors, &nominal, &stages)?;
+    say(1.0, "done");
+    Ok(judged)
+}
+
+/// The model that some accepted stages end with.
+struct End {
+    /// Chosen effects with their probability.
+    causes: Vec<(Candidate, f64)>,
+    model: Model,
+    z: Vec<f64>,
+    /// Standard deviations in scaled units.
+    deviations: Vec<f64>,
+    /// Residual of all samples.
+    residual: Columns,
+    noise: NoiseModel,
+    left: Option<Signature>,
+}
+
+impl End {
+    fn new(
+        views: &Views,
+        floors: &NoiseModel,
+        fit: &Fit,
+        causes: Vec<(Candidate, f64)>,
+    ) -> Result<Self, RespondError> {
+        let data = &views.whole;
+        let residual = data.residual(&simulate(data, &fit.model.at(&fit.z), None)?.columns);
+        let noise = floors.inflated(data, &residual);
+        let left = leftover::find(data, &noise, &residual);
+        let deviations = fit.deviations();
+        Ok(Self { causes, model: fit.model.clone(), z: fit.z.clone(), deviations, residual, noise, left })
+    }
+}
+
+/// Ends after no stage, after the first accepted one, after the second.
+fn ends(
+    views: &Views,
+    floors: &NoiseModel,
+    nominal: &Model,
+    stages: &[Stage],
+) -> Result<Vec<End>, DiagnosisError> {
+    let first = stages.first().ok_or(DiagnosisError::NoLog)?;
+    let mut ends = vec![End::new(views, floors, &first.base, Vec::new())?];
+    let mut causes = Vec::new();
+    for stage in stages.iter().filter(|s| s.accepted) {
+        let Some(best) = stage.contenders.first() else { break };
+        causes.push((best.candidate, best.probability));
+        if causes.len() > 1 && !first_is_needed(&views.fitted, stage, nominal)? {
+            causes.remove(0);
+            let model = nominal.with(best.candidate, &stage.noise);
+            let z: Vec<f64> = best.fit.z.iter().take(nominal.parameters.len()).copied().collect();
+            let own = best.fit.model.of_effect(1).into_iter().filter_map(|i| best.fit.z.get(i).copied());
+            let alone = fit(&views.fitted, &stage.noise, model, z.into_iter().chain(own).collect())?;
+            ends.push(End::new(views, floors, &alone, causes.clone())?);
+        } else {
+            ends.push(End::new(views, floors, &best.fit, causes.clone())?);
+        }
+    }
+    Ok(ends)
+}
+
+/// Whether `after` explains most of what `before` leaves, on held-out samples and beyond doubt.
+fn explains_most(data: &Data, before: &End, after: &End) -> bool {
+    let (_, (share, interval)) = gains(data, &after.noise, &before.residual, &after.residual);
+    share.is_some_and(|s| s >= MAIN_SHARE) && interval.is_some_and(|[low, _]| low > 0.0)
+}
+
+/// The number of stages that stand: see the rules above.
+fn standing(data: &Data, ends: &[End]) -> usize {
+    let most = ends.len() - 1;
+    if most == 0 || ends[most].left.is_none() {
+        return most;
+    }
+    if most == 2
+        && (ends[1].left.is_none() || explains_most(data, &ends[0], &ends[1]))
+        && !explains_most(data, &ends[1], &ends[2])
+    {
+        return 1;
+    }
+    if explains_most(data, &ends[0], &ends[most]) { most } else { 0 }
+}
+
+fn judge(
+    bench: &Bench,
+    views: &Views,
+    floors: &NoiseModel,
+    nominal: &Model,
+    stages: &[Stage],
+) -> Result<Diagnosis, DiagnosisError> {
+    let data = &views.whole;
+    let ends = ends(views, floors, nominal, stages)?;
+    let standing = standing(data, &ends);
+    let (before, shown) = (&ends[0], &ends[standing]);
+    let (gain, (share, interval)) = gains(data, &shown.noise, &before.residual, &shown.residual);
+    let deciding = standing.checked_sub(1).and_then(|i| stages.get(i));
+    let equals: Vec<&Contender> = deciding.map_or_else(Vec::new, |s| s.equals().collect());
+    let verdict = match (standing, shown.left.is_some()) {
+        (0, false) if ends.len() == 1 => Verdict::None,
+        (0, _) => Verdict::Unknown,
+        _ if equals.is_empty() => Verdict::Named,
+        _ => Verdict::Ambiguous,
+    };
+    let next_experiment = match (equals.is_empty(), shown.causes.as_slice()) {
+        (false, [(only, _)]) => {
+            let others: Vec<_> = equals.iter().map(|c| (c.candidate, c.fit.z.as_slice())).collect();
+            propose(bench, data, floors, (*only, &shown.z), &others)
+        }
+        _ => None,
+    };
+    let first = stages.first().ok_or(DiagnosisError::NoLog)?;
+    Ok(Diagnosis {
+        verdict,
+        causes: estimates(shown),
+        ambiguous_with: equals
+            .iter()
+            .map(|c| Ambiguous {
+                effect: c.candidate.kind.name.into(),
+                channel: c.candidate.channel,
+                probability: c.probability,
+                correlation: c.correlation,
+            })
+            .collect(),
+        signature: shown.left.clone(),
+        gain,
+        explained_share: share,
+        explained_share_ci95: interval,
+        next_experiment,
+        extended_bench: None,
+        calibrated: calibrated(shown),
+        noise: noises(data, &shown.noise),
+        ranking: ranking(first),
+        threshold: first.threshold,
+        extended: Some(shown.model.at(&shown.z)),
+        series: series(data, &before.residual, &shown.residual),
+    })
+}
+
+fn estimates(end: &End) -> Vec<Cause> {
+    let cause = |which: usize| {
+        let (candidate, probability) = end.causes[which];
+        let parameters = end.model.of_effect(which).into_iter().map(|i| {
+            let (p, half) = (&end.model.parameters[i], NINETY_FIVE * end.deviations[i]);
+            ParameterEstimate {
+                name: p.name().into(),
+                value: p.value(end.z[i]),
+                unit: p.unit.clone(),
+                ci95: [p.value(end.z[i] - half), p.value(end.z[i] + half)],
+            }
+        });
+        Cause {
+            effect: candidate.kind.name.into(),
+            channel: candidate.channel,
+            probability,
+            parameters: parameters.collect(),
+        }
+    };
+    (0..end.causes.len()).map(cause).collect()
+}
+
+fn calibrated(end: &End) -> Vec<Calibrated> {
+    let uncertain =
+        end.model.parameters.iter().zip(&end.z).zip(&end.deviations).filter(|((p, _), _)| p.has_prior());
+    uncertain
+        .map(|((p, &z), d)| Calibrated {
+            name: p.name().into(),
+            described: p.centre,
+            value: p.value(z),
+            declared_deviation: p.scale,
+            deviation: d * p.scale,
+        })
+        .collect()
+}
+
+fn noises(data: &Data, noise: &NoiseModel) -> Vec<Noise> {
+    let of = |&channel: &bench::Channel| {
+        let n = noise.of(channel);
+        Noise {
+            channel,
+            floor: n.floor,
+            declared: n.declared,
+            excess: n.excess,
+            correlation_samples: n.correlation,
+        }
+    };
+    data.channels.iter().map(of).collect()
+}
+
+fn ranking(stage: &Stage) -> Vec<Ranked> {
+    let of = |c: &Contender| Ranked {
+        effect: c.candidate.kind.name.into(),
+        channel: c.candidate.channel,
+        evidence: c.evidence,
+        probability: c.probability,
+    };
+    stage.contenders.iter().map(of).collect()
+}
+
+fn series(data: &Data, before: &Columns, after: &Columns) -> Vec<Series> {
+    let kept = |uses: &[Use], values: &[f64]| -> Vec<f64> {
+        values.iter().zip(uses).filter(|(_, u)| **u != Use::Skip).map(|(v, _)| *v).collect()
+    };
+    let of = |((block, before), after): ((&crate::session::Block, &Vec<f64>), &Vec<f64>)| {
+        let session = &data.sessions[block.session];
+        Series {
+            source: session.source.clone(),
+            channel: block.channel,
+            time_s: kept(&session.uses, session.inputs.time_s()),
+            phase: session.phase.as_ref().map(|p| kept(&session.uses, p)),
+            before: kept(&session.uses, before),
+            after: kept(&session.uses, after),
+            held_out: session.uses.iter().filter(|u| **u != Use::Skip).map(|u| *u == Use::Held).collect(),
+        }
+    };
+    data.blocks.iter().zip(before).zip(after).map(of).collect()
+}
