@@ -14,7 +14,8 @@ pub const SEQUENCE_GAP: Flags = Flags::from_bits(1 << 19);
 pub const TIME_FAULT: Flags = Flags::from_bits(1 << 20);
 /// The window is not full: the rates are taken as 0.
 pub const WINDOW_FILLING: Flags = Flags::from_bits(1 << 21);
-/// In contact, but its onset was not seen (start, or a gap in the samples): the approach speed is the floor.
+/// In contact, but its onset was not seen (start, or a gap in the samples): the approach speed is the one configured
+/// for that case.
 pub const ONSET_NOT_SEEN: Flags = Flags::from_bits(1 << 22);
 
 /// Every remark that means "do not trust the sensors".

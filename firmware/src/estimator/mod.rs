@@ -1,14 +1,17 @@
 //! One tick: a sensor sample becomes an estimate of the contact's forces.
 //!
-//! Checks ([`Plausibility`]) -> window fits of y, z, distance and angle ([`Window`]) -> deformation and its rate
-//! ([`ContactFrame`]) -> onset ([`Latch`]) -> sliding speed -> networks ([`inference::Pair`]) -> force components, torque, flags.
+//! Checks ([`Plausibility`]) -> direction ([`ContactFrame`]) -> window fits of y, z, distance and angle ([`Window`]) -> deformation
+//! and its rate -> onset ([`Latch`]) -> sliding speed -> networks ([`inference::Pair`]) -> force components, torque, flags.
 //!
 //! The distance has a window of its own: the journal swings along the clearance circle at 100 mm/s and more while its distance
 //! from the centre changes by less than 1 mm/s. A rate taken as the projection of two Cartesian slopes would mistake a
 //! fiftieth of the former for the latter.
 //!
-//! The deformation is that of the newest sample (no delay at constant acceleration); how well the rate follows the journal is
-//! told in [`window`]. Until the window is full (3.6 ms) after a start, a gap or a jump, the newest raw position is used and
+//! The contact's direction is that of the newest raw sample: at half a millimetre 0.2 um of noise turn it by 0.4 mrad, a
+//! parabola through a swing of 60 Hz by 28 mrad. The deformation is fitted, at the newest sample (no delay at constant
+//! acceleration); how well the rate follows the journal is told in [`window`]. The swing's part of the sliding speed errs by up to 9,
+//! 19, 31 % of its peak at 30, 45, 60 Hz and 1 rad either way: near its turns the friction's sign is uncertain. Until the
+//! window is full (3.6 ms) after a start, a gap or a jump, the newest raw position is used and
 //! the rates are 0: flagged, not guessed.
 
 mod geometry;
@@ -82,8 +85,8 @@ impl Estimator {
             self.latch.reset();
             self.pair.reset();
         }
-        let raw = ContactFrame::at(frame.journal_y_nm as f32, frame.journal_z_nm as f32);
-        let distance = (raw.distance_nm * DISTANCE_STEPS_PER_NM) as i32;
+        let contact = ContactFrame::at(frame.journal_y_nm as f32, frame.journal_z_nm as f32);
+        let distance = (contact.distance_nm * DISTANCE_STEPS_PER_NM) as i32;
         self.distance.push(distance);
         self.journal_y.push(frame.journal_y_nm);
         self.journal_z.push(frame.journal_z_nm);
@@ -94,10 +97,6 @@ impl Estimator {
 
         let fit = |window: &Window| if full { window.fit() } else { Fit { correction: 0.0, slope: 0.0 } };
         let (y, z, angle) = (fit(&self.journal_y), fit(&self.journal_z), fit(&self.shaft_angle));
-        let contact = ContactFrame::at(
-            frame.journal_y_nm as f32 + y.correction,
-            frame.journal_z_nm as f32 + z.correction,
-        );
         let radial = fit(&self.distance);
         let (y_m_s, z_m_s) = (y.slope * self.setup.per_sample_to_m_s, z.slope * self.setup.per_sample_to_m_s);
         let shaft_speed_rad_s = angle.slope * self.setup.per_sample_to_m_s;

@@ -26,6 +26,7 @@ pub const WINDOW: usize = 36;
 const N: i64 = WINDOW as i64;
 
 /// Numerators of the value's weights by age, over [`VALUE_DENOMINATOR`].
+#[expect(clippy::indexing_slicing, reason = "evaluated by the compiler, which would refuse it")]
 const VALUE: [i32; WINDOW] = {
     let mut weights = [0; WINDOW];
     let mut k = 0;
@@ -39,6 +40,7 @@ const VALUE: [i32; WINDOW] = {
 const VALUE_DENOMINATOR: f32 = (N * (N + 1) * (N + 2)) as f32;
 
 /// Numerators of the slope's weights by age, over [`SLOPE_DENOMINATOR`] samples.
+#[expect(clippy::indexing_slicing, reason = "evaluated by the compiler, which would refuse it")]
 const SLOPE: [i32; WINDOW] = {
     let mut weights = [0; WINDOW];
     let mut k = 0;

@@ -1,0 +1,92 @@
+//! Whatever the sensors say, the answer is finite, pushes and never pulls, and comes at all.
+
+use firmware::Estimator;
+use inference::{Bearing, shipped};
+use link::{Configuration, EstimateFrame, SensorFrame};
+use proptest::prelude::*;
+
+/// Codes of every size: near the clearance, anywhere, and the ends of the range.
+fn code() -> impl Strategy<Value = i32> {
+    prop_oneof![
+        4 => -700_000..700_000_i32,
+        1 => any::<i32>(),
+        1 => prop_oneof![Just(i32::MIN), Just(i32::MAX), Just(0), Just(-1)],
+    ]
+}
+
+fn frame() -> impl Strategy<Value = SensorFrame> {
+    (any::<u32>(), any::<u32>(), code(), code(), code(), code()).prop_map(
+        |(sequence, time_us, journal_y_nm, journal_z_nm, shaft_angle_nrad, load_force_mn)| SensorFrame {
+            sequence,
+            time_us,
+            journal_y_nm,
+            journal_z_nm,
+            shaft_angle_nrad,
+            load_force_mn,
+        },
+    )
+}
+
+fn configuration() -> impl Strategy<Value = Configuration> {
+    let ends = |low: u32, high: u32| prop_oneof![2 => low..=high, 1 => Just(low), 1 => Just(high)];
+    (
+        0..2_u8,
+        ends(1_000, 5_000_000),
+        ends(1_000_000, 1_000_000_000),
+        ends(50, 1_000),
+        ends(1, 1_000_000),
+        ends(1, 1_000_000),
+    )
+        .prop_map(
+            |(bearing, radial_clearance_nm, journal_radius_nm, sample_period_us, floor, unseen)| {
+                Configuration {
+                    bearing,
+                    radial_clearance_nm,
+                    journal_radius_nm,
+                    sample_period_us,
+                    latch_floor_um_s: floor,
+                    unseen_approach_um_s: unseen,
+                }
+            },
+        )
+}
+
+/// Frames by themselves, and runs of frames that follow on, so that the window fills and rates are formed.
+fn sequence() -> impl Strategy<Value = (Vec<SensorFrame>, bool)> {
+    (prop::collection::vec(frame(), 1..120), any::<bool>())
+}
+
+fn is_sound(estimate: &EstimateFrame) -> bool {
+    let all = [
+        estimate.normal_force_n,
+        estimate.force_y_n,
+        estimate.force_z_n,
+        estimate.friction_torque_nm,
+        estimate.deformation_m,
+        estimate.contact_angle_rad,
+    ];
+    all.iter().all(|value| value.is_finite()) && estimate.normal_force_n >= 0.0
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    #[test]
+    fn any_frames_give_finite_estimates((frames, joined) in sequence(), configuration in configuration()) {
+        let bearing = Bearing::from_code(configuration.bearing).unwrap();
+        let mut estimator = Estimator::new(shipped(bearing), configuration).unwrap();
+        for (mut frame, index) in frames.into_iter().zip(0_u32..) {
+            if joined {
+                // Sound clock and small steps wrapped around the codes: no restart of the window but for jumps.
+                frame.sequence = index;
+                frame.time_us = index.wrapping_mul(configuration.sample_period_us);
+                frame.journal_y_nm %= 20_000;
+                frame.journal_z_nm = i32::try_from(configuration.radial_clearance_nm).unwrap() + frame.journal_z_nm % 20_000;
+                frame.shaft_angle_nrad %= 400_000;
+            }
+            let estimate = estimator.step(&frame);
+            prop_assert!(is_sound(&estimate), "{frame:?}: {estimate:?}");
+            prop_assert_eq!((estimate.sequence, estimate.time_us), (frame.sequence, frame.time_us));
+        }
+    }
+}

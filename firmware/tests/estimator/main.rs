@@ -1,0 +1,6 @@
+//! The estimator from outside: sensor frames of known orbits in, forces held against the laws of `contact`.
+
+mod accuracy;
+mod anything;
+mod flags;
+mod orbit;
