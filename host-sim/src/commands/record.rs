@@ -1,0 +1,76 @@
+//! `host-sim record`: a log of the bench as its sensors would take it.
+
+use crate::error::CliError;
+use crate::options::BenchOptions;
+use bench::record::record;
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// File name inside a folder.
+const DEFAULT_NAME: &str = "log.csv";
+
+/// Arguments of `host-sim record`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Examples:\n  host-sim record --cycles 5 --seed 7 --out log.csv\n  \
+    host-sim record --bench worn-bench.toml --cycles 5 --seed 7 --out out/record")]
+pub struct RecordArgs {
+    /// The bench.
+    #[command(flatten)]
+    pub bench: BenchOptions,
+    /// Seed of the sensors' noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Log file, or a folder that gets log.csv.
+    #[arg(long, default_value = "out/record", value_name = "FILE|DIR")]
+    pub out: PathBuf,
+    /// Print what was written as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Serialize)]
+struct Written {
+    log: String,
+    samples: usize,
+    duration_s: f64,
+    channels: Vec<&'static str>,
+    seed: u64,
+}
+
+/// Runs the command.
+pub fn run(args: &RecordArgs) -> Result<(), CliError> {
+    let bench = args.bench.open()?;
+    let log = record(&bench, args.seed)?;
+    let path = file_of(&args.out);
+    log.write(&path)?;
+    let written = Written {
+        log: path.display().to_string(),
+        samples: log.time_s.len(),
+        duration_s: log.time_s.last().copied().unwrap_or_default(),
+        channels: log.channels.keys().map(|c| c.name()).collect(),
+        seed: args.seed,
+    };
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&written).map_err(|e| CliError::Work(e.to_string()))?);
+    } else {
+        println!("{}: {} samples of {} channels", written.log, written.samples, written.channels.len());
+    }
+    Ok(())
+}
+
+/// A path without an extension, or an existing folder, is a folder.
+fn file_of(out: &Path) -> PathBuf {
+    if out.is_dir() || out.extension().is_none() { out.join(DEFAULT_NAME) } else { out.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_gets_a_log_of_the_default_name() {
+        assert_eq!(file_of(Path::new("out/record")), Path::new("out/record/log.csv"));
+        assert_eq!(file_of(Path::new("a.csv")), Path::new("a.csv"));
+    }
+}
