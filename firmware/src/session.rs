@@ -112,9 +112,9 @@ impl Session {
         self.counters.deadline_overruns = self.counters.deadline_overruns.saturating_add(1);
     }
 
-    /// Counts a timer tick of a configured session that found no sample waiting.
-    pub const fn count_idle_tick(&mut self) {
-        if self.running.is_some() {
+    /// Counts a timer tick of a configured session that found no sample waiting. In lockstep the timer paces nothing.
+    pub fn count_idle_tick(&mut self) {
+        if self.running.is_some() && self.hello.target == Target::Silicon {
             self.counters.idle_ticks = self.counters.idle_ticks.saturating_add(1);
         }
     }
@@ -262,5 +262,15 @@ mod tests {
             bad_frames: BadFrames { crc: 1, ..BadFrames::default() },
         };
         assert_eq!(counters, expected);
+    }
+
+    #[test]
+    fn the_emulator_s_timer_counts_for_nothing() {
+        let mut session = session(Target::Emulator);
+        session.handle(&ToController::Configure(CONFIGURATION), &mut NoTicks);
+        session.handle(&sensor(0), &mut Fixed(20_000));
+        session.count_idle_tick();
+        let expected = Counters { samples: 1, ..Counters::default() };
+        assert_eq!(session.handle(&ToController::Stop, &mut NoTicks), ToHost::Stopped(expected));
     }
 }

@@ -1,1 +1,4 @@
-//! placeholder
+//! What the system tests share.
+
+pub mod generator;
+pub mod generator_noise;

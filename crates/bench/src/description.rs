@@ -2,7 +2,7 @@
 
 use crate::channel::Channel;
 use crate::effects::Effect;
-use crate::log_format::LogFormat;
+use crate::log_format::{Columns, TextFormat};
 use crate::sensor::Sensor;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -237,8 +237,11 @@ pub struct TransmissionBench {
     #[serde(default)]
     pub uncertain: BTreeMap<String, f64>,
     /// How a foreign log is read.
-    #[serde(default, skip_serializing_if = "LogFormat::is_default")]
-    pub log: LogFormat,
+    #[serde(default, skip_serializing_if = "TextFormat::is_default")]
+    pub log: TextFormat,
+    /// Where a foreign log's signals come from.
+    #[serde(default, skip_serializing_if = "Columns::is_empty")]
+    pub columns: Columns,
     /// Extensions beyond the nominal model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<Effect>,
@@ -321,8 +324,11 @@ pub struct FrictionRig {
     #[serde(default)]
     pub uncertain: BTreeMap<String, f64>,
     /// How a foreign log is read.
-    #[serde(default, skip_serializing_if = "LogFormat::is_default")]
-    pub log: LogFormat,
+    #[serde(default, skip_serializing_if = "TextFormat::is_default")]
+    pub log: TextFormat,
+    /// Where a foreign log's signals come from.
+    #[serde(default, skip_serializing_if = "Columns::is_empty")]
+    pub columns: Columns,
     /// Extensions beyond the nominal model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<Effect>,

@@ -3,7 +3,7 @@
 use crate::description::{
     BearingMaterial, Bench, DescriptionError, FrictionRig, ShapeName, TransmissionBench,
 };
-use crate::log_format::LogFormat;
+use crate::log_format::{LogFormat, unknown_column};
 use crate::sensor::Sensor;
 use crate::{atomic, channel::Channel, effects::Effect};
 use contact::{FrictionLaw, Material, StribeckShape};
@@ -101,10 +101,10 @@ impl Bench {
     }
 
     /// How a foreign log is read.
-    pub fn log_format(&self) -> &LogFormat {
+    pub fn log_format(&self) -> LogFormat {
         match self {
-            Self::Transmission(bench) => &bench.log,
-            Self::FrictionRig(rig) => &rig.log,
+            Self::Transmission(bench) => LogFormat { text: bench.log, columns: bench.columns.clone() },
+            Self::FrictionRig(rig) => LogFormat { text: rig.log, columns: rig.columns.clone() },
         }
     }
 
@@ -236,6 +236,13 @@ impl Bench {
                     );
                 }
             }
+        }
+        if let Some(name) = unknown_column(&self.log_format().columns) {
+            return refuse(
+                format!("columns.{name}"),
+                "no such channel".into(),
+                "t_s or a channel with its unit, such as position_m",
+            );
         }
         let mut probe = self.clone();
         for (name, deviation) in self.uncertain() {

@@ -2,7 +2,7 @@
 
 use crate::atomic;
 use crate::channel::{Channel, Role};
-use crate::log_format::{Column, ColumnId, LogFormat, Separator};
+use crate::log_format::{Column, ColumnId, LogFormat, Separator, TIME};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -73,22 +73,25 @@ impl MeasuredLog {
             found,
             expected: expected.into(),
         };
-        let mut rows = rows(file, text, format.separator)?.into_iter();
-        let header = if format.header.0 {
+        let mut rows = rows(file, text, format.text.separator)?.into_iter();
+        let header = if format.text.header {
             rows.next().ok_or_else(|| content("an empty file".into(), "a header line with channel names"))?.1
         } else {
             Vec::new()
         };
-        let own_time = Column { from: ColumnId::Name("t_s".into()), scale: 1.0, offset: 0.0 };
-        let time = locate(file, &header, format.time.as_ref().unwrap_or(&own_time))?;
+        let own_time = Column { from: ColumnId::Name(TIME.into()), scale: 1.0, offset: 0.0 };
+        let time_column = format.columns.get(TIME).unwrap_or(&own_time);
+        let time = locate(file, &header, time_column)?;
         let mut wanted: Vec<(Channel, usize, &Column)> = Vec::new();
-        for (&channel, column) in &format.columns {
-            wanted.push((channel, locate(file, &header, column)?, column));
+        for (name, column) in &format.columns {
+            if let Some(channel) = Channel::from_name(name) {
+                wanted.push((channel, locate(file, &header, column)?, column));
+            }
         }
         let plain = Column { from: ColumnId::Index(0), scale: 1.0, offset: 0.0 };
         for (index, name) in header.iter().enumerate() {
             if let Some(channel) = Channel::from_name(name)
-                && !format.columns.contains_key(&channel)
+                && !format.columns.contains_key(channel.name())
             {
                 if wanted.iter().any(|(known, ..)| *known == channel) {
                     return Err(content(format!("the column `{name}` twice"), "every channel once"));
@@ -100,14 +103,13 @@ impl MeasuredLog {
             let names = Channel::ALL.iter().map(|c| c.name()).collect::<Vec<_>>().join(", ");
             return Err(content(
                 format!("no known channel among the columns `{}`", header.join("`, `")),
-                &format!("some of {names}, or a [log.columns] table that maps foreign names"),
+                &format!("some of {names}, or a [columns] table that maps foreign names"),
             ));
         }
-        let scale = format.time.as_ref().map_or((1.0, 0.0), |c| (c.scale, c.offset));
         let mut log = Self { source: file.into(), ..Self::default() };
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
         for (line, row) in rows {
-            let t = scale.0 * number(file, line, &row, time, "t_s")? + scale.1;
+            let t = time_column.scale * number(file, line, &row, time, TIME)? + time_column.offset;
             if let Some(&last) = log.time_s.last()
                 && t <= last
             {
@@ -242,6 +244,7 @@ fn number(file: &str, line: u64, row: &[String], index: usize, column: &str) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log_format::TextFormat;
     use proptest::prelude::*;
 
     fn own() -> LogFormat {
@@ -268,11 +271,12 @@ mod tests {
 
     #[test]
     fn a_foreign_log_is_mapped_scaled_and_shifted() {
-        let format: LogFormat = toml::from_str(
-            "separator = \"whitespace\"\nheader = false\ntime = { from = 0, scale = 1e-3 }\n\
-             [columns]\nposition_m = { from = 2, scale = 1e-3, offset = 1.0 }\n",
+        let columns = toml::from_str(
+            "t_s = { from = 0, scale = 1e-3 }\nposition_m = { from = 2, scale = 1e-3, offset = 1.0 }\n",
         )
         .unwrap();
+        let text = TextFormat { separator: Separator::Whitespace, header: false };
+        let format = LogFormat { text, columns };
         let log = MeasuredLog::parse("x", "0.0\t7 5.0\r\n10.0  7 6.0\r\n", &format).unwrap();
         assert_eq!(log.time_s, [0.0, 0.01]);
         assert_eq!(log.channels[&Channel::Position], [1.005, 1.006]);

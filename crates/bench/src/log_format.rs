@@ -1,57 +1,62 @@
-//! How a foreign log's columns become channels: the `[log]` table of a bench description.
+//! How a foreign log becomes channels: the `[log]` and `[columns]` tables of a bench description.
 
 use crate::channel::Channel;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The `[log]` table. The default reads the project's own CSV.
+/// Name of the time's column, and its key in `[columns]`.
+pub const TIME: &str = "t_s";
+
+/// Where each signal comes from, by its own name; a signal that is not listed comes from the column of its own name.
+pub type Columns = BTreeMap<String, Column>;
+
+/// How a log is read. The default reads the project's own CSV.
 ///
 /// ```toml
 /// [log]
 /// separator = "whitespace"
 /// header = false
-/// time = { from = 0, scale = 1e-3 }
-/// [log.columns]
-/// position_m = { from = 4, scale = 1e-3 }
+///
+/// [columns]
+/// t_s = { from = 0, scale = 1e-3 }
+/// spindle_angle_rad = { from = "qm", scale = 0.0174533 }
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogFormat {
+    /// The `[log]` table.
+    pub text: TextFormat,
+    /// The `[columns]` table.
+    pub columns: Columns,
+}
+
+/// The `[log]` table: how lines fall into fields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TextFormat {
     /// What stands between two fields.
-    #[serde(default)]
     pub separator: Separator,
     /// Whether the first line names the columns.
-    #[serde(default = "yes")]
-    pub header: Header,
-    /// Where the time comes from; `t_s` by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub time: Option<Column>,
-    /// Where each channel comes from; by default from the column of its own name.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub columns: BTreeMap<Channel, Column>,
+    pub header: bool,
 }
 
-fn yes() -> Header {
-    Header(true)
-}
-
-/// Whether a log has a header line; true by default.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct Header(pub bool);
-
-impl Default for Header {
+impl Default for TextFormat {
     fn default() -> Self {
-        yes()
+        Self { separator: Separator::Comma, header: true }
+    }
+}
+
+impl TextFormat {
+    /// Whether this is the project's own CSV.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 }
 
 /// Field separator.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Separator {
     /// `,`
-    #[default]
     Comma,
     /// `;`
     Semicolon,
@@ -89,9 +94,7 @@ fn one() -> f64 {
     1.0
 }
 
-impl LogFormat {
-    /// Whether this is the project's own CSV.
-    pub fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
+/// The first key that is neither the time nor a channel.
+pub fn unknown_column(columns: &Columns) -> Option<&str> {
+    columns.keys().map(String::as_str).find(|&name| name != TIME && Channel::from_name(name).is_none())
 }

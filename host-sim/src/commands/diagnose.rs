@@ -58,7 +58,8 @@ pub fn run(args: &DiagnoseArgs) -> Result<(), CliError> {
 }
 
 fn read(paths: &[PathBuf], bench: &Bench) -> Result<Vec<MeasuredLog>, CliError> {
-    paths.iter().map(|path| Ok(MeasuredLog::read(path, bench.log_format())?)).collect()
+    let format = bench.log_format();
+    paths.iter().map(|path| Ok(MeasuredLog::read(path, &format)?)).collect()
 }
 
 fn json(diagnosis: &Diagnosis) -> Result<String, CliError> {

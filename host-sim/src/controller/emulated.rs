@@ -79,6 +79,7 @@ impl EmulatedController {
     /// Starts the emulator with an image, waits for its greeting and configures it.
     pub fn start(configuration: Configuration, elf: &Path) -> Result<Self, ControllerError> {
         let elf = elf.canonicalize().map_err(|_| ControllerError::FirmwareMissing { path: elf.into() })?;
+        is_for_arm(&elf)?;
         let folder = tempfile::Builder::new().prefix("pintle-").tempdir().map_err(system("a folder for the link"))?;
         let [to_controller, to_host] = ["to-controller", "to-host"].map(|name| folder.path().join(name));
         for pipe in [&to_controller, &to_host] {
@@ -117,7 +118,14 @@ impl EmulatedController {
             last_sequence: None,
         };
         let cause = "The image may not be this project's firmware, or may have crashed at its start.";
-        let hello = match line.answer("its greeting", START_BOUND_S, cause)? {
+        let greeting = line.answer("its greeting", START_BOUND_S, cause).map_err(|error| match error {
+            ControllerError::Ended { status, said, .. } => ControllerError::NotFirmware {
+                path: elf.clone(),
+                found: format!("an image that ended before its greeting ({status}: {said})"),
+            },
+            other => other,
+        })?;
+        let hello = match greeting {
             ToHost::Hello(hello) => greeted(hello)?,
             other => return Err(unexpected(&other, "a greeting")),
         };
@@ -166,6 +174,20 @@ impl Controller for EmulatedController {
             other => Err(unexpected(&other, "the counters")),
         }
     }
+}
+
+/// An ELF file for a 32-bit ARM core. The emulator would run anything else as raw machine code.
+fn is_for_arm(path: &Path) -> Result<(), ControllerError> {
+    /// `e_machine`, little endian.
+    const ARM: [u8; 2] = [40, 0];
+    let mut start = [0; 20];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut start));
+    let found = match read {
+        Err(error) if error.kind() != ErrorKind::UnexpectedEof => error.to_string(),
+        Ok(()) if start.starts_with(b"\x7fELF\x01\x01") && start.ends_with(&ARM) => return Ok(()),
+        _ => "no ELF image for ARM".into(),
+    };
+    Err(ControllerError::NotFirmware { path: path.into(), found })
 }
 
 fn unexpected(found: &ToHost, expected: &str) -> ControllerError {
@@ -255,6 +277,8 @@ impl Line {
             _ => "its end of the link is closed".into(),
         };
         let said = std::fs::read_to_string(self.process.folder.path().join("said")).unwrap_or_default();
-        ControllerError::Ended { status, last_sequence: self.last_sequence, said: said.trim().into() }
+        // After its reason the emulator may list every register.
+        let said = said.trim().lines().next().unwrap_or_default().into();
+        ControllerError::Ended { status, last_sequence: self.last_sequence, said }
     }
 }

@@ -15,6 +15,14 @@ pub enum ControllerError {
         /// Where it was looked for.
         path: PathBuf,
     },
+    /// There is something else.
+    #[error("{path}: found {found}; expected the image that `cargo xtask firmware` builds", path = path.display())]
+    NotFirmware {
+        /// What was to be run.
+        path: PathBuf,
+        /// What it was, or what became of it.
+        found: String,
+    },
     /// The operating system refused something.
     #[error("{what}: {source}")]
     System {
@@ -42,7 +50,7 @@ pub enum ControllerError {
         status: String,
         /// The last sample that was answered.
         last_sequence: Option<u32>,
-        /// What the emulator said, if anything.
+        /// The first line of what the emulator said, if anything.
         said: String,
     },
     /// It speaks another version of the protocol.
