@@ -5,7 +5,8 @@
 
 use super::{Controller, ControllerError, greeted};
 use link::{
-    Configuration, Counters, Decoder, EstimateFrame, Fault, Hello, MAX_FRAME, SensorFrame, ToController, ToHost, encode,
+    Configuration, Counters, Decoder, EstimateFrame, Fault, Hello, MAX_FRAME, SensorFrame, ToController,
+    ToHost, encode,
 };
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{CWD, FileType, Mode, mknodat};
@@ -24,7 +25,8 @@ const ANSWER_BOUND_S: u64 = 5;
 /// How often a silent controller is checked for being alive.
 const CHECK: Duration = Duration::from_millis(100);
 
-const BOARD: &[&str] = &["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "none", "-no-reboot"];
+const BOARD: &[&str] =
+    &["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "none", "-no-reboot"];
 const COUNTING: &[&str] = &["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off"];
 
 /// A running emulator with a configured controller.
@@ -69,18 +71,18 @@ impl EmulatedController {
     /// source tree.
     pub fn default_elf() -> PathBuf {
         let tail = Path::new("thumbv7em-none-eabihf/firmware/estimator");
-        if let Some(target) = std::env::var_os("CARGO_TARGET_DIR") {
-            return Path::new(&target).join(tail);
-        }
-        let here = Path::new("target").join(tail);
-        if here.exists() { here } else { Path::new(env!("CARGO_MANIFEST_DIR")).join("../target").join(tail) }
+        let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+        let here = Path::new(&target).join(tail);
+        let source_tree = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        if here.exists() { here } else { source_tree.join(target).join(tail) }
     }
 
     /// Starts the emulator with an image, waits for its greeting and configures it.
     pub fn start(configuration: Configuration, elf: &Path) -> Result<Self, ControllerError> {
         let elf = elf.canonicalize().map_err(|_| ControllerError::FirmwareMissing { path: elf.into() })?;
         is_for_arm(&elf)?;
-        let folder = tempfile::Builder::new().prefix("pintle-").tempdir().map_err(system("a folder for the link"))?;
+        let folder =
+            tempfile::Builder::new().prefix("pintle-").tempdir().map_err(system("a folder for the link"))?;
         let [to_controller, to_host] = ["to-controller", "to-host"].map(|name| folder.path().join(name));
         for pipe in [&to_controller, &to_host] {
             mknodat(CWD, pipe, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0)
@@ -94,7 +96,8 @@ impl EmulatedController {
         let to_host = options.open(&to_host).map_err(system("the pipe from the controller"))?;
         let to_controller =
             options.write(true).open(&to_controller).map_err(system("the pipe to the controller"))?;
-        let said = File::create(folder.path().join("said")).map_err(system("a file for the emulator's messages"))?;
+        let said =
+            File::create(folder.path().join("said")).map_err(system("a file for the emulator's messages"))?;
         let child = Command::new("qemu-system-arm")
             .args(BOARD)
             .args(COUNTING)
@@ -214,7 +217,12 @@ impl Line {
         }
     }
 
-    fn answer(&mut self, waiting_for: &'static str, bound_s: u64, cause: &'static str) -> Result<ToHost, ControllerError> {
+    fn answer(
+        &mut self,
+        waiting_for: &'static str,
+        bound_s: u64,
+        cause: &'static str,
+    ) -> Result<ToHost, ControllerError> {
         let deadline = Instant::now() + Duration::from_secs(bound_s);
         let mut buffer = [0; 4 * MAX_FRAME];
         loop {
@@ -240,7 +248,9 @@ impl Line {
                     self.check_alive()?;
                 }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(source) => return Err(ControllerError::System { what: "reading from the controller", source }),
+                Err(source) => {
+                    return Err(ControllerError::System { what: "reading from the controller", source });
+                }
             }
             if Instant::now() >= deadline {
                 let last_sequence = self.last_sequence;
@@ -256,7 +266,9 @@ impl Line {
         match poll(&mut watched, Some(&moment)) {
             Ok(ready) => Ok(ready > 0),
             Err(rustix::io::Errno::INTR) => Ok(true),
-            Err(error) => Err(ControllerError::System { what: "waiting for the controller", source: error.into() }),
+            Err(error) => {
+                Err(ControllerError::System { what: "waiting for the controller", source: error.into() })
+            }
         }
     }
 

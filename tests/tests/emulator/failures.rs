@@ -1,0 +1,204 @@
+//! What goes wrong with a controller has a name and an end: nothing hangs, and the last sample that was answered is told.
+
+use crate::frames::{configuration, troubled};
+use host_sim::controller::{Controller, ControllerError, EmulatedController};
+use inference::Bearing;
+use link::{
+    BadFrames, Configuration, Counters, Fault, FrameError, MAX_FRAME, Refusal, SensorFrame, ToController,
+    ToHost, encode,
+};
+use object::{Object, ObjectSection, ObjectSymbol};
+use rustix::process::{Pid, Signal, kill_process};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+fn start() -> EmulatedController {
+    EmulatedController::start(configuration(Bearing::Babbitt), &EmulatedController::default_elf()).unwrap()
+}
+
+fn frames() -> Vec<SensorFrame> {
+    troubled(&configuration(Bearing::Babbitt), 200, 9)
+}
+
+fn signal(controller: &EmulatedController, signal: Signal) {
+    let pid = Pid::from_raw(controller.process_id().try_into().unwrap()).unwrap();
+    kill_process(pid, signal).unwrap();
+}
+
+/// How a start goes wrong, and how long that took.
+fn refused_start(elf: &Path) -> (ControllerError, Duration) {
+    let started = Instant::now();
+    let error = EmulatedController::start(configuration(Bearing::Babbitt), elf).err().unwrap();
+    (error, started.elapsed())
+}
+
+#[test]
+fn disturbed_bytes_are_answered_counted_and_survived() {
+    let frames = frames();
+    let mut undisturbed = start();
+    let mut disturbed = start();
+    let mut damaged = [0; MAX_FRAME];
+    let sound = encode(&ToController::Sensor(frames[50]), &mut damaged).unwrap().len();
+    let damaged = &mut damaged[..sound];
+    damaged[5] ^= 0x10;
+    let mut foreign = [0; MAX_FRAME];
+    let foreign = encode(&ToHost::Stopped(Counters::default()), &mut foreign).unwrap();
+    // Sound stuffing: every 1 stands for a zero.
+    let mut overlong = [1; 3 * MAX_FRAME];
+    overlong[3 * MAX_FRAME - 1] = 0;
+    let disturbances: [(&[u8], FrameError); 4] = [
+        (damaged, FrameError::Crc),
+        (&[200, 1, 2, 3, 0], FrameError::Cobs),
+        (foreign, FrameError::Unknown),
+        (&overlong, FrameError::Overlong),
+    ];
+    for (index, frame) in frames.iter().enumerate() {
+        if let (0, Some((bytes, error))) = (index % 50, disturbances.get(index / 50)) {
+            let answer = disturbed.disturb(bytes).unwrap();
+            assert_eq!(answer, ToHost::Fault(Fault::BadFrame(*error)), "{error}");
+        }
+        let expected = undisturbed.exchange(frame).unwrap();
+        assert!(disturbed.exchange(frame).unwrap().same_bits(&expected), "sample {index}");
+    }
+    let expected = Box::new(undisturbed).finish().unwrap();
+    let counters = Box::new(disturbed).finish().unwrap();
+    assert_eq!(expected.bad_frames.total(), 0);
+    assert_eq!(counters.bad_frames, BadFrames { cobs: 1, crc: 1, overlong: 1, unknown: 1 });
+    assert_eq!(counters, Counters { bad_frames: counters.bad_frames, ..expected });
+}
+
+#[test]
+fn a_killed_emulator_is_noticed_at_once_and_the_last_sample_named() {
+    let mut controller = start();
+    let frames = frames();
+    for frame in &frames[..100] {
+        controller.exchange(frame).unwrap();
+    }
+    signal(&controller, Signal::KILL);
+    let started = Instant::now();
+    let error = controller.exchange(&frames[100]).unwrap_err();
+    assert!(started.elapsed() < Duration::from_secs(3), "{:?}", started.elapsed());
+    let last = frames[99].sequence;
+    match &error {
+        ControllerError::Ended { last_sequence, status, .. } => {
+            assert_eq!(*last_sequence, Some(last));
+            assert!(status.contains("signal: 9"), "{status}");
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(error.to_string().contains(&format!("last sequence number answered: {last}")), "{error}");
+    // And again: it does not come back.
+    assert!(matches!(controller.exchange(&frames[101]), Err(ControllerError::Ended { .. })));
+}
+
+#[test]
+fn a_silent_controller_times_out_within_its_bound_and_the_last_sample_is_named() {
+    let mut controller = start();
+    let frames = frames();
+    for frame in &frames[..10] {
+        controller.exchange(frame).unwrap();
+    }
+    signal(&controller, Signal::STOP);
+    let started = Instant::now();
+    let error = controller.exchange(&frames[10]).unwrap_err();
+    let took = started.elapsed();
+    assert!(took >= Duration::from_secs(5) && took < Duration::from_secs(7), "{took:?}");
+    match &error {
+        ControllerError::TimedOut { last_sequence, bound_s, waiting_for, .. } => {
+            assert_eq!((*last_sequence, *bound_s, *waiting_for), (Some(frames[9].sequence), 5, "a sample"));
+        }
+        other => panic!("{other:?}"),
+    }
+    // A stopped process ends no less for it.
+    let gone = Path::new("/proc").join(controller.process_id().to_string());
+    assert!(gone.exists());
+    drop(controller);
+    assert!(!gone.exists());
+}
+
+#[test]
+fn an_answer_that_comes_too_late_is_not_taken_for_the_next_one() {
+    let mut controller = start();
+    let frames = frames();
+    controller.exchange(&frames[0]).unwrap();
+    signal(&controller, Signal::STOP);
+    assert!(matches!(controller.exchange(&frames[1]), Err(ControllerError::TimedOut { .. })));
+    signal(&controller, Signal::CONT);
+    assert!(matches!(controller.exchange(&frames[2]), Err(ControllerError::Unexpected { .. })));
+}
+
+#[test]
+fn a_missing_image_is_named() {
+    let (error, took) = refused_start(Path::new("/nowhere/estimator"));
+    assert!(matches!(error, ControllerError::FirmwareMissing { .. }), "{error:?}");
+    let text = error.to_string();
+    assert!(text.contains("/nowhere/estimator") && text.contains("cargo xtask firmware"), "{text}");
+    assert!(took < Duration::from_secs(1), "{took:?}");
+}
+
+#[test]
+fn what_is_no_image_of_ours_is_refused_within_the_bound() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    };
+    let text = file("text", b"not an image\n");
+    let empty = file("empty", b"");
+    let image = std::fs::read(EmulatedController::default_elf()).unwrap();
+    let short = file("short", &image[..image.len() / 100]);
+    let host = std::env::current_exe().unwrap();
+    for (elf, found) in [
+        (text.as_path(), "no ELF image for ARM"),
+        (&empty, "no ELF image for ARM"),
+        (&host, "no ELF image for ARM"),
+        (folder.path(), "Is a directory"),
+        (&short, "ended before its greeting"),
+    ] {
+        let (error, took) = refused_start(elf);
+        assert!(matches!(error, ControllerError::NotFirmware { .. }), "{error:?}");
+        let message = error.to_string();
+        let expected = format!("{}: found ", elf.canonicalize().unwrap().display());
+        assert!(message.starts_with(&expected) && message.contains(found), "{message}");
+        assert!(message.lines().count() == 1 && message.contains("cargo xtask firmware"), "{message}");
+        assert!(took < Duration::from_secs(22), "{}: {took:?}", elf.display());
+    }
+}
+
+#[test]
+fn an_image_that_never_greets_is_given_up_at_the_bound() {
+    // The image of the firmware, its first instruction of the reset handler a branch to itself.
+    let mut image = std::fs::read(EmulatedController::default_elf()).unwrap();
+    let reset = offset_of_reset(&image);
+    image[reset..reset + 2].copy_from_slice(&[0xFE, 0xE7]);
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), &image).unwrap();
+    let (error, took) = refused_start(file.path());
+    assert!(
+        matches!(error, ControllerError::TimedOut { waiting_for: "its greeting", last_sequence: None, .. }),
+        "{error:?}"
+    );
+    assert!(took < Duration::from_secs(22), "{took:?}");
+}
+
+/// Where in the file the reset handler begins.
+fn offset_of_reset(image: &[u8]) -> usize {
+    let file = object::File::parse(image).unwrap();
+    let reset = file.symbols().find(|symbol| symbol.name() == Ok("Reset")).unwrap();
+    // The lowest bit of an address of code says that it is Thumb code.
+    let address = reset.address() & !1;
+    let section = file.section_by_index(reset.section_index().unwrap()).unwrap();
+    let (start, _) = section.file_range().unwrap();
+    usize::try_from(start + address - section.address()).unwrap()
+}
+
+#[test]
+fn a_refused_configuration_says_what_was_wrong_with_it() {
+    let bad = Configuration { sample_period_us: 10, ..configuration(Bearing::Plastic) };
+    let error = EmulatedController::start(bad, &EmulatedController::default_elf()).err().unwrap();
+    assert!(
+        matches!(error, ControllerError::Refused(Refusal::SamplePeriod { found_us: 10, .. })),
+        "{error:?}"
+    );
+}
