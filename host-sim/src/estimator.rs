@@ -28,13 +28,20 @@ pub struct Tracked {
 }
 
 /// The configuration of the controller for a bench: nominal values, as a user would set them.
-pub fn configuration(plant: &Transmission, bench: &TransmissionBench, rate_hz: f64) -> Result<Configuration, CliError> {
+pub fn configuration(
+    plant: &Transmission,
+    bench: &TransmissionBench,
+    rate_hz: f64,
+) -> Result<Configuration, CliError> {
     let counts = |field: &str, value: f64, unit: f64| {
         let count = (value / unit).round();
         if (1.0..=f64::from(u32::MAX)).contains(&count) {
             Ok(count as u32)
         } else {
-            Err(CliError::Input(format!("{field}: found {value}; expected 1 to {} units of {unit}", u32::MAX)))
+            Err(CliError::Input(format!(
+                "{field}: found {value}; expected 1 to {} units of {unit}",
+                u32::MAX
+            )))
         }
     };
     Ok(Configuration {
@@ -49,7 +56,10 @@ pub fn configuration(plant: &Transmission, bench: &TransmissionBench, rate_hz: f
 }
 
 /// Exchanges every frame in lockstep.
-pub fn track(mut controller: Box<dyn Controller>, frames: &[SensorFrame]) -> Result<Tracked, ControllerError> {
+pub fn track(
+    mut controller: Box<dyn Controller>,
+    frames: &[SensorFrame],
+) -> Result<Tracked, ControllerError> {
     let name = controller.name();
     let started = Instant::now();
     let estimates = frames.iter().map(|frame| controller.exchange(frame)).collect::<Result<_, _>>()?;
@@ -65,7 +75,12 @@ pub fn bit_differences(a: &Tracked, b: &Tracked) -> u64 {
 
 impl EstimatorSummary {
     /// Holds the estimates against the true forces at the same samples.
-    pub fn of(bench: &TransmissionBench, truth: &[Snapshot], tracked: &Tracked, differences: Option<u64>) -> Self {
+    pub fn of(
+        bench: &TransmissionBench,
+        truth: &[Snapshot],
+        tracked: &Tracked,
+        differences: Option<u64>,
+    ) -> Self {
         let counted = after_start(bench, truth);
         let skipped = truth.len() - counted.len();
         let errors = tracked
@@ -75,7 +90,8 @@ impl EstimatorSummary {
             .zip(counted)
             .map(|(e, s)| f64::from(e.normal_force_n) - s.forces.normal_n);
         let share = |flags: Flags| {
-            let hits = tracked.estimates.iter().filter(|e| Flags::from_bits(e.flags).intersects(flags)).count();
+            let hits =
+                tracked.estimates.iter().filter(|e| Flags::from_bits(e.flags).intersects(flags)).count();
             hits as f64 / tracked.estimates.len().max(1) as f64
         };
         let instructions = |ticks: Option<u32>| {

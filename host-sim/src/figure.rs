@@ -26,7 +26,11 @@ pub struct Series {
 
 impl Series {
     /// A series from two columns.
-    pub fn new(name: impl Into<String>, x: impl IntoIterator<Item = f64>, y: impl IntoIterator<Item = f64>) -> Self {
+    pub fn new(
+        name: impl Into<String>,
+        x: impl IntoIterator<Item = f64>,
+        y: impl IntoIterator<Item = f64>,
+    ) -> Self {
         Self { name: name.into(), points: x.into_iter().zip(y).collect() }
     }
 
@@ -39,7 +43,9 @@ impl Series {
         let mut out = Vec::with_capacity(MOST_POINTS);
         for chunk in self.points.chunks(stretch) {
             let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-            let (Some(low), Some(high)) = (chunk.iter().min_by(by_y), chunk.iter().max_by(by_y)) else { continue };
+            let (Some(low), Some(high)) = (chunk.iter().min_by(by_y), chunk.iter().max_by(by_y)) else {
+                continue;
+            };
             out.extend(if low.0 <= high.0 { [*low, *high] } else { [*high, *low] });
         }
         out
@@ -80,12 +86,19 @@ pub fn lines(chart: &Chart, series: &[Series]) -> Result<String, String> {
 
 /// A map of curves with equal scales on both axes, such as an orbit; x and y in the same unit.
 pub fn map(chart: &Chart, series: &[Series]) -> Result<String, String> {
-    let most = series.iter().flat_map(|s| s.points.iter()).fold(0.0_f64, |m, p| m.max(p.0.abs()).max(p.1.abs()));
+    let most =
+        series.iter().flat_map(|s| s.points.iter()).fold(0.0_f64, |m, p| m.max(p.0.abs()).max(p.1.abs()));
     let half = if most > 0.0 { 1.08 * most } else { 1.0 };
     draw(chart, series, (-half, half), (-half, half), false)
 }
 
-fn draw(chart: &Chart, series: &[Series], x: (f64, f64), y: (f64, f64), thin: bool) -> Result<String, String> {
+fn draw(
+    chart: &Chart,
+    series: &[Series],
+    x: (f64, f64),
+    y: (f64, f64),
+    thin: bool,
+) -> Result<String, String> {
     let mut svg = String::new();
     let failed = |e: &dyn std::fmt::Display| format!("chart `{}`: {e}", chart.title);
     {

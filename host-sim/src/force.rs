@@ -80,19 +80,31 @@ pub fn run(
             contacts += 1;
             outside += usize::from(estimate.flags.intersects(Flags::OUTSIDE_TRAINING));
         }
-        BearingForces { normal_n: f64::from(estimate.normal_force_n), friction_n: f64::from(estimate.friction_force_n) }
+        BearingForces {
+            normal_n: f64::from(estimate.normal_force_n),
+            friction_n: f64::from(estimate.friction_force_n),
+        }
     };
     let run = match source {
         ForceSource::Law => run_with_law(plant, end_s, samples_s, bench::run::DEFAULT_TOLERANCE)?,
         ForceSource::FloatNet => {
-            let mut pair = FloatPair::new(bearing).map_err(|e| CliError::Work(format!("shipped checkpoint: {e}")))?;
-            run_with_held_force(plant, end_s, samples_s, step_s, |view| held(view, pair.step(&contact_state(view))))?
+            let mut pair =
+                FloatPair::new(bearing).map_err(|e| CliError::Work(format!("shipped checkpoint: {e}")))?;
+            run_with_held_force(plant, end_s, samples_s, step_s, |view| {
+                held(view, pair.step(&contact_state(view)))
+            })?
         }
         ForceSource::QuantisedNet => {
-            let model = Model::load(shipped(bearing)).map_err(|e| CliError::Work(format!("shipped image: {e}")))?;
+            let model =
+                Model::load(shipped(bearing)).map_err(|e| CliError::Work(format!("shipped image: {e}")))?;
             let mut pair = Pair::new(model);
-            run_with_held_force(plant, end_s, samples_s, step_s, |view| held(view, pair.step(&contact_state(view))))?
+            run_with_held_force(plant, end_s, samples_s, step_s, |view| {
+                held(view, pair.step(&contact_state(view)))
+            })?
         }
     };
-    Ok(ForcedRun { run, outside_training_share: if contacts > 0 { outside as f64 / contacts as f64 } else { 0.0 } })
+    Ok(ForcedRun {
+        run,
+        outside_training_share: if contacts > 0 { outside as f64 / contacts as f64 } else { 0.0 },
+    })
 }

@@ -10,9 +10,12 @@ use std::process::ExitCode;
 /// Without a command it does the main job: one cycle of bench B (Babbitt, 0.5 mm, +10 kN) with the quantised networks
 /// as the bearing force and the estimator following it, a summary, a log and a report in `out/run`.
 #[derive(Parser)]
-#[command(version, after_help = "Examples:\n  host-sim\n  host-sim run --bearing plastic --clearance-mm 1 --out out/plastic\n  \
+#[command(
+    version,
+    after_help = "Examples:\n  host-sim\n  host-sim run --bearing plastic --clearance-mm 1 --out out/plastic\n  \
     host-sim record --cycles 5 --seed 7 --out log.csv\n  host-sim diagnose log.csv --out out/diagnosis\n\n\
-    Exit codes: 0 done, 1 the work failed, 2 the input is wrong.")]
+    Exit codes: 0 done, 1 the work failed, 2 the input is wrong."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,

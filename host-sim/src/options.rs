@@ -1,7 +1,7 @@
 //! Options that several commands share: which bench, and what to change on it.
 
 use crate::error::CliError;
-use bench::{Bench, BearingMaterial};
+use bench::{BearingMaterial, Bench};
 use clap::{Args, ValueEnum};
 
 /// Bearing with trained networks.

@@ -53,7 +53,11 @@ impl Page {
             for cell in row {
                 let text = cell.as_ref();
                 let number = text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+');
-                out.push_str(&format!("<td{}>{}</td>", if number { " class=\"n\"" } else { "" }, escape(text)));
+                out.push_str(&format!(
+                    "<td{}>{}</td>",
+                    if number { " class=\"n\"" } else { "" },
+                    escape(text)
+                ));
             }
             out.push_str("</tr>\n");
         }

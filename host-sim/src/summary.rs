@@ -106,7 +106,13 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 impl Summary {
     /// Sums up a run whose samples lie `rate_hz` apart.
-    pub fn of(bench: &TransmissionBench, force: &'static str, forced: &ForcedRun, rate_hz: f64, wall_s: f64) -> Self {
+    pub fn of(
+        bench: &TransmissionBench,
+        force: &'static str,
+        forced: &ForcedRun,
+        rate_hz: f64,
+        wall_s: f64,
+    ) -> Self {
         let samples = after_start(bench, &forced.run.samples);
         // Between samples the integrator knows better.
         let located = forced
@@ -143,8 +149,14 @@ impl AgainstLaw {
         let (run, law) = (after_start(bench, run), after_start(bench, law));
         Self {
             peak_contact_force_n: peak(law, |s| s.forces.normal_n),
-            force_rms_difference_n: rms(run.iter().zip(law).map(|(a, b)| a.forces.normal_n - b.forces.normal_n)),
-            journal_rms_difference_m: rms(run.iter().zip(law).map(|(a, b)| (a.y_m - b.y_m).hypot(a.z_m - b.z_m))),
+            force_rms_difference_n: rms(run
+                .iter()
+                .zip(law)
+                .map(|(a, b)| a.forces.normal_n - b.forces.normal_n)),
+            journal_rms_difference_m: rms(run
+                .iter()
+                .zip(law)
+                .map(|(a, b)| (a.y_m - b.y_m).hypot(a.z_m - b.z_m))),
         }
     }
 }
@@ -183,7 +195,7 @@ mod tests {
     use super::*;
     use crate::force::{ForceSource, run};
     use bench::transmission::Transmission;
-    use bench::{Bench, BearingMaterial};
+    use bench::{BearingMaterial, Bench};
 
     #[test]
     fn the_reversal_and_the_oscillation_match_the_published_table() {
@@ -192,7 +204,9 @@ mod tests {
             (BearingMaterial::Plastic, [(0.1, 189.0), (0.25, 378.0), (0.5, 523.0), (1.0, 526.0)]),
         ] {
             for (clearance_mm, expected) in rows {
-                let Bench::Transmission(mut bench) = Bench::open("bench-b").unwrap() else { panic!("bench-b") };
+                let Bench::Transmission(mut bench) = Bench::open("bench-b").unwrap() else {
+                    panic!("bench-b")
+                };
                 bench.set_material(material);
                 bench.set_radial_clearance(clearance_mm * 1e-3);
                 assert!((first_acceleration_reversal_s(&bench).unwrap() - 0.266).abs() < 5e-4);
@@ -200,7 +214,10 @@ mod tests {
                 let times = bench.sample_times_s(10_000.0);
                 let forced = run(&plant, material, ForceSource::Law, (1.0, 1e-5), &times, || {}).unwrap();
                 let found = Summary::of(&bench, "law", &forced, 10_000.0, 0.0).oscillation_rms_n;
-                assert!((found / expected - 1.0).abs() < 0.02, "{material:?} {clearance_mm} mm: {found} for {expected}");
+                assert!(
+                    (found / expected - 1.0).abs() < 0.02,
+                    "{material:?} {clearance_mm} mm: {found} for {expected}"
+                );
             }
         }
     }

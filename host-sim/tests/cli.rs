@@ -1,4 +1,5 @@
 //! The command line as a user meets it: exit codes, messages, files, stable names.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -19,7 +20,11 @@ fn json(output: &Output) -> serde_json::Value {
 #[test]
 fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
     let directory = tempfile::tempdir().unwrap();
-    std::fs::write(directory.path().join("broken.toml"), "plant = \"transmission-bench\"\n[geometry]\nlever = 3\n").unwrap();
+    std::fs::write(
+        directory.path().join("broken.toml"),
+        "plant = \"transmission-bench\"\n[geometry]\nlever = 3\n",
+    )
+    .unwrap();
     for (arguments, expected) in [
         (&["run", "--clearance-mm", "-1"][..], "bearing.radial_clearance_m is -0.001; expected"),
         (&["run", "--clearance-mm", "9"], "bearing.radial_clearance_m"),
@@ -43,7 +48,8 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
 fn an_output_that_cannot_be_written_exits_with_1() {
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(directory.path().join("taken"), "a file, not a folder").unwrap();
-    let output = host_sim(directory.path(), &["run", "--force", "law", "--controller", "none", "--out", "taken"]);
+    let output =
+        host_sim(directory.path(), &["run", "--force", "law", "--controller", "none", "--out", "taken"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("taken"), "{}", text(&output.stderr));
 }
@@ -52,7 +58,9 @@ fn an_output_that_cannot_be_written_exits_with_1() {
 fn the_main_job_follows_the_law_and_its_estimator_follows_the_bench() {
     let directory = tempfile::tempdir().unwrap();
     let run = json(&host_sim(directory.path(), &["run", "--json"]));
-    let number = |name: &str| run.pointer(name).and_then(serde_json::Value::as_f64).unwrap_or_else(|| panic!("{name} in {run}"));
+    let number = |name: &str| {
+        run.pointer(name).and_then(serde_json::Value::as_f64).unwrap_or_else(|| panic!("{name} in {run}"))
+    };
     let law = number("/against_law/peak_contact_force_n");
     assert!((law / 11755.0 - 1.0).abs() < 1e-3, "{law}");
     assert!((number("/peak_contact_force_n") / law - 1.0).abs() < 0.03);
@@ -61,7 +69,15 @@ fn the_main_job_follows_the_law_and_its_estimator_follows_the_bench() {
     assert!(number("/energy_residual_rel") < 1e-6);
     assert_eq!(number("/estimator/ticks"), 10_000.0);
     assert!(number("/estimator/force_rms_error_n") < 0.05 * number("/estimator/force_full_scale_n"));
-    for name in ["peak_force_y_n", "peak_force_z_n", "peak_friction_torque_nm", "max_deformation_m", "oscillation_rms_n", "contacts", "wall_s_per_simulated_s"] {
+    for name in [
+        "peak_force_y_n",
+        "peak_force_z_n",
+        "peak_friction_torque_nm",
+        "max_deformation_m",
+        "oscillation_rms_n",
+        "contacts",
+        "wall_s_per_simulated_s",
+    ] {
         assert!(run.get(name).is_some(), "{name} in {run}");
     }
     let report = std::fs::read_to_string(directory.path().join("out/run/report.html")).unwrap();
@@ -74,7 +90,8 @@ fn the_main_job_follows_the_law_and_its_estimator_follows_the_bench() {
 fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
     let directory = tempfile::tempdir().unwrap();
     let log = |name: &str, seed: &str| {
-        let output = host_sim(directory.path(), &["run", "--controller", "none", "--seed", seed, "--out", name]);
+        let output =
+            host_sim(directory.path(), &["run", "--controller", "none", "--seed", seed, "--out", name]);
         assert!(output.status.success(), "{}", text(&output.stderr));
         std::fs::read(directory.path().join(name).join("log.csv")).unwrap()
     };

@@ -1,4 +1,5 @@
 //! The whole chain in lockstep: bench, quantised networks, emulated controller, one cycle, bit for bit.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 #![cfg(feature = "emulated")]
 
 use clap::Parser;

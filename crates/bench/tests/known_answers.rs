@@ -1,4 +1,5 @@
 //! The transmission bench against an independent multibody code's published table.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 use bench::description::{BearingMaterial, Bench, TransmissionBench};
 use bench::run::{Run, run_with_held_force, run_with_law};
 use bench::transmission::Transmission;

@@ -188,15 +188,15 @@ fn relate(contenders: &mut [Contender], base: &Fit, scored: &[Score]) {
     }
 }
 
-/// Whether the first of two causes is still needed beside the second.
-pub(crate) fn first_is_needed(data: &Data, stage: &Stage, nominal: &Model) -> Result<bool, RespondError> {
-    let Some(best) = stage.contenders.first() else { return Ok(true) };
+/// What leaving out the first of two causes would add to the objective, with the second refitted alone.
+pub(crate) fn loss_without_first(data: &Data, stage: &Stage, nominal: &Model) -> Result<f64, RespondError> {
+    let Some(best) = stage.contenders.first() else { return Ok(f64::INFINITY) };
     let alone = nominal.with(best.candidate, &stage.noise);
     let own = best.fit.model.of_effect(best.fit.model.chosen.len() - 1);
     let mut z: Vec<f64> = best.fit.z.iter().take(nominal.parameters.len()).copied().collect();
     z.extend(own.iter().filter_map(|&i| best.fit.z.get(i)));
     let alone = fit(data, &stage.noise, alone, z)?;
-    Ok(alone.objective - best.fit.objective > stage.threshold)
+    Ok(alone.objective - best.fit.objective)
 }
 
 /// The effect whose refinement an effect is: friction that grows with load refines dry friction.

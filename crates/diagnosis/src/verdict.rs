@@ -19,7 +19,7 @@ use crate::rank::candidates;
 use crate::result::{
     Ambiguous, Calibrated, Cause, Diagnosis, Noise, ParameterEstimate, Ranked, Series, Signature, Verdict,
 };
-use crate::select::{Contender, MOST_CAUSES, Stage, Views, first_is_needed, stage};
+use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, stage};
 use crate::session::{Columns, Data, Use};
 use bench::log::LogError;
 use bench::respond::RespondError;
@@ -139,7 +139,9 @@ fn ends(
     for stage in stages.iter().filter(|s| s.accepted) {
         let Some(best) = stage.contenders.first() else { break };
         causes.push((best.candidate, best.probability));
-        if causes.len() > 1 && !first_is_needed(&views.fitted, stage, nominal)? {
+        let loss =
+            if causes.len() > 1 { loss_without_first(&views.fitted, stage, nominal)? } else { f64::INFINITY };
+        if loss <= stage.threshold {
             causes.remove(0);
             let model = nominal.with(best.candidate, &stage.noise);
             let z: Vec<f64> = best.fit.z.iter().take(nominal.parameters.len()).copied().collect();
@@ -147,6 +149,10 @@ fn ends(
             let alone = fit(&views.fitted, &stage.noise, model, z.into_iter().chain(own).collect())?;
             ends.push(End::new(views, floors, &alone, causes.clone())?);
         } else {
+            if let ([(_, probability), _], true) = (causes.as_mut_slice(), loss.is_finite()) {
+                // Alone it may have lost to its rival; beside it, what counts is what leaving it out would cost.
+                *probability = 1.0 / (1.0 + (0.5 * (stage.threshold - loss)).exp());
+            }
             ends.push(End::new(views, floors, &best.fit, causes.clone())?);
         }
     }

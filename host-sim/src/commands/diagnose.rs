@@ -76,7 +76,11 @@ fn write(diagnosis: &mut Diagnosis, out: &Path) -> Result<(), CliError> {
     diagnosis.extended_bench = extended.as_ref().map(|_| bench_path.display().to_string());
     let page = diagnose_report::page(diagnosis).map_err(CliError::Work)?.render();
     let text = format!("{}\n", json(diagnosis)?);
-    let files = [(bench_path, extended), (out.join("diagnosis.json"), Some(text)), (out.join("report.html"), Some(page))];
+    let files = [
+        (bench_path, extended),
+        (out.join("diagnosis.json"), Some(text)),
+        (out.join("report.html"), Some(page)),
+    ];
     for (path, content) in files {
         if let Some(content) = content {
             atomic::write(&path, content.as_bytes()).map_err(|e| CliError::output(&path, &e))?;

@@ -18,8 +18,11 @@ fn channelled(effect: &str, channel: Option<Channel>) -> String {
 }
 
 fn cause_words(cause: &Cause) -> String {
-    let parameters: Vec<String> =
-        cause.parameters.iter().map(|p| format!("{} = {}", p.name, with_unit(number(p.value), &p.unit))).collect();
+    let parameters: Vec<String> = cause
+        .parameters
+        .iter()
+        .map(|p| format!("{} = {}", p.name, with_unit(number(p.value), &p.unit)))
+        .collect();
     format!("{} ({})", channelled(&cause.effect, cause.channel), parameters.join(", "))
 }
 
@@ -64,9 +67,7 @@ pub(super) fn sentence(diagnosis: &Diagnosis) -> String {
             causes.join(" together with "),
             others.join(", ")
         ),
-        Verdict::Unknown => {
-            "Something is wrong that no known effect explains: see where it sits.".into()
-        }
+        Verdict::Unknown => "Something is wrong that no known effect explains: see where it sits.".into(),
     }
 }
 
@@ -92,7 +93,8 @@ fn gain_row(gain: &Gain) -> Vec<String> {
 }
 
 const CAUSE_HEADER: [&str; 5] = ["cause", "probability", "parameter", "value", "95 % interval"];
-const GAIN_HEADER: [&str; 6] = ["held-out error of", "before", "after", "noise", "explained", "95 % interval"];
+const GAIN_HEADER: [&str; 6] =
+    ["held-out error of", "before", "after", "noise", "explained", "95 % interval"];
 
 fn cause_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     diagnosis.causes.iter().flat_map(|c| c.parameters.iter().map(move |p| parameter_row(c, p))).collect()
@@ -199,7 +201,8 @@ pub(super) fn page(diagnosis: &Diagnosis) -> Result<Page, String> {
             ]
         })
         .collect();
-    page.section("Noise").table(&["channel", "floor", "known from", "residual/floor", "correlation, samples"], &rows);
+    page.section("Noise")
+        .table(&["channel", "floor", "known from", "residual/floor", "correlation, samples"], &rows);
     Ok(page)
 }
 
@@ -216,7 +219,10 @@ fn pictures(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), String> {
         let mut pair = Vec::new();
         if !by_phase.is_empty() {
             let chart = Chart { title: &title, x: "cycle phase", y: &y(channel), size: HALF };
-            pair.push((lines(&chart, &by_phase)?, "Mean of all cycles by phase, from the middle of the forward stroke."));
+            pair.push((
+                lines(&chart, &by_phase)?,
+                "Mean of all cycles by phase, from the middle of the forward stroke.",
+            ));
         }
         for s in of.iter().take(MOST_PICTURES / of.len().max(1) + 1).take(4) {
             let title = format!("{channel}, {}", short(&s.source));
@@ -272,7 +278,9 @@ fn bars(diagnosis: &Diagnosis) -> String {
     let most = diagnosis.ranking.iter().map(|r| r.evidence).fold(10.0 * diagnosis.threshold, f64::max);
     let x = |v: f64| LEFT + (WIDTH - LEFT - RIGHT) * (v.max(1.0).ln() / most.ln()).clamp(0.0, 1.0);
     let height = ROW * (diagnosis.ranking.len() as f64 + 1.0);
-    let mut svg = format!("<svg width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"13\">");
+    let mut svg = format!(
+        "<svg width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"13\">"
+    );
     for (i, r) in diagnosis.ranking.iter().enumerate() {
         let y = ROW * i as f64;
         let chosen = diagnosis.causes.iter().any(|c| c.effect == r.effect && c.channel == r.channel);

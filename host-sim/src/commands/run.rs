@@ -35,8 +35,10 @@ pub enum ControllerChoice {
 
 /// Arguments of `host-sim run`.
 #[derive(Args, Clone, Debug)]
-#[command(after_help = "Examples:\n  host-sim run\n  host-sim run --force law --bearing plastic --clearance-mm 1 --load-kn -5\n  \
-    host-sim run --controller emulated --json")]
+#[command(
+    after_help = "Examples:\n  host-sim run\n  host-sim run --force law --bearing plastic --clearance-mm 1 --load-kn -5\n  \
+    host-sim run --controller emulated --json"
+)]
 pub struct RunArgs {
     /// The bench.
     #[command(flatten)]
@@ -100,7 +102,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let json = serde_json::to_string_pretty(&finished.summary).map_err(|e| CliError::Work(e.to_string()))?;
     let log = log_of(&finished, args.seed);
     let page = run_report::page(&finished).map_err(CliError::Work)?;
-    for (name, bytes) in [("log.csv", log.to_csv()), ("run.json", format!("{json}\n")), ("report.html", page.render())] {
+    for (name, bytes) in
+        [("log.csv", log.to_csv()), ("run.json", format!("{json}\n")), ("report.html", page.render())]
+    {
         let path = args.out.join(name);
         atomic::write(&path, bytes.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
     }
@@ -128,7 +132,9 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         return Err(CliError::Input(format!("--step-us: found {}; expected 0.1 to 1000", args.step_us)));
     }
     let described = Bench::Transmission(bench.clone());
-    let Bench::Transmission(resolved) = described.resolved() else { return Err(CliError::Work("plant changed".into())) };
+    let Bench::Transmission(resolved) = described.resolved() else {
+        return Err(CliError::Work("plant changed".into()));
+    };
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
     let times = resolved.sample_times_s(CONTROLLER_RATE_HZ);
     let end_s = resolved.duration_s();
@@ -156,7 +162,8 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         let native = estimator::track(Box::new(NativeController::start(configuration)?), &frames)?;
         let (tracked, differences) = if args.controller == ControllerChoice::Emulated {
             let elf = args.elf.clone().unwrap_or_else(EmulatedController::default_elf);
-            let emulated = estimator::track(Box::new(EmulatedController::start(configuration, &elf)?), &frames)?;
+            let emulated =
+                estimator::track(Box::new(EmulatedController::start(configuration, &elf)?), &frames)?;
             let differences = estimator::bit_differences(&native, &emulated);
             (emulated, Some(differences))
         } else {

@@ -13,7 +13,10 @@ const SQUARE: (u32, u32) = (500, 500);
 pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
     let row = |name: &str, value: String| [name.to_owned(), value];
     let mut rows = vec![
-        row("bearing", format!("{}, {:.2} mm, {:+.1} kN", summary.bearing, summary.clearance_mm, summary.load_kn)),
+        row(
+            "bearing",
+            format!("{}, {:.2} mm, {:+.1} kN", summary.bearing, summary.clearance_mm, summary.load_kn),
+        ),
         row("bearing force from", summary.force.into()),
         row("peak contact force", format!("{:.0} N", summary.peak_contact_force_n)),
         row("peak force along Y", format!("{:.0} N", summary.peak_force_y_n)),
@@ -27,15 +30,27 @@ pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
     ];
     if let Some(law) = &summary.against_law {
-        rows.push(row("peak contact force of the analytic law", format!("{:.0} N", law.peak_contact_force_n)));
+        rows.push(row(
+            "peak contact force of the analytic law",
+            format!("{:.0} N", law.peak_contact_force_n),
+        ));
         rows.push(row("rms difference from the law, force", format!("{:.0} N", law.force_rms_difference_n)));
-        rows.push(row("rms difference from the law, journal", format!("{:.2} um", law.journal_rms_difference_m * 1e6)));
+        rows.push(row(
+            "rms difference from the law, journal",
+            format!("{:.2} um", law.journal_rms_difference_m * 1e6),
+        ));
     }
     if let Some(e) = &summary.estimator {
         rows.push(row("estimator", e.controller.into()));
         rows.push(row("estimator, rms error of the force", format!("{:.0} N", e.force_rms_error_n)));
-        rows.push(row("estimator, rms error of full scale", format!("{:.2} %", 100.0 * e.force_rms_error_n / e.force_full_scale_n.max(1e-9))));
-        rows.push(row("estimator, outside the training range", format!("{:.2} %", 100.0 * e.outside_training_share)));
+        rows.push(row(
+            "estimator, rms error of full scale",
+            format!("{:.2} %", 100.0 * e.force_rms_error_n / e.force_full_scale_n.max(1e-9)),
+        ));
+        rows.push(row(
+            "estimator, outside the training range",
+            format!("{:.2} %", 100.0 * e.outside_training_share),
+        ));
         rows.push(row("estimator, suspect sensors or timing", format!("{:.2} %", 100.0 * e.suspect_share)));
         rows.push(row("estimator, ticks", e.ticks.to_string()));
         rows.push(row("estimator, deadline misses", e.deadline_misses.to_string()));
@@ -57,7 +72,11 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
     page.lead(&format!(
         "{}, radial clearance {:.2} mm, load {:+.1} kN, bearing force from {}: peak contact force {:.0} N, \
          oscillation {:.0} N rms.",
-        summary.bearing, summary.clearance_mm, summary.load_kn, summary.force, summary.peak_contact_force_n,
+        summary.bearing,
+        summary.clearance_mm,
+        summary.load_kn,
+        summary.force,
+        summary.peak_contact_force_n,
         summary.oscillation_rms_n,
     ));
     page.note(
@@ -88,7 +107,10 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
         );
         let truth = over_time("bench", samples, |s| s.forces.normal_n);
         page.figure(
-            &lines(&Chart { title: "Estimated contact force", x: "time, s", y: "N", size: WIDE }, &[estimate, truth])?,
+            &lines(
+                &Chart { title: "Estimated contact force", x: "time, s", y: "N", size: WIDE },
+                &[estimate, truth],
+            )?,
             "What the controller made of noisy position and angle sensors at 10 kHz.",
         );
     }

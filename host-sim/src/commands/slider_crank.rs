@@ -39,9 +39,17 @@ pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
     let end_s = bench.duration_s();
     let times: Vec<f64> = (0..SAMPLES).map(|i| end_s * i as f64 / SAMPLES as f64).collect();
     let mut rows = Vec::with_capacity(SAMPLES);
-    let result = integrate(&plant, (0.0, end_s), plant.initial_state(), false, &times, &plant.tolerances(TOLERANCE), |t, s, latched| {
-        rows.push((t, s[1], s[3], plant.deformation(t, s).0, plant.normal_force_n(t, s, latched)));
-    })?;
+    let result = integrate(
+        &plant,
+        (0.0, end_s),
+        plant.initial_state(),
+        false,
+        &times,
+        &plant.tolerances(TOLERANCE),
+        |t, s, latched| {
+            rows.push((t, s[1], s[3], plant.deformation(t, s).0, plant.normal_force_n(t, s, latched)));
+        },
+    )?;
     let peaks_n: Vec<f64> = result.impacts.iter().map(|i: &Impact| i.peak_force_n).collect();
     let [_, position, _, speed] = result.state;
     let summary = SliderCrankSummary {
@@ -69,13 +77,26 @@ pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
     let table: Vec<Vec<String>> = result
         .impacts
         .iter()
-        .map(|i| vec![format!("{:.3}", i.onset_s * 1e6), format!("{:.4}", i.approach_speed_m_s), format!("{:.2}", i.peak_force_n)])
+        .map(|i| {
+            vec![
+                format!("{:.3}", i.onset_s * 1e6),
+                format!("{:.4}", i.approach_speed_m_s),
+                format!("{:.2}", i.peak_force_n),
+            ]
+        })
         .collect();
-    page.figure(&lines(&chart("Contact force", "N"), &[series("force", |r| r.4)]).map_err(CliError::Work)?, "At the samples; the table has the located peaks.");
-    page.figure(&lines(&chart("Slider speed", "m/s"), &[series("speed", |r| r.2)]).map_err(CliError::Work)?, "Every contact is a kink.");
+    page.figure(
+        &lines(&chart("Contact force", "N"), &[series("force", |r| r.4)]).map_err(CliError::Work)?,
+        "At the samples; the table has the located peaks.",
+    );
+    page.figure(
+        &lines(&chart("Slider speed", "m/s"), &[series("speed", |r| r.2)]).map_err(CliError::Work)?,
+        "Every contact is a kink.",
+    );
     page.section("Contacts").table(&["onset, us", "approach speed, m/s", "peak force, N"], &table);
     let json = serde_json::to_string_pretty(&summary).map_err(|e| CliError::Work(e.to_string()))?;
-    for (name, text) in [("log.csv", csv), ("run.json", format!("{json}\n")), ("report.html", page.render())] {
+    for (name, text) in [("log.csv", csv), ("run.json", format!("{json}\n")), ("report.html", page.render())]
+    {
         let path = args.out.join(name);
         atomic::write(&path, text.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
     }
@@ -86,7 +107,10 @@ pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
         for row in &table {
             println!("{:>12} {:>12} {:>14}", row[0], row[1], row[2]);
         }
-        println!("slider at {position:.10} m, {speed:.6} m/s\n\nreport: {}", args.out.join("report.html").display());
+        println!(
+            "slider at {position:.10} m, {speed:.6} m/s\n\nreport: {}",
+            args.out.join("report.html").display()
+        );
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::summary::Summary;
 use bench::integrate::integrate;
 use bench::slider_crank_description::reference_problem;
 use bench::transmission::Transmission;
-use bench::{Bench, BearingMaterial};
+use bench::{BearingMaterial, Bench};
 use clap::Args;
 use contact::{Dissipation, produced_restitution};
 use serde::Serialize;
@@ -54,13 +54,17 @@ pub fn run(args: &ValidateArgs) -> Result<(), CliError> {
     cases.extend(bench_b()?);
     let failed = cases.iter().filter(|c| !c.ok).count();
     if args.json {
-        let text = serde_json::to_string_pretty(&Cases { cases }).map_err(|e| CliError::Work(e.to_string()))?;
+        let text =
+            serde_json::to_string_pretty(&Cases { cases }).map_err(|e| CliError::Work(e.to_string()))?;
         println!("{text}");
     } else {
         println!("{:<52} {:>16} {:>16} {:>10} {:>10}", "case", "value", "reference", "error", "tolerance");
         for c in &cases {
             let mark = if c.ok { "" } else { "  FAILED" };
-            println!("{:<52} {:>16.8} {:>16.8} {:>10.1e} {:>10.1e}{mark}", c.name, c.value, c.reference, c.error, c.tolerance);
+            println!(
+                "{:<52} {:>16.8} {:>16.8} {:>10.1e} {:>10.1e}{mark}",
+                c.name, c.value, c.reference, c.error, c.tolerance
+            );
         }
     }
     if failed > 0 {
@@ -76,15 +80,31 @@ fn restitution() -> Vec<Case> {
         ("Zhiying-Qishao", Dissipation::ZhiyingQishao, 0.398837, 0.787365),
     ];
     let case = |name: &str, law: Dissipation, e: f64, known: f64| {
-        relative(format!("produced restitution, {name}, e = {e}"), produced_restitution(law.factor(e)), known, 2e-6)
+        relative(
+            format!("produced restitution, {name}, e = {e}"),
+            produced_restitution(law.factor(e)),
+            known,
+            2e-6,
+        )
     };
-    table.iter().flat_map(|&(name, law, at_04, at_08)| [case(name, law, 0.4, at_04), case(name, law, 0.8, at_08)]).collect()
+    table
+        .iter()
+        .flat_map(|&(name, law, at_04, at_08)| [case(name, law, 0.4, at_04), case(name, law, 0.8, at_08)])
+        .collect()
 }
 
 fn slider_crank() -> Result<Vec<Case>, CliError> {
     let bench = reference_problem()?;
     let plant = bench.plant();
-    let result = integrate(&plant, (0.0, bench.duration_s()), plant.initial_state(), false, &[], &plant.tolerances(1e-11), |_, _, _| {})?;
+    let result = integrate(
+        &plant,
+        (0.0, bench.duration_s()),
+        plant.initial_state(),
+        false,
+        &[],
+        &plant.tolerances(1e-11),
+        |_, _, _| {},
+    )?;
     let first = result.impacts.first().map_or((0.0, 0.0), |i| (i.peak_force_n, i.onset_s));
     let position = result.state[1];
     let reference = 0.0754435223;
@@ -106,8 +126,14 @@ fn slider_crank() -> Result<Vec<Case>, CliError> {
 
 fn bench_b() -> Result<Vec<Case>, CliError> {
     let table = [
-        (BearingMaterial::Babbitt, [(0.10, 8067.0, 94.0), (0.25, 10137.0, 743.0), (0.5, 11755.0, 1034.0), (1.0, 13924.0, 1152.0)]),
-        (BearingMaterial::Plastic, [(0.10, 6004.0, 189.0), (0.25, 5952.0, 378.0), (0.5, 6244.0, 523.0), (1.0, 7173.0, 526.0)]),
+        (
+            BearingMaterial::Babbitt,
+            [(0.10, 8067.0, 94.0), (0.25, 10137.0, 743.0), (0.5, 11755.0, 1034.0), (1.0, 13924.0, 1152.0)],
+        ),
+        (
+            BearingMaterial::Plastic,
+            [(0.10, 6004.0, 189.0), (0.25, 5952.0, 378.0), (0.5, 6244.0, 523.0), (1.0, 7173.0, 526.0)],
+        ),
     ];
     let mut cases = Vec::new();
     for (material, rows) in table {
@@ -119,7 +145,14 @@ fn bench_b() -> Result<Vec<Case>, CliError> {
             bench.set_radial_clearance(clearance_mm * 1e-3);
             let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
             let rate = super::run::CONTROLLER_RATE_HZ;
-            let run = force::run(&plant, material, ForceSource::Law, (bench.duration_s(), 1e-5), &bench.sample_times_s(rate), || {})?;
+            let run = force::run(
+                &plant,
+                material,
+                ForceSource::Law,
+                (bench.duration_s(), 1e-5),
+                &bench.sample_times_s(rate),
+                || {},
+            )?;
             let summary = Summary::of(&bench, "law", &run, rate, 0.0);
             let name = |what: &str| format!("bench B, {}, {clearance_mm} mm, {what}, N", material.name());
             cases.push(relative(name("peak contact force"), summary.peak_contact_force_n, peak_n, 0.02));

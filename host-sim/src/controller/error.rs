@@ -7,7 +7,9 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum ControllerError {
     /// The emulator is not installed.
-    #[error("qemu-system-arm was not found; install it with `apt-get install qemu-system-arm`, or let `cargo xtask setup` do it")]
+    #[error(
+        "qemu-system-arm was not found; install it with `apt-get install qemu-system-arm`, or let `cargo xtask setup` do it"
+    )]
     EmulatorMissing,
     /// There is no firmware.
     #[error("{path}: no firmware there; build it with `cargo xtask firmware`, or name one with --elf", path = path.display())]
@@ -54,7 +56,9 @@ pub enum ControllerError {
         said: String,
     },
     /// It speaks another version of the protocol.
-    #[error("the controller speaks protocol {found}; expected {expected}: firmware and host come from different builds")]
+    #[error(
+        "the controller speaks protocol {found}; expected {expected}: firmware and host come from different builds"
+    )]
     Version {
         /// Found.
         found: u8,

@@ -3,7 +3,8 @@
 use super::{Controller, ControllerError, greeted};
 use firmware::{Identity, NoTicks, Session};
 use link::{
-    BuildId, ClockSource, Configuration, Counters, EstimateFrame, Fault, Hello, SensorFrame, Target, ToController, ToHost,
+    BuildId, ClockSource, Configuration, Counters, EstimateFrame, Fault, Hello, SensorFrame, Target,
+    ToController, ToHost,
 };
 
 /// The session of the firmware, without a link between.
