@@ -1,0 +1,297 @@
+//! A bench that is not the engine's: the source of "measured" logs for the tests of the diagnosis.
+//!
+//! Written from the equations of the planar transmission bench alone, and different from the engine wherever a choice is
+//! free: fixed-step fourth-order Runge-Kutta instead of an adaptive pair, onset of contact interpolated between two steps
+//! instead of located, own noise generator (white or coloured), readings rounded to a resolution, samples lost. The
+//! smoothed sign of friction is the described curve in another form: another curve of the same width would move the
+//! journal by a micrometre, five times its sensor's noise, and be a true finding. Nothing here uses the `bench` crate's plant; a hidden effect is a field of [`Hidden`], not a catalogue entry.
+
+use crate::generator_noise::Noise;
+use std::fmt::Write as _;
+
+/// Step in s. The contact's damping sets the limit, some 20 us.
+const STEP_S: f64 = 5e-6;
+const GRAVITY: f64 = 9.81;
+const RATE_HZ: f64 = 1000.0;
+/// Share of samples that get lost.
+const LOST: f64 = 0.004;
+
+/// What the log hides.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Hidden {
+    /// Wear: added radial clearance in m.
+    pub clearance_m: f64,
+    /// Relative change of dry friction.
+    pub friction: f64,
+    /// Friction force per sliding speed, N s/m.
+    pub viscous_n_s_m: f64,
+    /// Compliance between cylinder and fork, m/N.
+    pub compliance_m_n: f64,
+    /// Delay of the journal's Y sensor in s.
+    pub journal_y_delay_s: f64,
+    /// Offset of the bearing's Y force sensor in N.
+    pub force_y_offset_n: f64,
+    /// A force on the journal along Z at the drive's third harmonic, N: an effect that no catalogue knows.
+    pub third_harmonic_n: f64,
+}
+
+/// A real bench: close to its description, not equal to it.
+#[derive(Clone, Copy, Debug)]
+pub struct RealBench {
+    /// Drive and load crank in m.
+    pub levers_m: (f64, f64),
+    /// Mass in kg and inertia in kg m2.
+    pub inertia: (f64, f64),
+    /// Radial clearance in m.
+    pub clearance_m: f64,
+    /// Young's modulus in Pa.
+    pub modulus_pa: f64,
+    /// Factor on friction.
+    pub friction: f64,
+    /// Load in N.
+    pub load_n: f64,
+    /// Cycles of 1 s.
+    pub cycles: usize,
+    /// Correlation of the sensors' noise from sample to sample; 0: white.
+    pub noise_colour: f64,
+}
+
+impl RealBench {
+    /// Bench B with every uncertain number off by up to `deviations` of its declared standard deviation.
+    pub fn near_description(noise: &mut Noise, deviations: f64) -> Self {
+        let mut off = |share: f64| 1.0 + share * deviations * (2.0 * noise.uniform() - 1.0);
+        Self {
+            levers_m: (0.30 * off(0.003), 0.36 * off(0.003)),
+            inertia: (150.0 * off(0.02), 60.0 * off(0.05)),
+            clearance_m: 0.5e-3 * off(0.02),
+            modulus_pa: 50e9 * off(0.05),
+            friction: off(0.03),
+            load_n: 10e3,
+            cycles: 2,
+            noise_colour: 0.0,
+        }
+    }
+
+    /// Runs the bench and returns the log as CSV text.
+    pub fn log(&self, hidden: &Hidden, noise: &mut Noise) -> String {
+        let rows = self.run(hidden);
+        let (angle, speed) = (Sensor::new(20e-6, 5e-6), Sensor::new(2e-3, 5e-4));
+        let (journal, force) = (Sensor::new(0.2e-6, 0.05e-6), Sensor::new(15.0, 4.0));
+        let (torque, drive) = (Sensor::new(0.4, 0.1), Sensor::new(20.0, 5.0));
+        let sensors = [angle, speed, journal, journal, force, force, torque, drive];
+        let mut coloured = [0.0; 8];
+        let mut text = String::from(
+            "t_s,drive_displacement_m,drive_velocity_m_s,load_force_n,shaft_angle_rad,shaft_speed_rad_s,\
+             journal_y_m,journal_z_m,bearing_force_y_n,bearing_force_z_n,friction_torque_nm,drive_force_n\n",
+        );
+        let per_sample = (1.0 / RATE_HZ / STEP_S).round() as usize;
+        let late = (hidden.journal_y_delay_s / STEP_S).round() as usize;
+        for sample in 0..rows.len() / per_sample {
+            let at = sample * per_sample;
+            let row = &rows[at];
+            let mut outputs = row.outputs;
+            outputs[2] = rows[at.saturating_sub(late)].outputs[2];
+            outputs[4] += hidden.force_y_offset_n;
+            let colour = self.noise_colour;
+            for ((value, sensor), state) in outputs.iter_mut().zip(&sensors).zip(&mut coloured) {
+                *state = colour * *state + (1.0 - colour * colour).sqrt() * noise.normal();
+                *value = round(*value + sensor.noise * *state, sensor.resolution);
+            }
+            let inputs = [
+                round(row.drive.0, 1e-8),
+                round(row.drive.1, 1e-6),
+                round(row.load + 0.5 * noise.normal(), 0.1),
+            ];
+            if sample > 0 && noise.uniform() < LOST {
+                continue;
+            }
+            let _ = write!(text, "{:.3}", sample as f64 / RATE_HZ);
+            for value in inputs.iter().chain(&outputs) {
+                let _ = write!(text, ",{value:.9e}");
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    fn run(&self, hidden: &Hidden) -> Vec<Row> {
+        let plant = Plant::new(self, hidden);
+        let (x, v, _) = plant.drive(0.0);
+        let mut state = [0.0, -0.999 * plant.clearance_m, 0.0, 0.0, (x / plant.drive_lever_m).asin(), v];
+        let steps = (self.cycles as f64 / STEP_S).round() as usize;
+        let mut rows = Vec::with_capacity(steps);
+        let (mut touching, mut latched, mut last) = (false, 0.0, (0.0, 0.0));
+        for step in 0..steps {
+            let t = step as f64 * STEP_S;
+            let distance = state[0].hypot(state[1]);
+            let depth = distance - plant.clearance_m;
+            let rate = (state[0] * state[2] + state[1] * state[3]) / distance;
+            if depth > 0.0 && !touching {
+                let (before, rate_before): (f64, f64) = last;
+                latched = (rate_before + (rate - rate_before) * before / (before - depth)).max(0.0);
+            }
+            touching = depth > 0.0;
+            last = (depth, rate);
+            rows.push(plant.row(t, &state, latched));
+            let k1 = plant.derivative(t, &state, latched).0;
+            let k2 = plant.derivative(t + 0.5 * STEP_S, &add(&state, &k1, 0.5 * STEP_S), latched).0;
+            let k3 = plant.derivative(t + 0.5 * STEP_S, &add(&state, &k2, 0.5 * STEP_S), latched).0;
+            let k4 = plant.derivative(t + STEP_S, &add(&state, &k3, STEP_S), latched).0;
+            for i in 0..6 {
+                state[i] += STEP_S / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+            }
+        }
+        rows
+    }
+}
+
+/// Noise and resolution of a sensor.
+#[derive(Clone, Copy)]
+struct Sensor {
+    noise: f64,
+    resolution: f64,
+}
+
+impl Sensor {
+    fn new(noise: f64, resolution: f64) -> Self {
+        Self { noise, resolution }
+    }
+}
+
+fn round(value: f64, resolution: f64) -> f64 {
+    (value / resolution).round() * resolution
+}
+
+/// y, z, y', z', th, th' (the last two serve a compliant drive only).
+type State = [f64; 6];
+
+fn add(a: &State, b: &State, h: f64) -> State {
+    std::array::from_fn(|i| a[i] + h * b[i])
+}
+
+struct Row {
+    drive: (f64, f64),
+    load: f64,
+    /// Angle, speed, y, z, F_cy, F_cz, T_f, fork force.
+    outputs: [f64; 8],
+}
+
+struct Plant {
+    drive_lever_m: f64,
+    load_lever_m: f64,
+    mass: f64,
+    inertia: f64,
+    clearance_m: f64,
+    journal_radius_m: f64,
+    effective_modulus: f64,
+    damping_factor: f64,
+    friction: f64,
+    viscous: f64,
+    load_n: f64,
+    third_harmonic_n: f64,
+    column: Option<(f64, f64)>,
+}
+
+impl Plant {
+    fn new(real: &RealBench, hidden: &Hidden) -> Self {
+        let clearance_m = real.clearance_m + hidden.clearance_m;
+        let compliance = |modulus: f64, poisson: f64| (1.0 - poisson * poisson) / modulus;
+        let restitution: f64 = 0.4;
+        let column = (hidden.compliance_m_n > 0.0).then(|| {
+            let stiffness = 1.0 / hidden.compliance_m_n;
+            let reduced = real.inertia.1 / real.levers_m.0.powi(2);
+            (stiffness, 0.2 * (stiffness * reduced).sqrt())
+        });
+        Self {
+            drive_lever_m: real.levers_m.0,
+            load_lever_m: real.levers_m.1,
+            mass: real.inertia.0,
+            inertia: real.inertia.1,
+            clearance_m,
+            journal_radius_m: 0.070 - clearance_m,
+            effective_modulus: 1.0 / (compliance(real.modulus_pa, 0.3) + compliance(206e9, 0.3)),
+            damping_factor: 0.75 * (1.0 - restitution * restitution) * (2.0 * (1.0 - restitution)).exp(),
+            friction: real.friction * (1.0 + hidden.friction),
+            viscous: hidden.viscous_n_s_m,
+            load_n: real.load_n,
+            third_harmonic_n: hidden.third_harmonic_n,
+            column,
+        }
+    }
+
+    fn drive(&self, t: f64) -> (f64, f64, f64) {
+        let (half, w) = (0.086, std::f64::consts::TAU);
+        (half * (1.0 - (w * t).cos()), half * w * (w * t).sin(), half * w * w * (w * t).cos())
+    }
+
+    fn load(&self, t: f64) -> f64 {
+        if t < 0.05 {
+            0.5 * self.load_n * (1.0 - (std::f64::consts::PI * t / 0.05).cos())
+        } else {
+            self.load_n
+        }
+    }
+
+    /// F_cy, F_cz, T_f.
+    fn bearing(&self, s: &State, speed: f64, latched: f64) -> (f64, f64, f64) {
+        let distance = s[0].hypot(s[1]);
+        let depth = distance - self.clearance_m;
+        if depth <= 0.0 {
+            return (0.0, 0.0, 0.0);
+        }
+        let (ny, nz) = (s[0] / distance, s[1] / distance);
+        let gap = self.clearance_m;
+        let stiffness = std::f64::consts::PI / 8.0
+            * self.effective_modulus
+            * (2.0 * depth * (3.0 * gap + 2.0 * depth).powi(2) / (gap + depth).powi(3)).sqrt();
+        let rate = ny * s[2] + nz * s[3];
+        let normal = stiffness * depth.powf(1.5) * (1.0 + self.damping_factor * rate / latched.max(1e-3));
+        let normal = normal.max(0.0);
+        let slide = speed * self.journal_radius_m + nz * s[2] - ny * s[3];
+        let sign = 1.0 - 2.0 / (1.0 + (2.0 * slide / 1e-3).exp());
+        let coefficient = self.friction * (0.14 + 0.08 * (-slide.abs() / 0.02).exp());
+        let friction = -coefficient * normal * sign - self.viscous * slide;
+        (-normal * ny + friction * nz, -normal * nz - friction * ny, friction * self.journal_radius_m)
+    }
+
+    /// Derivative and everything a row needs.
+    fn derivative(&self, t: f64, s: &State, latched: f64) -> (State, Row) {
+        let (x, v, a) = self.drive(t);
+        let load = self.load(t);
+        let (sine, speed) = match self.column {
+            Some(_) => (s[4].sin(), s[5]),
+            None => {
+                let sine = (x - s[0]) / self.drive_lever_m;
+                (sine, (v - s[2]) / (self.drive_lever_m * (1.0 - sine * sine).sqrt()))
+            }
+        };
+        let cosine = (1.0 - sine * sine).sqrt();
+        let lever = self.drive_lever_m * cosine;
+        let (fy, fz, torque) = self.bearing(s, speed, latched);
+        let extra = self.third_harmonic_n * (3.0 * std::f64::consts::TAU * t).sin();
+        let vertical = (fz + extra) / self.mass - GRAVITY;
+        let (fork, lateral, angular) = match self.column {
+            Some((stiffness, damping)) => {
+                let fork =
+                    stiffness * (x - s[0] - self.drive_lever_m * sine) + damping * (v - s[2] - lever * speed);
+                let angular = (fork * lever + load * self.load_lever_m * cosine + torque) / self.inertia;
+                (fork, (fork + load + fy) / self.mass, angular)
+            }
+            None => {
+                let reduced = self.inertia / (lever * lever);
+                let given = a + self.drive_lever_m * sine * speed * speed;
+                let lateral = (reduced * given + load * (1.0 - self.load_lever_m / self.drive_lever_m) + fy
+                    - torque / lever)
+                    / (self.mass + reduced);
+                (self.mass * lateral - load - fy, lateral, 0.0)
+            }
+        };
+        let row =
+            Row { drive: (x, v), load, outputs: [sine.asin(), speed, s[0], s[1], fy, fz, torque, fork] };
+        ([s[2], s[3], lateral, vertical, speed, angular], row)
+    }
+
+    fn row(&self, t: f64, s: &State, latched: f64) -> Row {
+        self.derivative(t, s, latched).1
+    }
+}
