@@ -20,9 +20,27 @@ fn frames() -> Vec<SensorFrame> {
     troubled(&configuration(Bearing::Babbitt), 200, 9)
 }
 
-fn signal(controller: &EmulatedController, signal: Signal) {
-    let pid = Pid::from_raw(controller.process_id().try_into().unwrap()).unwrap();
-    kill_process(pid, signal).unwrap();
+fn process(controller: &EmulatedController) -> Pid {
+    Pid::from_raw(controller.process_id().try_into().unwrap()).unwrap()
+}
+
+/// Sends a signal and waits until every thread of the emulator is in the state that it leads to (T stopped, Z gone): a thread in
+/// mid-instruction still answers.
+fn signal(controller: &EmulatedController, signal: Signal, state: &str) {
+    let id = controller.process_id();
+    kill_process(process(controller), signal).unwrap();
+    let reached = || {
+        let threads = std::fs::read_dir(format!("/proc/{id}/task")).unwrap();
+        // The state follows the name, which is in brackets. A thread that ended meanwhile has no state.
+        threads
+            .filter_map(|thread| std::fs::read_to_string(thread.ok()?.path().join("stat")).ok())
+            .all(|stat| stat.rsplit_once(") ").is_some_and(|(_, rest)| rest.starts_with(state)))
+    };
+    let deadline = Instant::now() + Duration::from_secs(5);
+    while !reached() {
+        assert!(Instant::now() < deadline, "the emulator did not take {signal:?}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
 }
 
 /// How a start goes wrong, and how long that took.
@@ -74,7 +92,7 @@ fn a_killed_emulator_is_noticed_at_once_and_the_last_sample_named() {
     for frame in &frames[..100] {
         controller.exchange(frame).unwrap();
     }
-    signal(&controller, Signal::KILL);
+    signal(&controller, Signal::KILL, "Z");
     let started = Instant::now();
     let error = controller.exchange(&frames[100]).unwrap_err();
     assert!(started.elapsed() < Duration::from_secs(3), "{:?}", started.elapsed());
@@ -98,7 +116,7 @@ fn a_silent_controller_times_out_within_its_bound_and_the_last_sample_is_named()
     for frame in &frames[..10] {
         controller.exchange(frame).unwrap();
     }
-    signal(&controller, Signal::STOP);
+    signal(&controller, Signal::STOP, "T");
     let started = Instant::now();
     let error = controller.exchange(&frames[10]).unwrap_err();
     let took = started.elapsed();
@@ -121,9 +139,9 @@ fn an_answer_that_comes_too_late_is_not_taken_for_the_next_one() {
     let mut controller = start();
     let frames = frames();
     controller.exchange(&frames[0]).unwrap();
-    signal(&controller, Signal::STOP);
+    signal(&controller, Signal::STOP, "T");
     assert!(matches!(controller.exchange(&frames[1]), Err(ControllerError::TimedOut { .. })));
-    signal(&controller, Signal::CONT);
+    kill_process(process(&controller), Signal::CONT).unwrap();
     assert!(matches!(controller.exchange(&frames[2]), Err(ControllerError::Unexpected { .. })));
 }
 
