@@ -32,10 +32,10 @@ pub struct BenchOptions {
     #[arg(long, value_enum)]
     pub bearing: Option<BearingName>,
     /// Radial clearance in mm.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub clearance_mm: Option<f64>,
     /// Load in kN, positive along +Y.
-    #[arg(long, value_name = "KN", allow_hyphen_values = true)]
+    #[arg(long, value_name = "KN", allow_negative_numbers = true)]
     pub load_kn: Option<f64>,
     /// Cycles of the drive.
     #[arg(long, value_name = "N")]

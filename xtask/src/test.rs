@@ -10,5 +10,5 @@ pub(crate) fn test() -> Result<(), ChoreError> {
     if succeeds(cargo().args(["fmt", "--version"])) {
         run(cargo().args(["fmt", "--all", "--check"]))?;
     }
-    run(cargo().args(["test", "--workspace", "--features", "system-tests/emulated"]))
+    run(cargo().args(["test", "--workspace", "--no-fail-fast", "--features", "system-tests/emulated"]))
 }

@@ -50,7 +50,7 @@ pub struct RunArgs {
     #[arg(long, value_enum, default_value = "native")]
     pub controller: ControllerChoice,
     /// Communication step of the networks in microseconds: their force is held that long.
-    #[arg(long, default_value_t = 10.0, value_name = "US")]
+    #[arg(long, default_value_t = 10.0, value_name = "US", allow_negative_numbers = true)]
     pub step_us: f64,
     /// Seed of the sensors' noise.
     #[arg(long, default_value_t = 1)]
