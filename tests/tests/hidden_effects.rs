@@ -112,3 +112,25 @@ fn an_effect_outside_the_catalogue_gets_no_wrong_name() {
     let left = d.signature.unwrap();
     assert!(left.rms_over_noise > 0.2 && !left.place.is_empty());
 }
+
+#[test]
+fn two_effects_are_both_named() {
+    let hidden = Hidden { viscous_n_s_m: 300.0, force_y_offset_n: 25.0, ..Hidden::default() };
+    let d = diagnosed(&hidden, DEVIATIONS, 81, |_| {});
+    let mut names: Vec<&str> = d.causes.iter().map(|c| c.effect.as_str()).collect();
+    names.sort_unstable();
+    assert_eq!((d.verdict, names), (Verdict::Named, vec!["sensor-offset", "viscous-friction"]));
+}
+
+#[test]
+fn an_effect_deleted_from_the_library_is_unknown() {
+    let hidden = Hidden { journal_y_delay_s: 4e-4, ..Hidden::default() };
+    let mut noise = Noise::new(91);
+    let text = RealBench::near_description(&mut noise, DEVIATIONS).log(&hidden, &mut noise);
+    let bench = Bench::open("bench-b").unwrap();
+    let log = MeasuredLog::parse("a.csv", &text, &bench.log_format()).unwrap();
+    let exclude = ["sensor-delay".to_owned()];
+    let d = diagnose(&bench, &[log], &[], &Options { exclude: &exclude, ..Options::default() }).unwrap();
+    assert_eq!(d.verdict, Verdict::Unknown, "{:?}", d.causes);
+    assert_eq!(d.signature.unwrap().channel.name(), "journal_y_m");
+}

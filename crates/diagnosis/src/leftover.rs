@@ -4,6 +4,8 @@
 //! noise, of whatever colour (means over bins of the cycle's phase, their scatter between cycles as pure error, an F
 //! test). Means of whole cycles are tested against zero for drifts. A log without cycles is only as good as its
 //! declared noise, which is white by definition: means of short blocks are tested against it.
+//! Where noise is declared, a residual that is larger than it as a whole is structure too, wherever it sits: an oscillation
+//! that averages out in every bin.
 //! Structure below [`LEAST_RMS`] of the noise is nobody's business, however significant.
 
 use crate::noise::NoiseModel;
@@ -16,6 +18,8 @@ use std::collections::BTreeMap;
 
 /// Rms of structure, in units of the noise, below which it is ignored.
 const LEAST_RMS: f64 = 0.2;
+/// Rms of a residual over the declared noise from which it is larger than noise; what a declaration may be off by.
+const LARGER: f64 = 1.2;
 /// Chance that a clean log shows structure, shared by channels and tests.
 const FAMILY_ERROR: f64 = 0.002;
 const MOST_BINS: usize = 24;
@@ -33,12 +37,18 @@ pub(crate) fn find(data: &Data, noise: &NoiseModel, residual: &Columns) -> Optio
             .into_iter()
             .filter(|(chance, rms)| *chance < limit && *rms > LEAST_RMS * noise.of(channel).floor)
             .map(|(_, rms)| rms)
-            .fold(0.0, f64::max);
+            .fold(larger(noise, channel), f64::max);
         (rms > 0.0).then_some((channel, rms, rms / noise.of(channel).floor))
     });
     let (channel, rms, rms_over_noise) = found.max_by(|a, b| a.2.total_cmp(&b.2))?;
     let (feature, place) = structure::describe(data, residual, channel);
     Some(Signature { channel, place, feature, rms, rms_over_noise })
+}
+
+/// Rms of what a residual has above its declared noise; 0 where it is no larger.
+fn larger(noise: &NoiseModel, channel: Channel) -> f64 {
+    let n = noise.of(channel);
+    if n.declared && n.excess > LARGER { n.floor * (n.excess * n.excess - 1.0).sqrt() } else { 0.0 }
 }
 
 /// Chance and rms of what repeats in every cycle.

@@ -18,6 +18,8 @@
 //! trajectory; inputs (drive, load) that are themselves measured wrongly; a declared uncertainty that is too wide.
 #![forbid(unsafe_code)]
 
+mod answer;
+mod cycles;
 mod experiment;
 mod fit;
 mod gain;
@@ -29,6 +31,7 @@ mod rank;
 mod result;
 mod select;
 mod session;
+mod step;
 mod structure;
 mod verdict;
 

@@ -135,7 +135,7 @@ pub struct Noise {
     pub correlation_samples: f64,
 }
 
-/// A refitted candidate.
+/// A candidate of the first step.
 #[derive(Clone, Debug, Serialize)]
 pub struct Ranked {
     /// Effect in kebab-case.
@@ -147,6 +147,8 @@ pub struct Ranked {
     pub evidence: f64,
     /// Posterior share.
     pub probability: f64,
+    /// Whether it was fitted to everything; else it was out of the race on the first cycle, and the evidence is from there.
+    pub refitted: bool,
 }
 
 /// A residual over a log, for pictures.

@@ -5,8 +5,9 @@
 //! counts in units of the noise of the best model at hand, its excess and correlation included, so that structure which
 //! no candidate explains makes the test harder rather than every candidate significant.
 
-use crate::fit::{Fit, fit};
+use crate::fit::{Fit, fit, simulate};
 use crate::gain;
+use crate::linear::dot;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
 use crate::rank::{Origin, Score, correlation, refit, scores};
@@ -31,6 +32,8 @@ const WORTH: f64 = 4.0;
 /// Change of a noise weight that calls for another round.
 const SETTLED: f64 = 1.15;
 const MOST_ROUNDS: usize = 4;
+/// Fall of the objective that shows that a base had stuck.
+const STUCK: f64 = 1.0;
 /// Most causes at once.
 pub(crate) const MOST_CAUSES: usize = 2;
 /// Difference of the criterion within which two candidates fit equally: odds of 20 to 1.
@@ -54,6 +57,8 @@ pub(crate) struct Stage {
     pub(crate) base: Fit,
     /// Refitted candidates, best first.
     pub(crate) contenders: Vec<Contender>,
+    /// Candidates that were only searched for on the first cycle, with what they took off chi-square there.
+    pub(crate) others: Vec<(Candidate, f64)>,
     pub(crate) noise: NoiseModel,
     pub(crate) threshold: f64,
     /// Whether the best one is a cause.
@@ -94,16 +99,16 @@ pub(crate) fn stage(
     let data = &views.fitted;
     let free: Vec<Candidate> = candidates.iter().filter(|c| !model.chosen.contains(c)).copied().collect();
     let mut start = start.to_vec();
-    let mut round = 0;
+    let (mut round, mut resumed) = (0, false);
     loop {
         round += 1;
-        if let Some(coarse) = &views.coarse {
+        if let (Some(coarse), false) = (&views.coarse, resumed) {
             start = fit(coarse, &noise, model.clone(), start)?.z;
         }
         let base = fit(data, &noise, model.clone(), start.clone())?;
         let scored = scores(data, &noise, &base, &free)?;
         let samples = noise.effective_samples(data).max(2.0);
-        let fits = contend(views, &noise, &base, &scored)?;
+        let (fits, others) = contend(views, &noise, &base, &scored)?;
         let contender = |fit: Fit| {
             let added = fit.model.parameters.len() - base.model.parameters.len();
             let candidate = *fit.model.chosen.last()?;
@@ -114,6 +119,17 @@ pub(crate) fn stage(
         let mut contenders: Vec<Contender> = fits.into_iter().filter_map(contender).collect();
         contenders.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         let best = contenders.first().filter(|c| c.criterion < base.objective).map_or(&base, |c| &c.fit);
+        // Where the best candidate ended may be a better start for the base: evidence must not be a fit that stuck.
+        if round < MOST_ROUNDS && best.model.chosen.len() > model.chosen.len() {
+            let again = best.z.iter().take(base.z.len()).copied().collect();
+            let again = fit(data, &noise, model.clone(), again)?;
+            // A base that stays far off lacks an effect for certain, and a better imitation of it changes nothing.
+            if again.objective < base.objective - STUCK && !far_off(&again) {
+                start = again.z;
+                resumed = true;
+                continue;
+            }
+        }
         let next = floors.inflated(data, &data.residual(&best.simulation.columns));
         if next.change(&noise) > SETTLED && round < MOST_ROUNDS {
             noise = next;
@@ -127,28 +143,41 @@ pub(crate) fn stage(
         weigh(&mut contenders, base.objective);
         relate(&mut contenders, &base, &scored);
         let accepted = match contenders.first() {
-            Some(c) if c.evidence > threshold => gain::improves(&views.whole, &noise, &base, &c.fit)?,
+            Some(c) if c.evidence > threshold && stands_out(&c.fit, threshold) => {
+                gain::improves(&views.whole, &noise, &base, &c.fit)?
+            }
             _ => false,
         };
-        return Ok(Stage { base, contenders, noise, threshold, accepted });
+        return Ok(Stage { base, contenders, others, noise, threshold, accepted });
     }
 }
 
-/// Fits the likely candidates.
+/// Whether a fit is so far from the noise that its sensitivities mean little.
+fn far_off(fit: &Fit) -> bool {
+    fit.objective > FAR * fit.residual.len() as f64
+}
+
+/// Whether the last effect of a fit is as far from 0 as its evidence says, in its own standard deviations.
+fn stands_out(fit: &Fit, threshold: f64) -> bool {
+    let deviations = fit.deviations();
+    let own = fit.model.of_effect(fit.model.chosen.len() - 1);
+    own.iter().map(|&i| (fit.z[i] / deviations[i]).powi(2)).fold(0.0, f64::max) > threshold
+}
+
+/// Fitted candidates, and the others with their evidence.
+type Contest = (Vec<Fit>, Vec<(Candidate, f64)>);
+
+/// Fits the likely candidates; the others with their evidence from the first cycle.
 ///
 /// Near the optimum the scores say which: sensitivities hold. A base that is far off has bent its parameters to imitate
 /// what it lacks, and scores there mean little; then every effect of the plant is searched for on the first cycle.
-fn contend(
-    views: &Views,
-    noise: &NoiseModel,
-    base: &Fit,
-    scored: &[Score],
-) -> Result<Vec<Fit>, RespondError> {
+fn contend(views: &Views, noise: &NoiseModel, base: &Fit, scored: &[Score]) -> Result<Contest, RespondError> {
     let data = &views.fitted;
-    let far = base.objective > FAR * base.residual.len() as f64;
-    if !far {
+    if !far_off(base) {
         let group: Vec<&Score> = scored.iter().filter(|s| s.evidence > WORTH).take(GROUP).collect();
-        return group.par_iter().map(|s| refit(data, noise, base, s)).collect();
+        let fits: Result<Vec<Fit>, RespondError> =
+            group.par_iter().map(|s| refit(data, noise, base, s)).collect();
+        return Ok((fits?, Vec::new()));
     }
     let sensors = scored.iter().filter(|s| s.candidate.channel.is_some()).take(GROUP);
     let group: Vec<&Score> = scored.iter().filter(|s| s.candidate.channel.is_none()).chain(sensors).collect();
@@ -168,8 +197,15 @@ fn contend(
     settled.sort_by(|a, b| a.objective.total_cmp(&b.objective));
     let best = settled.first().map_or(0.0, |f| f.objective);
     let near = NEAR.max(NEAR_SHARE * best);
-    let close = settled.into_iter().take(CLOSE).filter(|f| f.objective < best + near);
-    close.collect::<Vec<_>>().into_par_iter().map(|f| fit(data, noise, f.model, f.z)).collect()
+    let close = settled.iter().take(CLOSE).take_while(|f| f.objective < best + near).count();
+    let far = settled.split_off(close);
+    let imitation = simulate(coarse, &base.model.at(&base.z), None)?;
+    let imitation = noise.stack(coarse, &coarse.residual(&imitation.columns));
+    let taken = |f: &Fit| Some((*f.model.chosen.last()?, dot(&imitation, &imitation) - f.objective));
+    let others = far.iter().filter_map(taken).collect();
+    let fits: Result<Vec<Fit>, RespondError> =
+        settled.into_par_iter().map(|f| fit(data, noise, f.model, f.z)).collect();
+    Ok((fits?, others))
 }
 
 /// Posterior shares from the criterion, the model without any candidate included.

@@ -9,6 +9,7 @@
 //!    library. What is left stands in the signature. Below that share the answer is `unknown`: a cause that explains
 //!    little is more often an imitation than a part.
 
+use crate::answer::{calibrated, estimates, noises, ranking, series};
 use crate::experiment::propose;
 use crate::fit::{Fit, fit, simulate};
 use crate::gain::gains;
@@ -16,19 +17,15 @@ use crate::leftover;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
 use crate::rank::candidates;
-use crate::result::{
-    Ambiguous, Calibrated, Cause, Diagnosis, Noise, ParameterEstimate, Ranked, Series, Signature, Verdict,
-};
+use crate::result::{Ambiguous, Diagnosis, Signature, Verdict};
 use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, stage};
-use crate::session::{Columns, Data, Use};
+use crate::session::{Columns, Data};
 use bench::log::LogError;
 use bench::respond::RespondError;
 use bench::{Bench, MeasuredLog};
 
 /// Share of the repeatable held-out residual that causes have to explain where structure is left.
 const MAIN_SHARE: f64 = 0.75;
-/// Factor of a standard deviation to a 95 % interval.
-const NINETY_FIVE: f64 = 1.96;
 
 /// What is told of the progress: the share done, and what comes next.
 pub type Progress = dyn Fn(f64, &str) + Sync;
@@ -86,8 +83,7 @@ pub fn diagnose(
         let Some(last) = stages.last().filter(|s| s.accepted) else { break };
         let Some(best) = last.contenders.first() else { break };
         say(0.6, "looking for a second cause");
-        let noise = floors.inflated(&views.fitted, &views.fitted.residual(&best.fit.simulation.columns));
-        let next = stage(&views, &floors, noise, (&best.fit.model, &best.fit.z), &all)?;
+        let next = stage(&views, &floors, floors.clone(), (&best.fit.model, &best.fit.z), &all)?;
         stages.push(next);
     }
     say(0.9, "testing what is left");
@@ -97,17 +93,17 @@ pub fn diagnose(
 }
 
 /// The model that some accepted stages end with.
-struct End {
+pub(crate) struct End {
     /// Chosen effects with their probability.
-    causes: Vec<(Candidate, f64)>,
-    model: Model,
-    z: Vec<f64>,
+    pub(crate) causes: Vec<(Candidate, f64)>,
+    pub(crate) model: Model,
+    pub(crate) z: Vec<f64>,
     /// Standard deviations in scaled units.
-    deviations: Vec<f64>,
+    pub(crate) deviations: Vec<f64>,
     /// Residual of all samples.
-    residual: Columns,
-    noise: NoiseModel,
-    left: Option<Signature>,
+    pub(crate) residual: Columns,
+    pub(crate) noise: NoiseModel,
+    pub(crate) left: Option<Signature>,
 }
 
 impl End {
@@ -233,83 +229,4 @@ fn judge(
         extended: Some(shown.model.at(&shown.z)),
         series: series(data, &before.residual, &shown.residual),
     })
-}
-
-fn estimates(end: &End) -> Vec<Cause> {
-    let cause = |which: usize| {
-        let (candidate, probability) = end.causes[which];
-        let parameters = end.model.of_effect(which).into_iter().map(|i| {
-            let (p, half) = (&end.model.parameters[i], NINETY_FIVE * end.deviations[i]);
-            ParameterEstimate {
-                name: p.name().into(),
-                value: p.value(end.z[i]),
-                unit: p.unit.clone(),
-                ci95: [p.value(end.z[i] - half), p.value(end.z[i] + half)],
-            }
-        });
-        Cause {
-            effect: candidate.kind.name.into(),
-            channel: candidate.channel,
-            probability,
-            parameters: parameters.collect(),
-        }
-    };
-    (0..end.causes.len()).map(cause).collect()
-}
-
-fn calibrated(end: &End) -> Vec<Calibrated> {
-    let uncertain =
-        end.model.parameters.iter().zip(&end.z).zip(&end.deviations).filter(|((p, _), _)| p.has_prior());
-    uncertain
-        .map(|((p, &z), d)| Calibrated {
-            name: p.name().into(),
-            described: p.centre,
-            value: p.value(z),
-            declared_deviation: p.scale,
-            deviation: d * p.scale,
-        })
-        .collect()
-}
-
-fn noises(data: &Data, noise: &NoiseModel) -> Vec<Noise> {
-    let of = |&channel: &bench::Channel| {
-        let n = noise.of(channel);
-        Noise {
-            channel,
-            floor: n.floor,
-            declared: n.declared,
-            excess: n.excess,
-            correlation_samples: n.correlation,
-        }
-    };
-    data.channels.iter().map(of).collect()
-}
-
-fn ranking(stage: &Stage) -> Vec<Ranked> {
-    let of = |c: &Contender| Ranked {
-        effect: c.candidate.kind.name.into(),
-        channel: c.candidate.channel,
-        evidence: c.evidence,
-        probability: c.probability,
-    };
-    stage.contenders.iter().map(of).collect()
-}
-
-fn series(data: &Data, before: &Columns, after: &Columns) -> Vec<Series> {
-    let kept = |uses: &[Use], values: &[f64]| -> Vec<f64> {
-        values.iter().zip(uses).filter(|(_, u)| **u != Use::Skip).map(|(v, _)| *v).collect()
-    };
-    let of = |((block, before), after): ((&crate::session::Block, &Vec<f64>), &Vec<f64>)| {
-        let session = &data.sessions[block.session];
-        Series {
-            source: session.source.clone(),
-            channel: block.channel,
-            time_s: kept(&session.uses, session.inputs.time_s()),
-            phase: session.phase.as_ref().map(|p| kept(&session.uses, p)),
-            before: kept(&session.uses, before),
-            after: kept(&session.uses, after),
-            held_out: session.uses.iter().filter(|u| **u != Use::Skip).map(|u| *u == Use::Held).collect(),
-        }
-    };
-    data.blocks.iter().zip(before).zip(after).map(of).collect()
 }

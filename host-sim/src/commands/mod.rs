@@ -1,6 +1,7 @@
 //! The commands, one file each: arguments, work, output.
 
 pub mod diagnose;
+mod diagnose_pictures;
 mod diagnose_report;
 pub mod record;
 pub mod run;

@@ -1,0 +1,97 @@
+//! The parts of the result, from the model that the selection ended with.
+
+use crate::noise::NoiseModel;
+use crate::result::{Calibrated, Cause, Noise, ParameterEstimate, Ranked, Series};
+use crate::select::{Contender, Stage};
+use crate::session::{Block, Columns, Data, Use};
+use crate::verdict::End;
+
+/// Factor of a standard deviation to a 95 % interval.
+const NINETY_FIVE: f64 = 1.96;
+
+pub(crate) fn estimates(end: &End) -> Vec<Cause> {
+    let cause = |which: usize| {
+        let (candidate, probability) = end.causes[which];
+        let parameters = end.model.of_effect(which).into_iter().map(|i| {
+            let (p, half) = (&end.model.parameters[i], NINETY_FIVE * end.deviations[i]);
+            ParameterEstimate {
+                name: p.name().into(),
+                value: p.value(end.z[i]),
+                unit: p.unit.clone(),
+                ci95: [p.value(end.z[i] - half), p.value(end.z[i] + half)],
+            }
+        });
+        Cause {
+            effect: candidate.kind.name.into(),
+            channel: candidate.channel,
+            probability,
+            parameters: parameters.collect(),
+        }
+    };
+    (0..end.causes.len()).map(cause).collect()
+}
+
+pub(crate) fn calibrated(end: &End) -> Vec<Calibrated> {
+    let uncertain =
+        end.model.parameters.iter().zip(&end.z).zip(&end.deviations).filter(|((p, _), _)| p.has_prior());
+    uncertain
+        .map(|((p, &z), d)| Calibrated {
+            name: p.name().into(),
+            described: p.centre,
+            value: p.value(z),
+            declared_deviation: p.scale,
+            deviation: d * p.scale,
+        })
+        .collect()
+}
+
+pub(crate) fn noises(data: &Data, noise: &NoiseModel) -> Vec<Noise> {
+    let of = |&channel: &bench::Channel| {
+        let n = noise.of(channel);
+        Noise {
+            channel,
+            floor: n.floor,
+            declared: n.declared,
+            excess: n.excess,
+            correlation_samples: n.correlation,
+        }
+    };
+    data.channels.iter().map(of).collect()
+}
+
+pub(crate) fn ranking(stage: &Stage) -> Vec<Ranked> {
+    let refitted = stage.contenders.iter().map(|c: &Contender| Ranked {
+        effect: c.candidate.kind.name.into(),
+        channel: c.candidate.channel,
+        evidence: c.evidence,
+        probability: c.probability,
+        refitted: true,
+    });
+    let searched = stage.others.iter().map(|(candidate, evidence)| Ranked {
+        effect: candidate.kind.name.into(),
+        channel: candidate.channel,
+        evidence: *evidence,
+        probability: 0.0,
+        refitted: false,
+    });
+    refitted.chain(searched).collect()
+}
+
+pub(crate) fn series(data: &Data, before: &Columns, after: &Columns) -> Vec<Series> {
+    let kept = |uses: &[Use], values: &[f64]| -> Vec<f64> {
+        values.iter().zip(uses).filter(|(_, u)| **u != Use::Skip).map(|(v, _)| *v).collect()
+    };
+    let of = |((block, before), after): ((&Block, &Vec<f64>), &Vec<f64>)| {
+        let session = &data.sessions[block.session];
+        Series {
+            source: session.source.clone(),
+            channel: block.channel,
+            time_s: kept(&session.uses, session.inputs.time_s()),
+            phase: session.phase.as_ref().map(|p| kept(&session.uses, p)),
+            before: kept(&session.uses, before),
+            after: kept(&session.uses, after),
+            held_out: session.uses.iter().filter(|u| **u != Use::Skip).map(|u| *u == Use::Held).collect(),
+        }
+    };
+    data.blocks.iter().zip(before).zip(after).map(of).collect()
+}
