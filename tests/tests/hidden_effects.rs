@@ -3,6 +3,7 @@
 //! Sizes: each effect lies outside what the bench declares as uncertain. The real bench differs from its description in
 //! every uncertain number, so a parameter that adds to an uncertain one (clearance, friction level) cannot be known
 //! better than that.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use bench::{Bench, MeasuredLog};
 use diagnosis::{Diagnosis, Options, Verdict, diagnose};

@@ -88,7 +88,6 @@ impl ContactPlant<4> for SliderCrank {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::integrate::integrate;
 
     #[test]
