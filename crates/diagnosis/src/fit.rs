@@ -172,6 +172,8 @@ pub(crate) struct Effort {
 impl Effort {
     /// To the optimum.
     pub(crate) const FULL: Self = Self { iterations: 40, jacobians: 12 };
+    /// To the optimum, unless the way is so long that it is the wrong one.
+    pub(crate) const FAIR: Self = Self { iterations: 24, jacobians: 4 };
     /// To see whether it leads anywhere.
     pub(crate) const GLANCE: Self = Self { iterations: 10, jacobians: 1 };
 }

@@ -5,7 +5,7 @@
 //! counts in units of the noise of the best model at hand, its excess and correlation included, so that structure which
 //! no candidate explains makes the test harder rather than every candidate significant.
 
-use crate::fit::{Fit, fit, simulate};
+use crate::fit::{Effort, Fit, fit, fit_from, simulate};
 use crate::gain;
 use crate::linear::dot;
 use crate::model::{Candidate, Model};
@@ -27,6 +27,8 @@ const FAR: f64 = 1.5;
 const NEAR: f64 = 400.0;
 const NEAR_SHARE: f64 = 1.0;
 const CLOSE: usize = 4;
+/// Most candidates that a search takes to the optimum on the first cycle.
+const LIKELY: usize = 5;
 /// Least score that is worth a refit.
 const WORTH: f64 = 4.0;
 /// Change of a noise weight that calls for another round.
@@ -187,10 +189,10 @@ fn contend(views: &Views, noise: &NoiseModel, base: &Fit, scored: &[Score]) -> R
     let found: Result<Vec<_>, RespondError> = group.par_iter().map(glance).collect();
     let mut found = found?;
     found.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
-    found.truncate(GROUP);
+    found.truncate(LIKELY);
     // To the optimum on the first cycle, then on everything for those that come near the best.
     let settle = |(candidate, (z, _)): (Candidate, (Vec<f64>, f64))| {
-        fit(coarse, noise, base.model.with(candidate, noise), z)
+        fit_from(coarse, noise, base.model.with(candidate, noise), z, None, Effort::FAIR)
     };
     let settled: Result<Vec<Fit>, RespondError> = found.into_par_iter().map(settle).collect();
     let mut settled = settled?;
