@@ -4,6 +4,9 @@
 //! [`controller`] the ends of the link, [`estimator`] their use, [`summary`] the figures, [`figure`] and [`page`] what people look at, and
 //! [`commands`] the command line.
 
+#[macro_use]
+mod say;
+
 pub mod commands;
 pub mod controller;
 pub mod error;

@@ -108,3 +108,18 @@ fn every_known_answer_holds() {
     assert!(cases.len() >= 20);
     assert!(cases.iter().all(|c| c.get("ok") == Some(&serde_json::Value::Bool(true))), "{cases:?}");
 }
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .current_dir(directory.path())
+        .args(["validate", "--json"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}

@@ -49,10 +49,10 @@ pub fn run(args: &DiagnoseArgs) -> Result<(), CliError> {
     let mut diagnosis = result?;
     write(&mut diagnosis, &args.out)?;
     if args.json {
-        println!("{}", json(&diagnosis)?);
+        say!("{}", json(&diagnosis)?);
     } else {
-        print!("{}", diagnose_report::text(&diagnosis));
-        println!("\nreport: {}", args.out.join("report.html").display());
+        say!("{}", diagnose_report::text(&diagnosis).trim_end());
+        say!("\nreport: {}", args.out.join("report.html").display());
     }
     Ok(())
 }

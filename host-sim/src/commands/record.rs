@@ -52,9 +52,9 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
         seed: args.seed,
     };
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&written).map_err(|e| CliError::Work(e.to_string()))?);
+        say!("{}", serde_json::to_string_pretty(&written).map_err(|e| CliError::Work(e.to_string()))?);
     } else {
-        println!("{}: {} samples of {} channels", written.log, written.samples, written.channels.len());
+        say!("{}: {} samples of {} channels", written.log, written.samples, written.channels.len());
     }
     Ok(())
 }

@@ -109,12 +109,12 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         atomic::write(&path, bytes.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
     }
     if args.json {
-        println!("{json}");
+        say!("{json}");
     } else {
         for row in run_report::rows(&finished.summary) {
-            println!("{:<44} {:>14}", row[0], row[1]);
+            say!("{:<44} {:>14}", row[0], row[1]);
         }
-        println!("\nreport: {}", args.out.join("report.html").display());
+        say!("\nreport: {}", args.out.join("report.html").display());
     }
     Ok(())
 }

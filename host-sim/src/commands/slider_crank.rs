@@ -101,13 +101,13 @@ pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
         atomic::write(&path, text.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
     }
     if args.json {
-        println!("{json}");
+        say!("{json}");
     } else {
-        println!("{:>12} {:>12} {:>14}", "onset, us", "speed, m/s", "peak force, N");
+        say!("{:>12} {:>12} {:>14}", "onset, us", "speed, m/s", "peak force, N");
         for row in &table {
-            println!("{:>12} {:>12} {:>14}", row[0], row[1], row[2]);
+            say!("{:>12} {:>12} {:>14}", row[0], row[1], row[2]);
         }
-        println!(
+        say!(
             "slider at {position:.10} m, {speed:.6} m/s\n\nreport: {}",
             args.out.join("report.html").display()
         );

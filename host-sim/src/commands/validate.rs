@@ -56,14 +56,18 @@ pub fn run(args: &ValidateArgs) -> Result<(), CliError> {
     if args.json {
         let text =
             serde_json::to_string_pretty(&Cases { cases }).map_err(|e| CliError::Work(e.to_string()))?;
-        println!("{text}");
+        say!("{text}");
     } else {
-        println!("{:<52} {:>16} {:>16} {:>10} {:>10}", "case", "value", "reference", "error", "tolerance");
+        say!("{:<52} {:>16} {:>16} {:>10} {:>10}", "case", "value", "reference", "error", "tolerance");
         for c in &cases {
             let mark = if c.ok { "" } else { "  FAILED" };
-            println!(
+            say!(
                 "{:<52} {:>16.8} {:>16.8} {:>10.1e} {:>10.1e}{mark}",
-                c.name, c.value, c.reference, c.error, c.tolerance
+                c.name,
+                c.value,
+                c.reference,
+                c.error,
+                c.tolerance
             );
         }
     }
