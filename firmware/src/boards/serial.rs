@@ -63,7 +63,7 @@ impl Transmitter {
                 port().dr().write(|w| {
                     #[expect(unsafe_code, reason = "a raw data byte")]
                     unsafe {
-                        w.bits(u16::from(byte).into())
+                        w.bits(u16::from(byte))
                     }
                 });
             }
