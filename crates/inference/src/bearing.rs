@@ -1,5 +1,7 @@
 //! The two bearings that networks are shipped for, and their images.
 
+use crate::image::{CRC_LENGTH, HEADER_LENGTH, prove};
+
 /// Material of the bearing a network was trained for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Bearing {
@@ -39,12 +41,32 @@ impl Bearing {
     }
 }
 
+/// An image at an address that its weights can be read from.
+#[repr(C, align(4))]
+struct Aligned<T: ?Sized>(T);
+
+static BABBITT: &Aligned<[u8]> = &Aligned(*include_bytes!("../models/babbitt.pintle"));
+static PLASTIC: &Aligned<[u8]> = &Aligned(*include_bytes!("../models/plastic.pintle"));
+
 /// The image shipped for a bearing: both of its networks in one blob.
 pub fn shipped(bearing: Bearing) -> &'static [u8] {
     match bearing {
-        Bearing::Babbitt => include_bytes!("../models/babbitt.pintle"),
-        Bearing::Plastic => include_bytes!("../models/plastic.pintle"),
+        Bearing::Babbitt => &BABBITT.0,
+        Bearing::Plastic => &PLASTIC.0,
     }
+}
+
+/// No sum of a shipped network can overflow.
+#[cfg(any())]
+const _: () = {
+    assert!(is_proven(include_bytes!("../models/babbitt.pintle")));
+    assert!(is_proven(include_bytes!("../models/plastic.pintle")));
+};
+
+const fn is_proven(image: &[u8]) -> bool {
+    let Some((body, _)) = image.split_last_chunk::<CRC_LENGTH>() else { return false };
+    let Some((_, networks)) = body.split_first_chunk::<HEADER_LENGTH>() else { return false };
+    prove(networks).is_ok()
 }
 
 #[cfg(test)]
@@ -63,7 +85,7 @@ mod tests {
     #[test]
     fn shipped_images_load_and_belong_to_their_bearing() {
         for bearing in Bearing::ALL {
-            let model = Model::load(shipped(bearing)).expect("shipped image");
+            let model: Model = Model::load(shipped(bearing)).expect("shipped image");
             assert_eq!(model.header().bearing, bearing);
         }
     }

@@ -1,41 +1,22 @@
 //! Why a model image was refused.
 
+use crate::image::{LayerName, LayerShape};
 use core::fmt;
 
-/// Layer of a network, for messages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LayerName {
-    /// First, second or third convolution (0, 1, 2) of the collision network.
-    CollisionConvolution(u8),
-    /// Dense head of the collision network.
-    CollisionHead,
-    /// First, second or third convolution (0, 1, 2) of the friction network.
-    FrictionConvolution(u8),
-    /// Dense head of the friction network.
-    FrictionHead,
-}
-
-impl fmt::Display for LayerName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::CollisionConvolution(index) => write!(f, "collision convolution {index}"),
-            Self::CollisionHead => f.write_str("collision head"),
-            Self::FrictionConvolution(index) => write!(f, "friction convolution {index}"),
-            Self::FrictionHead => f.write_str("friction head"),
-        }
-    }
-}
-
 /// Why an image was refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageError {
-    /// The image does not have the one length of its format.
+    /// The image ends before its networks do.
+    TooShort,
+    /// The image is not as long as its header says.
     Length {
         /// Bytes found.
         found: usize,
-        /// Bytes expected.
-        expected: usize,
+        /// Bytes that the header declares.
+        expected: u32,
     },
+    /// The image does not lie at an address divisible by 4.
+    Alignment,
     /// The first eight bytes are not those of a model image.
     Magic,
     /// The format version is not the one this code reads.
@@ -44,13 +25,6 @@ pub enum ImageError {
         found: u16,
         /// Version expected.
         expected: u16,
-    },
-    /// The length written in the header is not the image's.
-    DeclaredLength {
-        /// Length in the header.
-        found: u32,
-        /// Length of the image.
-        expected: u32,
     },
     /// The check sum over the image differs from the one at its end.
     Crc {
@@ -64,61 +38,75 @@ pub enum ImageError {
         /// Code found.
         found: u8,
     },
-    /// A network's shape is not the one this code runs.
-    Shape {
-        /// Name of the network.
-        network: &'static str,
-        /// Inputs, channels, kernel and head columns found.
-        found: [u8; 4],
-        /// Inputs, channels, kernel and head columns expected.
-        expected: [u8; 4],
-    },
-    /// A number of the header is not finite or not in order.
+    /// A number of the header is out of its range.
     Field {
         /// Name of the field.
         name: &'static str,
     },
-    /// A layer's 32-bit accumulator could overflow, or its multiplier is not above 0.
-    Layer {
+    /// A layer's shape is not that of the model's type.
+    Shape {
         /// The layer.
         layer: LayerName,
-        /// Largest magnitude that its accumulator can reach; 0 if the multiplier or scale is at fault.
-        largest_accumulator: i64,
+        /// Shape found; `None` if it is no shape at all.
+        found: Option<LayerShape>,
+        /// Shape expected, with the form of storage that was found.
+        expected: LayerShape,
     },
+    /// A layer's weights are stored in a form that its activations have no kernel for.
+    Form {
+        /// The layer.
+        layer: LayerName,
+    },
+    /// A layer's 32-bit sum can overflow.
+    Overflow {
+        /// The layer.
+        layer: LayerName,
+        /// Output channel.
+        output: u16,
+        /// Largest magnitude that the sum can reach.
+        largest: i64,
+    },
+    /// A layer's multiplier is not above 0, or its shift is out of range.
+    Scale {
+        /// The layer.
+        layer: LayerName,
+    },
+    /// Something follows the last layer.
+    Trailing,
 }
 
 impl fmt::Display for ImageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("model image: ")?;
         match self {
+            Self::TooShort => f.write_str("it ends before its networks do"),
             Self::Length { found, expected } => {
-                write!(f, "model image: found {found} bytes, expected {expected}")
+                write!(f, "found {found} bytes, its header declares {expected}")
             }
-            Self::Magic => f.write_str("model image: the first bytes are not those of a model image"),
+            Self::Alignment => f.write_str("its address is not divisible by 4"),
+            Self::Magic => f.write_str("the first bytes are not those of a model image"),
             Self::Version { found, expected } => {
-                write!(f, "model image: found format version {found}, expected {expected}")
-            }
-            Self::DeclaredLength { found, expected } => {
-                write!(f, "model image: header says {found} bytes, expected {expected}")
+                write!(f, "found format version {found}, expected {expected}")
             }
             Self::Crc { found, expected } => {
-                write!(f, "model image: check sum is {found:#010x}, expected {expected:#010x}")
+                write!(f, "check sum is {found:#010x}, expected {expected:#010x}")
             }
-            Self::Bearing { found } => write!(f, "model image: found bearing code {found}, expected 0 or 1"),
-            Self::Shape { network, found, expected } => write!(
-                f,
-                "model image: {network} network has shape {found:?} (inputs, channels, kernel, head columns), \
-                 expected {expected:?}"
-            ),
-            Self::Field { name } => write!(f, "model image: {name} is not finite or not in order"),
-            Self::Layer { layer, largest_accumulator: 0 } => {
-                write!(f, "model image: {layer} has a multiplier or scale that is not above 0")
+            Self::Bearing { found } => write!(f, "found bearing code {found}, expected 0 or 1"),
+            Self::Field { name } => write!(f, "{name} is out of range"),
+            Self::Shape { layer, found: Some(found), expected } => {
+                write!(f, "{layer} is {found}, expected {expected}")
             }
-            Self::Layer { layer, largest_accumulator } => {
-                write!(
-                    f,
-                    "model image: accumulator of {layer} can reach {largest_accumulator}, expected below 2^31"
-                )
+            Self::Shape { layer, found: None, expected } => {
+                write!(f, "{layer} has no valid shape, expected {expected}")
             }
+            Self::Form { layer } => write!(f, "{layer} has 16-bit weights on 8-bit activations, expected 8-bit weights"),
+            Self::Overflow { layer, output, largest } => {
+                write!(f, "sum of output {output} in {layer} can reach {largest}, expected below 2^31")
+            }
+            Self::Scale { layer } => {
+                write!(f, "{layer} has a multiplier that is not above 0 or a shift out of range")
+            }
+            Self::Trailing => f.write_str("something follows the last layer"),
         }
     }
 }

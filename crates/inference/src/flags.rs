@@ -27,6 +27,8 @@ impl Flags {
     pub const NON_FINITE: Self = Self(1 << 6);
     /// Fewer samples than the window holds have been seen since the start or the last reset.
     pub const WARMING_UP: Self = Self(1 << 7);
+    /// There was no sample: the forces are 0 and the history starts anew.
+    pub const MISSING: Self = Self(1 << 8);
     /// Every remark that means "outside the training range".
     pub const OUTSIDE_TRAINING: Self = Self(
         Self::OUTSIDE_CLEARANCE.0
@@ -90,7 +92,7 @@ mod tests {
 
     #[test]
     fn this_crate_stays_in_its_sixteen_bits() {
-        let all = Flags::OUTSIDE_TRAINING | Flags::SATURATED | Flags::NON_FINITE | Flags::WARMING_UP;
+        let all = Flags::OUTSIDE_TRAINING | Flags::SATURATED | Flags::NON_FINITE | Flags::WARMING_UP | Flags::MISSING;
         assert!(all.bits() < 1 << 16);
     }
 }

@@ -1,46 +1,79 @@
 //! A model image, checked once and then read in place.
 
-use crate::error::{ImageError, LayerName};
-use crate::header::Header;
-use crate::layout::{COLLISION_TAPS, FRICTION_TAPS, HEADER_LENGTH, IMAGE_LENGTH, check_sum};
-use crate::network::Network;
-use crate::read::Reader;
+use crate::chain::{Chain, Then};
+use crate::convolution::Convolution;
+use crate::error::ImageError;
+use crate::features::{COLLISION_INPUTS, FRICTION_INPUTS};
+use crate::head::Head;
+use crate::image::{CRC_LENGTH, HEADER_LENGTH, Header, LayerName, Reader, Unproven, check_sum, prove};
+
+/// Channels of every convolution of the shipped networks.
+pub const CHANNELS: usize = 16;
+/// Columns that each of their convolutions looks at.
+pub const KERNEL: usize = 3;
+/// Convolutions of a network.
+pub const CONVOLUTIONS: usize = 3;
+/// Columns of the last convolution that the head takes.
+pub const HEAD_COLUMNS: usize = 2;
+/// Input columns that one output depends on.
+pub const WINDOW: usize = CONVOLUTIONS * (KERNEL - 1) + HEAD_COLUMNS;
+
+/// A network of the family: three convolutions and a head over columns of `IN` features, with `B` (16 or 8 bits) between the
+/// layers. Features have 16 bits whatever `B` is.
+pub type Network<'a, B, const IN: usize> = Then<
+    Convolution<'a, i16, B, IN, CHANNELS, KERNEL>,
+    Then<
+        Convolution<'a, B, B, CHANNELS, CHANNELS, KERNEL>,
+        Then<Convolution<'a, B, B, CHANNELS, CHANNELS, KERNEL>, Head<'a, B, CHANNELS, HEAD_COLUMNS, 1>>,
+    >,
+>;
+
+/// An activation between the layers of the shipped networks: `i16` (default) or `i8` (compact).
+pub trait Between: crate::activation::Activation {}
+impl Between for i16 {}
+impl Between for i8 {}
 
 /// The two networks of one bearing, over the bytes of their image.
-#[derive(Clone, Debug)]
-pub struct Model<'a> {
+#[derive(Clone, Copy, Debug)]
+pub struct Model<'a, B: Between = i16> {
     header: Header,
-    collision: Network<'a, COLLISION_TAPS>,
-    friction: Network<'a, FRICTION_TAPS>,
+    collision: Network<'a, B, COLLISION_INPUTS>,
+    friction: Network<'a, B, FRICTION_INPUTS>,
 }
 
-impl<'a> Model<'a> {
-    /// Checks an image and borrows it. The image may lie at any address.
+/// Names of the networks in messages, in the order of the image.
+const NETWORKS: [&str; 2] = ["collision", "friction"];
+
+impl<'a, B: Between> Model<'a, B> {
+    /// Checks an image and borrows it.
     ///
-    /// Refused, with the reason: a wrong length, magic, version, check sum, bearing, shape; ranges that are not finite
-    /// or not in order; a layer whose accumulator could overflow.
+    /// Refused, with the reason: an address not divisible by 4, a wrong length, magic, version, check sum or bearing, a
+    /// number of the header out of range, a layer of another shape than this type's, a layer whose sums could overflow.
     pub fn load(image: &'a [u8]) -> Result<Self, ImageError> {
-        let wrong_length = ImageError::Length { found: image.len(), expected: IMAGE_LENGTH };
-        let image: &[u8; IMAGE_LENGTH] = image.try_into().map_err(|_| wrong_length)?;
-        let (body, sum) = image.split_last_chunk().ok_or(wrong_length)?;
-        let (head, networks) = body.split_first_chunk::<HEADER_LENGTH>().ok_or(wrong_length)?;
-        let expected = u32::from_le_bytes(*sum);
-        // Magic and version first: a file of another kind deserves a better message than "check sum".
-        let header = Header::parse(head, IMAGE_LENGTH, expected);
-        if let Err(error @ (ImageError::Magic | ImageError::Version { .. })) = header {
+        let (body, sum) = image.split_last_chunk::<CRC_LENGTH>().ok_or(ImageError::TooShort)?;
+        let (head, networks) = body.split_first_chunk::<HEADER_LENGTH>().ok_or(ImageError::TooShort)?;
+        // Magic, version and length first: a file of another kind deserves a better message than "check sum".
+        let header = Header::parse(head, image.len());
+        if let Err(error @ (ImageError::Magic | ImageError::Version { .. } | ImageError::Length { .. })) = header {
             return Err(error);
         }
-        let found = check_sum(body);
+        let (found, expected) = (check_sum(body), u32::from_le_bytes(*sum));
         if found != expected {
             return Err(ImageError::Crc { found, expected });
         }
         let header = header?;
-        let mut reader = Reader::new(networks, IMAGE_LENGTH);
-        Ok(Self {
+        let mut reader = Reader::new(networks);
+        let [collision, friction] = NETWORKS.map(|network| LayerName { network, index: 0 });
+        let model = Self {
             header,
-            collision: Network::read(&mut reader, LayerName::CollisionConvolution, LayerName::CollisionHead)?,
-            friction: Network::read(&mut reader, LayerName::FrictionConvolution, LayerName::FrictionHead)?,
-        })
+            collision: Chain::read(&mut reader, collision)?,
+            friction: Chain::read(&mut reader, friction)?,
+        };
+        if !reader.is_empty() {
+            return Err(ImageError::Trailing);
+        }
+        prove(networks).map_err(refused)?;
+        Ok(model)
     }
 
     /// What the image says about itself.
@@ -48,17 +81,32 @@ impl<'a> Model<'a> {
         self.header
     }
 
-    pub(crate) fn header_ref(&self) -> &Header {
-        &self.header
-    }
-
     /// The collision network.
-    pub fn collision(&self) -> &Network<'a, COLLISION_TAPS> {
+    pub fn collision(&self) -> &Network<'a, B, COLLISION_INPUTS> {
         &self.collision
     }
 
     /// The friction network.
-    pub fn friction(&self) -> &Network<'a, FRICTION_TAPS> {
+    pub fn friction(&self) -> &Network<'a, B, FRICTION_INPUTS> {
         &self.friction
+    }
+}
+
+/// The layers of the collision network come first.
+fn name(layer: u8) -> LayerName {
+    let [collision, friction] = NETWORKS;
+    match layer.checked_sub(CONVOLUTIONS as u8 + 1) {
+        None => LayerName { network: collision, index: layer },
+        Some(index) => LayerName { network: friction, index },
+    }
+}
+
+fn refused(unproven: Unproven) -> ImageError {
+    match unproven {
+        Unproven::Malformed { .. } => ImageError::TooShort,
+        Unproven::Overflow { layer, output, largest } => {
+            ImageError::Overflow { layer: name(layer), output, largest }
+        }
+        Unproven::Scale { layer } => ImageError::Scale { layer: name(layer) },
     }
 }

@@ -1,74 +1,135 @@
-//! The two networks chained, one sample at a time: state in, forces out.
+//! The two networks chained, one sample at a time: contact in, forces out.
 
-use crate::features::quantise;
+use crate::chain::Sums;
+use crate::estimate::Estimate;
+use crate::features::{COLLISION_INPUTS, FRICTION_INPUTS, Features};
 use crate::flags::Flags;
-use crate::layout::{COLLISION_TAPS, FRICTION_TAPS, WINDOW};
-use crate::model::Model;
-use crate::network::Stream;
-use crate::state::{ContactState, Estimate};
+use crate::head::Scale;
+use crate::kernel::{Engine, Native};
+use crate::model::{Between, Model, Network, WINDOW};
+use crate::sample::{ContactState, Sample};
+use crate::streaming::Streaming;
+
+/// Fraction bits of the root of the normal force in N.
+const ROOT_BITS: u32 = 16;
+/// Fraction bits of the coefficient of friction.
+const COEFFICIENT_BITS: u32 = 24;
 
 /// A model with the history of both of its networks.
 ///
 /// The collision network gives the square root of the normal force over a power of the deformation; the friction
-/// network takes that root and the sliding speed and gives the coefficient of friction. Without contact both forces are
-/// exactly 0. An input that is not a finite number gives 0 and starts the history anew.
+/// network takes that root (16 bits wide also in compact models) and the sliding speed and gives the coefficient of friction.
+/// Without contact both forces are exactly 0. From a [`Sample`] to the [`Estimate`] everything is whole numbers.
 #[derive(Clone, Debug)]
-pub struct Pair<'a> {
-    model: Model<'a>,
-    collision: Stream<COLLISION_TAPS>,
-    friction: Stream<FRICTION_TAPS>,
+pub struct Pair<'a, B: Between = i16, E: Engine = Native> {
+    model: Model<'a, B>,
+    features: Features,
+    collision: Streaming<'a, Network<'a, B, COLLISION_INPUTS>, i16, COLLISION_INPUTS, E>,
+    friction: Streaming<'a, Network<'a, B, FRICTION_INPUTS>, i16, FRICTION_INPUTS, E>,
     seen: u8,
 }
 
-impl<'a> Pair<'a> {
+impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
     /// Starts with an empty history.
-    pub fn new(model: Model<'a>) -> Self {
-        Self { model, collision: Stream::default(), friction: Stream::default(), seen: 0 }
+    pub fn new(model: Model<'a, B>) -> Self {
+        Self {
+            features: Features::new(model.header()),
+            collision: Streaming::new(*model.collision()),
+            friction: Streaming::new(*model.friction()),
+            model,
+            seen: 0,
+        }
     }
 
     /// Forgets the history: the next [`WINDOW`] - 1 samples are flagged [`Flags::WARMING_UP`].
     pub fn reset(&mut self) {
-        self.collision = Stream::default();
-        self.friction = Stream::default();
+        self.collision.reset();
+        self.friction.reset();
         self.seen = 0;
     }
 
+    /// Goes on with another model, between two samples. What one model's layers remember means nothing to another's, so the
+    /// history starts anew, as after [`Self::reset`].
+    pub fn switch(&mut self, model: Model<'a, B>) {
+        *self = Self::new(model);
+    }
+
     /// The model.
-    pub fn model(&self) -> &Model<'a> {
+    pub fn model(&self) -> &Model<'a, B> {
         &self.model
     }
 
-    /// Takes one sample and estimates its forces.
-    pub fn step(&mut self, state: &ContactState) -> Estimate {
-        if !state.is_finite() {
-            self.reset();
-            return Estimate { flags: Flags::NON_FINITE | Flags::WARMING_UP, ..Estimate::default() };
+    /// Takes one sample in SI units. One that is not finite gives forces of 0, flagged [`Flags::NON_FINITE`], and starts
+    /// the history anew.
+    pub fn push(&mut self, state: &ContactState) -> Estimate {
+        match state.sample() {
+            Some(sample) => self.step(&sample),
+            None => self.without_sample(Flags::NON_FINITE),
         }
-        let header = self.model.header_ref();
-        let column = header.collision_column(state);
-        let (raw, clipped_collision) = self.collision.step(self.model.collision(), &quantise(&column.inputs));
-        let output = raw.max(0) as f32 * self.model.collision().head.scale();
-        let root_force = output * column.root_force_factor;
-        let normal_force_n = root_force * root_force;
+    }
 
-        let inputs = quantise(&header.friction_column(root_force, state.sliding_speed_m_s));
-        let (raw, clipped_friction) = self.friction.step(self.model.friction(), &inputs);
-        let coefficient = raw.max(0) as f32 * self.model.friction().head.scale();
-        let magnitude = coefficient * normal_force_n;
-        let friction_force_n = if state.sliding_speed_m_s > 0.0 {
-            -magnitude
-        } else if state.sliding_speed_m_s < 0.0 {
-            magnitude
-        } else {
-            0.0
-        };
+    /// Says that a sample is missing: forces of 0, flagged [`Flags::MISSING`]; the history starts anew.
+    pub fn skip(&mut self) -> Estimate {
+        self.without_sample(Flags::MISSING)
+    }
 
-        let saturated = clipped_collision.wrapping_add(clipped_friction);
+    fn without_sample(&mut self, flag: Flags) -> Estimate {
+        self.reset();
+        Estimate { flags: flag | Flags::WARMING_UP, ..Estimate::default() }
+    }
+
+    /// Takes one sample and estimates its forces.
+    pub fn step(&mut self, sample: &Sample) -> Estimate {
+        let column = self.features.collision(sample);
+        let (Sums([sum]), clipped) = self.collision.push(&column.inputs);
+        let root = scaled_root(self.collision.network().scale().apply(sum, ROOT_BITS), column.root_force_factor_q30);
+        let normal_force_mn = squared_mn(root);
+
+        let inputs = self.features.friction(root, sample.sliding_speed_nm_s);
+        let (Sums([sum]), clipped_friction) = self.friction.push(&inputs);
+        let coefficient = self.friction.network().scale().apply(sum, COEFFICIENT_BITS);
+        let magnitude = product_mn(coefficient, normal_force_mn);
+        let friction_force_mn = magnitude.wrapping_mul(sample.sliding_speed_nm_s.signum()).wrapping_neg();
+
+        let clipped = clipped.wrapping_add(clipped_friction);
         self.seen = self.seen.saturating_add(1);
         let flags = column.flags
-            | Flags::OUTSIDE_FORCE.when(normal_force_n > header.normal_force_n.high)
-            | Flags::SATURATED.when(saturated > 0)
+            | Flags::OUTSIDE_FORCE
+                .when(normal_force_mn.cast_unsigned() > self.features.header().normal_force_high_mn)
+            | Flags::SATURATED.when(clipped > 0)
             | Flags::WARMING_UP.when(usize::from(self.seen) < WINDOW);
-        Estimate { normal_force_n, friction_force_n, flags, saturated }
+        Estimate {
+            normal_force_mn,
+            friction_force_mn,
+            flags,
+            saturated: u16::try_from(clipped).unwrap_or(u16::MAX),
+        }
     }
+}
+
+impl<B: Between, const IN: usize> Network<'_, B, IN> {
+    /// What one count of the network's sum is worth.
+    pub fn scale(&self) -> Scale {
+        self.rest.rest.rest.scale()
+    }
+}
+
+/// A root force times a factor of 2^30.
+#[inline]
+fn scaled_root(root: u32, factor: u32) -> u32 {
+    u32::try_from(u64::from(root).wrapping_mul(u64::from(factor)) >> 30).unwrap_or(u32::MAX)
+}
+
+/// The square of a root force as a force in mN, at most `i32::MAX`.
+#[inline]
+fn squared_mn(root: u32) -> i32 {
+    let square = u64::from(root).wrapping_mul(u64::from(root)) >> 12;
+    i32::try_from(square.wrapping_mul(1000) >> (2 * ROOT_BITS - 12)).unwrap_or(i32::MAX)
+}
+
+/// A coefficient times a force in mN, at most `i32::MAX`.
+#[inline]
+fn product_mn(coefficient: u32, force_mn: i32) -> i32 {
+    let product = u64::from(coefficient).wrapping_mul(u64::from(force_mn.cast_unsigned()));
+    i32::try_from(product >> COEFFICIENT_BITS).unwrap_or(i32::MAX)
 }

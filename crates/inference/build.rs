@@ -1,0 +1,14 @@
+//! Finds out whether the target has the DSP instructions, which stable Rust does not tell by itself.
+//!
+//! `thumbv7em` always has them; `thumbv8m.main` has them on every Cortex-M33, M35P, M55 and M85 that is built with the option:
+//! there the feature `dsp` says so.
+
+fn main() {
+    println!("cargo::rustc-check-cfg=cfg(pintle_dsp)");
+    println!("cargo::rerun-if-changed=build.rs");
+    let target = std::env::var("TARGET").unwrap_or_default();
+    let asked = std::env::var_os("CARGO_FEATURE_DSP").is_some() && target.starts_with("thumbv8m.main");
+    if target.starts_with("thumbv7em") || asked {
+        println!("cargo::rustc-cfg=pintle_dsp");
+    }
+}

@@ -1,0 +1,60 @@
+//! Widths of an activation: 16 bits (default and reference) or 8 bits (compact).
+//!
+//! Activations have no zero point: zero padding is 0, and no kernel subtracts an offset. Behind a ReLU they are 0 to
+//! [`Activation::MAX`]; features use the negative half, too.
+
+use crate::weights::{PackedWeights, Weights16, WeightsOf};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for i8 {}
+    impl Sealed for i16 {}
+}
+
+/// An activation: `i16` or `i8`.
+pub trait Activation: sealed::Sealed + bytemuck::Pod + Default + Ord + core::fmt::Debug {
+    /// Width in bits.
+    const BITS: u8;
+    /// Largest value: full scale.
+    const MAX: i32;
+    /// The forms in which the weights of a layer with such inputs may be stored.
+    type Weights<'a>: WeightsOf<'a, Self>;
+
+    /// The value, widened.
+    fn widen(self) -> i32;
+
+    /// ReLU and saturation: clipped to 0..=[`Self::MAX`].
+    fn clip(value: i32) -> Self;
+}
+
+impl Activation for i16 {
+    const BITS: u8 = 16;
+    const MAX: i32 = i16::MAX as i32;
+    type Weights<'a> = Weights16<'a>;
+
+    #[inline]
+    fn widen(self) -> i32 {
+        i32::from(self)
+    }
+
+    #[inline]
+    fn clip(value: i32) -> Self {
+        value.clamp(0, <Self as Activation>::MAX) as Self
+    }
+}
+
+impl Activation for i8 {
+    const BITS: u8 = 8;
+    const MAX: i32 = i8::MAX as i32;
+    type Weights<'a> = PackedWeights<'a>;
+
+    #[inline]
+    fn widen(self) -> i32 {
+        i32::from(self)
+    }
+
+    #[inline]
+    fn clip(value: i32) -> Self {
+        value.clamp(0, <Self as Activation>::MAX) as Self
+    }
+}

@@ -1,0 +1,114 @@
+//! The dense layer at the end: raw sums and what one count of them is worth.
+
+use crate::activation::Activation;
+use crate::error::ImageError;
+use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
+use crate::kernel::{BLOCK, Engine};
+use crate::weights::WeightsOf;
+
+/// A dense layer over `COLUMNS` columns of `IN` activations, oldest first, with `OUT` sums that are not requantised.
+#[derive(Clone, Copy, Debug)]
+pub struct Head<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize> {
+    scale: Scale,
+    biases: &'a [i32; OUT],
+    weights: A::Weights<'a>,
+}
+
+/// What one count of a head's sum is worth: `multiplier / 2^shift`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scale {
+    /// Above 0; with full precision from 2^30 on.
+    pub multiplier: i32,
+    /// Power of two to divide by: 25 to 78.
+    pub shift: u32,
+}
+
+impl Scale {
+    /// A sum in the scale's unit, times 2^`fraction_bits`, rounded down; 0 for a negative sum, at most `u32::MAX`.
+    #[inline]
+    pub fn apply(self, sum: i32, fraction_bits: u32) -> u32 {
+        let product = (sum.max(0) as u32 as u64).wrapping_mul(self.multiplier as u32 as u64);
+        let value = product.checked_shr(self.shift.saturating_sub(fraction_bits)).unwrap_or(0);
+        u32::try_from(value).unwrap_or(u32::MAX)
+    }
+
+    /// The scale as a number, for reports.
+    pub fn to_f64(self) -> f64 {
+        f64::from(self.multiplier) / libm::exp2(f64::from(self.shift))
+    }
+}
+
+impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize> Head<'a, A, IN, COLUMNS, OUT> {
+    /// Multiply-accumulates.
+    pub const MACS: usize = COLUMNS * IN * OUT;
+
+    /// The shape with weights in this form.
+    pub const fn shape(form: WeightForm) -> LayerShape {
+        const {
+            assert!(COLUMNS > 0 && COLUMNS <= u8::MAX as usize && IN > 0 && IN <= u16::MAX as usize);
+            assert!(OUT > 0 && OUT <= u16::MAX as usize);
+        }
+        LayerShape {
+            kind: LayerKind::Head,
+            columns: COLUMNS as u8,
+            inputs: IN as u16,
+            outputs: OUT as u16,
+            input_bits: A::BITS,
+            output_bits: 32,
+            form,
+        }
+    }
+
+    /// Takes the layer from an image.
+    pub(crate) fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
+        let form = reader.shape(layer, Self::shape)?;
+        Ok(Self {
+            scale: Scale { multiplier: reader.u32()?.cast_signed(), shift: reader.u32()? },
+            biases: reader.array()?,
+            weights: A::Weights::read(reader, layer, form, OUT, COLUMNS * IN)?,
+        })
+    }
+
+    /// The raw sums.
+    #[inline]
+    pub fn apply<E: Engine>(&self, columns: &[[A; IN]; COLUMNS]) -> [i32; OUT] {
+        let mut outputs = *self.biases;
+        let (blocks, left) = outputs.as_chunks_mut::<BLOCK>();
+        for (block, sums) in blocks.iter_mut().enumerate() {
+            self.weights.block::<E, IN, COLUMNS>(block, columns, sums);
+        }
+        for (index, sum) in left.iter_mut().enumerate() {
+            *sum = self.weights.row::<E, IN, COLUMNS>(index, columns, *sum);
+        }
+        outputs
+    }
+
+    /// What one count of a sum is worth.
+    pub fn scale(&self) -> Scale {
+        self.scale
+    }
+
+    /// Bias of an output.
+    pub fn bias(&self, output: usize) -> Option<i32> {
+        self.biases.get(output).copied()
+    }
+
+    /// Weight of an output at a tap; taps count column by column, oldest first.
+    pub fn weight(&self, output: usize, tap: usize) -> Option<i32> {
+        self.weights.weight(output, tap)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_is_what_it_says() {
+        let scale = Scale { multiplier: 3 << 29, shift: 45 };
+        assert!((scale.to_f64() - 1.5 / 32768.0).abs() < 1e-18);
+        assert_eq!(scale.apply(32768, 16), 3 << 15);
+        assert_eq!(scale.apply(-5, 16), 0);
+        assert_eq!(Scale { multiplier: i32::MAX, shift: 25 }.apply(i32::MAX, 24), u32::MAX);
+    }
+}

@@ -1,0 +1,207 @@
+//! The header of a model image: which bearing, which training, which ranges.
+//!
+//! All ranges are whole numbers in a unit small enough; the same in SI units as `f32` come from the methods.
+
+use super::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
+use crate::bearing::Bearing;
+use crate::error::ImageError;
+
+/// Closed interval of a physical quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Lower end.
+    pub low: f32,
+    /// Upper end.
+    pub high: f32,
+}
+
+impl Range {
+    /// Whether a value lies inside.
+    pub fn contains(&self, value: f32) -> bool {
+        value >= self.low && value <= self.high
+    }
+
+    /// The nearest value inside.
+    pub fn clamp(&self, value: f32) -> f32 {
+        if value < self.low {
+            self.low
+        } else if value > self.high {
+            self.high
+        } else {
+            value
+        }
+    }
+}
+
+/// Everything an image says about itself apart from its layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// Bearing the networks were trained for.
+    pub bearing: Bearing,
+    /// Identity of the training: CRC-64 of the float checkpoint.
+    pub training_id: u64,
+    /// The collision network's output times the deformation (over its upper end) to the power of so many halves is
+    /// the square root of the normal force; 0, 1 or 2.
+    pub deformation_half_powers: u8,
+    /// Lower end of the training range of the radial clearance in nm, above 0.
+    pub clearance_low_nm: u32,
+    /// Upper end of the training range of the radial clearance in nm.
+    pub clearance_high_nm: u32,
+    /// Upper end of the training range of the deformation in pm; the lower is 0.
+    pub deformation_high_pm: u32,
+    /// Ends of the training range of the rate over the approach speed, by magnitude, times 2^16.
+    pub rate_ratio_high_q16: u32,
+    /// Ends of the training range of the sliding speed in nm/s, by magnitude.
+    pub sliding_speed_high_nm_s: u32,
+    /// Largest normal force of the training set in mN; the smallest is 0.
+    pub normal_force_high_mn: u32,
+    /// Floor of the latched approach speed in nm/s, above 0.
+    pub latch_floor_nm_s: u32,
+    /// Scale of the friction network's third input in nm/s: the onset of sliding.
+    pub slow_speed_nm_s: u32,
+    /// Scale of the friction network's fourth input in nm/s: the Stribeck range.
+    pub fast_speed_nm_s: u32,
+}
+
+/// Largest value of a field in nm, pm or nm/s: 2^30, so that sums of two stay in 32 bits.
+const LARGEST: u32 = 1 << 30;
+
+impl Header {
+    /// Reads a header; the image is `length` bytes long.
+    pub(crate) fn parse(bytes: &[u8; HEADER_LENGTH], length: usize) -> Result<Self, ImageError> {
+        let bytes: &[[u8; 4]; HEADER_LENGTH / 4] =
+            bytes.as_chunks::<4>().0.try_into().map_err(|_| ImageError::TooShort)?;
+        let [
+            magic_low,
+            magic_high,
+            [version_low, version_high, bearing, half_powers],
+            declared,
+            id_low,
+            id_high,
+            fields @ ..,
+        ] = *bytes;
+        if [magic_low, magic_high].as_flattened() != MAGIC {
+            return Err(ImageError::Magic);
+        }
+        let version = u16::from_le_bytes([version_low, version_high]);
+        if version != FORMAT_VERSION {
+            return Err(ImageError::Version { found: version, expected: FORMAT_VERSION });
+        }
+        let declared = u32::from_le_bytes(declared);
+        if usize::try_from(declared) != Ok(length) {
+            return Err(ImageError::Length { found: length, expected: declared });
+        }
+        let bearing = Bearing::from_code(bearing).ok_or(ImageError::Bearing { found: bearing })?;
+        let training_id =
+            u64::from(u32::from_le_bytes(id_low)) | u64::from(u32::from_le_bytes(id_high)) << 32;
+        let [low, high, deformation, ratio, sliding, force, floor, slow, fast, reserved] =
+            fields.map(u32::from_le_bytes);
+        let header = Self {
+            bearing,
+            training_id,
+            deformation_half_powers: half_powers,
+            clearance_low_nm: low,
+            clearance_high_nm: high,
+            deformation_high_pm: deformation,
+            rate_ratio_high_q16: ratio,
+            sliding_speed_high_nm_s: sliding,
+            normal_force_high_mn: force,
+            latch_floor_nm_s: floor,
+            slow_speed_nm_s: slow,
+            fast_speed_nm_s: fast,
+        };
+        header.check(reserved)?;
+        Ok(header)
+    }
+
+    fn check(&self, reserved: u32) -> Result<(), ImageError> {
+        let within = |value: u32, largest: u32| value > 0 && value <= largest;
+        let clearance = within(self.clearance_low_nm, self.clearance_high_nm.saturating_sub(1))
+            && within(self.clearance_high_nm, 2_000_000);
+        let fields = [
+            (clearance, "radial clearance"),
+            (within(self.deformation_high_pm, LARGEST), "deformation"),
+            // 1/16 to 64 times the approach speed.
+            (self.rate_ratio_high_q16 >= 1 << 12 && self.rate_ratio_high_q16 <= 1 << 22, "rate ratio"),
+            (within(self.sliding_speed_high_nm_s, LARGEST), "sliding speed"),
+            (within(self.normal_force_high_mn, i32::MAX as u32), "normal force"),
+            (within(self.latch_floor_nm_s, LARGEST), "latch floor"),
+            (within(self.slow_speed_nm_s, LARGEST), "slow speed"),
+            (within(self.fast_speed_nm_s, LARGEST), "fast speed"),
+            (self.deformation_half_powers <= 2, "half powers"),
+            (reserved == 0, "reserved"),
+        ];
+        match fields.iter().find(|(sound, _)| !sound) {
+            Some(&(_, name)) => Err(ImageError::Field { name }),
+            None => Ok(()),
+        }
+    }
+
+    /// The header's bytes in an image of so many bytes.
+    pub(crate) fn to_bytes(self, length: u32) -> [u8; HEADER_LENGTH] {
+        let [version_low, version_high] = FORMAT_VERSION.to_le_bytes();
+        let mut words = [[0; 4]; HEADER_LENGTH / 4];
+        let [magic_low, magic_high, kind, declared, id_low, id_high, fields @ ..] = &mut words;
+        let [m0, m1, m2, m3, m4, m5, m6, m7] = MAGIC;
+        (*magic_low, *magic_high) = ([m0, m1, m2, m3], [m4, m5, m6, m7]);
+        *kind = [version_low, version_high, self.bearing.code(), self.deformation_half_powers];
+        *declared = length.to_le_bytes();
+        *id_low = (self.training_id as u32).to_le_bytes();
+        *id_high = ((self.training_id >> 32) as u32).to_le_bytes();
+        *fields = [
+            self.clearance_low_nm,
+            self.clearance_high_nm,
+            self.deformation_high_pm,
+            self.rate_ratio_high_q16,
+            self.sliding_speed_high_nm_s,
+            self.normal_force_high_mn,
+            self.latch_floor_nm_s,
+            self.slow_speed_nm_s,
+            self.fast_speed_nm_s,
+            0,
+        ]
+        .map(u32::to_le_bytes);
+        bytemuck::cast(words)
+    }
+
+    /// Training range of the radial clearance in m.
+    pub fn radial_clearance_m(&self) -> Range {
+        Range { low: scaled(self.clearance_low_nm, 1e-9), high: scaled(self.clearance_high_nm, 1e-9) }
+    }
+
+    /// Training range of the deformation in m.
+    pub fn deformation_m(&self) -> Range {
+        Range { low: 0.0, high: scaled(self.deformation_high_pm, 1e-12) }
+    }
+
+    /// Training range of the rate over the approach speed.
+    pub fn rate_ratio(&self) -> Range {
+        let high = scaled(self.rate_ratio_high_q16, 1.0 / 65536.0);
+        Range { low: -high, high }
+    }
+
+    /// Training range of the sliding speed in m/s.
+    pub fn sliding_speed_m_s(&self) -> Range {
+        let high = scaled(self.sliding_speed_high_nm_s, 1e-9);
+        Range { low: -high, high }
+    }
+
+    /// Range of the normal forces of the training set in N.
+    pub fn normal_force_n(&self) -> Range {
+        Range { low: 0.0, high: scaled(self.normal_force_high_mn, 1e-3) }
+    }
+
+    /// Floor of the latched approach speed in m/s.
+    pub fn latch_floor_m_s(&self) -> f32 {
+        scaled(self.latch_floor_nm_s, 1e-9)
+    }
+
+    /// Scales of the friction network's third and fourth input in m/s.
+    pub fn speed_scales_m_s(&self) -> [f32; 2] {
+        [scaled(self.slow_speed_nm_s, 1e-9), scaled(self.fast_speed_nm_s, 1e-9)]
+    }
+}
+
+fn scaled(value: u32, unit: f64) -> f32 {
+    (f64::from(value) * unit) as f32
+}

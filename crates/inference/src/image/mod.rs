@@ -1,0 +1,57 @@
+//! The model image: one blob of bytes that is checked once and then read in place.
+//!
+//! Little-endian, no pointers; any address divisible by 4. Everything in it is a whole number, so that loading and running it take
+//! no floating point.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 0..8 | magic |
+//! | 8..10 | format version |
+//! | 10 | bearing code |
+//! | 11 | half powers of the deformation in the collision target (0, 1, 2) |
+//! | 12..16 | length of the image |
+//! | 16..24 | training id |
+//! | 24..60 | nine u32 of the [`Header`]: ranges, floor, speed scales |
+//! | 60..64 | reserved, 0 |
+//! | then | layers of the collision network, layers of the friction network |
+//! | last 4 | CRC-32 (ISO-HDLC) of everything before |
+//!
+//! A layer is its [`LayerShape`] (12 bytes), then
+//!
+//! * a convolution: one i32 bias and one i32 multiplier (the real factor times 2^32) per output, the weights;
+//! * a head: i32 multiplier and u32 shift of its scale (multiplier / 2^shift), one i32 bias per output, the weights.
+//!
+//! The order of the weights is told in [`crate::storage`]; every group of them takes four bytes.
+
+mod header;
+mod name;
+mod proof;
+mod reader;
+mod shape;
+pub mod write;
+
+pub use header::{Header, Range};
+pub use name::LayerName;
+pub use proof::{Unproven, prove};
+pub use reader::Reader;
+pub use shape::{LayerKind, LayerShape, WeightForm};
+
+/// Magic of a model image.
+pub const MAGIC: [u8; 8] = *b"PINTLEM\n";
+/// Version of the format.
+pub const FORMAT_VERSION: u16 = 2;
+/// Bytes of the header.
+pub const HEADER_LENGTH: usize = 64;
+/// Bytes of a layer's shape.
+pub const SHAPE_LENGTH: usize = 12;
+/// Bytes of the check sum.
+pub const CRC_LENGTH: usize = 4;
+
+static CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
+/// CRC-32 (ISO-HDLC, as in zlib) of some bytes.
+pub fn check_sum(bytes: &[u8]) -> u32 {
+    CRC.checksum(bytes)
+}
+
+const _: () = assert!(cfg!(target_endian = "little"), "images are read in place, lowest byte first");

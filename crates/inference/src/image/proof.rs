@@ -1,0 +1,145 @@
+//! The proof that no sum of a network can overflow, from its actual weights.
+//!
+//! For every output: `|bias| + sum |weight| * 2^(input bits - 1)` must stay below 2^31. As a constant function it runs when an image
+//! is loaded, and for the shipped ones already when the crate is compiled.
+
+use super::SHAPE_LENGTH;
+use super::shape::{LayerKind, LayerShape, WeightForm};
+use crate::kernel::BLOCK;
+
+/// Why a network could not be proven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unproven {
+    /// The bytes are not layers from beginning to end.
+    Malformed {
+        /// Position of the layer, counted over all networks.
+        layer: u8,
+    },
+    /// A sum can overflow.
+    Overflow {
+        /// Position of the layer, counted over all networks.
+        layer: u8,
+        /// Output channel.
+        output: u16,
+        /// Largest magnitude that the sum can reach.
+        largest: i64,
+    },
+    /// A multiplier is not above 0 or a shift is out of range.
+    Scale {
+        /// Position of the layer, counted over all networks.
+        layer: u8,
+    },
+}
+
+/// Shifts of a head's scale that the estimate's arithmetic can follow.
+pub(crate) const SHIFT_RANGE: core::ops::RangeInclusive<u32> = 25..=78;
+
+/// Proves every layer in a sequence of them.
+pub const fn prove(networks: &[u8]) -> Result<(), Unproven> {
+    let mut rest = networks;
+    let mut layer = 0u8;
+    while let Some((shape, behind)) = rest.split_first_chunk::<SHAPE_LENGTH>() {
+        let Some(shape) = LayerShape::from_bytes(shape) else { return Err(Unproven::Malformed { layer }) };
+        let Some((body, behind)) = behind.split_at_checked(shape.length() - SHAPE_LENGTH) else {
+            return Err(Unproven::Malformed { layer });
+        };
+        if let Err(error) = prove_layer(layer, &shape, body) {
+            return Err(error);
+        }
+        rest = behind;
+        layer = layer.saturating_add(1);
+    }
+    if rest.is_empty() { Ok(()) } else { Err(Unproven::Malformed { layer }) }
+}
+
+const fn prove_layer(layer: u8, shape: &LayerShape, body: &[u8]) -> Result<(), Unproven> {
+    let malformed = Err(Unproven::Malformed { layer });
+    let outputs = shape.outputs as usize;
+    // A convolution has its biases first, a head its scale.
+    let (first, second) = match shape.kind {
+        LayerKind::Convolution => (4 * outputs, shape.scale_length()),
+        LayerKind::Head => (shape.scale_length(), 4 * outputs),
+    };
+    let Some((first, body)) = body.split_at_checked(first) else { return malformed };
+    let Some((second, mut weights)) = body.split_at_checked(second) else { return malformed };
+    let (mut biases, scales) = match shape.kind {
+        LayerKind::Convolution => (first, second),
+        LayerKind::Head => (second, first),
+    };
+    if !scales_are_sound(shape, scales) {
+        return Err(Unproven::Scale { layer });
+    }
+    let mut output = 0;
+    while output < outputs {
+        let side_by_side = if outputs - output >= BLOCK { BLOCK } else { 1 };
+        let mut sums = [0i64; BLOCK];
+        let mut lane = 0;
+        while lane < side_by_side {
+            let Some((bias, behind)) = biases.split_first_chunk::<4>() else { return malformed };
+            set(&mut sums, lane, (i32::from_le_bytes(*bias) as i64).abs());
+            biases = behind;
+            lane += 1;
+        }
+        let mut group = 0;
+        while group < shape.groups() * side_by_side {
+            let Some((bytes, behind)) = weights.split_first_chunk::<4>() else { return malformed };
+            let lane = group % side_by_side;
+            let grown = get(&sums, lane) + (magnitude(shape.form, *bytes) << (shape.input_bits - 1));
+            set(&mut sums, lane, grown);
+            weights = behind;
+            group += 1;
+        }
+        let mut lane = 0;
+        while lane < side_by_side {
+            let largest = get(&sums, lane);
+            if largest > i32::MAX as i64 {
+                return Err(Unproven::Overflow { layer, output: (output + lane) as u16, largest });
+            }
+            lane += 1;
+        }
+        output += side_by_side;
+    }
+    if weights.is_empty() { Ok(()) } else { malformed }
+}
+
+/// Reads one of four; a lane past the end, which there is not, would read 0.
+const fn get(sums: &[i64; BLOCK], lane: usize) -> i64 {
+    if lane < BLOCK { sums[lane] } else { 0 }
+}
+
+const fn set(sums: &mut [i64; BLOCK], lane: usize, value: i64) {
+    if lane < BLOCK {
+        sums[lane] = value;
+    }
+}
+
+/// Sum of the magnitudes of a group of weights.
+const fn magnitude(form: WeightForm, [a, b, c, d]: [u8; 4]) -> i64 {
+    match form {
+        WeightForm::Packed => {
+            (a as i8 as i64).abs() + (b as i8 as i64).abs() + (c as i8 as i64).abs() + (d as i8 as i64).abs()
+        }
+        WeightForm::Wide => {
+            (i16::from_le_bytes([a, b]) as i64).abs() + (i16::from_le_bytes([c, d]) as i64).abs()
+        }
+    }
+}
+
+const fn scales_are_sound(shape: &LayerShape, mut scales: &[u8]) -> bool {
+    let mut index = 0;
+    while let Some((bytes, behind)) = scales.split_first_chunk::<4>() {
+        let is_shift = matches!(shape.kind, LayerKind::Head) && index == 1;
+        let sound = if is_shift {
+            let shift = u32::from_le_bytes(*bytes);
+            shift >= *SHIFT_RANGE.start() && shift <= *SHIFT_RANGE.end()
+        } else {
+            i32::from_le_bytes(*bytes) > 0
+        };
+        if !sound {
+            return false;
+        }
+        scales = behind;
+        index += 1;
+    }
+    true
+}

@@ -1,0 +1,137 @@
+//! Writing model images: the counterpart of [`crate::Model::load`], for the tool that quantises.
+//!
+//! Lives here so that the format has one home. The controller does not call it.
+
+use super::{CRC_LENGTH, HEADER_LENGTH, Header, LayerShape, check_sum};
+use crate::head::Scale;
+use crate::image::{LayerKind, WeightForm};
+use crate::kernel::BLOCK;
+use crate::storage::{Packed8, Packed16, Storage, Wide};
+
+/// What a layer of some shape is filled with.
+#[derive(Clone, Copy, Debug)]
+pub struct LayerParts<'a> {
+    /// The shape.
+    pub shape: LayerShape,
+    /// One bias per output, at the sum's scale.
+    pub biases: &'a [i32],
+    /// One multiplier per output for a convolution; empty for a head.
+    pub multipliers: &'a [i32],
+    /// Scale of a head; not used for a convolution.
+    pub scale: Scale,
+    /// Weights `[output][tap]`, taps column by column, oldest first.
+    pub weights: &'a [i16],
+}
+
+/// Why something could not be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WriteError {
+    /// The room is too small.
+    NoRoom,
+    /// The parts do not have the lengths of the shape.
+    Lengths,
+}
+
+impl core::fmt::Display for WriteError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::NoRoom => "no room for the image",
+            Self::Lengths => "a layer's parts do not have the lengths of its shape",
+        })
+    }
+}
+
+impl core::error::Error for WriteError {}
+
+/// Room being filled from its front.
+struct Room<'a> {
+    bytes: &'a mut [u8],
+    used: usize,
+}
+
+impl Room<'_> {
+    fn put(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
+        let slot = self.bytes.get_mut(self.used..).and_then(|rest| rest.get_mut(..bytes.len()));
+        slot.ok_or(WriteError::NoRoom)?.copy_from_slice(bytes);
+        self.used += bytes.len();
+        Ok(())
+    }
+
+    fn group<S: Storage>(&mut self, row: &[i16], group: usize) -> Result<(), WriteError> {
+        let mut bytes = bytemuck::Zeroable::zeroed();
+        for (tap, &weight) in row.iter().skip(group * S::TAPS).take(S::TAPS).enumerate() {
+            S::put(&mut bytes, tap, weight);
+        }
+        self.put(bytemuck::bytes_of::<S::Group>(&bytes))
+    }
+
+    fn weights<S: Storage>(&mut self, weights: &[i16], shape: &LayerShape) -> Result<(), WriteError> {
+        let whole = shape.outputs as usize / BLOCK * BLOCK * shape.taps();
+        let (blocks, left) = weights.split_at_checked(whole).ok_or(WriteError::Lengths)?;
+        for block in blocks.chunks(BLOCK * shape.taps()) {
+            for group in 0..shape.groups() {
+                for row in block.chunks(shape.taps()) {
+                    self.group::<S>(row, group)?;
+                }
+            }
+        }
+        for row in left.chunks(shape.taps()) {
+            for group in 0..shape.groups() {
+                self.group::<S>(row, group)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn layer(&mut self, parts: &LayerParts<'_>) -> Result<(), WriteError> {
+        let LayerParts { shape, biases, multipliers, scale, weights } = *parts;
+        let outputs = shape.outputs as usize;
+        let factors = if shape.kind == LayerKind::Convolution { outputs } else { 0 };
+        if biases.len() != outputs || multipliers.len() != factors || weights.len() != outputs * shape.taps() {
+            return Err(WriteError::Lengths);
+        }
+        self.put(&shape.to_bytes())?;
+        if shape.kind == LayerKind::Head {
+            self.put(&scale.multiplier.to_le_bytes())?;
+            self.put(&scale.shift.to_le_bytes())?;
+        }
+        self.put(bytemuck::cast_slice(biases))?;
+        self.put(bytemuck::cast_slice(multipliers))?;
+        match (shape.form, shape.input_bits) {
+            (WeightForm::Wide, _) => self.weights::<Wide>(weights, &shape),
+            (WeightForm::Packed, 8) => self.weights::<Packed8>(weights, &shape),
+            (WeightForm::Packed, _) => self.weights::<Packed16>(weights, &shape),
+        }
+    }
+}
+
+/// Writes layers without header and check sum; gives their length in bytes.
+pub fn layers(layers: &[LayerParts<'_>], out: &mut [u8]) -> Result<usize, WriteError> {
+    let mut room = Room { bytes: out, used: 0 };
+    for layer in layers {
+        room.layer(layer)?;
+    }
+    Ok(room.used)
+}
+
+/// Length in bytes of an image with layers of these shapes.
+pub fn image_length<'s>(shapes: impl IntoIterator<Item = &'s LayerShape>) -> usize {
+    HEADER_LENGTH + shapes.into_iter().map(LayerShape::length).sum::<usize>() + CRC_LENGTH
+}
+
+/// Writes a whole image, the layers of the collision network before those of the friction network, and gives its length in
+/// bytes. Nothing is proven here: load the image afterwards.
+pub fn image(header: &Header, parts: &[LayerParts<'_>], out: &mut [u8]) -> Result<usize, WriteError> {
+    let (head, rest) = out.split_first_chunk_mut::<HEADER_LENGTH>().ok_or(WriteError::NoRoom)?;
+    let length = HEADER_LENGTH + layers(parts, rest)? + CRC_LENGTH;
+    *head = header.to_bytes(u32::try_from(length).map_err(|_| WriteError::NoRoom)?);
+    seal(out.get_mut(..length).ok_or(WriteError::NoRoom)?);
+    Ok(length)
+}
+
+/// Puts the check sum of everything before it at the end of an image.
+pub fn seal(image: &mut [u8]) {
+    if let Some((body, sum)) = image.split_last_chunk_mut::<CRC_LENGTH>() {
+        *sum = check_sum(body).to_le_bytes();
+    }
+}

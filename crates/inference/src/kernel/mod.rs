@@ -1,0 +1,87 @@
+//! Dot products: the only place where multiplications are counted.
+//!
+//! Channels-last columns are contiguous, so the taps of an output are one slice of memory and a convolution is nothing but
+//! dot products. Three shapes do all of it: four outputs at two neighbouring positions, four outputs at one position,
+//! one output at one position.
+//!
+//! [`Portable`] is safe Rust and the oracle; `Simd` runs on hosts and `CortexM` on cores with the DSP instructions. Whole numbers of 32 bits add up to the same sum in any order, and the loader has proven
+//! that none overflows ([`crate::image::prove`]): so all of them give the same bits, which tests show on every one of them.
+
+use crate::storage::{Packed8, Packed16, Storage, Wide};
+
+#[cfg(pintle_dsp)]
+pub mod cortex_m;
+pub mod portable;
+#[cfg(not(target_os = "none"))]
+pub mod simd;
+
+pub use portable::Portable;
+
+/// Outputs computed together.
+pub const BLOCK: usize = 4;
+
+/// Weights of four outputs in one group of taps.
+pub type Quad<S> = [<S as Storage>::Group; BLOCK];
+
+/// Dot products with weights of one form of storage.
+///
+/// `weights` are [`crate::storage::groups`]`(K * IN)` groups; with fewer, the sums are not what they should be, but nothing
+/// else happens.
+pub trait Kernel<S: Storage> {
+    /// Adds four outputs at each of two neighbouring positions; `columns` are `K + 1`.
+    fn pair<const IN: usize, const K: usize>(
+        weights: &[Quad<S>],
+        columns: &[[S::Activation; IN]],
+        sums: &mut [[i32; BLOCK]; 2],
+    );
+
+    /// Adds four outputs at one position.
+    fn block<const IN: usize, const K: usize>(
+        weights: &[Quad<S>],
+        columns: &[[S::Activation; IN]; K],
+        sums: &mut [i32; BLOCK],
+    );
+
+    /// Adds one output at one position to `sum`.
+    fn row<const IN: usize, const K: usize>(
+        weights: &[S::Group],
+        columns: &[[S::Activation; IN]; K],
+        sum: i32,
+    ) -> i32;
+}
+
+/// Kernels for every form of storage.
+pub trait Engine: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8> {}
+
+impl<T: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8>> Engine for T {}
+
+/// The fastest engine of this target.
+#[cfg(pintle_dsp)]
+pub type Native = cortex_m::CortexM;
+/// The fastest engine of this target.
+#[cfg(not(target_os = "none"))]
+pub type Native = simd::Simd;
+/// The fastest engine of this target.
+#[cfg(all(target_os = "none", not(pintle_dsp)))]
+pub type Native = Portable;
+
+/// ReLU's input at the next layer's scale: times `multiplier / 2^32`, rounded to nearest, halves up.
+#[inline]
+pub fn requantise(sum: i32, multiplier: i32) -> i32 {
+    let product = i64::from(sum).wrapping_mul(i64::from(multiplier));
+    (product.wrapping_add(1 << 31) >> 32) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn requantise_rounds_to_nearest(sum in any::<i32>(), multiplier in 1..i32::MAX) {
+            let exact = f64::from(sum) * f64::from(multiplier) / 4_294_967_296.0;
+            prop_assert!((f64::from(requantise(sum, multiplier)) - exact).abs() <= 0.5);
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! The kernels in safe Rust for any target: the oracle of the others.
+
+use super::{BLOCK, Kernel, Quad};
+use crate::activation::Activation;
+use crate::storage::Storage;
+
+/// Safe Rust without assumptions about the target.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable;
+
+impl<S: Storage> Kernel<S> for Portable {
+    fn pair<const IN: usize, const K: usize>(
+        weights: &[Quad<S>],
+        columns: &[[S::Activation; IN]],
+        [first, second]: &mut [[i32; BLOCK]; 2],
+    ) {
+        if let Some(columns) = columns.first_chunk::<K>() {
+            <Self as Kernel<S>>::block(weights, columns, first);
+        }
+        if let Some(columns) = columns.last_chunk::<K>() {
+            <Self as Kernel<S>>::block(weights, columns, second);
+        }
+    }
+
+    fn block<const IN: usize, const K: usize>(
+        weights: &[Quad<S>],
+        columns: &[[S::Activation; IN]; K],
+        sums: &mut [i32; BLOCK],
+    ) {
+        for (quad, inputs) in weights.iter().zip(columns.as_flattened().chunks(S::TAPS)) {
+            for (tap, &input) in inputs.iter().enumerate() {
+                let input = input.widen();
+                for (sum, &group) in sums.iter_mut().zip(quad) {
+                    *sum = sum.wrapping_add(S::weight(group, tap).wrapping_mul(input));
+                }
+            }
+        }
+    }
+
+    fn row<const IN: usize, const K: usize>(
+        weights: &[S::Group],
+        columns: &[[S::Activation; IN]; K],
+        sum: i32,
+    ) -> i32 {
+        weights.iter().zip(columns.as_flattened().chunks(S::TAPS)).fold(sum, |sum, (&group, inputs)| {
+            inputs.iter().enumerate().fold(sum, |sum, (tap, &input)| {
+                sum.wrapping_add(S::weight(group, tap).wrapping_mul(input.widen()))
+            })
+        })
+    }
+}

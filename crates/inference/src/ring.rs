@@ -1,0 +1,57 @@
+//! The newest columns of a stream as one slice of memory, without moving any.
+
+/// The newest `N` columns. Every column is kept twice, `N` places apart, so that wherever the oldest stands, the `N` columns from it on are
+/// in order and side by side.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(4))]
+pub struct Ring<A, const IN: usize, const N: usize> {
+    columns: [[[A; IN]; N]; 2],
+    oldest: usize,
+}
+
+impl<A: Copy + Default, const IN: usize, const N: usize> Ring<A, IN, N> {
+    /// `N` columns of zeros: the causal padding.
+    pub fn new() -> Self {
+        Self { columns: [[[A::default(); IN]; N]; 2], oldest: 0 }
+    }
+
+    /// Puts a column in the place of the oldest.
+    #[inline]
+    pub fn push(&mut self, column: &[A; IN]) {
+        for half in &mut self.columns {
+            if let Some(slot) = half.get_mut(self.oldest) {
+                *slot = *column;
+            }
+        }
+        let next = self.oldest.wrapping_add(1);
+        self.oldest = if next < N { next } else { 0 };
+    }
+
+    /// The columns, oldest first.
+    #[inline]
+    pub fn columns(&self) -> &[[A; IN]; N] {
+        let [first, _] = &self.columns;
+        self.columns.as_flattened().get(self.oldest..).and_then(<[_]>::first_chunk).unwrap_or(first)
+    }
+}
+
+impl<A: Copy + Default, const IN: usize, const N: usize> Default for Ring<A, IN, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_columns_are_in_order() {
+        let mut ring = Ring::<i16, 2, 3>::new();
+        for newest in 1i16..20 {
+            ring.push(&[newest, -newest]);
+            let expected = [newest - 2, newest - 1, newest].map(|at| [at.max(0), -at.max(0)]);
+            assert_eq!(ring.columns(), &expected);
+        }
+    }
+}

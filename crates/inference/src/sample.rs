@@ -1,0 +1,83 @@
+//! What goes into one step.
+
+/// Physical inputs of one sample as whole numbers, as the controller has them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sample {
+    /// Radial clearance `R_B - R_J` in nm.
+    pub radial_clearance_nm: u32,
+    /// Deformation `d = a - D` in pm; below 0 there is a gap of that width.
+    pub deformation_pm: i32,
+    /// Rate `d'` of the deformation in nm/s, positive while approaching.
+    pub deformation_rate_nm_s: i32,
+    /// Approach speed latched at the onset of the contact in nm/s; the image's floor is applied inside.
+    pub approach_speed_nm_s: u32,
+    /// Relative tangential speed of the contact points in nm/s.
+    pub sliding_speed_nm_s: i32,
+}
+
+/// Physical inputs of one sample in SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactState {
+    /// Radial clearance `R_B - R_J` in m.
+    pub radial_clearance_m: f32,
+    /// Deformation `d = a - D` in m; below 0 there is a gap of that width.
+    pub deformation_m: f32,
+    /// Rate `d'` of the deformation in m/s, positive while approaching.
+    pub deformation_rate_m_s: f32,
+    /// Approach speed latched at the onset of the contact in m/s; the image's floor is applied inside.
+    pub approach_speed_m_s: f32,
+    /// Relative tangential speed of the contact points in m/s.
+    pub sliding_speed_m_s: f32,
+}
+
+impl ContactState {
+    /// Whether every input is a finite number.
+    pub fn is_finite(&self) -> bool {
+        self.radial_clearance_m.is_finite()
+            && self.deformation_m.is_finite()
+            && self.deformation_rate_m_s.is_finite()
+            && self.approach_speed_m_s.is_finite()
+            && self.sliding_speed_m_s.is_finite()
+    }
+
+    /// The same as whole numbers, rounded to nearest; beyond 2.1 mm of deformation and 2.1 m/s, which every image is outside of, the
+    /// nearest that there is. `None` if an input is not finite.
+    pub fn sample(&self) -> Option<Sample> {
+        self.is_finite().then(|| Sample {
+            radial_clearance_nm: rounded(self.radial_clearance_m, 1e9).max(0).cast_unsigned(),
+            deformation_pm: rounded(self.deformation_m, 1e12),
+            deformation_rate_nm_s: rounded(self.deformation_rate_m_s, 1e9),
+            approach_speed_nm_s: rounded(self.approach_speed_m_s, 1e9).max(0).cast_unsigned(),
+            sliding_speed_nm_s: rounded(self.sliding_speed_m_s, 1e9),
+        })
+    }
+}
+
+/// A number of units, halves away from zero.
+fn rounded(value: f32, per_unit: f32) -> i32 {
+    let scaled = value * per_unit;
+    (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conversion_rounds_saturates_and_refuses() {
+        let state = ContactState {
+            radial_clearance_m: 0.5e-3,
+            deformation_m: -3e-5,
+            deformation_rate_m_s: 1e9,
+            approach_speed_m_s: -1.0,
+            sliding_speed_m_s: 0.1,
+        };
+        let sample = state.sample().unwrap_or_default();
+        assert_eq!(sample.radial_clearance_nm, 500_000);
+        assert!((sample.deformation_pm + 30_000_000).abs() <= 2);
+        assert_eq!(sample.deformation_rate_nm_s, i32::MAX);
+        assert_eq!(sample.approach_speed_nm_s, 0);
+        assert!((sample.sliding_speed_nm_s - 100_000_000).abs() <= 8);
+        assert_eq!(ContactState { deformation_m: f32::NAN, ..state }.sample(), None);
+    }
+}

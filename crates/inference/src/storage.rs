@@ -1,0 +1,132 @@
+//! How the weights of a layer lie in memory.
+//!
+//! The taps of an output (column by column, oldest first, inputs of a column in order) are cut into groups; the last
+//! group is filled up with zero weights. Outputs are taken four at a time: `[block of 4 outputs][group][output]`; what is
+//! left over (outputs not divisible by 4) follows row by row: `[output][group]`.
+//!
+//! | form | weights | activations | a group | for |
+//! |---|---|---|---|---|
+//! | [`Wide`] | 16 bits | 16 bits | taps 0 1 | speed, and weights of more than 8 bits |
+//! | [`Packed16`] | 8 bits | 16 bits | taps 0 2 1 3 | half the flash |
+//! | [`Packed8`] | 8 bits | 8 bits | taps 0 1 2 3 | half the flash and half the RAM |
+//!
+//! The order inside a packed group is that of the instruction SXTB16, which widens bytes 0 and 2 of a word (and, rotated
+//! by 8, bytes 1 and 3): 16-bit activations lie in memory as pairs (0 1) (2 3), 8-bit ones unpack to (0 2) (1 3).
+
+use crate::activation::Activation;
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for super::Wide {}
+    impl Sealed for super::Packed16 {}
+    impl Sealed for super::Packed8 {}
+}
+
+/// A form of storage.
+pub trait Storage: sealed::Sealed + Copy + core::fmt::Debug + 'static {
+    /// Activations that these weights are multiplied with.
+    type Activation: Activation;
+    /// The weights of one output in one group; four bytes.
+    type Group: bytemuck::Pod + core::fmt::Debug;
+    /// Taps of a group.
+    const TAPS: usize;
+
+    /// Weight of a tap of a group.
+    fn weight(group: Self::Group, tap: usize) -> i32;
+
+    /// Puts a weight in its place in a group. Weights that do not fit their width are cut off.
+    fn put(group: &mut Self::Group, tap: usize, weight: i16);
+}
+
+/// Groups that so many taps take.
+pub const fn groups<S: Storage>(taps: usize) -> usize {
+    taps.div_ceil(S::TAPS)
+}
+
+/// 16-bit weights (8-bit ones widened, or of more than 8 bits) for 16-bit activations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wide;
+
+impl Storage for Wide {
+    type Activation = i16;
+    type Group = [i16; 2];
+    const TAPS: usize = 2;
+
+    #[inline]
+    fn weight(group: [i16; 2], tap: usize) -> i32 {
+        group.get(tap).copied().map_or(0, i32::from)
+    }
+
+    fn put(group: &mut [i16; 2], tap: usize, weight: i16) {
+        if let Some(slot) = group.get_mut(tap) {
+            *slot = weight;
+        }
+    }
+}
+
+/// 8-bit weights for 16-bit activations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Packed16;
+
+impl Storage for Packed16 {
+    type Activation = i16;
+    type Group = [i8; 4];
+    const TAPS: usize = 4;
+
+    #[inline]
+    fn weight(group: [i8; 4], tap: usize) -> i32 {
+        let [zero, two, one, three] = group;
+        [zero, one, two, three].get(tap).copied().map_or(0, i32::from)
+    }
+
+    fn put(group: &mut [i8; 4], tap: usize, weight: i16) {
+        let [zero, two, one, three] = group;
+        if let Some(slot) = [zero, one, two, three].into_iter().nth(tap) {
+            *slot = weight as i8;
+        }
+    }
+}
+
+/// 8-bit weights for 8-bit activations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Packed8;
+
+impl Storage for Packed8 {
+    type Activation = i8;
+    type Group = [i8; 4];
+    const TAPS: usize = 4;
+
+    #[inline]
+    fn weight(group: [i8; 4], tap: usize) -> i32 {
+        group.get(tap).copied().map_or(0, i32::from)
+    }
+
+    fn put(group: &mut [i8; 4], tap: usize, weight: i16) {
+        if let Some(slot) = group.get_mut(tap) {
+            *slot = weight as i8;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn round_trip<S: Storage>() {
+        let mut group = bytemuck::Zeroable::zeroed();
+        for tap in 0..S::TAPS {
+            S::put(&mut group, tap, tap as i16 - 2);
+        }
+        S::put(&mut group, S::TAPS, 99);
+        for tap in 0..S::TAPS {
+            assert_eq!(S::weight(group, tap), tap as i32 - 2);
+        }
+    }
+
+    #[test]
+    fn what_is_put_is_read() {
+        round_trip::<Wide>();
+        round_trip::<Packed16>();
+        round_trip::<Packed8>();
+    }
+}
