@@ -8,7 +8,8 @@ use crate::net::Net;
 use crate::ranges::header;
 use crate::recipe::Recipe;
 use crate::train::Trained;
-use inference::layout::{COLLISION_TAPS, FRICTION_TAPS, check_sum};
+use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS};
+use inference::image::check_sum;
 use inference::{Bearing, Header};
 
 const MAGIC: [u8; 8] = *b"PINTLEF\n";
@@ -125,7 +126,7 @@ impl Checkpoint {
         CRC_64.checksum(bytes)
     }
 
-    /// The header that models made from this checkpoint get, without training id and check sum.
+    /// The header that models made from this checkpoint get, without training id.
     pub fn header(&self) -> Header {
         header(self.bearing, self.recipe.range)
     }

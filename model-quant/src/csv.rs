@@ -1,7 +1,7 @@
 //! Rows as a table for people: comma-separated, one header line, SI units in the names.
 
+use crate::features::FloatFeatures;
 use crate::rows::Row;
-use inference::Header;
 use std::fmt::Write;
 
 /// Columns of the table.
@@ -9,7 +9,7 @@ pub const COLUMNS: &str = "radial_clearance_m,deformation_m,deformation_rate_m_s
                            sliding_speed_m_s,normal_force_n,friction_force_n";
 
 /// The table of some rows. Numbers are the shortest that read back to the same value.
-pub fn table(header: &Header, rows: &[Row]) -> String {
+pub fn table(features: &FloatFeatures, rows: &[Row]) -> String {
     let mut text = String::with_capacity(100 * (rows.len() + 1));
     text.push_str(COLUMNS);
     text.push('\n');
@@ -23,7 +23,7 @@ pub fn table(header: &Header, rows: &[Row]) -> String {
             state.deformation_m,
             state.deformation_rate_m_s,
             state.approach_speed_m_s,
-            header.rate_ratio_of(state),
+            features.rate_ratio_of(state),
             state.sliding_speed_m_s,
             row.normal_force_n,
             row.friction_force_n

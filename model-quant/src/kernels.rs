@@ -4,7 +4,8 @@
 //! order, never contracted and never dispatched on the machine: the same bits wherever arithmetic is IEEE 754.
 
 use crate::net::Taps;
-use inference::layout::{CHANNELS, HIDDEN_TAPS};
+use crate::shapes::HIDDEN_TAPS;
+use inference::model::CHANNELS;
 
 /// All columns of a convolution with ReLU, two at a time.
 #[inline(always)]

@@ -5,7 +5,8 @@
 
 use crate::draw::Draw;
 use crate::kernels::{collect, convolve, spread};
-use inference::layout::{CHANNELS, HEAD_COLUMNS, HEAD_WEIGHTS, HIDDEN_TAPS, KERNEL, WINDOW};
+use crate::shapes::{HEAD_WEIGHTS, HIDDEN_TAPS};
+use inference::model::{CHANNELS, HEAD_COLUMNS, KERNEL, WINDOW};
 
 /// Columns after the first, second and third convolution of a window.
 const AFTER: [usize; 3] = [WINDOW - 2, WINDOW - 4, WINDOW - 6];

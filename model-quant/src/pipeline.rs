@@ -2,6 +2,7 @@
 
 use crate::checkpoint::Checkpoint;
 use crate::draw::{Draw, Purpose};
+use crate::features::FloatFeatures;
 use crate::ranges::header;
 use crate::recipe::Recipe;
 use crate::rows::{Row, rows};
@@ -34,7 +35,7 @@ pub fn train_both(
     recipe: &Recipe,
     report: &mut dyn FnMut(Network, Progress),
 ) -> Checkpoint {
-    let header = header(bearing, recipe.range);
+    let features = FloatFeatures::of(&header(bearing, recipe.range));
     let set = |purpose, count| rows(bearing, recipe.range, recipe.seed, purpose, count);
     let training = set(Purpose::TrainingRows, recipe.rows);
     let validation = set(Purpose::ValidationRows, recipe.validation_rows);
@@ -44,7 +45,7 @@ pub fn train_both(
         &Task {
             rows: training,
             validation,
-            window: |row: &Row, draw: &mut Draw| window::collision(&header, row, draw),
+            window: |row: &Row, draw: &mut Draw| window::collision(&features, row, draw),
             lane: 0,
         },
         &mut |progress| report(Network::Collision, progress),
@@ -54,7 +55,7 @@ pub fn train_both(
         &Task {
             rows: training,
             validation,
-            window: |row: &Row, draw: &mut Draw| window::friction(&header, row, draw),
+            window: |row: &Row, draw: &mut Draw| window::friction(&features, row, draw),
             lane: 1,
         },
         &mut |progress| report(Network::Friction, progress),

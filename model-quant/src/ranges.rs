@@ -9,8 +9,7 @@
 //! beyond gets the rate that gives the nearest end. The networks clamp the ratio in the same way and flag it.
 
 use contact::DEFAULT_LATCH_FLOOR_M_S;
-use inference::layout::FORMAT_VERSION;
-use inference::{Bearing, Header, Range};
+use inference::{Bearing, Header};
 use serde::{Deserialize, Serialize};
 
 /// Name of a set of ranges and distributions.
@@ -23,34 +22,63 @@ pub enum RangeKind {
     Bench,
 }
 
+/// Upper end of the radial clearance in nm.
+const CLEARANCE_NM: u32 = 1_500_000;
 /// Limit of the rate over the approach speed.
-const RATE_RATIO: f32 = 6.0;
-/// Limit of the sliding speed in m/s.
-const SLIDING_SPEED_M_S: f32 = 0.25;
-/// Sliding speed scales in m/s: the onset of sliding and the Stribeck range.
-const SPEED_SCALES_M_S: [f32; 2] = [1e-3, 2e-2];
+const RATE_RATIO: u32 = 6;
+/// Limit of the sliding speed in nm/s.
+const SLIDING_SPEED_NM_S: u32 = 250_000_000;
+/// Sliding speed scales in nm/s: the onset of sliding and the Stribeck range.
+const SPEED_SCALES_NM_S: [u32; 2] = [1_000_000, 20_000_000];
 
-/// The header of a model trained on a range, without its check sum and training id.
+/// The header of a model trained on a range, without its training id.
 pub fn header(bearing: Bearing, kind: RangeKind) -> Header {
-    let (clearance_low, deformation_high, force_high) = match (kind, bearing) {
-        (RangeKind::Paper, Bearing::Babbitt) => (1e-6, 1e-4, 1e6),
-        (RangeKind::Paper, Bearing::Plastic) => (1e-6, 1e-4, 2e4),
-        (RangeKind::Bench, Bearing::Babbitt) => (5e-5, 8e-5, 4e4),
-        (RangeKind::Bench, Bearing::Plastic) => (5e-5, 2.6e-4, 4e4),
+    // Lowest clearance in nm, largest deformation in um, largest force in N.
+    let (clearance_low_nm, deformation_um, force_n) = match (kind, bearing) {
+        (RangeKind::Paper, Bearing::Babbitt) => (1000, 100, 1_000_000),
+        (RangeKind::Paper, Bearing::Plastic) => (1000, 100, 20_000),
+        (RangeKind::Bench, Bearing::Babbitt) => (50_000, 80, 40_000),
+        (RangeKind::Bench, Bearing::Plastic) => (50_000, 260, 40_000),
     };
+    let [slow_speed_nm_s, fast_speed_nm_s] = SPEED_SCALES_NM_S;
     Header {
         bearing,
-        format_version: FORMAT_VERSION,
         training_id: 0,
         deformation_half_powers: 2,
-        radial_clearance_m: Range { low: clearance_low, high: 1.5e-3 },
-        deformation_m: Range { low: 0.0, high: deformation_high },
-        rate_ratio: Range { low: -RATE_RATIO, high: RATE_RATIO },
-        sliding_speed_m_s: Range { low: -SLIDING_SPEED_M_S, high: SLIDING_SPEED_M_S },
-        normal_force_n: Range { low: 0.0, high: force_high },
-        latch_floor_m_s: DEFAULT_LATCH_FLOOR_M_S as f32,
-        slow_speed_m_s: SPEED_SCALES_M_S[0],
-        fast_speed_m_s: SPEED_SCALES_M_S[1],
-        crc: 0,
+        clearance_low_nm,
+        clearance_high_nm: CLEARANCE_NM,
+        deformation_high_pm: 1_000_000 * deformation_um,
+        rate_ratio_high_q16: RATE_RATIO << 16,
+        sliding_speed_high_nm_s: SLIDING_SPEED_NM_S,
+        normal_force_high_mn: 1000 * force_n,
+        latch_floor_nm_s: (DEFAULT_LATCH_FLOOR_M_S * 1e9).round() as u32,
+        slow_speed_nm_s,
+        fast_speed_nm_s,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use inference::Range;
+
+    /// The checked-in float checkpoints were trained on exactly these numbers.
+    #[test]
+    fn si_units_are_the_nearest_floats_to_the_decimals() {
+        for (bearing, kind, low, deformation, force) in [
+            (Bearing::Babbitt, RangeKind::Paper, 1e-6, 1e-4, 1e6),
+            (Bearing::Plastic, RangeKind::Paper, 1e-6, 1e-4, 2e4),
+            (Bearing::Babbitt, RangeKind::Bench, 5e-5, 8e-5, 4e4),
+            (Bearing::Plastic, RangeKind::Bench, 5e-5, 2.6e-4, 4e4),
+        ] {
+            let header = header(bearing, kind);
+            assert_eq!(header.radial_clearance_m(), Range { low, high: 1.5e-3 });
+            assert_eq!(header.deformation_m(), Range { low: 0.0, high: deformation });
+            assert_eq!(header.rate_ratio(), Range { low: -6.0, high: 6.0 });
+            assert_eq!(header.sliding_speed_m_s(), Range { low: -0.25, high: 0.25 });
+            assert_eq!(header.normal_force_n(), Range { low: 0.0, high: force });
+            assert_eq!(header.latch_floor_m_s(), DEFAULT_LATCH_FLOOR_M_S as f32);
+            assert_eq!(header.speed_scales_m_s(), [1e-3, 2e-2]);
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! Weights on the grid of the quantised network, per output channel, still as floats.
 
 use crate::net::{Net, Taps};
-use inference::layout::{CHANNELS, HEAD_WEIGHTS, HIDDEN_TAPS};
+use crate::shapes::{HEAD_WEIGHTS, HIDDEN_TAPS};
+use inference::model::CHANNELS;
 
 /// Largest magnitude of an 8-bit weight.
 pub const WEIGHT_LEVELS: f32 = 127.0;

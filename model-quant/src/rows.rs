@@ -1,9 +1,10 @@
 //! Rows of a data set: physical states and the forces of the laws.
 
 use crate::draw::{Draw, Purpose};
+use crate::features::FloatFeatures;
 use crate::law::{friction_law, normal_law};
 use crate::ranges::{RangeKind, header};
-use inference::{Bearing, ContactState, Header};
+use inference::{Bearing, ContactState};
 use rayon::prelude::*;
 
 /// How often a row is drawn again before its last draw is taken with the ratio at rest.
@@ -21,17 +22,17 @@ pub struct Row {
 }
 
 impl Row {
-    /// The forces of the laws at a state; the ratio of the rate is limited to the header's range first.
-    pub fn at(header: &Header, mut state: ContactState) -> Self {
-        let floored = state.approach_speed_m_s.max(header.latch_floor_m_s);
+    /// The forces of the laws at a state; the ratio of the rate is limited to the training range first.
+    pub fn at(features: &FloatFeatures, mut state: ContactState) -> Self {
+        let floored = state.approach_speed_m_s.max(features.latch_floor_m_s);
         let ratio = state.deformation_rate_m_s / floored;
-        if !header.rate_ratio.contains(ratio) {
-            state.deformation_rate_m_s = header.rate_ratio.clamp(ratio) * floored;
+        if !features.rate_ratio.contains(ratio) {
+            state.deformation_rate_m_s = features.rate_ratio.clamp(ratio) * floored;
         }
         let law = normal_law(
-            header.bearing,
+            features.bearing,
             f64::from(state.radial_clearance_m),
-            f64::from(header.latch_floor_m_s),
+            f64::from(features.latch_floor_m_s),
         );
         let normal_force_n = law.force_n(
             f64::from(state.deformation_m),
@@ -39,23 +40,23 @@ impl Row {
             f64::from(state.approach_speed_m_s),
         );
         let friction_force_n =
-            friction_law(header.bearing).force_n(normal_force_n, f64::from(state.sliding_speed_m_s));
+            friction_law(features.bearing).force_n(normal_force_n, f64::from(state.sliding_speed_m_s));
         Self { state, normal_force_n, friction_force_n }
     }
 }
 
 /// Draws row `index` of a set.
 pub fn row(bearing: Bearing, kind: RangeKind, seed: u64, purpose: Purpose, index: u64) -> Row {
-    let header = header(bearing, kind);
+    let features = FloatFeatures::of(&header(bearing, kind));
     let mut draw = Draw::new(seed, purpose, index);
-    let mut drawn = Row::at(&header, state(&header, kind, &mut draw));
+    let mut drawn = Row::at(&features, state(&features, kind, &mut draw));
     for _ in 0..DRAWS {
-        if drawn.normal_force_n <= f64::from(header.normal_force_n.high) {
+        if drawn.normal_force_n <= f64::from(features.normal_force_n.high) {
             return drawn;
         }
-        drawn = Row::at(&header, state(&header, kind, &mut draw));
+        drawn = Row::at(&features, state(&features, kind, &mut draw));
     }
-    Row::at(&header, ContactState { deformation_rate_m_s: 0.0, ..drawn.state })
+    Row::at(&features, ContactState { deformation_rate_m_s: 0.0, ..drawn.state })
 }
 
 /// Draws `count` rows of a set, in parallel; row by row the same whatever the number of threads.
@@ -63,10 +64,10 @@ pub fn rows(bearing: Bearing, kind: RangeKind, seed: u64, purpose: Purpose, coun
     (0..count as u64).into_par_iter().map(|index| row(bearing, kind, seed, purpose, index)).collect()
 }
 
-fn state(header: &Header, kind: RangeKind, draw: &mut Draw) -> ContactState {
-    let clearance = header.radial_clearance_m;
-    let deformation_high = f64::from(header.deformation_m.high);
-    let floor = f64::from(header.latch_floor_m_s);
+fn state(features: &FloatFeatures, kind: RangeKind, draw: &mut Draw) -> ContactState {
+    let clearance = features.radial_clearance_m;
+    let deformation_high = f64::from(features.deformation_m.high);
+    let floor = f64::from(features.latch_floor_m_s);
     let (radial_clearance_m, deformation_m, rate, approach) = match kind {
         RangeKind::Paper => (
             draw.uniform(f64::from(clearance.low), f64::from(clearance.high)),
@@ -79,7 +80,7 @@ fn state(header: &Header, kind: RangeKind, draw: &mut Draw) -> ContactState {
             let deformation_m = deformation_high * draw.unit();
             let approach =
                 if draw.unit() < 0.5 { floor } else { draw.log_uniform(0.1 * floor, 50.0 * floor) };
-            let ratio_high = f64::from(header.rate_ratio.high);
+            let ratio_high = f64::from(features.rate_ratio.high);
             let ratio = if draw.unit() < 0.25 {
                 draw.uniform(-ratio_high, ratio_high)
             } else {
@@ -89,16 +90,16 @@ fn state(header: &Header, kind: RangeKind, draw: &mut Draw) -> ContactState {
             (radial_clearance_m, deformation_m, ratio * approach.max(floor), approach)
         }
     };
-    let speed_high = f64::from(header.sliding_speed_m_s.high);
+    let speed_high = f64::from(features.sliding_speed_m_s.high);
     let sliding =
         if draw.unit() < 0.5 { draw.uniform(0.0, speed_high) } else { draw.log_uniform(1e-5, speed_high) };
     let sliding = sliding * draw.sign();
     ContactState {
         radial_clearance_m: clearance.clamp(radial_clearance_m as f32),
-        deformation_m: header.deformation_m.clamp(deformation_m as f32),
+        deformation_m: features.deformation_m.clamp(deformation_m as f32),
         deformation_rate_m_s: rate as f32,
         approach_speed_m_s: approach as f32,
-        sliding_speed_m_s: header.sliding_speed_m_s.clamp(sliding as f32),
+        sliding_speed_m_s: features.sliding_speed_m_s.clamp(sliding as f32),
     }
 }
 
@@ -110,22 +111,22 @@ mod tests {
     fn rows_stay_in_their_ranges_and_reach_their_ends() {
         for bearing in Bearing::ALL {
             for kind in [RangeKind::Paper, RangeKind::Bench] {
-                let header = header(bearing, kind);
+                let features = FloatFeatures::of(&header(bearing, kind));
                 let set = rows(bearing, kind, 3, Purpose::TestRows, 4000);
                 let mut extreme = 0;
                 for row in &set {
-                    assert!(header.radial_clearance_m.contains(row.state.radial_clearance_m));
-                    assert!(header.deformation_m.contains(row.state.deformation_m));
-                    assert!(header.sliding_speed_m_s.contains(row.state.sliding_speed_m_s));
-                    assert!(row.normal_force_n <= f64::from(header.normal_force_n.high), "{row:?}");
-                    let ratio = header.rate_ratio_of(&row.state);
-                    assert!(ratio.abs() < 1.000_001 * header.rate_ratio.high, "{ratio}");
-                    extreme += usize::from(ratio.abs() > 0.95 * header.rate_ratio.high);
+                    assert!(features.radial_clearance_m.contains(row.state.radial_clearance_m));
+                    assert!(features.deformation_m.contains(row.state.deformation_m));
+                    assert!(features.sliding_speed_m_s.contains(row.state.sliding_speed_m_s));
+                    assert!(row.normal_force_n <= f64::from(features.normal_force_n.high), "{row:?}");
+                    let ratio = features.rate_ratio_of(&row.state);
+                    assert!(ratio.abs() < 1.000_001 * features.rate_ratio.high, "{ratio}");
+                    extreme += usize::from(ratio.abs() > 0.95 * features.rate_ratio.high);
                     assert!(row.friction_force_n * f64::from(row.state.sliding_speed_m_s) <= 0.0);
                 }
                 assert!(extreme > 0, "the ratio comes near its limit");
                 let deepest = set.iter().map(|row| row.state.deformation_m).fold(0.0, f32::max);
-                assert!(deepest > 0.9 * header.deformation_m.high, "{deepest}");
+                assert!(deepest > 0.9 * features.deformation_m.high, "{deepest}");
             }
         }
     }

@@ -10,9 +10,10 @@
 //! * half of the windows: every older column has a ratio, a deformation, a speed and a force of its own.
 
 use crate::draw::Draw;
+use crate::features::FloatFeatures;
 use crate::rows::Row;
-use inference::layout::{COLLISION_INPUTS, FRICTION_INPUTS, WINDOW};
-use inference::{ContactState, Header};
+use inference::features::{COLLISION_INPUTS, FRICTION_INPUTS};
+use inference::{ContactState, WINDOW};
 
 /// Columns of a window, oldest first, and what the network should give after the newest.
 #[derive(Clone, Copy, Debug)]
@@ -28,11 +29,11 @@ fn log_step(draw: &mut Draw, low: f64, high: f64) -> f64 {
 }
 
 /// The state of every column of a window, oldest first; the newest is the row's.
-pub fn history(header: &Header, row: &Row, draw: &mut Draw) -> [ContactState; WINDOW] {
+pub fn history(features: &FloatFeatures, row: &Row, draw: &mut Draw) -> [ContactState; WINDOW] {
     let mut states = [row.state; WINDOW];
-    let approach = f64::from(row.state.approach_speed_m_s.max(header.latch_floor_m_s));
-    let ratio_high = f64::from(header.rate_ratio.high);
-    let speed_high = f64::from(header.sliding_speed_m_s.high);
+    let approach = f64::from(row.state.approach_speed_m_s.max(features.latch_floor_m_s));
+    let ratio_high = f64::from(features.rate_ratio.high);
+    let speed_high = f64::from(features.sliding_speed_m_s.high);
     if draw.unit() < 0.5 {
         let spacing_s = draw.log_uniform(2e-6, 200e-6);
         let rate_step = approach * log_step(draw, 1e-3, 3.0);
@@ -50,7 +51,7 @@ pub fn history(header: &Header, row: &Row, draw: &mut Draw) -> [ContactState; WI
         }
     } else {
         for state in states.iter_mut().rev().skip(1) {
-            state.deformation_m = (f64::from(header.deformation_m.high) * draw.uniform(-0.2, 1.0)) as f32;
+            state.deformation_m = (f64::from(features.deformation_m.high) * draw.uniform(-0.2, 1.0)) as f32;
             state.deformation_rate_m_s = (approach * draw.uniform(-ratio_high, ratio_high)) as f32;
             state.sliding_speed_m_s = draw.uniform(-speed_high, speed_high) as f32;
         }
@@ -59,32 +60,32 @@ pub fn history(header: &Header, row: &Row, draw: &mut Draw) -> [ContactState; WI
 }
 
 /// Window of the collision network; the target is the root of the force over the column's factor.
-pub fn collision(header: &Header, row: &Row, draw: &mut Draw) -> Window<COLLISION_INPUTS> {
-    let columns = history(header, row, draw).map(|state| header.collision_column(&state).inputs);
-    Window { columns, target: collision_target(header, row) }
+pub fn collision(features: &FloatFeatures, row: &Row, draw: &mut Draw) -> Window<COLLISION_INPUTS> {
+    let columns = history(features, row, draw).map(|state| features.collision(&state).inputs);
+    Window { columns, target: collision_target(features, row) }
 }
 
 /// What the collision network should give at a row.
-pub fn collision_target(header: &Header, row: &Row) -> f32 {
-    let factor = f64::from(header.collision_column(&row.state).root_force_factor);
+pub fn collision_target(features: &FloatFeatures, row: &Row) -> f32 {
+    let factor = f64::from(features.collision(&row.state).root_force_factor);
     if factor > 0.0 { (libm::sqrt(row.normal_force_n) / factor) as f32 } else { 0.0 }
 }
 
 /// Window of the friction network over given root forces, oldest first; the target is the coefficient of friction.
 pub fn friction_over(
-    header: &Header,
+    features: &FloatFeatures,
     states: &[ContactState; WINDOW],
     roots: &[f32; WINDOW],
     coefficient: f64,
 ) -> Window<FRICTION_INPUTS> {
-    let columns = core::array::from_fn(|k| header.friction_column(roots[k], states[k].sliding_speed_m_s));
+    let columns = core::array::from_fn(|k| features.friction(roots[k], states[k].sliding_speed_m_s));
     Window { columns, target: coefficient as f32 }
 }
 
 /// Window of the friction network with the roots of the law's forces.
-pub fn friction(header: &Header, row: &Row, draw: &mut Draw) -> Window<FRICTION_INPUTS> {
-    let states = history(header, row, draw);
-    let high = libm::sqrt(f64::from(header.normal_force_n.high));
+pub fn friction(features: &FloatFeatures, row: &Row, draw: &mut Draw) -> Window<FRICTION_INPUTS> {
+    let states = history(features, row, draw);
+    let high = libm::sqrt(f64::from(features.normal_force_n.high));
     let newest = libm::sqrt(row.normal_force_n);
     let mut roots = [newest as f32; WINDOW];
     let step = high * log_step(draw, 1e-5, 1e-1);
@@ -94,6 +95,6 @@ pub fn friction(header: &Header, row: &Row, draw: &mut Draw) -> Window<FRICTION_
         *root = value.clamp(0.0, high) as f32;
     }
     let coefficient =
-        crate::law::friction_law(header.bearing).force_n(1.0, f64::from(row.state.sliding_speed_m_s));
-    friction_over(header, &states, &roots, coefficient.abs())
+        crate::law::friction_law(features.bearing).force_n(1.0, f64::from(row.state.sliding_speed_m_s));
+    friction_over(features, &states, &roots, coefficient.abs())
 }

@@ -23,6 +23,9 @@ pub trait Activation: sealed::Sealed + bytemuck::Pod + Default + Ord + core::fmt
     /// The value, widened.
     fn widen(self) -> i32;
 
+    /// The lowest bits of a value.
+    fn from_i32(value: i32) -> Self;
+
     /// ReLU and saturation: clipped to 0..=[`Self::MAX`].
     fn clip(value: i32) -> Self;
 }
@@ -35,6 +38,11 @@ impl Activation for i16 {
     #[inline]
     fn widen(self) -> i32 {
         i32::from(self)
+    }
+
+    #[inline]
+    fn from_i32(value: i32) -> Self {
+        value as Self
     }
 
     #[inline]
@@ -51,6 +59,11 @@ impl Activation for i8 {
     #[inline]
     fn widen(self) -> i32 {
         i32::from(self)
+    }
+
+    #[inline]
+    fn from_i32(value: i32) -> Self {
+        value as Self
     }
 
     #[inline]

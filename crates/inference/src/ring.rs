@@ -4,20 +4,20 @@
 /// in order and side by side.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(4))]
-pub struct Ring<A, const IN: usize, const N: usize> {
+pub(crate) struct Ring<A, const IN: usize, const N: usize> {
     columns: [[[A; IN]; N]; 2],
     oldest: usize,
 }
 
 impl<A: Copy + Default, const IN: usize, const N: usize> Ring<A, IN, N> {
     /// `N` columns of zeros: the causal padding.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { columns: [[[A::default(); IN]; N]; 2], oldest: 0 }
     }
 
     /// Puts a column in the place of the oldest.
     #[inline]
-    pub fn push(&mut self, column: &[A; IN]) {
+    pub(crate) fn push(&mut self, column: &[A; IN]) {
         for half in &mut self.columns {
             if let Some(slot) = half.get_mut(self.oldest) {
                 *slot = *column;
@@ -29,7 +29,7 @@ impl<A: Copy + Default, const IN: usize, const N: usize> Ring<A, IN, N> {
 
     /// The columns, oldest first.
     #[inline]
-    pub fn columns(&self) -> &[[A; IN]; N] {
+    pub(crate) fn columns(&self) -> &[[A; IN]; N] {
         let [first, _] = &self.columns;
         self.columns.as_flattened().get(self.oldest..).and_then(<[_]>::first_chunk).unwrap_or(first)
     }

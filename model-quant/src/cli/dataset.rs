@@ -4,6 +4,7 @@ use super::{CliError, parse_bearing, print_json};
 use inference::Bearing;
 use model_quant::csv::table;
 use model_quant::draw::Purpose;
+use model_quant::features::FloatFeatures;
 use model_quant::ranges::{RangeKind, header};
 use model_quant::rows::rows;
 use model_quant::write::write_whole;
@@ -64,9 +65,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Set::Calibration => Purpose::CalibrationRows,
         Set::Test => Purpose::TestRows,
     };
-    let header = header(arguments.bearing, arguments.range);
+    let features = FloatFeatures::of(&header(arguments.bearing, arguments.range));
     let set = rows(arguments.bearing, arguments.range, arguments.seed, purpose, arguments.rows);
-    let text = table(&header, &set);
+    let text = table(&features, &set);
     write_whole(&arguments.out, text.as_bytes())?;
     let largest = set.iter().fold(0.0_f64, |largest, row| largest.max(row.normal_force_n));
     let mean = set.iter().map(|row| row.normal_force_n).sum::<f64>() / set.len() as f64;
