@@ -3,8 +3,8 @@
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
-use crate::kernel::{BLOCK, Engine, requantise};
-use crate::weights::WeightsOf;
+use crate::kernel::{BLOCK, Engine};
+use crate::weights::{Scaling, WeightsOf};
 use core::ops::Range;
 
 /// A convolution over columns of `IN` activations `A` to columns of `OUT` activations `B`, looking at `K` columns.
@@ -13,8 +13,7 @@ use core::ops::Range;
 /// full scale of `B`.
 #[derive(Clone, Copy, Debug)]
 pub struct Convolution<'a, A: Activation, B, const IN: usize, const OUT: usize, const K: usize> {
-    biases: &'a [i32; OUT],
-    multipliers: &'a [i32; OUT],
+    scaling: Scaling<'a, OUT>,
     weights: A::Weights<'a>,
     outputs: core::marker::PhantomData<B>,
 }
@@ -48,90 +47,22 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
     pub(crate) fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
         let form = reader.shape(layer, Self::shape)?;
         Ok(Self {
-            biases: reader.array()?,
-            multipliers: reader.array()?,
+            scaling: Scaling { biases: reader.array()?, multipliers: reader.array()? },
             weights: A::Weights::read(reader, layer, form, OUT, K * IN)?,
             outputs: core::marker::PhantomData,
         })
     }
 
-    /// Scales a sum and puts it in its place; gives 1 if it had to be clipped at full scale.
-    #[inline]
-    fn put(&self, output: usize, sum: i32, column: &mut [B; OUT]) -> u32 {
-        let multiplier = self.multipliers.get(output).copied().unwrap_or_default();
-        let value = requantise(sum, multiplier);
-        if let Some(slot) = column.get_mut(output) {
-            *slot = B::clip(value);
-        }
-        u32::from(value > B::MAX)
-    }
-
-    /// Sums of a block before its first product: the biases.
-    #[inline]
-    fn start(&self, block: usize) -> [i32; BLOCK] {
-        self.biases.as_chunks::<BLOCK>().0.get(block).copied().unwrap_or_default()
-    }
-
-    /// Scales and stores the sums of a block; gives how many were clipped.
-    #[inline]
-    fn finish(&self, block: usize, sums: [i32; BLOCK], column: &mut [B; OUT]) -> u32 {
-        let multipliers = self.multipliers.as_chunks::<BLOCK>().0.get(block);
-        let outputs = column.as_chunks_mut::<BLOCK>().0.get_mut(block);
-        let (Some(multipliers), Some(outputs)) = (multipliers, outputs) else { return 0 };
-        let mut clipped = 0u32;
-        for ((slot, sum), &multiplier) in outputs.iter_mut().zip(sums).zip(multipliers) {
-            let value = requantise(sum, multiplier);
-            clipped = clipped.wrapping_add(u32::from(value > B::MAX));
-            *slot = B::clip(value);
-        }
-        clipped
-    }
-
     /// Computes some units of the outputs at one position; gives how many activations were clipped.
     #[inline]
     pub fn units<E: Engine>(&self, units: Range<usize>, columns: &[[A; IN]; K], outputs: &mut [B; OUT]) -> u32 {
-        let mut clipped = 0u32;
-        for unit in units {
-            if unit < OUT / BLOCK {
-                let mut sums = self.start(unit);
-                self.weights.block::<E, IN, K>(unit, columns, &mut sums);
-                clipped = clipped.wrapping_add(self.finish(unit, sums, outputs));
-            } else {
-                for left in 0..OUT % BLOCK {
-                    let output = (OUT - OUT % BLOCK).wrapping_add(left);
-                    let bias = self.biases.get(output).copied().unwrap_or_default();
-                    let sum = self.weights.row::<E, IN, K>(left, columns, bias);
-                    clipped = clipped.wrapping_add(self.put(output, sum, outputs));
-                }
-            }
-        }
-        clipped
+        self.weights.units::<E, B, IN, OUT, K>(units, &self.scaling, columns, outputs)
     }
 
     /// Computes the outputs at one position; gives how many were clipped.
     #[inline]
     pub fn apply<E: Engine>(&self, columns: &[[A; IN]; K], outputs: &mut [B; OUT]) -> u32 {
         self.units::<E>(0..Self::UNITS, columns, outputs)
-    }
-
-    /// Computes the outputs at two neighbouring positions from `K + 1` columns; gives how many were clipped.
-    #[inline]
-    fn apply_pair<E: Engine>(&self, columns: &[[A; IN]], [first, second]: [&mut [B; OUT]; 2]) -> u32 {
-        let mut clipped = 0u32;
-        for block in 0..OUT / BLOCK {
-            let mut sums = [self.start(block); 2];
-            self.weights.pair::<E, IN, K>(block, columns, &mut sums);
-            let [at_first, at_second] = sums;
-            clipped = clipped.wrapping_add(self.finish(block, at_first, first));
-            clipped = clipped.wrapping_add(self.finish(block, at_second, second));
-        }
-        if !OUT.is_multiple_of(BLOCK)
-            && let (Some(at_first), Some(at_second)) = (columns.first_chunk(), columns.last_chunk())
-        {
-            clipped = clipped.wrapping_add(self.units::<E>(OUT / BLOCK..Self::UNITS, at_first, first));
-            clipped = clipped.wrapping_add(self.units::<E>(OUT / BLOCK..Self::UNITS, at_second, second));
-        }
-        clipped
     }
 
     /// Computes the outputs at some positions of a window; output `p` looks at the inputs from `p - before` on, and what
@@ -154,7 +85,9 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
             let together = if rest.len() > 1 && neighbours.is_some() { 2 } else { 1 };
             let Some((now, behind)) = rest.split_at_mut_checked(together) else { break };
             clipped = clipped.wrapping_add(match (now, neighbours, inside.and_then(<[_]>::first_chunk)) {
-                ([first, second], Some(columns), _) => self.apply_pair::<E>(columns, [first, second]),
+                ([first, second], Some(columns), _) => {
+                    self.weights.pair::<E, B, IN, OUT, K>(&self.scaling, columns, [first, second])
+                }
                 ([output, ..], _, Some(columns)) => self.apply::<E>(columns, output),
                 ([output, ..], _, None) => self.apply::<E>(&padded(inputs, position, before), output),
                 ([], ..) => 0,
@@ -166,17 +99,17 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
 
     /// Bias of an output.
     pub fn bias(&self, output: usize) -> Option<i32> {
-        self.biases.get(output).copied()
+        self.scaling.biases.get(output).copied()
     }
 
     /// Multiplier of an output: the real factor times 2^32.
     pub fn multiplier(&self, output: usize) -> Option<i32> {
-        self.multipliers.get(output).copied()
+        self.scaling.multipliers.get(output).copied()
     }
 
     /// Weight of an output at a tap; taps count column by column, oldest first.
     pub fn weight(&self, output: usize, tap: usize) -> Option<i32> {
-        self.weights.weight(output, tap)
+        self.weights.weight(output, tap, K * IN)
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
-use crate::kernel::{BLOCK, Engine};
+use crate::kernel::Engine;
 use crate::weights::WeightsOf;
 
 /// A dense layer over `COLUMNS` columns of `IN` activations, oldest first, with `OUT` sums that are not requantised.
@@ -72,15 +72,9 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
     /// The raw sums.
     #[inline]
     pub fn apply<E: Engine>(&self, columns: &[[A; IN]; COLUMNS]) -> [i32; OUT] {
-        let mut outputs = *self.biases;
-        let (blocks, left) = outputs.as_chunks_mut::<BLOCK>();
-        for (block, sums) in blocks.iter_mut().enumerate() {
-            self.weights.block::<E, IN, COLUMNS>(block, columns, sums);
-        }
-        for (index, sum) in left.iter_mut().enumerate() {
-            *sum = self.weights.row::<E, IN, COLUMNS>(index, columns, *sum);
-        }
-        outputs
+        let mut sums = *self.biases;
+        self.weights.sums::<E, IN, OUT, COLUMNS>(columns, &mut sums);
+        sums
     }
 
     /// What one count of a sum is worth.
@@ -95,7 +89,7 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
 
     /// Weight of an output at a tap; taps count column by column, oldest first.
     pub fn weight(&self, output: usize, tap: usize) -> Option<i32> {
-        self.weights.weight(output, tap)
+        self.weights.weight(output, tap, COLUMNS * IN)
     }
 }
 

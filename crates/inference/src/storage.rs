@@ -1,7 +1,7 @@
 //! How the weights of a layer lie in memory.
 //!
 //! The taps of an output (column by column, oldest first, inputs of a column in order) are cut into groups; the last
-//! group is filled up with zero weights. Outputs are taken four at a time: `[block of 4 outputs][group][output]`; what is
+//! group is filled up with zero weights. A group is a word of four bytes, lowest first. Outputs are taken four at a time: `[block of 4 outputs][group][output]`; what is
 //! left over (outputs not divisible by 4) follows row by row: `[output][group]`.
 //!
 //! | form | weights | activations | a group | for |
@@ -26,16 +26,14 @@ mod sealed {
 pub trait Storage: sealed::Sealed + Copy + core::fmt::Debug + 'static {
     /// Activations that these weights are multiplied with.
     type Activation: Activation;
-    /// The weights of one output in one group; four bytes.
-    type Group: bytemuck::Pod + core::fmt::Debug;
     /// Taps of a group.
     const TAPS: usize;
 
     /// Weight of a tap of a group.
-    fn weight(group: Self::Group, tap: usize) -> i32;
+    fn weight(group: u32, tap: usize) -> i32;
 
     /// Puts a weight in its place in a group. Weights that do not fit their width are cut off.
-    fn put(group: &mut Self::Group, tap: usize, weight: i16);
+    fn put(group: &mut u32, tap: usize, weight: i16);
 }
 
 /// Groups that so many taps take.
@@ -49,16 +47,15 @@ pub struct Wide;
 
 impl Storage for Wide {
     type Activation = i16;
-    type Group = [i16; 2];
     const TAPS: usize = 2;
 
     #[inline]
-    fn weight(group: [i16; 2], tap: usize) -> i32 {
-        group.get(tap).copied().map_or(0, i32::from)
+    fn weight(group: u32, tap: usize) -> i32 {
+        bytemuck::cast::<_, [i16; 2]>(group).get(tap).copied().map_or(0, i32::from)
     }
 
-    fn put(group: &mut [i16; 2], tap: usize, weight: i16) {
-        if let Some(slot) = group.get_mut(tap) {
+    fn put(group: &mut u32, tap: usize, weight: i16) {
+        if let Some(slot) = bytemuck::cast_mut::<_, [i16; 2]>(group).get_mut(tap) {
             *slot = weight;
         }
     }
@@ -70,17 +67,16 @@ pub struct Packed16;
 
 impl Storage for Packed16 {
     type Activation = i16;
-    type Group = [i8; 4];
     const TAPS: usize = 4;
 
     #[inline]
-    fn weight(group: [i8; 4], tap: usize) -> i32 {
-        let [zero, two, one, three] = group;
+    fn weight(group: u32, tap: usize) -> i32 {
+        let [zero, two, one, three] = bytemuck::cast::<_, [i8; 4]>(group);
         [zero, one, two, three].get(tap).copied().map_or(0, i32::from)
     }
 
-    fn put(group: &mut [i8; 4], tap: usize, weight: i16) {
-        let [zero, two, one, three] = group;
+    fn put(group: &mut u32, tap: usize, weight: i16) {
+        let [zero, two, one, three] = bytemuck::cast_mut::<_, [i8; 4]>(group);
         if let Some(slot) = [zero, one, two, three].into_iter().nth(tap) {
             *slot = weight as i8;
         }
@@ -93,16 +89,15 @@ pub struct Packed8;
 
 impl Storage for Packed8 {
     type Activation = i8;
-    type Group = [i8; 4];
     const TAPS: usize = 4;
 
     #[inline]
-    fn weight(group: [i8; 4], tap: usize) -> i32 {
-        group.get(tap).copied().map_or(0, i32::from)
+    fn weight(group: u32, tap: usize) -> i32 {
+        bytemuck::cast::<_, [i8; 4]>(group).get(tap).copied().map_or(0, i32::from)
     }
 
-    fn put(group: &mut [i8; 4], tap: usize, weight: i16) {
-        if let Some(slot) = group.get_mut(tap) {
+    fn put(group: &mut u32, tap: usize, weight: i16) {
+        if let Some(slot) = bytemuck::cast_mut::<_, [i8; 4]>(group).get_mut(tap) {
             *slot = weight as i8;
         }
     }
@@ -113,7 +108,7 @@ mod tests {
     use super::*;
 
     fn round_trip<S: Storage>() {
-        let mut group = bytemuck::Zeroable::zeroed();
+        let mut group = 0;
         for tap in 0..S::TAPS {
             S::put(&mut group, tap, tap as i16 - 2);
         }

@@ -1,10 +1,11 @@
-//! The weights of one layer, read in place.
+//! The weights of one layer, read in place, and the loops over its outputs.
 
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{LayerName, Reader, WeightForm};
 use crate::kernel::{BLOCK, Engine, Kernel, Quad};
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
+use core::ops::Range;
 
 mod sealed {
     pub trait Sealed {}
@@ -12,12 +13,49 @@ mod sealed {
     impl Sealed for super::PackedWeights<'_> {}
 }
 
+/// What surrounds the products of a convolution.
+#[derive(Clone, Copy, Debug)]
+pub struct Scaling<'a, const OUT: usize> {
+    /// Biases.
+    pub biases: &'a [i32; OUT],
+    /// Factors to the next layer's scale, times 2^32.
+    pub multipliers: &'a [i32; OUT],
+}
+
+impl<'a, const OUT: usize> Scaling<'a, OUT> {
+    /// Biases and multipliers of some whole blocks.
+    #[inline]
+    fn blocks(&self, blocks: Range<usize>) -> impl Iterator<Item = (&'a [i32; BLOCK], &'a [i32; BLOCK])> + use<'a, OUT> {
+        let biases = self.biases.as_chunks().0.get(blocks.clone()).unwrap_or_default();
+        let multipliers = self.multipliers.as_chunks().0.get(blocks).unwrap_or_default();
+        biases.iter().zip(multipliers)
+    }
+
+    /// Biases and multipliers of the outputs behind the blocks.
+    #[inline]
+    fn left(&self) -> impl Iterator<Item = (&'a i32, &'a i32)> + use<'a, OUT> {
+        self.biases.as_chunks::<BLOCK>().1.iter().zip(self.multipliers.as_chunks::<BLOCK>().1)
+    }
+}
+
+/// Scales and stores sums; gives how many were clipped at full scale.
+#[inline]
+fn finish<E: Engine, B: Activation>(sums: &[i32], multipliers: &[i32], outputs: &mut [B]) -> u32 {
+    let mut clipped = 0u32;
+    for ((&sum, &multiplier), slot) in sums.iter().zip(multipliers).zip(outputs) {
+        let value = E::requantise(sum, multiplier);
+        clipped = clipped.wrapping_add(u32::from(value > B::MAX));
+        *slot = B::clip(value);
+    }
+    clipped
+}
+
 /// Weights of a layer in one form of storage: whole blocks of four outputs, then the outputs left over.
 #[derive(Clone, Copy, Debug)]
 pub struct Stored<'a, S: Storage> {
-    quads: &'a [Quad<S>],
-    rows: &'a [S::Group],
-    groups: usize,
+    quads: &'a [Quad],
+    rows: &'a [u32],
+    form: core::marker::PhantomData<S>,
 }
 
 impl<'a, S: Storage> Stored<'a, S> {
@@ -26,28 +64,116 @@ impl<'a, S: Storage> Stored<'a, S> {
         Ok(Self {
             quads: reader.slice(outputs / BLOCK * groups)?,
             rows: reader.slice(outputs % BLOCK * groups)?,
-            groups,
+            form: core::marker::PhantomData,
         })
     }
 
-    fn quad(&self, block: usize) -> &'a [Quad<S>] {
-        let start = block.wrapping_mul(self.groups);
-        self.quads.get(start..start.wrapping_add(self.groups)).unwrap_or_default()
-    }
-
-    fn row(&self, index: usize) -> &'a [S::Group] {
-        let start = index.wrapping_mul(self.groups);
-        self.rows.get(start..start.wrapping_add(self.groups)).unwrap_or_default()
-    }
-
-    fn weight(&self, output: usize, tap: usize) -> Option<i32> {
-        let (group, tap) = (tap / S::TAPS, tap % S::TAPS);
-        let quads = self.quads.len() / self.groups.max(1) * BLOCK;
-        let group = match output.checked_sub(quads) {
-            None => self.quad(output / BLOCK).get(group)?.get(output % BLOCK)?,
-            Some(left) => self.row(left).get(group)?,
+    fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32> {
+        let (group, groups) = (tap / S::TAPS, groups::<S>(taps));
+        let quad = self.quads.chunks_exact(groups).nth(output / BLOCK);
+        let word = match quad {
+            Some(quad) => quad.get(group)?.get(output % BLOCK)?,
+            None => self.rows.chunks_exact(groups).nth(output % BLOCK)?.get(group)?,
         };
-        Some(S::weight(*group, tap))
+        Some(S::weight(*word, tap % S::TAPS))
+    }
+
+    #[inline]
+    fn pair<E: Engine + Kernel<S>, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+        &self,
+        scaling: &Scaling<'_, OUT>,
+        columns: &[[S::Activation; IN]],
+        [first, second]: [&mut [B; OUT]; 2],
+    ) -> u32 {
+        let mut clipped = 0u32;
+        let (first, first_left) = first.as_chunks_mut::<BLOCK>();
+        let (second, second_left) = second.as_chunks_mut::<BLOCK>();
+        let quads = self.quads.chunks_exact(groups::<S>(K * IN));
+        let outputs = first.iter_mut().zip(second);
+        for ((quads, (biases, multipliers)), (first, second)) in quads.zip(scaling.blocks(0..OUT / BLOCK)).zip(outputs) {
+            let mut sums = [*biases; 2];
+            <E as Kernel<S>>::pair::<IN, K>(quads, columns, &mut sums);
+            let [at_first, at_second] = sums;
+            clipped = clipped.wrapping_add(finish::<E, B>(&at_first, multipliers, first));
+            clipped = clipped.wrapping_add(finish::<E, B>(&at_second, multipliers, second));
+        }
+        for (columns, outputs) in [(columns.first_chunk(), first_left), (columns.last_chunk(), second_left)] {
+            if let Some(columns) = columns {
+                clipped = clipped.wrapping_add(self.left::<E, B, IN, OUT, K>(scaling, columns, outputs));
+            }
+        }
+        clipped
+    }
+
+    #[inline]
+    fn blocks<E: Engine + Kernel<S>, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+        &self,
+        blocks: Range<usize>,
+        scaling: &Scaling<'_, OUT>,
+        columns: &[[S::Activation; IN]; K],
+        outputs: &mut [B; OUT],
+    ) -> u32 {
+        let mut clipped = 0u32;
+        let groups = groups::<S>(K * IN);
+        let (start, end) = (blocks.start.wrapping_mul(groups), blocks.end.wrapping_mul(groups));
+        let quads = self.quads.get(start..end).unwrap_or_default().chunks_exact(groups);
+        let outputs = outputs.as_chunks_mut::<BLOCK>().0.get_mut(blocks.clone()).unwrap_or_default();
+        for ((quads, (biases, multipliers)), outputs) in quads.zip(scaling.blocks(blocks)).zip(outputs) {
+            let mut sums = *biases;
+            <E as Kernel<S>>::block::<IN, K>(quads, columns, &mut sums);
+            clipped = clipped.wrapping_add(finish::<E, B>(&sums, multipliers, outputs));
+        }
+        clipped
+    }
+
+    #[inline]
+    fn left<E: Engine + Kernel<S>, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+        &self,
+        scaling: &Scaling<'_, OUT>,
+        columns: &[[S::Activation; IN]; K],
+        outputs: &mut [B],
+    ) -> u32 {
+        let mut clipped = 0u32;
+        let rows = self.rows.chunks_exact(groups::<S>(K * IN));
+        for ((row, (&bias, &multiplier)), output) in rows.zip(scaling.left()).zip(outputs) {
+            let sum = <E as Kernel<S>>::row::<IN, K>(row, columns, bias);
+            clipped =
+                clipped.wrapping_add(finish::<E, B>(&[sum], &[multiplier], core::slice::from_mut(output)));
+        }
+        clipped
+    }
+
+    #[inline]
+    fn units<E: Engine + Kernel<S>, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+        &self,
+        units: Range<usize>,
+        scaling: &Scaling<'_, OUT>,
+        columns: &[[S::Activation; IN]; K],
+        outputs: &mut [B; OUT],
+    ) -> u32 {
+        let blocks = units.start..units.end.min(OUT / BLOCK);
+        let clipped = self.blocks::<E, B, IN, OUT, K>(blocks, scaling, columns, outputs);
+        if units.end <= OUT / BLOCK {
+            return clipped;
+        }
+        let (_, left) = outputs.as_chunks_mut::<BLOCK>();
+        clipped.wrapping_add(self.left::<E, B, IN, OUT, K>(scaling, columns, left))
+    }
+
+    #[inline]
+    fn sums<E: Engine + Kernel<S>, const IN: usize, const OUT: usize, const K: usize>(
+        &self,
+        columns: &[[S::Activation; IN]; K],
+        sums: &mut [i32; OUT],
+    ) {
+        let groups = groups::<S>(K * IN);
+        let (blocks, left) = sums.as_chunks_mut::<BLOCK>();
+        for (quads, sums) in self.quads.chunks_exact(groups).zip(blocks) {
+            <E as Kernel<S>>::block::<IN, K>(quads, columns, sums);
+        }
+        for (row, sum) in self.rows.chunks_exact(groups).zip(left) {
+            *sum = <E as Kernel<S>>::row::<IN, K>(row, columns, *sum);
+        }
     }
 }
 
@@ -63,32 +189,32 @@ pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug
         taps: usize,
     ) -> Result<Self, ImageError>;
 
-    /// Adds the four outputs of a block at two positions; see [`Kernel::pair`].
-    fn pair<E: Engine, const IN: usize, const K: usize>(
+    /// All outputs of a convolution at two neighbouring positions from `K + 1` columns; gives how many were clipped.
+    fn pair<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        block: usize,
+        scaling: &Scaling<'_, OUT>,
         columns: &[[A; IN]],
-        sums: &mut [[i32; BLOCK]; 2],
+        outputs: [&mut [B; OUT]; 2],
+    ) -> u32;
+
+    /// Some units (blocks, then what is left over) of a convolution's outputs at one position; gives how many were clipped.
+    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+        &self,
+        units: Range<usize>,
+        scaling: &Scaling<'_, OUT>,
+        columns: &[[A; IN]; K],
+        outputs: &mut [B; OUT],
+    ) -> u32;
+
+    /// Adds a head's products to its sums.
+    fn sums<E: Engine, const IN: usize, const OUT: usize, const K: usize>(
+        &self,
+        columns: &[[A; IN]; K],
+        sums: &mut [i32; OUT],
     );
 
-    /// Adds the four outputs of a block at one position.
-    fn block<E: Engine, const IN: usize, const K: usize>(
-        &self,
-        block: usize,
-        columns: &[[A; IN]; K],
-        sums: &mut [i32; BLOCK],
-    );
-
-    /// Adds one of the outputs that are left over behind the blocks.
-    fn row<E: Engine, const IN: usize, const K: usize>(
-        &self,
-        index: usize,
-        columns: &[[A; IN]; K],
-        sum: i32,
-    ) -> i32;
-
-    /// Weight of an output at a tap, if there is such a one.
-    fn weight(&self, output: usize, tap: usize) -> Option<i32>;
+    /// Weight of an output at one of `taps`, if there is such a one.
+    fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32>;
 }
 
 /// Weights for 16-bit activations.
@@ -115,48 +241,48 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
     }
 
     #[inline]
-    fn pair<E: Engine, const IN: usize, const K: usize>(
+    fn pair<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        block: usize,
+        scaling: &Scaling<'_, OUT>,
         columns: &[[i16; IN]],
-        sums: &mut [[i32; BLOCK]; 2],
-    ) {
+        outputs: [&mut [B; OUT]; 2],
+    ) -> u32 {
         match self {
-            Self::Wide(weights) => <E as Kernel<Wide>>::pair::<IN, K>(weights.quad(block), columns, sums),
-            Self::Packed(weights) => <E as Kernel<Packed16>>::pair::<IN, K>(weights.quad(block), columns, sums),
+            Self::Wide(weights) => weights.pair::<E, B, IN, OUT, K>(scaling, columns, outputs),
+            Self::Packed(weights) => weights.pair::<E, B, IN, OUT, K>(scaling, columns, outputs),
         }
     }
 
     #[inline]
-    fn block<E: Engine, const IN: usize, const K: usize>(
+    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        block: usize,
+        units: Range<usize>,
+        scaling: &Scaling<'_, OUT>,
         columns: &[[i16; IN]; K],
-        sums: &mut [i32; BLOCK],
-    ) {
+        outputs: &mut [B; OUT],
+    ) -> u32 {
         match self {
-            Self::Wide(weights) => <E as Kernel<Wide>>::block(weights.quad(block), columns, sums),
-            Self::Packed(weights) => <E as Kernel<Packed16>>::block(weights.quad(block), columns, sums),
+            Self::Wide(weights) => weights.units::<E, B, IN, OUT, K>(units, scaling, columns, outputs),
+            Self::Packed(weights) => weights.units::<E, B, IN, OUT, K>(units, scaling, columns, outputs),
         }
     }
 
     #[inline]
-    fn row<E: Engine, const IN: usize, const K: usize>(
+    fn sums<E: Engine, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        index: usize,
         columns: &[[i16; IN]; K],
-        sum: i32,
-    ) -> i32 {
+        sums: &mut [i32; OUT],
+    ) {
         match self {
-            Self::Wide(weights) => <E as Kernel<Wide>>::row(weights.row(index), columns, sum),
-            Self::Packed(weights) => <E as Kernel<Packed16>>::row(weights.row(index), columns, sum),
+            Self::Wide(weights) => weights.sums::<E, IN, OUT, K>(columns, sums),
+            Self::Packed(weights) => weights.sums::<E, IN, OUT, K>(columns, sums),
         }
     }
 
-    fn weight(&self, output: usize, tap: usize) -> Option<i32> {
+    fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32> {
         match self {
-            Self::Wide(weights) => weights.weight(output, tap),
-            Self::Packed(weights) => weights.weight(output, tap),
+            Self::Wide(weights) => weights.weight(output, tap, taps),
+            Self::Packed(weights) => weights.weight(output, tap, taps),
         }
     }
 }
@@ -180,36 +306,36 @@ impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
     }
 
     #[inline]
-    fn pair<E: Engine, const IN: usize, const K: usize>(
+    fn pair<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        block: usize,
+        scaling: &Scaling<'_, OUT>,
         columns: &[[i8; IN]],
-        sums: &mut [[i32; BLOCK]; 2],
-    ) {
-        <E as Kernel<Packed8>>::pair::<IN, K>(self.0.quad(block), columns, sums);
+        outputs: [&mut [B; OUT]; 2],
+    ) -> u32 {
+        self.0.pair::<E, B, IN, OUT, K>(scaling, columns, outputs)
     }
 
     #[inline]
-    fn block<E: Engine, const IN: usize, const K: usize>(
+    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        block: usize,
+        units: Range<usize>,
+        scaling: &Scaling<'_, OUT>,
         columns: &[[i8; IN]; K],
-        sums: &mut [i32; BLOCK],
-    ) {
-        <E as Kernel<Packed8>>::block(self.0.quad(block), columns, sums);
+        outputs: &mut [B; OUT],
+    ) -> u32 {
+        self.0.units::<E, B, IN, OUT, K>(units, scaling, columns, outputs)
     }
 
     #[inline]
-    fn row<E: Engine, const IN: usize, const K: usize>(
+    fn sums<E: Engine, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        index: usize,
         columns: &[[i8; IN]; K],
-        sum: i32,
-    ) -> i32 {
-        <E as Kernel<Packed8>>::row(self.0.row(index), columns, sum)
+        sums: &mut [i32; OUT],
+    ) {
+        self.0.sums::<E, IN, OUT, K>(columns, sums);
     }
 
-    fn weight(&self, output: usize, tap: usize) -> Option<i32> {
-        self.0.weight(output, tap)
+    fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32> {
+        self.0.weight(output, tap, taps)
     }
 }

@@ -58,11 +58,11 @@ impl Room<'_> {
     }
 
     fn group<S: Storage>(&mut self, row: &[i16], group: usize) -> Result<(), WriteError> {
-        let mut bytes = bytemuck::Zeroable::zeroed();
+        let mut word = 0u32;
         for (tap, &weight) in row.iter().skip(group * S::TAPS).take(S::TAPS).enumerate() {
-            S::put(&mut bytes, tap, weight);
+            S::put(&mut word, tap, weight);
         }
-        self.put(bytemuck::bytes_of::<S::Group>(&bytes))
+        self.put(&word.to_le_bytes())
     }
 
     fn weights<S: Storage>(&mut self, weights: &[i16], shape: &LayerShape) -> Result<(), WriteError> {

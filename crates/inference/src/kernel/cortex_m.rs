@@ -12,19 +12,31 @@
 //!
 //! The functions read `K` (or, at two positions, `K + 1`) columns and `groups` groups of weights and write the sums; the
 //! safe wrappers check both lengths and do nothing if they are not met. An odd tap at the end is loaded alone, so no
-//! load leaves the columns. Weights are loaded by LDM and LDRD, which need addresses divisible by 4: the wrappers check
-//! it (a slice of `[i16; 2]` alone would not promise it); the activations by LDR, LDRH and LDRB, which take any address on these cores
+//! load leaves the columns. Weights are loaded by LDM and LDRD, which need addresses divisible by 4, and are words; the activations by LDR, LDRH and LDRB, which take any address on these cores
 //! unless CCR.UNALIGN_TRP is set, as it is not after a reset. The sums are i32, hence aligned. The functions follow the procedure call
 //! standard: they save r4 to r11 and lr, keep the stack aligned to 8 bytes and touch no other memory.
 #![allow(unsafe_code)]
 
-use super::{BLOCK, Kernel, Quad};
+use super::{BLOCK, Engine, Kernel, Quad};
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
-use core::arch::naked_asm;
+use core::arch::{asm, naked_asm};
 
 /// The engine of Cortex-M cores with the DSP instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct CortexM;
+
+impl Engine for CortexM {
+    #[inline]
+    fn requantise(sum: i32, multiplier: i32) -> i32 {
+        let value;
+        // SAFETY: one instruction on registers: the upper half of the product, rounded.
+        unsafe {
+            asm!("smmulr {}, {}, {}", lateout(reg) value, in(reg) sum, in(reg) multiplier,
+                options(pure, nomem, nostack, preserves_flags));
+        }
+        value
+    }
+}
 
 /// Multiplies a pair of weights for outputs 0 and 1 (in r11, r12) with activations r0 (first position) and lr (second).
 macro_rules! four_low {
@@ -171,45 +183,42 @@ macro_rules! kernel {
         impl Kernel<$storage> for CortexM {
             #[inline]
             fn pair<const IN: usize, const K: usize>(
-                weights: &[Quad<$storage>],
+                weights: &[Quad],
                 columns: &[[<$storage as Storage>::Activation; IN]],
                 sums: &mut [[i32; BLOCK]; 2],
             ) {
                 const { assert!(IN * $bytes + 16 <= 4095 && K * IN / $taps / 4 * 64 <= 65535) };
-                let weights_at = weights.as_ptr().cast::<u32>();
-                if weights.len() == groups::<$storage>(K * IN) && columns.len() == K + 1 && weights_at.is_aligned() {
-                    // SAFETY: the lengths and the alignment are those of the argument above.
-                    unsafe { $pair::<IN, K>(sums.as_mut_ptr().cast(), weights_at, columns.as_ptr().cast()) }
+                if weights.len() == groups::<$storage>(K * IN) && columns.len() == K + 1 {
+                    // SAFETY: the lengths are those of the argument above.
+                    unsafe { $pair::<IN, K>(sums.as_mut_ptr().cast(), weights.as_ptr().cast(), columns.as_ptr().cast()) }
                 }
             }
 
             #[inline]
             fn block<const IN: usize, const K: usize>(
-                weights: &[Quad<$storage>],
+                weights: &[Quad],
                 columns: &[[<$storage as Storage>::Activation; IN]; K],
                 sums: &mut [i32; BLOCK],
             ) {
                 const { assert!(K * IN / $taps / 4 * 64 <= 65535) };
-                let weights_at = weights.as_ptr().cast::<u32>();
-                if weights.len() == groups::<$storage>(K * IN) && weights_at.is_aligned() {
+                if weights.len() == groups::<$storage>(K * IN) {
                     // SAFETY: as above.
-                    unsafe { $block::<IN, K>(sums.as_mut_ptr(), weights_at, columns.as_ptr().cast()) }
+                    unsafe { $block::<IN, K>(sums.as_mut_ptr(), weights.as_ptr().cast(), columns.as_ptr().cast()) }
                 }
             }
 
             #[inline]
             fn row<const IN: usize, const K: usize>(
-                weights: &[<$storage as Storage>::Group],
+                weights: &[u32],
                 columns: &[[<$storage as Storage>::Activation; IN]; K],
                 sum: i32,
             ) -> i32 {
                 const { assert!(K * IN / $taps / 4 * 16 <= 65535) };
-                let weights_at = weights.as_ptr().cast::<u32>();
-                if weights.len() != groups::<$storage>(K * IN) || !weights_at.is_aligned() {
+                if weights.len() != groups::<$storage>(K * IN) {
                     return sum;
                 }
                 // SAFETY: as above.
-                unsafe { $row::<IN, K>(sum, weights_at, columns.as_ptr().cast()) }
+                unsafe { $row::<IN, K>(sum, weights.as_ptr(), columns.as_ptr().cast()) }
             }
         }
     };

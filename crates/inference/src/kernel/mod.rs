@@ -21,7 +21,7 @@ pub use portable::Portable;
 pub const BLOCK: usize = 4;
 
 /// Weights of four outputs in one group of taps.
-pub type Quad<S> = [<S as Storage>::Group; BLOCK];
+pub type Quad = [u32; BLOCK];
 
 /// Dot products with weights of one form of storage.
 ///
@@ -30,30 +30,35 @@ pub type Quad<S> = [<S as Storage>::Group; BLOCK];
 pub trait Kernel<S: Storage> {
     /// Adds four outputs at each of two neighbouring positions; `columns` are `K + 1`.
     fn pair<const IN: usize, const K: usize>(
-        weights: &[Quad<S>],
+        weights: &[Quad],
         columns: &[[S::Activation; IN]],
         sums: &mut [[i32; BLOCK]; 2],
     );
 
     /// Adds four outputs at one position.
     fn block<const IN: usize, const K: usize>(
-        weights: &[Quad<S>],
+        weights: &[Quad],
         columns: &[[S::Activation; IN]; K],
         sums: &mut [i32; BLOCK],
     );
 
     /// Adds one output at one position to `sum`.
     fn row<const IN: usize, const K: usize>(
-        weights: &[S::Group],
+        weights: &[u32],
         columns: &[[S::Activation; IN]; K],
         sum: i32,
     ) -> i32;
 }
 
-/// Kernels for every form of storage.
-pub trait Engine: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8> {}
-
-impl<T: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8>> Engine for T {}
+/// Kernels for every form of storage, and the step to the next layer's scale.
+pub trait Engine: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8> {
+    /// A sum times `multiplier / 2^32`, rounded to nearest, halves up.
+    #[inline]
+    fn requantise(sum: i32, multiplier: i32) -> i32 {
+        let product = i64::from(sum).wrapping_mul(i64::from(multiplier));
+        (product.wrapping_add(1 << 31) >> 32) as i32
+    }
+}
 
 /// The fastest engine of this target.
 #[cfg(pintle_dsp)]
@@ -65,13 +70,6 @@ pub type Native = simd::Simd;
 #[cfg(all(target_os = "none", not(pintle_dsp)))]
 pub type Native = Portable;
 
-/// ReLU's input at the next layer's scale: times `multiplier / 2^32`, rounded to nearest, halves up.
-#[inline]
-pub fn requantise(sum: i32, multiplier: i32) -> i32 {
-    let product = i64::from(sum).wrapping_mul(i64::from(multiplier));
-    (product.wrapping_add(1 << 31) >> 32) as i32
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,7 +79,7 @@ mod tests {
         #[test]
         fn requantise_rounds_to_nearest(sum in any::<i32>(), multiplier in 1..i32::MAX) {
             let exact = f64::from(sum) * f64::from(multiplier) / 4_294_967_296.0;
-            prop_assert!((f64::from(requantise(sum, multiplier)) - exact).abs() <= 0.5);
+            prop_assert!((f64::from(Portable::requantise(sum, multiplier)) - exact).abs() <= 0.5);
         }
     }
 }

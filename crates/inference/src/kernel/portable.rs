@@ -1,6 +1,6 @@
 //! The kernels in safe Rust for any target: the oracle of the others.
 
-use super::{BLOCK, Kernel, Quad};
+use super::{BLOCK, Engine, Kernel, Quad};
 use crate::activation::Activation;
 use crate::storage::Storage;
 
@@ -8,9 +8,11 @@ use crate::storage::Storage;
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
 
+impl Engine for Portable {}
+
 impl<S: Storage> Kernel<S> for Portable {
     fn pair<const IN: usize, const K: usize>(
-        weights: &[Quad<S>],
+        weights: &[Quad],
         columns: &[[S::Activation; IN]],
         [first, second]: &mut [[i32; BLOCK]; 2],
     ) {
@@ -23,7 +25,7 @@ impl<S: Storage> Kernel<S> for Portable {
     }
 
     fn block<const IN: usize, const K: usize>(
-        weights: &[Quad<S>],
+        weights: &[Quad],
         columns: &[[S::Activation; IN]; K],
         sums: &mut [i32; BLOCK],
     ) {
@@ -38,7 +40,7 @@ impl<S: Storage> Kernel<S> for Portable {
     }
 
     fn row<const IN: usize, const K: usize>(
-        weights: &[S::Group],
+        weights: &[u32],
         columns: &[[S::Activation; IN]; K],
         sum: i32,
     ) -> i32 {

@@ -3,7 +3,7 @@
 //! Memory holds four outputs' pairs of weights side by side: what a multiply-add of pairs (`pmaddwd` of SSE2, the like on NEON)
 //! wants, eight products an instruction for one position. The crate `wide` has it for every host behind safe functions.
 
-use super::{BLOCK, Kernel, Portable, Quad};
+use super::{BLOCK, Engine, Kernel, Portable, Quad};
 use crate::storage::{Packed8, Packed16, Storage, Wide};
 use wide::{i16x8, i32x4};
 
@@ -11,12 +11,14 @@ use wide::{i16x8, i32x4};
 #[derive(Clone, Copy, Debug)]
 pub struct Simd;
 
+impl Engine for Simd {}
+
 /// Sums of the products of four groups of weights with one group of activations.
 trait Multiply: Storage {
     /// Activations of one group; those past the end are 0.
     type Inputs: Copy;
     fn inputs(taps: &[Self::Activation]) -> Self::Inputs;
-    fn multiply(quad: Quad<Self>, inputs: Self::Inputs) -> i32x4;
+    fn multiply(quad: Quad, inputs: Self::Inputs) -> i32x4;
 }
 
 /// Two activations in every lane of 32 bits.
@@ -50,7 +52,7 @@ impl Multiply for Wide {
     }
 
     #[inline]
-    fn multiply(quad: Quad<Self>, inputs: i16x8) -> i32x4 {
+    fn multiply(quad: Quad, inputs: i16x8) -> i32x4 {
         bytemuck::cast::<_, i16x8>(quad).dot(inputs)
     }
 }
@@ -64,7 +66,7 @@ impl Multiply for Packed16 {
     }
 
     #[inline]
-    fn multiply(quad: Quad<Self>, [first, second]: [i16x8; 2]) -> i32x4 {
+    fn multiply(quad: Quad, [first, second]: [i16x8; 2]) -> i32x4 {
         let bytes = bytemuck::cast(quad);
         even(bytes).dot(first) + odd(bytes).dot(second)
     }
@@ -82,7 +84,7 @@ impl Multiply for Packed8 {
     }
 
     #[inline]
-    fn multiply(quad: Quad<Self>, inputs: [i16x8; 2]) -> i32x4 {
+    fn multiply(quad: Quad, inputs: [i16x8; 2]) -> i32x4 {
         Packed16::multiply(quad, inputs)
     }
 }
@@ -90,7 +92,7 @@ impl Multiply for Packed8 {
 impl<S: Multiply> Kernel<S> for Simd {
     #[inline]
     fn pair<const IN: usize, const K: usize>(
-        weights: &[Quad<S>],
+        weights: &[Quad],
         columns: &[[S::Activation; IN]],
         sums: &mut [[i32; BLOCK]; 2],
     ) {
@@ -108,7 +110,7 @@ impl<S: Multiply> Kernel<S> for Simd {
 
     #[inline]
     fn block<const IN: usize, const K: usize>(
-        weights: &[Quad<S>],
+        weights: &[Quad],
         columns: &[[S::Activation; IN]; K],
         sums: &mut [i32; BLOCK],
     ) {
@@ -121,7 +123,7 @@ impl<S: Multiply> Kernel<S> for Simd {
 
     #[inline]
     fn row<const IN: usize, const K: usize>(
-        weights: &[S::Group],
+        weights: &[u32],
         columns: &[[S::Activation; IN]; K],
         sum: i32,
     ) -> i32 {
