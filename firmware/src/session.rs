@@ -156,10 +156,9 @@ impl Session {
 }
 
 fn model_id(bearing: Bearing) -> ModelId {
-    match Model::load(shipped(bearing)) {
+    match Model::<i16>::load(shipped(bearing)) {
         Ok(model) => {
-            let header = model.header();
-            ModelId { crc: header.crc, training_id: header.training_id }
+            ModelId { crc: model.check_sum(), training_id: model.header().training_id }
         }
         Err(_) => ModelId { crc: 0, training_id: 0 },
     }

@@ -1,37 +1,36 @@
 //! From a float checkpoint to a model image.
 //!
-//! Weights: 8 bits per output channel, the largest one at 127. Activations: 16 bits per layer, the largest value of
-//! the calibration set (no percentile: the tail is the signal) plus a sixteenth at full scale. The friction
-//! network is calibrated on what the quantised collision network gives. Biases and accumulators: 32 bits.
+//! Activations: the largest value of the calibration set (no percentile: the tail is the signal) plus a sixteenth at full
+//! scale, per layer. The friction network is calibrated on what the quantised collision network gives. Modes with 8-bit
+//! weights take the weights that were trained on to their grid, the reference mode takes the free ones.
 
 use crate::checkpoint::Checkpoint;
 use crate::draw::{Draw, Purpose};
-use crate::net::{Net, Taps, Trace};
-use crate::round::{level, step, steps};
-use crate::rows::{Row, rows};
-use crate::window::{friction_over, history};
-use inference::encode::{ConvolutionParts, HeadParts, NetworkParts, write};
-use inference::features::quantise as quantise_features;
-use inference::layout::{
-    CHANNELS, COLLISION_TAPS, FRICTION_TAPS, HEAD_WEIGHTS, IMAGE_LENGTH, KERNEL, WINDOW,
-};
-use inference::{ContactState, Header, ImageError, Model, Stream};
+use crate::features::FloatFeatures;
+use crate::image::{AlignedImage, AnyModel};
+use crate::mode::{Mode, Plan};
+use crate::net::{Net, Trace};
+use crate::parameters::{Activations, LAYERS, Layer, network};
+use crate::rows::rows;
+use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS};
+use crate::train::Trained;
+use crate::window::history;
+use inference::chain::Sums;
+use inference::features::{FULL_SCALE, Features};
+use inference::image::write::{WriteError, image, image_length};
+use inference::model::Between;
+use inference::{ContactState, Header, ImageError, Model, Streaming, WINDOW};
 
 /// Rows of the calibration set.
 pub const CALIBRATION_ROWS: usize = 1 << 14;
-/// Full scale of a layer over its largest activation in the calibration set.
-const HEADROOM: f64 = 17.0 / 16.0;
-const FULL_SCALE: f64 = 32767.0;
 
 /// Why a checkpoint could not be quantised.
 #[derive(Debug, thiserror::Error)]
 pub enum QuantiseError {
     /// A layer's factor does not fit its 32 bits: the weights and the activations do not belong together.
-    #[error(
-        "convolution {layer}, channel {channel}: requantisation factor is {factor:e}, expected 2^-32 to 0.5"
-    )]
+    #[error("layer {layer}, channel {channel}: factor between the scales is {factor:e}, expected 2^-32 to 0.5")]
     Factor {
-        /// Index of the convolution.
+        /// Index of the layer.
         layer: usize,
         /// Output channel.
         channel: usize,
@@ -41,10 +40,22 @@ pub enum QuantiseError {
     /// The image was refused by the code that runs it.
     #[error("{0}")]
     Image(#[from] ImageError),
+    /// The image could not be written.
+    #[error("{0}")]
+    Write(#[from] WriteError),
 }
 
 /// Largest activation after each convolution.
-type Largest = [f32; 3];
+type Largest = [f32; LAYERS - 1];
+
+/// A finished image and the scales that it was made with.
+#[derive(Clone, Debug)]
+pub struct Quantised {
+    /// The image.
+    pub image: AlignedImage,
+    /// Activations behind the convolutions of the collision and of the friction network.
+    pub activations: [[Activations; LAYERS - 1]; 2],
+}
 
 fn watch<const T: usize>(net: &Net<T>, columns: &[f32], trace: &mut Trace, largest: &mut Largest) {
     net.forward(columns, trace);
@@ -54,108 +65,97 @@ fn watch<const T: usize>(net: &Net<T>, columns: &[f32], trace: &mut Trace, large
     }
 }
 
-fn bias_level(bias: f32, scale: f64) -> i32 {
-    libm::round(f64::from(bias) / scale) as i32
-}
-
-fn convolution<const T: usize>(
-    layer: usize,
-    taps: &Taps<T>,
-    bias: &[f32; CHANNELS],
-    input_scale: f64,
-    output_scale: f64,
-) -> Result<ConvolutionParts<T>, QuantiseError> {
-    let steps = steps(taps);
-    let mut parts =
-        ConvolutionParts { biases: [0; CHANNELS], multipliers: [0; CHANNELS], weights: [[0; T]; CHANNELS] };
-    for channel in 0..CHANNELS {
-        let scale = input_scale * f64::from(steps[channel]);
-        parts.biases[channel] = bias_level(bias[channel], scale);
-        let factor = scale / output_scale;
-        let multiplier = libm::round(factor * 4_294_967_296.0);
-        if !(multiplier >= 1.0 && multiplier <= f64::from(i32::MAX)) {
-            return Err(QuantiseError::Factor { layer, channel, factor });
-        }
-        parts.multipliers[channel] = multiplier as i32;
-        for (weight, row) in parts.weights[channel].iter_mut().zip(taps) {
-            *weight = level(row[channel], steps[channel]) as i8;
-        }
-    }
-    Ok(parts)
-}
-
-fn network<const T: usize>(net: &Net<T>, largest: Largest) -> Result<NetworkParts<T>, QuantiseError> {
-    let scales = largest.map(|largest| (f64::from(largest).max(1e-6) * HEADROOM) / FULL_SCALE);
-    let head_step = step(net.head.iter().copied());
-    let head_scale = scales[2] * f64::from(head_step);
-    let mut weights = [0; HEAD_WEIGHTS];
-    for (slot, &weight) in weights.iter_mut().zip(&net.head) {
-        *slot = level(weight, head_step) as i8;
-    }
-    Ok(NetworkParts {
-        first: convolution(0, &net.first, &net.first_bias, 1.0 / FULL_SCALE, scales[0])?,
-        second: convolution(1, &net.second, &net.second_bias, scales[0], scales[1])?,
-        third: convolution(2, &net.third, &net.third_bias, scales[1], scales[2])?,
-        head: HeadParts { scale: head_scale as f32, bias: bias_level(net.head_bias[0], head_scale), weights },
-    })
-}
-
-/// A network that gives 0, to stand in while the other one is calibrated.
-fn silent<const T: usize>() -> NetworkParts<T> {
-    fn layer<const T: usize>() -> ConvolutionParts<T> {
-        ConvolutionParts { biases: [0; CHANNELS], multipliers: [1; CHANNELS], weights: [[0; T]; CHANNELS] }
-    }
-    let head = HeadParts { scale: 1.0, bias: 0, weights: [0; HEAD_WEIGHTS] };
-    NetworkParts { first: layer(), second: layer(), third: layer(), head }
+/// The weights of a network that a mode starts from.
+pub fn weights<const T: usize>(trained: &Trained<T>, mode: Mode) -> &Net<T> {
+    if mode.has_narrow_weights() { &trained.tuned } else { &trained.float }
 }
 
 /// The histories of the calibration rows.
-fn calibration(checkpoint: &Checkpoint, header: &Header) -> Vec<(Row, [ContactState; WINDOW])> {
+fn calibration(checkpoint: &Checkpoint, features: &FloatFeatures) -> Vec<[ContactState; WINDOW]> {
     let recipe = &checkpoint.recipe;
     let drawn =
         rows(checkpoint.bearing, recipe.range, recipe.seed, Purpose::CalibrationRows, CALIBRATION_ROWS);
-    (drawn.into_iter().enumerate())
+    (drawn.iter().enumerate())
         .map(|(index, row)| {
             let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 1 << 32 | index as u64);
-            let states = history(header, &row, &mut draw);
-            (row, states)
+            history(features, row, &mut draw)
         })
         .collect()
 }
 
-/// Quantises both networks of a checkpoint, whose file has this training id, and checks that the image loads.
-pub fn quantise(checkpoint: &Checkpoint, training_id: u64) -> Result<Box<[u8; IMAGE_LENGTH]>, QuantiseError> {
-    let header = Header { training_id, ..checkpoint.header() };
-    let set = calibration(checkpoint, &header);
-    let mut trace = Trace::default();
-
-    let mut largest = Largest::default();
-    for (_, states) in &set {
-        let columns = states.map(|state| header.collision_column(&state).inputs);
-        watch(&checkpoint.collision.tuned, columns.as_flattened(), &mut trace, &mut largest);
-    }
-    let collision = network(&checkpoint.collision.tuned, largest)?;
-    let mut image = Box::new([0; IMAGE_LENGTH]);
-    write(&header, &collision, &silent::<FRICTION_TAPS>(), &mut image);
-
-    let mut largest = Largest::default();
-    {
-        let model = Model::load(image.as_slice())?;
-        let mut stream = Stream::<COLLISION_TAPS>::default();
-        for (_, states) in &set {
-            let roots = states.map(|state| {
-                let column = header.collision_column(&state);
-                let (raw, _) = stream.step(model.collision(), &quantise_features(&column.inputs));
-                raw.max(0) as f32 * model.collision().head.scale() * column.root_force_factor
-            });
-            let window = friction_over(&header, states, &roots, 0.0);
-            watch(&checkpoint.friction.tuned, window.columns.as_flattened(), &mut trace, &mut largest);
-        }
-    }
-    let friction = network(&checkpoint.friction.tuned, largest)?;
-    write(&header, &collision, &friction, &mut image);
-    Model::load(image.as_slice())?;
-    Ok(image)
+fn assemble(header: &Header, collision: &[Layer], friction: &[Layer]) -> Result<AlignedImage, QuantiseError> {
+    let parts: Vec<_> = collision.iter().chain(friction).map(Layer::parts).collect();
+    let mut written = AlignedImage::zeros(image_length(parts.iter().map(|part| &part.shape)));
+    image(header, &parts, written.bytes_mut())?;
+    Ok(written)
 }
 
-const _: () = assert!(COLLISION_TAPS.is_multiple_of(KERNEL));
+/// The square roots of the normal force in N, times 2^16, that a quantised collision network gives along histories.
+pub(crate) fn roots<'s, B: Between>(
+    model: &Model<'_, B>,
+    histories: impl IntoIterator<Item = &'s [ContactState; WINDOW]>,
+    mut found: impl FnMut(&'s [ContactState; WINDOW], [u32; WINDOW]),
+) {
+    let features = Features::new(model.header());
+    let mut stream = Streaming::<_, i16, _>::new(*model.collision());
+    for states in histories {
+        let roots = states.map(|state| {
+            let column = features.collision(&state.sample().unwrap_or_default());
+            let (Sums([sum]), _) = stream.push(&column.inputs);
+            let root = u64::from(model.collision().scale().apply(sum, 16));
+            u32::try_from(root * u64::from(column.root_force_factor_q30) >> 30).unwrap_or(u32::MAX)
+        });
+        found(states, roots);
+    }
+}
+
+/// Largest activations of the friction network behind a quantised collision network.
+fn calibrate_friction<B: Between>(
+    net: &Net<FRICTION_TAPS>,
+    model: &Model<'_, B>,
+    set: &[[ContactState; WINDOW]],
+) -> Largest {
+    let features = Features::new(model.header());
+    let (mut trace, mut largest) = (Trace::default(), Largest::default());
+    roots(model, set, |states, roots| {
+        let columns: [_; WINDOW] = core::array::from_fn(|k| {
+            let speed = states[k].sample().unwrap_or_default().sliding_speed_nm_s;
+            features.friction(roots[k], speed).map(|level| f32::from(level) / f32::from(FULL_SCALE))
+        });
+        watch(net, columns.as_flattened(), &mut trace, &mut largest);
+    });
+    largest
+}
+
+/// Quantises both networks of a checkpoint, whose file has this training id, and checks that the image loads.
+///
+/// # Errors
+///
+/// Weights that the image cannot hold.
+pub fn quantise(checkpoint: &Checkpoint, training_id: u64, plan: Plan) -> Result<Quantised, QuantiseError> {
+    let header = Header { training_id, ..checkpoint.header() };
+    let features = FloatFeatures::of(&header);
+    let set = calibration(checkpoint, &features);
+    let collision_net: &Net<COLLISION_TAPS> = weights(&checkpoint.collision, plan.mode);
+    let friction_net: &Net<FRICTION_TAPS> = weights(&checkpoint.friction, plan.mode);
+
+    let (mut trace, mut largest) = (Trace::default(), Largest::default());
+    for states in &set {
+        let columns = states.map(|state| features.collision(&state).inputs);
+        watch(collision_net, columns.as_flattened(), &mut trace, &mut largest);
+    }
+    let collision = network(collision_net, largest, plan)?;
+    // A network of zeros stands in for the friction network until that is calibrated.
+    let stand_in = network(&Net::<FRICTION_TAPS>::zero(), [1.0; LAYERS - 1], plan)?;
+    let half_done = assemble(&header, &collision, &stand_in)?;
+    let largest_friction = match AnyModel::load(&half_done)? {
+        AnyModel::Sixteen(model) => calibrate_friction(friction_net, &model, &set),
+        AnyModel::Eight(model) => calibrate_friction(friction_net, &model, &set),
+    };
+    let friction = network(friction_net, largest_friction, plan)?;
+    let image = assemble(&header, &collision, &friction)?;
+    AnyModel::load(&image)?;
+    let activations =
+        [largest, largest_friction].map(|largest| largest.map(|l| Activations::up_to(l, plan.mode)));
+    Ok(Quantised { image, activations })
+}

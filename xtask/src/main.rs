@@ -1,10 +1,15 @@
 //! Workspace chores: set-up, tests, instruction counts, sizes. CI calls nothing else.
 
+mod boards;
+mod compile;
 mod firmware;
+mod golden;
 mod insn;
+mod kernels;
 mod run;
 mod setup;
 mod size;
+mod table;
 mod test;
 
 use clap::{Parser, Subcommand};
@@ -29,7 +34,11 @@ enum Command {
     Test,
     /// Build the firmware's image for the STM32F405.
     Firmware,
-    /// Instructions of a controller tick, from the emulator over one cycle of either bearing.
+    /// Compare the kernels of every emulated core with the host's, bit for bit.
+    Kernels,
+    /// Count anew and write the golden figures and the README's tables.
+    Bless,
+    /// Instructions of the reference network, the layers and a controller tick, from the emulator.
     Insn {
         /// Print as JSON.
         #[arg(long)]
@@ -48,8 +57,10 @@ fn main() -> ExitCode {
         Command::Setup => setup::setup().map(|_| ()),
         Command::Test => test::test(),
         Command::Firmware => {
-            setup::target().and_then(|way| firmware::build(&way)).map(|elf| println!("{}", elf.display()))
+            setup::target(setup::TARGET).and_then(|way| firmware::build(&way)).map(|elf| println!("{}", elf.display()))
         }
+        Command::Kernels => kernels::kernels(),
+        Command::Bless => golden::bless(),
         Command::Insn { json } => insn::insn(json),
         Command::Size { json } => size::size(json),
     };

@@ -26,6 +26,16 @@ pub(crate) enum ChoreError {
     /// Something has to be done by hand.
     #[error("{0}")]
     ByHand(String),
+    /// Something came out differently.
+    #[error("{what}: found\n{found}\nexpected\n{expected}")]
+    Differs {
+        /// What was compared.
+        what: String,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
     /// A file is not what it should be.
     #[error("{file}: {found}; expected {expected}", file = file.display())]
     File {

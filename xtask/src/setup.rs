@@ -9,7 +9,7 @@ use std::process::Command;
 /// The controller's target: Cortex-M4F.
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 const DEBIAN_TOOLCHAIN: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
-const EMULATOR: &str = "qemu-system-arm";
+pub(crate) const EMULATOR: &str = "qemu-system-arm";
 /// Set to any value, rustup is left out: for trying Debian's way on a machine that has the target.
 const WITHOUT_RUSTUP: &str = "PINTLE_WITHOUT_RUSTUP";
 
@@ -24,18 +24,18 @@ pub(crate) enum Way {
 
 /// Installs everything.
 pub(crate) fn setup() -> Result<Way, ChoreError> {
-    let way = target()?;
+    let way = target(TARGET)?;
     emulator()?;
     Ok(way)
 }
 
-/// Makes sure that the firmware can be built.
-pub(crate) fn target() -> Result<Way, ChoreError> {
+/// Makes sure that one can build for a target.
+pub(crate) fn target(target: &str) -> Result<Way, ChoreError> {
     let allowed = std::env::var_os(WITHOUT_RUSTUP).is_none();
-    if allowed && (target_is_there() || run(Command::new("rustup").args(["target", "add", TARGET])).is_ok()) {
+    if allowed && (target_is_there(target) || run(Command::new("rustup").args(["target", "add", target])).is_ok()) {
         return Ok(Way::Rustup);
     }
-    eprintln!("rustup gave no core library for {TARGET}; trying Debian's compiler");
+    eprintln!("rustup gave no core library for {target}; trying Debian's compiler");
     if !debian_is_there() {
         install(&DEBIAN_TOOLCHAIN)?;
     }
@@ -43,17 +43,17 @@ pub(crate) fn target() -> Result<Way, ChoreError> {
         Ok(Way::Debian)
     } else {
         Err(ChoreError::ByHand(format!(
-            "the target {TARGET} is missing: rustup's server gave none, and Debian's {} are not usable either. \
-             With a network, type: rustup target add {TARGET}",
+            "the target {target} is missing: rustup's server gave none, and Debian's {} are not usable either. \
+             With a network, type: rustup target add {target}",
             DEBIAN_TOOLCHAIN.join(", ")
         )))
     }
 }
 
 /// Whether the toolchain in use has the target's core library.
-fn target_is_there() -> bool {
+fn target_is_there(target: &str) -> bool {
     let mut rustc = Command::new("rustc");
-    rustc.args(["--print", "target-libdir", "--target", TARGET]).current_dir(crate::run::root());
+    rustc.args(["--print", "target-libdir", "--target", target]).current_dir(crate::run::root());
     output_of(&mut rustc).is_ok_and(|folder| {
         let has_core = |entry: std::fs::DirEntry| entry.file_name().to_string_lossy().starts_with("libcore");
         std::fs::read_dir(folder.trim()).is_ok_and(|entries| entries.flatten().any(has_core))

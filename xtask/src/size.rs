@@ -21,7 +21,7 @@ struct Sizes {
 
 /// Builds the image and prints its sizes.
 pub(crate) fn size(json: bool) -> Result<(), ChoreError> {
-    let way = setup::target()?;
+    let way = setup::target(setup::TARGET)?;
     let path = firmware::build(&way)?;
     let wrong =
         |found: String| ChoreError::File { file: path.clone(), found, expected: "the firmware's image" };

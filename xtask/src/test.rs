@@ -3,12 +3,15 @@
 use crate::run::{ChoreError, cargo, run, succeeds};
 use crate::{firmware, setup};
 
-/// Sets up, builds the image, checks the format where rustfmt is there, and runs the tests with the emulated ones.
+/// Sets up, builds the image, checks the format where rustfmt is there, and compares kernels and instruction counts on the
+/// emulated cores, and runs the tests with the emulated ones.
 pub(crate) fn test() -> Result<(), ChoreError> {
     let way = setup::setup()?;
     firmware::build(&way)?;
     if succeeds(cargo().args(["fmt", "--version"])) {
         run(cargo().args(["fmt", "--all", "--check"]))?;
     }
+    crate::kernels::kernels()?;
+    crate::golden::check()?;
     run(cargo().args(["test", "--workspace", "--no-fail-fast", "--features", "system-tests/emulated"]))
 }

@@ -48,7 +48,7 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
         let form = reader.shape(layer, Self::shape)?;
         Ok(Self {
             scaling: Scaling { biases: reader.array()?, multipliers: reader.array()? },
-            weights: A::Weights::read(reader, layer, form, OUT, K * IN)?,
+            weights: A::Weights::read(reader, form, OUT, K * IN)?,
             outputs: core::marker::PhantomData,
         })
     }

@@ -52,11 +52,6 @@ pub enum ImageError {
         /// Shape expected, with the form of storage that was found.
         expected: LayerShape,
     },
-    /// A layer's weights are stored in a form that its activations have no kernel for.
-    Form {
-        /// The layer.
-        layer: LayerName,
-    },
     /// A layer's 32-bit sum can overflow.
     Overflow {
         /// The layer.
@@ -99,7 +94,6 @@ impl fmt::Display for ImageError {
             Self::Shape { layer, found: None, expected } => {
                 write!(f, "{layer} has no valid shape, expected {expected}")
             }
-            Self::Form { layer } => write!(f, "{layer} has 16-bit weights on 8-bit activations, expected 8-bit weights"),
             Self::Overflow { layer, output, largest } => {
                 write!(f, "sum of output {output} in {layer} can reach {largest}, expected below 2^31")
             }

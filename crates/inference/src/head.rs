@@ -65,7 +65,7 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
         Ok(Self {
             scale: Scale { multiplier: reader.u32()?.cast_signed(), shift: reader.u32()? },
             biases: reader.array()?,
-            weights: A::Weights::read(reader, layer, form, OUT, COLUMNS * IN)?,
+            weights: A::Weights::read(reader, form, OUT, COLUMNS * IN)?,
         })
     }
 

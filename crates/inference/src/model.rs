@@ -37,6 +37,7 @@ impl Between for i8 {}
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'a, B: Between = i16> {
     header: Header,
+    check_sum: u32,
     collision: Network<'a, B, COLLISION_INPUTS>,
     friction: Network<'a, B, FRICTION_INPUTS>,
 }
@@ -66,6 +67,7 @@ impl<'a, B: Between> Model<'a, B> {
         let [collision, friction] = NETWORKS.map(|network| LayerName { network, index: 0 });
         let model = Self {
             header,
+            check_sum: found,
             collision: Chain::read(&mut reader, collision)?,
             friction: Chain::read(&mut reader, friction)?,
         };
@@ -79,6 +81,11 @@ impl<'a, B: Between> Model<'a, B> {
     /// What the image says about itself.
     pub fn header(&self) -> Header {
         self.header
+    }
+
+    /// Check sum of the image: its identity.
+    pub fn check_sum(&self) -> u32 {
+        self.check_sum
     }
 
     /// The collision network.

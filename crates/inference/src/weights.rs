@@ -2,7 +2,7 @@
 
 use crate::activation::Activation;
 use crate::error::ImageError;
-use crate::image::{LayerName, Reader, WeightForm};
+use crate::image::{Reader, WeightForm};
 use crate::kernel::{BLOCK, Engine, Kernel, Quad};
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
 use core::ops::Range;
@@ -183,7 +183,6 @@ pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug
     #[doc(hidden)]
     fn read(
         reader: &mut Reader<'a>,
-        layer: LayerName,
         form: WeightForm,
         outputs: usize,
         taps: usize,
@@ -229,7 +228,6 @@ pub enum Weights16<'a> {
 impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
     fn read(
         reader: &mut Reader<'a>,
-        _: LayerName,
         form: WeightForm,
         outputs: usize,
         taps: usize,
@@ -294,15 +292,12 @@ pub struct PackedWeights<'a>(Stored<'a, Packed8>);
 impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
     fn read(
         reader: &mut Reader<'a>,
-        layer: LayerName,
-        form: WeightForm,
+        _: WeightForm,
         outputs: usize,
         taps: usize,
     ) -> Result<Self, ImageError> {
-        match form {
-            WeightForm::Packed => Stored::read(reader, outputs, taps).map(Self),
-            WeightForm::Wide => Err(ImageError::Form { layer }),
-        }
+        // A shape with wide weights on 8-bit inputs is none.
+        Stored::read(reader, outputs, taps).map(Self)
     }
 
     #[inline]

@@ -1,125 +1,245 @@
 //! Bad images are refused with a reason; nothing that can be read from a file makes the loader panic.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
-use inference::encode::seal;
-use inference::layout::{COLLISION_TAPS, HEADER_LENGTH, IMAGE_LENGTH, convolution_length};
-use inference::{Bearing, ContactState, ImageError, LayerName, Model, Pair, shipped};
+use inference::activation::Activation;
+use inference::image::write::{LayerParts, WriteError, image, image_length, seal};
+use inference::image::{CRC_LENGTH, HEADER_LENGTH, LayerName, LayerShape, SHAPE_LENGTH, WeightForm};
+use inference::{Bearing, Convolution, Head, ImageError, Model, Network, Pair, Sample, Scale, shipped};
 use proptest::prelude::*;
 
-fn copy(bearing: Bearing) -> Box<[u8; IMAGE_LENGTH]> {
-    Box::new(shipped(bearing).try_into().expect("length of an image"))
+/// A copy at an address that it can be read from.
+struct Copied {
+    words: Vec<u32>,
+    length: usize,
 }
 
-/// Loads an image after a change that its check sum was made to fit.
-fn resealed(change: impl FnOnce(&mut [u8; IMAGE_LENGTH])) -> Result<(), ImageError> {
-    let mut image = copy(Bearing::Babbitt);
-    change(&mut image);
-    seal(&mut image);
-    Model::load(image.as_slice()).map(|_| ())
+impl Copied {
+    fn of(bytes: &[u8]) -> Self {
+        let mut words = vec![0; bytes.len().div_ceil(4)];
+        bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
+        Self { words, length: bytes.len() }
+    }
+
+    fn bytes(&self) -> &[u8] {
+        &bytemuck::cast_slice(&self.words)[..self.length]
+    }
+
+    fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut bytemuck::cast_slice_mut(&mut self.words)[..self.length]
+    }
 }
 
-fn put(image: &mut [u8; IMAGE_LENGTH], at: usize, bytes: &[u8]) {
+fn load(image: &Copied) -> Result<(), ImageError> {
+    Model::<i16>::load(image.bytes()).map(|_| ())
+}
+
+/// Loads a shipped image after a change that its check sum was made to fit.
+fn resealed(change: impl FnOnce(&mut [u8])) -> Result<(), ImageError> {
+    let mut image = Copied::of(shipped(Bearing::Babbitt));
+    change(image.bytes_mut());
+    seal(image.bytes_mut());
+    load(&image)
+}
+
+fn put(image: &mut [u8], at: usize, bytes: &[u8]) {
     image[at..at + bytes.len()].copy_from_slice(bytes);
 }
 
 #[test]
 fn every_flipped_byte_is_refused() {
     for bearing in Bearing::ALL {
-        for at in 0..IMAGE_LENGTH {
-            let mut image = copy(bearing);
-            image[at] ^= 0xff;
-            assert!(Model::load(image.as_slice()).is_err(), "byte {at}");
+        let mut image = Copied::of(shipped(bearing));
+        for at in 0..image.length {
+            image.bytes_mut()[at] ^= 0xff;
+            assert!(load(&image).is_err(), "byte {at}");
+            image.bytes_mut()[at] ^= 0xff;
         }
+        assert_eq!(load(&image), Ok(()));
     }
 }
 
 #[test]
-fn every_truncation_and_every_extension_is_refused_by_length() {
-    let mut bytes = shipped(Bearing::Plastic).to_vec();
-    for length in 0..bytes.len() {
-        let error = Model::load(&bytes[..length]).expect_err("short image");
-        assert_eq!(error, ImageError::Length { found: length, expected: IMAGE_LENGTH });
+fn every_truncation_and_every_extension_is_refused() {
+    let whole = shipped(Bearing::Plastic);
+    for length in 0..whole.len() {
+        let error = load(&Copied::of(&whole[..length])).expect_err("short image");
+        let expected = match length {
+            0..68 => ImageError::TooShort,
+            _ => ImageError::Length { found: length, expected: whole.len() as u32 },
+        };
+        assert_eq!(error, expected);
     }
-    bytes.push(0);
-    assert!(matches!(Model::load(&bytes), Err(ImageError::Length { .. })));
+    let longer = [whole, &[0; 4]].concat();
+    assert!(matches!(load(&Copied::of(&longer)), Err(ImageError::Length { .. })));
+}
+
+#[test]
+fn an_address_that_weights_cannot_be_read_from_is_refused() {
+    let moved = Copied::of(&[&[0], shipped(Bearing::Plastic)].concat());
+    assert_eq!(Model::<i16>::load(&moved.bytes()[1..]).map(|_| ()), Err(ImageError::Alignment));
 }
 
 #[test]
 fn each_field_of_the_header_has_its_own_reason() {
+    let length = shipped(Bearing::Babbitt).len();
     assert_eq!(resealed(|_| ()), Ok(()));
     assert_eq!(resealed(|image| put(image, 0, b"ELF")), Err(ImageError::Magic));
-    assert_eq!(resealed(|image| put(image, 8, &[9, 0])), Err(ImageError::Version { found: 9, expected: 1 }));
+    assert_eq!(resealed(|image| put(image, 8, &[9, 0])), Err(ImageError::Version { found: 9, expected: 2 }));
     assert_eq!(resealed(|image| put(image, 10, &[7])), Err(ImageError::Bearing { found: 7 }));
-    assert!(matches!(resealed(|image| put(image, 11, &[3])), Err(ImageError::Field { .. })));
-    let declared = resealed(|image| put(image, 12, &1u32.to_le_bytes()));
-    assert_eq!(declared, Err(ImageError::DeclaredLength { found: 1, expected: IMAGE_LENGTH as u32 }));
-    assert!(matches!(
-        resealed(|image| put(image, 84, &[9])),
-        Err(ImageError::Shape { network: "collision", found: [9, ..], .. })
-    ));
-    assert!(matches!(
-        resealed(|image| put(image, 89, &[32])),
-        Err(ImageError::Shape { network: "friction", found: [_, 32, ..], .. })
-    ));
-    for (at, name) in [
-        (24, "radial clearance range"),
-        (28, "radial clearance range"),
-        (36, "deformation range"),
-        (44, "rate ratio range"),
-        (52, "sliding speed range"),
-        (60, "normal force range"),
-        (64, "latch floor"),
-        (68, "slow speed scale"),
-        (72, "fast speed scale"),
-    ] {
-        for bad in [f32::NAN, f32::INFINITY, -1.0] {
-            let result = resealed(|image| put(image, at, &bad.to_le_bytes()));
-            assert_eq!(result, Err(ImageError::Field { name }), "{bad} at {at}");
+    assert_eq!(
+        resealed(|image| put(image, 12, &1u32.to_le_bytes())),
+        Err(ImageError::Length { found: length, expected: 1 })
+    );
+    assert_eq!(resealed(|image| put(image, 11, &[3])), Err(ImageError::Field { name: "half powers" }));
+    assert_eq!(resealed(|image| put(image, 60, &[1])), Err(ImageError::Field { name: "reserved" }));
+    let names = [
+        "radial clearance",
+        "radial clearance",
+        "deformation",
+        "rate ratio",
+        "sliding speed",
+        "normal force",
+        "latch floor",
+        "slow speed",
+        "fast speed",
+    ];
+    for (index, name) in names.into_iter().enumerate() {
+        for value in [0, u32::MAX] {
+            let found = resealed(|image| put(image, 24 + 4 * index, &u32::to_le_bytes(value)));
+            assert_eq!(found, Err(ImageError::Field { name }), "field {index}");
         }
     }
-    let mut image = copy(Bearing::Babbitt);
-    image[3000] ^= 1;
-    assert!(matches!(Model::load(image.as_slice()), Err(ImageError::Crc { .. })));
 }
 
 #[test]
-fn a_layer_that_could_overflow_is_named() {
-    let second = HEADER_LENGTH + convolution_length(COLLISION_TAPS);
-    let error = resealed(|image| put(image, second + 4, &i32::MAX.to_le_bytes())).expect_err("overflow");
-    let ImageError::Layer { layer, largest_accumulator } = error else { panic!("{error}") };
-    assert_eq!(layer, LayerName::CollisionConvolution(1));
-    assert!(largest_accumulator > i64::from(i32::MAX));
-    assert!(error.to_string().contains("collision convolution 1"), "{error}");
+fn layers_are_refused_by_name() {
+    let first = LayerName { network: "collision", index: 0 };
+    let kernel = resealed(|image| put(image, HEADER_LENGTH + 1, &[5]));
+    assert!(matches!(kernel, Err(ImageError::Shape { layer, found: Some(shape), .. })
+        if layer == first && shape.columns == 5));
+    let nonsense = resealed(|image| put(image, HEADER_LENGTH, &[9]));
+    assert!(matches!(nonsense, Err(ImageError::Shape { layer, found: None, .. }) if layer == first));
+    // The multipliers of the first layer stand behind its 16 biases.
+    let zero = resealed(|image| put(image, HEADER_LENGTH + SHAPE_LENGTH + 64, &[0; 4]));
+    assert_eq!(zero, Err(ImageError::Scale { layer: first }));
+    let bias = resealed(|image| put(image, HEADER_LENGTH + SHAPE_LENGTH + 8, &i32::MAX.to_le_bytes()));
+    assert!(matches!(bias, Err(ImageError::Overflow { layer, output: 2, largest })
+        if layer == first && largest >= i64::from(i32::MAX)), "{bias:?}");
+    // A model of another type does not take the image.
+    let other = Model::<i8>::load(shipped(Bearing::Babbitt)).map(|_| ());
+    assert!(matches!(other, Err(ImageError::Shape { layer, .. }) if layer == first), "{other:?}");
+}
 
-    let multipliers = second + 64;
-    let error = resealed(|image| put(image, multipliers, &0i32.to_le_bytes())).expect_err("multiplier");
-    assert_eq!(
-        error,
-        ImageError::Layer { layer: LayerName::CollisionConvolution(1), largest_accumulator: 0 }
-    );
+/// Shapes of a model's eight layers.
+fn shapes<B: inference::model::Between>(features: WeightForm, between: WeightForm) -> [LayerShape; 8] {
+    let hidden = Convolution::<B, B, 16, 16, 3>::shape(between);
+    let head = Head::<B, 16, 2, 1>::shape(between);
+    [
+        Convolution::<i16, B, 8, 16, 3>::shape(features),
+        hidden,
+        hidden,
+        head,
+        Convolution::<i16, B, 4, 16, 3>::shape(features),
+        hidden,
+        hidden,
+        head,
+    ]
+}
+
+/// An image whose weights all have one value.
+fn uniform(shapes: &[LayerShape], weight: i16) -> Result<Copied, WriteError> {
+    let header = Model::<i16>::load(shipped(Bearing::Babbitt)).expect("shipped image").header();
+    let (weights, ones) = (vec![weight; 768], [1; 16]);
+    let parts: Vec<LayerParts<'_>> = (shapes.iter())
+        .map(|&shape| LayerParts {
+            shape,
+            biases: &ones[..usize::from(shape.outputs)],
+            multipliers: if shape.output_bits == 32 { &[] } else { &ones },
+            scale: Scale { multiplier: 1 << 30, shift: 40 },
+            weights: &weights[..usize::from(shape.outputs) * shape.taps()],
+        })
+        .collect();
+    let mut copied = Copied { words: vec![0; image_length(shapes) / 4], length: image_length(shapes) };
+    assert_eq!(image(&header, &parts, copied.bytes_mut())?, copied.length);
+    Ok(copied)
+}
+
+#[test]
+fn the_bound_of_a_sum_is_that_of_the_actual_weights() {
+    let wide = shapes::<i16>(WeightForm::Wide, WeightForm::Wide);
+    // 48 taps of 1365 stay below 2^31 / 2^15 = 65536; 48 of 1366 do not.
+    assert_eq!(load(&uniform(&wide, 1365).expect("image")), Ok(()));
+    let error = load(&uniform(&wide, 1366).expect("image"));
+    let layer = LayerName { network: "collision", index: 1 };
+    assert_eq!(error, Err(ImageError::Overflow { layer, output: 0, largest: 48 * 1366 * 32768 + 1 }));
+    let friction = uniform(&wide, -1365).and_then(|mut image| {
+        let at = image.length - CRC_LENGTH - 4;
+        put(image.bytes_mut(), at, &i16::MIN.to_le_bytes());
+        put(image.bytes_mut(), at + 2, &i16::MIN.to_le_bytes());
+        seal(image.bytes_mut());
+        Ok(load(&image))
+    });
+    let layer = LayerName { network: "friction", index: 3 };
+    assert!(matches!(friction, Ok(Err(ImageError::Overflow { layer: found, .. })) if found == layer), "{friction:?}");
+}
+
+#[test]
+fn wide_weights_on_8_bit_activations_have_no_kernel() {
+    let mut mixed = shapes::<i8>(WeightForm::Wide, WeightForm::Packed);
+    let image = uniform(&mixed, 1).expect("image");
+    assert!(Model::<i8>::load(image.bytes()).is_ok());
+    mixed[1].form = WeightForm::Wide;
+    let image = uniform(&mixed, 1).expect("image");
+    assert!(matches!(Model::<i8>::load(image.bytes()).map(|_| ()), Err(ImageError::Shape { .. })));
+}
+
+#[test]
+fn a_room_too_small_and_parts_of_other_lengths_are_refused() {
+    let shapes = shapes::<i16>(WeightForm::Packed, WeightForm::Packed);
+    let header = Model::<i16>::load(shipped(Bearing::Babbitt)).expect("shipped image").header();
+    let part = LayerParts {
+        shape: shapes[0],
+        biases: &[0; 16],
+        multipliers: &[1; 16],
+        scale: Scale { multiplier: 1, shift: 30 },
+        weights: &[0; 16 * 24],
+    };
+    assert_eq!(image(&header, &[part], &mut [0; 100]), Err(WriteError::NoRoom));
+    let wrong = LayerParts { biases: &[0; 15], ..part };
+    assert_eq!(image(&header, &[wrong], &mut [0; 1000]), Err(WriteError::Lengths));
+    assert!(image(&header, &[part], &mut [0; 1000]).is_ok());
+}
+
+/// What a pair takes in RAM and an image in flash: figures that the README gives.
+#[test]
+fn sizes_are_as_documented() {
+    let readme = include_str!("../README.md");
+    let on_this_host = size_of::<Pair<'_, i16>>();
+    let image = shipped(Bearing::Babbitt).len();
+    assert_eq!(image, image_length(&shapes::<i16>(WeightForm::Wide, WeightForm::Wide)));
+    assert!(on_this_host < 2000, "{on_this_host}");
+    assert!(readme.contains(&format!("{image} bytes")), "README: {image} bytes of an image");
+    let packed = image_length(&shapes::<i16>(WeightForm::Packed, WeightForm::Packed));
+    assert!(readme.contains(&format!("{packed} bytes")), "README: {packed} bytes of a packed image");
+    assert_eq!(<Network<'_, i16, 8> as inference::chain::Chain<'_, i16, 8>>::WINDOW, inference::WINDOW);
+    assert_eq!(i16::BITS, <i16 as Activation>::BITS.into());
 }
 
 proptest! {
     #[test]
-    fn noise_is_refused_and_never_panics(bytes in proptest::collection::vec(any::<u8>(), 0..2 * IMAGE_LENGTH)) {
-        prop_assert!(Model::load(&bytes).is_err());
-    }
-
-    #[test]
-    fn a_resealed_image_loads_and_runs_or_is_refused(
-        changes in proptest::collection::vec((0..IMAGE_LENGTH, any::<u8>()), 1..20),
-        deformation in -1e-4..3e-4_f32,
-    ) {
-        let mut image = copy(Bearing::Plastic);
-        for (at, byte) in changes {
-            image[at] = byte;
+    fn any_bytes_are_refused_or_run(mut bytes in proptest::collection::vec(any::<u8>(), 0..400), sealed in any::<bool>()) {
+        let mut image = Copied::of(shipped(Bearing::Babbitt));
+        let start = bytes.first().copied().map_or(0, usize::from) * 30 % image.length;
+        bytes.truncate(image.length - start);
+        put(image.bytes_mut(), start, &bytes);
+        if sealed {
+            seal(image.bytes_mut());
         }
-        seal(&mut image);
-        if let Ok(model) = Model::load(image.as_slice()) {
-            let mut pair = Pair::new(model);
-            let state = ContactState { radial_clearance_m: 1e-3, deformation_m: deformation, ..Default::default() };
+        if let Ok(model) = Model::<i16>::load(image.bytes()) {
+            let mut pair: Pair = Pair::new(model);
+            let sample = Sample { radial_clearance_nm: 500_000, deformation_pm: 30_000_000, ..Sample::default() };
             for _ in 0..10 {
-                prop_assert!(pair.step(&state).normal_force_n >= 0.0);
+                prop_assert!(pair.step(&sample).normal_force_mn >= 0);
             }
         }
     }

@@ -115,15 +115,15 @@ impl Estimator {
             sliding_speed_m_s: shaft_speed_rad_s * self.setup.journal_radius_m
                 + contact.tangential_speed(y_m_s, z_m_s),
         };
-        let estimate = self.pair.step(&state);
-        let (force_y_n, force_z_n) = contact.force(estimate.normal_force_n, estimate.friction_force_n);
+        let estimate = self.pair.push(&state);
+        let (force_y_n, force_z_n) = contact.force(estimate.normal_force_n(), estimate.friction_force_n());
         EstimateFrame {
             sequence: frame.sequence,
             time_us: frame.time_us,
-            normal_force_n: estimate.normal_force_n,
+            normal_force_n: estimate.normal_force_n(),
             force_y_n,
             force_z_n,
-            friction_torque_nm: estimate.friction_force_n * self.setup.journal_radius_m,
+            friction_torque_nm: estimate.friction_force_n() * self.setup.journal_radius_m,
             deformation_m,
             contact_angle_rad: contact.angle_rad(),
             flags: (flags | estimate.flags).bits(),

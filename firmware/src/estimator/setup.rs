@@ -89,12 +89,15 @@ pub const fn image_cause(error: &ImageError) -> u8 {
         ImageError::Length { .. } => 0,
         ImageError::Magic => 1,
         ImageError::Version { .. } => 2,
-        ImageError::DeclaredLength { .. } => 3,
+        ImageError::TooShort => 3,
         ImageError::Crc { .. } => 4,
         ImageError::Bearing { .. } => 5,
         ImageError::Shape { .. } => 6,
         ImageError::Field { .. } => 7,
-        ImageError::Layer { .. } => 8,
+        ImageError::Overflow { .. } => 8,
+        ImageError::Scale { .. } => 9,
+        ImageError::Alignment => 10,
+        ImageError::Trailing => 11,
     }
 }
 
@@ -145,6 +148,6 @@ mod tests {
             Some(Refusal::Image { cause: WRONG_BEARING })
         );
         let short = Estimator::new(&[1, 2, 3], GOOD).err();
-        assert_eq!(short, Some(Refusal::Image { cause: 0 }));
+        assert_eq!(short, Some(Refusal::Image { cause: 3 }));
     }
 }

@@ -11,7 +11,7 @@ use link::SensorFrame;
 /// When a stimulus begins: long after the start.
 const BEGIN: u32 = 400;
 /// Samples after which the networks remember nothing of what came before.
-const NETWORK_WINDOW: u32 = inference::layout::WINDOW as u32;
+const NETWORK_WINDOW: u32 = inference::WINDOW as u32;
 
 /// Apart at first, then in contact once a period of 30 Hz, so that every onset is seen. Nothing to remark once warm.
 fn clean(bearing: Bearing) -> Orbit {

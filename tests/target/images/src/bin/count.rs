@@ -4,14 +4,19 @@
 #![no_std]
 #![no_main]
 
+use core::hint::black_box;
 use cortex_m as _;
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use inference::activation::Activation;
 use inference::chain::{Chain, Then};
+use inference::features::{COLLISION_INPUTS, FRICTION_INPUTS};
 use inference::image::WeightForm;
-use inference::{Convolution, Head, Interleaved, Same, Streaming, Windowed};
+use inference::kernel::{Engine, Native, Portable};
+use inference::{
+    Bearing, Convolution, Head, Interleaved, Model, Network, Pair, Same, Sample, Streaming, Windowed, shipped,
+};
 use on_target::network::{COLUMNS, INPUTS, Reference, Room, random, read, reference_shapes};
 use on_target::noise::Noise;
 
@@ -64,51 +69,59 @@ impl Extremes {
     }
 }
 
+/// Random inputs for each figure.
 const TIMES: usize = 1000;
+/// All positions of the window.
+const REFERENCE_WINDOW_MACS: usize = 32 * (5 * 6 * 16 + 5 * 16 * 32 + 3 * 32 * 32) + 32 * 32;
+/// What a move by one column changes: 5, 9 and 11 positions of 32, and the dense layer.
+const REFERENCE_REUSE_MACS: usize = 5 * 5 * 6 * 16 + 9 * 5 * 16 * 32 + 11 * 3 * 32 * 32 + 32 * 32;
+
+type Collision<'a> = Network<'a, i16, COLLISION_INPUTS>;
+type Friction<'a> = Network<'a, i16, FRICTION_INPUTS>;
 
 fn column(noise: &mut Noise) -> [i16; INPUTS] {
     core::array::from_fn(|_| noise.within(32767) as i16)
 }
 
-fn modes<A: Activation>(counter: &Counter, room: &mut Room, form: WeightForm, names: [&str; 4]) -> Option<()> {
-    let used = random(&reference_shapes::<A>(if A::BITS == 8 { WeightForm::Packed } else { form }, form), 1, room).ok()?;
+/// The reference network in every mode.
+fn modes<A: Activation, E: Engine>(
+    counter: &Counter,
+    room: &mut Room,
+    form: WeightForm,
+    [window_name, reuse_name, stream_name, pieces_name]: [&str; 4],
+) -> Option<()> {
+    let used = random(&reference_shapes::<A>(form, form), 1, room).ok()?;
     let network: Reference<'_, A> = read(room.0.get(..used)?).ok()?;
-    let [window_name, reuse_name, stream_name, pieces_name] = names;
     let mut noise = Noise(2);
-    let mut window = Windowed::<_, i16, INPUTS, COLUMNS, Same>::new(network);
+    let mut window = Windowed::<_, i16, INPUTS, COLUMNS, Same, E>::new(network);
     Extremes::over(TIMES, || {
         let columns: [[i16; INPUTS]; COLUMNS] = core::array::from_fn(|_| column(&mut noise));
         counter.count(|| {
-            core::hint::black_box(window.evaluate(&columns));
+            black_box(window.evaluate(&columns));
         })
     })
-    .print(window_name, 196_608);
+    .print(window_name, REFERENCE_WINDOW_MACS);
     Extremes::over(TIMES, || {
         let newest = column(&mut noise);
         counter.count(|| {
-            core::hint::black_box(window.slide(&newest));
+            black_box(window.slide(&newest));
         })
     })
-    .print(reuse_name, 60_256);
-    let mut stream = Streaming::<_, i16, INPUTS>::new(network);
+    .print(reuse_name, REFERENCE_REUSE_MACS);
+    let mut stream = Streaming::<_, i16, INPUTS, E>::new(network);
     Extremes::over(TIMES, || {
         let newest = column(&mut noise);
         counter.count(|| {
-            core::hint::black_box(stream.push(&newest));
+            black_box(stream.push(&newest));
         })
     })
     .print(stream_name, Reference::<'_, A>::MACS);
-    let mut pieces = Interleaved::<_, i16, INPUTS, 4>::new(network);
-    let mut tick = 0;
-    Extremes::over(4 * TIMES, || {
-        let newest = column(&mut noise);
-        tick += 1;
-        counter.count(|| {
-            if tick % 4 == 1 {
-                pieces.begin(&newest);
-            }
-            core::hint::black_box(pieces.tick());
-        })
+    let mut pieces = Interleaved::<_, i16, INPUTS, 4, E>::new(network);
+    Extremes::over(TIMES, || {
+        pieces.begin(&column(&mut noise));
+        (0..4).map(|_| counter.count(|| {
+            black_box(pieces.tick());
+        })).max().unwrap_or(0)
     })
     .print(pieces_name, Reference::<'_, A>::MACS / 4);
     Some(())
@@ -119,36 +132,132 @@ fn layer<A: Activation, const IN: usize, const OUT: usize, const K: usize>(
     counter: &Counter,
     room: &mut Room,
     form: WeightForm,
-    name: &str,
+    mode: &str,
 ) -> Option<()> {
     let shapes = [Convolution::<A, A, IN, OUT, K>::shape(form), Head::<A, OUT, 1, 1>::shape(form)];
     let used = random(&shapes, 3, room).ok()?;
-    let network: Then<Convolution<'_, A, A, IN, OUT, K>, Head<'_, A, OUT, 1, 1>> = read(room.0.get(..used)?).ok()?;
+    let network: Then<Convolution<'_, A, A, IN, OUT, K>, Head<'_, A, OUT, 1, 1>> =
+        read(room.0.get(..used)?).ok()?;
     let mut noise = Noise(4);
-    for (suffix, positions) in [(1usize, 1usize), (2, 2)] {
+    for positions in [1usize, 2] {
         let mut outputs = [[A::default(); OUT]; 2];
-        let extremes = Extremes::over(TIMES, || {
-            let inputs: [[A; IN]; 6] =
-                core::array::from_fn(|_| core::array::from_fn(|_| A::from_i32(noise.within(A::MAX.cast_unsigned()))));
+        let Extremes(least, most) = Extremes::over(TIMES, || {
+            let inputs: [[A; IN]; 6] = core::array::from_fn(|_| {
+                core::array::from_fn(|_| A::from_i32(noise.within(A::MAX.cast_unsigned())))
+            });
             let columns = inputs.get(..K - 1 + positions).unwrap_or_default();
             counter.count(|| {
-                core::hint::black_box(network.layer.positions::<inference::kernel::Native>(
-                    columns,
-                    0,
-                    0..positions,
-                    &mut outputs,
-                ));
+                black_box(network.layer.positions::<Native>(columns, 0, 0..positions, &mut outputs));
             })
         });
-        let Extremes(least, most) = extremes;
-        hprintln!("{}_{} {} {} {}", name, suffix, least, most, K * IN * OUT * positions);
+        let macs = K * IN * OUT * positions;
+        hprintln!("convolution_{}x{}_to_{}_{}_{} {} {} {}", K, IN, OUT, mode, positions, least, most, macs);
     }
     Some(())
 }
 
-fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
-    modes::<i16>(counter, room, WeightForm::Wide, ["reference_window", "reference_reuse", "reference_stream", "reference_interleaved_4"])?;
+/// One dense output.
+fn head<A: Activation, const IN: usize, const COLUMNS: usize>(
+    counter: &Counter,
+    room: &mut Room,
+    form: WeightForm,
+    mode: &str,
+) -> Option<()> {
+    let used = random(&[Head::<A, IN, COLUMNS, 1>::shape(form)], 3, room).ok()?;
+    let head: Head<'_, A, IN, COLUMNS, 1> = read(room.0.get(..used)?).ok()?;
+    let mut noise = Noise(4);
+    let Extremes(least, most) = Extremes::over(TIMES, || {
+        let inputs: [[A; IN]; COLUMNS] = core::array::from_fn(|_| {
+            core::array::from_fn(|_| A::from_i32(noise.within(A::MAX.cast_unsigned())))
+        });
+        counter.count(|| {
+            black_box(head.apply::<Native>(&inputs));
+        })
+    });
+    hprintln!("head_{}x{}_{} {} {} {}", COLUMNS, IN, mode, least, most, COLUMNS * IN);
     Some(())
+}
+
+/// The shapes of the reference and of the shipped networks.
+fn layers<A: Activation>(counter: &Counter, room: &mut Room, form: WeightForm, mode: &str) -> Option<()> {
+    layer::<A, 6, 16, 5>(counter, room, form, mode)?;
+    layer::<A, 16, 32, 5>(counter, room, form, mode)?;
+    layer::<A, 32, 32, 3>(counter, room, form, mode)?;
+    head::<A, 32, 32>(counter, room, form, mode)?;
+    layer::<A, 4, 16, 3>(counter, room, form, mode)?;
+    layer::<A, 8, 16, 3>(counter, room, form, mode)?;
+    layer::<A, 16, 16, 3>(counter, room, form, mode)?;
+    head::<A, 16, 2>(counter, room, form, mode)
+}
+
+/// The pair of a bearing over samples all over and beyond its ranges.
+fn pair(counter: &Counter, bearing: Bearing) -> Option<()> {
+    let mut pair: Pair = Pair::new(Model::load(shipped(bearing)).ok()?);
+    let mut noise = Noise(5);
+    let macs = Collision::<'_>::MACS + Friction::<'_>::MACS;
+    let Extremes(least, most) = Extremes::over(TIMES, || {
+        let sample = Sample {
+            radial_clearance_nm: noise.bits() % 2_000_000,
+            deformation_pm: noise.within(300_000_000),
+            deformation_rate_nm_s: noise.within(10_000_000),
+            approach_speed_nm_s: noise.bits() % 3_000_000,
+            sliding_speed_nm_s: noise.within(300_000_000),
+        };
+        counter.count(|| {
+            black_box(pair.step(&sample));
+        })
+    });
+    hprintln!("pair_{} {} {} {}", bearing.name(), least, most, macs);
+    Some(())
+}
+
+fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
+    let (wide, packed) = (WeightForm::Wide, WeightForm::Packed);
+    modes::<i16, Native>(
+        counter,
+        room,
+        wide,
+        ["reference_window", "reference_reuse", "reference_stream", "reference_interleaved_4"],
+    )?;
+    modes::<i16, Native>(
+        counter,
+        room,
+        packed,
+        [
+            "reference_window_packed",
+            "reference_reuse_packed",
+            "reference_stream_packed",
+            "reference_interleaved_4_packed",
+        ],
+    )?;
+    modes::<i8, Native>(
+        counter,
+        room,
+        packed,
+        [
+            "reference_window_compact",
+            "reference_reuse_compact",
+            "reference_stream_compact",
+            "reference_interleaved_4_compact",
+        ],
+    )?;
+    modes::<i16, Portable>(
+        counter,
+        room,
+        wide,
+        [
+            "reference_window_portable",
+            "reference_reuse_portable",
+            "reference_stream_portable",
+            "reference_interleaved_4_portable",
+        ],
+    )?;
+    for bearing in Bearing::ALL {
+        pair(counter, bearing)?;
+    }
+    layers::<i16>(counter, room, wide, "wide")?;
+    layers::<i16>(counter, room, packed, "packed")?;
+    layers::<i8>(counter, room, packed, "compact")
 }
 
 #[entry]
@@ -157,7 +266,7 @@ fn main() -> ! {
     let counter = Counter::new(&mut core.SYST);
     let mut room = Room([0; 20_000]);
     let done = everything(&counter, &mut room);
-    layer::<i16, 16, 32, 5>(&counter, &mut room, WeightForm::Wide, "conv_16_32_5_wide");
+    hprintln!("pair_bytes {} {} 0", size_of::<Pair>(), size_of::<Pair>());
     debug::exit(if done.is_some() { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
     loop {}
 }

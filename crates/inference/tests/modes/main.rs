@@ -1,0 +1,187 @@
+//! Every way to run a network against the plain second implementation, on random networks and inputs.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
+
+mod plain;
+
+use inference::activation::Activation;
+use inference::chain::{Chain, Sums, Then};
+use inference::image::{LayerName, LayerShape, Reader, WeightForm};
+use inference::kernel::{Engine, Native, Portable};
+use inference::{Causal, Convolution, Head, Interleaved, Pad, Padding, Same, Streaming, Valid, Windowed};
+use plain::{Noise, Plain, plain};
+use proptest::prelude::*;
+
+const POSITIONS: usize = 40;
+const P: usize = 12;
+
+/// Two convolutions and a head with shapes that leave rests everywhere.
+type Odd<'a, A> = Then<Convolution<'a, i16, A, 3, 6, 5>, Then<Convolution<'a, A, A, 6, 7, 2>, Head<'a, A, 7, 4, 2>>>;
+/// The family of the shipped networks.
+type Family<'a, A> = inference::Network<'a, A, 8>;
+
+fn odd<A: Activation>(form: WeightForm) -> Vec<LayerShape> {
+    let between = if A::BITS == 8 { WeightForm::Packed } else { form };
+    vec![
+        Convolution::<i16, A, 3, 6, 5>::shape(form),
+        Convolution::<A, A, 6, 7, 2>::shape(between),
+        Head::<A, 7, 4, 2>::shape(between),
+    ]
+}
+
+fn family<A: Activation>(form: WeightForm) -> Vec<LayerShape> {
+    let between = if A::BITS == 8 { WeightForm::Packed } else { form };
+    let hidden = Convolution::<A, A, 16, 16, 3>::shape(between);
+    vec![Convolution::<i16, A, 8, 16, 3>::shape(form), hidden, hidden, Head::<A, 16, 2, 1>::shape(between)]
+}
+
+fn read<'a, N: Chain<'a, i16, IN>, const IN: usize>(words: &'a [u32]) -> N {
+    let bytes = bytemuck::cast_slice(words);
+    inference::image::prove(bytes).expect("no overflow");
+    N::read(&mut Reader::new(bytes), LayerName { network: "test", index: 0 }).expect("network")
+}
+
+fn wide<const OUT: usize>(sums: Sums<OUT>) -> Vec<i64> {
+    sums.0.map(i64::from).to_vec()
+}
+
+/// Streaming and interleaved, at every position; gives how many activations were clipped.
+fn streams<'a, N, E, const IN: usize, const OUT: usize>(
+    words: &'a [u32],
+    network: &Plain,
+    seed: u64,
+) -> Result<u32, TestCaseError>
+where
+    N: Chain<'a, i16, IN, Output = Sums<OUT>> + Copy,
+    E: Engine,
+{
+    let mut noise = Noise(seed ^ 0x5555);
+    let columns: Vec<[i16; IN]> = (0..POSITIONS).map(|_| noise.column()).collect();
+    let chain: N = read(words);
+    let causal = network.stream(&plain(&columns));
+    let mut stream = Streaming::<N, i16, IN, E>::new(chain);
+    let mut pieces = Interleaved::<N, i16, IN, 3, E>::new(chain);
+    let mut more_pieces = Interleaved::<N, i16, IN, 64, E>::new(chain);
+    let mut clipped = 0;
+    for (position, column) in columns.iter().enumerate() {
+        let (sums, count) = stream.push(column);
+        clipped += count;
+        prop_assert_eq!(&wide(sums), &causal[position], "stream, position {}", position);
+        if position + 1 >= N::WINDOW {
+            let newest = plain(&columns[position + 1 - N::WINDOW..=position]);
+            prop_assert_eq!(wide(sums), network.evaluate(&newest, Padding::Valid), "window, position {}", position);
+        }
+        prop_assert!(pieces.begin(column) && more_pieces.begin(column));
+        prop_assert!(!pieces.begin(column), "the work of a column is not done");
+        let results: Vec<_> = (0..3).filter_map(|_| pieces.tick()).collect();
+        prop_assert_eq!(results, vec![(sums, count)], "3 pieces, position {}", position);
+        let results: Vec<_> = (0..64).filter_map(|_| more_pieces.tick()).collect();
+        prop_assert_eq!(results, vec![(sums, count)], "64 pieces, position {}", position);
+        prop_assert!(pieces.tick().is_none());
+    }
+    Ok(clipped)
+}
+
+/// A window, evaluated and moved, at every position.
+fn windows<'a, N, D, E, const IN: usize, const OUT: usize>(
+    words: &'a [u32],
+    network: &Plain,
+    seed: u64,
+) -> Result<(), TestCaseError>
+where
+    N: Chain<'a, i16, IN, Output = Sums<OUT>> + Copy,
+    D: Pad,
+    E: Engine,
+{
+    let mut noise = Noise(seed ^ 0xaaaa);
+    let columns: Vec<[i16; IN]> = (0..POSITIONS).map(|_| noise.column()).collect();
+    let chain: N = read(words);
+    let mut moved = Windowed::<N, i16, IN, P, D, E>::new(chain);
+    for (position, newest) in columns.iter().enumerate() {
+        let mut window = [[0; IN]; P];
+        for (slot, column) in window.iter_mut().rev().zip(columns[..=position].iter().rev()) {
+            *slot = *column;
+        }
+        let expected = network.evaluate(&plain(&window), D::PADDING);
+        let mut fresh = Windowed::<N, i16, IN, P, D, E>::new(chain);
+        prop_assert_eq!(&wide(fresh.evaluate(&window).0), &expected, "evaluated, position {}", position);
+        prop_assert_eq!(&wide(moved.slide(newest).0), &expected, "moved, position {}", position);
+    }
+    Ok(())
+}
+
+fn forms() -> impl Strategy<Value = WeightForm> {
+    prop_oneof![Just(WeightForm::Wide), Just(WeightForm::Packed)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn streams_equal_windows_at_every_position(seed in any::<u64>(), form in forms(), gain in 0.3f64..4.0) {
+        let network = Plain::random(&family::<i16>(form), seed, gain);
+        let words = network.bytes();
+        streams::<Family<'_, i16>, Native, 8, 1>(&words, &network, seed)?;
+        streams::<Family<'_, i16>, Portable, 8, 1>(&words, &network, seed)?;
+        let network = Plain::random(&family::<i8>(form), seed, gain);
+        let words = network.bytes();
+        streams::<Family<'_, i8>, Native, 8, 1>(&words, &network, seed)?;
+        let network = Plain::random(&odd::<i16>(form), seed, gain);
+        let words = network.bytes();
+        streams::<Odd<'_, i16>, Native, 3, 2>(&words, &network, seed)?;
+    }
+
+    #[test]
+    fn windows_evaluated_and_moved_are_right_with_every_padding(
+        seed in any::<u64>(), form in forms(), gain in 0.3f64..4.0,
+    ) {
+        let network = Plain::random(&odd::<i16>(form), seed, gain);
+        let words = network.bytes();
+        windows::<Odd<'_, i16>, Same, Native, 3, 2>(&words, &network, seed)?;
+        windows::<Odd<'_, i16>, Same, Portable, 3, 2>(&words, &network, seed)?;
+        windows::<Odd<'_, i16>, Causal, Native, 3, 2>(&words, &network, seed)?;
+        windows::<Odd<'_, i16>, Valid, Native, 3, 2>(&words, &network, seed)?;
+        let network = Plain::random(&odd::<i8>(form), seed, gain);
+        let words = network.bytes();
+        windows::<Odd<'_, i8>, Same, Native, 3, 2>(&words, &network, seed)?;
+        windows::<Odd<'_, i8>, Causal, Portable, 3, 2>(&words, &network, seed)?;
+        let network = Plain::random(&family::<i16>(form), seed, gain);
+        let words = network.bytes();
+        windows::<Family<'_, i16>, Same, Native, 8, 1>(&words, &network, seed)?;
+        windows::<Family<'_, i16>, Valid, Native, 8, 1>(&words, &network, seed)?;
+    }
+
+    #[test]
+    fn weights_come_back_from_every_form_of_storage(seed in any::<u64>(), form in forms()) {
+        let network = Plain::random(&odd::<i16>(form), seed, 1.0);
+        let words = network.bytes();
+        let chain: Odd<'_, i16> = read(&words);
+        let [first, second, head] = &network.0[..] else { panic!("three layers") };
+        for output in 0..6 {
+            for tap in 0..15 {
+                prop_assert_eq!(chain.layer.weight(output, tap), Some(i32::from(first.weights[output * 15 + tap])));
+            }
+        }
+        for output in 0..7 {
+            for tap in 0..12 {
+                let found = chain.rest.layer.weight(output, tap);
+                prop_assert_eq!(found, Some(i32::from(second.weights[output * 12 + tap])));
+            }
+        }
+        for output in 0..2 {
+            for tap in 0..28 {
+                let found = chain.rest.rest.weight(output, tap);
+                prop_assert_eq!(found, Some(i32::from(head.weights[output * 28 + tap])));
+            }
+        }
+        prop_assert_eq!(chain.layer.bias(5), Some(first.biases[5]));
+        prop_assert_eq!(chain.layer.multiplier(6), None);
+    }
+}
+
+#[test]
+fn large_factors_clip_and_the_clipping_is_counted() {
+    let network = Plain::random(&family::<i16>(WeightForm::Wide), 7, 6.0);
+    let words = network.bytes();
+    let clipped = streams::<Family<'_, i16>, Native, 8, 1>(&words, &network, 7).expect("equal");
+    assert!(clipped > 100, "{clipped}");
+}

@@ -1,0 +1,164 @@
+//! The chained networks of the shipped images: flags, history, gaps, bearings.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
+
+use inference::kernel::Portable;
+use inference::{Bearing, ContactState, Estimate, Flags, Model, Pair, Sample, WINDOW, shipped};
+use proptest::prelude::*;
+
+fn model(bearing: Bearing) -> Model<'static> {
+    Model::load(shipped(bearing)).expect("shipped image")
+}
+
+/// A press and release of the bearing, sliding to and fro.
+fn sample(step: usize) -> Sample {
+    let phase = step as f64 * 0.3;
+    Sample {
+        radial_clearance_nm: 500_000,
+        deformation_pm: (4e7 * phase.sin()) as i32,
+        deformation_rate_nm_s: (1e6 * phase.cos()) as i32,
+        approach_speed_nm_s: 1_000_000,
+        sliding_speed_nm_s: (1e8 * (0.37 * phase).cos()) as i32,
+    }
+}
+
+fn run(pair: &mut Pair<'_>, steps: core::ops::Range<usize>) -> Vec<Estimate> {
+    steps.map(|step| pair.step(&sample(step))).collect()
+}
+
+prop_compose! {
+    fn any_sample()(
+        radial_clearance_nm in any::<u32>(),
+        deformation_pm in prop_oneof![any::<i32>(), -1_000_000..300_000_000i32],
+        deformation_rate_nm_s in prop_oneof![any::<i32>(), -5_000_000..5_000_000i32],
+        approach_speed_nm_s in any::<u32>(),
+        sliding_speed_nm_s in any::<i32>(),
+    ) -> Sample {
+        Sample { radial_clearance_nm, deformation_pm, deformation_rate_nm_s, approach_speed_nm_s, sliding_speed_nm_s }
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_samples_give_sound_estimates_equal_on_both_engines(
+        samples in proptest::collection::vec(any_sample(), 1..20),
+    ) {
+        for bearing in Bearing::ALL {
+            let mut native: Pair = Pair::new(model(bearing));
+            let mut portable: Pair<'_, i16, Portable> = Pair::new(model(bearing));
+            for sample in &samples {
+                let estimate = native.step(sample);
+                prop_assert_eq!(estimate, portable.step(sample));
+                prop_assert!(estimate.normal_force_mn >= 0);
+                prop_assert!(estimate.friction_force_mn.signum() * sample.sliding_speed_nm_s.signum() <= 0);
+                if sample.deformation_pm <= 0 {
+                    prop_assert_eq!((estimate.normal_force_mn, estimate.friction_force_mn), (0, 0));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn any_numbers_give_sound_estimates(
+        clearance in any::<f32>(), deformation in any::<f32>(), rate in any::<f32>(),
+        approach in any::<f32>(), sliding in any::<f32>(),
+    ) {
+        let state = ContactState {
+            radial_clearance_m: clearance,
+            deformation_m: deformation,
+            deformation_rate_m_s: rate,
+            approach_speed_m_s: approach,
+            sliding_speed_m_s: sliding,
+        };
+        let mut pair: Pair = Pair::new(model(Bearing::Babbitt));
+        let estimate = pair.push(&state);
+        prop_assert!(estimate.normal_force_n() >= 0.0);
+        prop_assert_eq!(estimate.flags.contains(Flags::NON_FINITE), !state.is_finite());
+        if deformation.is_nan() || deformation <= 0.0 {
+            prop_assert_eq!((estimate.normal_force_mn, estimate.friction_force_mn), (0, 0));
+        }
+    }
+}
+
+#[test]
+fn reset_forgets_everything_and_the_start_is_flagged() {
+    let mut pair: Pair = Pair::new(model(Bearing::Babbitt));
+    let first = run(&mut pair, 0..20);
+    let warm = run(&mut pair, 0..20);
+    assert_ne!(first, warm, "the history matters");
+    pair.reset();
+    assert_eq!(run(&mut pair, 0..20), first);
+    for (index, estimate) in first.iter().enumerate() {
+        assert_eq!(estimate.flags.contains(Flags::WARMING_UP), index + 1 < WINDOW, "sample {index}");
+    }
+}
+
+#[test]
+fn a_bad_or_missing_sample_gives_zero_is_flagged_and_starts_the_history_anew() {
+    let mut pair: Pair = Pair::new(model(Bearing::Babbitt));
+    let fresh = run(&mut pair, 0..12);
+    let bad = pair.push(&ContactState { deformation_m: f32::NAN, ..ContactState::default() });
+    assert!(bad.flags.contains(Flags::NON_FINITE | Flags::WARMING_UP));
+    assert_eq!(run(&mut pair, 0..12), fresh);
+    let missing = pair.skip();
+    assert!(missing.flags.contains(Flags::MISSING | Flags::WARMING_UP));
+    assert!(!missing.flags.contains(Flags::NON_FINITE));
+    assert_eq!(run(&mut pair, 0..12), fresh);
+    assert_eq!((bad.normal_force_mn, missing.normal_force_mn), (0, 0));
+}
+
+#[test]
+fn bearings_switch_between_two_samples() {
+    let mut pair: Pair = Pair::new(model(Bearing::Babbitt));
+    let babbitt = run(&mut pair, 0..30);
+    pair.switch(model(Bearing::Plastic));
+    let switched = run(&mut pair, 30..60);
+    let mut plastic: Pair = Pair::new(model(Bearing::Plastic));
+    assert_eq!(run(&mut plastic, 30..60), switched);
+    assert!(switched[0].flags.contains(Flags::WARMING_UP));
+    pair.switch(model(Bearing::Babbitt));
+    assert_eq!(run(&mut pair, 0..30), babbitt);
+    assert_eq!(pair.model().header().bearing, Bearing::Babbitt);
+}
+
+#[test]
+fn each_input_outside_the_training_range_has_its_flag() {
+    let model = model(Bearing::Plastic);
+    let header = model.header();
+    let inside = Sample {
+        radial_clearance_nm: 500_000,
+        deformation_pm: 100_000_000,
+        deformation_rate_nm_s: 100_000,
+        approach_speed_nm_s: 0,
+        sliding_speed_nm_s: -100_000_000,
+    };
+    let flags = |sample: Sample| {
+        let mut pair: Pair = Pair::new(model);
+        (0..WINDOW).map(|_| pair.step(&sample).flags).last().unwrap_or_default()
+    };
+    assert!(!flags(inside).intersects(Flags::OUTSIDE_TRAINING));
+    let floor = i64::from(header.latch_floor_nm_s);
+    let rate = (floor * i64::from(header.rate_ratio_high_q16) >> 16) as i32;
+    let (deformation, speed) = (header.deformation_high_pm as i32, header.sliding_speed_high_nm_s as i32);
+    for (sample, flag) in [
+        (Sample { radial_clearance_nm: header.clearance_high_nm + 1, ..inside }, Flags::OUTSIDE_CLEARANCE),
+        (Sample { radial_clearance_nm: header.clearance_low_nm - 1, ..inside }, Flags::OUTSIDE_CLEARANCE),
+        (Sample { radial_clearance_nm: 0, ..inside }, Flags::OUTSIDE_CLEARANCE),
+        (Sample { deformation_pm: deformation + 1, ..inside }, Flags::OUTSIDE_DEFORMATION),
+        (Sample { deformation_rate_nm_s: rate + 1, ..inside }, Flags::OUTSIDE_RATE_RATIO),
+        (Sample { deformation_rate_nm_s: -rate - 1, ..inside }, Flags::OUTSIDE_RATE_RATIO),
+        (Sample { sliding_speed_nm_s: speed + 1, ..inside }, Flags::OUTSIDE_SLIDING_SPEED),
+        (Sample { sliding_speed_nm_s: -speed - 1, ..inside }, Flags::OUTSIDE_SLIDING_SPEED),
+        (Sample { deformation_pm: i32::MAX, ..inside }, Flags::OUTSIDE_FORCE | Flags::OUTSIDE_DEFORMATION),
+    ] {
+        assert!(flags(sample).contains(flag), "{sample:?} has {:?}", flags(sample));
+    }
+    for sample in [
+        Sample { deformation_pm: deformation, ..inside },
+        Sample { deformation_rate_nm_s: rate, ..inside },
+        Sample { sliding_speed_nm_s: speed, ..inside },
+        // A gap has no rate ratio: its force is 0 whatever the rate.
+        Sample { deformation_pm: -1, deformation_rate_nm_s: i32::MAX, ..inside },
+    ] {
+        assert!(!flags(sample).intersects(Flags::OUTSIDE_TRAINING), "{sample:?} has {:?}", flags(sample));
+    }
+}

@@ -1,0 +1,94 @@
+//! Whether every core computes the same bits, and what the crate brings along on a controller.
+
+use crate::boards::{BOARDS, Board, COUNTED};
+use crate::run::ChoreError;
+use crate::setup;
+use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
+use on_target::agreement::digest;
+use on_target::network::Room;
+use inference::kernel::{Native, Portable};
+use std::collections::BTreeSet;
+
+/// Seeds that the image runs.
+const SEEDS: u64 = 4;
+
+/// Runs every shape and mode on every board with both of its engines and compares the digests with the host's; then looks at
+/// the least image.
+pub(crate) fn kernels() -> Result<(), ChoreError> {
+    setup::setup()?;
+    let mut room = Room([0; 20_000]);
+    let mut expected = String::new();
+    for seed in 1..=SEEDS {
+        for found in [digest::<Portable>(seed, &mut room), digest::<Native>(seed, &mut room)] {
+            expected += &format!("{seed} {:016x}\n", found.map_or(0, |digest| digest.0));
+        }
+    }
+    for board in BOARDS {
+        let found = board.run(&board.build("agree")?)?;
+        if found != expected {
+            return Err(ChoreError::Differs {
+                what: format!("digests on {} ({})", board.name, board.core),
+                found,
+                expected,
+            });
+        }
+        println!("{:<14} {:<10} portable and SMLAD kernels agree with the host: {SEEDS} seeds", board.name, board.core);
+    }
+    let least = Least::of(COUNTED)?;
+    println!("least image: flash {} bytes, no reachable panic", least.flash_bytes);
+    // The core without an FPU: the compiler would call a routine for every float operation.
+    Least::of(Board { target: "thumbv7em-none-eabi", ..COUNTED })?.has_no_float()?;
+    println!("least image without FPU: no floating-point routine");
+    Ok(())
+}
+
+/// An image that does nothing but estimate.
+pub(crate) struct Least {
+    /// Code and constants, the model among them.
+    pub(crate) flash_bytes: u64,
+    symbols: BTreeSet<String>,
+}
+
+impl Least {
+    /// Builds it for a board and refuses a reachable panic.
+    pub(crate) fn of(board: Board) -> Result<Self, ChoreError> {
+        let file = board.build("estimate")?;
+        let wrong =
+            |found: String| ChoreError::File { file: file.clone(), found, expected: "an image without panics" };
+        let bytes = std::fs::read(&file).map_err(|error| wrong(error.to_string()))?;
+        let image = object::File::parse(&*bytes).map_err(|error| wrong(error.to_string()))?;
+        let symbols: BTreeSet<String> = (image.symbols())
+            .filter_map(|symbol| symbol.name().ok().map(str::to_owned))
+            .collect();
+        if symbols.contains("PINTLE_PANIC_MARKER") {
+            return Err(wrong("a reachable panic".into()));
+        }
+        // A model that the compiler saw through would leave nothing to look at.
+        let weights = inference::shipped(inference::Bearing::Babbitt).len() as u64;
+        let loaded = [SectionKind::Text, SectionKind::ReadOnlyData, SectionKind::Data];
+        let flash_bytes =
+            image.sections().filter(|section| loaded.contains(&section.kind())).map(|section| section.size()).sum();
+        if flash_bytes < weights {
+            return Err(wrong(format!("{flash_bytes} bytes, less than the model's {weights}")));
+        }
+        Ok(Self { flash_bytes, symbols })
+    }
+
+    fn has_no_float(&self) -> Result<(), ChoreError> {
+        let float = |name: &&String| {
+            ["__aeabi_f", "__aeabi_d", "__aeabi_i2f", "__aeabi_ui2f", "__aeabi_l2f", "__aeabi_ul2f"]
+                .iter()
+                .any(|routine| name.starts_with(routine))
+                || name.ends_with("sf3")
+                || name.ends_with("df3")
+        };
+        match self.symbols.iter().find(float) {
+            None => Ok(()),
+            Some(name) => Err(ChoreError::Differs {
+                what: "routines of the least image".into(),
+                found: name.clone(),
+                expected: "no floating point".into(),
+            }),
+        }
+    }
+}
