@@ -84,7 +84,7 @@ impl Features {
     pub fn collision(&self, sample: &Sample) -> CollisionColumn {
         let header = &self.header;
         let contact = sample.deformation_pm > 0;
-        let clearance = sample.radial_clearance_nm.clamp(header.clearance_low_nm, header.clearance_high_nm);
+        let clearance = sample.radial_clearance_nm.max(header.clearance_low_nm).min(header.clearance_high_nm);
         let found = sample.deformation_pm.max(0).cast_unsigned();
         let deformation = found.min(header.deformation_high_pm);
         // Below 2 mm and 1.1 mm: no sum leaves its 32 bits.
@@ -103,7 +103,7 @@ impl Features {
         let factor = self.per_deformation.fraction(found, 30);
         let root_force_factor_q30 = match header.deformation_half_powers {
             0 => u32::from(contact) << 30,
-            1 => factor.isqrt() << 15,
+            1 => root(factor) << 14,
             _ => factor,
         };
         CollisionColumn {
@@ -120,9 +120,10 @@ impl Features {
             root_force_factor_q30,
             flags: Flags::OUTSIDE_CLEARANCE.when(clearance != sample.radial_clearance_nm)
                 | Flags::OUTSIDE_DEFORMATION.when(found != deformation)
-                | Flags::OUTSIDE_RATE_RATIO.when(contact && u64::from(magnitude) > limit)
+                // `&`, not `&&`: no branch on data.
+                | Flags::OUTSIDE_RATE_RATIO.when(contact & (u64::from(magnitude) > limit))
                 | Flags::OUTSIDE_SLIDING_SPEED.when(
-                    contact && sample.sliding_speed_nm_s.unsigned_abs() > header.sliding_speed_high_nm_s,
+                    contact & (sample.sliding_speed_nm_s.unsigned_abs() > header.sliding_speed_high_nm_s),
                 ),
         }
     }

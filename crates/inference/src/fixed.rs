@@ -46,14 +46,21 @@ impl Reciprocal {
     pub fn fraction(self, numerator: u32, fraction_bits: u32) -> u32 {
         let product = u64::from(numerator).wrapping_mul(u64::from(self.multiplier));
         let value = product >> (self.shift.wrapping_add(32).wrapping_sub(fraction_bits) & 63);
-        u32::try_from(value).unwrap_or(u32::MAX)
+        value.min(u64::from(u32::MAX)) as u32
     }
 }
 
-/// Square root of a fraction of 2^32 as a fraction of 2^16, in steps of half a count.
+/// Twice the square root: that of a fraction of 2^32 as one of 2^17, to a count.
+///
+/// Two steps of Newton's from a line. The standard library's root takes a different way for small numbers.
 #[inline]
 pub fn root(fraction: u32) -> u32 {
-    fraction.isqrt().wrapping_mul(2).wrapping_add(u32::from(fraction != 0))
+    // By an even shift to 2^30..2^32, where 0.686 x + 22102 is within 3 % of the root of 2^16 x.
+    let shift = (fraction | 1).leading_zeros() & !1;
+    let scaled = fraction << shift;
+    let line = ((scaled >> 16).wrapping_mul(44_958) >> 16).wrapping_add(22_102);
+    let first = line.wrapping_add(scaled / line) >> 1;
+    first.wrapping_add(scaled / first) >> (shift / 2)
 }
 
 #[cfg(test)]
@@ -96,7 +103,8 @@ mod tests {
         #[test]
         fn roots_are_right_to_a_count(fraction in any::<u32>()) {
             let exact = 2.0 * f64::from(fraction).sqrt();
-            prop_assert!((f64::from(root(fraction)) - exact).abs() <= 1.0);
+            let found = f64::from(root(fraction));
+            prop_assert!((found - exact).abs() <= 1.0 || fraction == 0 && found == 0.0, "{} {}", found, exact);
         }
     }
 }

@@ -24,12 +24,13 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// A sum in the scale's unit, times 2^`fraction_bits`, rounded down; 0 for a negative sum, at most `u32::MAX`.
+    /// A sum in the scale's unit, times 2^`fraction_bits` (15 to 25), rounded down; 0 for a negative sum, at most `u32::MAX`.
     #[inline]
     pub fn apply(self, sum: i32, fraction_bits: u32) -> u32 {
         let product = (sum.max(0) as u32 as u64).wrapping_mul(self.multiplier as u32 as u64);
-        let value = product.checked_shr(self.shift.saturating_sub(fraction_bits)).unwrap_or(0);
-        u32::try_from(value).unwrap_or(u32::MAX)
+        // The loader has checked that the shift stays within 0..=63.
+        let value = product >> (self.shift.wrapping_sub(fraction_bits) & 63);
+        value.min(u64::from(u32::MAX)) as u32
     }
 
     /// The scale as a number, for reports.

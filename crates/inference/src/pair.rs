@@ -1,6 +1,6 @@
 //! The two networks chained, one sample at a time: contact in, forces out.
 
-use crate::chain::Sums;
+use crate::chain::{Chain, Sums};
 use crate::estimate::Estimate;
 use crate::features::{COLLISION_INPUTS, FRICTION_INPUTS, Features};
 use crate::flags::Flags;
@@ -8,12 +8,15 @@ use crate::head::Scale;
 use crate::kernel::{Engine, Native};
 use crate::model::{Between, Model, Network, WINDOW};
 use crate::sample::{ContactState, Sample};
-use crate::streaming::Streaming;
+use core::marker::PhantomData;
 
 /// Fraction bits of the root of the normal force in N.
 const ROOT_BITS: u32 = 16;
 /// Fraction bits of the coefficient of friction.
 const COEFFICIENT_BITS: u32 = 24;
+
+/// The history of one network.
+type Stream<'a, B, const IN: usize> = <Network<'a, B, IN> as Chain<'a, i16, IN>>::Stream;
 
 /// A model with the history of both of its networks.
 ///
@@ -24,9 +27,10 @@ const COEFFICIENT_BITS: u32 = 24;
 pub struct Pair<'a, B: Between = i16, E: Engine = Native> {
     model: Model<'a, B>,
     features: Features,
-    collision: Streaming<'a, Network<'a, B, COLLISION_INPUTS>, i16, COLLISION_INPUTS, E>,
-    friction: Streaming<'a, Network<'a, B, FRICTION_INPUTS>, i16, FRICTION_INPUTS, E>,
+    collision: Stream<'a, B, COLLISION_INPUTS>,
+    friction: Stream<'a, B, FRICTION_INPUTS>,
     seen: u8,
+    engine: PhantomData<E>,
 }
 
 impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
@@ -34,17 +38,18 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
     pub fn new(model: Model<'a, B>) -> Self {
         Self {
             features: Features::new(model.header()),
-            collision: Streaming::new(*model.collision()),
-            friction: Streaming::new(*model.friction()),
+            collision: Network::stream(),
+            friction: Network::stream(),
             model,
             seen: 0,
+            engine: PhantomData,
         }
     }
 
     /// Forgets the history: the next [`WINDOW`] - 1 samples are flagged [`Flags::WARMING_UP`].
     pub fn reset(&mut self) {
-        self.collision.reset();
-        self.friction.reset();
+        self.collision = Network::stream();
+        self.friction = Network::stream();
         self.seen = 0;
     }
 
@@ -81,13 +86,15 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
     /// Takes one sample and estimates its forces.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
         let column = self.features.collision(sample);
-        let (Sums([sum]), clipped) = self.collision.push(&column.inputs);
-        let root = scaled_root(self.collision.network().scale().apply(sum, ROOT_BITS), column.root_force_factor_q30);
+        let collision = self.model.collision();
+        let (sum, clipped) = push::<B, E, _>(collision, &mut self.collision, &column.inputs);
+        let root = scaled_root(collision.scale().apply(sum, ROOT_BITS), column.root_force_factor_q30);
         let normal_force_mn = squared_mn(root);
 
         let inputs = self.features.friction(root, sample.sliding_speed_nm_s);
-        let (Sums([sum]), clipped_friction) = self.friction.push(&inputs);
-        let coefficient = self.friction.network().scale().apply(sum, COEFFICIENT_BITS);
+        let friction = self.model.friction();
+        let (sum, clipped_friction) = push::<B, E, _>(friction, &mut self.friction, &inputs);
+        let coefficient = friction.scale().apply(sum, COEFFICIENT_BITS);
         let magnitude = product_mn(coefficient, normal_force_mn);
         let friction_force_mn = magnitude.wrapping_mul(sample.sliding_speed_nm_s.signum()).wrapping_neg();
 
@@ -102,7 +109,7 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
             normal_force_mn,
             friction_force_mn,
             flags,
-            saturated: u16::try_from(clipped).unwrap_or(u16::MAX),
+            saturated: clipped.min(u32::from(u16::MAX)) as u16,
         }
     }
 }
@@ -114,22 +121,35 @@ impl<B: Between, const IN: usize> Network<'_, B, IN> {
     }
 }
 
+/// One streaming step: the head's sum and how many activations were clipped.
+#[inline]
+fn push<'a, B: Between, E: Engine, const IN: usize>(
+    network: &Network<'a, B, IN>,
+    stream: &mut Stream<'a, B, IN>,
+    column: &[i16; IN],
+) -> (i32, u32) {
+    Network::<'a, B, IN>::accept(stream, column);
+    let clipped = network.run::<E>(stream, 0..Network::<'a, B, IN>::UNITS);
+    let Sums([sum]) = Network::<'a, B, IN>::output(stream);
+    (sum, clipped)
+}
+
 /// A root force times a factor of 2^30.
 #[inline]
 fn scaled_root(root: u32, factor: u32) -> u32 {
-    u32::try_from(u64::from(root).wrapping_mul(u64::from(factor)) >> 30).unwrap_or(u32::MAX)
+    (u64::from(root).wrapping_mul(u64::from(factor)) >> 30).min(u64::from(u32::MAX)) as u32
 }
 
 /// The square of a root force as a force in mN, at most `i32::MAX`.
 #[inline]
 fn squared_mn(root: u32) -> i32 {
     let square = u64::from(root).wrapping_mul(u64::from(root)) >> 12;
-    i32::try_from(square.wrapping_mul(1000) >> (2 * ROOT_BITS - 12)).unwrap_or(i32::MAX)
+    (square.wrapping_mul(1000) >> (2 * ROOT_BITS - 12)).min(i32::MAX as u64) as i32
 }
 
 /// A coefficient times a force in mN, at most `i32::MAX`.
 #[inline]
 fn product_mn(coefficient: u32, force_mn: i32) -> i32 {
     let product = u64::from(coefficient).wrapping_mul(u64::from(force_mn.cast_unsigned()));
-    i32::try_from(product >> COEFFICIENT_BITS).unwrap_or(i32::MAX)
+    (product >> COEFFICIENT_BITS).min(i32::MAX as u64) as i32
 }

@@ -34,9 +34,4 @@ impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, E: Engine> Streami
     pub fn reset(&mut self) {
         self.stream = N::stream();
     }
-
-    /// The network.
-    pub fn network(&self) -> &N {
-        &self.network
-    }
 }

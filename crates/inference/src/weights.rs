@@ -62,8 +62,8 @@ impl<'a, S: Storage> Stored<'a, S> {
     fn read(reader: &mut Reader<'a>, outputs: usize, taps: usize) -> Result<Self, ImageError> {
         let groups = groups::<S>(taps);
         Ok(Self {
-            quads: reader.slice(outputs / BLOCK * groups)?,
-            rows: reader.slice(outputs % BLOCK * groups)?,
+            quads: reader.slice((outputs / BLOCK).wrapping_mul(groups))?,
+            rows: reader.slice((outputs % BLOCK).wrapping_mul(groups))?,
             form: core::marker::PhantomData,
         })
     }

@@ -40,7 +40,7 @@ pub const fn prove(networks: &[u8]) -> Result<(), Unproven> {
     let mut layer = 0u8;
     while let Some((shape, behind)) = rest.split_first_chunk::<SHAPE_LENGTH>() {
         let Some(shape) = LayerShape::from_bytes(shape) else { return Err(Unproven::Malformed { layer }) };
-        let Some((body, behind)) = behind.split_at_checked(shape.length() - SHAPE_LENGTH) else {
+        let Some((body, behind)) = behind.split_at_checked(shape.length().wrapping_sub(SHAPE_LENGTH)) else {
             return Err(Unproven::Malformed { layer });
         };
         if let Err(error) = prove_layer(layer, &shape, body) {
@@ -57,8 +57,8 @@ const fn prove_layer(layer: u8, shape: &LayerShape, body: &[u8]) -> Result<(), U
     let outputs = shape.outputs as usize;
     // A convolution has its biases first, a head its scale.
     let (first, second) = match shape.kind {
-        LayerKind::Convolution => (4 * outputs, shape.scale_length()),
-        LayerKind::Head => (shape.scale_length(), 4 * outputs),
+        LayerKind::Convolution => (outputs.wrapping_mul(4), shape.scale_length()),
+        LayerKind::Head => (shape.scale_length(), outputs.wrapping_mul(4)),
     };
     let Some((first, body)) = body.split_at_checked(first) else { return malformed };
     let Some((second, mut weights)) = body.split_at_checked(second) else { return malformed };
@@ -71,33 +71,33 @@ const fn prove_layer(layer: u8, shape: &LayerShape, body: &[u8]) -> Result<(), U
     }
     let mut output = 0;
     while output < outputs {
-        let side_by_side = if outputs - output >= BLOCK { BLOCK } else { 1 };
+        let side_by_side = if outputs.wrapping_sub(output) >= BLOCK { BLOCK } else { 1 };
         let mut sums = [0i64; BLOCK];
         let mut lane = 0;
         while lane < side_by_side {
             let Some((bias, behind)) = biases.split_first_chunk::<4>() else { return malformed };
-            set(&mut sums, lane, (i32::from_le_bytes(*bias) as i64).abs());
+            set(&mut sums, lane, i32::from_le_bytes(*bias).unsigned_abs() as i64);
             biases = behind;
-            lane += 1;
+            lane = lane.wrapping_add(1);
         }
         let mut group = 0;
-        while group < shape.groups() * side_by_side {
+        while group < shape.groups().wrapping_mul(side_by_side) {
             let Some((bytes, behind)) = weights.split_first_chunk::<4>() else { return malformed };
             let lane = group % side_by_side;
-            let grown = get(&sums, lane) + (magnitude(shape.form, *bytes) << (shape.input_bits - 1));
+            let grown = get(&sums, lane).wrapping_add(magnitude(shape.form, *bytes) << (shape.input_bits.wrapping_sub(1) & 15));
             set(&mut sums, lane, grown);
             weights = behind;
-            group += 1;
+            group = group.wrapping_add(1);
         }
         let mut lane = 0;
         while lane < side_by_side {
             let largest = get(&sums, lane);
             if largest > i32::MAX as i64 {
-                return Err(Unproven::Overflow { layer, output: (output + lane) as u16, largest });
+                return Err(Unproven::Overflow { layer, output: output.wrapping_add(lane) as u16, largest });
             }
-            lane += 1;
+            lane = lane.wrapping_add(1);
         }
-        output += side_by_side;
+        output = output.wrapping_add(side_by_side);
     }
     if weights.is_empty() { Ok(()) } else { malformed }
 }
@@ -117,10 +117,13 @@ const fn set(sums: &mut [i64; BLOCK], lane: usize, value: i64) {
 const fn magnitude(form: WeightForm, [a, b, c, d]: [u8; 4]) -> i64 {
     match form {
         WeightForm::Packed => {
-            (a as i8 as i64).abs() + (b as i8 as i64).abs() + (c as i8 as i64).abs() + (d as i8 as i64).abs()
+            let low = ((a as i8).unsigned_abs() as i64).wrapping_add((b as i8).unsigned_abs() as i64);
+            let high = ((c as i8).unsigned_abs() as i64).wrapping_add((d as i8).unsigned_abs() as i64);
+            low.wrapping_add(high)
         }
         WeightForm::Wide => {
-            (i16::from_le_bytes([a, b]) as i64).abs() + (i16::from_le_bytes([c, d]) as i64).abs()
+            let (low, high) = (i16::from_le_bytes([a, b]), i16::from_le_bytes([c, d]));
+            (low.unsigned_abs() as i64).wrapping_add(high.unsigned_abs() as i64)
         }
     }
 }
@@ -139,7 +142,7 @@ const fn scales_are_sound(shape: &LayerShape, mut scales: &[u8]) -> bool {
             return false;
         }
         scales = behind;
-        index += 1;
+        index = 1;
     }
     true
 }

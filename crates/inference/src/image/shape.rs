@@ -95,7 +95,7 @@ impl LayerShape {
 
     /// Inputs of one output.
     pub const fn taps(&self) -> usize {
-        self.columns as usize * self.inputs as usize
+        (self.columns as usize).wrapping_mul(self.inputs as usize)
     }
 
     /// Weights in four bytes.
@@ -114,14 +114,15 @@ impl LayerShape {
     /// Bytes of the numbers in front of the biases and of the multipliers.
     pub const fn scale_length(&self) -> usize {
         match self.kind {
-            LayerKind::Convolution => 4 * self.outputs as usize,
+            LayerKind::Convolution => (self.outputs as usize).wrapping_mul(4),
             LayerKind::Head => 8,
         }
     }
 
     /// Bytes of the layer in an image.
     pub const fn length(&self) -> usize {
-        SHAPE_LENGTH + self.scale_length() + 4 * self.outputs as usize * (1 + self.groups())
+        let words = (self.outputs as usize).wrapping_mul(self.groups().wrapping_add(1));
+        SHAPE_LENGTH.wrapping_add(self.scale_length()).wrapping_add(words.wrapping_mul(4))
     }
 }
 

