@@ -149,6 +149,32 @@ section! {
     }
 }
 section! {
+    /// Play between fork and crank; see `transmission::fork`.
+    Fork {
+        /// Whole play in m.
+        backlash_m: f64,
+        /// Stiffness of fork and pin in N/m.
+        #[serde(default = "fork_stiffness_n_m")]
+        stiffness_n_m: f64,
+        /// Relative gain of the force per closing speed, s/m.
+        #[serde(default = "one")]
+        damping_s_m: f64,
+    }
+}
+section! {
+    /// Friction of the load cylinder: `coulomb_n tanh(v/v_r) + viscous_n_s_m v`, against the motion.
+    LoadFriction {
+        /// Dry friction in N.
+        coulomb_n: f64,
+        /// Viscous friction in N s/m.
+        #[serde(default)]
+        viscous_n_s_m: f64,
+        /// Width `v_r` of the regularised sign in m/s.
+        #[serde(default = "millimetre_per_second")]
+        regularisation_m_s: f64,
+    }
+}
+section! {
     /// How a log of the bench is taken.
     Logging {
         /// Samples a second.
@@ -204,6 +230,15 @@ fn one() -> f64 {
     1.0
 }
 
+/// A steel fork on its pin: 10 kN press it by 0.1 mm.
+fn fork_stiffness_n_m() -> f64 {
+    1e8
+}
+
+fn millimetre_per_second() -> f64 {
+    1e-3
+}
+
 fn one_cycle() -> u32 {
     1
 }
@@ -228,6 +263,12 @@ pub struct TransmissionBench {
     pub drive: Drive,
     /// Load.
     pub load: Load,
+    /// Play in the fork; none: the fork is rigid, or the hydraulic column of an effect.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fork: Option<Fork>,
+    /// Friction of the load cylinder; none: frictionless.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load_friction: Option<LoadFriction>,
     /// Log.
     pub logging: Logging,
     /// Sensors by channel.

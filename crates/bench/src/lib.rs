@@ -7,9 +7,11 @@
 
 pub mod atomic;
 pub mod channel;
+mod contact_laws;
 pub mod description;
 mod description_io;
 pub mod effects;
+pub mod energy;
 pub mod friction_rig;
 pub mod integrate;
 pub mod log;
