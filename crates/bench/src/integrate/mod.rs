@@ -7,8 +7,10 @@
 //! and by [`CHATTER_CONTACTS`] onsets within one largest step.
 
 mod measure;
+mod outcome;
 mod plant;
 
+pub use outcome::{Impact, Integration, IntegrationError};
 pub use plant::{ContactAngles, ContactPlant, ContactReading, SlicedPlant};
 
 use differential_equations::ode::OrdinaryNumericalMethod;
@@ -28,101 +30,12 @@ pub struct Tolerances<const N: usize> {
     pub largest_step_s: f64,
 }
 
-/// One period in contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Impact {
-    /// Which contact of the plant; 0 where there is one.
-    pub contact: usize,
-    /// Time of onset in s.
-    pub onset_s: f64,
-    /// Angles at onset.
-    pub angles: ContactAngles,
-    /// Approach speed at onset in m/s (0 for a run that starts in contact): what the latch then holds. A law with a
-    /// floor divides by the larger of the two.
-    pub approach_speed_m_s: f64,
-    /// Largest normal force in N.
-    pub peak_force_n: f64,
-    /// Time of the largest force in s.
-    pub peak_s: f64,
-    /// Largest deformation in m.
-    pub max_deformation_m: f64,
-    /// Work that the normal force took so far, J; over a closed contact its loss.
-    pub energy_lost_j: f64,
-    /// Time of separation in s; `None` while still in contact at the end.
-    pub separation_s: Option<f64>,
-    /// Speed of separation in m/s; 0 until then.
-    pub separation_speed_m_s: f64,
-}
-
-impl Impact {
-    /// Length of the contact in s, once it has ended.
-    pub fn duration_s(&self) -> Option<f64> {
-        self.separation_s.map(|end| end - self.onset_s)
-    }
-
-    /// Separation speed over approach speed, once the contact has ended.
-    pub fn restitution(&self) -> Option<f64> {
-        (self.separation_s.is_some() && self.approach_speed_m_s > 0.0)
-            .then(|| self.separation_speed_m_s / self.approach_speed_m_s)
-    }
-}
-
-/// What an integration leaves behind.
-#[derive(Clone, Debug)]
-pub struct Integration<const N: usize> {
-    /// State at the end.
-    pub state: [f64; N],
-    /// Every period in contact, in the order of the onsets.
-    pub impacts: Vec<Impact>,
-    /// Accepted and rejected steps.
-    pub steps: usize,
-}
-
-/// Why an integration ended early.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum IntegrationError {
-    /// The method gave up.
-    #[error("the integrator stopped at t = {time_s} s: {reason}")]
-    Stopped {
-        /// Time reached in s.
-        time_s: f64,
-        /// The method's own words.
-        reason: String,
-    },
-    /// The number of steps is bounded, so that no parameter set can hang a run.
-    #[error(
-        "the integrator used {steps} steps up to t = {time_s} s; expected fewer than {limit}: stiffer than the method can take"
-    )]
-    TooManySteps {
-        /// Steps used.
-        steps: usize,
-        /// The limit.
-        limit: usize,
-        /// Time reached in s.
-        time_s: f64,
-    },
-    /// Onsets follow each other faster than the run can mean.
-    #[error(
-        "contact {contact} chatters: {count} onsets within {window_s} s up to t = {time_s} s; expected sustained contact or separate impacts"
-    )]
-    Chattering {
-        /// Which contact.
-        contact: usize,
-        /// Onsets counted.
-        count: usize,
-        /// Within this time, s.
-        window_s: f64,
-        /// Time reached in s.
-        time_s: f64,
-    },
-}
-
 /// Steps allowed for each simulated second, beside a constant allowance.
 const STEPS_PER_SECOND: f64 = 4.0e6;
 const STEPS_ALLOWANCE: usize = 2_000_000;
 /// Onsets of one contact within one largest step at which a run counts as chattering.
 pub const CHATTER_CONTACTS: usize = 500;
-/// Points inside a step at which forces are read and a grazing contact is noticed.
+/// Parts of a step at whose ends a grazing contact is noticed.
 const PROBES: usize = 4;
 
 struct Latched<'a, P> {
@@ -142,10 +55,29 @@ struct Contact {
     touching: bool,
     /// Index of the open impact.
     impact: usize,
-    /// Deformation and rate at the start of the step.
-    before: (f64, f64),
+    /// At the start of the step.
+    before: ContactReading,
     /// Times of the last onsets.
     onsets: VecDeque<f64>,
+}
+
+impl Contact {
+    /// Notes an onset and refuses to go on if they follow each other too fast.
+    fn guard(&mut self, contact: usize, time_s: f64, window_s: f64) -> Result<(), IntegrationError> {
+        self.onsets.push_back(time_s);
+        if self.onsets.len() <= CHATTER_CONTACTS {
+            return Ok(());
+        }
+        match self.onsets.pop_front() {
+            Some(first) if time_s - first < window_s => Err(IntegrationError::Chattering {
+                contact,
+                count: CHATTER_CONTACTS,
+                window_s: time_s - first,
+                time_s,
+            }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Integrates a plant with one contact from `start_s` to `end_s` and calls `observe(time, state, latched)` at every one
@@ -203,10 +135,11 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
         contacts.push(Contact {
             touching,
             impact: impacts.len().saturating_sub(1),
-            before: plant.slice_deformation(slice, start_s, &initial),
+            before: plant.slice_contact(slice, start_s, &initial, 0.0),
             ..Contact::default()
         });
     }
+    let mut after: Vec<ContactReading> = Vec::with_capacity(contacts.len());
     let mut next_sample = samples_s.partition_point(|&t| t < start_s);
     let mut steps = 0;
     while method.t() < end_s {
@@ -240,12 +173,14 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
 
         // A contact whose surface cannot be reached within the step needs no probes.
         let mut near = false;
-        let mut after: Vec<(f64, f64)> = Vec::with_capacity(contacts.len());
+        after.clear();
         for (slice, contact) in contacts.iter().enumerate() {
-            let (depth, rate) = plant.slice_deformation(slice, reached, &last);
-            let reach = (reached - from) * (contact.before.1.abs() + rate.abs());
-            near |= (depth > 0.0) != contact.touching || depth.abs().min(contact.before.0.abs()) <= reach;
-            after.push((depth, rate));
+            let latched = system.speeds_m_s.get(slice).copied().unwrap_or_default();
+            let reading = plant.slice_contact(slice, reached, &last, latched);
+            let reach = (reached - from) * (contact.before.rate_m_s.abs() + reading.rate_m_s.abs());
+            near |= (reading.depth_m > 0.0) != contact.touching
+                || reading.depth_m.abs().min(contact.before.depth_m.abs()) <= reach;
+            after.push(reading);
         }
         let changed = |t: f64, state: &[f64; N]| {
             contacts
@@ -283,56 +218,47 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
             observe(*t, &at(*t)?, &system.speeds_m_s);
             next_sample += 1;
         }
-        if contacts.iter().any(|c| c.touching) {
-            let span = Span::new(from, to, &mut at)?;
-            for (slice, contact) in contacts.iter().enumerate().filter(|(_, c)| c.touching) {
-                let latched = system.speeds_m_s.get(slice).copied().unwrap_or_default();
-                if let Some(impact) = impacts.get_mut(contact.impact) {
-                    span.measure(plant, slice, latched, &mut at, impact);
-                }
+        for (slice, contact) in contacts.iter().enumerate().filter(|(_, c)| c.touching) {
+            let latched_m_s = system.speeds_m_s.get(slice).copied().unwrap_or_default();
+            let end = match &event {
+                Some((t, state)) => plant.slice_contact(slice, *t, state, latched_m_s),
+                None => after.get(slice).copied().unwrap_or_default(),
+            };
+            if let Some(impact) = impacts.get_mut(contact.impact) {
+                let span = Span { from, to, start: contact.before, end };
+                let mut read = |t: f64| at(t).map(|s| plant.slice_contact(slice, t, &s, latched_m_s));
+                span.measure(&mut read, impact)?;
             }
         }
         let Some((t, state)) = event else {
-            for (contact, after) in contacts.iter_mut().zip(after) {
-                contact.before = after;
+            for (contact, after) in contacts.iter_mut().zip(&after) {
+                contact.before = *after;
             }
             continue;
         };
         for (slice, contact) in contacts.iter_mut().enumerate() {
-            contact.before = plant.slice_deformation(slice, t, &state);
-            let (depth, rate) = contact.before;
-            if (depth > 0.0) == contact.touching {
-                continue;
-            }
-            contact.touching = !contact.touching;
-            let mut latched = 0.0;
-            if contact.touching {
-                latched = rate.max(0.0);
-                contact.impact = impacts.len();
-                impacts.push(Impact {
-                    contact: slice,
-                    onset_s: t,
-                    peak_s: t,
-                    angles: plant.slice_angles(slice, t, &state),
-                    approach_speed_m_s: latched,
-                    ..Impact::default()
-                });
-                contact.onsets.push_back(t);
-                if contact.onsets.len() > CHATTER_CONTACTS
-                    && let Some(first) = contact.onsets.pop_front()
-                    && t - first < tolerances.largest_step_s
-                {
-                    return Err(IntegrationError::Chattering {
+            let (depth, rate) = plant.slice_deformation(slice, t, &state);
+            let mut latched = system.speeds_m_s.get(slice).copied().unwrap_or_default();
+            if (depth > 0.0) != contact.touching {
+                contact.touching = !contact.touching;
+                latched = if contact.touching { rate.max(0.0) } else { 0.0 };
+                if contact.touching {
+                    contact.impact = impacts.len();
+                    impacts.push(Impact {
                         contact: slice,
-                        count: CHATTER_CONTACTS,
-                        window_s: t - first,
-                        time_s: t,
+                        onset_s: t,
+                        peak_s: t,
+                        angles: plant.slice_angles(slice, t, &state),
+                        approach_speed_m_s: latched,
+                        ..Impact::default()
                     });
+                    contact.guard(slice, t, tolerances.largest_step_s)?;
+                } else if let Some(impact) = impacts.get_mut(contact.impact) {
+                    impact.separation_s = Some(t);
+                    impact.separation_speed_m_s = -rate;
                 }
-            } else if let Some(impact) = impacts.get_mut(contact.impact) {
-                impact.separation_s = Some(t);
-                impact.separation_speed_m_s = -rate;
             }
+            contact.before = plant.slice_contact(slice, t, &state, latched);
             if let Some(speed) = system.speeds_m_s.get_mut(slice) {
                 *speed = latched;
             }
@@ -341,7 +267,7 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
             return Ok(Integration { state, impacts, steps });
         }
         // A fresh contact is stiffer than what the step was chosen for.
-        method.h0 = (reached - from).min(end_s - t).max(f64::EPSILON * end_s.abs()) * 0.1;
+        method.h0 = (reached - from).min(end_s - t).max(f64::EPSILON * end_s.abs()) * 0.4;
         method.init(&system, t, end_s, &state).map_err(|e| stopped(t, reason(&e)))?;
     }
     Ok(Integration { state: *method.y(), impacts, steps })
