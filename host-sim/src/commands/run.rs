@@ -4,11 +4,11 @@ use super::{run_report, slider_crank};
 use crate::controller::{ControllerError, EmulatedController, NativeController};
 use crate::error::CliError;
 use crate::estimator::{self, Tracked};
-use crate::force::{self, ForceSource, ForcedRun};
+use crate::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use crate::options::BenchOptions;
 use crate::progress;
 use crate::sensing;
-use crate::summary::{AgainstLaw, EstimatorSummary, Summary};
+use crate::summary::{AgainstLaw, EstimatorSummary, Figures, Summary};
 use bench::description::TransmissionBench;
 use bench::slider_crank_description::SliderCrankBench;
 use bench::transmission::Transmission;
@@ -17,8 +17,6 @@ use clap::{Args, Parser, ValueEnum};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Rate of the controller and of a run's samples.
-pub const CONTROLLER_RATE_HZ: f64 = 10_000.0;
 /// Communication steps that the loop with networks can take, s.
 const STEP_RANGE_S: (f64, f64) = (1e-7, 1e-3);
 
@@ -136,20 +134,22 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         return Err(CliError::Work("plant changed".into()));
     };
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
-    let times = resolved.sample_times_s(CONTROLLER_RATE_HZ);
-    let end_s = resolved.duration_s();
-    let material = resolved.bearing.material;
 
     let bar = progress::bar(args.json);
     let started = Instant::now();
     bar.set_message(format!("bench with {}", args.force.name()));
-    let forced = force::run(&plant, material, args.force, (end_s, step_s), &times, || bar.inc(1))?;
+    let forced = force::run_bench(&resolved, args.force, step_s, || bar.inc(1))?;
     let wall_s = started.elapsed().as_secs_f64();
-    let mut summary = Summary::of(&resolved, args.force.name(), &forced, CONTROLLER_RATE_HZ, wall_s);
+    let mut summary = Summary {
+        figures: Figures::of(&resolved, args.force, &forced, SAMPLE_RATE_HZ),
+        wall_s_per_simulated_s: wall_s / resolved.duration_s(),
+        estimator: None,
+        against_law: None,
+    };
     let law = if args.force == ForceSource::Law {
         None
     } else {
-        let law = force::run(&plant, material, ForceSource::Law, (end_s, step_s), &times, || {})?;
+        let law = force::run_bench(&resolved, ForceSource::Law, step_s, || {})?;
         summary.against_law = Some(AgainstLaw::of(&resolved, &forced.run.samples, &law.run.samples));
         Some(law)
     };
@@ -158,7 +158,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     } else {
         bar.set_message("estimator");
         let frames = sensing::frames(&described, &forced.run.samples, args.seed);
-        let configuration = estimator::configuration(&plant, &resolved, CONTROLLER_RATE_HZ)?;
+        let configuration = estimator::configuration(&plant, &resolved, SAMPLE_RATE_HZ)?;
         let native = estimator::track(Box::new(NativeController::start(configuration)?), &frames)?;
         let (tracked, differences) = if args.controller == ControllerChoice::Emulated {
             let elf = args.elf.clone().unwrap_or_else(EmulatedController::default_elf);
@@ -178,7 +178,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
 
 /// The run as a measured log: the bench's sensors at its logging rate.
 fn log_of(finished: &Finished, seed: u64) -> MeasuredLog {
-    let every = ((CONTROLLER_RATE_HZ / finished.bench.logging.sample_rate_hz).round() as usize).max(1);
+    let every = ((SAMPLE_RATE_HZ / finished.bench.logging.sample_rate_hz).round() as usize).max(1);
     let samples: Vec<_> = finished.forced.run.samples.iter().step_by(every).copied().collect();
     bench::record::log_of(&Bench::Transmission(Box::new(finished.bench.clone())), &samples, seed)
 }

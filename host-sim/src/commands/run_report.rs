@@ -12,21 +12,22 @@ const SQUARE: (u32, u32) = (500, 500);
 /// The figures in words: name, value with unit.
 pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
     let row = |name: &str, value: String| [name.to_owned(), value];
+    let figures = &summary.figures;
     let mut rows = vec![
         row(
             "bearing",
-            format!("{}, {:.2} mm, {:+.1} kN", summary.bearing, summary.clearance_mm, summary.load_kn),
+            format!("{}, {:.2} mm, {:+.1} kN", figures.bearing.name(), figures.clearance_mm, figures.load_kn),
         ),
-        row("bearing force from", summary.force.into()),
-        row("peak contact force", format!("{:.0} N", summary.peak_contact_force_n)),
-        row("peak force along Y", format!("{:.0} N", summary.peak_force_y_n)),
-        row("peak force along Z", format!("{:.0} N", summary.peak_force_z_n)),
-        row("peak friction torque", format!("{:.1} N m", summary.peak_friction_torque_nm)),
-        row("largest deformation", format!("{:.1} um", summary.max_deformation_m * 1e6)),
-        row("oscillation, rms", format!("{:.0} N", summary.oscillation_rms_n)),
-        row("periods in contact", summary.contacts.to_string()),
-        row("energy residual", format!("{:.1e}", summary.energy_residual_rel)),
-        row("outside the training range", format!("{:.2} %", 100.0 * summary.outside_training_share)),
+        row("bearing force from", figures.force.name().into()),
+        row("peak contact force", format!("{:.0} N", figures.peak_contact_force_n)),
+        row("peak force along Y", format!("{:.0} N", figures.peak_force_y_n)),
+        row("peak force along Z", format!("{:.0} N", figures.peak_force_z_n)),
+        row("peak friction torque", format!("{:.1} N m", figures.peak_friction_torque_nm)),
+        row("largest deformation", format!("{:.1} um", figures.max_deformation_m * 1e6)),
+        row("oscillation, rms", format!("{:.0} N", figures.oscillation_rms_n)),
+        row("periods in contact", figures.contacts.to_string()),
+        row("energy residual", format!("{:.1e}", figures.energy_residual_rel)),
+        row("outside the training range", format!("{:.2} %", 100.0 * figures.outside_training_share)),
         row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
     ];
     if let Some(law) = &summary.against_law {
@@ -68,16 +69,17 @@ pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
 /// The page. An error is a drawing failure, in words.
 pub(super) fn page(finished: &Finished) -> Result<Page, String> {
     let summary = &finished.summary;
+    let figures = &summary.figures;
     let mut page = Page::new("Transmission bench: one run");
     page.lead(&format!(
         "{}, radial clearance {:.2} mm, load {:+.1} kN, bearing force from {}: peak contact force {:.0} N, \
          oscillation {:.0} N rms.",
-        summary.bearing,
-        summary.clearance_mm,
-        summary.load_kn,
-        summary.force,
-        summary.peak_contact_force_n,
-        summary.oscillation_rms_n,
+        figures.bearing.name(),
+        figures.clearance_mm,
+        figures.load_kn,
+        figures.force.name(),
+        figures.peak_contact_force_n,
+        figures.oscillation_rms_n,
     ));
     page.note(
         "Peaks and errors leave out the start: they count from the end of the load's ramp. Forces are those of the \
@@ -91,7 +93,7 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
         Series::new(name, samples.iter().map(|s| s.time_s), samples.iter().map(read))
     };
     let law = finished.law.as_ref().map(|l| l.run.samples.as_slice());
-    let mut contact = vec![over_time(summary.force, samples, |s| s.forces.normal_n)];
+    let mut contact = vec![over_time(figures.force.name(), samples, |s| s.forces.normal_n)];
     if let Some(law) = law {
         contact.push(over_time("analytic law", law, |s| s.forces.normal_n));
     }
@@ -119,7 +121,7 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
         &lines(&Chart { title: "Force on the journal", x: "time, s", y: "N", size: WIDE }, &components)?,
         "Components along Y (transverse, towards the drive) and Z (upwards).",
     );
-    let mut torque = vec![over_time(summary.force, samples, |s| s.friction_torque_nm)];
+    let mut torque = vec![over_time(figures.force.name(), samples, |s| s.friction_torque_nm)];
     if let Some(law) = law {
         torque.push(over_time("analytic law", law, |s| s.friction_torque_nm));
     }
@@ -129,16 +131,16 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
     );
     page.section("The journal in its clearance");
     let clearance_um = finished.bench.bearing.radial_clearance_m * 1e6;
-    let circle = Series {
-        name: "clearance circle".into(),
-        points: (0..=180)
+    let circle = Series::through(
+        "clearance circle",
+        (0..=180)
             .map(|i| f64::from(i) * core::f64::consts::TAU / 180.0)
             .map(|a| (clearance_um * a.cos(), clearance_um * a.sin()))
             .collect(),
-    };
+    );
     let orbit = |name: &str, samples: &[Snapshot]| {
         let thinned = samples.iter().step_by((samples.len() / 2000).max(1));
-        Series { name: name.into(), points: thinned.map(|s| (s.y_m * 1e6, s.z_m * 1e6)).collect() }
+        Series::through(name, thinned.map(|s| (s.y_m * 1e6, s.z_m * 1e6)).collect())
     };
     let deformation = over_time("deformation", samples, |s| s.contact.deformation_m * 1e6);
     page.figures(&[

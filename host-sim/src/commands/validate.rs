@@ -1,11 +1,10 @@
 //! `host-sim validate`: the models against published known answers.
 
 use crate::error::CliError;
-use crate::force::{self, ForceSource};
-use crate::summary::Summary;
+use crate::force::{self, DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ};
+use crate::summary::Figures;
 use bench::integrate::integrate;
 use bench::slider_crank_description::reference_problem;
-use bench::transmission::Transmission;
 use bench::{BearingMaterial, Bench};
 use clap::Args;
 use contact::{Dissipation, produced_restitution};
@@ -147,20 +146,11 @@ fn bench_b() -> Result<Vec<Case>, CliError> {
             };
             bench.set_material(material);
             bench.set_radial_clearance(clearance_mm * 1e-3);
-            let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
-            let rate = super::run::CONTROLLER_RATE_HZ;
-            let run = force::run(
-                &plant,
-                material,
-                ForceSource::Law,
-                (bench.duration_s(), 1e-5),
-                &bench.sample_times_s(rate),
-                || {},
-            )?;
-            let summary = Summary::of(&bench, "law", &run, rate, 0.0);
+            let run = force::run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?;
+            let figures = Figures::of(&bench, ForceSource::Law, &run, SAMPLE_RATE_HZ);
             let name = |what: &str| format!("bench B, {}, {clearance_mm} mm, {what}, N", material.name());
-            cases.push(relative(name("peak contact force"), summary.peak_contact_force_n, peak_n, 0.02));
-            cases.push(relative(name("oscillation rms"), summary.oscillation_rms_n, oscillation_n, 0.02));
+            cases.push(relative(name("peak contact force"), figures.peak_contact_force_n, peak_n, 0.02));
+            cases.push(relative(name("oscillation rms"), figures.oscillation_rms_n, oscillation_n, 0.02));
         }
     }
     Ok(cases)
