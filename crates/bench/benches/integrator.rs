@@ -34,7 +34,7 @@ fn fixed_step(plant: &SliderCrank, end_s: f64, step_s: f64) -> f64 {
     let count = (end_s / step_s).round() as usize;
     let h = end_s / count as f64;
     let mut y = plant.initial_state();
-    let (mut touching, mut latched) = (false, 0.0);
+    let mut latched = None;
     for step in 0..count {
         let t = step as f64 * h;
         let mut k = [[0.0; 4]; 4];
@@ -45,9 +45,8 @@ fn fixed_step(plant: &SliderCrank, end_s: f64, step_s: f64) -> f64 {
         }
         y = std::array::from_fn(|i| y[i] + h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]));
         let (depth, rate) = plant.deformation(t + h, &y);
-        if (depth > 0.0) != touching {
-            touching = !touching;
-            latched = if touching { rate.max(0.0) } else { 0.0 };
+        if (depth > 0.0) != latched.is_some() {
+            latched = (depth > 0.0).then_some(rate.max(0.0));
         }
     }
     y[1]

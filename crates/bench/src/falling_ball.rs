@@ -25,8 +25,8 @@ impl FallingBall {
 }
 
 impl ContactPlant<2> for FallingBall {
-    fn derivative(&self, time_s: f64, state: &[f64; 2], latched_m_s: f64, derivative: &mut [f64; 2]) {
-        let force = self.contact(time_s, state, latched_m_s).force_n;
+    fn derivative(&self, time_s: f64, state: &[f64; 2], latched_m_s: Option<f64>, derivative: &mut [f64; 2]) {
+        let force = latched_m_s.map_or(0.0, |l| self.contact(time_s, state, l).force_n);
         *derivative = [state[1], force / self.mass_kg - self.gravity_m_s2];
     }
 
@@ -88,7 +88,7 @@ mod tests {
     struct Shaker;
 
     impl ContactPlant<2> for Shaker {
-        fn derivative(&self, _: f64, _: &[f64; 2], _: f64, derivative: &mut [f64; 2]) {
+        fn derivative(&self, _: f64, _: &[f64; 2], _: Option<f64>, derivative: &mut [f64; 2]) {
             *derivative = [1.0, 0.0];
         }
         fn deformation(&self, time_s: f64, _: &[f64; 2]) -> (f64, f64) {

@@ -81,9 +81,9 @@ struct Pose {
 }
 
 impl ContactPlant<4> for SliderCrank {
-    fn derivative(&self, time_s: f64, state: &[f64; 4], latched_m_s: f64, out: &mut [f64; 4]) {
+    fn derivative(&self, time_s: f64, state: &[f64; 4], latched_m_s: Option<f64>, out: &mut [f64; 4]) {
         let p = self.pose(time_s, state);
-        let force = self.normal_law.force_n(p.depth_m, p.rate_m_s, latched_m_s);
+        let force = latched_m_s.map_or(0.0, |l| self.normal_law.force_n(p.depth_m, p.rate_m_s, l));
         // Force on the journal is -F n, on the slider's bearing +F n.
         let (l, half) = (self.rod_length_m, 0.5 * self.rod_length_m);
         let pin = self.crank_length_m * self.crank_speed_rad_s * self.crank_speed_rad_s;

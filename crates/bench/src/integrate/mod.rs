@@ -40,7 +40,8 @@ const PROBES: usize = 4;
 
 struct Latched<'a, P> {
     plant: &'a P,
-    speeds_m_s: Vec<f64>,
+    /// One for each contact, `None` in a gap.
+    speeds_m_s: Vec<Option<f64>>,
 }
 
 impl<P: SlicedPlant<N>, const N: usize> ODE<f64, [f64; N]> for Latched<'_, P> {
@@ -93,7 +94,7 @@ pub fn integrate<P: ContactPlant<N>, const N: usize>(
     mut observe: impl FnMut(f64, &[f64; N], f64),
 ) -> Result<Integration<N>, IntegrationError> {
     integrate_slices(plant, span_s, initial, &[in_contact], samples_s, tolerances, |t, s, latched| {
-        observe(t, s, latched.first().copied().unwrap_or_default());
+        observe(t, s, latched.first().copied().flatten().unwrap_or_default());
     })
 }
 
@@ -105,10 +106,10 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
     in_contact: &[bool],
     samples_s: &[f64],
     tolerances: &Tolerances<N>,
-    mut observe: impl FnMut(f64, &[f64; N], &[f64]),
+    mut observe: impl FnMut(f64, &[f64; N], &[Option<f64>]),
 ) -> Result<Integration<N>, IntegrationError> {
     let limit = STEPS_ALLOWANCE + ((end_s - start_s) * STEPS_PER_SECOND) as usize;
-    let mut system = Latched { plant, speeds_m_s: vec![0.0; plant.slices()] };
+    let mut system = Latched { plant, speeds_m_s: vec![None; plant.slices()] };
     let mut method = ExplicitRungeKutta::dopri5()
         .rtol(tolerances.relative)
         .atol(tolerances.absolute)
@@ -116,13 +117,15 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
         .h_max(tolerances.largest_step_s)
         .h0((end_s - start_s).min(tolerances.largest_step_s) * 1e-3);
     let stopped = |time_s: f64, reason: String| IntegrationError::Stopped { time_s, reason };
-    method.init(&system, start_s, end_s, &initial).map_err(|e| stopped(start_s, reason(&e)))?;
 
     let mut impacts: Vec<Impact> = Vec::new();
     let mut contacts: Vec<Contact> = Vec::with_capacity(plant.slices());
     for slice in 0..plant.slices() {
         let touching = in_contact.get(slice).copied().unwrap_or(false);
         if touching {
+            if let Some(speed) = system.speeds_m_s.get_mut(slice) {
+                *speed = Some(0.0);
+            }
             let angles = plant.slice_angles(slice, start_s, &initial);
             impacts.push(Impact {
                 contact: slice,
@@ -139,6 +142,7 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
             ..Contact::default()
         });
     }
+    method.init(&system, start_s, end_s, &initial).map_err(|e| stopped(start_s, reason(&e)))?;
     let mut after: Vec<ContactReading> = Vec::with_capacity(contacts.len());
     let mut next_sample = samples_s.partition_point(|&t| t < start_s);
     let mut steps = 0;
@@ -175,7 +179,7 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
         let mut near = false;
         after.clear();
         for (slice, contact) in contacts.iter().enumerate() {
-            let latched = system.speeds_m_s.get(slice).copied().unwrap_or_default();
+            let latched = system.speeds_m_s.get(slice).copied().flatten().unwrap_or_default();
             let reading = plant.slice_contact(slice, reached, &last, latched);
             let reach = (reached - from) * (contact.before.rate_m_s.abs() + reading.rate_m_s.abs());
             near |= (reading.depth_m > 0.0) != contact.touching
@@ -219,7 +223,7 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
             next_sample += 1;
         }
         for (slice, contact) in contacts.iter().enumerate().filter(|(_, c)| c.touching) {
-            let latched_m_s = system.speeds_m_s.get(slice).copied().unwrap_or_default();
+            let latched_m_s = system.speeds_m_s.get(slice).copied().flatten().unwrap_or_default();
             let end = match &event {
                 Some((t, state)) => plant.slice_contact(slice, *t, state, latched_m_s),
                 None => after.get(slice).copied().unwrap_or_default(),
@@ -238,18 +242,18 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
         };
         for (slice, contact) in contacts.iter_mut().enumerate() {
             let (depth, rate) = plant.slice_deformation(slice, t, &state);
-            let mut latched = system.speeds_m_s.get(slice).copied().unwrap_or_default();
+            let mut latched = system.speeds_m_s.get(slice).copied().flatten();
             if (depth > 0.0) != contact.touching {
                 contact.touching = !contact.touching;
-                latched = if contact.touching { rate.max(0.0) } else { 0.0 };
-                if contact.touching {
+                latched = contact.touching.then_some(rate.max(0.0));
+                if let Some(speed) = latched {
                     contact.impact = impacts.len();
                     impacts.push(Impact {
                         contact: slice,
                         onset_s: t,
                         peak_s: t,
                         angles: plant.slice_angles(slice, t, &state),
-                        approach_speed_m_s: latched,
+                        approach_speed_m_s: speed,
                         ..Impact::default()
                     });
                     contact.guard(slice, t, tolerances.largest_step_s)?;
@@ -258,7 +262,7 @@ pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
                     impact.separation_speed_m_s = -rate;
                 }
             }
-            contact.before = plant.slice_contact(slice, t, &state, latched);
+            contact.before = plant.slice_contact(slice, t, &state, latched.unwrap_or_default());
             if let Some(speed) = system.speeds_m_s.get_mut(slice) {
                 *speed = latched;
             }

@@ -22,8 +22,9 @@ pub struct ContactReading {
 
 /// A plant with `N` states and one contact.
 pub trait ContactPlant<const N: usize> {
-    /// State derivative while the approach speed `latched_m_s` holds.
-    fn derivative(&self, time_s: f64, state: &[f64; N], latched_m_s: f64, derivative: &mut [f64; N]);
+    /// State derivative, in contact with the latched approach speed in m/s, or in a gap (`None`): without contact force,
+    /// even where a trial state of the integrator reaches beyond the surface. So each phase is smooth up to its event.
+    fn derivative(&self, time_s: f64, state: &[f64; N], latched_m_s: Option<f64>, derivative: &mut [f64; N]);
     /// Deformation in m (negative: gap) and its rate in m/s.
     fn deformation(&self, time_s: f64, state: &[f64; N]) -> (f64, f64);
     /// Normal contact force in N.
@@ -40,12 +41,12 @@ pub trait ContactPlant<const N: usize> {
 pub trait SlicedPlant<const N: usize> {
     /// Number of contacts.
     fn slices(&self) -> usize;
-    /// State derivative while the approach speeds hold, one for each contact.
+    /// State derivative with the latched approach speed of each contact, `None` in a gap; see [`ContactPlant`].
     fn sliced_derivative(
         &self,
         time_s: f64,
         state: &[f64; N],
-        latched_m_s: &[f64],
+        latched_m_s: &[Option<f64>],
         derivative: &mut [f64; N],
     );
     /// Deformation of a contact in m (negative: gap) and its rate in m/s.
@@ -65,10 +66,10 @@ impl<P: ContactPlant<N>, const N: usize> SlicedPlant<N> for P {
         &self,
         time_s: f64,
         state: &[f64; N],
-        latched_m_s: &[f64],
+        latched_m_s: &[Option<f64>],
         derivative: &mut [f64; N],
     ) {
-        self.derivative(time_s, state, latched_m_s.first().copied().unwrap_or_default(), derivative);
+        self.derivative(time_s, state, latched_m_s.first().copied().flatten(), derivative);
     }
 
     fn slice_deformation(&self, _: usize, time_s: f64, state: &[f64; N]) -> (f64, f64) {

@@ -109,7 +109,8 @@ impl Transmission {
         components: (f64, f64, f64),
         out: &mut State,
     ) -> f64 {
-        self.motion(time_s, s, &self.geometry(time_s, s), components, out)
+        let g = self.geometry(time_s, s);
+        self.motion(time_s, s, &g, g.depth_m > 0.0, components, out)
     }
 
     fn motion(
@@ -117,6 +118,7 @@ impl Transmission {
         time_s: f64,
         s: &State,
         g: &Geometry,
+        touching: bool,
         (force_y, force_z, torque): (f64, f64, f64),
         out: &mut State,
     ) -> f64 {
@@ -152,7 +154,8 @@ impl Transmission {
         // force. A force held from outside keeps its direction while the journal moves on; that too lands in the loss.
         let bearing_power = force_y * s[2] + force_z * s[3] + torque * g.speed_rad_s;
         let friction_heat = -torque / self.journal_radius_m * g.sliding_m_s;
-        let elastic_power = self.normal_law.stiffness.force_n(g.depth_m) * g.rate_m_s;
+        let elastic_power =
+            if touching { self.normal_law.stiffness.force_n(g.depth_m) * g.rate_m_s } else { 0.0 };
         *out = [
             s[2],
             s[3],
@@ -175,7 +178,7 @@ impl Transmission {
         let g = self.geometry(time_s, s);
         let components = self.components_along(g.ny, g.nz, &forces);
         let mut derivative = [0.0; STATES];
-        let drive_force_n = self.motion(time_s, s, &g, components, &mut derivative);
+        let drive_force_n = self.motion(time_s, s, &g, g.depth_m > 0.0, components, &mut derivative);
         Snapshot {
             time_s,
             angle_rad: g.sin.asin(),
@@ -195,10 +198,11 @@ impl Transmission {
 }
 
 impl ContactPlant<STATES> for Transmission {
-    fn derivative(&self, time_s: f64, state: &State, latched_m_s: f64, derivative: &mut State) {
+    fn derivative(&self, time_s: f64, state: &State, latched_m_s: Option<f64>, derivative: &mut State) {
         let g = self.geometry(time_s, state);
-        let forces = self.law(&self.view(&g, latched_m_s));
-        self.motion(time_s, state, &g, self.components_along(g.ny, g.nz, &forces), derivative);
+        let forces = latched_m_s.map_or(BearingForces::default(), |l| self.law(&self.view(&g, l)));
+        let components = self.components_along(g.ny, g.nz, &forces);
+        self.motion(time_s, state, &g, latched_m_s.is_some(), components, derivative);
     }
 
     fn deformation(&self, _: f64, s: &State) -> (f64, f64) {
