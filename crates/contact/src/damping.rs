@@ -10,7 +10,8 @@
 //!   that range; outside it the force stays within `(1 - chi) F_el` and `(1 + chi) F_el`.
 //! * [`Damping::Reference`], `q = d'/v_r` with a constant speed `v_r`: a function of the state alone, without latch, floor or
 //!   jump. This is the form in which Hunt and Crossley wrote their law, `F = K d^n (1 + a d')` with `a = chi/v_r` a constant
-//!   of the material pair (their `a = 3 alpha/2`, from `e = 1 - alpha v`; recalled, as the text was not at hand).
+//!   of the material pair (their `a = 3 alpha/2`, from `e = 1 - alpha v`; recalled, as the text was not at hand). Multibody
+//!   codes such as Drake name that constant the Hunt and Crossley dissipation, in s/m.
 //!   At an approach speed `v` it equals a latched law with the factor `chi v/v_r`, hence: it produces the restitution of
 //!   `chi` at `v = v_r`, and `produced_restitution(chi v/v_r)` at any other, nearer to 1 the slower the impact, as
 //!   measured on metals. Every cycle in contact dissipates `F_el a d'^2` per time, which is never negative.

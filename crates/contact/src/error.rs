@@ -61,3 +61,7 @@ pub(crate) fn expect<T: Real>(
 ) -> Result<T, LawError> {
     check(holds, quantity, value, expected)
 }
+
+pub(crate) fn needed<T>(value: Option<T>, law: &'static str, quantity: &'static str) -> Result<T, LawError> {
+    value.ok_or(LawError::Missing { law, quantity })
+}

@@ -35,4 +35,4 @@ pub use real::Real;
 pub use spring_dashpot::{SpringDashpot, damping_ratio_of, restitution_without_tension};
 pub use stiffness::{Stiffness, hertz_sphere_in_sphere};
 pub use stiffness_kind::{StiffnessKind, StiffnessParameters};
-pub use whole::{AdamsImpact, ContactLaw, WholeKind};
+pub use whole::{AdamsImpact, ContactLaw, WholeKind, WholeParameters};

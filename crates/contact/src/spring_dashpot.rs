@@ -8,7 +8,8 @@
 //! * at `F = 0`, as here: `e = exp(-2 zeta/sqrt(1-zeta^2) acos zeta)` (Schwager and Poeschel 2007), which is larger. So a
 //!   dashpot set by the first relation for `e = .4` produces .4720 without tension.
 //!
-//! Both are solutions of `m d'' + c d' + K d = 0` and are verified below by integrating it; the attributions are recalled.
+//! Both are solutions of `m d'' + c d' + K d = 0` and are verified below by integrating it. The second agrees with public
+//! implementations that quote its article; that Anagnostopoulos used the first is recalled, not confirmed.
 //! The force jumps to `c d'0` at the onset, which no measured contact does; that is the known weakness of the model.
 
 use crate::error::{LawError, above_zero, at_least_zero, expect};

@@ -1,7 +1,7 @@
 //! The stiffness parts by name, and their checked construction from a joint.
 
 use crate::catalogue::{Entry, Group};
-use crate::error::{LawError, above_zero};
+use crate::error::{LawError, above_zero, needed};
 use crate::joint::Joint;
 use crate::logarithmic::{Logarithmic, LogarithmicKind};
 use crate::real::Real;
@@ -63,10 +63,6 @@ impl<T: Real> Stiffness<T> {
     pub fn from_name(name: &str, parameters: &StiffnessParameters<T>) -> Result<Self, LawError> {
         StiffnessKind::from_name(name).ok_or(LawError::UnknownName { group: "stiffness" })?.build(parameters)
     }
-}
-
-fn needed<T>(value: Option<T>, law: &'static str, quantity: &'static str) -> Result<T, LawError> {
-    value.ok_or(LawError::Missing { law, quantity })
 }
 
 impl StiffnessKind {

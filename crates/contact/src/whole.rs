@@ -5,7 +5,7 @@
 //! Deformation in m, rates in m/s, force in N, never negative.
 
 use crate::catalogue::{Entry, Group};
-use crate::error::{LawError, above_zero, at_least_zero};
+use crate::error::{LawError, above_zero, at_least_zero, needed};
 use crate::normal::{FactorisedLaw, NormalLaw};
 use crate::real::Real;
 use crate::spring_dashpot::SpringDashpot;
@@ -81,6 +81,23 @@ impl<T: Real> From<NormalLaw<T>> for ContactLaw<T> {
     }
 }
 
+/// What the whole laws are built from; each needs what its formula names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WholeParameters<T = f64> {
+    /// `K` in N/m, or `k` in N/m^n.
+    pub coefficient: T,
+    /// `n` of IMPACT.
+    pub exponent: Option<T>,
+    /// `c` of Kelvin-Voigt, `c_max` of IMPACT, in N s/m.
+    pub damping_n_s_m: Option<T>,
+    /// `d_max` of IMPACT in m.
+    pub full_damping_depth_m: Option<T>,
+    /// `e` of Anagnostopoulos.
+    pub restitution: Option<T>,
+    /// `m` of Anagnostopoulos in kg.
+    pub effective_mass_kg: Option<T>,
+}
+
 /// Which whole law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum WholeKind {
@@ -95,6 +112,29 @@ pub enum WholeKind {
 impl WholeKind {
     /// Every whole law.
     pub const ALL: [Self; 3] = [Self::KelvinVoigt, Self::Anagnostopoulos, Self::AdamsImpact];
+
+    /// Builds the law, after checking every figure that it uses.
+    pub fn build<T: Real>(self, parameters: &WholeParameters<T>) -> Result<ContactLaw<T>, LawError> {
+        let need = |value: Option<T>, quantity| needed(value, self.entry().name, quantity);
+        let coefficient = parameters.coefficient;
+        Ok(match self {
+            Self::KelvinVoigt => ContactLaw::SpringDashpot(SpringDashpot::kelvin_voigt(
+                coefficient,
+                need(parameters.damping_n_s_m, "a damping (N s/m)")?,
+            )?),
+            Self::Anagnostopoulos => ContactLaw::SpringDashpot(SpringDashpot::anagnostopoulos(
+                coefficient,
+                need(parameters.restitution, "a restitution")?,
+                need(parameters.effective_mass_kg, "an effective mass (kg)")?,
+            )?),
+            Self::AdamsImpact => ContactLaw::AdamsImpact(AdamsImpact::new(
+                coefficient,
+                need(parameters.exponent, "an exponent")?,
+                need(parameters.damping_n_s_m, "a damping (N s/m)")?,
+                need(parameters.full_damping_depth_m, "a depth of full damping (m)")?,
+            )?),
+        })
+    }
 
     /// The law of a name of the catalogue.
     pub fn from_name(name: &str) -> Option<Self> {
@@ -139,6 +179,29 @@ mod tests {
         assert_eq!(law.force_n(1e-5, -1e3), 0.0);
         assert_eq!(law.force_n(-1e-5, 1.0), 0.0);
         assert!(AdamsImpact::new(1e8, 1.5, 1e3, 0.0).is_err());
+    }
+
+    #[test]
+    fn every_name_builds_from_its_own_figures_and_names_what_is_missing() {
+        let parameters = WholeParameters {
+            coefficient: 1e8,
+            exponent: Some(1.5),
+            damping_n_s_m: Some(1e3),
+            full_damping_depth_m: Some(1e-5),
+            restitution: Some(0.4),
+            effective_mass_kg: Some(2.0),
+        };
+        for kind in WholeKind::ALL {
+            assert!(kind.build(&parameters).unwrap().force_n(1e-5, 0.0, 0.0) > 0.0, "{kind:?}");
+        }
+        let none = WholeParameters { restitution: None, damping_n_s_m: None, ..parameters };
+        for (kind, message) in [
+            (WholeKind::KelvinVoigt, "kelvin-voigt needs a damping (N s/m), found none"),
+            (WholeKind::Anagnostopoulos, "anagnostopoulos needs a restitution, found none"),
+            (WholeKind::AdamsImpact, "adams-impact needs a damping (N s/m), found none"),
+        ] {
+            assert_eq!(kind.build(&none).unwrap_err().to_string(), message);
+        }
     }
 
     #[test]

@@ -44,7 +44,7 @@ fn impact(law: &ContactLaw, mass_kg: f64, speed_m_s: f64, duration_s: f64, steps
 fn elastic_duration_s(stiffness: &Stiffness, mass_kg: f64, speed_m_s: f64) -> f64 {
     let (mut low, mut high) = (1e-12, 1.0);
     for _ in 0..60 {
-        let depth: f64 = (low * high as f64).sqrt();
+        let depth = f64::sqrt(low * high);
         let work: f64 =
             (0..50).map(|i| stiffness.force_n((f64::from(i) + 0.5) / 50.0 * depth) * depth / 50.0).sum();
         if work < 0.5 * mass_kg * speed_m_s * speed_m_s { low = depth } else { high = depth }

@@ -65,6 +65,15 @@ mod tests {
     }
 
     #[test]
+    fn the_exponent_bends_the_approach_to_sliding() {
+        let law = Dahl::new(0.2, 1e5, 2.0).unwrap();
+        let half = 0.5 * 0.2 / 1e5;
+        assert!((law.rate_m_s(half, 1e-3) - 0.25e-3).abs() < 1e-15);
+        assert!((law.rate_m_s(half, -1e-3) + 2.25e-3).abs() < 1e-15);
+        assert!((law.rate_m_s(3.0 * half, 1e-3) + 0.25e-3).abs() < 1e-15, "a stretched bristle gives way");
+    }
+
+    #[test]
     fn before_sliding_the_loop_closes_and_encloses_work() {
         let law = Dahl::new(0.2, 1e5, 1.0).unwrap();
         let (normal, amplitude, steps) = (100.0, 1e-6, 20_000);

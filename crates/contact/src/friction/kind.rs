@@ -65,7 +65,9 @@ impl FrictionKind {
             Self::RegularisedLinear => {
                 ("regularised-linear", "linear ramp to Coulomb's", "general", "creeps at rest")
             }
-            Self::Ambrosio => ("ambrosio", "none up to v0, ramp to v1", "Ambrosio 2003", "creeps at rest"),
+            Self::Ambrosio => {
+                ("ambrosio", "none up to v0, ramp to v1", "Ambrosio 2003 (recalled)", "creeps at rest")
+            }
             Self::Threlfall => {
                 ("threlfall", "exponential rise to Coulomb's", "Threlfall 1978 (recalled)", "creeps at rest")
             }

@@ -103,6 +103,13 @@ mod tests {
         assert!(LuGre { stribeck_speed_m_s: 0.0, ..LAW }.check().is_err());
     }
 
+    #[test]
+    fn the_stribeck_curve_has_exponent_two() {
+        assert_eq!(LAW.steady_coefficient(0.0), 0.25);
+        assert!((LAW.steady_coefficient(1e-3) - (0.15 + 0.1 * (-1.0_f64).exp())).abs() < 1e-15);
+        assert!((LAW.steady_coefficient(-2e-3) - (0.15 + 0.1 * (-4.0_f64).exp())).abs() < 1e-15);
+    }
+
     proptest! {
         #[test]
         fn steady_sliding_is_the_stribeck_curve(v in 1e-4..0.1_f64) {

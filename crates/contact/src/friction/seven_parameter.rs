@@ -248,6 +248,10 @@ mod tests {
                 prop_assert_eq!(force, -LAW.force_n(100.0, &backward, -v));
                 prop_assert!(force * v <= 0.0);
             }
+            let back = -0.1 * v;
+            forward = LAW.advanced(forward, back, 1e-6);
+            backward = LAW.advanced(backward, -back, 1e-6);
+            prop_assert_eq!(LAW.force_n(100.0, &forward, back), -LAW.force_n(100.0, &backward, -back));
         }
     }
 }

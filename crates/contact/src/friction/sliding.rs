@@ -4,14 +4,14 @@
 //! |---|---|---|
 //! | Coulomb | `mu_c`, 0 at rest | public code |
 //! | regularised linear | `mu_c min(v/v_1, 1)` | follows from its description |
-//! | Ambrosio | 0 up to `v_0`, linear to `mu_c` at `v_1` | public reviews |
+//! | Ambrosio | 0 up to `v_0`, linear to `mu_c` at `v_1` | not confirmed |
 //! | Threlfall | `mu_c (1 - exp(-3 v/v_1))/(1 - exp(-3))` up to `v_1`, then `mu_c` | not confirmed |
 //! | Bengisu-Akay | `mu_s (1 - (v/v_1 - 1)^2)` up to `v_1`, then `mu_c + (mu_s - mu_c) exp(-(v - v_1)/v_s)` | not confirmed |
-//! | Brown-McPhee | `mu_c tanh(4 r) + (mu_s - mu_c) r/(r^2/4 + 3/4)^2`, `r = v/v_1`, plus `k v tanh(4 N/N_t)` | public code |
+//! | Brown-McPhee | `mu_c tanh(4 r) + (mu_s - mu_c) r/(r^2/4 + 3/4)^2`, `r = v/v_1`, plus `k v tanh(4 N/N_t)` | public sources; the static part peaks at `v_1`, as its authors meant |
 //! | Stribeck | [`FrictionLaw`] | the paper, public code |
 //!
-//! Threlfall (1978) and Bengisu and Akay (1994) are quoted from memory of later reviews: their texts and an implementation
-//! were looked for and not found. Threlfall's denominator is printed as 0.95, the rounded `1 - exp(-3)`, which leaves a step
+//! Ambrosio (2003), Threlfall (1978) and Bengisu and Akay (1994) are quoted from memory of later reviews: their texts and
+//! an implementation were looked for and not found. Threlfall's denominator is printed as 0.95, the rounded `1 - exp(-3)`, which leaves a step
 //! of .02 % at `v_1`; here the exact value closes it. Bengisu and Akay's exponent is written there as `xi (v - v_1)`; `v_s`
 //! is `1/xi`.
 //!
@@ -207,6 +207,8 @@ mod tests {
         // At v = v_1 Brown and McPhee's width is 1, so both coefficients appear whole.
         let expected = 150.0 * 4.0_f64.tanh() + 100.0 + 0.1 * 1e-3 * 40.0_f64.tanh();
         assert!((at(FrictionKind::BrownMcPhee, 1e-3) - expected).abs() < 1e-9);
+        let expected = 150.0 * 8.0_f64.tanh() + 100.0 * 2.0 / (1.75 * 1.75) + 0.1 * 2e-3 * 40.0_f64.tanh();
+        assert!((at(FrictionKind::BrownMcPhee, 2e-3) - expected).abs() < 1e-9);
     }
 
     #[test]
