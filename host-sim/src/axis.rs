@@ -5,6 +5,8 @@ use std::ops::Range;
 
 /// Ticks that an axis has about.
 const TICKS: f64 = 7.0;
+/// Span that a logarithmic axis has at least.
+const LEAST_DECADES: f64 = 0.7;
 
 /// One axis.
 #[derive(Clone, Debug)]
@@ -31,6 +33,9 @@ impl Axis {
     /// A logarithmic axis around the positive ones of some values.
     pub fn logarithmic(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = span(values.filter(|v| *v > 0.0).map(f64::log10)).unwrap_or((0.0, 1.0));
+        // Much less than a decade would make a steep line of next to nothing.
+        let widen = 0.5 * (LEAST_DECADES - (high - low)).max(0.0);
+        let (low, high) = (low - widen, high + widen);
         Self { low, high, logarithmic: true, step: 1.0 }
     }
 
@@ -44,8 +49,11 @@ impl Axis {
         let within = |v: &f64| (self.low..=self.high).contains(v);
         if self.logarithmic {
             let decades = self.low.floor() as i32..=self.high.ceil() as i32;
-            let few = self.high - self.low > 3.0;
-            let multiples: &[f64] = if few { &[1.0] } else { &[1.0, 2.0, 3.0, 5.0] };
+            let multiples: &[f64] = match self.high - self.low {
+                wide if wide > 3.0 => &[1.0],
+                middle if middle > 1.2 => &[1.0, 2.0, 5.0],
+                _ => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0],
+            };
             return decades
                 .flat_map(|d| multiples.iter().map(move |m| f64::from(d) + m.log10()))
                 .filter(within)
@@ -59,7 +67,8 @@ impl Axis {
     fn label(&self, place: f64) -> String {
         if self.logarithmic {
             let value = 10_f64.powf(place);
-            let digits = (-place.floor()).clamp(0.0, 9.0) as usize;
+            // Two figures: enough for 1.5.
+            let digits = (1.0 - (place + 1e-9).floor()).clamp(0.0, 9.0) as usize;
             return if (-4.0..6.0).contains(&place) {
                 format!("{value:.digits$}")
             } else {
@@ -124,7 +133,7 @@ mod tests {
         assert_eq!(labels, ["-2000", "0", "2000", "4000", "6000", "8000", "10000", "12000", "14000"]);
         let axis = Axis::logarithmic([0.1, 1.0].into_iter());
         let labels: Vec<String> = axis.ticks().into_iter().map(|t| axis.label(t)).collect();
-        assert_eq!(labels, ["0.1", "0.2", "0.3", "0.5", "1"]);
+        assert_eq!(labels, ["0.10", "0.15", "0.20", "0.30", "0.40", "0.50", "0.70", "1.0"]);
     }
 
     #[test]

@@ -131,12 +131,12 @@ fn legend_places(series: &[Series], width: u32) -> (Vec<(i32, u32)>, u32) {
     if series.len() < 2 {
         return (Vec::new(), 0);
     }
-    let (mut x, mut row) = (84_i32, 0);
+    let (mut x, mut row) = (74_i32, 0);
     let mut places = Vec::with_capacity(series.len());
     for s in series {
         let needed = LEGEND_LINE + 24 + (CHARACTER * s.name.chars().count() as f64) as i32;
-        if x + needed > width as i32 && x > 84 {
-            (x, row) = (84, row + 1);
+        if x + needed > width as i32 && x > 74 {
+            (x, row) = (74, row + 1);
         }
         places.push((x, row));
         x += needed;
@@ -157,7 +157,7 @@ fn draw(chart: &Chart, series: &[Series], x: &Axis, y: &Axis, thin: bool) -> Res
             .margin(8)
             .margin_right(18)
             .x_label_area_size(38)
-            .y_label_area_size(76)
+            .y_label_area_size(66)
             .build_cartesian_2d(x.clone(), y.clone())
             .map_err(|e| failed(&e))?;
         context

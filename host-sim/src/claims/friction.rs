@@ -84,9 +84,9 @@ fn level_then_rises(facts: &FrictionFacts) -> Claim {
                     "rise within the rig's {:.1} mm/s: {:.1} %; level up to {:.0} mm/s and then {:.0} % higher at {:.0} \
                      mm/s, the bench's speeds. {CAVEAT}",
                     1e3 * facts.rig_speed_m_s,
-                    -100.0 * fall(&rig),
+                    100.0 * (0.0 - fall(&rig)),
                     1e3 * knee(c),
-                    -100.0 * fall(&all),
+                    100.0 * (0.0 - fall(&all)),
                     1e3 * c.points.last().map_or(0.0, |p| p.0)
                 )
             },

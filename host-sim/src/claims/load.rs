@@ -143,6 +143,16 @@ fn asymmetric(both: &[&BearingFacts]) -> Claim {
             .collect::<Vec<_>>()
             .join(", ")
     };
+    let exceptions: Vec<String> = both
+        .iter()
+        .flat_map(|b| pairs(b).into_iter().map(|(plus, minus)| (b.bearing.name(), plus, minus)))
+        .flat_map(|(bearing, plus, minus)| {
+            let at = |what: &str| format!("{bearing} {what} at {:.0} kN", plus.load_kn);
+            let force = (plus.peak_n <= minus.peak_n).then(|| at("force"));
+            let torque = (plus.peak_torque_nm <= minus.peak_torque_nm).then(|| at("torque"));
+            force.into_iter().chain(torque)
+        })
+        .collect();
     Claim {
         id: 10,
         claim: "At the same size of the load, + gives more impact force and more friction torque than -.",
@@ -153,10 +163,11 @@ fn asymmetric(both: &[&BearingFacts]) -> Claim {
         threshold: "peak force and peak torque larger for + at every size, both bearings; partly: at some, or one of \
                     the two",
         why: format!(
-            "+ over - at {} kN: force {}; torque {}",
+            "+ over - at {} kN: force {}; torque {}; exceptions: {}",
             list(both.first().map(|b| pairs(b)).unwrap_or_default().iter().map(|(p, _)| p.load_kn)),
             ratios(|r| r.peak_n),
-            ratios(|r| r.peak_torque_nm)
+            ratios(|r| r.peak_torque_nm),
+            if exceptions.is_empty() { "none".to_owned() } else { exceptions.join(", ") }
         ),
     }
 }

@@ -1,6 +1,6 @@
 //! `host-sim run`: the bench with the networks or the law as the bearing force, the estimator beside it.
 
-use super::{run_report, slider_crank};
+use super::{run_report, slider_crank, sweep};
 use crate::controller::{ControllerError, EmulatedController, NativeController};
 use crate::error::CliError;
 use crate::estimator::{self, Tracked};
@@ -16,9 +16,6 @@ use bench::{Bench, MeasuredLog, atomic};
 use clap::{Args, Parser, ValueEnum};
 use std::path::PathBuf;
 use std::time::Instant;
-
-/// Communication steps that the loop with networks can take, s.
-const STEP_RANGE_S: (f64, f64) = (1e-7, 1e-3);
 
 /// Where the estimator runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -125,17 +122,14 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
             args.bench.bench
         )));
     };
-    let step_s = args.step_us * 1e-6;
-    if !(STEP_RANGE_S.0..=STEP_RANGE_S.1).contains(&step_s) {
-        return Err(CliError::Input(format!("--step-us: found {}; expected 0.1 to 1000", args.step_us)));
-    }
+    let step_s = sweep::step_s(args.step_us)?;
     let described = Bench::Transmission(bench.clone());
     let Bench::Transmission(resolved) = described.resolved() else {
         return Err(CliError::Work("plant changed".into()));
     };
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
 
-    let bar = progress::bar(args.json);
+    let bar = progress::bar(args.json, progress::PERCENT);
     let started = Instant::now();
     bar.set_message(format!("bench with {}", args.force.name()));
     let forced = force::run_bench(&resolved, args.force, step_s, || bar.inc(1))?;

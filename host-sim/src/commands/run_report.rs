@@ -1,5 +1,6 @@
 //! The report of a run: the figures as a table, the forces over the cycle, the journal's orbit.
 
+use super::limits;
 use super::run::Finished;
 use crate::figure::{Chart, Series, lines, map};
 use crate::page::Page;
@@ -156,10 +157,6 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
             "Negative is a gap.",
         ),
     ]);
-    page.section("What this does not model");
-    page.text(
-        "Planar: no tilt of the shaft, no edge loading. Dry: no lubrication. The levers are rigid and the load \
-         cylinder has no friction of its own. Not a safety function.",
-    );
+    limits::section(&mut page);
     Ok(page)
 }
