@@ -2,6 +2,7 @@
 
 use crate::channel::Channel;
 use crate::effects::Effect;
+use crate::law_names::{DampingName, DissipationName, FrictionName, StiffnessName, WholeName};
 use crate::log_format::{Columns, TextFormat};
 use crate::sensor::Sensor;
 use serde::{Deserialize, Serialize};
@@ -102,13 +103,34 @@ section! {
         stiffness: StiffnessName,
         /// Dissipation factor.
         dissipation: DissipationName,
-        /// Floor of the latched approach speed in m/s.
+        /// Floor of the latched approach speed in m/s; the reference speed where `damping` is `reference`.
         latch_floor_m_s: f64,
+        /// What the rate is compared with.
+        #[serde(default, skip_serializing_if = "DampingName::is_latched")]
+        damping: DampingName,
+        /// A law with a damping of its own in place of stiffness and dissipation.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        law: Option<WholeName>,
+        /// `K` in N/m^n, for laws that do not compute it from the joint.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        coefficient: Option<f64>,
+        /// `n`, for laws that leave it open.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        exponent: Option<f64>,
+        /// Damping in N s/m of `kelvin-voigt`, full damping of `adams-impact`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        damping_n_s_m: Option<f64>,
+        /// Depth of full damping in m of `adams-impact`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        full_damping_depth_m: Option<f64>,
     }
 }
 section! {
-    /// Friction law of the contact; see `contact::FrictionLaw`.
+    /// Friction law of the contact; see `contact::FrictionLaw` and the catalogue of `contact`.
     FrictionSection {
+        /// Another law than Stribeck's.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        law: Option<FrictionName>,
         /// Coefficient at high speed.
         coulomb_coefficient: f64,
         /// Coefficient at the onset of sliding.
@@ -123,6 +145,18 @@ section! {
         viscous_onset_m_s: f64,
         /// Width of the regularised sign in m/s.
         regularisation_m_s: f64,
+        /// Speed in m/s up to which Ambrosio's law gives no friction.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        still_speed_m_s: f64,
+        /// Force in N over which the viscous part of Brown and McPhee's law develops.
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        transition_force_n: f64,
+        /// Stiffness of the bristles in 1/m, for `dahl` and `lugre`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        bristle_stiffness_per_m: Option<f64>,
+        /// Damping of the bristles in s/m, for `lugre`.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        bristle_damping_s_m: f64,
         /// Factor on the whole coefficient: what "friction level" means in `[uncertain]`.
         #[serde(default = "one")]
         level: f64,
@@ -192,30 +226,6 @@ pub enum BearingMaterial {
     Plastic,
 }
 
-/// Stiffness parts that a description may name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StiffnessName {
-    /// The paper's hybrid law as printed.
-    HybridAsPrinted,
-    /// Liu's law times the bearing length.
-    LiuTimesLength,
-}
-
-/// Dissipation factors that a description may name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DissipationName {
-    /// No loss.
-    None,
-    /// Hunt and Crossley.
-    HuntCrossley,
-    /// Lankarani and Nikravesh.
-    LankaraniNikravesh,
-    /// Zhiying and Qishao.
-    ZhiyingQishao,
-}
-
 /// Stribeck exponents that a description may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -228,6 +238,14 @@ pub enum ShapeName {
 
 fn one() -> f64 {
     1.0
+}
+
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// A steel fork on its pin: 10 kN press it by 0.1 mm.

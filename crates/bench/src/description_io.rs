@@ -1,12 +1,13 @@
 //! Reading, checking, presetting and writing bench descriptions.
 
+use crate::contact_laws::{BearingFriction, JointLaw};
 use crate::description::{
     BearingMaterial, Bench, DescriptionError, FrictionRig, ShapeName, TransmissionBench,
 };
 use crate::log_format::{LogFormat, unknown_column};
 use crate::sensor::Sensor;
 use crate::{atomic, channel::Channel, effects::Effect};
-use contact::{FrictionLaw, Material, StribeckShape};
+use contact::{FrictionLaw, LawError, Material, StribeckShape};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -216,6 +217,17 @@ impl Bench {
                     return refuse(field.into(), value.to_string(), &format!("{least} to {most}"));
                 }
             }
+            let laws =
+                [("contact", JointLaw::of(b).err()), ("friction", BearingFriction::of(&b.friction).err())];
+            for (section, error) in laws {
+                match error {
+                    None => {}
+                    Some(LawError::OutOfRange { quantity, found, expected }) => {
+                        return refuse(format!("{section}: {quantity}"), found.to_string(), expected);
+                    }
+                    Some(e) => return refuse(section.into(), e.to_string(), "a law with all its parameters"),
+                }
+            }
         }
         for (channel, sensor) in self.sensors() {
             let numbers = [
@@ -359,6 +371,28 @@ mod tests {
             ("mass_kg = 150.0", "mas_kg = 150.0", "unknown field `mas_kg`"),
             ("\"shaft.mass_kg\" = 3.0", "\"shaft.masse\" = 3.0", "uncertain.shaft.masse"),
             ("transmission-bench", "teapot", "plant is `teapot`"),
+            (
+                "\"hybrid-as-printed\"",
+                "\"rubber\"",
+                "found stiffness `rubber`; expected one of linear, hertz",
+            ),
+            ("\"hybrid-as-printed\"", "\"linear\"", "contact is linear needs a coefficient, found none"),
+            (
+                "\"hybrid-as-printed\"",
+                "\"linear\"\ncoefficient = -1.0",
+                "contact: coefficient (N/m^n) is -1; expected a finite number above 0",
+            ),
+            (
+                "shape = \"tustin\"",
+                "shape = \"tustin\"\nlaw = \"lugre\"",
+                "friction is lugre needs bristle_stiffness",
+            ),
+            (
+                "shape = \"tustin\"",
+                "shape = \"tustin\"\nlaw = \"coulomb\"",
+                "friction: law `coulomb` jumps at rest",
+            ),
+            ("[friction]", "damping = \"wet\"\n[friction]", "found damping `wet`; expected one of latched"),
             (
                 "journal_y_m = { noise = 0.2e-6 }",
                 "journal_y_m = { noise = -1.0 }",

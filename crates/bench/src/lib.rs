@@ -17,6 +17,7 @@ pub mod friction_rig;
 pub mod impact_log;
 pub mod integrate;
 pub mod known_answers;
+pub mod law_names;
 pub mod log;
 pub mod log_format;
 pub mod motion;

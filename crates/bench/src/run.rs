@@ -72,10 +72,14 @@ pub fn run_with_law(
         samples_s,
         &plant.tolerances(tolerance),
         |t, s, latched| {
-            let forces = plant.law(&plant.contact_view(t, s, latched));
+            let forces = plant.forces(t, s, latched);
             samples.push(plant.snapshot(t, s, latched, forces));
         },
     )?;
+    let deformation_m = result.impacts.iter().map(|i| i.max_deformation_m).fold(0.0, f64::max);
+    if let Some(largest_m) = plant.largest_deformation_m().filter(|largest| deformation_m > *largest) {
+        return Err(IntegrationError::OutsideLaw { deformation_m, largest_m });
+    }
     let energy = plant.audit((start_s, &initial), (end_s, &result.state));
     Ok(Run {
         samples,

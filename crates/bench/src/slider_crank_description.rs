@@ -1,6 +1,7 @@
 //! The slider-crank's description in TOML.
 
-use crate::description::{DescriptionError, DissipationName};
+use crate::description::DescriptionError;
+use crate::law_names::DissipationName;
 use crate::slider_crank::SliderCrank;
 use contact::{Material, NormalLaw, Stiffness, hertz_sphere_in_sphere};
 use serde::Deserialize;
@@ -158,7 +159,7 @@ impl SliderCrankBench {
                         &solid,
                     ),
                 },
-                dissipation: self.joint.dissipation.law(),
+                dissipation: self.joint.dissipation.0,
                 restitution: self.joint.restitution,
                 latch_floor_m_s: self.joint.latch_floor_m_s,
             },

@@ -75,6 +75,16 @@ pub enum IntegrationError {
         /// Time reached in s.
         time_s: f64,
     },
+    /// A contact went deeper than its law holds.
+    #[error(
+        "a contact went {deformation_m:e} m deep; expected at most the {largest_m:e} m up to which its law holds"
+    )]
+    OutsideLaw {
+        /// Deepest deformation.
+        deformation_m: f64,
+        /// The law's largest.
+        largest_m: f64,
+    },
     /// Onsets follow each other faster than the run can mean.
     #[error(
         "contact {contact} chatters: {count} onsets within {window_s} s up to t = {time_s} s; expected sustained contact or separate impacts"

@@ -1,11 +1,13 @@
 //! The equations of the transmission bench at one state: contact, laws, accelerations, works.
 
-use super::{BearingForces, ContactView, GRAVITY_M_S2, STATES, Snapshot, State, Transmission};
+use super::{BRISTLE, BearingForces, ContactView, GRAVITY_M_S2, STATES, Snapshot, State, Transmission};
 use crate::integrate::{ContactAngles, ContactPlant, ContactReading};
 use crate::motion::Motion;
 
 /// Largest sine of the crank angle under a rigid drive: the slide jams at 1.
 const LARGEST_SINE: f64 = 0.9999;
+/// Rate at which bristles out of contact straighten.
+const BRISTLE_RECOVERY_PER_S: f64 = 1e3;
 
 /// Where things are at one state; computed once and used by laws and equations.
 #[derive(Clone, Copy, Debug)]
@@ -72,16 +74,26 @@ impl Transmission {
         }
     }
 
-    /// The analytic laws of the description.
+    /// The analytic laws of the description for a contact without history: a friction law with bristles is taken in its
+    /// steady state.
     pub fn law(&self, view: &ContactView) -> BearingForces {
+        self.forces_of(view, self.friction_law.steady_deflection_m(view.sliding_speed_m_s))
+    }
+
+    /// The analytic laws at a state.
+    pub fn forces(&self, time_s: f64, s: &State, latched_m_s: f64) -> BearingForces {
+        self.forces_of(&self.contact_view(time_s, s, latched_m_s), s[BRISTLE])
+    }
+
+    fn forces_of(&self, view: &ContactView, deflection_m: f64) -> BearingForces {
         if view.deformation_m <= 0.0 {
             return BearingForces::default();
         }
-        let normal_n = self.normal_law.force_n(view.deformation_m, view.rate_m_s, view.latched_m_s);
+        let normal_n = self.joint_law.law.force_n(view.deformation_m, view.rate_m_s, view.latched_m_s);
         let v = view.sliding_speed_m_s;
-        let mut dry = self.friction_law.force_n(normal_n, v) * self.friction_level;
+        let mut dry = self.friction_law.force_n(normal_n, v, deflection_m) * self.friction_level;
         if self.extension.coulomb_asymmetry != 0.0 {
-            dry *= 1.0 + self.extension.coulomb_asymmetry * (v / self.friction_law.regularisation_m_s).tanh();
+            dry *= 1.0 + self.extension.coulomb_asymmetry * (v / self.sign_width_m_s).tanh();
         }
         BearingForces { normal_n, friction_n: dry - self.extension.viscous_n_s_m * v }
     }
@@ -155,7 +167,7 @@ impl Transmission {
         let bearing_power = force_y * s[2] + force_z * s[3] + torque * g.speed_rad_s;
         let friction_heat = -torque / self.journal_radius_m * g.sliding_m_s;
         let elastic_power =
-            if touching { self.normal_law.stiffness.force_n(g.depth_m) * g.rate_m_s } else { 0.0 };
+            if touching { self.joint_law.elastic.force_n(g.depth_m) * g.rate_m_s } else { 0.0 };
         *out = [
             s[2],
             s[3],
@@ -169,6 +181,12 @@ impl Transmission {
             friction_heat,
             -bearing_power - friction_heat - elastic_power,
             -load_friction * load_rate,
+            // Bristles that touch nothing straighten.
+            if touching {
+                self.friction_law.rate_m_s(g.sliding_m_s, s[BRISTLE])
+            } else {
+                -BRISTLE_RECOVERY_PER_S * s[BRISTLE]
+            },
         ];
         fork
     }
@@ -200,7 +218,8 @@ impl Transmission {
 impl ContactPlant<STATES> for Transmission {
     fn derivative(&self, time_s: f64, state: &State, latched_m_s: Option<f64>, derivative: &mut State) {
         let g = self.geometry(time_s, state);
-        let forces = latched_m_s.map_or(BearingForces::default(), |l| self.law(&self.view(&g, l)));
+        let forces = latched_m_s
+            .map_or(BearingForces::default(), |l| self.forces_of(&self.view(&g, l), state[BRISTLE]));
         let components = self.components_along(g.ny, g.nz, &forces);
         self.motion(time_s, state, &g, latched_m_s.is_some(), components, derivative);
     }
@@ -213,7 +232,7 @@ impl ContactPlant<STATES> for Transmission {
 
     fn contact(&self, time_s: f64, state: &State, latched_m_s: f64) -> ContactReading {
         let (depth_m, rate_m_s) = self.deformation(time_s, state);
-        let force_n = self.normal_law.force_n(depth_m, rate_m_s, latched_m_s);
+        let force_n = self.joint_law.law.force_n(depth_m, rate_m_s, latched_m_s);
         ContactReading { depth_m, rate_m_s, force_n }
     }
 

@@ -19,26 +19,28 @@
 mod dynamics;
 mod fork;
 
-use crate::contact_laws::normal_law;
+use crate::contact_laws::{BearingFriction, JointLaw};
 use crate::description::{Extension, LoadFriction, TransmissionBench};
 use crate::energy::{EnergyAudit, elastic_energy_j};
 use crate::integrate::Tolerances;
 use crate::motion::{Motion, Profile};
-use contact::{FrictionLaw, NormalLaw};
+use contact::SlidingLaw;
 use fork::Drive;
 
 /// Gravity in m/s2, the value of the published test problems.
 const GRAVITY_M_S2: f64 = 9.81;
 /// Gap at the start as a share of the radial clearance.
 const START_GAP_SHARE: f64 = 1e-3;
-/// States under error control.
+/// Index of the bristles' deflection.
+const BRISTLE: usize = STATES - 1;
+/// States under error control, with a friction law without bristles.
 const CONTROLLED: f64 = 8.0;
 /// Number of states.
-pub const STATES: usize = 12;
+pub const STATES: usize = 13;
 
 /// States: y, z, y', z', th, th' (these two only with a compliant drive), then energies in J: work of the fork, the same
 /// with every contribution positive, work of the load, heat of friction, loss of the normal force beyond its elastic
-/// part, heat of the load cylinder.
+/// part, heat of the load cylinder; last the deflection of the bristles in m, for friction laws that have one.
 pub type State = [f64; STATES];
 
 /// The forces of the bearing on the shaft.
@@ -105,8 +107,9 @@ pub struct Transmission {
     inertia_kg_m2: f64,
     journal_radius_m: f64,
     radial_clearance_m: f64,
-    normal_law: NormalLaw,
-    friction_law: FrictionLaw,
+    joint_law: JointLaw,
+    friction_law: BearingFriction,
+    sign_width_m_s: f64,
     friction_level: f64,
     extension: Extension,
     load_friction: Option<LoadFriction>,
@@ -126,8 +129,10 @@ impl Transmission {
             inertia_kg_m2: bench.shaft.inertia_kg_m2,
             journal_radius_m: bench.bearing.bearing_radius_m - radial_clearance_m,
             radial_clearance_m,
-            normal_law: normal_law(bench),
-            friction_law: bench.friction_law(),
+            joint_law: JointLaw::after_changes(bench),
+            friction_law: BearingFriction::of(&bench.friction)
+                .unwrap_or(BearingFriction::Sliding(SlidingLaw::Stribeck(bench.friction_law()))),
+            sign_width_m_s: bench.friction.regularisation_m_s,
             friction_level: bench.friction.level,
             extension: bench.extension,
             load_friction: bench.load_friction.clone(),
@@ -165,7 +170,11 @@ impl Transmission {
     pub fn tolerances(&self, relative: f64) -> Tolerances<STATES> {
         let relative = relative * (CONTROLLED / STATES as f64).sqrt();
         let sizes = [1e-4, 1e-4, 1e-2, 1e-2, 1.0, 1.0, 1e3, 1e3];
-        let absolute = std::array::from_fn(|i| sizes.get(i).map_or(f64::INFINITY, |size| size * relative));
+        let mut absolute =
+            std::array::from_fn(|i| sizes.get(i).map_or(f64::INFINITY, |size| size * relative));
+        if self.friction_law.has_state() {
+            absolute[BRISTLE] = 1e-6 * relative;
+        }
         Tolerances { relative, absolute, largest_step_s: 1e-3 }
     }
 
@@ -179,10 +188,15 @@ impl Transmission {
         self.radial_clearance_m
     }
 
+    /// The deformation in m up to which the normal law holds, if it ends.
+    pub fn largest_deformation_m(&self) -> Option<f64> {
+        self.joint_law.law.largest_deformation_m()
+    }
+
     /// Kinetic energy of the shaft and elastic energy of the contact in J.
     fn stored_energy_j(&self, time_s: f64, s: &State) -> f64 {
         let g = self.geometry(time_s, s);
-        let elastic = elastic_energy_j(&self.normal_law.stiffness, g.depth_m);
+        let elastic = elastic_energy_j(&self.joint_law.elastic, g.depth_m);
         0.5 * self.mass_kg * (s[2] * s[2] + s[3] * s[3])
             + 0.5 * self.inertia_kg_m2 * g.speed_rad_s * g.speed_rad_s
             + elastic
