@@ -351,6 +351,25 @@ section! {
         /// Cycles of a record.
         #[serde(default = "one_cycle")]
         cycles: u32,
+        /// Rest before each half cycle of a record, s.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        dwell_s: f64,
+    }
+}
+
+section! {
+    /// The rubbing pair of a friction rig; adds to the axis' own friction. See `friction_rig`.
+    Surface {
+        /// Which measured pair.
+        material: BearingMaterial,
+        /// Static friction after a long rest over that after none.
+        break_away_ratio: f64,
+        /// Time in s over which a rest builds it up.
+        break_away_time_s: f64,
+        /// Sliding distance in m over which it is lost.
+        break_away_distance_m: f64,
+        /// Lag of the coefficient behind the speed, s.
+        lag_s: f64,
     }
 }
 
@@ -372,6 +391,9 @@ pub struct FrictionRig {
     pub plant: String,
     /// The axis.
     pub axis: Axis,
+    /// The rubbing pair; none: the axis' own coefficient alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<Surface>,
     /// Load.
     pub load: Load,
     /// Log.

@@ -16,6 +16,8 @@ pub const PRESETS: &[(&str, &str)] = &[
     ("bench-b", include_str!("../presets/bench-b.toml")),
     ("bench-a", include_str!("../presets/bench-a.toml")),
     ("friction-rig", include_str!("../presets/friction-rig.toml")),
+    ("friction-rig-babbitt", include_str!("../presets/friction-rig-babbitt.toml")),
+    ("friction-rig-plastic", include_str!("../presets/friction-rig-plastic.toml")),
 ];
 
 impl Bench {
@@ -229,6 +231,23 @@ impl Bench {
                 }
             }
         }
+        if let Self::FrictionRig(r) = self {
+            let most = f64::MAX;
+            let mut limits = vec![("axis.dwell_s", r.axis.dwell_s, 0.0, most)];
+            if let Some(s) = &r.surface {
+                limits.extend([
+                    ("surface.break_away_ratio", s.break_away_ratio, 1.0, 10.0),
+                    ("surface.break_away_time_s", s.break_away_time_s, 1e-6, most),
+                    ("surface.break_away_distance_m", s.break_away_distance_m, 1e-9, most),
+                    ("surface.lag_s", s.lag_s, 0.0, 10.0),
+                ]);
+            }
+            for (field, value, least, most) in limits {
+                if !(least..=most).contains(&value) {
+                    return refuse(field.into(), value.to_string(), &format!("{least} to {most}"));
+                }
+            }
+        }
         for (channel, sensor) in self.sensors() {
             let numbers = [
                 ("noise", sensor.noise, 0.0),
@@ -238,6 +257,8 @@ impl Bench {
                 ("offset", sensor.offset, f64::MIN),
                 ("gain", sensor.gain, f64::MIN),
                 ("drift_per_s", sensor.drift_per_s, f64::MIN),
+                ("outlier_share", sensor.outlier_share, 0.0),
+                ("outlier_size", sensor.outlier_size, 0.0),
             ];
             for (field, value, least) in numbers {
                 if !(value.is_finite() && value >= least) {

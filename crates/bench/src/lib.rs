@@ -25,6 +25,7 @@ pub mod multibody;
 pub mod peaks;
 pub mod record;
 pub mod respond;
+pub mod rig_groups;
 pub mod run;
 pub mod sensor;
 pub mod slider_crank;

@@ -69,7 +69,7 @@ impl Inputs {
                 let drive = match (log.channels.get(&position), log.channels.get(&speed)) {
                     (Some(x), v) => Profile::through(time_s, x, v.map(Vec::as_slice), half, 2),
                     (None, Some(v)) => integrated(time_s, v, half),
-                    (None, None) => return log.need(position).map(|_| unreachable_inputs()),
+                    (None, None) => return Err(log.missing(position)),
                 };
                 let load = match log.channels.get(&Channel::LoadForce) {
                     Some(values) => smooth_load(values),
@@ -100,15 +100,6 @@ impl Inputs {
     /// The load at a time, N.
     pub fn load_n(&self, time_s: f64) -> f64 {
         self.load.at(time_s).value
-    }
-}
-
-fn unreachable_inputs() -> Inputs {
-    Inputs {
-        time_s: Vec::new(),
-        drive: Profile::Ramp { level: 0.0, ramp_s: 1.0 },
-        load: Profile::Ramp { level: 0.0, ramp_s: 1.0 },
-        outputs: Vec::new(),
     }
 }
 
@@ -184,14 +175,13 @@ pub fn outputs_of(samples: &[Snapshot], channels: &[Channel]) -> Response {
 
 fn axis_outputs(rig: &FrictionRig, inputs: &Inputs) -> Response {
     let (_, _, effort_channel) = rig.channels();
+    let efforts = friction_rig::efforts(rig, &inputs.time_s, |t| inputs.drive(t), |t| inputs.load_n(t));
     let mut response = Response::new();
     for &channel in &inputs.outputs {
-        let values = inputs.time_s.iter().map(|&t| {
-            let effort = friction_rig::effort(rig, &inputs.drive(t), inputs.load_n(t));
-            if channel == effort_channel { effort.effort } else { -effort.friction }
-        });
-        if channel == effort_channel || channel == Channel::FrictionTorque {
-            response.insert(channel, values.collect());
+        if channel == effort_channel {
+            response.insert(channel, efforts.iter().map(|e| e.effort).collect());
+        } else if channel == Channel::FrictionTorque {
+            response.insert(channel, efforts.iter().map(|e| -e.friction).collect());
         }
     }
     response
