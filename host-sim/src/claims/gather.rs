@@ -101,7 +101,8 @@ pub fn slider_crank_ratio() -> Result<f64, CliError> {
         &plant.tolerances(SLIDER_CRANK_TOLERANCE),
         |t, state, latched| {
             let mut rates = [0.0; 4];
-            plant.derivative(t, state, latched, &mut rates);
+            let touching = plant.deformation(t, state).0 > 0.0;
+            plant.derivative(t, state, touching.then_some(latched), &mut rates);
             largest = largest.max(rates[3].abs());
         },
     )?;

@@ -3,15 +3,14 @@
 //! The damping multiplies the elastic force by `1 + chi q`. In sustained contact the printed form, `q = d'/d'0` with the
 //! speed latched at an onset long ago or a floor, hangs on a number of the model, not of the bench. This sweep shows how
 //! much: the latched form at five floors, the same with `q` held to -1..1, and the sustained form `q = d'/v_r` at the
-//! same speeds. The latched form is integrated with error control; the other two have their force held over
-//! [`HELD_STEP_S`], within 1 % of it.
+//! same speeds, all with the analytic law under error control.
 
 use super::limits;
 use super::output::{self, Picture};
 use super::sweep::RunOptions;
 use crate::error::CliError;
 use crate::figure::{Chart, Series, Style, lines_log_x};
-use crate::force::{self, DEFAULT_STEP_S, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
+use crate::force::{self, DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ};
 use crate::page::Page;
 use crate::paper::{BEARINGS, CLEARANCES_MM, resolved, variant};
 use crate::summary::Figures;
@@ -19,18 +18,16 @@ use crate::sweep::table;
 use crate::{parallel, progress};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
-use bench::run::run_with_held_force;
-use bench::transmission::{BearingForces, ContactView, Transmission};
+use bench::transmission::Transmission;
 use contact::Damping;
 use serde::Serialize;
+use serde::de::{Deserialize, IntoDeserializer, value};
 use std::path::Path;
 
 /// Floors and reference speeds, mm/s.
 const SPEEDS_MM_S: [f64; 5] = [1.0, 5.0, 10.0, 50.0, 200.0];
 /// Load of the runs, kN.
 const LOAD_KN: f64 = 10.0;
-/// Step over which a force from outside is held, s.
-const HELD_STEP_S: f64 = 1e-5;
 
 /// One run.
 #[derive(Clone, Debug, Serialize)]
@@ -108,14 +105,11 @@ fn one(
 ) -> Result<LatchRun, CliError> {
     let mut bench = variant(base, bearing, clearance_mm, LOAD_KN);
     bench.contact.latch_floor_m_s = speed_mm_s * 1e-3;
+    bench.contact.damping = Deserialize::deserialize(damping.into_deserializer())
+        .map_err(|e: value::Error| CliError::Work(format!("{damping}: {e}")))?;
     let bench = resolved(bench)?;
     let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
-    let form = Damping::from_name(damping, speed_mm_s * 1e-3)
-        .map_err(|e| CliError::Work(format!("{damping}: {e}")))?;
-    let forced = match form {
-        Damping::Latched { .. } => force::run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?,
-        other => held(&bench, &plant, other)?,
-    };
+    let forced = force::run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?;
     Ok(LatchRun {
         damping,
         speed_mm_s,
@@ -123,23 +117,6 @@ fn one(
         peak_change: 0.0,
         figures: Figures::of(&bench, ForceSource::Law, &forced, SAMPLE_RATE_HZ),
     })
-}
-
-/// Runs the bench with another form of the damping around its own elastic and friction laws.
-fn held(
-    bench: &TransmissionBench,
-    plant: &Transmission,
-    damping: Damping<f64>,
-) -> Result<ForcedRun, CliError> {
-    let chi = bench.contact.dissipation.law().factor(bench.bearing.restitution);
-    let times = bench.sample_times_s(SAMPLE_RATE_HZ);
-    let run = run_with_held_force(plant, bench.duration_s(), &times, HELD_STEP_S, |view| {
-        // At rest the law is its elastic part, and friction goes with the normal force.
-        let elastic = plant.law(&ContactView { rate_m_s: 0.0, ..*view });
-        let factor = (1.0 + chi * damping.rate_ratio(view.rate_m_s, view.latched_m_s)).max(0.0);
-        BearingForces { normal_n: elastic.normal_n * factor, friction_n: elastic.friction_n * factor }
-    })?;
-    Ok(ForcedRun { run, outside_training_share: 0.0 })
 }
 
 fn header() -> Vec<String> {
@@ -217,28 +194,4 @@ fn page(runs: &[LatchRun], pictures: &[Picture]) -> Page {
     page.table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows(runs));
     limits::section(&mut page);
     page
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_held_force_repeats_the_integrated_law_within_a_percent() {
-        let base = match bench::Bench::open("bench-b").unwrap() {
-            bench::Bench::Transmission(bench) => *bench,
-            bench::Bench::FrictionRig(_) => panic!("bench-b"),
-        };
-        for bearing in BEARINGS {
-            let bench = variant(&base, bearing, 0.5, LOAD_KN);
-            let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
-            let floor = Damping::Latched { floor_m_s: bench.contact.latch_floor_m_s };
-            let peak = |run: &ForcedRun| {
-                Figures::of(&bench, ForceSource::Law, run, SAMPLE_RATE_HZ).peak_contact_force_n
-            };
-            let law = peak(&force::run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {}).unwrap());
-            let held = peak(&held(&bench, &plant, floor).unwrap());
-            assert!((held / law - 1.0).abs() < 0.01, "{bearing:?}: {held} for {law}");
-        }
-    }
 }
