@@ -164,6 +164,11 @@ impl BearingFriction {
         })
     }
 
+    /// The law of a section that was checked and then changed, Stribeck's where that took it out of its range.
+    pub(crate) fn after_changes(section: &FrictionSection) -> Self {
+        Self::of(section).unwrap_or(Self::Sliding(SlidingLaw::Stribeck(stribeck(section))))
+    }
+
     /// Whether the law has a deflection.
     pub(crate) fn has_state(&self) -> bool {
         !matches!(self, Self::Sliding(_))

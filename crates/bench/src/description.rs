@@ -209,6 +209,51 @@ section! {
     }
 }
 section! {
+    /// Tilt of the shaft in its bearing; see `two_plane`.
+    TwoPlaneSection {
+        /// Slices of the bearing along its length.
+        #[serde(default = "eleven")]
+        slices: u32,
+        /// Moment of inertia about an axis across the shaft, kg m2.
+        #[serde(default = "transverse_inertia_kg_m2")]
+        transverse_inertia_kg_m2: f64,
+        /// Plane of the drive crank from the bearing's middle, m.
+        #[serde(default)]
+        drive_offset_m: f64,
+        /// Plane of the load crank from the bearing's middle, m.
+        #[serde(default)]
+        load_offset_m: f64,
+        /// Slope of the bearing's axis in Y, rad.
+        #[serde(default)]
+        misalignment_y_rad: f64,
+        /// Slope of the bearing's axis in Z, rad.
+        #[serde(default)]
+        misalignment_z_rad: f64,
+        /// Stiffness of further supports against tilt, N m/rad.
+        #[serde(default)]
+        support_stiffness_nm_rad: f64,
+        /// Their damping, N m s/rad.
+        #[serde(default)]
+        support_damping_nm_s_rad: f64,
+    }
+}
+
+impl Default for TwoPlaneSection {
+    fn default() -> Self {
+        Self {
+            slices: eleven(),
+            transverse_inertia_kg_m2: transverse_inertia_kg_m2(),
+            drive_offset_m: 0.0,
+            load_offset_m: 0.0,
+            misalignment_y_rad: 0.0,
+            misalignment_z_rad: 0.0,
+            support_stiffness_nm_rad: 0.0,
+            support_damping_nm_s_rad: 0.0,
+        }
+    }
+}
+
+section! {
     /// How a log of the bench is taken.
     Logging {
         /// Samples a second.
@@ -257,6 +302,15 @@ fn millimetre_per_second() -> f64 {
     1e-3
 }
 
+fn eleven() -> u32 {
+    11
+}
+
+/// A shaft of 150 kg over 0.9 m: an assumption, as the bench's polar inertia is.
+fn transverse_inertia_kg_m2() -> f64 {
+    10.0
+}
+
 fn one_cycle() -> u32 {
     1
 }
@@ -284,6 +338,9 @@ pub struct TransmissionBench {
     /// Play in the fork; none: the fork is rigid, or the hydraulic column of an effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fork: Option<Fork>,
+    /// Tilt of the shaft; none: the planar bench.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub two_plane: Option<TwoPlaneSection>,
     /// Friction of the load cylinder; none: frictionless.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load_friction: Option<LoadFriction>,

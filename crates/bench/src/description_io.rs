@@ -199,7 +199,8 @@ impl Bench {
             }
         }
         if let Self::Transmission(b) = self {
-            let limits = [
+            let most = f64::MAX;
+            let mut limits = vec![
                 ("bearing.restitution", b.bearing.restitution, 0.0, 1.0),
                 ("bearing.poisson_ratio", b.bearing.poisson_ratio, 0.0, 0.5),
                 ("friction.coulomb_coefficient", b.friction.coulomb_coefficient, 0.0, 10.0),
@@ -214,9 +215,35 @@ impl Bench {
                     0.1 * b.bearing.bearing_radius_m,
                 ),
             ];
+            if let Some(t) = &b.two_plane {
+                limits.extend([
+                    ("two_plane.slices", f64::from(t.slices), 1.0, 201.0),
+                    ("two_plane.transverse_inertia_kg_m2", t.transverse_inertia_kg_m2, 1e-6, most),
+                    ("two_plane.drive_offset_m", t.drive_offset_m, -10.0, 10.0),
+                    ("two_plane.load_offset_m", t.load_offset_m, -10.0, 10.0),
+                    ("two_plane.misalignment_y_rad", t.misalignment_y_rad, -0.1, 0.1),
+                    ("two_plane.misalignment_z_rad", t.misalignment_z_rad, -0.1, 0.1),
+                    ("two_plane.support_stiffness_nm_rad", t.support_stiffness_nm_rad, 0.0, most),
+                    ("two_plane.support_damping_nm_s_rad", t.support_damping_nm_s_rad, 0.0, most),
+                ]);
+            }
+            if let Some(f) = &b.fork {
+                limits.extend([
+                    ("fork.backlash_m", f.backlash_m, 0.0, 0.1 * b.geometry.drive_lever_radius_m),
+                    ("fork.stiffness_n_m", f.stiffness_n_m, 1.0, most),
+                    ("fork.damping_s_m", f.damping_s_m, 0.0, most),
+                ]);
+            }
+            if let Some(f) = &b.load_friction {
+                limits.extend([
+                    ("load_friction.coulomb_n", f.coulomb_n, 0.0, most),
+                    ("load_friction.viscous_n_s_m", f.viscous_n_s_m, 0.0, most),
+                    ("load_friction.regularisation_m_s", f.regularisation_m_s, 1e-9, most),
+                ]);
+            }
             for (field, value, least, most) in limits {
                 if !(least..=most).contains(&value) {
-                    return refuse(field.into(), value.to_string(), &format!("{least} to {most}"));
+                    return refuse(field.into(), value.to_string(), &range(least, most));
                 }
             }
             let laws =
@@ -244,7 +271,7 @@ impl Bench {
             }
             for (field, value, least, most) in limits {
                 if !(least..=most).contains(&value) {
-                    return refuse(field.into(), value.to_string(), &format!("{least} to {most}"));
+                    return refuse(field.into(), value.to_string(), &range(least, most));
                 }
             }
         }
@@ -301,6 +328,10 @@ impl Bench {
         }
         Ok(())
     }
+}
+
+fn range(least: f64, most: f64) -> String {
+    if most < f64::MAX { format!("{least} to {most}") } else { format!("a finite number, at least {least}") }
 }
 
 impl TransmissionBench {
@@ -392,6 +423,8 @@ mod tests {
             ("mass_kg = 150.0", "mas_kg = 150.0", "unknown field `mas_kg`"),
             ("\"shaft.mass_kg\" = 3.0", "\"shaft.masse\" = 3.0", "uncertain.shaft.masse"),
             ("transmission-bench", "teapot", "plant is `teapot`"),
+            ("[logging]", "[two_plane]\nslices = 0\n[logging]", "two_plane.slices is 0; expected 1 to 201"),
+            ("[logging]", "[fork]\nbacklash_m = -1.0\n[logging]", "fork.backlash_m is -1; expected 0 to"),
             (
                 "\"hybrid-as-printed\"",
                 "\"rubber\"",

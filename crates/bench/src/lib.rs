@@ -18,6 +18,7 @@ pub mod impact_log;
 pub mod integrate;
 pub mod known_answers;
 pub mod law_names;
+pub mod limits;
 pub mod log;
 pub mod log_format;
 pub mod motion;
@@ -31,6 +32,7 @@ pub mod sensor;
 pub mod slider_crank;
 pub mod slider_crank_description;
 pub mod transmission;
+pub mod two_plane;
 
 pub use channel::{Channel, Role};
 pub use description::{BearingMaterial, Bench, DescriptionError};

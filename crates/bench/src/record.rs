@@ -7,9 +7,9 @@ use crate::integrate::IntegrationError;
 use crate::log::MeasuredLog;
 use crate::motion::Profile;
 use crate::respond::{Response, outputs_of};
-use crate::run::{DEFAULT_TOLERANCE, run_with_law};
+use crate::run::{DEFAULT_TOLERANCE, snapshots};
 use crate::sensor::Sensor;
-use crate::transmission::{Snapshot, Transmission};
+use crate::transmission::Snapshot;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
@@ -58,10 +58,10 @@ fn sensed(resolved: &Bench, time_s: Vec<f64>, mut channels: Response, seed: u64)
 }
 
 fn transmission(bench: &TransmissionBench) -> Result<(Vec<f64>, Response), IntegrationError> {
-    let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let time_s = bench.sample_times_s(bench.logging.sample_rate_hz);
-    let run = run_with_law(&plant, bench.duration_s(), &time_s, DEFAULT_TOLERANCE)?;
-    let channels = outputs_of(&run.samples, TRANSMISSION_CHANNELS);
+    let inputs = (bench.drive_profile(), bench.load_profile());
+    let samples = snapshots(bench, inputs, bench.duration_s(), &time_s, DEFAULT_TOLERANCE)?;
+    let channels = outputs_of(&samples, TRANSMISSION_CHANNELS);
     Ok((time_s, channels))
 }
 

@@ -6,9 +6,9 @@ use crate::friction_rig;
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
 use crate::motion::{Motion, Profile};
-use crate::run::{DEFAULT_TOLERANCE, run_with_law};
+use crate::run::{DEFAULT_TOLERANCE, snapshots};
 use crate::sensor::Sensor;
-use crate::transmission::{Snapshot, Transmission};
+use crate::transmission::Snapshot;
 use std::collections::BTreeMap;
 
 /// Simulated outputs by channel, one value a sample of the log.
@@ -131,10 +131,10 @@ pub fn respond(bench: &Bench, inputs: &Inputs) -> Result<Response, RespondError>
 pub fn truth(resolved: &Bench, inputs: &Inputs) -> Result<Response, RespondError> {
     Ok(match resolved {
         Bench::Transmission(bench) => {
-            let plant = Transmission::new(bench, inputs.drive.clone(), inputs.load.clone());
-            let end = inputs.time_s.last().copied().unwrap_or_default();
-            let run = run_with_law(&plant, end, &inputs.time_s, DEFAULT_TOLERANCE)?;
-            outputs_of(&run.samples, &inputs.outputs)
+            let end_s = inputs.time_s.last().copied().unwrap_or_default();
+            let profiles = (inputs.drive.clone(), inputs.load.clone());
+            let samples = snapshots(bench, profiles, end_s, &inputs.time_s, DEFAULT_TOLERANCE)?;
+            outputs_of(&samples, &inputs.outputs)
         }
         Bench::FrictionRig(rig) => axis_outputs(rig, inputs),
     })

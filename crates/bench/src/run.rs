@@ -5,6 +5,7 @@ use crate::energy::EnergyAudit;
 use crate::integrate::{ContactPlant, Impact, IntegrationError, integrate};
 use crate::motion::Profile;
 use crate::transmission::{BearingForces, ContactView, STATES, Snapshot, State, Transmission};
+use crate::two_plane::{TwoPlane, run_two_plane};
 use differential_equations::ode::OrdinaryNumericalMethod;
 use differential_equations::prelude::{ExplicitRungeKutta, ODE};
 use std::cell::Cell;
@@ -88,6 +89,22 @@ pub fn run_with_law(
         energy,
         steps: result.steps,
     })
+}
+
+/// The bench at the given times under a drive and a load, with its analytic laws: planar, or in two planes where the
+/// description has them. What records and diagnoses simulate.
+pub fn snapshots(
+    bench: &TransmissionBench,
+    (drive, load): (Profile, Profile),
+    end_s: f64,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Vec<Snapshot>, IntegrationError> {
+    if bench.two_plane.is_some() {
+        let run = run_two_plane(&TwoPlane::new(bench, drive, load), end_s, samples_s, tolerance)?;
+        return Ok(run.samples.into_iter().map(|s| s.planar).collect());
+    }
+    Ok(run_with_law(&Transmission::new(bench, drive, load), end_s, samples_s, tolerance)?.samples)
 }
 
 struct Held<'a> {

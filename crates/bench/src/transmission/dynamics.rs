@@ -5,7 +5,7 @@ use crate::integrate::{ContactAngles, ContactPlant, ContactReading};
 use crate::motion::Motion;
 
 /// Largest sine of the crank angle under a rigid drive: the slide jams at 1.
-const LARGEST_SINE: f64 = 0.9999;
+pub(crate) const LARGEST_SINE: f64 = 0.9999;
 /// Rate at which bristles out of contact straighten.
 const BRISTLE_RECOVERY_PER_S: f64 = 1e3;
 

@@ -16,6 +16,8 @@
 //!
 //! Here is how the plant is built from a description; `dynamics` has the equations, `fork` the drive's compliance.
 
+pub(crate) use dynamics::LARGEST_SINE;
+
 mod dynamics;
 mod fork;
 
@@ -24,13 +26,12 @@ use crate::description::{Extension, LoadFriction, TransmissionBench};
 use crate::energy::{EnergyAudit, elastic_energy_j};
 use crate::integrate::Tolerances;
 use crate::motion::{Motion, Profile};
-use contact::SlidingLaw;
 use fork::Drive;
 
 /// Gravity in m/s2, the value of the published test problems.
-const GRAVITY_M_S2: f64 = 9.81;
+pub(crate) const GRAVITY_M_S2: f64 = 9.81;
 /// Gap at the start as a share of the radial clearance.
-const START_GAP_SHARE: f64 = 1e-3;
+pub(crate) const START_GAP_SHARE: f64 = 1e-3;
 /// Index of the bristles' deflection.
 const BRISTLE: usize = STATES - 1;
 /// States under error control, with a friction law without bristles.
@@ -130,8 +131,7 @@ impl Transmission {
             journal_radius_m: bench.bearing.bearing_radius_m - radial_clearance_m,
             radial_clearance_m,
             joint_law: JointLaw::after_changes(bench),
-            friction_law: BearingFriction::of(&bench.friction)
-                .unwrap_or(BearingFriction::Sliding(SlidingLaw::Stribeck(bench.friction_law()))),
+            friction_law: BearingFriction::after_changes(&bench.friction),
             sign_width_m_s: bench.friction.regularisation_m_s,
             friction_level: bench.friction.level,
             extension: bench.extension,
