@@ -3,6 +3,7 @@
 use crate::force::{ForceSource, ForcedRun};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
+use bench::peaks::Peak;
 use bench::transmission::Snapshot;
 use serde::{Deserialize, Serialize};
 
@@ -51,12 +52,36 @@ pub struct Summary {
     pub figures: Figures,
     /// Wall time of the bench alone.
     pub wall_s_per_simulated_s: f64,
+    /// Terms of the energy balance in J, and its relative residual.
+    pub energy: serde_json::Map<String, serde_json::Value>,
+    /// Peaks of the analytic law, with error bars from two tolerances.
+    pub law_peaks: Vec<LawPeak>,
     /// The estimator, where one ran.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSummary>,
     /// The same run with the analytic law, where the force came from networks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against_law: Option<AgainstLaw>,
+}
+
+/// A peak of the analytic law. Components and torque are read more finely than from the samples of a run, so a narrow
+/// peak may stand a little above that of the figures.
+#[derive(Clone, Debug, Serialize)]
+pub struct LawPeak {
+    /// What it is the peak of, unit included.
+    pub name: &'static str,
+    /// Largest magnitude.
+    pub value: f64,
+    /// Difference between the runs at two tolerances.
+    pub error_bar: f64,
+    /// When, s.
+    pub time_s: f64,
+}
+
+impl From<Peak> for LawPeak {
+    fn from(Peak { name, value, error_bar, time_s }: Peak) -> Self {
+        Self { name, value, error_bar, time_s }
+    }
 }
 
 /// How the estimator did.

@@ -57,7 +57,7 @@ pub struct JointFacts {
     pub bench: Vec<(f64, f64)>,
 }
 
-/// Friction torque in N m at a load in N, by sliding speed in m/s, ascending from 0.
+/// Friction torque in N m at a load in N by sliding speed in m/s, ascending: medians of a rig's records in bands.
 #[derive(Clone, Debug)]
 pub struct TorqueCurve {
     /// Load in N.
@@ -66,15 +66,13 @@ pub struct TorqueCurve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Friction torque over load and speed.
+/// Friction torque over load and speed on the rigs, ascending in load.
 #[derive(Clone, Debug)]
 pub struct FrictionFacts {
-    /// Babbitt at the rig's loads, over the bench's speeds.
+    /// Babbitt.
     pub babbitt: Vec<TorqueCurve>,
-    /// Plastic at the rig's loads, over the bench's speeds.
+    /// Plastic.
     pub plastic: Vec<TorqueCurve>,
-    /// The rig's largest sliding speed, m/s.
-    pub rig_speed_m_s: f64,
 }
 
 /// Everything the claims are judged by.
@@ -88,7 +86,7 @@ pub struct Facts {
     pub modulus: Vec<(f64, f64)>,
     /// Joint acceleration.
     pub joint: JointFacts,
-    /// Friction laws on the rig.
+    /// Friction on the rig.
     pub friction: FrictionFacts,
     /// Shipped networks.
     pub training: Vec<TrainingFacts>,
@@ -160,7 +158,7 @@ pub(super) mod tests {
             plastic: bearing(BearingMaterial::Plastic),
             modulus: Vec::new(),
             joint: JointFacts { slider_crank: 1.0, bench: Vec::new() },
-            friction: FrictionFacts { babbitt: Vec::new(), plastic: Vec::new(), rig_speed_m_s: 0.0073 },
+            friction: FrictionFacts { babbitt: Vec::new(), plastic: Vec::new() },
             training: Vec::new(),
         }
     }

@@ -1,7 +1,7 @@
 //! Collects the facts: the paper's runs, and what the runs alone cannot tell.
 //!
 //! Beside the runs: a fine load grid and a modulus scan with the analytic law (they look for a cause, not for a
-//! figure of the paper), the published slider-crank, the friction laws at the rig's loads, and the shipped networks.
+//! figure of the paper), the published slider-crank, records of the friction rigs, and the shipped networks.
 
 use super::facts::{BearingFacts, Facts, FrictionFacts, JointFacts, RunFacts, TorqueCurve};
 use super::training;
@@ -12,13 +12,16 @@ use crate::summary::Figures;
 use crate::{parallel, swing};
 use bench::BearingMaterial::{self, Babbitt, Plastic};
 use bench::description::TransmissionBench;
-use bench::integrate::{ContactPlant, integrate};
+use bench::integrate::integrate;
+use bench::rig_groups::{LOADS_N, rig_groups};
 use bench::slider_crank_description::reference_problem;
+use bench::{Bench, Channel};
 
-/// The rig's loads, N.
-pub const RIG_LOADS_N: [f64; 4] = [100e3, 150e3, 200e3, 240e3];
-/// The rig's largest speed, 6 deg/s, rad/s.
-const RIG_SPEED_RAD_S: f64 = core::f64::consts::PI / 30.0;
+/// Bands of the sliding speed on the rig, and the slowest that counts: below, a rest is not yet forgotten.
+const RIG_BANDS: usize = 12;
+const RIG_LEAST_SPEED_M_S: f64 = 1.2e-3;
+/// Seed of the rig's noise.
+const RIG_SEED: u64 = 1;
 /// Fine load grid: half kilonewtons to either side.
 const LOAD_STEPS: i32 = 20;
 const LOAD_STEP_KN: f64 = 0.5;
@@ -26,10 +29,6 @@ const LOAD_STEP_KN: f64 = 0.5;
 const MODULI_PA: [f64; 8] = [2.5e9, 5e9, 10e9, 20e9, 50e9, 100e9, 200e9, 400e9];
 const MODULUS_CLEARANCE_MM: f64 = 0.5;
 const MODULUS_LOAD_KN: f64 = 10.0;
-/// Points of a torque curve.
-const CURVE_POINTS: u32 = 400;
-/// Samples of the slider-crank: a contact of 50 us has some hundreds.
-const SLIDER_CRANK_SAMPLES: u32 = 60_000;
 const SLIDER_CRANK_TOLERANCE: f64 = 1e-10;
 
 /// Collects everything for a base bench and its runs.
@@ -53,7 +52,10 @@ pub fn gather(base: &TransmissionBench, runs: &PaperRuns, threads: usize) -> Res
         plastic: bearing(Plastic)?,
         modulus: modulus_scan(base, threads)?,
         joint: JointFacts { slider_crank: slider_crank_ratio()?, bench },
-        friction: friction(base, runs)?,
+        friction: FrictionFacts {
+            babbitt: torque_curves("friction-rig-babbitt")?,
+            plastic: torque_curves("friction-rig-plastic")?,
+        },
         training: training::measure()?,
     })
 }
@@ -84,64 +86,57 @@ fn modulus_scan(base: &TransmissionBench, threads: usize) -> Result<Vec<(f64, f6
     Ok(points.into_iter().flatten().collect())
 }
 
-/// Largest acceleration of the slider over that of the same mechanism without clearance.
+/// Largest acceleration of the slider over that of the same mechanism without clearance, which decelerates hardest where
+/// crank and rod are in line.
 pub fn slider_crank_ratio() -> Result<f64, CliError> {
     let bench = reference_problem()?;
     let plant = bench.plant();
-    let end_s = bench.duration_s();
-    let step = end_s / f64::from(SLIDER_CRANK_SAMPLES);
-    let times: Vec<f64> = (0..SLIDER_CRANK_SAMPLES).map(|i| f64::from(i) * step).collect();
-    let mut largest = 0.0_f64;
-    integrate(
+    let run = integrate(
         &plant,
-        (0.0, end_s),
+        (0.0, bench.duration_s()),
         plant.initial_state(),
         false,
-        &times,
+        &[],
         &plant.tolerances(SLIDER_CRANK_TOLERANCE),
-        |t, state, latched| {
-            let mut rates = [0.0; 4];
-            let touching = plant.deformation(t, state).0 > 0.0;
-            plant.derivative(t, state, touching.then_some(latched), &mut rates);
-            largest = largest.max(rates[3].abs());
-        },
+        |_, _, _| {},
     )?;
-    let (r, l, w) = (plant.crank_length_m, plant.rod_length_m, plant.crank_speed_rad_s);
-    let position = |t: f64| {
-        let (sin, cos) = (w * t).sin_cos();
-        r * cos + (l * l - r * r * sin * sin).sqrt()
-    };
-    // Second difference of the closed form over a step that rounding does not spoil.
-    let h = 1e-3 / w;
-    let ideal = times
-        .iter()
-        .step_by(20)
-        .map(|&t| ((position(t + h) - 2.0 * position(t) + position(t - h)) / (h * h)).abs())
-        .fold(0.0, f64::max);
-    Ok(largest / ideal)
+    let largest = run.impacts.iter().map(|i| i.peak_force_n).fold(0.0, f64::max) / plant.slider_mass_kg;
+    let (crank, speed) = (plant.crank_length_m, plant.crank_speed_rad_s);
+    Ok(largest / (crank * speed * speed * (1.0 + crank / plant.rod_length_m)))
 }
 
-fn friction(base: &TransmissionBench, runs: &PaperRuns) -> Result<FrictionFacts, CliError> {
-    let radius = base.bearing.bearing_radius_m;
-    let sliding = runs.series(Series::Clearance).into_iter().flat_map(|r| &r.samples);
-    let bench_speed = sliding.map(|s| s.contact.sliding_speed_m_s.abs()).fold(0.0, f64::max);
-    let curves = |bearing: BearingMaterial| -> Result<Vec<TorqueCurve>, CliError> {
-        let bench = resolved(variant(base, bearing, LOAD_CLEARANCE_MM, 1.0))?;
-        let law = bench.friction_law();
-        let curve = |load_n: f64| TorqueCurve {
-            load_n,
-            points: (0..=CURVE_POINTS)
-                .map(|i| bench_speed * f64::from(i) / f64::from(CURVE_POINTS))
-                .map(|v| (v, law.coefficient(v) * bench.friction.level * load_n * radius))
-                .collect(),
-        };
-        Ok(RIG_LOADS_N.map(curve).to_vec())
+/// Torque curves of a rig from its records: both directions of turning and of loading.
+fn torque_curves(preset: &str) -> Result<Vec<TorqueCurve>, CliError> {
+    let Bench::FrictionRig(rig) = Bench::open(preset)? else {
+        return Err(CliError::Work(format!("{preset} is no friction rig")));
     };
-    Ok(FrictionFacts {
-        babbitt: curves(Babbitt)?,
-        plastic: curves(Plastic)?,
-        rig_speed_m_s: RIG_SPEED_RAD_S * radius,
-    })
+    let radius = rig.axis.friction_radius_m;
+    let highest = radius * rig.axis.amplitude * core::f64::consts::TAU / rig.axis.period_s;
+    let width = (highest - RIG_LEAST_SPEED_M_S) / RIG_BANDS as f64;
+    let groups = rig_groups(&rig, RIG_SEED)?;
+    let mut curves = Vec::new();
+    for load_n in LOADS_N.into_iter().filter(|n| *n > 0.0) {
+        let mut bands: Vec<Vec<f64>> = vec![Vec::new(); RIG_BANDS];
+        for group in groups.iter().filter(|g| g.load_n.abs() == load_n) {
+            let Some(speeds) = group.log.channels.get(&Channel::SpindleSpeed) else { continue };
+            for (speed, torque) in speeds.iter().zip(group.friction_torque_nm()) {
+                let place = (speed.abs() * radius - RIG_LEAST_SPEED_M_S) / width;
+                if place >= 0.0
+                    && let Some(band) = bands.get_mut(place as usize)
+                {
+                    // The torque opposes the motion; an outlier may not.
+                    band.push(-torque * speed.signum());
+                }
+            }
+        }
+        let points = bands.iter_mut().enumerate().filter_map(|(i, band)| {
+            band.sort_by(f64::total_cmp);
+            let median = *band.get(band.len() / 2)?;
+            Some((RIG_LEAST_SPEED_M_S + (i as f64 + 0.5) * width, median))
+        });
+        curves.push(TorqueCurve { load_n, points: points.collect() });
+    }
+    Ok(curves)
 }
 
 #[cfg(test)]

@@ -18,12 +18,12 @@
 //! | 10 | at all sizes of load, peak force and torque are larger for + | at some, or one of the two |
 //! | 11 | the slider-crank's peak acceleration is 3 to 100 times the ideal one, and the bench's as well | one of the two |
 //! | 12 | on the rig Babbitt's torque falls 5 % at every load, further at higher load | it falls |
-//! | 13 | plastic's torque is level within 2 % at low speed and rises 5 %, within the rig's speeds | within the bench's |
-//! | 14 | Babbitt's torque is larger at every load and speed | at some |
+//! | 13 | on the rig plastic's torque is level within 2 % at low speed and 5 % higher at the end | at some loads |
+//! | 14 | on the rig Babbitt's torque is larger at every load and speed | at some |
 //! | 15 | MSE 1e-3, MAE 2e-2 of the force's rms, unseen MSE at most 1.25 of the training's | the errors are small |
 //!
-//! Limits: a claim about a measurement (4, 12 to 14) is judged on the friction laws that stand in for the paper's
-//! unpublished measurements, and says so.
+//! Limits: a claim about a measurement (4, 12 to 14) is judged on the friction that stands in for the paper's unpublished
+//! measurements, and says so.
 
 mod bearing;
 pub mod facts;

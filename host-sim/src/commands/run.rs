@@ -1,6 +1,6 @@
 //! `host-sim run`: the bench with the networks or the law as the bearing force, the estimator beside it.
 
-use super::{run_report, slider_crank, sweep};
+use super::{output, run_report, slider_crank, sweep};
 use crate::controller::{ControllerError, EmulatedController, NativeController};
 use crate::error::CliError;
 use crate::estimator::{self, Tracked};
@@ -8,11 +8,13 @@ use crate::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use crate::options::BenchOptions;
 use crate::progress;
 use crate::sensing;
-use crate::summary::{AgainstLaw, EstimatorSummary, Figures, Summary};
+use crate::summary::{AgainstLaw, EstimatorSummary, Figures, LawPeak, Summary};
 use bench::description::TransmissionBench;
+use bench::peaks::peaks_with_bars;
+use bench::run::DEFAULT_TOLERANCE;
 use bench::slider_crank_description::SliderCrankBench;
 use bench::transmission::Transmission;
-use bench::{Bench, MeasuredLog, atomic};
+use bench::{Bench, MeasuredLog, impact_log};
 use clap::{Args, Parser, ValueEnum};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -53,7 +55,7 @@ pub struct RunArgs {
     /// Firmware for the emulated controller.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
-    /// Folder for log.csv, run.json and report.html.
+    /// Folder for log.csv, impacts.csv, run.json and report.html.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
     pub out: PathBuf,
     /// Print the figures as JSON.
@@ -94,21 +96,20 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         return slider_crank::run(&bench, args);
     }
     let finished = execute(args)?;
-    let json = serde_json::to_string_pretty(&finished.summary).map_err(|e| CliError::Work(e.to_string()))?;
-    let log = log_of(&finished, args.seed);
+    let json = output::json(&finished.summary)?;
+    let impacts = impact_log::to_csv(&finished.forced.run.impacts, finished.bench.contact.latch_floor_m_s);
     let page = run_report::page(&finished).map_err(CliError::Work)?;
-    for (name, bytes) in
-        [("log.csv", log.to_csv()), ("run.json", format!("{json}\n")), ("report.html", page.render())]
-    {
-        let path = args.out.join(name);
-        atomic::write(&path, bytes.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
-    }
+    output::write(&args.out, "log.csv", &log_of(&finished, args.seed).to_csv())?;
+    output::write(&args.out, impact_log::FILE_NAME, &impacts)?;
+    output::write(&args.out, "run.json", &format!("{json}\n"))?;
+    output::write(&args.out, "report.html", &page.render())?;
     if args.json {
         say!("{json}");
     } else {
         for row in run_report::rows(&finished.summary) {
             say!("{:<44} {:>14}", row[0], row[1]);
         }
+        run_report::print_audit(&finished);
         say!("\nreport: {}", args.out.join("report.html").display());
     }
     Ok(())
@@ -137,6 +138,14 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     let mut summary = Summary {
         figures: Figures::of(&resolved, args.force, &forced, SAMPLE_RATE_HZ),
         wall_s_per_simulated_s: wall_s / resolved.duration_s(),
+        energy: forced
+            .run
+            .energy
+            .terms()
+            .map(|(name, value)| (name.to_owned(), value.into()))
+            .into_iter()
+            .collect(),
+        law_peaks: law_peaks(&resolved, &plant)?,
         estimator: None,
         against_law: None,
     };
@@ -168,6 +177,12 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     };
     bar.finish_and_clear();
     Ok(Finished { bench: *resolved, summary, forced, law, tracked })
+}
+
+/// The peaks of the analytic law with their error bars, from the end of the load's ramp on.
+fn law_peaks(bench: &TransmissionBench, plant: &Transmission) -> Result<Vec<LawPeak>, CliError> {
+    let peaks = peaks_with_bars(plant, (bench.load.ramp_s, bench.duration_s()), DEFAULT_TOLERANCE)?;
+    Ok(peaks.into_iter().map(LawPeak::from).collect())
 }
 
 /// The run as a measured log: the bench's sensors at its logging rate.

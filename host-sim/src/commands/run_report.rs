@@ -4,7 +4,8 @@ use super::limits;
 use super::run::Finished;
 use crate::figure::{Chart, Series, lines, map};
 use crate::page::Page;
-use crate::summary::Summary;
+use crate::summary::{LawPeak, Summary};
+use bench::integrate::Impact;
 use bench::transmission::Snapshot;
 
 const WIDE: (u32, u32) = (1040, 360);
@@ -66,6 +67,78 @@ pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
     }
     rows
 }
+
+/// Contacts that are listed one by one.
+const LISTED: usize = 30;
+
+/// A number in five figures, whatever its size.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-2..1e6).contains(&size) {
+        let digits = (4.0 - size.max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+const IMPACT_HEADER: [&str; 7] = [
+    "onset, s",
+    "crank angle, deg",
+    "approach speed, mm/s",
+    "peak force, N",
+    "deformation, um",
+    "duration, ms",
+    "energy lost, J",
+];
+
+fn impact_rows(finished: &Finished) -> Vec<Vec<String>> {
+    let row = |i: &Impact| {
+        vec![
+            format!("{:.6}", i.onset_s),
+            format!("{:.3}", i.angles.crank_rad.to_degrees()),
+            format!("{:.3}", 1e3 * i.approach_speed_m_s),
+            format!("{:.1}", i.peak_force_n),
+            format!("{:.2}", 1e6 * i.max_deformation_m),
+            i.duration_s().map_or_else(|| "to the end".into(), |d| format!("{:.3}", 1e3 * d)),
+            number(i.energy_lost_j),
+        ]
+    };
+    finished.forced.run.impacts.iter().take(LISTED).map(row).collect()
+}
+
+fn energy_rows(finished: &Finished) -> Vec<Vec<String>> {
+    finished
+        .forced
+        .run
+        .energy
+        .terms()
+        .iter()
+        .map(|(name, value)| vec![(*name).to_owned(), number(*value)])
+        .collect()
+}
+
+fn peak_rows(summary: &Summary) -> Vec<Vec<String>> {
+    let row = |p: &LawPeak| {
+        vec![p.name.to_owned(), number(p.value), format!("{:.1e}", p.error_bar), format!("{:.4}", p.time_s)]
+    };
+    summary.law_peaks.iter().map(row).collect()
+}
+
+/// Energy balance, contacts and peaks with their bars on the terminal.
+pub(super) fn print_audit(finished: &Finished) {
+    let table = |title: &str, header: &[&str], rows: Vec<Vec<String>>| {
+        let line = |cells: &[String]| cells.iter().map(|c| format!("{c:>21}")).collect::<Vec<_>>().join(" ");
+        say!("\n{title}");
+        say!("{}", line(&header.iter().map(|h| (*h).to_owned()).collect::<Vec<_>>()));
+        rows.iter().for_each(|row| say!("{}", line(row)));
+    };
+    table("energy", &["term", "value"], energy_rows(finished));
+    table("contacts (all in impacts.csv)", &IMPACT_HEADER, impact_rows(finished));
+    table("peaks of the analytic law", &PEAK_HEADER, peak_rows(&finished.summary));
+}
+
+const PEAK_HEADER: [&str; 4] = ["peak", "value", "error bar", "at, s"];
 
 /// The page. An error is a drawing failure, in words.
 pub(super) fn page(finished: &Finished) -> Result<Page, String> {
@@ -157,6 +230,17 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
             "Negative is a gap.",
         ),
     ]);
+    page.section("Peaks of the analytic law").table(&PEAK_HEADER, &peak_rows(summary));
+    page.note(
+        "The error bar is the difference between runs at two tolerances. Read more finely than the samples above, so a \
+         narrow peak of the torque may stand a little higher.",
+    );
+    page.section("Energy").table(&["term", "value"], &energy_rows(finished));
+    page.note(
+        "Work of drive, load and gravity less friction heat, damping loss and change of the stored energy is the residual.",
+    );
+    page.section("Contacts").table(&IMPACT_HEADER, &impact_rows(finished));
+    page.note("The first 30; impacts.csv has all, with angles, latched speeds and restitution.");
     limits::section(&mut page);
     Ok(page)
 }

@@ -179,9 +179,9 @@ pub(super) fn of_clearance(runs: &PaperRuns, facts: &Facts) -> Result<Vec<Pictur
         Picture::draw(
             lines,
             "friction-torque-over-speed",
-            &chart("Friction torque at 100 and 240 kN", "sliding speed, mm/s", "N m"),
+            &chart("Friction torque on the rig", "sliding speed, mm/s", "N m"),
             &torque_curves(facts),
-            "The friction laws at the rig's loads; its 6 deg/s end at 7.3 mm/s.",
+            "Medians of simulated records with noise and outliers, both directions.",
         )?,
     ])
 }
@@ -194,7 +194,7 @@ fn torque_curves(facts: &Facts) -> Vec<Curve> {
     let named = |name: &str, curve: Option<&TorqueCurve>| {
         curve.map(|c| {
             let points = c.points.iter().map(|(v, t)| (1e3 * v, *t)).collect();
-            Curve::through(format!("{name}, {:.0} kN", c.load_n * 1e-3), points)
+            Curve::through(format!("{name}, {:.0} kN", c.load_n * 1e-3), points).styled(Style::Both)
         })
     };
     let (babbitt, plastic) = (&facts.friction.babbitt, &facts.friction.plastic);
