@@ -1,5 +1,6 @@
-//! The bench description: one TOML file says what a bench is, what its sensors do and what is uncertain about it.
+//! Description of the transmission bench.
 
+use super::{BearingMaterial, Load, Logging, is_one, is_zero, one};
 use crate::channel::Channel;
 use crate::effects::Effect;
 use crate::law_names::{DampingName, DissipationName, FrictionName, StiffnessName, WholeName};
@@ -7,57 +8,6 @@ use crate::log_format::{Columns, TextFormat};
 use crate::sensor::Sensor;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// A bench of either kind that a log can be compared with.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Bench {
-    /// The rudder-drive transmission bench.
-    Transmission(Box<TransmissionBench>),
-    /// A single driven axis with a measured effort: the friction rig, or a linear axis.
-    FrictionRig(Box<FrictionRig>),
-}
-
-/// Why a description was refused.
-#[derive(Debug, thiserror::Error)]
-pub enum DescriptionError {
-    /// The file could not be read.
-    #[error("{file}: cannot be read: {source}")]
-    Unreadable {
-        /// Path given.
-        file: String,
-        /// Cause.
-        source: std::io::Error,
-    },
-    /// The text is no bench description.
-    #[error("{file}: {message}")]
-    Malformed {
-        /// Path or preset.
-        file: String,
-        /// Line, column, what was found and expected.
-        message: String,
-    },
-    /// A number is outside what the model can take.
-    #[error("{file}: {field} is {found}; expected {expected}")]
-    OutOfRange {
-        /// Path or preset.
-        file: String,
-        /// Dotted name of the field.
-        field: String,
-        /// What stands there.
-        found: String,
-        /// What may stand there.
-        expected: String,
-    },
-}
-
-macro_rules! section {
-    ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident : $type:ty,)* }) => {
-        $(#[$meta])*
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$field_meta])* pub $field: $type,)* }
-    };
-}
 
 section! {
     /// Levers and stroke of the transmission bench.
@@ -174,15 +124,6 @@ section! {
     }
 }
 section! {
-    /// Force of the load cylinder.
-    Load {
-        /// Force along +Y in N.
-        force_n: f64,
-        /// Length of the raised-cosine ramp at the start, s.
-        ramp_s: f64,
-    }
-}
-section! {
     /// Play between fork and crank; see `transmission::fork`.
     Fork {
         /// Whole play in m.
@@ -253,24 +194,6 @@ impl Default for TwoPlaneSection {
     }
 }
 
-section! {
-    /// How a log of the bench is taken.
-    Logging {
-        /// Samples a second.
-        sample_rate_hz: f64,
-    }
-}
-
-/// Bearing materials with trained networks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BearingMaterial {
-    /// Babbitt alloy.
-    Babbitt,
-    /// Engineering plastic alloy.
-    Plastic,
-}
-
 /// Stribeck exponents that a description may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -279,18 +202,6 @@ pub enum ShapeName {
     Tustin,
     /// Exponent 2.
     Gauss,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn is_one(value: &f64) -> bool {
-    *value == 1.0
-}
-
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// A steel fork on its pin: 10 kN press it by 0.1 mm.
@@ -309,10 +220,6 @@ fn eleven() -> u32 {
 /// A shaft of 150 kg over 0.9 m: an assumption, as the bench's polar inertia is.
 fn transverse_inertia_kg_m2() -> f64 {
     10.0
-}
-
-fn one_cycle() -> u32 {
-    1
 }
 
 /// Description of the transmission bench.
@@ -377,97 +284,4 @@ pub struct Extension {
     pub hydraulic_compliance_m_n: f64,
     /// Lag of the fork behind the drive cylinder, s.
     pub drive_lag_s: f64,
-}
-
-section! {
-    /// The driven axis of a friction rig.
-    Axis {
-        /// `rotary` (angle, torque) or `linear` (position, force).
-        kind: AxisKind,
-        /// Inertia in kg m2, or mass in kg.
-        inertia: f64,
-        /// Radius at which friction acts, m (rotary; 1 for a linear axis).
-        friction_radius_m: f64,
-        /// Share of the load that the measured effort carries directly (0: none; a cylinder's force: 1).
-        load_gain: f64,
-        /// Dry friction that does not depend on the load: effort in N or N m.
-        coulomb_effort: f64,
-        /// Viscous effort per speed, N s/m or N m s/rad.
-        viscous_effort: f64,
-        /// Coefficient of load-dependent dry friction.
-        load_coefficient: f64,
-        /// Width of the regularised sign, m/s at the friction radius.
-        regularisation_m_s: f64,
-        /// Difference of the dry effort between the directions, half of it each way.
-        #[serde(default)]
-        coulomb_asymmetry: f64,
-        /// Period of the sinusoidal motion in s, for records.
-        period_s: f64,
-        /// Amplitude of the motion in rad or m, for records.
-        amplitude: f64,
-        /// Cycles of a record.
-        #[serde(default = "one_cycle")]
-        cycles: u32,
-        /// Rest before each half cycle of a record, s.
-        #[serde(default, skip_serializing_if = "is_zero")]
-        dwell_s: f64,
-    }
-}
-
-section! {
-    /// The rubbing pair of a friction rig; adds to the axis' own friction. See `friction_rig`.
-    Surface {
-        /// Which measured pair.
-        material: BearingMaterial,
-        /// Static friction after a long rest over that after none.
-        break_away_ratio: f64,
-        /// Time in s over which a rest builds it up.
-        break_away_time_s: f64,
-        /// Sliding distance in m over which it is lost.
-        break_away_distance_m: f64,
-        /// Lag of the coefficient behind the speed, s.
-        lag_s: f64,
-    }
-}
-
-/// Kind of a driven axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AxisKind {
-    /// Angle and torque.
-    Rotary,
-    /// Position and force.
-    Linear,
-}
-
-/// Description of a single driven axis with a measured effort.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FrictionRig {
-    /// Always `friction-rig`.
-    pub plant: String,
-    /// The axis.
-    pub axis: Axis,
-    /// The rubbing pair; none: the axis' own coefficient alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub surface: Option<Surface>,
-    /// Load.
-    pub load: Load,
-    /// Log.
-    pub logging: Logging,
-    /// Sensors by channel.
-    #[serde(default)]
-    pub sensors: BTreeMap<Channel, Sensor>,
-    /// Standard deviation of what calibration may move, by parameter name.
-    #[serde(default)]
-    pub uncertain: BTreeMap<String, f64>,
-    /// How a foreign log is read.
-    #[serde(default, skip_serializing_if = "TextFormat::is_default")]
-    pub log: TextFormat,
-    /// Where a foreign log's signals come from.
-    #[serde(default, skip_serializing_if = "Columns::is_empty")]
-    pub columns: Columns,
-    /// Extensions beyond the nominal model.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub effects: Vec<Effect>,
 }
