@@ -4,11 +4,13 @@
 //! fixed-step RK4 at a step small enough for the same error of the slider's position after .6 revolutions; the ratio is
 //! printed. Bench B is one cycle with its analytic law.
 
+use bench::description::TwoPlaneSection;
 use bench::integrate::{ContactPlant, integrate};
 use bench::run::{DEFAULT_TOLERANCE, run_with_law};
 use bench::slider_crank::{self, SliderCrank};
 use bench::slider_crank_description::reference_problem;
 use bench::transmission::Transmission;
+use bench::two_plane::{TwoPlane, run_two_plane};
 use bench::{BearingMaterial, Bench};
 use std::hint::black_box;
 use std::time::Instant;
@@ -105,6 +107,15 @@ fn slider_crank_located(bencher: divan::Bencher<'_, '_>) {
 fn slider_crank_fixed_step(bencher: divan::Bencher<'_, '_>) {
     let (plant, end_s) = problem();
     bencher.bench(|| fixed_step(&plant, end_s, 1e-8));
+}
+
+/// A tenth of a cycle of bench B with its bearing in 11 slices and the load off the bearing's middle.
+#[divan::bench(sample_count = 10)]
+fn bench_b_in_two_planes(bencher: divan::Bencher<'_, '_>) {
+    let Ok(Bench::Transmission(mut bench)) = Bench::open("bench-b") else { return };
+    bench.two_plane = Some(TwoPlaneSection { load_offset_m: 0.02, ..TwoPlaneSection::default() });
+    let plant = TwoPlane::new(&bench, bench.drive_profile(), bench.load_profile());
+    bencher.bench(|| run_two_plane(&plant, 0.1, &[], DEFAULT_TOLERANCE).map(|r| r.steps));
 }
 
 /// One cycle of bench B lasts a second: the figure is wall seconds per simulated second.

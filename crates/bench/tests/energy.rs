@@ -53,11 +53,13 @@ fn the_balance_of_every_variant_closes() {
     }
 }
 
+type Change = fn(EnergyAudit) -> EnergyAudit;
+
 #[test]
 fn a_wrong_sign_or_a_missing_term_would_be_seen() {
     for (name, bench) in variants() {
         let right = run(&bench).energy;
-        let wrongs: [(&str, fn(EnergyAudit) -> EnergyAudit); 6] = [
+        let wrongs: [(&str, Change); 6] = [
             ("drive", |a| EnergyAudit { drive_work_j: -a.drive_work_j, ..a }),
             ("load", |a| EnergyAudit { load_work_j: -a.load_work_j, ..a }),
             ("friction", |a| EnergyAudit { friction_heat_j: -a.friction_heat_j, ..a }),
@@ -93,6 +95,32 @@ fn friction_that_drives_shows_as_negative_heat() {
     let located = run(&bench).energy;
     assert!((right.friction_heat_j / located.friction_heat_j - 1.0).abs() < 1e-2, "{right:?} {located:?}");
     assert!((right.load_work_j / located.load_work_j - 1.0).abs() < 1e-3, "{right:?} {located:?}");
+}
+
+/// A tight, stiff fork is the rigid one; play frees the shaft where the fork changes sides, and only then.
+#[test]
+fn play_shows_where_the_fork_changes_sides() {
+    let times: Vec<f64> = (0..10_000).map(|i| 1e-4 * f64::from(i)).collect();
+    let run = |fork: Option<Fork>| {
+        // A load that the inertia overcomes twice a cycle.
+        let mut bench = TransmissionBench { fork, ..bench_b(BearingMaterial::Plastic) };
+        bench.load.force_n = 1e3;
+        let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
+        run_with_law(&plant, 1.0, &times, DEFAULT_TOLERANCE).unwrap().samples
+    };
+    let fork = |backlash_m, stiffness_n_m| Some(Fork { backlash_m, stiffness_n_m, damping_s_m: 1.0 });
+    let (rigid, tight, loose) = (run(None), run(fork(0.0, 1e9)), run(fork(0.5e-3, 1e9)));
+    let angle = |a: &[bench::transmission::Snapshot], b: &[bench::transmission::Snapshot]| {
+        a.iter().zip(b).map(|(a, b)| (a.angle_rad - b.angle_rad).abs()).fold(0.0, f64::max)
+    };
+    // 3 kN on 1e9 N/m at a lever of 0.3 m and its ringing, against half a millimetre of play.
+    assert!(angle(&rigid, &tight) < 2e-4, "{}", angle(&rigid, &tight));
+    assert!((5e-4..3e-3).contains(&angle(&rigid, &loose)), "{}", angle(&rigid, &loose));
+    let free = |samples: &[bench::transmission::Snapshot]| {
+        samples.iter().filter(|s| s.time_s > 0.05 && s.drive_force_n == 0.0).count()
+    };
+    assert_eq!(free(&rigid), 0);
+    assert!(free(&loose) > 20 + free(&tight), "{} {}", free(&loose), free(&tight));
 }
 
 #[test]
