@@ -1,5 +1,7 @@
-//! Charts as SVG text, small enough to stand inside a page.
+//! Charts as SVG text, small enough to stand inside a page. The legend has a strip of its own above the plot, so that
+//! it never hides a curve.
 
+use crate::axis::Axis;
 use plotters::prelude::*;
 
 /// Colours that stay apart for most readers, in the order of the series (Okabe and Ito).
@@ -14,6 +16,22 @@ pub const COLOURS: [RGBColor; 6] = [
 
 /// Points a series may keep: more would only make the page heavier.
 const MOST_POINTS: usize = 1600;
+/// Height in pixels of a row of the legend.
+const LEGEND_HEIGHT: u32 = 20;
+/// Widths in pixels of a legend's line and of a character of its text, generously.
+const LEGEND_LINE: i32 = 20;
+const CHARACTER: f64 = 7.2;
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// A line through the points.
+    Line,
+    /// The points alone.
+    Points,
+    /// The points and a line through them.
+    Both,
+}
 
 /// One line of a chart.
 #[derive(Clone, Debug)]
@@ -22,21 +40,33 @@ pub struct Series {
     pub name: String,
     /// Points, ascending in x unless the chart is a map.
     pub points: Vec<(f64, f64)>,
+    /// How it is drawn.
+    pub style: Style,
 }
 
 impl Series {
-    /// A series from two columns.
+    /// A line from two columns.
     pub fn new(
         name: impl Into<String>,
         x: impl IntoIterator<Item = f64>,
         y: impl IntoIterator<Item = f64>,
     ) -> Self {
-        Self { name: name.into(), points: x.into_iter().zip(y).collect() }
+        Self::through(name, x.into_iter().zip(y).collect())
+    }
+
+    /// A line through points.
+    pub fn through(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self { name: name.into(), points, style: Style::Line }
+    }
+
+    /// The series in another style.
+    pub fn styled(self, style: Style) -> Self {
+        Self { style, ..self }
     }
 
     /// The least and the greatest point of every stretch, so that no peak is lost.
     fn thinned(&self) -> Vec<(f64, f64)> {
-        if self.points.len() <= MOST_POINTS {
+        if self.points.len() <= MOST_POINTS || self.style != Style::Line {
             return self.points.clone();
         }
         let stretch = self.points.len().div_ceil(MOST_POINTS / 2);
@@ -65,91 +95,105 @@ pub struct Chart<'a> {
     pub size: (u32, u32),
 }
 
-fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values
-        .filter(|v| v.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    if !(low.is_finite() && high.is_finite()) {
-        return (0.0, 1.0);
-    }
-    let margin = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1e-9) };
-    (low - margin, high + margin)
+fn values(series: &[Series]) -> impl Iterator<Item = (f64, f64)> + Clone {
+    series.iter().flat_map(|s| s.points.iter().copied())
 }
 
-/// A line chart. An error is a drawing failure, in words.
+/// A chart with linear axes. An error is a drawing failure, in words.
 pub fn lines(chart: &Chart, series: &[Series]) -> Result<String, String> {
-    let all = || series.iter().flat_map(|s| s.points.iter());
-    let x = span(all().map(|p| p.0));
-    let y = span(all().map(|p| p.1));
-    draw(chart, series, x, y, true)
+    let all = values(series);
+    draw(chart, series, &Axis::linear(all.clone().map(|p| p.0)), &Axis::linear(all.map(|p| p.1)), true)
+}
+
+/// A chart with a logarithmic horizontal axis; points with x at or below 0 are left out.
+pub fn lines_log_x(chart: &Chart, series: &[Series]) -> Result<String, String> {
+    let all = values(series);
+    draw(chart, series, &Axis::logarithmic(all.clone().map(|p| p.0)), &Axis::linear(all.map(|p| p.1)), true)
+}
+
+/// A chart with two logarithmic axes; points at or below 0 are left out.
+pub fn lines_log_log(chart: &Chart, series: &[Series]) -> Result<String, String> {
+    let all = values(series);
+    let (x, y) = (Axis::logarithmic(all.clone().map(|p| p.0)), Axis::logarithmic(all.map(|p| p.1)));
+    draw(chart, series, &x, &y, true)
 }
 
 /// A map of curves with equal scales on both axes, such as an orbit; x and y in the same unit.
 pub fn map(chart: &Chart, series: &[Series]) -> Result<String, String> {
-    let most =
-        series.iter().flat_map(|s| s.points.iter()).fold(0.0_f64, |m, p| m.max(p.0.abs()).max(p.1.abs()));
-    let half = if most > 0.0 { 1.08 * most } else { 1.0 };
-    draw(chart, series, (-half, half), (-half, half), false)
+    let most = values(series).fold(0.0_f64, |m, p| m.max(p.0.abs()).max(p.1.abs()));
+    let half = if most > 0.0 { 1.02 * most } else { 1.0 };
+    let axis = Axis::linear([-half, half].into_iter());
+    draw(chart, series, &axis, &axis, false)
 }
 
-fn draw(
-    chart: &Chart,
-    series: &[Series],
-    x: (f64, f64),
-    y: (f64, f64),
-    thin: bool,
-) -> Result<String, String> {
+/// Where every legend entry begins, row by row; the number of rows.
+fn legend_places(series: &[Series], width: u32) -> (Vec<(i32, u32)>, u32) {
+    if series.len() < 2 {
+        return (Vec::new(), 0);
+    }
+    let (mut x, mut row) = (74_i32, 0);
+    let mut places = Vec::with_capacity(series.len());
+    for s in series {
+        let needed = LEGEND_LINE + 24 + (CHARACTER * s.name.chars().count() as f64) as i32;
+        if x + needed > width as i32 && x > 74 {
+            (x, row) = (74, row + 1);
+        }
+        places.push((x, row));
+        x += needed;
+    }
+    (places, row + 1)
+}
+
+fn draw(chart: &Chart, series: &[Series], x: &Axis, y: &Axis, thin: bool) -> Result<String, String> {
     let mut svg = String::new();
     let failed = |e: &dyn std::fmt::Display| format!("chart `{}`: {e}", chart.title);
     {
         let area = SVGBackend::with_string(&mut svg, chart.size).into_drawing_area();
         area.fill(&WHITE).map_err(|e| failed(&e))?;
-        let mut context = ChartBuilder::on(&area)
-            .caption(chart.title, ("sans-serif", 17))
-            .margin(10)
+        let area = area.titled(chart.title, ("sans-serif", 17)).map_err(|e| failed(&e))?;
+        let (places, rows) = legend_places(series, chart.size.0);
+        let (legend, plot) = area.split_vertically(LEGEND_HEIGHT * rows);
+        let mut context = ChartBuilder::on(&plot)
+            .margin(8)
+            .margin_right(18)
             .x_label_area_size(38)
-            .y_label_area_size(74)
-            .build_cartesian_2d(x.0..x.1, y.0..y.1)
+            .y_label_area_size(66)
+            .build_cartesian_2d(x.clone(), y.clone())
             .map_err(|e| failed(&e))?;
-        let (x_step, y_step) = (x.1 - x.0, y.1 - y.0);
         context
             .configure_mesh()
             .x_desc(chart.x)
             .y_desc(chart.y)
-            .x_labels(9)
-            .y_labels(7)
+            .x_labels(12)
+            .y_labels(10)
             .light_line_style(TRANSPARENT)
             .bold_line_style(BLACK.mix(0.12))
-            .x_label_formatter(&move |v| label(*v, x_step))
-            .y_label_formatter(&move |v| label(*v, y_step))
             .draw()
             .map_err(|e| failed(&e))?;
         for (s, colour) in series.iter().zip(COLOURS.iter().cycle()) {
             let points = if thin { s.thinned() } else { s.points.clone() };
-            context
-                .draw_series(LineSeries::new(points, colour.stroke_width(1)))
-                .map_err(|e| failed(&e))?
-                .label(s.name.clone())
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(3)));
+            let points: Vec<(f64, f64)> =
+                points.into_iter().filter_map(|p| Some((x.place(p.0)?, y.place(p.1)?))).collect();
+            if s.style != Style::Points {
+                let line = LineSeries::new(points.iter().copied(), colour.stroke_width(1));
+                context.draw_series(line).map_err(|e| failed(&e))?;
+            }
+            if s.style != Style::Line {
+                let dots = points.iter().map(|p| Circle::new(*p, 3, colour.filled()));
+                context.draw_series(dots).map_err(|e| failed(&e))?;
+            }
         }
-        if series.len() > 1 {
-            context
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(BLACK.mix(0.2))
-                .draw()
-                .map_err(|e| failed(&e))?;
+        for ((s, colour), (from, row)) in series.iter().zip(COLOURS.iter().cycle()).zip(places) {
+            let middle = (LEGEND_HEIGHT * row + LEGEND_HEIGHT / 2) as i32;
+            let line =
+                PathElement::new([(from, middle), (from + LEGEND_LINE, middle)], colour.stroke_width(3));
+            legend.draw(&line).map_err(|e| failed(&e))?;
+            let text = Text::new(s.name.clone(), (from + LEGEND_LINE + 6, middle - 6), ("sans-serif", 13));
+            legend.draw(&text).map_err(|e| failed(&e))?;
         }
         area.present().map_err(|e| failed(&e))?;
     }
     Ok(svg)
-}
-
-/// As many decimals as the axis' span needs.
-fn label(value: f64, span: f64) -> String {
-    let digits = (1.0 - span.log10()).ceil().clamp(0.0, 9.0) as usize;
-    if span < 1e-5 { format!("{value:.1e}") } else { format!("{value:.digits$}") }
 }
 
 #[cfg(test)]
@@ -169,6 +213,18 @@ mod tests {
     #[test]
     fn an_empty_chart_is_still_a_picture() {
         let chart = Chart { title: "empty", x: "x", y: "y", size: (300, 200) };
-        assert!(lines(&chart, &[]).unwrap().starts_with("<svg"));
+        for draw in [lines, lines_log_x, lines_log_log, map] {
+            assert!(draw(&chart, &[]).unwrap().starts_with("<svg"));
+        }
+    }
+
+    #[test]
+    fn a_long_legend_takes_a_second_row_and_leaves_the_plot_alone() {
+        let series: Vec<Series> =
+            (0..6).map(|i| Series::new(format!("a long series name {i}"), [0.0, 1.0], [0.0, 1.0])).collect();
+        let (places, rows) = legend_places(&series, 500);
+        assert!(rows > 1 && places.iter().all(|(x, _)| *x < 500));
+        let chart = Chart { title: "t", x: "x", y: "y", size: (500, 300) };
+        assert!(lines(&chart, &series).unwrap().contains("a long series name 5"));
     }
 }

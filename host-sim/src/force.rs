@@ -2,14 +2,17 @@
 
 use crate::error::CliError;
 use bench::BearingMaterial;
+use bench::description::TransmissionBench;
 use bench::run::{Run, run_with_held_force, run_with_law};
 use bench::transmission::{BearingForces, ContactView, Transmission};
 use clap::ValueEnum;
 use inference::{Bearing, ContactState, Estimate, Flags, Model, Pair, shipped};
-use model_quant::float_pair::FloatPair;
+use model_quant::float_pair::{self, FloatPair};
+use serde::{Deserialize, Serialize};
 
 /// Source of the bearing force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ForceSource {
     /// The description's analytic laws, error-controlled.
     Law,
@@ -30,6 +33,11 @@ impl ForceSource {
     }
 }
 
+/// Rate of the controller and of a run's samples.
+pub const SAMPLE_RATE_HZ: f64 = 10_000.0;
+/// Communication step of the networks unless stated otherwise, s.
+pub const DEFAULT_STEP_S: f64 = 1e-5;
+
 /// A run with what its force source said about itself.
 #[derive(Clone, Debug)]
 pub struct ForcedRun {
@@ -47,6 +55,17 @@ pub const fn bearing_of(material: BearingMaterial) -> Bearing {
     }
 }
 
+/// Check sum of the networks behind a source, in hexadecimal: what a recorded run depends on beside the description.
+/// Empty for the law.
+pub fn identity(source: ForceSource, material: BearingMaterial) -> String {
+    let bytes = match source {
+        ForceSource::Law => return String::new(),
+        ForceSource::FloatNet => float_pair::shipped(bearing_of(material)),
+        ForceSource::QuantisedNet => shipped(bearing_of(material)),
+    };
+    bytes.last_chunk::<4>().map_or_else(String::new, |sum| format!("{:08x}", u32::from_le_bytes(*sum)))
+}
+
 /// What the networks see of a contact.
 pub fn contact_state(view: &ContactView) -> ContactState {
     ContactState {
@@ -56,6 +75,18 @@ pub fn contact_state(view: &ContactView) -> ContactState {
         approach_speed_m_s: view.latched_m_s as f32,
         sliding_speed_m_s: view.sliding_speed_m_s as f32,
     }
+}
+
+/// Runs a resolved bench over its drive's cycles, sampled at [`SAMPLE_RATE_HZ`]; `step_s` and `tick` as in [`run`].
+pub fn run_bench(
+    bench: &TransmissionBench,
+    source: ForceSource,
+    step_s: f64,
+    tick: impl FnMut(),
+) -> Result<ForcedRun, CliError> {
+    let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
+    let times = bench.sample_times_s(SAMPLE_RATE_HZ);
+    run(&plant, bench.bearing.material, source, (bench.duration_s(), step_s), &times, tick)
 }
 
 /// Runs the plant with a force source. `end_s` and `samples_s` as in `bench::run`; `step_s` is the communication step

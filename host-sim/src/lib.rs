@@ -1,12 +1,15 @@
 //! The host: runs of the bench with the controller's inference code in the loop, records, diagnoses, reports.
 //!
 //! [`force`] is where a run's bearing force comes from, [`sensing`] what the controller gets to see of it,
-//! [`controller`] the ends of the link, [`estimator`] their use, [`summary`] the figures, [`figure`] and [`page`] what people look at, and
+//! [`controller`] the ends of the link, [`estimator`] their use, [`summary`] the figures,
+//! [`sweep`] many runs at once, [`paper`] the runs of the paper's figures and [`claims`] what they say about its claims, [`figure`] and [`page`] what people look at, and
 //! [`commands`] the command line.
 
 #[macro_use]
 mod say;
 
+pub mod axis;
+pub mod claims;
 pub mod commands;
 pub mod controller;
 pub mod error;
@@ -15,6 +18,10 @@ pub mod figure;
 pub mod force;
 pub mod options;
 pub mod page;
+pub mod paper;
+mod parallel;
 pub mod progress;
 pub mod sensing;
 pub mod summary;
+pub mod sweep;
+pub mod swing;

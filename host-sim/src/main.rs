@@ -1,7 +1,7 @@
 //! `host-sim`: runs, records, diagnoses and validates the test bench.
 
 use clap::{Parser, Subcommand};
-use host_sim::commands::{diagnose, record, run, validate};
+use host_sim::commands::{diagnose, figures, record, run, sweep, validate};
 use std::process::ExitCode;
 
 /// Simulates a rudder drive's test bench with the controller's own inference code in the loop, and finds what the
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 #[command(
     version,
     after_help = "Examples:\n  host-sim\n  host-sim run --bearing plastic --clearance-mm 1 --out out/plastic\n  \
-    host-sim record --cycles 5 --seed 7 --out log.csv\n  host-sim diagnose log.csv --out out/diagnosis\n\n\
+    host-sim record --cycles 5 --seed 7 --out log.csv\n  host-sim diagnose log.csv --out out/diagnosis\n  host-sim sweep clearance\n  host-sim figures --out out/figures\n\n\
     Exit codes: 0 done, 1 the work failed, 2 the input is wrong."
 )]
 struct Cli {
@@ -29,6 +29,10 @@ enum Command {
     Record(record::RecordArgs),
     /// Say what a simulation gets wrong in measured logs, name the cause, measure the gain.
     Diagnose(diagnose::DiagnoseArgs),
+    /// Vary clearance, load, floor of the approach speed or any parameters; judge the paper's claims.
+    Sweep(sweep::SweepArgs),
+    /// Run the paper's Figs. 16-20 again, with the table of its claims.
+    Figures(figures::FiguresArgs),
     /// Compare the models with published known answers.
     Validate(validate::ValidateArgs),
 }
@@ -40,6 +44,8 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Record(args)) => record::run(&args),
         Some(Command::Diagnose(args)) => diagnose::run(&args),
+        Some(Command::Sweep(args)) => sweep::run(&args),
+        Some(Command::Figures(args)) => figures::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
     };
     match result {

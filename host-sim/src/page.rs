@@ -11,9 +11,9 @@ const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;ma
 h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid #d5dce3}\
 p.lead{font-size:1.1rem}p.note{color:#56636f;font-size:.92rem}\
 table{border-collapse:collapse;margin:.8rem 0}th,td{padding:.25rem .8rem;border-bottom:1px solid #e3e8ec;text-align:left}\
-td.n{text-align:right;font-variant-numeric:tabular-nums}th{background:#f2f5f7}\
+td{vertical-align:top}td.n{text-align:right;font-variant-numeric:tabular-nums}th{background:#f2f5f7}\
 figure{margin:1rem 0}figcaption{color:#56636f;font-size:.9rem}svg{max-width:100%;height:auto}\
-.pair{display:flex;flex-wrap:wrap;gap:1rem}";
+.pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}";
 
 impl Page {
     /// An empty page.
@@ -41,7 +41,13 @@ impl Page {
         self.push(&format!("<p class=\"note\">{}</p>\n", escape(text)))
     }
 
-    /// A table; cells that begin with a digit or a sign are set as numbers.
+    /// A list of sentences.
+    pub fn list(&mut self, items: &[&str]) -> &mut Self {
+        let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escape(item))).collect();
+        self.push(&format!("<ul>\n{items}</ul>\n"))
+    }
+
+    /// A table; cells that begin with a number are set as numbers.
     pub fn table<S: AsRef<str>>(&mut self, header: &[&str], rows: &[Vec<S>]) -> &mut Self {
         let mut out = String::from("<table><tr>");
         for cell in header {
@@ -52,7 +58,7 @@ impl Page {
             out.push_str("<tr>");
             for cell in row {
                 let text = cell.as_ref();
-                let number = text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+');
+                let number = text.split(' ').next().is_some_and(|word| word.parse::<f64>().is_ok());
                 out.push_str(&format!(
                     "<td{}>{}</td>",
                     if number { " class=\"n\"" } else { "" },

@@ -7,21 +7,32 @@
 
 pub mod atomic;
 pub mod channel;
+mod contact_laws;
 pub mod description;
 mod description_io;
 pub mod effects;
+pub mod energy;
+pub mod falling_ball;
 pub mod friction_rig;
+pub mod impact_log;
 pub mod integrate;
+pub mod known_answers;
+pub mod law_names;
+pub mod limits;
 pub mod log;
 pub mod log_format;
 pub mod motion;
+pub mod multibody;
+pub mod peaks;
 pub mod record;
 pub mod respond;
+pub mod rig_groups;
 pub mod run;
 pub mod sensor;
 pub mod slider_crank;
 pub mod slider_crank_description;
 pub mod transmission;
+pub mod two_plane;
 
 pub use channel::{Channel, Role};
 pub use description::{BearingMaterial, Bench, DescriptionError};

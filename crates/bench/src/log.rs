@@ -165,11 +165,16 @@ impl MeasuredLog {
 
     /// A channel, or a refusal that names it.
     pub fn need(&self, channel: Channel) -> Result<&[f64], LogError> {
-        self.channels.get(&channel).map(Vec::as_slice).ok_or_else(|| LogError::Content {
+        self.channels.get(&channel).map(Vec::as_slice).ok_or_else(|| self.missing(channel))
+    }
+
+    /// The refusal of a log that lacks a channel.
+    pub fn missing(&self, channel: Channel) -> LogError {
+        LogError::Content {
             file: self.source.clone(),
             found: format!("no column `{channel}`"),
             expected: format!("the input `{channel}` of this plant"),
-        })
+        }
     }
 
     /// The output channels of the log.

@@ -25,6 +25,17 @@ pub enum Profile {
         /// Cycles.
         cycles: f64,
     },
+    /// As `Cycles`, with a rest before each half cycle.
+    Resting {
+        /// Stroke.
+        stroke: f64,
+        /// Period in s, without the rests.
+        period_s: f64,
+        /// Cycles.
+        cycles: f64,
+        /// Length of a rest in s.
+        dwell_s: f64,
+    },
     /// A constant after a raised-cosine ramp from 0.
     Ramp {
         /// Final value.
@@ -53,6 +64,15 @@ impl Profile {
                 let (sin, cos) = (w * time_s).sin_cos();
                 let half = 0.5 * stroke;
                 Motion { value: half * (1.0 - cos), rate: half * w * sin, acceleration: half * w * w * cos }
+            }
+            Self::Resting { stroke, period_s, cycles, dwell_s } => {
+                let half = 0.5 * period_s + dwell_s;
+                let index = (time_s / half).floor().clamp(0.0, 2.0 * cycles);
+                let moving = (time_s - index * half - dwell_s).max(0.0);
+                let swing = Self::Cycles { stroke: *stroke, period_s: *period_s, cycles: *cycles };
+                let motion = swing.at(0.5 * period_s * index + moving);
+                // At rest: the position alone, also where the cycle would accelerate.
+                if moving > 0.0 { motion } else { Motion { value: motion.value, ..Motion::default() } }
             }
             Self::Ramp { level, ramp_s } => {
                 if time_s >= *ramp_s {
@@ -188,6 +208,19 @@ mod tests {
             let t = 0.25 + f64::from(i) * 1e-4;
             let searched = times.partition_point(|&node| node <= t).clamp(1, times.len() - 1);
             assert_eq!(node_after(&times, t), searched, "{t}");
+        }
+    }
+
+    #[test]
+    fn a_resting_cycle_is_the_cycle_with_pauses() {
+        let swing = Profile::Cycles { stroke: 2.0, period_s: 4.0, cycles: 2.0 };
+        let rests = Profile::Resting { stroke: 2.0, period_s: 4.0, cycles: 2.0, dwell_s: 1.0 };
+        for (t, moving) in [(1.5, 0.5), (3.0, 2.0), (4.5, 2.5), (5.9, 3.9), (8.0, 5.0)] {
+            let (a, b) = (rests.at(t), swing.at(moving));
+            assert!((a.value - b.value).abs() < 1e-12 && (a.rate - b.rate).abs() < 1e-12, "{t}: {a:?} {b:?}");
+        }
+        for (t, value) in [(0.5, 0.0), (3.5, 2.0), (6.5, 0.0), (9.5, 2.0), (30.0, 0.0)] {
+            assert_eq!(rests.at(t), Motion { value, ..Motion::default() }, "{t}");
         }
     }
 

@@ -7,9 +7,9 @@ use crate::integrate::IntegrationError;
 use crate::log::MeasuredLog;
 use crate::motion::Profile;
 use crate::respond::{Response, outputs_of};
-use crate::run::{DEFAULT_TOLERANCE, run_with_law};
+use crate::run::{DEFAULT_TOLERANCE, snapshots};
 use crate::sensor::Sensor;
-use crate::transmission::{Snapshot, Transmission};
+use crate::transmission::Snapshot;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
@@ -58,26 +58,35 @@ fn sensed(resolved: &Bench, time_s: Vec<f64>, mut channels: Response, seed: u64)
 }
 
 fn transmission(bench: &TransmissionBench) -> Result<(Vec<f64>, Response), IntegrationError> {
-    let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let time_s = bench.sample_times_s(bench.logging.sample_rate_hz);
-    let run = run_with_law(&plant, bench.duration_s(), &time_s, DEFAULT_TOLERANCE)?;
-    let channels = outputs_of(&run.samples, TRANSMISSION_CHANNELS);
+    let inputs = (bench.drive_profile(), bench.load_profile());
+    let samples = snapshots(bench, inputs, bench.duration_s(), &time_s, DEFAULT_TOLERANCE)?;
+    let channels = outputs_of(&samples, TRANSMISSION_CHANNELS);
     Ok((time_s, channels))
 }
 
 fn axis(rig: &FrictionRig) -> (Vec<f64>, Response) {
     let cycles = f64::from(rig.axis.cycles);
-    let drive = Profile::Cycles { stroke: 2.0 * rig.axis.amplitude, period_s: rig.axis.period_s, cycles };
+    let (stroke, period_s, dwell_s) = (2.0 * rig.axis.amplitude, rig.axis.period_s, rig.axis.dwell_s);
+    let drive = if dwell_s > 0.0 {
+        Profile::Resting { stroke, period_s, cycles, dwell_s }
+    } else {
+        Profile::Cycles { stroke, period_s, cycles }
+    };
     let load = Profile::Ramp { level: rig.load.force_n, ramp_s: rig.load.ramp_s };
-    let count = (cycles * rig.axis.period_s * rig.logging.sample_rate_hz).round() as usize;
+    let count = (cycles * (period_s + 2.0 * dwell_s) * rig.logging.sample_rate_hz).round() as usize;
     let time_s: Vec<f64> = (0..count).map(|i| i as f64 / rig.logging.sample_rate_hz).collect();
     let (position, speed, effort) = rig.channels();
     let at = |read: &dyn Fn(f64) -> f64| time_s.iter().map(|&t| read(t)).collect::<Vec<f64>>();
-    let channels = Response::from([
+    let efforts = friction_rig::efforts(rig, &time_s, |t| drive.at(t), |t| load.at(t).value);
+    let mut channels = Response::from([
         (position, at(&|t| drive.at(t).value)),
         (speed, at(&|t| drive.at(t).rate)),
         (Channel::LoadForce, at(&|t| load.at(t).value)),
-        (effort, at(&|t| friction_rig::effort(rig, &drive.at(t), load.at(t).value).effort)),
+        (effort, efforts.iter().map(|e| e.effort).collect()),
     ]);
+    if rig.surface.is_some() {
+        channels.insert(Channel::FrictionTorque, efforts.iter().map(|e| -e.friction).collect());
+    }
     (time_s, channels)
 }

@@ -6,9 +6,9 @@ use crate::friction_rig;
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
 use crate::motion::{Motion, Profile};
-use crate::run::{DEFAULT_TOLERANCE, run_with_law};
+use crate::run::{DEFAULT_TOLERANCE, snapshots};
 use crate::sensor::Sensor;
-use crate::transmission::{Snapshot, Transmission};
+use crate::transmission::Snapshot;
 use std::collections::BTreeMap;
 
 /// Simulated outputs by channel, one value a sample of the log.
@@ -69,7 +69,7 @@ impl Inputs {
                 let drive = match (log.channels.get(&position), log.channels.get(&speed)) {
                     (Some(x), v) => Profile::through(time_s, x, v.map(Vec::as_slice), half, 2),
                     (None, Some(v)) => integrated(time_s, v, half),
-                    (None, None) => return log.need(position).map(|_| unreachable_inputs()),
+                    (None, None) => return Err(log.missing(position)),
                 };
                 let load = match log.channels.get(&Channel::LoadForce) {
                     Some(values) => smooth_load(values),
@@ -103,15 +103,6 @@ impl Inputs {
     }
 }
 
-fn unreachable_inputs() -> Inputs {
-    Inputs {
-        time_s: Vec::new(),
-        drive: Profile::Ramp { level: 0.0, ramp_s: 1.0 },
-        load: Profile::Ramp { level: 0.0, ramp_s: 1.0 },
-        outputs: Vec::new(),
-    }
-}
-
 /// A motion whose rate is measured and whose value is not needed.
 fn integrated(time_s: &[f64], rate: &[f64], half: f64) -> Profile {
     let smooth = Profile::through(time_s, rate, None, half, 2);
@@ -140,10 +131,10 @@ pub fn respond(bench: &Bench, inputs: &Inputs) -> Result<Response, RespondError>
 pub fn truth(resolved: &Bench, inputs: &Inputs) -> Result<Response, RespondError> {
     Ok(match resolved {
         Bench::Transmission(bench) => {
-            let plant = Transmission::new(bench, inputs.drive.clone(), inputs.load.clone());
-            let end = inputs.time_s.last().copied().unwrap_or_default();
-            let run = run_with_law(&plant, end, &inputs.time_s, DEFAULT_TOLERANCE)?;
-            outputs_of(&run.samples, &inputs.outputs)
+            let end_s = inputs.time_s.last().copied().unwrap_or_default();
+            let profiles = (inputs.drive.clone(), inputs.load.clone());
+            let samples = snapshots(bench, profiles, end_s, &inputs.time_s, DEFAULT_TOLERANCE)?;
+            outputs_of(&samples, &inputs.outputs)
         }
         Bench::FrictionRig(rig) => axis_outputs(rig, inputs),
     })
@@ -184,14 +175,13 @@ pub fn outputs_of(samples: &[Snapshot], channels: &[Channel]) -> Response {
 
 fn axis_outputs(rig: &FrictionRig, inputs: &Inputs) -> Response {
     let (_, _, effort_channel) = rig.channels();
+    let efforts = friction_rig::efforts(rig, &inputs.time_s, |t| inputs.drive(t), |t| inputs.load_n(t));
     let mut response = Response::new();
     for &channel in &inputs.outputs {
-        let values = inputs.time_s.iter().map(|&t| {
-            let effort = friction_rig::effort(rig, &inputs.drive(t), inputs.load_n(t));
-            if channel == effort_channel { effort.effort } else { -effort.friction }
-        });
-        if channel == effort_channel || channel == Channel::FrictionTorque {
-            response.insert(channel, values.collect());
+        if channel == effort_channel {
+            response.insert(channel, efforts.iter().map(|e| e.effort).collect());
+        } else if channel == Channel::FrictionTorque {
+            response.insert(channel, efforts.iter().map(|e| -e.friction).collect());
         }
     }
     response

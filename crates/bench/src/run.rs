@@ -1,17 +1,17 @@
 //! Runs of the transmission bench: with its analytic laws, or with a bearing force from outside held over a step.
 
 use crate::description::TransmissionBench;
-use crate::integrate::{Impact, IntegrationError, integrate};
+use crate::energy::EnergyAudit;
+use crate::integrate::{ContactPlant, Impact, IntegrationError, integrate};
 use crate::motion::Profile;
-use crate::transmission::{BearingForces, ContactView, Snapshot, State, Transmission};
+use crate::transmission::{BearingForces, ContactView, STATES, Snapshot, State, Transmission};
+use crate::two_plane::{TwoPlane, run_two_plane};
 use differential_equations::ode::OrdinaryNumericalMethod;
 use differential_equations::prelude::{ExplicitRungeKutta, ODE};
 use std::cell::Cell;
 
 /// Relative tolerance of a run unless stated otherwise.
 pub const DEFAULT_TOLERANCE: f64 = 1e-7;
-/// Work below which a residual is not taken relative, J.
-const ENERGY_FLOOR_J: f64 = 1.0;
 
 /// A run of the bench.
 #[derive(Clone, Debug)]
@@ -20,8 +20,10 @@ pub struct Run {
     pub samples: Vec<Snapshot>,
     /// Periods in contact; with a held force their times are those of communication steps.
     pub impacts: Vec<Impact>,
-    /// Energy of the shaft less the work on it, relative to the drive's absolute work.
+    /// Residual of the energy balance, relative to the drive's absolute work.
     pub energy_residual_rel: f64,
+    /// The energy balance.
+    pub energy: EnergyAudit,
     /// Integrator steps.
     pub steps: usize,
 }
@@ -71,21 +73,38 @@ pub fn run_with_law(
         samples_s,
         &plant.tolerances(tolerance),
         |t, s, latched| {
-            let forces = plant.law(&plant.contact_view(t, s, latched));
+            let forces = plant.forces(t, s, latched);
             samples.push(plant.snapshot(t, s, latched, forces));
         },
     )?;
+    let deformation_m = result.impacts.iter().map(|i| i.max_deformation_m).fold(0.0, f64::max);
+    if let Some(largest_m) = plant.largest_deformation_m().filter(|largest| deformation_m > *largest) {
+        return Err(IntegrationError::OutsideLaw { deformation_m, largest_m });
+    }
+    let energy = plant.audit((start_s, &initial), (end_s, &result.state));
     Ok(Run {
         samples,
         impacts: result.impacts,
-        energy_residual_rel: energy_residual(plant, start_s, &initial, end_s, &result.state),
+        energy_residual_rel: energy.residual_rel,
+        energy,
         steps: result.steps,
     })
 }
 
-fn energy_residual(plant: &Transmission, start_s: f64, initial: &State, end_s: f64, last: &State) -> f64 {
-    let change = plant.kinetic_energy_j(end_s, last) - plant.kinetic_energy_j(start_s, initial);
-    (change - last[6]).abs() / last[7].max(ENERGY_FLOOR_J)
+/// The bench at the given times under a drive and a load, with its analytic laws: planar, or in two planes where the
+/// description has them. What records and diagnoses simulate.
+pub fn snapshots(
+    bench: &TransmissionBench,
+    (drive, load): (Profile, Profile),
+    end_s: f64,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Vec<Snapshot>, IntegrationError> {
+    if bench.two_plane.is_some() {
+        let run = run_two_plane(&TwoPlane::new(bench, drive, load), end_s, samples_s, tolerance)?;
+        return Ok(run.samples.into_iter().map(|s| s.planar).collect());
+    }
+    Ok(run_with_law(&Transmission::new(bench, drive, load), end_s, samples_s, tolerance)?.samples)
 }
 
 struct Held<'a> {
@@ -122,7 +141,7 @@ pub fn run_with_held_force(
     let (mut contact, mut latched) = (false, 0.0);
     for step in 0..count {
         let time_s = step as f64 * step_s;
-        let mut rates = [0.0; 8];
+        let mut rates = [0.0; STATES];
         plant.dynamics(time_s, &state, system.components.get(), &mut rates);
         let half = 0.5 * step_s;
         let middle: State = std::array::from_fn(|i| state[i] + half * rates[i]);
@@ -133,17 +152,17 @@ pub fn run_with_held_force(
             view.latched_m_s = latched;
             impacts.push(Impact {
                 onset_s: time_s,
-                approach_speed_m_s: latched,
-                peak_force_n: 0.0,
                 peak_s: time_s,
-                max_deformation_m: 0.0,
-                separation_s: None,
+                approach_speed_m_s: latched,
+                angles: plant.angles(time_s, &state),
+                ..Impact::default()
             });
         } else if !touching && contact {
             latched = 0.0;
             view.latched_m_s = 0.0;
             if let Some(impact) = impacts.last_mut() {
                 impact.separation_s = Some(time_s);
+                impact.separation_speed_m_s = -view.rate_m_s;
             }
         }
         contact = touching;
@@ -156,6 +175,7 @@ pub fn run_with_held_force(
         }
         if touching && let Some(impact) = impacts.last_mut() {
             impact.max_deformation_m = impact.max_deformation_m.max(view.deformation_m);
+            impact.energy_lost_j += forces.normal_n * view.rate_m_s * step_s;
             if forces.normal_n > impact.peak_force_n {
                 (impact.peak_force_n, impact.peak_s) = (forces.normal_n, time_s);
             }
@@ -175,10 +195,6 @@ pub fn run_with_held_force(
             return Err(IntegrationError::Stopped { time_s, reason: "the state is no longer finite".into() });
         }
     }
-    Ok(Run {
-        samples,
-        impacts,
-        energy_residual_rel: energy_residual(plant, 0.0, &initial, count as f64 * step_s, &state),
-        steps: count,
-    })
+    let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state));
+    Ok(Run { samples, impacts, energy_residual_rel: energy.residual_rel, energy, steps: count })
 }

@@ -1,5 +1,6 @@
 //! What a sensor does to a signal: bandwidth, delay, gain, offset, drift, noise, resolution, in this order.
 
+use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
@@ -28,10 +29,20 @@ pub struct Sensor {
     /// Change of the offset per second.
     #[serde(default)]
     pub drift_per_s: f64,
+    /// Share of the readings that external interference throws off.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub outlier_share: f64,
+    /// Standard deviation of what it adds to them.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub outlier_size: f64,
 }
 
 fn one() -> f64 {
     1.0
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Default for Sensor {
@@ -44,6 +55,8 @@ impl Default for Sensor {
             offset: 0.0,
             gain: 1.0,
             drift_per_s: 0.0,
+            outlier_share: 0.0,
+            outlier_size: 0.0,
         }
     }
 }
@@ -74,18 +87,23 @@ impl Sensor {
         signal
     }
 
-    /// Adds noise and rounds to the resolution.
+    /// Adds noise and outliers and rounds to the resolution.
     pub fn read(&self, signal: &mut [f64], rng: &mut impl rand::Rng) {
         for value in signal {
             let draw: f64 = StandardNormal.sample(rng);
             *value += self.noise * draw;
+            // Without outliers no number is drawn for them: a seed gives the same noise as ever.
+            if self.outlier_share > 0.0 && rng.random_bool(self.outlier_share.min(1.0)) {
+                let draw: f64 = StandardNormal.sample(rng);
+                *value += self.outlier_size * draw;
+            }
             if self.resolution > 0.0 {
                 *value = (*value / self.resolution).round() * self.resolution;
             }
         }
     }
 
-    /// Standard deviation that noise and resolution leave on a reading.
+    /// Standard deviation that noise and resolution leave on a reading that is no outlier.
     pub fn floor(&self) -> f64 {
         (self.noise * self.noise + self.resolution * self.resolution / 12.0).sqrt()
     }

@@ -1,8 +1,11 @@
 //! The slider-crank's description in TOML.
 
-use crate::description::{DescriptionError, DissipationName};
+use crate::description::DescriptionError;
+use crate::law_names::{DissipationName, StiffnessName};
 use crate::slider_crank::SliderCrank;
-use contact::{Material, NormalLaw, Stiffness, hertz_sphere_in_sphere};
+use contact::{
+    LawError, Material, NormalLaw, Stiffness, StiffnessKind, StiffnessParameters, hertz_sphere_in_sphere,
+};
 use serde::Deserialize;
 
 /// The preset's text.
@@ -72,6 +75,12 @@ pub struct Joint {
     pub poisson_ratio: f64,
     /// Nominal restitution.
     pub restitution: f64,
+    /// Stiffness part; without one Hertz' sphere in sphere.
+    #[serde(default)]
+    pub stiffness: Option<StiffnessName>,
+    /// Length of the bearing in m, which every stiffness part but Hertz' needs.
+    #[serde(default)]
+    pub length_m: Option<f64>,
     /// Dissipation factor.
     pub dissipation: DissipationName,
     /// Floor of the latched approach speed in m/s.
@@ -132,15 +141,37 @@ impl SliderCrankBench {
                 });
             }
         }
-        Ok(())
+        self.stiffness().map(|_| ()).map_err(|e| DescriptionError::OutOfRange {
+            file: file.into(),
+            field: "joint".into(),
+            found: e.to_string(),
+            expected: "a stiffness with its parameters in range".into(),
+        })
     }
 
-    /// The plant.
-    pub fn plant(&self) -> SliderCrank {
+    fn stiffness(&self) -> Result<Stiffness, LawError> {
         let solid = Material {
             youngs_modulus_pa: self.joint.youngs_modulus_pa,
             poisson_ratio: self.joint.poisson_ratio,
         };
+        let (bearing, journal) = (self.joint.bearing_radius_m, self.joint.journal_radius_m);
+        let Some(name) = self.joint.stiffness.filter(|name| name.0 != StiffnessKind::Hertz) else {
+            let coefficient = hertz_sphere_in_sphere(bearing, &solid, journal, &solid);
+            return Ok(Stiffness::Hertz { coefficient });
+        };
+        let law = name.0.entry().name;
+        let length_m = self.joint.length_m.ok_or(LawError::Missing { law, quantity: "length_m" })?;
+        name.0.build(&StiffnessParameters::of(contact::Joint {
+            bearing_radius_m: bearing,
+            radial_clearance_m: bearing - journal,
+            length_m,
+            bearing: solid,
+            journal: solid,
+        }))
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> SliderCrank {
         SliderCrank {
             crank_length_m: self.crank.length_m,
             crank_speed_rad_s: self.crank.speed_rpm * core::f64::consts::PI / 30.0,
@@ -150,15 +181,9 @@ impl SliderCrankBench {
             slider_mass_kg: self.slider.mass_kg,
             radial_clearance_m: self.joint.bearing_radius_m - self.joint.journal_radius_m,
             normal_law: NormalLaw {
-                stiffness: Stiffness::Hertz {
-                    coefficient: hertz_sphere_in_sphere(
-                        self.joint.bearing_radius_m,
-                        &solid,
-                        self.joint.journal_radius_m,
-                        &solid,
-                    ),
-                },
-                dissipation: self.joint.dissipation.law(),
+                // Checked when it was read; a law changed out of its range since gives no number.
+                stiffness: self.stiffness().unwrap_or(Stiffness::Linear { coefficient: f64::NAN }),
+                dissipation: self.joint.dissipation.0,
                 restitution: self.joint.restitution,
                 latch_floor_m_s: self.joint.latch_floor_m_s,
             },
@@ -192,6 +217,13 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(error.contains("unknown field `mas`"), "{error}");
+        let named = |more: &str| {
+            PRESET.replace("dissipation", &format!("stiffness = \"johnson\"\n{more}\ndissipation"))
+        };
+        let error = SliderCrankBench::parse("x", &named("")).unwrap_err().to_string();
+        assert!(error.contains("joint is johnson needs length_m, found none"), "{error}");
+        let johnson = SliderCrankBench::parse("x", &named("length_m = 0.02")).unwrap().unwrap().plant();
+        assert!(matches!(johnson.normal_law.stiffness, Stiffness::Logarithmic(_)));
         assert_eq!(SliderCrankBench::parse("x", "plant = \"friction-rig\"").unwrap(), None);
         assert_eq!(SliderCrankBench::parse("x", "no toml").unwrap(), None);
     }

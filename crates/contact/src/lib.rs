@@ -1,21 +1,38 @@
 //! Contact and friction laws of a dry cylindrical clearance joint: pure functions of the state.
-//!
-//! A normal law is a [`Stiffness`] (elastic force over deformation) times a [`Dissipation`] factor:
-//! `F = F_el(d) (1 + chi(e) d'/d'0)`, clamped at zero, because a dry surface cannot pull. A friction law
-//! gives a coefficient over the sliding speed. SI units throughout; nothing here allocates, keeps state or does I/O.
-//!
-//! What this does not model: lubrication, wear during a run, adhesion, pre-sliding displacement.
+#![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod catalogue;
+mod damping;
 mod dissipation;
+mod error;
 mod friction;
+mod joint;
+mod logarithmic;
+mod logarithmic_curve;
 mod material;
 mod normal;
+mod real;
+mod restitution;
+mod spring_dashpot;
 mod stiffness;
+mod stiffness_kind;
+mod whole;
 
+pub use damping::{DEFAULT_LATCH_FLOOR_M_S, Damping};
 pub use dissipation::{Dissipation, produced_restitution};
-pub use friction::{FrictionLaw, StribeckShape};
+pub use error::LawError;
+pub use friction::{
+    Dahl, FrictionKind, FrictionLaw, Karnopp, KarnoppState, LuGre, SevenParameter, SevenParameterState,
+    SlidingLaw, SlidingParameters, StribeckShape,
+};
+pub use joint::Joint;
+pub use logarithmic::{Logarithmic, LogarithmicKind};
 pub use material::{Material, effective_modulus_pa};
-pub use normal::{DEFAULT_LATCH_FLOOR_M_S, NormalLaw};
+pub use normal::{FactorisedLaw, NormalLaw};
+pub use real::Real;
+pub use spring_dashpot::{SpringDashpot, damping_ratio_of, restitution_without_tension};
 pub use stiffness::{Stiffness, hertz_sphere_in_sphere};
+pub use stiffness_kind::{StiffnessKind, StiffnessParameters};
+pub use whole::{AdamsImpact, ContactLaw, WholeKind, WholeParameters};

@@ -1,12 +1,15 @@
 //! Elastic properties of the two bodies in contact.
 
+use crate::error::{LawError, above_zero, expect};
+use crate::real::Real;
+
 /// Isotropic elastic material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
+pub struct Material<T = f64> {
     /// Young's modulus in Pa.
-    pub youngs_modulus_pa: f64,
+    pub youngs_modulus_pa: T,
     /// Poisson's ratio, 0 to 0.5.
-    pub poisson_ratio: f64,
+    pub poisson_ratio: T,
 }
 
 impl Material {
@@ -16,14 +19,30 @@ impl Material {
     pub const BABBITT: Self = Self { youngs_modulus_pa: 50e9, poisson_ratio: 0.3 };
     /// Engineering plastic alloy of the bearing, Table 2 of the paper.
     pub const PLASTIC: Self = Self { youngs_modulus_pa: 2.5e9, poisson_ratio: 0.4 };
+}
+
+impl<T: Real> Material<T> {
+    /// A material whose modulus is above 0 and whose Poisson's ratio is 0 to 0.5.
+    pub fn new(youngs_modulus_pa: T, poisson_ratio: T) -> Result<Self, LawError> {
+        let material = Self { youngs_modulus_pa, poisson_ratio };
+        material.check()?;
+        Ok(material)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), LawError> {
+        above_zero("Young's modulus (Pa)", self.youngs_modulus_pa)?;
+        let nu = self.poisson_ratio;
+        expect("Poisson's ratio", nu, nu >= T::ZERO && nu <= T::of(0.5), "0 to 0.5")?;
+        Ok(())
+    }
 
     /// Plane-strain compliance `h = (1 - nu^2)/E` in 1/Pa.
-    pub fn compliance_per_pa(&self) -> f64 {
-        (1.0 - self.poisson_ratio * self.poisson_ratio) / self.youngs_modulus_pa
+    pub fn compliance_per_pa(&self) -> T {
+        (T::ONE - self.poisson_ratio * self.poisson_ratio) / self.youngs_modulus_pa
     }
 }
 
 /// Effective modulus `E*` of a pair in Pa: `1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2`.
-pub fn effective_modulus_pa(a: &Material, b: &Material) -> f64 {
-    1.0 / (a.compliance_per_pa() + b.compliance_per_pa())
+pub fn effective_modulus_pa<T: Real>(a: &Material<T>, b: &Material<T>) -> T {
+    T::ONE / (a.compliance_per_pa() + b.compliance_per_pa())
 }

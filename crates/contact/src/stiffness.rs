@@ -1,16 +1,34 @@
 //! Elastic force over deformation: the stiffness part of a normal law.
+//!
+//! Deformation in m, force in N. Build a part with [`Stiffness::from_name`] or [`crate::StiffnessKind::build`], which check the
+//! ranges; the variants can also be written directly, unchecked, where the figures are known to be right.
 
+use crate::error::{LawError, expect};
+use crate::joint::Joint;
+use crate::logarithmic::Logarithmic;
 use crate::material::Material;
+use crate::real::Real;
 use core::f64::consts::PI;
-use libm::sqrt;
 
 /// Elastic part of a normal law.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stiffness {
+pub enum Stiffness<T = f64> {
+    /// `F = K d`.
+    Linear {
+        /// `K` in N/m.
+        coefficient: T,
+    },
     /// `F = K d^1.5` with a constant `K` in N/m^1.5 (Hertz, sphere in sphere; see [`hertz_sphere_in_sphere`]).
     Hertz {
         /// `K` in N/m^1.5.
-        coefficient: f64,
+        coefficient: T,
+    },
+    /// `F = K d^n`. Pereira's law is of this form; see [`Stiffness::pereira`].
+    Power {
+        /// `K` in N/m^n.
+        coefficient: T,
+        /// `n`, above 0.
+        exponent: T,
     },
     /// The hybrid law of Bai and Zhao as the paper prints it: `F = K_n d^1.5`,
     /// `K_n = (1/8) pi E* sqrt(2 d (3D + 2d)^2/(D + d)^3)`.
@@ -20,59 +38,127 @@ pub enum Stiffness {
     /// take Liu's.
     HybridAsPrinted {
         /// `E*` in Pa.
-        effective_modulus_pa: f64,
+        effective_modulus_pa: T,
         /// `D` in m.
-        radial_clearance_m: f64,
+        radial_clearance_m: T,
     },
     /// Liu et al. 2007 times the bearing length: `F = L (pi/2) d E* sqrt(d/(2(D + d)))`.
     LiuTimesLength {
         /// `E*` in Pa.
-        effective_modulus_pa: f64,
+        effective_modulus_pa: T,
         /// `D` in m.
-        radial_clearance_m: f64,
+        radial_clearance_m: T,
         /// `L` in m.
-        length_m: f64,
+        length_m: T,
     },
+    /// Johnson, Radzimovsky, Goldsmith, Dubowsky-Freudenstein or ESDU-78035: implicit, up to a limit.
+    Logarithmic(Logarithmic<T>),
 }
 
-impl Stiffness {
+impl<T: Real> Stiffness<T> {
     /// Elastic force in N at a deformation in m; 0 without contact (`d <= 0`).
-    pub fn force_n(&self, deformation_m: f64) -> f64 {
+    ///
+    /// Beyond [`Stiffness::largest_deformation_m`] the force is held at its largest value, so that a trial step of an
+    /// integrator stays finite; a result that was computed there is not the law's. [`Stiffness::checked_force_n`] refuses.
+    pub fn force_n(&self, deformation_m: T) -> T {
         let d = deformation_m;
-        if d <= 0.0 {
-            return 0.0;
+        if d <= T::ZERO {
+            return T::ZERO;
         }
         match *self {
-            Self::Hertz { coefficient } => coefficient * d * sqrt(d),
+            Self::Linear { coefficient } => coefficient * d,
+            Self::Hertz { coefficient } => coefficient * d * d.sqrt(),
+            Self::Power { coefficient, exponent } => coefficient * d.powf(exponent),
             Self::HybridAsPrinted { effective_modulus_pa, radial_clearance_m: clearance } => {
                 let sum = clearance + d;
-                let shape = 3.0 * clearance + 2.0 * d;
-                let coefficient = PI / 8.0 * effective_modulus_pa * sqrt(2.0 * d / sum) * shape / sum;
-                coefficient * d * sqrt(d)
+                let shape = T::of(3.0) * clearance + T::of(2.0) * d;
+                let coefficient =
+                    T::of(PI / 8.0) * effective_modulus_pa * (T::of(2.0) * d / sum).sqrt() * shape / sum;
+                coefficient * d * d.sqrt()
             }
             Self::LiuTimesLength { effective_modulus_pa, radial_clearance_m, length_m } => {
-                length_m * 0.5 * PI * d * effective_modulus_pa * sqrt(d / (2.0 * (radial_clearance_m + d)))
+                length_m
+                    * T::of(0.5)
+                    * T::of(PI)
+                    * d
+                    * effective_modulus_pa
+                    * (d / (T::of(2.0) * (radial_clearance_m + d))).sqrt()
             }
+            Self::Logarithmic(law) => law.force_n(d),
         }
+    }
+
+    /// The deformation in m up to which the law holds, if it ends.
+    pub fn largest_deformation_m(&self) -> Option<T> {
+        match self {
+            Self::Logarithmic(law) => Some(law.largest_deformation_m()),
+            _ => None,
+        }
+    }
+
+    /// As [`Stiffness::force_n`], but refuses a deformation beyond the law's limit.
+    pub fn checked_force_n(&self, deformation_m: T) -> Result<T, LawError> {
+        let holds = self.largest_deformation_m().is_none_or(|largest| deformation_m <= largest);
+        expect("deformation (m)", deformation_m, holds, "at most the law's largest deformation")?;
+        Ok(self.force_n(deformation_m))
+    }
+
+    /// Pereira et al. 2011, internal contact: `F = (a D + b) L E*/D d^n`, `a = .965`, `b = .0965`, `n = Y D^-0.005`,
+    /// `Y = 1.51 ln(1000 D)^-0.151` for `.005 <= D < .34954` and `.0151 D + 1.151` up to 10.
+    ///
+    /// Here `D`, `d` and `L` are in mm and `E*` in MPa, as the authors fitted them; the result is converted to SI.
+    /// A fit, checked against its authors' range: a clearance outside .005 to 10 mm is refused. Their published law has
+    /// Zhiying and Qishao's factor; any other can be put to it here.
+    pub fn pereira(joint: &Joint<T>) -> Result<Self, LawError> {
+        joint.check()?;
+        let clearance_mm = joint.radial_clearance_m * T::of(1e3);
+        let (low, high) = (T::of(0.005 * (1.0 - 1e-6)), T::of(10.0 * (1.0 + 1e-6)));
+        let holds = clearance_mm >= low && clearance_mm <= high;
+        expect(
+            "radial clearance (m)",
+            joint.radial_clearance_m,
+            holds,
+            "5e-6 to 1e-2, the range of the fit",
+        )?;
+        let shape = if clearance_mm < T::of(0.34954) {
+            T::of(1.51) * (T::of(1e3) * clearance_mm).ln().powf(T::of(-0.151))
+        } else {
+            T::of(0.0151) * clearance_mm + T::of(1.151)
+        };
+        let exponent = shape * clearance_mm.powf(T::of(-0.005));
+        let modulus_mpa = joint.effective_modulus_pa() * T::of(1e-6);
+        let length_mm = joint.length_m * T::of(1e3);
+        let per_mm = (T::of(0.965) * clearance_mm + T::of(0.0965)) * length_mm * modulus_mpa / clearance_mm;
+        Ok(Self::Power { coefficient: per_mm * T::of(1e3).powf(exponent), exponent })
     }
 }
 
 /// Hertz's coefficient `K` in N/m^1.5 of a sphere of `inner_radius_m` inside a sphere of `outer_radius_m`:
 /// `K = 4/(3(h_i + h_j)) sqrt(R_i R_j/(R_i - R_j))`. The outer radius must be the larger one.
-pub fn hertz_sphere_in_sphere(
-    outer_radius_m: f64,
-    outer: &Material,
-    inner_radius_m: f64,
-    inner: &Material,
-) -> f64 {
+pub fn hertz_sphere_in_sphere<T: Real>(
+    outer_radius_m: T,
+    outer: &Material<T>,
+    inner_radius_m: T,
+    inner: &Material<T>,
+) -> T {
     let curvature = outer_radius_m * inner_radius_m / (outer_radius_m - inner_radius_m);
-    4.0 / (3.0 * (outer.compliance_per_pa() + inner.compliance_per_pa())) * sqrt(curvature)
+    T::of(4.0) / (T::of(3.0) * (outer.compliance_per_pa() + inner.compliance_per_pa())) * curvature.sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::material::effective_modulus_pa;
+
+    fn joint(radial_clearance_m: f64) -> Joint {
+        Joint {
+            bearing_radius_m: 0.07,
+            radial_clearance_m,
+            length_m: 0.14,
+            bearing: Material::BABBITT,
+            journal: Material::STEEL,
+        }
+    }
 
     #[test]
     fn hertz_coefficient_of_the_slider_crank_joint() {
@@ -104,5 +190,44 @@ mod tests {
             let force = law.force_n(1e-4) * 1e-3;
             assert!((force - force_kn).abs() < 0.006, "{clearance_mm} mm: {force} kN");
         }
+    }
+
+    #[test]
+    fn pereira_is_the_fit_in_millimetres_and_joins_at_its_break() {
+        let Ok(Stiffness::Power { coefficient, exponent }) = Stiffness::pereira(&joint(0.5e-3)) else {
+            panic!("in range")
+        };
+        // By hand at D = .5 mm: Y = .0151 * .5 + 1.151, n = Y * .5^-.005, K = (.965 * .5 + .0965) * 140 * E*/.5.
+        let n = 1.15855 * 0.5_f64.powf(-0.005);
+        let modulus_mpa = 1e-6 * effective_modulus_pa(&Material::BABBITT, &Material::STEEL);
+        let per_mm = 0.579 * 140.0 * modulus_mpa / 0.5;
+        assert!((exponent - n).abs() < 1e-12, "{exponent}");
+        let force = Stiffness::Power { coefficient, exponent }.force_n(0.02e-3);
+        assert!((force / (per_mm * 0.02_f64.powf(n)) - 1.0).abs() < 1e-12);
+        let force = |clearance: f64| Stiffness::pereira(&joint(clearance)).map(|law| law.force_n(2e-5));
+        let (below, above) = (force(0.349539e-3).unwrap(), force(0.349541e-3).unwrap());
+        assert!((below / above - 1.0).abs() < 1e-4, "{below} {above}");
+    }
+
+    #[test]
+    fn pereira_refuses_a_clearance_outside_its_fit() {
+        assert!(Stiffness::pereira(&joint(5e-6)).is_ok() && Stiffness::pereira(&joint(1e-2)).is_ok());
+        for clearance in [4.9e-6, 10.1e-3] {
+            assert!(matches!(
+                Stiffness::pereira(&joint(clearance)),
+                Err(LawError::OutOfRange { quantity: "radial clearance (m)", .. })
+            ));
+        }
+    }
+
+    #[test]
+    fn a_law_that_ends_refuses_a_deformation_beyond_its_limit() {
+        let law =
+            crate::StiffnessKind::Johnson.build(&crate::StiffnessParameters::of(joint(0.5e-3))).unwrap();
+        let limit = law.largest_deformation_m().unwrap();
+        assert!(law.checked_force_n(limit).is_ok());
+        assert!(matches!(law.checked_force_n(limit * 1.001), Err(LawError::OutOfRange { .. })));
+        assert!(law.force_n(limit * 1.001).is_finite());
+        assert!(Stiffness::Linear { coefficient: 1e9 }.checked_force_n(1.0).is_ok());
     }
 }

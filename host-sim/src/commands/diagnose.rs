@@ -38,7 +38,7 @@ pub fn run(args: &DiagnoseArgs) -> Result<(), CliError> {
     let bench = args.bench.open()?;
     let logs = read(&args.logs, &bench)?;
     let held_out = read(&args.held_out, &bench)?;
-    let bar = progress::bar(args.json);
+    let bar = progress::bar(args.json, progress::PERCENT);
     let shown = bar.clone();
     let tell = move |share: f64, words: &str| {
         shown.set_position((100.0 * share) as u64);

@@ -8,7 +8,7 @@ use diagnosis::{Diagnosis, Series as Residual};
 use std::fmt::Write as _;
 
 const WIDE: (u32, u32) = (1040, 300);
-const HALF: (u32, u32) = (520, 300);
+const HALF: (u32, u32) = (512, 300);
 /// Bins of a cycle in the pictures.
 const BINS: usize = 96;
 /// Pictures over time a report shows; more logs than that would hide the others.

@@ -3,8 +3,16 @@
 pub mod diagnose;
 mod diagnose_pictures;
 mod diagnose_report;
+pub mod figures;
+mod limits;
+mod output;
 pub mod record;
 pub mod run;
 mod run_report;
 mod slider_crank;
+pub mod sweep;
+mod sweep_file;
+mod sweep_latch;
+mod sweep_paper;
+mod sweep_paper_pictures;
 pub mod validate;

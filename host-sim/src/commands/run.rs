@@ -1,26 +1,23 @@
 //! `host-sim run`: the bench with the networks or the law as the bearing force, the estimator beside it.
 
-use super::{run_report, slider_crank};
+use super::{output, run_report, slider_crank, sweep};
 use crate::controller::{ControllerError, EmulatedController, NativeController};
 use crate::error::CliError;
 use crate::estimator::{self, Tracked};
-use crate::force::{self, ForceSource, ForcedRun};
+use crate::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use crate::options::BenchOptions;
 use crate::progress;
 use crate::sensing;
-use crate::summary::{AgainstLaw, EstimatorSummary, Summary};
+use crate::summary::{AgainstLaw, EstimatorSummary, Figures, LawPeak, Summary};
 use bench::description::TransmissionBench;
+use bench::peaks::peaks_with_bars;
+use bench::run::DEFAULT_TOLERANCE;
 use bench::slider_crank_description::SliderCrankBench;
 use bench::transmission::Transmission;
-use bench::{Bench, MeasuredLog, atomic};
+use bench::{Bench, MeasuredLog, impact_log};
 use clap::{Args, Parser, ValueEnum};
 use std::path::PathBuf;
 use std::time::Instant;
-
-/// Rate of the controller and of a run's samples.
-pub const CONTROLLER_RATE_HZ: f64 = 10_000.0;
-/// Communication steps that the loop with networks can take, s.
-const STEP_RANGE_S: (f64, f64) = (1e-7, 1e-3);
 
 /// Where the estimator runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -58,7 +55,7 @@ pub struct RunArgs {
     /// Firmware for the emulated controller.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
-    /// Folder for log.csv, run.json and report.html.
+    /// Folder for log.csv, impacts.csv, run.json and report.html.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
     pub out: PathBuf,
     /// Print the figures as JSON.
@@ -99,21 +96,20 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         return slider_crank::run(&bench, args);
     }
     let finished = execute(args)?;
-    let json = serde_json::to_string_pretty(&finished.summary).map_err(|e| CliError::Work(e.to_string()))?;
-    let log = log_of(&finished, args.seed);
+    let json = output::json(&finished.summary)?;
+    let impacts = impact_log::to_csv(&finished.forced.run.impacts, finished.bench.contact.latch_floor_m_s);
     let page = run_report::page(&finished).map_err(CliError::Work)?;
-    for (name, bytes) in
-        [("log.csv", log.to_csv()), ("run.json", format!("{json}\n")), ("report.html", page.render())]
-    {
-        let path = args.out.join(name);
-        atomic::write(&path, bytes.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
-    }
+    output::write(&args.out, "log.csv", &log_of(&finished, args.seed).to_csv())?;
+    output::write(&args.out, impact_log::FILE_NAME, &impacts)?;
+    output::write(&args.out, "run.json", &format!("{json}\n"))?;
+    output::write(&args.out, "report.html", &page.render())?;
     if args.json {
         say!("{json}");
     } else {
         for row in run_report::rows(&finished.summary) {
             say!("{:<44} {:>14}", row[0], row[1]);
         }
+        run_report::print_audit(&finished);
         say!("\nreport: {}", args.out.join("report.html").display());
     }
     Ok(())
@@ -127,29 +123,36 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
             args.bench.bench
         )));
     };
-    let step_s = args.step_us * 1e-6;
-    if !(STEP_RANGE_S.0..=STEP_RANGE_S.1).contains(&step_s) {
-        return Err(CliError::Input(format!("--step-us: found {}; expected 0.1 to 1000", args.step_us)));
-    }
+    let step_s = sweep::step_s(args.step_us)?;
     let described = Bench::Transmission(bench.clone());
     let Bench::Transmission(resolved) = described.resolved() else {
         return Err(CliError::Work("plant changed".into()));
     };
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
-    let times = resolved.sample_times_s(CONTROLLER_RATE_HZ);
-    let end_s = resolved.duration_s();
-    let material = resolved.bearing.material;
 
-    let bar = progress::bar(args.json);
+    let bar = progress::bar(args.json, progress::PERCENT);
     let started = Instant::now();
     bar.set_message(format!("bench with {}", args.force.name()));
-    let forced = force::run(&plant, material, args.force, (end_s, step_s), &times, || bar.inc(1))?;
+    let forced = force::run_bench(&resolved, args.force, step_s, || bar.inc(1))?;
     let wall_s = started.elapsed().as_secs_f64();
-    let mut summary = Summary::of(&resolved, args.force.name(), &forced, CONTROLLER_RATE_HZ, wall_s);
+    let mut summary = Summary {
+        figures: Figures::of(&resolved, args.force, &forced, SAMPLE_RATE_HZ),
+        wall_s_per_simulated_s: wall_s / resolved.duration_s(),
+        energy: forced
+            .run
+            .energy
+            .terms()
+            .map(|(name, value)| (name.to_owned(), value.into()))
+            .into_iter()
+            .collect(),
+        law_peaks: law_peaks(&resolved, &plant)?,
+        estimator: None,
+        against_law: None,
+    };
     let law = if args.force == ForceSource::Law {
         None
     } else {
-        let law = force::run(&plant, material, ForceSource::Law, (end_s, step_s), &times, || {})?;
+        let law = force::run_bench(&resolved, ForceSource::Law, step_s, || {})?;
         summary.against_law = Some(AgainstLaw::of(&resolved, &forced.run.samples, &law.run.samples));
         Some(law)
     };
@@ -158,7 +161,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     } else {
         bar.set_message("estimator");
         let frames = sensing::frames(&described, &forced.run.samples, args.seed);
-        let configuration = estimator::configuration(&plant, &resolved, CONTROLLER_RATE_HZ)?;
+        let configuration = estimator::configuration(&plant, &resolved, SAMPLE_RATE_HZ)?;
         let native = estimator::track(Box::new(NativeController::start(configuration)?), &frames)?;
         let (tracked, differences) = if args.controller == ControllerChoice::Emulated {
             let elf = args.elf.clone().unwrap_or_else(EmulatedController::default_elf);
@@ -176,9 +179,15 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     Ok(Finished { bench: *resolved, summary, forced, law, tracked })
 }
 
+/// The peaks of the analytic law with their error bars, from the end of the load's ramp on.
+fn law_peaks(bench: &TransmissionBench, plant: &Transmission) -> Result<Vec<LawPeak>, CliError> {
+    let peaks = peaks_with_bars(plant, (bench.load.ramp_s, bench.duration_s()), DEFAULT_TOLERANCE)?;
+    Ok(peaks.into_iter().map(LawPeak::from).collect())
+}
+
 /// The run as a measured log: the bench's sensors at its logging rate.
 fn log_of(finished: &Finished, seed: u64) -> MeasuredLog {
-    let every = ((CONTROLLER_RATE_HZ / finished.bench.logging.sample_rate_hz).round() as usize).max(1);
+    let every = ((SAMPLE_RATE_HZ / finished.bench.logging.sample_rate_hz).round() as usize).max(1);
     let samples: Vec<_> = finished.forced.run.samples.iter().step_by(every).copied().collect();
     bench::record::log_of(&Bench::Transmission(Box::new(finished.bench.clone())), &samples, seed)
 }

@@ -1,9 +1,11 @@
 //! The report of a run: the figures as a table, the forces over the cycle, the journal's orbit.
 
+use super::limits;
 use super::run::Finished;
 use crate::figure::{Chart, Series, lines, map};
 use crate::page::Page;
-use crate::summary::Summary;
+use crate::summary::{LawPeak, Summary};
+use bench::integrate::Impact;
 use bench::transmission::Snapshot;
 
 const WIDE: (u32, u32) = (1040, 360);
@@ -12,21 +14,22 @@ const SQUARE: (u32, u32) = (500, 500);
 /// The figures in words: name, value with unit.
 pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
     let row = |name: &str, value: String| [name.to_owned(), value];
+    let figures = &summary.figures;
     let mut rows = vec![
         row(
             "bearing",
-            format!("{}, {:.2} mm, {:+.1} kN", summary.bearing, summary.clearance_mm, summary.load_kn),
+            format!("{}, {:.2} mm, {:+.1} kN", figures.bearing.name(), figures.clearance_mm, figures.load_kn),
         ),
-        row("bearing force from", summary.force.into()),
-        row("peak contact force", format!("{:.0} N", summary.peak_contact_force_n)),
-        row("peak force along Y", format!("{:.0} N", summary.peak_force_y_n)),
-        row("peak force along Z", format!("{:.0} N", summary.peak_force_z_n)),
-        row("peak friction torque", format!("{:.1} N m", summary.peak_friction_torque_nm)),
-        row("largest deformation", format!("{:.1} um", summary.max_deformation_m * 1e6)),
-        row("oscillation, rms", format!("{:.0} N", summary.oscillation_rms_n)),
-        row("periods in contact", summary.contacts.to_string()),
-        row("energy residual", format!("{:.1e}", summary.energy_residual_rel)),
-        row("outside the training range", format!("{:.2} %", 100.0 * summary.outside_training_share)),
+        row("bearing force from", figures.force.name().into()),
+        row("peak contact force", format!("{:.0} N", figures.peak_contact_force_n)),
+        row("peak force along Y", format!("{:.0} N", figures.peak_force_y_n)),
+        row("peak force along Z", format!("{:.0} N", figures.peak_force_z_n)),
+        row("peak friction torque", format!("{:.1} N m", figures.peak_friction_torque_nm)),
+        row("largest deformation", format!("{:.1} um", figures.max_deformation_m * 1e6)),
+        row("oscillation, rms", format!("{:.0} N", figures.oscillation_rms_n)),
+        row("periods in contact", figures.contacts.to_string()),
+        row("energy residual", format!("{:.1e}", figures.energy_residual_rel)),
+        row("outside the training range", format!("{:.2} %", 100.0 * figures.outside_training_share)),
         row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
     ];
     if let Some(law) = &summary.against_law {
@@ -65,19 +68,92 @@ pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
     rows
 }
 
+/// Contacts that are listed one by one.
+const LISTED: usize = 30;
+
+/// A number in five figures, whatever its size.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-2..1e6).contains(&size) {
+        let digits = (4.0 - size.max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+const IMPACT_HEADER: [&str; 7] = [
+    "onset, s",
+    "crank angle, deg",
+    "approach speed, mm/s",
+    "peak force, N",
+    "deformation, um",
+    "duration, ms",
+    "energy lost, J",
+];
+
+fn impact_rows(finished: &Finished) -> Vec<Vec<String>> {
+    let row = |i: &Impact| {
+        vec![
+            format!("{:.6}", i.onset_s),
+            format!("{:.3}", i.angles.crank_rad.to_degrees()),
+            format!("{:.3}", 1e3 * i.approach_speed_m_s),
+            format!("{:.1}", i.peak_force_n),
+            format!("{:.2}", 1e6 * i.max_deformation_m),
+            i.duration_s().map_or_else(|| "to the end".into(), |d| format!("{:.3}", 1e3 * d)),
+            number(i.energy_lost_j),
+        ]
+    };
+    finished.forced.run.impacts.iter().take(LISTED).map(row).collect()
+}
+
+fn energy_rows(finished: &Finished) -> Vec<Vec<String>> {
+    finished
+        .forced
+        .run
+        .energy
+        .terms()
+        .iter()
+        .map(|(name, value)| vec![(*name).to_owned(), number(*value)])
+        .collect()
+}
+
+fn peak_rows(summary: &Summary) -> Vec<Vec<String>> {
+    let row = |p: &LawPeak| {
+        vec![p.name.to_owned(), number(p.value), format!("{:.1e}", p.error_bar), format!("{:.4}", p.time_s)]
+    };
+    summary.law_peaks.iter().map(row).collect()
+}
+
+/// Energy balance, contacts and peaks with their bars on the terminal.
+pub(super) fn print_audit(finished: &Finished) {
+    let table = |title: &str, header: &[&str], rows: Vec<Vec<String>>| {
+        let line = |cells: &[String]| cells.iter().map(|c| format!("{c:>21}")).collect::<Vec<_>>().join(" ");
+        say!("\n{title}");
+        say!("{}", line(&header.iter().map(|h| (*h).to_owned()).collect::<Vec<_>>()));
+        rows.iter().for_each(|row| say!("{}", line(row)));
+    };
+    table("energy", &["term", "value"], energy_rows(finished));
+    table("contacts (all in impacts.csv)", &IMPACT_HEADER, impact_rows(finished));
+    table("peaks of the analytic law", &PEAK_HEADER, peak_rows(&finished.summary));
+}
+
+const PEAK_HEADER: [&str; 4] = ["peak", "value", "error bar", "at, s"];
+
 /// The page. An error is a drawing failure, in words.
 pub(super) fn page(finished: &Finished) -> Result<Page, String> {
     let summary = &finished.summary;
+    let figures = &summary.figures;
     let mut page = Page::new("Transmission bench: one run");
     page.lead(&format!(
         "{}, radial clearance {:.2} mm, load {:+.1} kN, bearing force from {}: peak contact force {:.0} N, \
          oscillation {:.0} N rms.",
-        summary.bearing,
-        summary.clearance_mm,
-        summary.load_kn,
-        summary.force,
-        summary.peak_contact_force_n,
-        summary.oscillation_rms_n,
+        figures.bearing.name(),
+        figures.clearance_mm,
+        figures.load_kn,
+        figures.force.name(),
+        figures.peak_contact_force_n,
+        figures.oscillation_rms_n,
     ));
     page.note(
         "Peaks and errors leave out the start: they count from the end of the load's ramp. Forces are those of the \
@@ -91,7 +167,7 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
         Series::new(name, samples.iter().map(|s| s.time_s), samples.iter().map(read))
     };
     let law = finished.law.as_ref().map(|l| l.run.samples.as_slice());
-    let mut contact = vec![over_time(summary.force, samples, |s| s.forces.normal_n)];
+    let mut contact = vec![over_time(figures.force.name(), samples, |s| s.forces.normal_n)];
     if let Some(law) = law {
         contact.push(over_time("analytic law", law, |s| s.forces.normal_n));
     }
@@ -119,7 +195,7 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
         &lines(&Chart { title: "Force on the journal", x: "time, s", y: "N", size: WIDE }, &components)?,
         "Components along Y (transverse, towards the drive) and Z (upwards).",
     );
-    let mut torque = vec![over_time(summary.force, samples, |s| s.friction_torque_nm)];
+    let mut torque = vec![over_time(figures.force.name(), samples, |s| s.friction_torque_nm)];
     if let Some(law) = law {
         torque.push(over_time("analytic law", law, |s| s.friction_torque_nm));
     }
@@ -129,16 +205,16 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
     );
     page.section("The journal in its clearance");
     let clearance_um = finished.bench.bearing.radial_clearance_m * 1e6;
-    let circle = Series {
-        name: "clearance circle".into(),
-        points: (0..=180)
+    let circle = Series::through(
+        "clearance circle",
+        (0..=180)
             .map(|i| f64::from(i) * core::f64::consts::TAU / 180.0)
             .map(|a| (clearance_um * a.cos(), clearance_um * a.sin()))
             .collect(),
-    };
+    );
     let orbit = |name: &str, samples: &[Snapshot]| {
         let thinned = samples.iter().step_by((samples.len() / 2000).max(1));
-        Series { name: name.into(), points: thinned.map(|s| (s.y_m * 1e6, s.z_m * 1e6)).collect() }
+        Series::through(name, thinned.map(|s| (s.y_m * 1e6, s.z_m * 1e6)).collect())
     };
     let deformation = over_time("deformation", samples, |s| s.contact.deformation_m * 1e6);
     page.figures(&[
@@ -154,10 +230,17 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
             "Negative is a gap.",
         ),
     ]);
-    page.section("What this does not model");
-    page.text(
-        "Planar: no tilt of the shaft, no edge loading. Dry: no lubrication. The levers are rigid and the load \
-         cylinder has no friction of its own. Not a safety function.",
+    page.section("Peaks of the analytic law").table(&PEAK_HEADER, &peak_rows(summary));
+    page.note(
+        "The error bar is the difference between runs at two tolerances. Read more finely than the samples above, so a \
+         narrow peak of the torque may stand a little higher.",
     );
+    page.section("Energy").table(&["term", "value"], &energy_rows(finished));
+    page.note(
+        "Work of drive, load and gravity less friction heat, damping loss and change of the stored energy is the residual.",
+    );
+    page.section("Contacts").table(&IMPACT_HEADER, &impact_rows(finished));
+    page.note("The first 30; impacts.csv has all, with angles, latched speeds and restitution.");
+    limits::section(&mut page);
     Ok(page)
 }

@@ -1,0 +1,221 @@
+//! The transmission bench: fork (motion given along Y), drive crank, shaft in the clearance bearing, load crank.
+//!
+//! A Rapson slide. Planar; journal centre `(y, z)` from the bearing's centre, crank angle `th`:
+//!
+//! ```text
+//! x_f = y + R_d sin th                               the fork's pin
+//! m y'' = P + F_L + F_cy          m z'' = F_cz - m g
+//! J th'' = P R_d cos th + F_L R_l cos th + T_f
+//! F_c = -F_n n + F_f t,  n = (y, z)/a,  t = (n_z, -n_y),  T_f = F_f R_J,  v_t = th' R_J + v.t
+//! ```
+//!
+//! With a rigid drive `x_f(t)` is given and the fork force `P` follows. With a hydraulic column
+//! `P = k (x_d - x_f) + c (x_d' - x_f')`, or with play in the fork `P` of [`fork::Drive`], and `th` is a state of its
+//! own. Friction of the load cylinder takes `F_c tanh(v/v_r) + c v` off `F_L` at the speed of the load crank's pin. What
+//! this leaves out: [`crate::limits`].
+//!
+//! Here is how the plant is built from a description; `dynamics` has the equations, `fork` the drive's compliance.
+
+pub(crate) use dynamics::LARGEST_SINE;
+
+mod dynamics;
+mod fork;
+
+use crate::contact_laws::{BearingFriction, JointLaw};
+use crate::description::{Extension, LoadFriction, TransmissionBench};
+use crate::energy::{EnergyAudit, elastic_energy_j};
+use crate::integrate::Tolerances;
+use crate::motion::{Motion, Profile};
+use fork::Drive;
+
+/// Gravity in m/s2, the value of the published test problems.
+pub(crate) const GRAVITY_M_S2: f64 = 9.81;
+/// Gap at the start as a share of the radial clearance.
+pub(crate) const START_GAP_SHARE: f64 = 1e-3;
+/// Index of the bristles' deflection.
+const BRISTLE: usize = STATES - 1;
+/// States under error control, with a friction law without bristles.
+const CONTROLLED: f64 = 8.0;
+/// Number of states.
+pub const STATES: usize = 13;
+
+/// States: y, z, y', z', th, th' (these two only with a compliant drive), then energies in J: work of the fork, the same
+/// with every contribution positive, work of the load, heat of friction, loss of the normal force beyond its elastic
+/// part, heat of the load cylinder; last the deflection of the bristles in m, for friction laws that have one.
+pub type State = [f64; STATES];
+
+/// The forces of the bearing on the shaft.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BearingForces {
+    /// Normal force `F_n` in N, not negative.
+    pub normal_n: f64,
+    /// Friction force `F_f` in N, along `t`.
+    pub friction_n: f64,
+}
+
+/// The contact as a force law sees it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactView {
+    /// Radial clearance in m.
+    pub radial_clearance_m: f64,
+    /// Deformation in m, negative in a gap.
+    pub deformation_m: f64,
+    /// Rate of the deformation in m/s.
+    pub rate_m_s: f64,
+    /// Approach speed latched at onset in m/s.
+    pub latched_m_s: f64,
+    /// Relative tangential speed `v_t` in m/s.
+    pub sliding_speed_m_s: f64,
+}
+
+/// Everything about the bench at one time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Snapshot {
+    /// Time in s.
+    pub time_s: f64,
+    /// Crank angle in rad.
+    pub angle_rad: f64,
+    /// Crank speed in rad/s.
+    pub speed_rad_s: f64,
+    /// Journal centre along Y in m.
+    pub y_m: f64,
+    /// Journal centre along Z in m.
+    pub z_m: f64,
+    /// The contact.
+    pub contact: ContactView,
+    /// Normal and friction force.
+    pub forces: BearingForces,
+    /// Whole force on the journal along Y in N.
+    pub force_y_n: f64,
+    /// Whole force on the journal along Z in N.
+    pub force_z_n: f64,
+    /// Torque of the bearing on the shaft in N m.
+    pub friction_torque_nm: f64,
+    /// Force of the fork on the shaft along +Y in N.
+    pub drive_force_n: f64,
+    /// Load in N.
+    pub load_force_n: f64,
+    /// Drive cylinder.
+    pub drive: Motion,
+}
+
+/// A transmission bench ready to be integrated.
+#[derive(Clone, Debug)]
+pub struct Transmission {
+    drive_lever_m: f64,
+    load_lever_m: f64,
+    mass_kg: f64,
+    inertia_kg_m2: f64,
+    journal_radius_m: f64,
+    radial_clearance_m: f64,
+    joint_law: JointLaw,
+    friction_law: BearingFriction,
+    sign_width_m_s: f64,
+    friction_level: f64,
+    extension: Extension,
+    load_friction: Option<LoadFriction>,
+    compliance: Option<Drive>,
+    drive: Profile,
+    load: Profile,
+}
+
+impl Transmission {
+    /// Builds the plant of a resolved description with a drive and a load.
+    pub fn new(bench: &TransmissionBench, drive: Profile, load: Profile) -> Self {
+        let radial_clearance_m = bench.bearing.radial_clearance_m;
+        Self {
+            drive_lever_m: bench.geometry.drive_lever_radius_m,
+            load_lever_m: bench.geometry.load_lever_radius_m,
+            mass_kg: bench.shaft.mass_kg,
+            inertia_kg_m2: bench.shaft.inertia_kg_m2,
+            journal_radius_m: bench.bearing.bearing_radius_m - radial_clearance_m,
+            radial_clearance_m,
+            joint_law: JointLaw::after_changes(bench),
+            friction_law: BearingFriction::after_changes(&bench.friction),
+            sign_width_m_s: bench.friction.regularisation_m_s,
+            friction_level: bench.friction.level,
+            extension: bench.extension,
+            load_friction: bench.load_friction.clone(),
+            compliance: Drive::of(bench),
+            drive,
+            load,
+        }
+    }
+
+    /// Journal at rest just above the bottom of the clearance, crank on the drive.
+    ///
+    /// The gap is a thousandth of the clearance. It matters: the journal drops through it, lands at
+    /// `sqrt(2 g D/1000)` (4.4 mm/s at 1 mm), and as the bench then stays in contact, this is the approach speed that
+    /// the damping of the whole run is scaled with wherever it exceeds the floor.
+    pub fn initial_state(&self, time_s: f64) -> State {
+        let drive = self.drive_motion(time_s);
+        let sine = (drive.value / self.drive_lever_m).clamp(-1.0, 1.0);
+        let cosine = (1.0 - sine * sine).sqrt();
+        let mut state = [0.0; STATES];
+        state[1] = -self.radial_clearance_m * (1.0 - START_GAP_SHARE);
+        state[4] = sine.asin();
+        state[5] = drive.rate / (self.drive_lever_m * cosine);
+        state
+    }
+
+    /// Speed in m/s at which the journal lands after the start: what the latch then holds.
+    pub fn landing_speed_m_s(&self) -> f64 {
+        (2.0 * GRAVITY_M_S2 * START_GAP_SHARE * self.radial_clearance_m).sqrt()
+    }
+
+    /// Error control at a relative tolerance; absolute ones are that share of the states' natural sizes.
+    ///
+    /// Of the energies only the drive's two are controlled. The method's norm is a mean over all states, so the
+    /// tolerance is scaled by what the uncontrolled ones would dilute it.
+    pub fn tolerances(&self, relative: f64) -> Tolerances<STATES> {
+        let relative = relative * (CONTROLLED / STATES as f64).sqrt();
+        let sizes = [1e-4, 1e-4, 1e-2, 1e-2, 1.0, 1.0, 1e3, 1e3];
+        let mut absolute =
+            std::array::from_fn(|i| sizes.get(i).map_or(f64::INFINITY, |size| size * relative));
+        if self.friction_law.has_state() {
+            absolute[BRISTLE] = 1e-6 * relative;
+        }
+        Tolerances { relative, absolute, largest_step_s: 1e-3 }
+    }
+
+    /// Journal radius in m.
+    pub fn journal_radius_m(&self) -> f64 {
+        self.journal_radius_m
+    }
+
+    /// Radial clearance in m.
+    pub fn radial_clearance_m(&self) -> f64 {
+        self.radial_clearance_m
+    }
+
+    /// The deformation in m up to which the normal law holds, if it ends.
+    pub fn largest_deformation_m(&self) -> Option<f64> {
+        self.joint_law.law.largest_deformation_m()
+    }
+
+    /// Kinetic energy of the shaft and elastic energy of the contact in J.
+    fn stored_energy_j(&self, time_s: f64, s: &State) -> f64 {
+        let g = self.geometry(time_s, s);
+        let elastic = elastic_energy_j(&self.joint_law.elastic, g.depth_m);
+        0.5 * self.mass_kg * (s[2] * s[2] + s[3] * s[3])
+            + 0.5 * self.inertia_kg_m2 * g.speed_rad_s * g.speed_rad_s
+            + elastic
+    }
+
+    /// The energy balance between two states of a run.
+    pub fn audit(&self, (start_s, start): (f64, &State), (end_s, end): (f64, &State)) -> EnergyAudit {
+        let change = |i: usize| end[i] - start[i];
+        EnergyAudit {
+            drive_work_j: change(6),
+            drive_work_absolute_j: change(7),
+            load_work_j: change(8),
+            gravity_work_j: -self.mass_kg * GRAVITY_M_S2 * change(1),
+            friction_heat_j: change(9),
+            load_friction_heat_j: change(11),
+            damping_loss_j: change(10),
+            stored_change_j: self.stored_energy_j(end_s, end) - self.stored_energy_j(start_s, start),
+            ..EnergyAudit::default()
+        }
+        .closed()
+    }
+}

@@ -1,0 +1,119 @@
+//! Every law of the catalogue that a description may name runs on bench B and keeps the energy balance.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+use bench::integrate::IntegrationError;
+use bench::run::{DEFAULT_TOLERANCE, Run, run_with_law};
+use bench::transmission::Transmission;
+use bench::{Bench, DescriptionError};
+use contact::{Dissipation, FrictionKind, StiffnessKind};
+
+const PRESET: &str = include_str!("../presets/bench-b.toml");
+const STIFFNESS: &str = "stiffness = \"hybrid-as-printed\"";
+const DISSIPATION: &str = "dissipation = \"zhiying-qishao\"";
+
+fn parse(changes: &[(&str, &str)]) -> Result<Bench, DescriptionError> {
+    let text = changes.iter().fold(PRESET.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    });
+    let bench = Bench::parse("x.toml", &text)?;
+    // What was read can be written and read again.
+    assert_eq!(Bench::parse("again", &bench.to_toml().unwrap()).unwrap(), bench);
+    Ok(bench)
+}
+
+fn run(changes: &[(&str, &str)]) -> Result<Run, IntegrationError> {
+    let Bench::Transmission(bench) = parse(changes).unwrap() else { panic!("bench-b") };
+    let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
+    let times: Vec<f64> = (0..300).map(|i| 1e-3 * f64::from(i)).collect();
+    run_with_law(&plant, 0.3, &times, DEFAULT_TOLERANCE)
+}
+
+fn peak(run: &Run) -> f64 {
+    run.impacts.iter().map(|i| i.peak_force_n).fold(0.0, f64::max)
+}
+
+#[test]
+fn every_stiffness_carries_the_bench_or_says_that_it_ends() {
+    let mut deep = Vec::new();
+    for kind in StiffnessKind::ALL {
+        let name = kind.entry().name;
+        let law = format!("stiffness = \"{name}\"\ncoefficient = 5e8\nexponent = 1.1");
+        match run(&[(STIFFNESS, &law)]) {
+            Ok(run) => {
+                eprintln!(
+                    "{name}: {} steps, peak {:.0} N, {:.1e}",
+                    run.steps,
+                    peak(&run),
+                    run.energy.residual_rel
+                );
+                assert!(run.energy.residual_rel < 1e-6, "{name}: {:?}", run.energy);
+                assert!((3e3..1e5).contains(&peak(&run)), "{name}: {}", peak(&run));
+            }
+            Err(IntegrationError::OutsideLaw { .. }) => deep.push(name),
+            Err(e) => panic!("{name}: {e}"),
+        }
+    }
+    assert!(deep.len() < 4, "{deep:?}");
+}
+
+#[test]
+fn every_dissipation_and_damping_keeps_the_balance() {
+    for kind in Dissipation::ALL {
+        let name = kind.entry().name;
+        let run = run(&[(DISSIPATION, &format!("dissipation = \"{name}\""))]).unwrap();
+        assert!(run.energy.residual_rel < 1e-6, "{name}: {:?}", run.energy);
+        let lossless = kind.factor(0.4) == 0.0;
+        assert_eq!(run.energy.damping_loss_j.abs() < 1e-6, lossless, "{name}: {:?}", run.energy);
+    }
+    let with =
+        |damping: &str| run(&[("[friction]", &format!("damping = \"{damping}\"\n[friction]"))]).unwrap();
+    let (latched, bounded, reference) = (with("latched"), with("bounded"), with("reference"));
+    assert_eq!(latched.energy, run(&[]).unwrap().energy);
+    for run in [&bounded, &reference] {
+        assert!(run.energy.residual_rel < 1e-6 && run.energy.damping_loss_j > 0.0, "{:?}", run.energy);
+        assert!(peak(run) != peak(&latched));
+    }
+}
+
+#[test]
+fn laws_with_a_damping_of_their_own_keep_the_balance() {
+    for (name, more) in [
+        ("kelvin-voigt", "coefficient = 3e8\ndamping_n_s_m = 2e4"),
+        ("anagnostopoulos", "coefficient = 3e8"),
+        (
+            "adams-impact",
+            "coefficient = 3e8\nexponent = 1.1\ndamping_n_s_m = 2e4\nfull_damping_depth_m = 1e-5",
+        ),
+    ] {
+        let run = run(&[("[friction]", &format!("law = \"{name}\"\n{more}\n[friction]"))]).unwrap();
+        assert!(run.energy.residual_rel < 1e-6, "{name}: {:?}", run.energy);
+        assert!(run.energy.damping_loss_j > 0.0, "{name}: {:?}", run.energy);
+    }
+    let error = parse(&[("[friction]", "law = \"kelvin-voigt\"\n[friction]")]).unwrap_err().to_string();
+    assert!(error.starts_with("x.toml: contact is kelvin-voigt needs a coefficient"), "{error}");
+}
+
+#[test]
+fn every_friction_law_that_is_a_rate_keeps_the_balance() {
+    let nominal = run(&[]).unwrap().energy.friction_heat_j;
+    for kind in FrictionKind::ALL {
+        let name = kind.entry().name;
+        let law = format!(
+            "shape = \"tustin\"\nlaw = \"{name}\"\nbristle_stiffness_per_m = 1e4\nbristle_damping_s_m = 1.0\ntransition_force_n = 100.0"
+        );
+        let changes = [("shape = \"tustin\"", law.as_str())];
+        if matches!(kind, FrictionKind::Coulomb | FrictionKind::Karnopp | FrictionKind::SevenParameter) {
+            let error = parse(&changes).unwrap_err().to_string();
+            assert!(error.starts_with("x.toml: friction"), "{error}");
+            continue;
+        }
+        let run = run(&changes).unwrap();
+        eprintln!(
+            "{name}: {} steps, heat {}, {:.1e}",
+            run.steps, run.energy.friction_heat_j, run.energy.residual_rel
+        );
+        assert!(run.energy.residual_rel < 1e-6, "{name}: {:?}", run.energy);
+        let ratio = run.energy.friction_heat_j / nominal;
+        assert!((0.7..1.5).contains(&ratio), "{name}: {ratio}");
+    }
+}

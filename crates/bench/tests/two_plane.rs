@@ -1,0 +1,128 @@
+//! The bench in two planes: the planar bench as its special case, edges, moments, energy.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+use bench::Bench;
+use bench::description::{TransmissionBench, TwoPlaneSection};
+use bench::run::{DEFAULT_TOLERANCE, run_with_law};
+use bench::transmission::Transmission;
+use bench::two_plane::{TwoPlane, TwoPlaneRun, TwoPlaneSnapshot, run_two_plane};
+
+fn bench(stiffness: &str, section: TwoPlaneSection) -> TransmissionBench {
+    let text = include_str!("../presets/bench-b.toml").replace("hybrid-as-printed", stiffness);
+    let Bench::Transmission(mut bench) = Bench::parse("bench-b", &text).unwrap() else { panic!("bench-b") };
+    bench.two_plane = Some(section);
+    *bench
+}
+
+fn run(bench: &TransmissionBench, end_s: f64) -> TwoPlaneRun {
+    let plant = TwoPlane::new(bench, bench.drive_profile(), bench.load_profile());
+    let times: Vec<f64> = (0..(end_s * 1e4) as usize).map(|i| 1e-4 * i as f64).collect();
+    run_two_plane(&plant, end_s, &times, DEFAULT_TOLERANCE).unwrap()
+}
+
+/// Mean over a run after the start.
+fn mean(run: &TwoPlaneRun, read: impl Fn(&TwoPlaneSnapshot) -> f64) -> f64 {
+    let samples: Vec<f64> = run.samples.iter().filter(|s| s.planar.time_s > 0.1).map(read).collect();
+    samples.iter().sum::<f64>() / samples.len() as f64
+}
+
+#[test]
+fn without_tilt_it_is_the_planar_bench() {
+    for stiffness in ["hybrid-as-printed", "liu-times-length", "johnson"] {
+        for slices in [1, 11] {
+            let bench = bench(stiffness, TwoPlaneSection { slices, ..TwoPlaneSection::default() });
+            let two = run(&bench, 0.4);
+            let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
+            let times: Vec<f64> = two.samples.iter().map(|s| s.planar.time_s).collect();
+            let planar = run_with_law(&plant, 0.4, &times, DEFAULT_TOLERANCE).unwrap();
+            let mut worst = [0.0_f64; 4];
+            for (a, b) in two.samples.iter().zip(&planar.samples) {
+                let distances = [
+                    (a.planar.y_m - b.y_m).hypot(a.planar.z_m - b.z_m),
+                    a.planar.force_y_n - b.force_y_n,
+                    a.planar.drive_force_n - b.drive_force_n,
+                    a.planar.friction_torque_nm - b.friction_torque_nm,
+                ];
+                worst = std::array::from_fn(|i| worst[i].max(distances[i].abs()));
+                // Rounding alone: a billionth of the tilt that the clearance allows.
+                assert!(a.tilt_about_y_rad.abs() + a.tilt_about_z_rad.abs() < 1e-12);
+            }
+            eprintln!("{stiffness}, {slices} slices: {worst:?}");
+            // The two differ by the integrator's tolerance; sensors of the bench have .2 um, 15 N and .4 N m of noise.
+            for (worst, bound) in worst.iter().zip([1e-9, 0.5, 0.5, 0.05]) {
+                assert!(worst < &bound, "{stiffness}, {slices} slices: {worst:.1e} of {bound:.1e}");
+            }
+            let last = two.samples.last().unwrap();
+            assert!((last.edge_ratio() - 1.0).abs() < 1e-9, "{}", last.edge_ratio());
+            assert!(two.energy.residual_rel < 1e-7, "{:?}", two.energy);
+        }
+    }
+}
+
+#[test]
+fn a_misaligned_bearing_loads_one_edge() {
+    let section = |misalignment_z_rad| TwoPlaneSection {
+        misalignment_z_rad,
+        support_stiffness_nm_rad: 3e6,
+        support_damping_nm_s_rad: 500.0,
+        ..TwoPlaneSection::default()
+    };
+    let ratio = |s: &TwoPlaneSnapshot| s.edge_ratio();
+    let even = run(&bench("liu-times-length", section(0.0)), 0.3);
+    let up = run(&bench("liu-times-length", section(5e-4)), 0.3);
+    let down = run(&bench("liu-times-length", section(-5e-4)), 0.3);
+    assert!((mean(&even, ratio) - 1.0).abs() < 1e-6);
+    assert!(mean(&up, ratio) > 1.5, "{}", mean(&up, ratio));
+    // The mirrored misalignment loads the other edge just as much.
+    let ends = |run: &TwoPlaneRun| {
+        (mean(run, |s| s.slices[0].line_load_n_m), mean(run, |s| s.slices[10].line_load_n_m))
+    };
+    let ((a, b), (c, d)) = (ends(&up), ends(&down));
+    assert!(a.max(b) > 3.0 * a.min(b), "{a} {b}");
+    assert!((a / d - 1.0).abs() < 1e-3 && (b / c - 1.0).abs() < 1e-3, "{a} {b} {c} {d}");
+    // On the mean the load falls from the loaded edge on.
+    let loads: Vec<f64> = (0..11).map(|k| mean(&up, |s| s.slices[k].line_load_n_m)).collect();
+    let rising = b > a;
+    assert!(loads.windows(2).all(|w| (w[1] > w[0]) == rising || w[0] == w[1]), "{loads:?}");
+    for run in [&even, &up, &down] {
+        assert!(run.energy.residual_rel < 1e-6, "{:?}", run.energy);
+    }
+}
+
+#[test]
+fn offset_loads_tilt_the_shaft_and_the_bearing_s_moment_balances_them() {
+    let section =
+        TwoPlaneSection { drive_offset_m: 0.05, load_offset_m: -0.05, ..TwoPlaneSection::default() };
+    let inertia = section.transverse_inertia_kg_m2;
+    let bench = bench("liu-times-length", section);
+    let run = run(&bench, 0.3);
+    assert!(run.energy.residual_rel < 1e-6, "{:?}", run.energy);
+    let tilt = mean(&run, |s| s.tilt_about_z_rad);
+    assert!(tilt.abs() > 1e-5, "{tilt}");
+    // Slices touch and leave on their own.
+    assert!(run.impacts.iter().any(|i| i.contact == 0) && run.impacts.iter().any(|i| i.contact == 10));
+    // Over a window the moments of drive, load and bearing change the angular momentum, and nothing else does.
+    let moment =
+        |s: &TwoPlaneSnapshot| 0.05 * s.planar.drive_force_n - 0.05 * s.planar.load_force_n + s.moment_y_nm;
+    let window: Vec<&TwoPlaneSnapshot> = run.samples.iter().filter(|s| s.planar.time_s > 0.1).collect();
+    let step = 1e-4;
+    let rate = |i: usize| (window[i + 1].tilt_about_z_rad - window[i - 1].tilt_about_z_rad) / (2.0 * step);
+    let last = window.len() - 2;
+    let impulse: f64 = window[1..last].windows(2).map(|w| 0.5 * step * (moment(w[0]) + moment(w[1]))).sum();
+    let change = inertia * (rate(last - 1) - rate(1));
+    let drive: f64 = window[1..last].iter().map(|s| 0.05 * s.planar.drive_force_n.abs() * step).sum();
+    eprintln!("{impulse} {change} of {drive}");
+    assert!((impulse - change).abs() < 1e-5 * drive, "{impulse} {change} of {drive}");
+}
+
+#[test]
+fn a_tilted_record_has_the_channels_of_a_planar_one() {
+    let section = TwoPlaneSection { load_offset_m: 0.02, ..TwoPlaneSection::default() };
+    let mut tilted = bench("liu-times-length", section);
+    tilted.logging.sample_rate_hz = 200.0;
+    let mut planar = tilted.clone();
+    planar.two_plane = None;
+    let record = |b: TransmissionBench| bench::record::record(&Bench::Transmission(Box::new(b)), 1).unwrap();
+    let (a, b) = (record(tilted), record(planar));
+    assert!(a.channels.keys().eq(b.channels.keys()) && a.time_s == b.time_s);
+    assert_ne!(a.channels[&bench::Channel::JournalY], b.channels[&bench::Channel::JournalY]);
+}

@@ -1,0 +1,151 @@
+//! Collects the facts: the paper's runs, and what the runs alone cannot tell.
+//!
+//! Beside the runs: a fine load grid and a modulus scan with the analytic law (they look for a cause, not for a
+//! figure of the paper), the published slider-crank, records of the friction rigs, and the shipped networks.
+
+use super::facts::{BearingFacts, Facts, FrictionFacts, JointFacts, RunFacts, TorqueCurve};
+use super::training;
+use crate::error::CliError;
+use crate::force::{self, DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ};
+use crate::paper::{LOAD_CLEARANCE_MM, PaperRuns, Series, resolved, variant};
+use crate::summary::Figures;
+use crate::{parallel, swing};
+use bench::BearingMaterial::{self, Babbitt, Plastic};
+use bench::description::TransmissionBench;
+use bench::integrate::integrate;
+use bench::rig_groups::{LOADS_N, rig_groups};
+use bench::slider_crank_description::reference_problem;
+use bench::{Bench, Channel};
+
+/// Bands of the sliding speed on the rig, and the slowest that counts: below, a rest is not yet forgotten.
+const RIG_BANDS: usize = 12;
+const RIG_LEAST_SPEED_M_S: f64 = 1.2e-3;
+/// Seed of the rig's noise.
+const RIG_SEED: u64 = 1;
+/// Fine load grid: half kilonewtons to either side.
+const LOAD_STEPS: i32 = 20;
+const LOAD_STEP_KN: f64 = 0.5;
+/// Moduli of the scan, Pa, at the bearing and clearance below.
+const MODULI_PA: [f64; 8] = [2.5e9, 5e9, 10e9, 20e9, 50e9, 100e9, 200e9, 400e9];
+const MODULUS_CLEARANCE_MM: f64 = 0.5;
+const MODULUS_LOAD_KN: f64 = 10.0;
+const SLIDER_CRANK_TOLERANCE: f64 = 1e-10;
+
+/// Collects everything for a base bench and its runs.
+pub fn gather(base: &TransmissionBench, runs: &PaperRuns, threads: usize) -> Result<Facts, CliError> {
+    let bench: Vec<(f64, f64)> = runs
+        .series(Series::Clearance)
+        .iter()
+        .map(|r| (r.figures.clearance_mm, r.joint_acceleration_ratio))
+        .collect();
+    let bearing = |bearing: BearingMaterial| -> Result<BearingFacts, CliError> {
+        let facts = |series| runs.of(series, bearing).into_iter().map(RunFacts::from).collect();
+        Ok(BearingFacts {
+            bearing,
+            clearance: facts(Series::Clearance),
+            load: facts(Series::Load),
+            load_curve: load_curve(base, bearing, threads)?,
+        })
+    };
+    Ok(Facts {
+        babbitt: bearing(Babbitt)?,
+        plastic: bearing(Plastic)?,
+        modulus: modulus_scan(base, threads)?,
+        joint: JointFacts { slider_crank: slider_crank_ratio()?, bench },
+        friction: FrictionFacts {
+            babbitt: torque_curves("friction-rig-babbitt")?,
+            plastic: torque_curves("friction-rig-plastic")?,
+        },
+        training: training::measure()?,
+    })
+}
+
+fn load_curve(
+    base: &TransmissionBench,
+    bearing: BearingMaterial,
+    threads: usize,
+) -> Result<Vec<(f64, f64)>, CliError> {
+    let loads: Vec<f64> = (-LOAD_STEPS..=LOAD_STEPS).map(|i| f64::from(i) * LOAD_STEP_KN).collect();
+    parallel::map(threads, &loads, |_, &load_kn| {
+        let bench = resolved(variant(base, bearing, LOAD_CLEARANCE_MM, load_kn))?;
+        let run = force::run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?;
+        let figures = Figures::of(&bench, ForceSource::Law, &run, SAMPLE_RATE_HZ);
+        Ok((load_kn, figures.peak_contact_force_n))
+    })
+}
+
+fn modulus_scan(base: &TransmissionBench, threads: usize) -> Result<Vec<(f64, f64)>, CliError> {
+    let points = parallel::map(threads, &MODULI_PA, |_, &modulus_pa| {
+        let mut bench = variant(base, Babbitt, MODULUS_CLEARANCE_MM, MODULUS_LOAD_KN);
+        bench.bearing.youngs_modulus_pa = modulus_pa;
+        let bench = resolved(bench)?;
+        let run = force::run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?;
+        let swing = swing::measure(&bench, &run.run.samples, SAMPLE_RATE_HZ);
+        Ok(swing.swing_hz.map(|hz| (modulus_pa, hz)))
+    })?;
+    Ok(points.into_iter().flatten().collect())
+}
+
+/// Largest acceleration of the slider over that of the same mechanism without clearance, which decelerates hardest where
+/// crank and rod are in line.
+pub fn slider_crank_ratio() -> Result<f64, CliError> {
+    let bench = reference_problem()?;
+    let plant = bench.plant();
+    let run = integrate(
+        &plant,
+        (0.0, bench.duration_s()),
+        plant.initial_state(),
+        false,
+        &[],
+        &plant.tolerances(SLIDER_CRANK_TOLERANCE),
+        |_, _, _| {},
+    )?;
+    let largest = run.impacts.iter().map(|i| i.peak_force_n).fold(0.0, f64::max) / plant.slider_mass_kg;
+    let (crank, speed) = (plant.crank_length_m, plant.crank_speed_rad_s);
+    Ok(largest / (crank * speed * speed * (1.0 + crank / plant.rod_length_m)))
+}
+
+/// Torque curves of a rig from its records: both directions of turning and of loading.
+fn torque_curves(preset: &str) -> Result<Vec<TorqueCurve>, CliError> {
+    let Bench::FrictionRig(rig) = Bench::open(preset)? else {
+        return Err(CliError::Work(format!("{preset} is no friction rig")));
+    };
+    let radius = rig.axis.friction_radius_m;
+    let highest = radius * rig.axis.amplitude * core::f64::consts::TAU / rig.axis.period_s;
+    let width = (highest - RIG_LEAST_SPEED_M_S) / RIG_BANDS as f64;
+    let groups = rig_groups(&rig, RIG_SEED)?;
+    let mut curves = Vec::new();
+    for load_n in LOADS_N.into_iter().filter(|n| *n > 0.0) {
+        let mut bands: Vec<Vec<f64>> = vec![Vec::new(); RIG_BANDS];
+        for group in groups.iter().filter(|g| g.load_n.abs() == load_n) {
+            let Some(speeds) = group.log.channels.get(&Channel::SpindleSpeed) else { continue };
+            for (speed, torque) in speeds.iter().zip(group.friction_torque_nm()) {
+                let place = (speed.abs() * radius - RIG_LEAST_SPEED_M_S) / width;
+                if place >= 0.0
+                    && let Some(band) = bands.get_mut(place as usize)
+                {
+                    // The torque opposes the motion; an outlier may not.
+                    band.push(-torque * speed.signum());
+                }
+            }
+        }
+        let points = bands.iter_mut().enumerate().filter_map(|(i, band)| {
+            band.sort_by(f64::total_cmp);
+            let median = *band.get(band.len() / 2)?;
+            Some((RIG_LEAST_SPEED_M_S + (i as f64 + 0.5) * width, median))
+        });
+        curves.push(TorqueCurve { load_n, points: points.collect() });
+    }
+    Ok(curves)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slider_cranks_clearance_multiplies_its_acceleration_as_published() {
+        let ratio = slider_crank_ratio().unwrap();
+        assert!((ratio / 16.8 - 1.0).abs() < 0.01, "{ratio}");
+    }
+}

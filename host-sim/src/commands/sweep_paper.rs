@@ -1,0 +1,160 @@
+//! `host-sim sweep clearance`, `sweep load` and `figures`: the paper's Figs. 16-20 and its claims.
+//!
+//! The claims ask for both series, so both are run whichever is shown.
+
+use super::output::{self, Picture};
+use super::sweep::RunOptions;
+use super::{limits, sweep_paper_pictures as pictures};
+use crate::claims::{Claim, gather::gather, judge};
+use crate::error::CliError;
+use crate::force::ForceSource;
+use crate::page::Page;
+use crate::paper::{PaperRun, PaperRuns, Series};
+use crate::progress;
+use crate::sweep::table;
+use serde::Serialize;
+use std::path::Path;
+
+/// What is printed and stored.
+#[derive(Serialize)]
+struct Outcome<'a> {
+    runs: Vec<&'a PaperRun>,
+    claims: Vec<Claim>,
+}
+
+/// Runs the series and writes runs.csv, sweep.json, the pictures and report.html.
+pub(super) fn run(
+    options: &RunOptions,
+    series: &[Series],
+    folder: &Path,
+    json: bool,
+) -> Result<(), CliError> {
+    let source = options.force.unwrap_or(ForceSource::QuantisedNet);
+    let (base, step_s) = (options.base()?, options.step_s()?);
+    let bar = progress::bar(json, PaperRuns::COUNT + 1);
+    bar.set_message(format!("runs with {}", source.name()));
+    let runs = PaperRuns::execute(&base, source, step_s, options.threads, || bar.inc(1))?;
+    bar.set_message("claims");
+    let facts = gather(&base, &runs, options.threads)?;
+    let claims = judge(&facts);
+    bar.finish_and_clear();
+
+    let mut page = Page::new("The paper's figures, run again");
+    lead(&mut page, &claims, source);
+    claims_section(&mut page, &claims);
+    let mut all: Vec<Picture> = Vec::new();
+    for &one in series {
+        let (heading, text) = match one {
+            Series::Clearance => (
+                "Clearances .1 to 1 mm at +10 kN (Figs. 16-18)",
+                "Radial clearance, which the paper calls maximum clearance. The curves begin when the load is up.",
+            ),
+            Series::Load => (
+                "Loads +10 to -10 kN at 1 mm (Figs. 19 and 20)",
+                "Positive loads point along +Y. The paper's own list leaves out -1 kN.",
+            ),
+        };
+        page.section(heading).text(text);
+        page.table(&HEADER, &runs.series(one).into_iter().map(cells).collect::<Vec<_>>());
+        let drawn = pictures::over_time(&runs, one)?;
+        output::show(&mut page, &drawn);
+        all.extend(drawn);
+        let drawn = match one {
+            Series::Clearance => pictures::of_clearance(&runs, &facts)?,
+            Series::Load => pictures::of_load(&runs, &facts)?,
+        };
+        output::show(&mut page, &drawn);
+        all.extend(drawn);
+    }
+    limits::section(&mut page);
+
+    let outcome = Outcome { runs: series.iter().flat_map(|s| runs.series(*s)).collect(), claims };
+    let text = output::json(&outcome)?;
+    output::write(folder, "runs.csv", &table::csv(&outcome.runs)?)?;
+    output::write(folder, "sweep.json", &format!("{text}\n"))?;
+    output::save(folder, &all)?;
+    output::write(folder, "report.html", &page.render())?;
+    if json {
+        say!("{text}");
+    } else {
+        print(&outcome);
+        say!("\nreport: {}", folder.join("report.html").display());
+    }
+    Ok(())
+}
+
+const HEADER: [&str; 10] = [
+    "bearing",
+    "clearance, mm",
+    "load, kN",
+    "peak force, N",
+    "peak Y, N",
+    "peak Z, N",
+    "peak torque, N m",
+    "largest deformation, um",
+    "oscillation, N rms",
+    "swing, Hz",
+];
+
+fn cells(run: &PaperRun) -> Vec<String> {
+    let f = &run.figures;
+    vec![
+        f.bearing.name().into(),
+        format!("{:.2}", f.clearance_mm),
+        format!("{:+.0}", f.load_kn),
+        format!("{:.0}", f.peak_contact_force_n),
+        format!("{:.0}", f.peak_force_y_n),
+        format!("{:.0}", f.peak_force_z_n),
+        format!("{:.1}", f.peak_friction_torque_nm),
+        format!("{:.1}", f.max_deformation_m * 1e6),
+        format!("{:.0}", f.oscillation_rms_n),
+        run.swing.swing_hz.map_or_else(|| "none".into(), |hz| format!("{hz:.1}")),
+    ]
+}
+
+fn counts(claims: &[Claim]) -> String {
+    let count = |name: &str| claims.iter().filter(|c| c.verdict.name() == name).count();
+    format!(
+        "Of the paper's {} claims: {} borne out, {} in part, {} not",
+        claims.len(),
+        count("holds"),
+        count("partly"),
+        count("does not hold")
+    )
+}
+
+fn lead(page: &mut Page, claims: &[Claim], source: ForceSource) {
+    page.lead(&format!("{}, on this model with the bearing force from {}.", counts(claims), source.name()));
+    page.note(
+        "Peaks count from the end of the load's ramp. Every verdict follows from the numbers of these runs and the \
+         threshold beside it; another bench description gives other verdicts.",
+    );
+}
+
+fn claims_section(page: &mut Page, claims: &[Claim]) {
+    page.section("The paper's claims");
+    let rows: Vec<Vec<String>> = claims
+        .iter()
+        .map(|c| {
+            vec![c.id.to_string(), c.claim.into(), c.verdict.name().into(), c.why.clone(), c.threshold.into()]
+        })
+        .collect();
+    page.table(&["", "claim", "verdict", "numbers and cause", "holds if"], &rows);
+}
+
+fn print(outcome: &Outcome) {
+    let widths = [8, 9, 5, 9, 8, 8, 8, 8, 8, 6];
+    let names = ["bearing", "mm", "kN", "peak N", "Y N", "Z N", "N m", "um", "osc N", "Hz"];
+    let line = |cells: Vec<String>| {
+        cells.iter().zip(widths).map(|(c, w)| format!("{c:>w$}")).collect::<Vec<_>>().join(" ")
+    };
+    say!("{}", line(names.map(String::from).to_vec()));
+    for run in &outcome.runs {
+        say!("{}", line(cells(run)));
+    }
+    say!("\n{}:", counts(&outcome.claims));
+    for c in &outcome.claims {
+        say!("{:>3} {:<13} {}\n{:17} {}", c.id, c.verdict.name(), c.claim, "", c.why);
+        say!("{:17} holds if: {}", "", c.threshold);
+    }
+}

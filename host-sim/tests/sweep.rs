@@ -1,0 +1,299 @@
+//! Sweeps as a user meets them: stable names, messages, the same bytes whatever the threads and after a kill.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
+/// 24 runs, some of them long enough to be caught in the middle.
+const SWEEP: &str = r#"
+bearings = ["babbitt", "plastic"]
+[[parameters]]
+path = "bearing.radial_clearance_m"
+range = { from = 1e-4, to = 1e-3, count = 4, scale = "log" }
+[[parameters]]
+path = "shaft.mass_kg"
+values = [120.0, 150.0, 180.0]
+"#;
+/// Everything that must not depend on the clock.
+const DETERMINISTIC: [&str; 3] = ["runs.csv", "sweep.json", "report.html"];
+
+fn host_sim(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(PROGRAM).current_dir(directory).args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn done(directory: &Path, arguments: &[&str]) -> Output {
+    let output = host_sim(directory, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    output
+}
+
+fn files(folder: &Path) -> Vec<Vec<u8>> {
+    DETERMINISTIC.iter().map(|name| std::fs::read(folder.join(name)).unwrap()).collect()
+}
+
+fn sweep_in(directory: &Path) {
+    std::fs::write(directory.join("sweep.toml"), SWEEP).unwrap();
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let directory = tempfile::tempdir().unwrap();
+    sweep_in(directory.path());
+    for (out, threads) in [("one", "1"), ("two", "2"), ("five", "5")] {
+        done(directory.path(), &["sweep", "sweep.toml", "--threads", threads, "--out", out]);
+    }
+    let one = files(&directory.path().join("one"));
+    assert_eq!(one, files(&directory.path().join("two")));
+    assert_eq!(one, files(&directory.path().join("five")));
+    let csv = text(&one[0]);
+    assert_eq!(csv.lines().count(), 25);
+    assert!(
+        csv.starts_with("index,parameters.bearing.radial_clearance_m,parameters.shaft.mass_kg,bearing,"),
+        "{csv}"
+    );
+    assert!(!csv.contains("wall"), "the clock has no place in it");
+    let timing = std::fs::read_to_string(directory.path().join("one/timing.csv")).unwrap();
+    assert_eq!(timing.lines().count(), 25);
+}
+
+#[test]
+fn a_resumed_sweep_gives_the_same_bytes_and_runs_only_what_is_missing() {
+    let directory = tempfile::tempdir().unwrap();
+    sweep_in(directory.path());
+    done(directory.path(), &["sweep", "sweep.toml", "--out", "whole"]);
+    let journal = std::fs::read_to_string(directory.path().join("whole/journal.jsonl")).unwrap();
+    let lines: Vec<&str> = journal.lines().collect();
+    assert_eq!(lines.len(), 25);
+    // Killed after ten runs, in the middle of writing the eleventh.
+    let torn = format!("{}\n{}", lines[..11].join("\n"), &lines[11][..40]);
+    let resumed = directory.path().join("resumed");
+    std::fs::create_dir(&resumed).unwrap();
+    std::fs::write(resumed.join("journal.jsonl"), torn).unwrap();
+    let output = done(directory.path(), &["sweep", "sweep.toml", "--out", "resumed"]);
+    assert!(
+        text(&output.stdout).contains("10 of 24 runs were in the journal already"),
+        "{}",
+        text(&output.stdout)
+    );
+    assert_eq!(files(&directory.path().join("whole")), files(&resumed));
+    let after = std::fs::read_to_string(resumed.join("journal.jsonl")).unwrap();
+    assert_eq!(after.lines().count(), 25);
+    assert!(after.starts_with(&lines[..11].join("\n")), "finished runs are kept as they are");
+}
+
+#[test]
+fn a_killed_sweep_goes_on_where_it_was() {
+    let directory = tempfile::tempdir().unwrap();
+    // Slow enough to be killed between its runs: the networks take some hundred times the law's time.
+    std::fs::write(directory.path().join("slow.toml"), format!("force = \"float-net\"\n{SWEEP}")).unwrap();
+    let mut child = Command::new(PROGRAM)
+        .current_dir(directory.path())
+        .args(["sweep", "slow.toml", "--threads", "1", "--out", "killed"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let journal = directory.path().join("killed/journal.jsonl");
+    let lines = || std::fs::read_to_string(&journal).map_or(0, |t| t.lines().count());
+    while lines() < 4 && child.try_wait().unwrap().is_none() {
+        std::thread::yield_now();
+    }
+    child.kill().unwrap();
+    assert!(!child.wait().unwrap().success(), "it was killed before its end");
+    let before = lines();
+    assert!((4..25).contains(&before), "{before} lines");
+    assert!(!directory.path().join("killed/runs.csv").exists(), "nothing half-written");
+    done(directory.path(), &["sweep", "slow.toml", "--threads", "2", "--out", "killed"]);
+    done(directory.path(), &["sweep", "slow.toml", "--threads", "2", "--out", "whole"]);
+    assert_eq!(files(&directory.path().join("killed")), files(&directory.path().join("whole")));
+}
+
+#[test]
+fn a_journal_of_another_sweep_is_refused_and_left_alone() {
+    let directory = tempfile::tempdir().unwrap();
+    sweep_in(directory.path());
+    done(directory.path(), &["sweep", "sweep.toml", "--out", "out"]);
+    let journal = directory.path().join("out/journal.jsonl");
+    let before = std::fs::read(&journal).unwrap();
+    let refused = |arguments: &[&str], expected: &str| {
+        let output = host_sim(directory.path(), arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(expected), "{message}");
+    };
+    let force = ["sweep", "sweep.toml", "--force", "float-net", "--out", "out"];
+    refused(&force, "it belongs to another sweep: networks.babbitt: found null, expected");
+    std::fs::write(directory.path().join("sweep.toml"), SWEEP.replace("150.0", "151.0")).unwrap();
+    refused(&["sweep", "sweep.toml", "--out", "out"], "another sweep: specification.parameters");
+    assert_eq!(before, std::fs::read(&journal).unwrap());
+    // A damaged line in the middle is no torn end.
+    sweep_in(directory.path());
+    let damaged = text(&before).replacen("{\"index\"", "{\"indx\"", 3);
+    std::fs::write(&journal, damaged).unwrap();
+    refused(&["sweep", "sweep.toml", "--out", "out"], "line 2: found no record of a run");
+}
+
+#[test]
+fn wrong_input_exits_with_2_and_names_the_field() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = |name: &str, content: &str| std::fs::write(directory.path().join(name), content).unwrap();
+    file("colour.toml", "colour = 3\n[[parameters]]\npath = \"shaft.mass_kg\"\nvalues = [1]");
+    file("path.toml", "[[parameters]]\npath = \"shaft.colour\"\nvalues = [1]");
+    file("range.toml", "[[parameters]]\npath = \"bearing.radial_clearance_m\"\nvalues = [1e-4, -1]");
+    file("none.toml", "[[parameters]]\npath = \"shaft.mass_kg\"");
+    file("rig.toml", "bench = \"friction-rig\"\n[[parameters]]\npath = \"axis.inertia\"\nvalues = [1]");
+    file("base.toml", "bench = \"missing.toml\"\n[[parameters]]\npath = \"shaft.mass_kg\"\nvalues = [1]");
+    for (arguments, expected) in [
+        (&["sweep", "colour.toml"][..], "colour.toml: TOML parse error at line 1, column 1"),
+        (&["sweep", "path.toml"], "path.toml: parameters.shaft.colour: found no such parameter; expected"),
+        (&["sweep", "range.toml"], "range.toml: run 1: bearing.radial_clearance_m is -1; expected"),
+        (
+            &["sweep", "none.toml"],
+            "parameters.shaft.mass_kg: found neither values nor range; expected one of them",
+        ),
+        (
+            &["sweep", "rig.toml"],
+            "rig.toml: bench: found plant `friction-rig`; expected `transmission-bench`",
+        ),
+        (&["sweep", "base.toml"], "missing.toml (neither a preset"),
+        (&["sweep", "no-such.toml"], "no-such.toml (neither clearance, load, latch nor a file)"),
+        (&["sweep", "path.toml", "--bench", "bench-a"], "--bench: found bench-a; expected none"),
+        (&["sweep", "clearance", "--step-us", "0"], "--step-us: found 0; expected 0.1 to 1000"),
+        (&["sweep", "clearance", "--bench", "friction-rig"], "expected `transmission-bench`"),
+        (&["sweep", "latch", "--force", "float-net"], "--force: found float-net; expected law"),
+        (&["sweep"], "Usage"),
+    ] {
+        let output = host_sim(directory.path(), arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+        assert!(!directory.path().join("out").exists(), "{arguments:?} left something behind");
+    }
+}
+
+#[test]
+fn a_run_that_cannot_be_integrated_is_recorded_and_the_rest_is_done() {
+    let directory = tempfile::tempdir().unwrap();
+    // Next to no mass on a stiff contact: the step size underflows.
+    std::fs::write(
+        directory.path().join("s.toml"),
+        "[[parameters]]\npath = \"shaft.mass_kg\"\nvalues = [150, 1e-30]",
+    )
+    .unwrap();
+    let output = host_sim(directory.path(), &["sweep", "s.toml", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("1 of 2 runs failed; the column `error`"),
+        "{}",
+        text(&output.stderr)
+    );
+    let csv = std::fs::read_to_string(directory.path().join("out/runs.csv")).unwrap();
+    let lines: Vec<&str> = csv.lines().collect();
+    assert!(lines[0].ends_with(",error"), "{csv}");
+    assert!(lines[1].contains(",babbitt,") && lines[2].contains("integrator"), "{csv}");
+}
+
+#[test]
+fn the_papers_sweeps_have_the_stable_names_and_all_claims() {
+    let directory = tempfile::tempdir().unwrap();
+    for (what, runs) in [("clearance", 8), ("load", 12)] {
+        let output = done(directory.path(), &["sweep", what, "--force", "law", "--json", "--out", what]);
+        let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let list = json.get("runs").and_then(Value::as_array).unwrap();
+        assert_eq!(list.len(), runs);
+        for name in [
+            "bearing",
+            "clearance_mm",
+            "load_kn",
+            "force",
+            "peak_contact_force_n",
+            "peak_force_y_n",
+            "peak_force_z_n",
+            "peak_friction_torque_nm",
+            "max_deformation_m",
+            "oscillation_rms_n",
+            "contacts",
+            "energy_residual_rel",
+            "outside_training_share",
+        ] {
+            assert!(list.iter().all(|run| run.get(name).is_some()), "{name}");
+        }
+        let claims = json.get("claims").and_then(Value::as_array).unwrap();
+        let ids: Vec<u64> = claims.iter().filter_map(|c| c.get("id")?.as_u64()).collect();
+        assert_eq!(ids, (1..=15).collect::<Vec<u64>>());
+        for claim in claims {
+            let verdict = claim.get("verdict").and_then(Value::as_str).unwrap();
+            assert!(["holds", "partly", "does not hold"].contains(&verdict), "{claim}");
+            assert!(claim.get("why").and_then(Value::as_str).is_some_and(|why| !why.is_empty()), "{claim}");
+            assert!(claim.get("claim").is_some(), "{claim}");
+        }
+        let csv = std::fs::read_to_string(directory.path().join(what).join("runs.csv")).unwrap();
+        assert_eq!(csv.lines().count(), runs + 1);
+        let report = std::fs::read_to_string(directory.path().join(what).join("report.html")).unwrap();
+        assert!(report.contains("What the model leaves out") && report.contains("does not hold"));
+        assert!(report.matches("<svg").count() >= 13);
+    }
+}
+
+#[test]
+fn figures_writes_every_picture_of_both_series() {
+    let directory = tempfile::tempdir().unwrap();
+    done(directory.path(), &["figures", "--force", "law", "--out", "f"]);
+    for series in ["clearance", "load"] {
+        for picture in ["shaft-speed", "joint-acceleration"] {
+            assert!(
+                directory.path().join(format!("f/{series}-{picture}.svg")).exists(),
+                "{series} {picture}"
+            );
+        }
+        for bearing in ["babbitt", "plastic"] {
+            for quantity in ["impact-force", "force-y", "force-z", "friction-torque"] {
+                let name = format!("f/{series}-{bearing}-{quantity}.svg");
+                let svg = std::fs::read_to_string(directory.path().join(&name)).unwrap();
+                assert!(svg.starts_with("<svg") && svg.contains("time, s"), "{name}");
+            }
+        }
+    }
+    for picture in
+        ["swing-over-clearance", "swing-over-modulus", "load-peak-force", "friction-torque-over-speed"]
+    {
+        assert!(directory.path().join(format!("f/{picture}.svg")).exists(), "{picture}");
+    }
+}
+
+#[test]
+fn the_latch_sweep_shows_what_hangs_on_the_floor_and_that_a_bound_tames_it() {
+    let directory = tempfile::tempdir().unwrap();
+    let output = done(directory.path(), &["sweep", "latch", "--json", "--out", "latch"]);
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let runs = json.get("runs").and_then(Value::as_array).unwrap();
+    assert_eq!(runs.len(), 2 * 4 * 3 * 5);
+    let number = |run: &Value, name: &str| run.get(name).and_then(Value::as_f64).unwrap();
+    let of = |damping: &str| -> Vec<f64> {
+        let same = |r: &&Value| r.get("damping").and_then(Value::as_str) == Some(damping);
+        runs.iter().filter(same).map(|r| number(r, "peak_change")).collect()
+    };
+    let latched = of("latched");
+    assert!(latched.iter().any(|c| *c < -0.1) && latched.iter().any(|c| *c > 0.3), "{latched:?}");
+    assert_eq!((of("bounded").len(), of("reference").len()), (40, 40));
+    assert!(runs.iter().all(|r| number(r, "landing_speed_mm_s") > 1.0 && number(r, "speed_mm_s") > 0.0));
+    assert!(directory.path().join("latch/latch-plastic-reference.svg").exists());
+}
+
+#[test]
+fn the_examples_are_sweeps() {
+    let directory = tempfile::tempdir().unwrap();
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    for (name, runs) in [("sweep-clearance-mass.toml", 72), ("sweep-uncertainty.toml", 200)] {
+        let file = examples.join(name);
+        let output = done(directory.path(), &["sweep", &file.to_string_lossy(), "--json", "--out", name]);
+        let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(json.get("runs").and_then(Value::as_array).map(Vec::len), Some(runs), "{name}");
+    }
+}
