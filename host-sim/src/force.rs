@@ -6,7 +6,7 @@ use bench::description::TransmissionBench;
 use bench::run::{Run, run_with_held_force, run_with_law};
 use bench::transmission::{BearingForces, ContactView, Transmission};
 use clap::ValueEnum;
-use inference::{Bearing, ContactState, Estimate, Flags, Model, Pair, shipped};
+use inference::{Bearing, ContactState, Flags, Model, Pair, shipped};
 use model_quant::float_pair::{self, FloatPair};
 use serde::{Deserialize, Serialize};
 
@@ -102,18 +102,18 @@ pub fn run(
     let bearing = bearing_of(material);
     let every = ((end_s / step_s / 100.0) as usize).max(1);
     let (mut steps, mut contacts, mut outside) = (0_usize, 0_usize, 0_usize);
-    let mut held = |view: &ContactView, estimate: Estimate| {
+    let mut held = |view: &ContactView, [normal_n, friction_n]: [f32; 2], flags: Flags| {
         steps += 1;
         if steps.is_multiple_of(every) {
             tick();
         }
         if view.deformation_m > 0.0 {
             contacts += 1;
-            outside += usize::from(estimate.flags.intersects(Flags::OUTSIDE_TRAINING));
+            outside += usize::from(flags.intersects(Flags::OUTSIDE_TRAINING));
         }
         BearingForces {
-            normal_n: f64::from(estimate.normal_force_n),
-            friction_n: f64::from(estimate.friction_force_n),
+            normal_n: f64::from(normal_n),
+            friction_n: f64::from(friction_n),
         }
     };
     let run = match source {
@@ -122,15 +122,17 @@ pub fn run(
             let mut pair =
                 FloatPair::new(bearing).map_err(|e| CliError::Work(format!("shipped checkpoint: {e}")))?;
             run_with_held_force(plant, end_s, samples_s, step_s, |view| {
-                held(view, pair.step(&contact_state(view)))
+                let estimate = pair.push(&contact_state(view));
+                held(view, [estimate.normal_force_n, estimate.friction_force_n], estimate.flags)
             })?
         }
         ForceSource::QuantisedNet => {
             let model =
                 Model::load(shipped(bearing)).map_err(|e| CliError::Work(format!("shipped image: {e}")))?;
-            let mut pair = Pair::new(model);
+            let mut pair: Pair = Pair::new(model);
             run_with_held_force(plant, end_s, samples_s, step_s, |view| {
-                held(view, pair.step(&contact_state(view)))
+                let estimate = pair.push(&contact_state(view));
+                held(view, [estimate.normal_force_n(), estimate.friction_force_n()], estimate.flags)
             })?
         }
     };

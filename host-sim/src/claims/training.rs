@@ -9,6 +9,7 @@ use crate::error::CliError;
 use inference::Bearing;
 use model_quant::checkpoint::Checkpoint;
 use model_quant::draw::{Draw, Purpose};
+use model_quant::features::FloatFeatures;
 use model_quant::float_pair::{self, FloatPair};
 use model_quant::rows::rows;
 use model_quant::window::history;
@@ -58,7 +59,7 @@ pub fn measure() -> Result<Vec<TrainingFacts>, CliError> {
 /// Relative mean squared and mean absolute error of both networks, collision first.
 fn errors(checkpoint: &Checkpoint, purpose: Purpose) -> [(f64, f64); 2] {
     let mut pair = FloatPair::of(checkpoint, 0);
-    let header = pair.header();
+    let features = FloatFeatures::of(&checkpoint.header());
     let recipe = &checkpoint.recipe;
     let mut sums = [[0.0; 3]; 2];
     for (index, row) in rows(checkpoint.bearing, recipe.range, recipe.seed, purpose, ROWS).iter().enumerate()
@@ -66,8 +67,8 @@ fn errors(checkpoint: &Checkpoint, purpose: Purpose) -> [(f64, f64); 2] {
         let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 3 << 32 | index as u64);
         pair.reset();
         let mut found = [0.0; 2];
-        for state in &history(&header, row, &mut draw) {
-            let estimate = pair.step(state);
+        for state in &history(&features, row, &mut draw) {
+            let estimate = pair.push(state);
             found = [f64::from(estimate.normal_force_n), f64::from(estimate.friction_force_n)];
         }
         for ((sum, law), found) in sums.iter_mut().zip([row.normal_force_n, row.friction_force_n]).zip(found)
