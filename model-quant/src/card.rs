@@ -1,28 +1,44 @@
 //! The model card: what an image is, what it was trained on and how wrong it is, in newtons.
 
 use crate::checkpoint::Checkpoint;
+use crate::layers::{LAYER_ROWS, LayerError};
+use crate::mode::Plan;
 use crate::net::Net;
 use crate::quantise::CALIBRATION_ROWS;
 use crate::ranges::RangeKind;
-use crate::verify::{Verdict, WORKING_FORCE_N, WORKING_RATIO};
-use inference::Header;
-use inference::layout::{COLLISION_TAPS, FRICTION_TAPS, IMAGE_LENGTH, WINDOW, macs_per_step};
+use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS, macs_per_step};
+use crate::verify::{BANDS_N, Verdict, WORKING_FORCE_N, WORKING_RATIO};
+use inference::image::{CRC_LENGTH, FORMAT_VERSION};
+use inference::{Header, WINDOW};
 use std::fmt::Write;
 
+/// What a card tells of.
+#[derive(Clone, Copy, Debug)]
+pub struct Facts<'a> {
+    /// What the image was made from.
+    pub checkpoint: &'a Checkpoint,
+    /// How.
+    pub plan: Plan,
+    /// The image's header.
+    pub header: &'a Header,
+    /// The image.
+    pub image: &'a [u8],
+    /// What verification found.
+    pub verdicts: &'a [Verdict],
+    /// What each layer's quantisation costs.
+    pub layers: &'a [LayerError],
+}
+
 /// Writes the card of an image as Markdown.
-pub fn card(checkpoint: &Checkpoint, header: &Header, verdicts: &[Verdict]) -> String {
+pub fn card(facts: &Facts<'_>) -> String {
     let mut text = String::new();
     // Writing to a string does not fail.
-    let _ = write_card(&mut text, checkpoint, header, verdicts);
+    let _ = write_card(&mut text, facts);
     text
 }
 
-fn write_card(
-    out: &mut String,
-    checkpoint: &Checkpoint,
-    header: &Header,
-    verdicts: &[Verdict],
-) -> std::fmt::Result {
+fn write_card(out: &mut String, facts: &Facts<'_>) -> std::fmt::Result {
+    let Facts { checkpoint, plan, header, image, verdicts, .. } = *facts;
     let recipe = &checkpoint.recipe;
     let name = checkpoint.bearing.name();
     let range = match recipe.range {
@@ -39,11 +55,13 @@ fn write_card(
         "normal force and sliding speed to friction. Written by `model-quant quantize`; do not edit.\n"
     )?;
     writeln!(out, "| | |\n|---|---|")?;
+    let crc = image.last_chunk::<CRC_LENGTH>().map_or(0, |sum| u32::from_le_bytes(*sum));
     writeln!(
         out,
-        "| image | `{name}.pintle`, {IMAGE_LENGTH} bytes, format {}, CRC-32 {:08x} |",
-        header.format_version, header.crc
+        "| image | `{name}.pintle`, {} bytes, format {FORMAT_VERSION}, CRC-32 {crc:08x} |",
+        image.len()
     )?;
+    writeln!(out, "| mode | {}, packed for {} |", plan.mode.name(), plan.packing.name())?;
     writeln!(out, "| training id | {:016x} |", header.training_id)?;
     writeln!(
         out,
@@ -76,11 +94,11 @@ fn write_card(
     writeln!(out, "| calibration | min-max over {CALIBRATION_ROWS} rows of the same range and seed |\n")?;
     writeln!(out, "## Training range\n\n| input | from | to |\n|---|---|---|")?;
     for (input, range, factor) in [
-        ("radial clearance, mm", header.radial_clearance_m, 1e3),
-        ("deformation, um", header.deformation_m, 1e6),
-        ("rate over approach speed", header.rate_ratio, 1.0),
-        ("sliding speed, m/s", header.sliding_speed_m_s, 1.0),
-        ("normal force, N", header.normal_force_n, 1.0),
+        ("radial clearance, mm", header.radial_clearance_m(), 1e3),
+        ("deformation, um", header.deformation_m(), 1e6),
+        ("rate over approach speed", header.rate_ratio(), 1.0),
+        ("sliding speed, m/s", header.sliding_speed_m_s(), 1.0),
+        ("normal force, N", header.normal_force_n(), 1.0),
     ] {
         let [low, high] = [range.low, range.high].map(|end| tidy(f64::from(end) * factor));
         writeln!(out, "| {input} | {low} | {high} |")?;
@@ -88,7 +106,7 @@ fn write_card(
     writeln!(
         out,
         "\nThe latched approach speed has a floor of {} mm/s.",
-        tidy(f64::from(header.latch_floor_m_s) * 1e3)
+        tidy(f64::from(header.latch_floor_m_s()) * 1e3)
     )?;
     writeln!(out, "Outside these ranges the estimate is flagged, not made right.\n")?;
     writeln!(out, "## Errors against the law\n")?;
@@ -114,14 +132,41 @@ fn write_card(
         )?;
         writeln!(
             out,
-            "| normal force up to, N | rows | mean abs. error, N | float | largest, N |\n|---|---|---|---|---|"
+            "| normal force up to, N | rows | mean abs. error, N | float | largest, N | quantisation, mean | largest |\n|---|---|---|---|---|---|---|"
         )?;
         for band in &verdict.bands {
             writeln!(
                 out,
-                "| {} | {} | {:.1} | {:.1} | {:.0} |",
-                band.up_to_n, band.rows, band.mae_n, band.mae_float_n, band.largest_n
+                "| {} | {} | {:.1} | {:.1} | {:.0} | {:.1} | {:.0} |",
+                band.up_to_n,
+                band.rows,
+                band.mae_n,
+                band.mae_float_n,
+                band.largest_n,
+                band.mae_quantisation_n,
+                band.largest_quantisation_n
             )?;
+        }
+        writeln!(out)?;
+    }
+    write_layers(out, facts)
+}
+
+fn write_layers(out: &mut String, facts: &Facts<'_>) -> std::fmt::Result {
+    writeln!(out, "## Where the quantisation error comes from\n")?;
+    writeln!(
+        out,
+        "One step at a time in whole numbers, everything else in floats; mean / largest change of the force in N over\n\
+         {LAYER_ROWS} test rows, by normal force. \"Trained on\" are the weights that the image has; the other lines of weights round\n\
+         those of the float networks. `model-quant quantize --layers` prints this for every mode.\n"
+    )?;
+    let bands: String = BANDS_N.iter().map(|up_to| format!(" to {up_to} N |")).collect();
+    writeln!(out, "| network | in whole numbers | all |{bands} above |")?;
+    writeln!(out, "|---|---|---|{}", "---|".repeat(BANDS_N.len() + 1))?;
+    for layer in facts.layers {
+        write!(out, "| {} | {} | {:.2} |", layer.network, layer.quantised, layer.mae_n)?;
+        for band in &layer.bands {
+            write!(out, " {:.2} / {:.1} |", band.mae_n, band.largest_n)?;
         }
         writeln!(out)?;
     }

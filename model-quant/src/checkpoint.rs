@@ -7,8 +7,8 @@
 use crate::net::Net;
 use crate::ranges::header;
 use crate::recipe::Recipe;
-use crate::train::Trained;
 use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS};
+use crate::train::Trained;
 use inference::image::check_sum;
 use inference::{Bearing, Header};
 

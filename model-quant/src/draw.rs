@@ -25,6 +25,8 @@ pub enum Purpose {
     Weights = 7,
     /// Order of the rows in an epoch.
     Order = 8,
+    /// Windows that other runtimes are compared on.
+    PeerWindows = 9,
 }
 
 /// A stream of draws.

@@ -28,7 +28,9 @@ pub const CALIBRATION_ROWS: usize = 1 << 14;
 #[derive(Debug, thiserror::Error)]
 pub enum QuantiseError {
     /// A layer's factor does not fit its 32 bits: the weights and the activations do not belong together.
-    #[error("layer {layer}, channel {channel}: factor between the scales is {factor:e}, expected 2^-32 to 0.5")]
+    #[error(
+        "layer {layer}, channel {channel}: factor between the scales is {factor:e}, expected 2^-32 to 0.5"
+    )]
     Factor {
         /// Index of the layer.
         layer: usize,

@@ -6,11 +6,14 @@
 
 use crate::checkpoint::Checkpoint;
 use crate::draw::{Draw, Purpose};
-use crate::float_pair::FloatPair;
+use crate::features::FloatFeatures;
+use crate::float_pair::{FloatEstimate, FloatPair};
+use crate::image::{AnyModel, AnyPair};
+use crate::peers::PeerVerdict;
 use crate::rows::{Row, rows};
 use crate::window::history;
-use inference::layout::{CRC_LENGTH, check_sum};
-use inference::{ContactState, Estimate, ImageError, Model, Pair};
+use inference::image::{CRC_LENGTH, check_sum};
+use inference::{ContactState, Estimate, ImageError, WINDOW};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -37,6 +40,10 @@ pub struct Band {
     pub mae_n: f64,
     /// Largest absolute error of the image in N.
     pub largest_n: f64,
+    /// Mean absolute difference between image and float networks in N.
+    pub mae_quantisation_n: f64,
+    /// Largest absolute difference between image and float networks in N.
+    pub largest_quantisation_n: f64,
 }
 
 /// What verification found for one network of one bearing.
@@ -54,6 +61,8 @@ pub struct Verdict {
     pub mae_n: f64,
     /// Mean absolute difference between image and float networks in N.
     pub mae_quantisation_n: f64,
+    /// Largest absolute difference between image and float networks in N.
+    pub largest_quantisation_n: f64,
     /// Median relative error of the image at the bench's working points.
     pub working_error_median: f64,
     /// 95th percentile of the same.
@@ -70,6 +79,8 @@ pub struct Verdict {
     pub rows: usize,
     /// Errors by band.
     pub bands: Vec<Band>,
+    /// Other runtimes on the same parameters.
+    pub peers: Vec<PeerVerdict>,
 }
 
 struct Sample {
@@ -82,39 +93,82 @@ struct Sample {
 }
 
 fn forces(estimate: &Estimate) -> [f64; 2] {
+    [estimate.normal_force_mn, estimate.friction_force_mn].map(|force_mn| f64::from(force_mn) / 1000.0)
+}
+
+fn float_forces(estimate: &FloatEstimate) -> [f64; 2] {
     [f64::from(estimate.normal_force_n), f64::from(estimate.friction_force_n)]
 }
 
-/// Runs image and float networks over the test rows; collision first, friction second.
+/// The first rows of a checkpoint's test set with their histories.
+pub fn test_set(checkpoint: &Checkpoint, count: usize) -> Vec<(Row, [ContactState; WINDOW])> {
+    let recipe = &checkpoint.recipe;
+    let features = FloatFeatures::of(&checkpoint.header());
+    (rows(checkpoint.bearing, recipe.range, recipe.seed, Purpose::TestRows, count)
+        .into_par_iter()
+        .enumerate())
+    .map(|(index, row)| {
+        let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 2 << 32 | index as u64);
+        (row, history(&features, &row, &mut draw))
+    })
+    .collect()
+}
+
+/// Normal and friction force in N that float networks give after each history.
+pub(crate) fn float_forces_after(set: &[(Row, [ContactState; WINDOW])], pair: &FloatPair) -> Vec<[f64; 2]> {
+    set.par_iter()
+        .map_init(
+            || pair.clone(),
+            |pair, (_, states)| {
+                pair.reset();
+                float_forces(&states.map(|state| pair.push(&state))[WINDOW - 1])
+            },
+        )
+        .collect()
+}
+
+/// The same that an image gives.
+pub(crate) fn image_forces_after(
+    set: &[(Row, [ContactState; WINDOW])],
+    model: AnyModel<'_>,
+) -> Vec<[f64; 2]> {
+    set.par_iter()
+        .map_init(
+            || AnyPair::new(model),
+            |pair, (_, states)| {
+                pair.reset();
+                forces(&states.map(|state| pair.push(&state))[WINDOW - 1])
+            },
+        )
+        .collect()
+}
+
+/// Runs image and float networks over the test rows; collision first, friction second. Peers are left to the caller.
 pub fn verify(checkpoint: &Checkpoint, training_id: u64, image: &[u8]) -> Result<[Verdict; 2], ImageError> {
-    let model = Model::load(image)?;
+    let model = AnyModel::load(image)?;
     let image_crc_ok = (image.split_last_chunk::<CRC_LENGTH>())
         .is_some_and(|(body, sum)| check_sum(body).to_le_bytes() == *sum);
     let header = model.header();
-    let recipe = &checkpoint.recipe;
-    let set = rows(checkpoint.bearing, recipe.range, recipe.seed, Purpose::TestRows, TEST_ROWS);
+    let features = FloatFeatures::of(&header);
     let float = FloatPair::of(checkpoint, training_id);
-    let samples: Vec<Sample> = (set.par_iter().enumerate())
+    let set = test_set(checkpoint, TEST_ROWS);
+    let samples: Vec<Sample> = (set.par_iter())
         .map_init(
-            || (float.clone(), Pair::new(model.clone())),
-            |(float, image), (index, row)| {
+            || (float.clone(), AnyPair::new(model)),
+            |(float, image), (row, states)| {
                 float.reset();
                 image.reset();
-                let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 2 << 32 | index as u64);
-                let states = history(&header, row, &mut draw);
-                let mut last = [Estimate::default(); 2];
-                for state in &states {
-                    last = [float.step(state), image.step(state)];
-                }
+                let float = float_forces(&states.map(|state| float.push(&state))[WINDOW - 1]);
+                let last = states.map(|state| image.push(&state))[WINDOW - 1];
                 let gap = ContactState { deformation_m: -row.state.deformation_m, ..row.state };
-                let [without_contact, sliding] = forces(&image.step(&gap));
+                let [without_contact, sliding] = forces(&image.push(&gap));
                 Sample {
                     law: [row.normal_force_n, row.friction_force_n],
-                    float: forces(&last[0]),
-                    image: forces(&last[1]),
+                    float,
+                    image: forces(&last),
                     gap: without_contact.abs().max(sliding.abs()),
-                    saturated: last[1].saturated > 0,
-                    working: is_working_point(&header, row),
+                    saturated: last.saturated > 0,
+                    working: is_working_point(&features, row),
                 }
             },
         )
@@ -126,6 +180,8 @@ pub fn verify(checkpoint: &Checkpoint, training_id: u64, image: &[u8]) -> Result
         r2_quantised: r_squared(&samples, |s| (s.law[which], s.image[which])),
         mae_n: mean(samples.iter().map(|s| (s.law[which] - s.image[which]).abs())),
         mae_quantisation_n: mean(samples.iter().map(|s| (s.float[which] - s.image[which]).abs())),
+        largest_quantisation_n: (samples.iter())
+            .fold(0.0, |largest, s| (s.float[which] - s.image[which]).abs().max(largest)),
         working_error_median: relative_error(&samples, which, 0.5),
         working_error_p95: relative_error(&samples, which, 0.95),
         zero_contact_output: samples.iter().fold(0.0, |largest, s| s.gap.max(largest)),
@@ -133,18 +189,19 @@ pub fn verify(checkpoint: &Checkpoint, training_id: u64, image: &[u8]) -> Result
         image_matches_checkpoint: header.training_id == training_id,
         saturated_share: mean(samples.iter().map(|s| f64::from(u8::from(s.saturated)))),
         rows: samples.len(),
-        bands: bands(&samples, which, f64::from(header.normal_force_n.high)),
+        bands: bands(&samples, which, f64::from(features.normal_force_n.high)),
+        peers: Vec::new(),
     };
     Ok([verdict(0, "collision"), verdict(1, "friction")])
 }
 
-fn is_working_point(header: &inference::Header, row: &Row) -> bool {
+fn is_working_point(features: &FloatFeatures, row: &Row) -> bool {
     let [low, high] = WORKING_FORCE_N;
-    let ratio = f64::from(header.rate_ratio_of(&row.state));
+    let ratio = f64::from(features.rate_ratio_of(&row.state));
     (low..=high).contains(&row.normal_force_n) && ratio.abs() <= WORKING_RATIO
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
     if count == 0 { 0.0 } else { sum / count as f64 }
 }
@@ -172,12 +229,15 @@ fn bands(samples: &[Sample], which: usize, highest_n: f64) -> Vec<Band> {
         .map(|up_to_n| {
             let inside = || samples.iter().filter(|s| s.law[0] > low && s.law[0] <= up_to_n);
             let error = |s: &Sample| (s.law[which] - s.image[which]).abs();
+            let quantisation = |s: &Sample| (s.float[which] - s.image[which]).abs();
             let band = Band {
                 up_to_n,
                 rows: inside().count(),
                 mae_float_n: mean(inside().map(|s| (s.law[which] - s.float[which]).abs())),
                 mae_n: mean(inside().map(error)),
                 largest_n: inside().map(error).fold(0.0, f64::max),
+                mae_quantisation_n: mean(inside().map(quantisation)),
+                largest_quantisation_n: inside().map(quantisation).fold(0.0, f64::max),
             };
             low = up_to_n;
             band

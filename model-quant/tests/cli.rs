@@ -95,6 +95,8 @@ fn a_small_training_goes_through_the_whole_chain() {
     let card = std::fs::read_to_string(directory.path().join("plastic.md")).expect("card");
     assert!(card.contains("seed 5"), "{card}");
 
+    assert_eq!(verified[0]["peers"].as_array().map(Vec::len), Some(0), "the peers ran another image");
+
     let mut bytes = std::fs::read(&image).expect("image");
     bytes[1000] ^= 1;
     std::fs::write(&image, bytes).expect("damaged image");
@@ -118,7 +120,11 @@ fn wrong_input_exits_with_2_and_names_what_was_expected() {
         (vec!["dataset", "--range", "moon", "--out", as_str(&not_a_model)], "paper"),
         (vec!["quantize", "--checkpoint", as_str(&not_a_model), "--out", out], "float checkpoint"),
         (vec!["quantize", "--checkpoint", "/nowhere/a.float", "--out", out], "/nowhere/a.float"),
-        (vec!["verify", "--image", as_str(&not_a_model)], "found 19 bytes"),
+        (vec!["verify", "--image", as_str(&not_a_model)], "model image"),
+        (vec!["verify", "--emulated", as_str(&not_a_model)], "file of results"),
+        (vec!["quantize", "--mode", "w4a4", "--out", out], "w8a16"),
+        (vec!["quantize", "--mode", "w16a16", "--packing", "flash", "--out", out], "one form of storage"),
+        (vec!["quantize", "--max-error-n", "NaN", "--out", out], "--max-error-n: found NaN"),
     ] {
         let output = model_quant(&arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
@@ -126,6 +132,33 @@ fn wrong_input_exits_with_2_and_names_what_was_expected() {
         assert!(message.contains(expected), "{arguments:?}: {message}");
     }
     assert_eq!(std::fs::read_dir(directory.path()).expect("directory").count(), 1, "nothing was written");
+}
+
+#[test]
+fn an_image_that_is_too_far_off_is_refused_and_nothing_is_written() {
+    let directory = tempfile::tempdir().expect("directory");
+    let out = as_str(directory.path());
+    let quantize = |limit: &str| {
+        let common = ["quantize", "--mode", "w8a8", "--max-error-n", limit, "--out", out, "--json"];
+        model_quant(&common)
+    };
+    let refused = quantize("50");
+    assert_eq!(refused.status.code(), Some(1));
+    let message = text(&refused.stderr);
+    assert!(message.contains("babbitt collision: mean absolute difference"), "{message}");
+    assert!(message.contains("expected at most 50 N"), "{message}");
+    assert_eq!(std::fs::read_dir(directory.path()).expect("directory").count(), 0, "nothing was written");
+
+    let written = json(&quantize("500"));
+    assert_eq!(std::fs::read_dir(directory.path()).expect("directory").count(), 4);
+    let error = written[0]["mae_quantisation_n"][0].as_f64().expect("figure");
+    assert!(error > 50.0 && error < 500.0, "{error}");
+    let card = std::fs::read_to_string(directory.path().join("babbitt.md")).expect("card");
+    assert!(card.contains("w8a8"), "{card}");
+    // The compact image is loaded by its own width.
+    let image = directory.path().join("babbitt.pintle");
+    let verified = json(&model_quant(&["verify", "--image", as_str(&image), "--json"]));
+    assert_eq!(verified[0]["mae_quantisation_n"].as_f64(), Some(error));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 use inference::Bearing;
 use model_quant::checkpoint::Checkpoint;
+use model_quant::mode::{Mode, Packing, Plan};
 use model_quant::pipeline::train_both;
 use model_quant::quantise::quantise;
 use model_quant::recipe::Recipe;
@@ -34,7 +35,11 @@ fn training_and_quantising_do_not_depend_on_the_number_of_threads() {
     }
     let checkpoint = Checkpoint::from_bytes(&one).expect("checkpoint");
     let id = Checkpoint::training_id(&one);
-    assert_eq!(quantise(&checkpoint, id).expect("image"), quantise(&checkpoint, id).expect("image"));
+    for mode in Mode::ALL {
+        let image =
+            || quantise(&checkpoint, id, Plan { mode, packing: Packing::Speed }).expect("image").image;
+        assert_eq!(image(), image());
+    }
     // It did learn something, of both networks: the last loss is well below the first.
     for network in losses.chunks(losses.len() / 2) {
         assert!(network[network.len() - 1] < 0.5 * network[0], "{network:?}");

@@ -48,17 +48,17 @@ fn a_bearing_made_of_networks_moves_like_one_made_of_the_law() {
     for bearing in Bearing::ALL {
         let law = normal_law(bearing, CLEARANCE_M, 1e-3);
         let (peak, expected) = run(|d, rate| law.force_n(d, rate, APPROACH_M_S));
-        let mut image = Pair::new(Model::load(shipped(bearing)).expect("image"));
+        let mut image: Pair = Pair::new(Model::load(shipped(bearing)).expect("image"));
         let (mut flags, mut fastest) = (Flags::NONE, 0.0_f64);
         let quantised = run(|d, rate| {
-            let estimate = image.step(&state(d, rate));
+            let estimate = image.push(&state(d, rate));
             flags |= estimate.flags;
             fastest = fastest.max(rate.abs());
-            f64::from(estimate.normal_force_n)
+            f64::from(estimate.normal_force_n())
         });
         assert!(!flags.intersects(Flags::OUTSIDE_TRAINING | Flags::SATURATED), "{flags:?} {fastest} m/s");
         let mut pair = FloatPair::new(bearing).expect("checkpoint");
-        let float = run(|d, rate| f64::from(pair.step(&state(d, rate)).normal_force_n));
+        let float = run(|d, rate| f64::from(pair.push(&state(d, rate)).normal_force_n));
         for (name, (found_peak, found)) in [("image", quantised), ("float", float)] {
             let name = format!("{} {name}", bearing.name());
             assert!((found_peak / peak - 1.0).abs() < 0.01, "{name}: peak {found_peak} N for {peak} N");

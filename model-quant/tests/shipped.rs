@@ -2,9 +2,11 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use inference::{Bearing, Flags, Model, Pair, shipped};
-use model_quant::card::card;
+use model_quant::card::{Facts, card};
 use model_quant::checkpoint::Checkpoint;
 use model_quant::float_pair::{FloatPair, shipped as shipped_checkpoint};
+use model_quant::layers::layer_errors;
+use model_quant::mode::Plan;
 use model_quant::quantise::quantise;
 use model_quant::recipe::Recipe;
 use model_quant::verify::{Verdict, verify};
@@ -24,8 +26,8 @@ fn quantising_the_checkpoint_again_gives_the_shipped_image() {
     for bearing in Bearing::ALL {
         let (checkpoint, id) = checkpoint(bearing);
         assert_eq!(checkpoint.recipe, Recipe::standard(bearing), "the default recipe made it");
-        let image = quantise(&checkpoint, id).expect("image");
-        assert!(image.as_slice() == shipped(bearing), "{}: other bytes", bearing.name());
+        let image = quantise(&checkpoint, id, Plan::default()).expect("image").image;
+        assert!(*image == *shipped(bearing), "{}: other bytes", bearing.name());
     }
 }
 
@@ -53,8 +55,18 @@ fn cards_say_what_verification_finds() {
         (Bearing::Babbitt, include_str!("../../crates/inference/models/babbitt.md")),
         (Bearing::Plastic, include_str!("../../crates/inference/models/plastic.md")),
     ] {
-        let header = Model::load(shipped(bearing)).expect("image").header();
-        let expected = card(&checkpoint(bearing).0, &header, &verdicts(bearing));
+        let (checkpoint, id) = checkpoint(bearing);
+        let plan = Plan::default();
+        let quantised = quantise(&checkpoint, id, plan).expect("image");
+        let model: Model = Model::load(shipped(bearing)).expect("image");
+        let expected = card(&Facts {
+            checkpoint: &checkpoint,
+            plan,
+            header: &model.header(),
+            image: shipped(bearing),
+            verdicts: &verdicts(bearing),
+            layers: &layer_errors(&checkpoint, &quantised, plan).expect("layers"),
+        });
         assert_eq!(found, expected, "{}: run `model-quant quantize`", bearing.name());
     }
 }
@@ -62,7 +74,7 @@ fn cards_say_what_verification_finds() {
 #[test]
 fn friction_opposes_the_sliding_and_is_odd_in_both_chains() {
     for bearing in Bearing::ALL {
-        let mut image = Pair::new(Model::load(shipped(bearing)).expect("image"));
+        let mut image: Pair = Pair::new(Model::load(shipped(bearing)).expect("image"));
         let mut float = FloatPair::new(bearing).expect("checkpoint");
         let state = |speed| inference::ContactState {
             radial_clearance_m: 0.5e-3,
@@ -76,19 +88,23 @@ fn friction_opposes_the_sliding_and_is_odd_in_both_chains() {
                 let mut image = image.clone();
                 let mut float = float.clone();
                 for _ in 0..20 {
-                    image.step(&state(speed));
-                    float.step(&state(speed));
+                    image.push(&state(speed));
+                    float.push(&state(speed));
                 }
-                [image.step(&state(speed)), float.step(&state(speed))]
+                let (image, float) = (image.push(&state(speed)), float.push(&state(speed)));
+                [
+                    (image.normal_force_n(), image.friction_force_n(), image.flags),
+                    (float.normal_force_n, float.friction_force_n, float.flags),
+                ]
             };
             for (forward, backward) in settle(speed).into_iter().zip(settle(-speed)) {
-                assert!(forward.friction_force_n < 0.0, "{speed}");
-                assert_eq!(forward.friction_force_n, -backward.friction_force_n, "{speed}");
-                assert_eq!(forward.normal_force_n, backward.normal_force_n);
-                assert!(!forward.flags.intersects(Flags::OUTSIDE_TRAINING));
+                assert!(forward.1 < 0.0, "{speed}");
+                assert_eq!(forward.1, -backward.1, "{speed}");
+                assert_eq!(forward.0, backward.0);
+                assert!(!forward.2.intersects(Flags::OUTSIDE_TRAINING));
             }
-            for pair in settle(0.0) {
-                assert_eq!(pair.friction_force_n, 0.0, "at rest");
+            for (_, friction, _) in settle(0.0) {
+                assert_eq!(friction, 0.0, "at rest");
             }
         }
         image.reset();

@@ -8,19 +8,19 @@ const STEPS: [f64; 2] = [0.02, 0.1];
 
 /// Force of a warm stream: seven columns at `before`, the newest at `now`.
 fn force(model: &Model<'_>, before: &ContactState, now: &ContactState) -> f64 {
-    let mut pair = Pair::new(model.clone());
+    let mut pair: Pair = Pair::new(*model);
     for _ in 0..7 {
-        pair.step(before);
+        pair.push(before);
     }
-    f64::from(pair.step(now).normal_force_n)
+    f64::from(pair.push(now).normal_force_n())
 }
 
 #[test]
 fn stiffness_and_damping_follow_the_law_and_act_at_once() {
     let [depth_step, ratio_step] = STEPS;
     for bearing in Bearing::ALL {
-        let model = Model::load(shipped(bearing)).expect("image");
-        let deepest = f64::from(model.header().deformation_m.high);
+        let model: Model = Model::load(shipped(bearing)).expect("image");
+        let deepest = f64::from(model.header().deformation_m().high);
         let (mut worst, mut sum, mut count) = ([0.0_f64; 2], [0.0_f64; 2], 0);
         for clearance_mm in [0.1, 0.25, 0.5, 1.0] {
             let clearance = clearance_mm * 1e-3;
@@ -70,8 +70,8 @@ fn stiffness_and_damping_follow_the_law_and_act_at_once() {
 #[test]
 fn what_came_before_hardly_matters() {
     for bearing in Bearing::ALL {
-        let model = Model::load(shipped(bearing)).expect("image");
-        let deepest = model.header().deformation_m.high;
+        let model: Model = Model::load(shipped(bearing)).expect("image");
+        let deepest = model.header().deformation_m().high;
         let state = |depth: f32, ratio: f32| ContactState {
             radial_clearance_m: 0.5e-3,
             deformation_m: depth * deepest,

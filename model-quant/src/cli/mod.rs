@@ -9,6 +9,7 @@ use clap::{Parser, Subcommand};
 use inference::{Bearing, ImageError};
 use model_quant::checkpoint::{Checkpoint, CheckpointError, bearing_named};
 use model_quant::float_pair::{LoadError, read_checkpoint, shipped};
+use model_quant::peers::{ResultsError, WindowsError};
 use model_quant::quantise::QuantiseError;
 use model_quant::write::WriteError;
 use std::io::Write;
@@ -44,6 +45,10 @@ pub(crate) enum CliError {
     Read { path: PathBuf, source: std::io::Error },
     #[error("{}: {source}", path.display())]
     Image { path: PathBuf, source: ImageError },
+    #[error("{}: {source}", path.display())]
+    Results { path: PathBuf, source: ResultsError },
+    #[error("{0}")]
+    Windows(#[from] WindowsError),
     #[error("{0}: found {1}, expected {2}")]
     Argument(&'static str, String, &'static str),
     #[error("{0}")]
@@ -58,13 +63,19 @@ pub(crate) enum CliError {
     Threads(#[from] rayon::ThreadPoolBuildError),
     #[error("{0}")]
     Differs(String),
+    #[error("{0}")]
+    Refused(String),
 }
 
 impl CliError {
     /// 2 for wrong input, 1 for failed work.
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
-            Self::Load(_) | Self::Read { .. } | Self::Image { .. } | Self::Argument(..) => 2,
+            Self::Load(_)
+            | Self::Read { .. }
+            | Self::Image { .. }
+            | Self::Results { .. }
+            | Self::Argument(..) => 2,
             _ => 1,
         }
     }

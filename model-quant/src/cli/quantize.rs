@@ -1,21 +1,29 @@
 //! `model-quant quantize`: a model image and its card from a float checkpoint.
 
-use super::{CliError, bearings, checkpoint, parse_bearing, print_json};
-use inference::{Bearing, Model, shipped as shipped_image};
-use model_quant::card::card;
-use model_quant::quantise::{QuantiseError, quantise};
-use model_quant::verify::verify;
+use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
+use inference::{Bearing, shipped as shipped_image};
+use model_quant::card::{Facts, card};
+use model_quant::checkpoint::Checkpoint;
+use model_quant::image::AnyModel;
+use model_quant::layers::{LAYER_ROWS, LayerError, layer_errors};
+use model_quant::mode::{Mode, Packing, Plan};
+use model_quant::quantise::{QuantiseError, Quantised, quantise};
+use model_quant::verify::{BANDS_N, TEST_ROWS, Verdict, verify};
 use model_quant::write::write_whole;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Quantise float checkpoints to model images and write their model cards
 ///
-/// Weights to 8 bits per output channel, activations to 16 bits by the smallest and largest values of a seeded
-/// calibration set. Without options this gives the checked-in images byte for byte; `--check` compares them.
+/// Weights are on a grid per output channel; activations are scaled by the smallest and largest values of 16384 seeded
+/// calibration rows, the friction network's behind the quantised collision network. Without options this gives
+/// the checked-in images byte for byte; `--check` compares them.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  model-quant quantize --checkpoint model-quant/models/babbitt.float --out crates/inference/models\n  \
+                        model-quant quantize --bearing plastic --mode w8a8 --packing flash --max-error-n 100 --out compact\n  \
+                        model-quant quantize --compare\n  \
+                        model-quant quantize --layers --mode w8a8\n  \
                         model-quant quantize --check"
 )]
 pub(crate) struct Arguments {
@@ -25,55 +33,153 @@ pub(crate) struct Arguments {
     /// Float checkpoint; the checked-in ones if not given
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
+    /// Widths of weights and activations
+    #[arg(long, value_enum, default_value_t)]
+    mode: Mode,
+    /// Storage of 8-bit weights for 16-bit activations
+    #[arg(long, value_enum, default_value_t)]
+    packing: Packing,
+    /// Refuse images whose mean absolute difference from the float networks over all test rows, of normal or friction
+    /// force, exceeds this many N: exit 1, nothing written
+    #[arg(long, value_name = "N")]
+    max_error_n: Option<f64>,
     /// Directory that gets BEARING.pintle and BEARING.md
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
+    /// Compare every mode with the float networks, write nothing
+    #[arg(long, conflicts_with_all = ["mode", "packing", "max_error_n", "out", "check", "layers"])]
+    compare: bool,
+    /// Print what every layer costs in N, write nothing
+    #[arg(long, conflicts_with_all = ["max_error_n", "out", "check"])]
+    layers: bool,
     /// Compare with the checked-in images, write nothing
-    #[arg(long, conflicts_with_all = ["checkpoint", "out"])]
+    #[arg(long, conflicts_with_all = ["checkpoint", "out", "mode", "packing", "max_error_n"])]
     check: bool,
     /// Print a summary as JSON
     #[arg(long)]
     json: bool,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
+/// An image that is ready to be written.
+struct Ready {
+    checkpoint: Checkpoint,
+    training_id: u64,
+    quantised: Quantised,
+}
+
+impl Ready {
+    fn name(&self) -> &'static str {
+        self.checkpoint.bearing.name()
+    }
+
+    fn check_sum(&self) -> u32 {
+        self.quantised.image.last_chunk::<4>().map_or(0, |sum| u32::from_le_bytes(*sum))
+    }
+
+    fn verify(&self) -> Result<[Verdict; 2], CliError> {
+        let verdicts = verify(&self.checkpoint, self.training_id, &self.quantised.image);
+        Ok(verdicts.map_err(QuantiseError::from)?)
+    }
+
+    fn layers(&self, plan: Plan) -> Result<Vec<LayerError>, CliError> {
+        let errors = layer_errors(&self.checkpoint, &self.quantised, plan);
+        Ok(errors.map_err(QuantiseError::from)?)
+    }
+}
+
+fn prepare(arguments: &Arguments, plan: Plan) -> Result<Vec<Ready>, CliError> {
     let chosen =
         if arguments.checkpoint.is_some() { vec![Bearing::Babbitt] } else { bearings(arguments.bearing) };
+    (chosen.into_iter())
+        .map(|bearing| {
+            let (checkpoint, training_id) = checkpoint(arguments.checkpoint.as_deref(), bearing)?;
+            let quantised = quantise(&checkpoint, training_id, plan)?;
+            Ok(Ready { checkpoint, training_id, quantised })
+        })
+        .collect()
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let plan = Plan { mode: arguments.mode, packing: arguments.packing };
+    if plan.mode == Mode::W16a16 && plan.packing == Packing::Flash {
+        let expected = "speed: weights of more than 8 bits have one form of storage";
+        return Err(CliError::Argument("--packing", "flash with --mode w16a16".to_owned(), expected));
+    }
+    if let Some(limit) = arguments.max_error_n
+        && !(limit >= 0.0 && limit.is_finite())
+    {
+        return Err(CliError::Argument("--max-error-n", limit.to_string(), "a number of N, 0 or above"));
+    }
+    if arguments.compare {
+        return compare(arguments);
+    }
+    let ready = prepare(arguments, plan)?;
+    if arguments.layers {
+        return layers(arguments, &ready, plan);
+    }
+    if arguments.check {
+        return summarise(arguments, &ready, &[]);
+    }
+    let verdicts: Vec<[Verdict; 2]> = ready.iter().map(Ready::verify).collect::<Result<_, _>>()?;
+    if let Some(limit_n) = arguments.max_error_n {
+        // Written so that a figure that is not a number is refused, too.
+        if let Some(verdict) = verdicts.iter().flatten().find(|v| !(v.mae_quantisation_n <= limit_n)) {
+            return Err(CliError::Refused(format!(
+                "{} {}: mean absolute difference between image and float networks is {:.2} N over {TEST_ROWS} test \
+                 rows, expected at most {limit_n} N (--max-error-n); nothing written",
+                verdict.bearing, verdict.network, verdict.mae_quantisation_n
+            )));
+        }
+    }
+    for (ready, verdicts) in ready.iter().zip(&verdicts) {
+        let image: &[u8] = &ready.quantised.image;
+        let header = AnyModel::load(image).map_err(QuantiseError::from)?.header();
+        let text = card(&Facts {
+            checkpoint: &ready.checkpoint,
+            plan,
+            header: &header,
+            image,
+            verdicts,
+            layers: &ready.layers(plan)?,
+        });
+        write_whole(&arguments.out.join(format!("{}.md", ready.name())), text.as_bytes())?;
+        write_whole(&arguments.out.join(format!("{}.pintle", ready.name())), image)?;
+    }
+    summarise(arguments, &ready, &verdicts)
+}
+
+fn summarise(arguments: &Arguments, ready: &[Ready], verdicts: &[[Verdict; 2]]) -> Result<(), CliError> {
     let mut summaries = Vec::new();
     let mut different = Vec::new();
-    for bearing in chosen {
-        let (checkpoint, training_id) = checkpoint(arguments.checkpoint.as_deref(), bearing)?;
-        let name = checkpoint.bearing.name();
-        let image = quantise(&checkpoint, training_id)?;
-        let header = Model::load(image.as_slice()).map_err(QuantiseError::from)?.header();
-        let equals_checked_in = image.as_slice() == shipped_image(checkpoint.bearing);
+    for (index, ready) in ready.iter().enumerate() {
+        let (name, bytes, crc) = (ready.name(), ready.quantised.image.len(), ready.check_sum());
+        let equals_checked_in = *ready.quantised.image == *shipped_image(ready.checkpoint.bearing);
         if !equals_checked_in {
             different.push(name);
         }
-        let file = arguments.out.join(format!("{name}.pintle"));
-        if !arguments.check {
-            let verdicts = verify(&checkpoint, training_id, image.as_slice()).map_err(QuantiseError::from)?;
-            write_whole(
-                &arguments.out.join(format!("{name}.md")),
-                card(&checkpoint, &header, &verdicts).as_bytes(),
-            )?;
-            write_whole(&file, image.as_slice())?;
-        }
+        let errors = verdicts.get(index).map(|[a, b]| [a.mae_quantisation_n, b.mae_quantisation_n]);
         if !arguments.json {
             let did = if arguments.check { "quantised" } else { "wrote" };
             let equal = if equals_checked_in { "equal to" } else { "different from" };
-            super::print(format_args!(
-                "{did} {name}: {} bytes, CRC-32 {:08x}, {equal} the checked-in image",
-                image.len(),
-                header.crc
+            let error = errors.map_or(String::new(), |[collision, friction]| {
+                format!(", off the float networks by {collision:.2} N normal and {friction:.2} N friction")
+            });
+            print(format_args!(
+                "{did} {name}: {}, packed for {}, {bytes} bytes of flash, CRC-32 {crc:08x}{error}, {equal} the checked-in image",
+                arguments.mode.name(),
+                arguments.packing.name()
             ))?;
         }
+        let file = arguments.out.join(format!("{name}.pintle"));
         summaries.push(json!({
             "bearing": name,
             "file": (!arguments.check).then(|| file.display().to_string()),
-            "bytes": image.len(),
-            "crc": format!("{:08x}", header.crc),
-            "training_id": format!("{training_id:016x}"),
+            "mode": arguments.mode,
+            "packing": arguments.packing,
+            "bytes": bytes,
+            "crc": format!("{crc:08x}"),
+            "training_id": format!("{:016x}", ready.training_id),
+            "mae_quantisation_n": errors,
             "equals_checked_in": equals_checked_in,
         }));
     }
@@ -87,4 +193,85 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         )));
     }
     Ok(())
+}
+
+fn compare(arguments: &Arguments) -> Result<(), CliError> {
+    let mut figures: Vec<Value> = Vec::new();
+    if !arguments.json {
+        print(format_args!(
+            "difference between image and float networks over {TEST_ROWS} test rows, mean / largest in N, by normal force"
+        ))?;
+        let heads: String = BANDS_N.iter().map(|up_to| format!("{:>17}", format!("to {up_to} N"))).collect();
+        print(format_args!(
+            "bearing  network    mode     flash B  small B     all N{heads}            above"
+        ))?;
+    }
+    for mode in Mode::ALL {
+        let fast = prepare(arguments, Plan { mode, packing: Packing::Speed })?;
+        let small = match mode {
+            Mode::W16a16 => prepare(arguments, Plan { mode, packing: Packing::Speed })?,
+            Mode::W8a16 | Mode::W8a8 => prepare(arguments, Plan { mode, packing: Packing::Flash })?,
+        };
+        for (fast, small) in fast.iter().zip(&small) {
+            let (bytes, least) = (fast.quantised.image.len(), small.quantised.image.len());
+            for verdict in fast.verify()? {
+                figures.push(json!({
+                    "mode": mode,
+                    "bytes_speed": bytes,
+                    "bytes_flash": least,
+                    "verdict": verdict,
+                }));
+                if arguments.json {
+                    continue;
+                }
+                let bands: String = (verdict.bands.iter())
+                    .map(|band| {
+                        let pair =
+                            format!("{:.2} / {:.0}", band.mae_quantisation_n, band.largest_quantisation_n);
+                        format!("{pair:>17}")
+                    })
+                    .collect();
+                print(format_args!(
+                    "{:8} {:9}  {:7}  {bytes:7}  {least:7}  {:8.2}{bands}",
+                    verdict.bearing,
+                    verdict.network,
+                    mode.name(),
+                    verdict.mae_quantisation_n
+                ))?;
+            }
+        }
+    }
+    if arguments.json {
+        return print_json(&figures);
+    }
+    print(format_args!(
+        "(flash: packed for speed; small: packed for flash, the same estimates; instructions: `cargo xtask insn`)"
+    ))
+}
+
+fn layers(arguments: &Arguments, ready: &[Ready], plan: Plan) -> Result<(), CliError> {
+    let mut figures: Vec<Value> = Vec::new();
+    for ready in ready {
+        let errors = ready.layers(plan)?;
+        figures.push(
+            json!({ "bearing": ready.name(), "mode": plan.mode, "rows": LAYER_ROWS, "layers": errors }),
+        );
+        if arguments.json {
+            continue;
+        }
+        print(format_args!(
+            "{} {}: change of the force by each step of the quantisation alone over {LAYER_ROWS} test rows, mean / largest in N",
+            ready.name(),
+            plan.mode.name()
+        ))?;
+        let heads: String = BANDS_N.iter().map(|up_to| format!("{:>17}", format!("to {up_to} N"))).collect();
+        print(format_args!("network    in whole numbers               all N{heads}            above"))?;
+        for error in errors {
+            let bands: String = (error.bands.iter())
+                .map(|band| format!("{:>17}", format!("{:.2} / {:.1}", band.mae_n, band.largest_n)))
+                .collect();
+            print(format_args!("{:9}  {:28}  {:6.2}{bands}", error.network, error.quantised, error.mae_n))?;
+        }
+    }
+    if arguments.json { print_json(&figures) } else { Ok(()) }
 }

@@ -1,15 +1,22 @@
-//! `model-quant verify`: image against float networks against laws.
+//! `model-quant verify`: image against laws, float networks and other runtimes.
 
-use super::{CliError, bearings, checkpoint, parse_bearing, print_json};
-use inference::{Bearing, Model, shipped as shipped_image};
-use model_quant::verify::{Verdict, verify};
+use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
+use inference::{Bearing, shipped as shipped_image};
+use model_quant::image::{AlignedImage, AnyModel};
+use model_quant::peers::{CHECKED_IN, Results, to_bytes, windows};
+use model_quant::verify::{TEST_ROWS, Verdict, verify};
+use model_quant::write::write_whole;
 use std::path::{Path, PathBuf};
 
-/// Compare model images with their float networks and with the laws, on rows that no training saw
+/// Compare model images with the laws, their float networks and other runtimes
+///
+/// Laws and float networks: on rows that no training saw. Other runtimes: the checked-in results of ONNX Runtime (the same whole
+/// numbers, no difference allowed) and of LiteRT, formerly TFLite (16-bit activations and 8-bit weights, its own rounding), on
+/// the windows of model-quant/peers, made for the checked-in images; and with `--emulated` those of a controller.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Examples:\n  model-quant verify\n  model-quant verify --image new/babbitt.pintle --checkpoint new/babbitt.float --json"
-)]
+#[command(after_help = "Examples:\n  model-quant verify\n  model-quant verify --emulated sums.bin\n  \
+                        model-quant verify --image new/babbitt.pintle --checkpoint new/babbitt.float --json\n  \
+                        model-quant verify --windows model-quant/peers/windows.bin")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic; both if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "image")]
@@ -20,6 +27,12 @@ pub(crate) struct Arguments {
     /// Float checkpoint the image was made from; the checked-in one of its bearing if not given
     #[arg(long, value_name = "FILE", requires = "image")]
     checkpoint: Option<PathBuf>,
+    /// Sums that a controller, emulated or real, found for the windows of model-quant/peers
+    #[arg(long, value_name = "RESULTS")]
+    emulated: Option<PathBuf>,
+    /// Write the windows of the checked-in images for other runtimes, and do nothing else
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["image", "bearing", "emulated", "out", "json"])]
+    windows: Option<PathBuf>,
     /// Print the figures as JSON
     #[arg(long)]
     json: bool,
@@ -29,43 +42,112 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let all = windows()?;
+    if let Some(path) = &arguments.windows {
+        write_whole(path, &to_bytes(&all))?;
+        return print(format_args!("wrote {}: windows of {} networks", path.display(), all.len()));
+    }
+    let peers = peers(arguments.emulated.as_deref())?;
     let mut verdicts = Vec::new();
+    let mut add = |checkpoint: Option<&Path>, bearing, image: &[u8], name: &Path| {
+        for mut verdict in check(checkpoint, bearing, image, name)? {
+            let compared =
+                peers.iter().filter_map(|peer| peer.compare(&all, bearing, verdict.network, image));
+            verdict.peers = compared.collect();
+            verdicts.push(verdict);
+        }
+        Ok::<(), CliError>(())
+    };
     if let Some(path) = &arguments.image {
-        let image = std::fs::read(path).map_err(|source| CliError::Read { path: path.clone(), source })?;
+        let image =
+            AlignedImage::read(path).map_err(|source| CliError::Read { path: path.clone(), source })?;
         let refused = |source| CliError::Image { path: path.clone(), source };
-        let bearing = Model::load(&image).map_err(refused)?.header().bearing;
-        verdicts.extend(check(arguments.checkpoint.as_deref(), bearing, &image, path)?);
+        let bearing = AnyModel::load(&image).map_err(refused)?.header().bearing;
+        add(arguments.checkpoint.as_deref(), bearing, &image, path)?;
     } else {
         for bearing in bearings(arguments.bearing) {
             let name = PathBuf::from(format!("shipped image of {}", bearing.name()));
-            verdicts.extend(check(None, bearing, shipped_image(bearing), &name)?);
+            add(None, bearing, shipped_image(bearing), &name)?;
         }
     }
     if let Some(path) = &arguments.out {
-        model_quant::write::write_whole(path, serde_json::to_string_pretty(&verdicts)?.as_bytes())?;
+        write_whole(path, serde_json::to_string_pretty(&verdicts)?.as_bytes())?;
     }
     if arguments.json {
         return print_json(&verdicts);
     }
-    super::print(format_args!(
-        "bearing  network    R^2 float  R^2 image  mae N  median %    95 %  no contact N  CRC"
+    table(&verdicts)?;
+    if arguments.emulated.is_none() {
+        print(format_args!(
+            "(no sums of a controller: --emulated RESULTS takes them, model-quant/peers/README.md has the format)"
+        ))?;
+    }
+    Ok(())
+}
+
+/// The checked-in results and those of a controller.
+fn peers(emulated: Option<&Path>) -> Result<Vec<Results>, CliError> {
+    let refused = |path: &Path| {
+        let path = path.to_path_buf();
+        move |source| CliError::Results { path, source }
+    };
+    let mut peers = Vec::new();
+    for bytes in CHECKED_IN {
+        peers.push(Results::from_bytes(bytes).map_err(refused(Path::new("model-quant/peers")))?);
+    }
+    if let Some(path) = emulated {
+        let bytes =
+            std::fs::read(path).map_err(|source| CliError::Read { path: path.to_path_buf(), source })?;
+        peers.push(Results::from_bytes(&bytes).map_err(refused(path))?);
+    }
+    Ok(peers)
+}
+
+fn table(verdicts: &[Verdict]) -> Result<(), CliError> {
+    print(format_args!(
+        "bearing  network    against                          rows  different    mean N  largest N      R^2  median %    95 %"
     ))?;
-    for verdict in &verdicts {
-        super::print(format_args!(
-            "{:8} {:9}  {:9.6}  {:9.6}  {:5.1}  {:8.2}  {:6.2}  {:12}  {}",
+    for verdict in verdicts {
+        let row = |against: &str,
+                   rows: usize,
+                   different: Option<usize>,
+                   [mean, largest]: [f64; 2],
+                   rest: String| {
+            let different = different.map_or("-".to_owned(), |count| count.to_string());
+            print(format_args!(
+                "{:8} {:9}  {against:28}  {rows:7}  {different:>9}  {mean:8.2}  {largest:9.1}{rest}",
+                verdict.bearing, verdict.network
+            ))
+        };
+        let largest_n = verdict.bands.iter().map(|band| band.largest_n).fold(0.0, f64::max);
+        let figures = format!(
+            "  {:.6}  {:7.2}  {:7.2}",
+            verdict.r2_quantised,
+            100.0 * verdict.working_error_median,
+            100.0 * verdict.working_error_p95
+        );
+        row("law", verdict.rows, None, [verdict.mae_n, largest_n], figures)?;
+        let quantisation = [verdict.mae_quantisation_n, verdict.largest_quantisation_n];
+        let figures = format!("  ({:.6} of them against the law)", verdict.r2_float);
+        row("float networks", verdict.rows, None, quantisation, figures)?;
+        for peer in &verdict.peers {
+            let figures = format!("  (sums: {} counts at most)", peer.largest_counts);
+            row(&peer.peer, peer.windows, Some(peer.different), [peer.mean_n, peer.largest_n], figures)?;
+        }
+        print(format_args!(
+            "{:8} {:9}  largest output without contact {} N; check sum {}",
             verdict.bearing,
             verdict.network,
-            verdict.r2_float,
-            verdict.r2_quantised,
-            verdict.mae_n,
-            100.0 * verdict.working_error_median,
-            100.0 * verdict.working_error_p95,
             verdict.zero_contact_output,
             if verdict.image_crc_ok { "ok" } else { "wrong" }
         ))?;
     }
-    super::print(format_args!("(relative errors at 1 to 14 kN and rate ratios up to 2)"))?;
-    Ok(())
+    print(format_args!(
+        "(law and float networks: {TEST_ROWS} test rows; relative errors at 1 to 14 kN and rate ratios up to 2;"
+    ))?;
+    print(format_args!(
+        "other runtimes: newtons over the windows from test rows, differences over all windows)"
+    ))
 }
 
 fn check(file: Option<&Path>, bearing: Bearing, image: &[u8], name: &Path) -> Result<[Verdict; 2], CliError> {

@@ -1,0 +1,176 @@
+//! Where the quantisation error comes from: one layer at a time in whole numbers, everything else in floats.
+//!
+//! The change of the final force is measured against the float networks, in newtons, over rows of the test set: the normal force
+//! for the collision network, the friction force (with the normal force in floats) for the friction network.
+//!
+//! "Weights" rounds the free weights of one layer to the mode's grid. In the 8-bit modes the image does not have these
+//! but the weights that were trained on while they were put on the grid; what all of those cost together is a line of
+//! its own, as the layers of that training make up for each other. Biases and sums have 32 bits and are left in floats.
+
+use crate::checkpoint::Checkpoint;
+use crate::float_pair::{FloatPair, Grid, Rounding};
+use crate::image::AnyModel;
+use crate::mode::{Mode, Plan};
+use crate::net::Net;
+use crate::parameters::{Activations, Channel, LAYERS, channels, put_back};
+use crate::quantise::Quantised;
+use crate::rows::Row;
+use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS};
+use crate::verify::{BANDS_N, float_forces_after, image_forces_after, mean, test_set};
+use inference::{Header, ImageError};
+use serde::Serialize;
+
+/// Rows of the test set that every layer is measured on.
+pub const LAYER_ROWS: usize = 8192;
+
+/// What one step of the quantisation changes in one band of the law's normal force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LayerBand {
+    /// Upper end of the band in N.
+    pub up_to_n: f64,
+    /// Mean absolute change in N.
+    pub mae_n: f64,
+    /// Largest absolute change in N.
+    pub largest_n: f64,
+}
+
+/// What one step of the quantisation changes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LayerError {
+    /// `collision` or `friction`.
+    pub network: &'static str,
+    /// What is in whole numbers.
+    pub quantised: String,
+    /// Mean absolute change over all rows in N.
+    pub mae_n: f64,
+    /// The same by band.
+    pub bands: Vec<LayerBand>,
+}
+
+const LAYER_NAMES: [&str; LAYERS] = ["convolution 1", "convolution 2", "convolution 3", "head"];
+
+type Nets = (Net<COLLISION_TAPS>, Net<FRICTION_TAPS>);
+
+fn grid(activations: &Activations) -> Grid {
+    Grid { step: activations.step as f32, most: activations.full_scale() as f32 }
+}
+
+/// Rounds the weights of one layer.
+fn rounded<const T: usize>(net: &Net<T>, layer: usize, inputs: &Activations, mode: Mode) -> Net<T> {
+    let on_grid: Vec<Channel> = (channels(net, layer).iter())
+        .map(|(weights, bias)| Channel::of(weights, *bias, inputs, mode))
+        .collect();
+    let mut net = net.clone();
+    put_back(&mut net, layer, &on_grid);
+    net
+}
+
+/// Float networks with something of one of them in whole numbers.
+struct Case {
+    network: usize,
+    quantised: String,
+    nets: Nets,
+    rounding: [Rounding; 2],
+}
+
+fn cases(checkpoint: &Checkpoint, quantised: &Quantised, plan: Plan) -> Vec<Case> {
+    let float = (checkpoint.collision.float.clone(), checkpoint.friction.float.clone());
+    let none = [[None; LAYERS]; 2];
+    let mut cases = Vec::new();
+    for (network, activations) in quantised.activations.iter().enumerate() {
+        let inputs = |layer: usize| match layer.checked_sub(1).and_then(|before| activations.get(before)) {
+            Some(before) => *before,
+            None => Activations::FEATURES,
+        };
+        let mut add = |quantised: String, nets: Nets, rounding| {
+            cases.push(Case { network, quantised, nets, rounding });
+        };
+        let mut all = none;
+        for place in 0..LAYERS {
+            let mut rounding = none;
+            rounding[network][place] = Some(grid(&inputs(place)));
+            all[network][place] = rounding[network][place];
+            let name = match place.checked_sub(1) {
+                None => "features".to_owned(),
+                Some(layer) => format!("activations of {}", LAYER_NAMES[layer]),
+            };
+            add(name, float.clone(), rounding);
+        }
+        add("all activations".to_owned(), float.clone(), all);
+        let round = |nets: &Nets, layer: usize| match network {
+            0 => (rounded(&nets.0, layer, &inputs(layer), plan.mode), nets.1.clone()),
+            _ => (nets.0.clone(), rounded(&nets.1, layer, &inputs(layer), plan.mode)),
+        };
+        for (layer, name) in LAYER_NAMES.into_iter().enumerate() {
+            add(format!("weights of {name}"), round(&float, layer), none);
+        }
+        add(
+            "all weights".to_owned(),
+            (0..LAYERS).fold(float.clone(), |nets, layer| round(&nets, layer)),
+            none,
+        );
+        if plan.mode.has_narrow_weights() {
+            let tuned = match network {
+                0 => (checkpoint.collision.tuned.clone(), float.1.clone()),
+                _ => (float.0.clone(), checkpoint.friction.tuned.clone()),
+            };
+            add("all weights, trained on".to_owned(), tuned, none);
+        }
+    }
+    cases
+}
+
+/// Measures every step of a quantisation over the first [`LAYER_ROWS`] rows of the test set.
+///
+/// # Errors
+///
+/// An image that does not load.
+pub fn layer_errors(
+    checkpoint: &Checkpoint,
+    quantised: &Quantised,
+    plan: Plan,
+) -> Result<Vec<LayerError>, ImageError> {
+    let header: Header = checkpoint.header();
+    let model = AnyModel::load(&quantised.image)?;
+    let set = test_set(checkpoint, LAYER_ROWS);
+    let float = float_forces_after(&set, &FloatPair::of(checkpoint, 0));
+    let image = image_forces_after(&set, model);
+    let highest_n = f64::from(header.normal_force_n().high);
+    let error = |network: usize, quantised: String, found: &[[f64; 2]]| {
+        let changes: Vec<(f64, f64)> = (set.iter().zip(found).zip(&float))
+            .map(|((row, found), float): ((&(Row, _), _), _)| {
+                let change: f64 = found[network] - float[network];
+                (row.0.normal_force_n, change.abs())
+            })
+            .collect();
+        LayerError {
+            network: ["collision", "friction"][network],
+            quantised,
+            mae_n: mean(changes.iter().map(|(_, change)| *change)),
+            bands: bands(&changes, highest_n),
+        }
+    };
+    let mut errors = Vec::new();
+    let mut cases = cases(checkpoint, quantised, plan).into_iter().peekable();
+    for network in 0..2 {
+        while let Some(case) = cases.next_if(|case| case.network == network) {
+            let found = float_forces_after(&set, &FloatPair::with(header, case.nets, case.rounding));
+            errors.push(error(network, case.quantised, &found));
+        }
+        errors.push(error(network, "image, both networks".to_owned(), &image));
+    }
+    Ok(errors)
+}
+
+fn bands(changes: &[(f64, f64)], highest_n: f64) -> Vec<LayerBand> {
+    let mut low = -1.0;
+    (BANDS_N.into_iter().chain([highest_n]))
+        .map(|up_to_n| {
+            let inside =
+                || changes.iter().filter(|(law, _)| *law > low && *law <= up_to_n).map(|pair| pair.1);
+            let band = LayerBand { up_to_n, mae_n: mean(inside()), largest_n: inside().fold(0.0, f64::max) };
+            low = up_to_n;
+            band
+        })
+        .collect()
+}

@@ -1,0 +1,94 @@
+//! Other runtimes on the shipped images' parameters, from their checked-in results: neither Python nor the runtimes are
+//! needed here.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
+
+use inference::kernel::Portable;
+use inference::{Bearing, Model, Valid, WINDOW, Windowed, shipped};
+use model_quant::peers::{CHECKED_IN, RANDOM_WINDOWS, ROW_WINDOWS, Results, ResultsError, to_bytes, windows};
+
+fn results() -> [Results; 2] {
+    CHECKED_IN.map(|bytes| Results::from_bytes(bytes).expect("results"))
+}
+
+#[test]
+fn the_checked_in_windows_are_those_of_the_shipped_images() {
+    let stored: &[u8] = include_bytes!("../peers/windows.bin");
+    assert!(
+        stored == to_bytes(&windows().expect("windows")),
+        "run `model-quant verify --windows` and peers.py"
+    );
+}
+
+#[test]
+fn onnxruntime_gives_the_same_sums_bit_for_bit() {
+    let [onnxruntime, _] = results();
+    let all = windows().expect("windows");
+    assert!(onnxruntime.name.starts_with("ONNX Runtime"));
+    for (network, (_, found)) in all.iter().zip(&onnxruntime.networks) {
+        assert_eq!(&network.sums, found, "{} {}", network.bearing.name(), network.network);
+        assert_eq!(found.len(), RANDOM_WINDOWS + ROW_WINDOWS);
+        let image = shipped(network.bearing);
+        let verdict = onnxruntime.compare(&all, network.bearing, network.network, image).expect("same image");
+        assert_eq!((verdict.different, verdict.largest_n), (0, 0.0));
+    }
+}
+
+#[test]
+fn litert_differs_by_its_own_rounding_only() {
+    let [_, litert] = results();
+    let all = windows().expect("windows");
+    for network in &all {
+        let name = format!("{} {}", network.bearing.name(), network.network);
+        let verdict = litert
+            .compare(&all, network.bearing, network.network, shipped(network.bearing))
+            .expect("same image");
+        assert!(verdict.mean_n < 0.5 && verdict.largest_n < 10.0, "{name}: {verdict:?}");
+    }
+}
+
+#[test]
+fn a_change_of_one_sum_is_found() {
+    let [mut onnxruntime, _] = results();
+    let all = windows().expect("windows");
+    onnxruntime.networks[3].1[RANDOM_WINDOWS + 7] += 1;
+    let compare = |network| {
+        onnxruntime.compare(&all, Bearing::Plastic, network, shipped(Bearing::Plastic)).expect("same image")
+    };
+    assert_eq!(compare("collision").different, 0);
+    assert_eq!((compare("friction").different, compare("friction").largest_counts), (1, 1));
+}
+
+#[test]
+fn the_stream_gives_the_sums_of_the_whole_window() {
+    for network in windows().expect("windows") {
+        let model: Model = Model::load(shipped(network.bearing)).expect("image");
+        macro_rules! evaluate {
+            ($network:expr, $inputs:literal) => {{
+                let mut whole = Windowed::<_, i16, $inputs, WINDOW, Valid, Portable>::new($network);
+                let (columns, _) = network.features.as_chunks::<$inputs>();
+                let (windows, _) = columns.as_chunks::<WINDOW>();
+                windows.iter().map(|window| whole.evaluate(window).0.0[0]).collect::<Vec<i32>>()
+            }};
+        }
+        let found = match network.network {
+            "collision" => evaluate!(*model.collision(), 8),
+            _ => evaluate!(*model.friction(), 4),
+        };
+        assert_eq!(found, network.sums);
+    }
+}
+
+#[test]
+fn other_files_are_refused() {
+    let [good, _] = CHECKED_IN;
+    let mut bytes = good.to_vec();
+    bytes.push(0);
+    let expected = good.len();
+    assert_eq!(Results::from_bytes(&bytes), Err(ResultsError::Length { found: expected + 1, expected }));
+    bytes[12] = 5;
+    assert_eq!(Results::from_bytes(&bytes), Err(ResultsError::Networks { found: 5, expected: 4 }));
+    for length in [0, 7, 11, 15] {
+        assert_eq!(Results::from_bytes(&good[..length]), Err(ResultsError::Magic));
+    }
+    assert!(Results::from_bytes(&good[..200]).is_err());
+}
