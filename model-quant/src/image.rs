@@ -86,17 +86,17 @@ impl<'a> AnyModel<'a> {
 #[derive(Clone, Debug)]
 pub enum AnyPair<'a> {
     /// 16 bits between the layers.
-    Sixteen(Pair<'a, i16>),
+    Sixteen(Box<Pair<'a, i16>>),
     /// 8 bits: compact.
-    Eight(Pair<'a, i8>),
+    Eight(Box<Pair<'a, i8>>),
 }
 
 impl<'a> AnyPair<'a> {
     /// Starts with an empty history.
     pub fn new(model: AnyModel<'a>) -> Self {
         match model {
-            AnyModel::Sixteen(model) => Self::Sixteen(Pair::new(model)),
-            AnyModel::Eight(model) => Self::Eight(Pair::new(model)),
+            AnyModel::Sixteen(model) => Self::Sixteen(Box::new(Pair::new(model))),
+            AnyModel::Eight(model) => Self::Eight(Box::new(Pair::new(model))),
         }
     }
 

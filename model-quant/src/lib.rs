@@ -1,14 +1,15 @@
 //! Data sets, training, quantisation and verification of the contact networks.
 //!
 //! The chain: [`rows`] draws states and their forces, [`window`] gives each a history, [`train`] fits a network,
-//! [`checkpoint`] keeps it, [`quantise`] turns it into the image that [`inference`] runs. Every draw comes from a
+//! [`checkpoint`] keeps it, [`quantise`] turns it into the image that [`inference`] runs, [`verify`], [`layers`] and [`peers`]
+//! say how far that is from the laws, the float networks and other runtimes. Every draw comes from a
 //! seed, every result is the same bytes on any number of threads and on any machine with IEEE 754 arithmetic.
 //!
 //! The checked-in models come from
 //!
 //! ```text
 //! model-quant train --bearing babbitt --out model-quant/models      # and plastic; about two minutes each on two cores
-//! model-quant quantize --checkpoint model-quant/models/babbitt.float --out crates/inference/models
+//! model-quant quantize --out crates/inference/models
 //! ```
 //!
 //! and are checked by the tests (quantisation and accuracy, in seconds) and by `model-quant train --check` (training, in

@@ -20,9 +20,9 @@ use serde::Serialize;
 pub const RANDOM_WINDOWS: usize = 128;
 /// Windows of each network from rows of the test set, behind the others.
 pub const ROW_WINDOWS: usize = 256;
-/// Results checked in with the windows.
-pub const CHECKED_IN: [&[u8]; 2] =
-    [include_bytes!("../peers/onnxruntime.bin"), include_bytes!("../peers/litert.bin")];
+/// Results checked in with the windows, and whether their sums must be equal.
+pub const CHECKED_IN: [(&[u8], bool); 2] =
+    [(include_bytes!("../peers/onnxruntime.bin"), true), (include_bytes!("../peers/litert.bin"), false)];
 
 const WINDOWS_MAGIC: [u8; 8] = *b"PINTLEW\n";
 const RESULTS_MAGIC: [u8; 8] = *b"PINTLER\n";
@@ -78,6 +78,8 @@ pub enum ResultsError {
 pub struct Results {
     /// The runtime and its version.
     pub name: String,
+    /// Whether it computes in the same whole numbers, so that a difference is an error.
+    pub must_be_equal: bool,
     /// Per network: check sum of the image, sums.
     pub networks: Vec<(u32, Vec<i32>)>,
 }
@@ -87,6 +89,8 @@ pub struct Results {
 pub struct PeerVerdict {
     /// The runtime and its version.
     pub peer: String,
+    /// Whether a difference is an error.
+    pub must_be_equal: bool,
     /// Windows compared.
     pub windows: usize,
     /// Windows with another sum.
@@ -208,7 +212,7 @@ impl Results {
     /// # Errors
     ///
     /// Bytes of another kind or length.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ResultsError> {
+    pub fn from_bytes(bytes: &[u8], must_be_equal: bool) -> Result<Self, ResultsError> {
         const COUNT: usize = RANDOM_WINDOWS + ROW_WINDOWS;
         let expected_networks = 2 * Bearing::ALL.len();
         let expected = 16 + NAME_LENGTH + expected_networks * (4 + 4 * COUNT);
@@ -233,7 +237,7 @@ impl Results {
                 (u32::from_le_bytes(*check_sum), sums.iter().map(|sum| i32::from_le_bytes(*sum)).collect())
             })
             .collect();
-        Ok(Self { name, networks })
+        Ok(Self { name, must_be_equal, networks })
     }
 
     /// Compares one network, if the results were made for the same image.
@@ -257,6 +261,7 @@ impl Results {
             .collect();
         Some(PeerVerdict {
             peer: self.name.clone(),
+            must_be_equal: self.must_be_equal,
             windows: found.len(),
             different: pairs().filter(|(own, peer)| own != peer).count(),
             largest_counts: pairs()

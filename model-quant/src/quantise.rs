@@ -105,7 +105,7 @@ pub(crate) fn roots<'s, B: Between>(
             let column = features.collision(&state.sample().unwrap_or_default());
             let (Sums([sum]), _) = stream.push(&column.inputs);
             let root = u64::from(model.collision().scale().apply(sum, 16));
-            u32::try_from(root * u64::from(column.root_force_factor_q30) >> 30).unwrap_or(u32::MAX)
+            u32::try_from((root * u64::from(column.root_force_factor_q30)) >> 30).unwrap_or(u32::MAX)
         });
         found(states, roots);
     }

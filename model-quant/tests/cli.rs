@@ -135,6 +135,41 @@ fn wrong_input_exits_with_2_and_names_what_was_expected() {
 }
 
 #[test]
+fn sums_of_a_controller_are_compared_bit_for_bit() {
+    let directory = tempfile::tempdir().expect("directory");
+    // What ONNX Runtime found is what a controller should find.
+    let mut sums = include_bytes!("../peers/onnxruntime.bin").to_vec();
+    let file = directory.path().join("sums.bin");
+    std::fs::write(&file, &sums).expect("sums");
+    let verify = || model_quant(&["verify", "--emulated", as_str(&file), "--json"]);
+    let verdicts = json(&verify());
+    assert_eq!(verdicts.as_array().map(Vec::len), Some(4));
+    for verdict in verdicts.as_array().into_iter().flatten() {
+        for name in
+            ["bearing", "network", "r2_float", "r2_quantised", "mae_n", "zero_contact_output", "image_crc_ok"]
+        {
+            assert!(!verdict[name].is_null(), "{name}");
+        }
+        assert_eq!(verdict["peers"].as_array().map(Vec::len), Some(3));
+        assert_eq!(verdict["peers"][2]["different"], 0);
+    }
+
+    let last = sums.len() - 4;
+    sums[last] ^= 1;
+    std::fs::write(&file, &sums).expect("sums");
+    let different = verify();
+    assert_eq!(different.status.code(), Some(1));
+    let message = text(&different.stderr);
+    assert!(message.contains("plastic friction") && message.contains("1 of 384 windows"), "{message}");
+
+    sums[64] ^= 1;
+    std::fs::write(&file, &sums).expect("sums");
+    let refused = verify();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("sums for another image"), "{}", text(&refused.stderr));
+}
+
+#[test]
 fn an_image_that_is_too_far_off_is_refused_and_nothing_is_written() {
     let directory = tempfile::tempdir().expect("directory");
     let out = as_str(directory.path());

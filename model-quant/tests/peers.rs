@@ -7,7 +7,7 @@ use inference::{Bearing, Model, Valid, WINDOW, Windowed, shipped};
 use model_quant::peers::{CHECKED_IN, RANDOM_WINDOWS, ROW_WINDOWS, Results, ResultsError, to_bytes, windows};
 
 fn results() -> [Results; 2] {
-    CHECKED_IN.map(|bytes| Results::from_bytes(bytes).expect("results"))
+    CHECKED_IN.map(|(bytes, exact)| Results::from_bytes(bytes, exact).expect("results"))
 }
 
 #[test]
@@ -80,15 +80,18 @@ fn the_stream_gives_the_sums_of_the_whole_window() {
 
 #[test]
 fn other_files_are_refused() {
-    let [good, _] = CHECKED_IN;
+    let [(good, _), _] = CHECKED_IN;
     let mut bytes = good.to_vec();
     bytes.push(0);
     let expected = good.len();
-    assert_eq!(Results::from_bytes(&bytes), Err(ResultsError::Length { found: expected + 1, expected }));
+    assert_eq!(
+        Results::from_bytes(&bytes, true),
+        Err(ResultsError::Length { found: expected + 1, expected })
+    );
     bytes[12] = 5;
-    assert_eq!(Results::from_bytes(&bytes), Err(ResultsError::Networks { found: 5, expected: 4 }));
+    assert_eq!(Results::from_bytes(&bytes, true), Err(ResultsError::Networks { found: 5, expected: 4 }));
     for length in [0, 7, 11, 15] {
-        assert_eq!(Results::from_bytes(&good[..length]), Err(ResultsError::Magic));
+        assert_eq!(Results::from_bytes(&good[..length], true), Err(ResultsError::Magic));
     }
-    assert!(Results::from_bytes(&good[..200]).is_err());
+    assert!(Results::from_bytes(&good[..200], true).is_err());
 }

@@ -122,8 +122,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     let verdicts: Vec<[Verdict; 2]> = ready.iter().map(Ready::verify).collect::<Result<_, _>>()?;
     if let Some(limit_n) = arguments.max_error_n {
-        // Written so that a figure that is not a number is refused, too.
-        if let Some(verdict) = verdicts.iter().flatten().find(|v| !(v.mae_quantisation_n <= limit_n)) {
+        let is_refused = |error_n: f64| error_n > limit_n || error_n.is_nan();
+        if let Some(verdict) = verdicts.iter().flatten().find(|v| is_refused(v.mae_quantisation_n)) {
             return Err(CliError::Refused(format!(
                 "{} {}: mean absolute difference between image and float networks is {:.2} N over {TEST_ROWS} test \
                  rows, expected at most {limit_n} N (--max-error-n); nothing written",

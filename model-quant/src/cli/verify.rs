@@ -11,8 +11,9 @@ use std::path::{Path, PathBuf};
 /// Compare model images with the laws, their float networks and other runtimes
 ///
 /// Laws and float networks: on rows that no training saw. Other runtimes: the checked-in results of ONNX Runtime (the same whole
-/// numbers, no difference allowed) and of LiteRT, formerly TFLite (16-bit activations and 8-bit weights, its own rounding), on
-/// the windows of model-quant/peers, made for the checked-in images; and with `--emulated` those of a controller.
+/// numbers, a difference is an error) and of LiteRT, formerly TFLite (16-bit activations and 8-bit weights, its own rounding), on
+/// the windows of model-quant/peers, made for the checked-in images; and with `--emulated` those of a
+/// controller, which must be equal, too.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  model-quant verify\n  model-quant verify --emulated sums.bin\n  \
                         model-quant verify --image new/babbitt.pintle --checkpoint new/babbitt.float --json\n  \
@@ -54,6 +55,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             let compared =
                 peers.iter().filter_map(|peer| peer.compare(&all, bearing, verdict.network, image));
             verdict.peers = compared.collect();
+            if arguments.emulated.is_some() && verdict.peers.len() < peers.len() {
+                let found = format!("sums for another image than {}", name.display());
+                return Err(CliError::Argument(
+                    "--emulated",
+                    found,
+                    "sums for this one, see model-quant/peers/README.md",
+                ));
+            }
             verdicts.push(verdict);
         }
         Ok::<(), CliError>(())
@@ -74,15 +83,23 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         write_whole(path, serde_json::to_string_pretty(&verdicts)?.as_bytes())?;
     }
     if arguments.json {
-        return print_json(&verdicts);
+        print_json(&verdicts)?;
+    } else {
+        table(&verdicts)?;
+        if arguments.emulated.is_none() {
+            print(format_args!(
+                "(no sums of a controller: --emulated RESULTS takes them, model-quant/peers/README.md has the format)"
+            ))?;
+        }
     }
-    table(&verdicts)?;
-    if arguments.emulated.is_none() {
-        print(format_args!(
-            "(no sums of a controller: --emulated RESULTS takes them, model-quant/peers/README.md has the format)"
-        ))?;
-    }
-    Ok(())
+    let different = verdicts.iter().find_map(|verdict| {
+        let peer = verdict.peers.iter().find(|peer| peer.must_be_equal && peer.different > 0)?;
+        Some(format!(
+            "{} {}: {} has other sums for {} of {} windows, expected equal ones",
+            verdict.bearing, verdict.network, peer.peer, peer.different, peer.windows
+        ))
+    });
+    different.map_or(Ok(()), |message| Err(CliError::Differs(message)))
 }
 
 /// The checked-in results and those of a controller.
@@ -92,13 +109,15 @@ fn peers(emulated: Option<&Path>) -> Result<Vec<Results>, CliError> {
         move |source| CliError::Results { path, source }
     };
     let mut peers = Vec::new();
-    for bytes in CHECKED_IN {
-        peers.push(Results::from_bytes(bytes).map_err(refused(Path::new("model-quant/peers")))?);
+    for (bytes, must_be_equal) in CHECKED_IN {
+        peers.push(
+            Results::from_bytes(bytes, must_be_equal).map_err(refused(Path::new("model-quant/peers")))?,
+        );
     }
     if let Some(path) = emulated {
         let bytes =
             std::fs::read(path).map_err(|source| CliError::Read { path: path.to_path_buf(), source })?;
-        peers.push(Results::from_bytes(&bytes).map_err(refused(path))?);
+        peers.push(Results::from_bytes(&bytes, true).map_err(refused(path))?);
     }
     Ok(peers)
 }
