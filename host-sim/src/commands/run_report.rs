@@ -32,6 +32,10 @@ pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         row("outside the training range", format!("{:.2} %", 100.0 * figures.outside_training_share)),
         row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
     ];
+    if let Some(tilt) = &summary.tilt {
+        rows.push(row("largest tilt of the shaft", format!("{:.2} mrad", 1e3 * tilt.largest_tilt_rad)));
+        rows.push(row("largest edge load over the mean", format!("{:.2}", tilt.largest_edge_ratio)));
+    }
     if let Some(law) = &summary.against_law {
         rows.push(row(
             "peak contact force of the analytic law",
@@ -241,6 +245,6 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
     );
     page.section("Contacts").table(&IMPACT_HEADER, &impact_rows(finished));
     page.note("The first 30; impacts.csv has all, with angles, latched speeds and restitution.");
-    limits::section(&mut page);
+    limits::section(&mut page, limits::plant_of(&finished.bench));
     Ok(page)
 }
