@@ -51,7 +51,7 @@ impl TwoPlane {
         let y = s[0] + (s[4] - self.section.misalignment_y_rad) * position_m;
         let z = s[1] + (s[5] - self.section.misalignment_z_rad) * position_m;
         let (vy, vz) = (s[2] + s[6] * position_m, s[3] + s[7] * position_m);
-        let distance = y.hypot(z);
+        let distance = (y * y + z * z).sqrt();
         let (ny, nz) = if distance > 0.0 { (y / distance, z / distance) } else { (0.0, 0.0) };
         Slice {
             ny,
