@@ -137,10 +137,7 @@ impl Transmission {
         let lever = self.drive_lever_m * g.cos;
         let load_rate = s[2] + self.load_lever_m * g.cos * g.speed_rad_s;
         let cylinder = self.load.at(time_s).value;
-        let load_friction = match &self.load_friction {
-            None => 0.0,
-            Some(f) => -f.coulomb_n * (load_rate / f.regularisation_m_s).tanh() - f.viscous_n_s_m * load_rate,
-        };
+        let load_friction = self.load_friction.as_ref().map_or(0.0, |f| f.force_n(load_rate));
         let load = cylinder + load_friction;
         let (acceleration_y, angular, fork) = match &self.compliance {
             None => {
