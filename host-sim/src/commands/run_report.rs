@@ -2,7 +2,7 @@
 
 use super::limits;
 use super::run::Finished;
-use crate::figure::{Chart, Series, lines, map};
+use crate::figure::{Chart, Series, Style, lines, map};
 use crate::page::Page;
 use crate::summary::{LawPeak, Summary};
 use bench::integrate::Impact;
@@ -171,12 +171,16 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
         Series::new(name, samples.iter().map(|s| s.time_s), samples.iter().map(read))
     };
     let law = finished.law.as_ref().map(|l| l.run.samples.as_slice());
-    let mut contact = vec![over_time(figures.force.name(), samples, |s| s.forces.normal_n)];
-    if let Some(law) = law {
-        contact.push(over_time("analytic law", law, |s| s.forces.normal_n));
-    }
+    // The law below, so that a difference of the networks shows.
+    let against_law = |read: fn(&Snapshot) -> f64| -> Vec<Series> {
+        let law = law.map(|law| over_time("analytic law", law, read).styled(Style::Wide));
+        law.into_iter().chain([over_time(figures.force.name(), samples, read)]).collect()
+    };
     page.figure(
-        &lines(&Chart { title: "Contact force", x: "time, s", y: "N", size: WIDE }, &contact)?,
+        &lines(
+            &Chart { title: "Contact force", x: "time, s", y: "N", size: WIDE },
+            &against_law(|s| s.forces.normal_n),
+        )?,
         "Normal force of the contact.",
     );
     if let Some(tracked) = &finished.tracked {
@@ -199,12 +203,11 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
         &lines(&Chart { title: "Force on the journal", x: "time, s", y: "N", size: WIDE }, &components)?,
         "Components along Y (transverse, towards the drive) and Z (upwards).",
     );
-    let mut torque = vec![over_time(figures.force.name(), samples, |s| s.friction_torque_nm)];
-    if let Some(law) = law {
-        torque.push(over_time("analytic law", law, |s| s.friction_torque_nm));
-    }
     page.figure(
-        &lines(&Chart { title: "Friction torque", x: "time, s", y: "N m", size: WIDE }, &torque)?,
+        &lines(
+            &Chart { title: "Friction torque", x: "time, s", y: "N m", size: WIDE },
+            &against_law(|s| s.friction_torque_nm),
+        )?,
         "Torque of the bearing on the shaft, negative while it turns forward.",
     );
     page.section("The journal in its clearance");
