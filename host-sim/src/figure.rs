@@ -27,6 +27,8 @@ const CHARACTER: f64 = 7.2;
 pub enum Style {
     /// A line through the points.
     Line,
+    /// A wide pale line, for what another line is to be seen upon.
+    Wide,
     /// The points alone.
     Points,
     /// The points and a line through them.
@@ -66,7 +68,7 @@ impl Series {
 
     /// The least and the greatest point of every stretch, so that no peak is lost.
     fn thinned(&self) -> Vec<(f64, f64)> {
-        if self.points.len() <= MOST_POINTS || self.style != Style::Line {
+        if self.points.len() <= MOST_POINTS || matches!(self.style, Style::Points | Style::Both) {
             return self.points.clone();
         }
         let stretch = self.points.len().div_ceil(MOST_POINTS / 2);
@@ -175,10 +177,14 @@ fn draw(chart: &Chart, series: &[Series], x: &Axis, y: &Axis, thin: bool) -> Res
             let points: Vec<(f64, f64)> =
                 points.into_iter().filter_map(|p| Some((x.place(p.0)?, y.place(p.1)?))).collect();
             if s.style != Style::Points {
-                let line = LineSeries::new(points.iter().copied(), colour.stroke_width(1));
+                let stroke = match s.style {
+                    Style::Wide => colour.mix(0.4).stroke_width(4),
+                    _ => colour.stroke_width(1),
+                };
+                let line = LineSeries::new(points.iter().copied(), stroke);
                 context.draw_series(line).map_err(|e| failed(&e))?;
             }
-            if s.style != Style::Line {
+            if matches!(s.style, Style::Points | Style::Both) {
                 let dots = points.iter().map(|p| Circle::new(*p, 3, colour.filled()));
                 context.draw_series(dots).map_err(|e| failed(&e))?;
             }

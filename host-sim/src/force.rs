@@ -3,8 +3,9 @@
 use crate::error::CliError;
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
-use bench::run::{Run, run_with_held_force, run_with_law};
+use bench::run::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law};
 use bench::transmission::{BearingForces, ContactView, Transmission};
+use bench::two_plane::{TwoPlane, TwoPlaneSnapshot, run_two_plane};
 use clap::ValueEnum;
 use inference::{Bearing, ContactState, Flags, Model, Pair, shipped};
 use model_quant::float_pair::{self, FloatPair};
@@ -45,6 +46,17 @@ pub struct ForcedRun {
     pub run: Run,
     /// Share of the samples in contact on which the networks left their training range.
     pub outside_training_share: f64,
+    /// The shaft's tilt, on a bench in two planes.
+    pub tilt: Option<Tilt>,
+}
+
+/// What the tilt came to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tilt {
+    /// Largest angle between shaft and machine axis.
+    pub largest_tilt_rad: f64,
+    /// Largest line load at an end of the bearing over the mean.
+    pub largest_edge_ratio: f64,
 }
 
 /// The trained bearing of a material.
@@ -84,9 +96,38 @@ pub fn run_bench(
     step_s: f64,
     tick: impl FnMut(),
 ) -> Result<ForcedRun, CliError> {
+    if bench.two_plane.is_some() {
+        return run_tilting(bench, source);
+    }
     let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let times = bench.sample_times_s(SAMPLE_RATE_HZ);
     run(&plant, bench.bearing.material, source, (bench.duration_s(), step_s), &times, tick)
+}
+
+/// The bench in two planes; the networks know a bearing without tilt only.
+fn run_tilting(bench: &TransmissionBench, source: ForceSource) -> Result<ForcedRun, CliError> {
+    if source != ForceSource::Law {
+        return Err(CliError::Input(format!(
+            "force: found {} on a bench with [two_plane]; expected law: the networks know no tilt",
+            source.name()
+        )));
+    }
+    let plant = TwoPlane::new(bench, bench.drive_profile(), bench.load_profile());
+    let times = bench.sample_times_s(SAMPLE_RATE_HZ);
+    let run = run_two_plane(&plant, bench.duration_s(), &times, DEFAULT_TOLERANCE)?;
+    let largest = |read: fn(&TwoPlaneSnapshot) -> f64| run.samples.iter().map(read).fold(0.0, f64::max);
+    let tilt = Tilt {
+        largest_tilt_rad: largest(|s| s.tilt_about_y_rad.hypot(s.tilt_about_z_rad)),
+        largest_edge_ratio: largest(TwoPlaneSnapshot::edge_ratio),
+    };
+    let run = Run {
+        samples: run.samples.into_iter().map(|s| s.planar).collect(),
+        impacts: run.impacts,
+        energy_residual_rel: run.energy.residual_rel,
+        energy: run.energy,
+        steps: run.steps,
+    };
+    Ok(ForcedRun { run, outside_training_share: 0.0, tilt: Some(tilt) })
 }
 
 /// Runs the plant with a force source. `end_s` and `samples_s` as in `bench::run`; `step_s` is the communication step
@@ -117,7 +158,7 @@ pub fn run(
         }
     };
     let run = match source {
-        ForceSource::Law => run_with_law(plant, end_s, samples_s, bench::run::DEFAULT_TOLERANCE)?,
+        ForceSource::Law => run_with_law(plant, end_s, samples_s, DEFAULT_TOLERANCE)?,
         ForceSource::FloatNet => {
             let mut pair =
                 FloatPair::new(bearing).map_err(|e| CliError::Work(format!("shipped checkpoint: {e}")))?;
@@ -139,5 +180,6 @@ pub fn run(
     Ok(ForcedRun {
         run,
         outside_training_share: if contacts > 0 { outside as f64 / contacts as f64 } else { 0.0 },
+        tilt: None,
     })
 }

@@ -1,6 +1,6 @@
 //! The figures of a run, with the stable names of the machine-readable output.
 
-use crate::force::{ForceSource, ForcedRun};
+use crate::force::{ForceSource, ForcedRun, Tilt};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::peaks::Peak;
@@ -13,7 +13,8 @@ const OSCILLATION_MEAN_S: f64 = 0.020;
 const OSCILLATION_WINDOW: (f64, f64) = (0.02, 0.13);
 
 /// What a run came to, the same bytes on every run. Peaks leave out the start: they count from the end of the load's
-/// ramp.
+/// ramp. The contact force's is located; components, torque and deformation are read at the samples, 0.1 ms apart, so a
+/// torque that turns around between two of them may stand 2 % too low.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// Bearing material.
@@ -54,8 +55,11 @@ pub struct Summary {
     pub wall_s_per_simulated_s: f64,
     /// Terms of the energy balance in J, and its relative residual.
     pub energy: serde_json::Map<String, serde_json::Value>,
-    /// Peaks of the analytic law, with error bars from two tolerances.
+    /// Peaks of the analytic law, with error bars from two tolerances; none on a bench in two planes.
     pub law_peaks: Vec<LawPeak>,
+    /// The shaft's tilt, on a bench in two planes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<Tilt>,
     /// The estimator, where one ran.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSummary>,

@@ -82,6 +82,16 @@ fn the_main_job_follows_the_law_and_its_estimator_follows_the_bench() {
     }
     let report = std::fs::read_to_string(directory.path().join("out/run/report.html")).unwrap();
     assert!(report.matches("<svg").count() >= 6 && report.contains("Orbit"));
+    assert!(number("/energy/friction_heat_j") > 0.0 && number("/energy/residual_rel") < 1e-6);
+    let peaks = run.get("law_peaks").and_then(serde_json::Value::as_array).unwrap();
+    let first = |field: &str| peaks[0].get(field).and_then(serde_json::Value::as_f64).unwrap();
+    assert_eq!(peaks[0].get("name").and_then(serde_json::Value::as_str), Some("peak_contact_force_n"));
+    assert!((first("value") - law).abs() < 1.0 && first("error_bar") < 0.1, "{peaks:?}");
+    for section in ["Peaks of the analytic law", "Energy", "Contacts", "What the model leaves out"] {
+        assert!(report.contains(section), "{section}");
+    }
+    let impacts = std::fs::read_to_string(directory.path().join("out/run/impacts.csv")).unwrap();
+    assert!(impacts.starts_with("contact,onset_s,") && impacts.lines().count() == 2, "{impacts}");
     let log = std::fs::read_to_string(directory.path().join("out/run/log.csv")).unwrap();
     assert!(log.starts_with("t_s,drive_displacement_m,") && log.lines().count() == 1001);
 }
@@ -103,10 +113,28 @@ fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
 #[test]
 fn every_known_answer_holds() {
     let directory = tempfile::tempdir().unwrap();
-    let cases = json(&host_sim(directory.path(), &["validate", "--json"]));
-    let cases = cases.get("cases").and_then(serde_json::Value::as_array).unwrap();
-    assert!(cases.len() >= 20);
-    assert!(cases.iter().all(|c| c.get("ok") == Some(&serde_json::Value::Bool(true))), "{cases:?}");
+    let printed = json(&host_sim(directory.path(), &["validate", "--json", "--out", "v"]));
+    let cases = printed.get("cases").and_then(serde_json::Value::as_array).unwrap();
+    assert!(cases.len() >= 100);
+    for case in cases {
+        for name in ["name", "value", "reference", "error", "tolerance"] {
+            assert!(case.get(name).is_some(), "{name} in {case}");
+        }
+        assert_eq!(case.get("ok"), Some(&serde_json::Value::Bool(true)), "{case}");
+    }
+    let written = std::fs::read_to_string(directory.path().join("v/validate.json")).unwrap();
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&written).unwrap(), printed);
+}
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    let directory = tempfile::tempdir().unwrap();
+    for command in ["run", "record", "diagnose", "sweep", "figures", "validate"] {
+        let output = host_sim(directory.path(), &[command, "--help"]);
+        let help = text(&output.stdout);
+        assert!(output.status.success() && help.contains(&format!("host-sim {command}")), "{help}");
+        assert!(help.contains("--json") && help.contains("--out") && help.contains("Example"), "{help}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The bench in two planes: the planar bench as its special case, edges, moments, energy.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 use bench::Bench;
-use bench::description::{TransmissionBench, TwoPlaneSection};
+use bench::description::{LoadFriction, TransmissionBench, TwoPlaneSection};
 use bench::run::{DEFAULT_TOLERANCE, run_with_law};
 use bench::transmission::Transmission;
 use bench::two_plane::{TwoPlane, TwoPlaneRun, TwoPlaneSnapshot, run_two_plane};
@@ -112,6 +112,26 @@ fn offset_loads_tilt_the_shaft_and_the_bearing_s_moment_balances_them() {
     let drive: f64 = window[1..last].iter().map(|s| 0.05 * s.planar.drive_force_n.abs() * step).sum();
     eprintln!("{impulse} {change} of {drive}");
     assert!((impulse - change).abs() < 1e-5 * drive, "{impulse} {change} of {drive}");
+}
+
+#[test]
+fn friction_effects_and_the_load_cylinder_act_as_on_the_planar_bench() {
+    let mut bench = bench("liu-times-length", TwoPlaneSection::default());
+    bench.extension.viscous_n_s_m = 3000.0;
+    bench.extension.coulomb_asymmetry = 0.2;
+    bench.extension.drive_lag_s = 0.002;
+    bench.load_friction =
+        Some(LoadFriction { coulomb_n: 300.0, viscous_n_s_m: 500.0, regularisation_m_s: 1e-3 });
+    let two = run(&bench, 0.2);
+    let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
+    let times: Vec<f64> = two.samples.iter().map(|s| s.planar.time_s).collect();
+    let planar = run_with_law(&plant, 0.2, &times, DEFAULT_TOLERANCE).unwrap();
+    for (a, b) in two.samples.iter().zip(&planar.samples).filter(|(_, b)| b.time_s > 0.05) {
+        assert!((a.planar.y_m - b.y_m).hypot(a.planar.z_m - b.z_m) < 1e-9, "{}", b.time_s);
+        assert!((a.planar.friction_torque_nm - b.friction_torque_nm).abs() < 0.05, "{}", b.time_s);
+        assert!((a.planar.drive_force_n - b.drive_force_n).abs() < 0.5, "{}", b.time_s);
+    }
+    assert!(two.energy.residual_rel < 1e-7 && two.energy.load_friction_heat_j > 1.0, "{:?}", two.energy);
 }
 
 #[test]

@@ -1,8 +1,7 @@
-//! Claims 1 to 7: clearance and bearing material.
+//! Claims 1 to 5 and 7: clearance and bearing material; 6 has a file of its own.
 
 use super::facts::{BearingFacts, Facts, RunFacts};
-use super::{Claim, Verdict, list, list_to};
-use crate::swing::power_law;
+use super::{Claim, Verdict, frequency, list, list_to};
 
 const GROWTH: f64 = 2.0;
 const STRONGER: f64 = 2.0;
@@ -10,7 +9,6 @@ const LEVEL_SLACK: f64 = 0.01;
 const Y_OVER_Z: f64 = 2.0;
 const NONLINEAR: f64 = 0.10;
 const LAW_ERROR: f64 = 0.05;
-const FASTER: f64 = 1.05;
 const TORQUE_FACTOR: f64 = 1.5;
 
 pub(super) fn judge(facts: &Facts) -> Vec<Claim> {
@@ -47,7 +45,7 @@ pub(super) fn judge(facts: &Facts) -> Vec<Claim> {
         },
         nonlinear(babbitt),
         same_conclusions(babbitt, plastic),
-        faster(facts),
+        frequency::judge(facts),
         torque_differs(babbitt, plastic),
     ]
 }
@@ -131,46 +129,6 @@ fn same_conclusions(babbitt: &BearingFacts, plastic: &BearingFacts) -> Claim {
     }
 }
 
-/// Exponent of the swing frequency over the clearance or over the swing's radius.
-pub(crate) fn swing_exponent(bearing: &BearingFacts, over: impl Fn(&RunFacts) -> f64) -> Option<f64> {
-    let points: Vec<(f64, f64)> =
-        bearing.clearance.iter().filter_map(|r| Some((over(r), r.swing_hz?))).collect();
-    power_law(&points).map(|(p, _)| p)
-}
-
-fn faster(facts: &Facts) -> Claim {
-    let (babbitt, plastic) = (&facts.babbitt, &facts.plastic);
-    let each = babbitt
-        .clearance
-        .iter()
-        .zip(&plastic.clearance)
-        .map(|(b, p)| b.fluctuation_hz.zip(p.fluctuation_hz).is_some_and(|(b, p)| p >= FASTER * b));
-    let hz = |b: &BearingFacts| {
-        let one = |r: &RunFacts| r.fluctuation_hz.map_or_else(|| "none".into(), |f| format!("{f:.1}"));
-        b.clearance.iter().map(one).collect::<Vec<_>>().join(", ")
-    };
-    let exponent = |p: Option<f64>| p.map_or_else(|| "not measurable".into(), |p| format!("{p:+.2}"));
-    Claim {
-        id: 6,
-        claim: "Plastic bearing: the fluctuation frequency is higher, perhaps because of its modulus.",
-        verdict: Verdict::of_each(each),
-        threshold: "dominant frequency of the force in claim 1's first stretch at least 5 % higher at every clearance; \
-                    partly: at some",
-        why: format!(
-            "plastic {} Hz, Babbitt {} Hz. The fluctuation is the journal swinging in the clearance circle: measured, \
-             its frequency goes as clearance^{} for Babbitt and as swing radius (clearance plus deformation)^{} and ^{} \
-             for Babbitt and plastic, and as modulus^{} with everything else fixed; a softer bearing only widens the \
-             circle",
-            hz(plastic),
-            hz(babbitt),
-            exponent(swing_exponent(babbitt, |r| r.clearance_mm)),
-            exponent(swing_exponent(babbitt, |r| r.swing_radius_mm)),
-            exponent(swing_exponent(plastic, |r| r.swing_radius_mm)),
-            exponent(power_law(&facts.modulus).map(|(p, _)| p)),
-        ),
-    }
-}
-
 fn torque_differs(babbitt: &BearingFacts, plastic: &BearingFacts) -> Claim {
     let ratios: Vec<f64> = babbitt
         .clearance
@@ -189,7 +147,7 @@ fn torque_differs(babbitt: &BearingFacts, plastic: &BearingFacts) -> Claim {
 
 #[cfg(test)]
 mod tests {
-    use super::super::facts::tests::{bearing_of, facts_of, run};
+    use super::super::facts::tests::{bearing_of, run};
     use super::*;
     use bench::BearingMaterial::{Babbitt, Plastic};
 
@@ -264,29 +222,6 @@ mod tests {
                 r.peak_n *= 1.5
             })),
             Verdict::DoesNotHold
-        );
-    }
-
-    #[test]
-    fn claim_6_compares_frequencies_at_every_clearance_and_names_the_cause() {
-        let verdict = |factors: [f64; 4]| {
-            let mut facts = facts_of();
-            for (i, r) in facts.babbitt.clearance.iter_mut().enumerate() {
-                let hz = 20.0 * r.clearance_mm.powf(-0.5);
-                (r.swing_hz, r.fluctuation_hz) = (Some(hz), Some(hz));
-                facts.plastic.clearance[i].fluctuation_hz = Some(hz * factors[i]);
-            }
-            facts.modulus = vec![(1e9, 20.0), (1e11, 20.0)];
-            faster(&facts)
-        };
-        assert_eq!(verdict([1.2; 4]).verdict, Verdict::Holds);
-        assert_eq!(verdict([1.2, 1.0, 1.0, 1.0]).verdict, Verdict::Partly);
-        let slower = verdict([0.8; 4]);
-        assert_eq!(slower.verdict, Verdict::DoesNotHold);
-        assert!(
-            slower.why.contains("clearance^-0.50") && slower.why.contains("modulus^+0.00"),
-            "{}",
-            slower.why
         );
     }
 

@@ -1,7 +1,7 @@
 //! The paper's fifteen claims, each judged from the figures of runs: `holds`, `partly`, `does not hold`.
 //!
 //! Nothing here is decided beforehand: [`gather`] collects numbers from runs as [`facts`], and `bearing`, `load`,
-//! `joint`, `friction` and [`training`] compare them with thresholds that every claim states in its own words
+//! `joint`, `frequency`, `friction` and [`training`] compare them with thresholds that every claim states in its own words
 //! ([`Claim::threshold`]). The thresholds:
 //!
 //! | claim | holds if | partly if |
@@ -27,6 +27,7 @@
 
 mod bearing;
 pub mod facts;
+mod frequency;
 mod friction;
 pub mod gather;
 mod joint;

@@ -146,6 +146,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
             .into_iter()
             .collect(),
         law_peaks: law_peaks(&resolved, &plant)?,
+        tilt: forced.tilt,
         estimator: None,
         against_law: None,
     };
@@ -181,6 +182,9 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
 
 /// The peaks of the analytic law with their error bars, from the end of the load's ramp on.
 fn law_peaks(bench: &TransmissionBench, plant: &Transmission) -> Result<Vec<LawPeak>, CliError> {
+    if bench.two_plane.is_some() {
+        return Ok(Vec::new());
+    }
     let peaks = peaks_with_bars(plant, (bench.load.ramp_s, bench.duration_s()), DEFAULT_TOLERANCE)?;
     Ok(peaks.into_iter().map(LawPeak::from).collect())
 }

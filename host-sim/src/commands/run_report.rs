@@ -2,7 +2,7 @@
 
 use super::limits;
 use super::run::Finished;
-use crate::figure::{Chart, Series, lines, map};
+use crate::figure::{Chart, Series, Style, lines, map};
 use crate::page::Page;
 use crate::summary::{LawPeak, Summary};
 use bench::integrate::Impact;
@@ -32,6 +32,10 @@ pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         row("outside the training range", format!("{:.2} %", 100.0 * figures.outside_training_share)),
         row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
     ];
+    if let Some(tilt) = &summary.tilt {
+        rows.push(row("largest tilt of the shaft", format!("{:.2} mrad", 1e3 * tilt.largest_tilt_rad)));
+        rows.push(row("largest edge load over the mean", format!("{:.2}", tilt.largest_edge_ratio)));
+    }
     if let Some(law) = &summary.against_law {
         rows.push(row(
             "peak contact force of the analytic law",
@@ -167,12 +171,16 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
         Series::new(name, samples.iter().map(|s| s.time_s), samples.iter().map(read))
     };
     let law = finished.law.as_ref().map(|l| l.run.samples.as_slice());
-    let mut contact = vec![over_time(figures.force.name(), samples, |s| s.forces.normal_n)];
-    if let Some(law) = law {
-        contact.push(over_time("analytic law", law, |s| s.forces.normal_n));
-    }
+    // The law below, so that a difference of the networks shows.
+    let against_law = |read: fn(&Snapshot) -> f64| -> Vec<Series> {
+        let law = law.map(|law| over_time("analytic law", law, read).styled(Style::Wide));
+        law.into_iter().chain([over_time(figures.force.name(), samples, read)]).collect()
+    };
     page.figure(
-        &lines(&Chart { title: "Contact force", x: "time, s", y: "N", size: WIDE }, &contact)?,
+        &lines(
+            &Chart { title: "Contact force", x: "time, s", y: "N", size: WIDE },
+            &against_law(|s| s.forces.normal_n),
+        )?,
         "Normal force of the contact.",
     );
     if let Some(tracked) = &finished.tracked {
@@ -195,12 +203,11 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
         &lines(&Chart { title: "Force on the journal", x: "time, s", y: "N", size: WIDE }, &components)?,
         "Components along Y (transverse, towards the drive) and Z (upwards).",
     );
-    let mut torque = vec![over_time(figures.force.name(), samples, |s| s.friction_torque_nm)];
-    if let Some(law) = law {
-        torque.push(over_time("analytic law", law, |s| s.friction_torque_nm));
-    }
     page.figure(
-        &lines(&Chart { title: "Friction torque", x: "time, s", y: "N m", size: WIDE }, &torque)?,
+        &lines(
+            &Chart { title: "Friction torque", x: "time, s", y: "N m", size: WIDE },
+            &against_law(|s| s.friction_torque_nm),
+        )?,
         "Torque of the bearing on the shaft, negative while it turns forward.",
     );
     page.section("The journal in its clearance");
@@ -241,6 +248,6 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
     );
     page.section("Contacts").table(&IMPACT_HEADER, &impact_rows(finished));
     page.note("The first 30; impacts.csv has all, with angles, latched speeds and restitution.");
-    limits::section(&mut page);
+    limits::section(&mut page, limits::plant_of(&finished.bench));
     Ok(page)
 }

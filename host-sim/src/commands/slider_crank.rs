@@ -1,5 +1,6 @@
 //! `host-sim run --bench slider-crank`: the impacts of a slider-crank with a clearance joint.
 
+use super::limits;
 use super::run::RunArgs;
 use crate::error::CliError;
 use crate::figure::{Chart, Series, lines};
@@ -94,6 +95,7 @@ pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
         "Every contact is a kink.",
     );
     page.section("Contacts").table(&["onset, us", "approach speed, m/s", "peak force, N"], &table);
+    limits::section(&mut page, "slider-crank");
     let json = serde_json::to_string_pretty(&summary).map_err(|e| CliError::Work(e.to_string()))?;
     for (name, text) in [("log.csv", csv), ("run.json", format!("{json}\n")), ("report.html", page.render())]
     {

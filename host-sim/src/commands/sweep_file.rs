@@ -38,6 +38,7 @@ pub(super) fn run(file: &str, options: &RunOptions, folder: &Path, json: bool) -
     specification.force = options.force.unwrap_or(specification.force);
     let base = base(file, &specification, options)?;
     let points = points(file, &specification, &base)?;
+    let plant = points.first().map_or("transmission-bench", |p| limits::plant_of(&p.bench));
     let header = Header {
         version: env!("CARGO_PKG_VERSION").into(),
         bench: base.to_toml().map_err(|e| CliError::Work(format!("{file}: {e}")))?,
@@ -65,7 +66,7 @@ pub(super) fn run(file: &str, options: &RunOptions, folder: &Path, json: bool) -
     output::write(folder, "timing.csv", &timing(&records))?;
     let pictures = pictures(&outcome)?;
     output::save(folder, &pictures)?;
-    output::write(folder, "report.html", &page(file, &outcome, &pictures).render())?;
+    output::write(folder, "report.html", &page(file, &outcome, &pictures, plant).render())?;
     let failed = records.iter().filter(|r| r.outcome.is_err()).count();
     if json {
         say!("{text}");
@@ -162,7 +163,7 @@ fn short(value: f64) -> String {
     if whole.len() <= 9 { whole } else { format!("{value:.4e}") }
 }
 
-fn page(file: &str, outcome: &Outcome, pictures: &[Picture]) -> Page {
+fn page(file: &str, outcome: &Outcome, pictures: &[Picture], plant: &str) -> Page {
     let mut page = Page::new("Sweep");
     let name = Path::new(file).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     page.lead(&format!(
@@ -195,6 +196,6 @@ fn page(file: &str, outcome: &Outcome, pictures: &[Picture]) -> Page {
         cells
     };
     page.table(&header, &outcome.runs.iter().take(LISTED).map(row).collect::<Vec<_>>());
-    limits::section(&mut page);
+    limits::section(&mut page, plant);
     page
 }

@@ -86,7 +86,7 @@ pub(super) fn run(options: &RunOptions, folder: &Path, json: bool) -> Result<(),
     output::write(folder, "runs.csv", &table::csv(&outcome.runs)?)?;
     output::write(folder, "sweep.json", &format!("{text}\n"))?;
     output::save(folder, &pictures)?;
-    output::write(folder, "report.html", &page(&outcome.runs, &pictures).render())?;
+    output::write(folder, "report.html", &page(&outcome.runs, &pictures, limits::plant_of(&base)).render())?;
     if json {
         say!("{text}");
     } else {
@@ -166,7 +166,7 @@ fn pictures(runs: &[LatchRun]) -> Result<Vec<Picture>, CliError> {
     Ok(pictures)
 }
 
-fn page(runs: &[LatchRun], pictures: &[Picture]) -> Page {
+fn page(runs: &[LatchRun], pictures: &[Picture], plant: &str) -> Page {
     let mut page = Page::new("The speed in the damping");
     let span = |damping: &str| {
         let changes = || runs.iter().filter(|r| r.damping == damping).map(|r| 100.0 * r.peak_change);
@@ -192,6 +192,6 @@ fn page(runs: &[LatchRun], pictures: &[Picture]) -> Page {
     page.section("Peak contact force, N, by floor or reference speed");
     let header = header();
     page.table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows(runs));
-    limits::section(&mut page);
+    limits::section(&mut page, plant);
     page
 }

@@ -66,7 +66,7 @@ pub(super) fn run(
         output::show(&mut page, &drawn);
         all.extend(drawn);
     }
-    limits::section(&mut page);
+    limits::section(&mut page, limits::plant_of(&base));
 
     let outcome = Outcome { runs: series.iter().flat_map(|s| runs.series(*s)).collect(), claims };
     let text = output::json(&outcome)?;

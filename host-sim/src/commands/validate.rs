@@ -96,6 +96,11 @@ pub fn run(args: &ValidateArgs) -> Result<(), CliError> {
         }
         say!("{} of {total} hold", total - failed);
     }
+    outcome(failed, total)
+}
+
+/// One case that is off fails the command.
+fn outcome(failed: usize, total: usize) -> Result<(), CliError> {
     if failed > 0 {
         return Err(CliError::Work(format!("{failed} of {total} known answers do not hold")));
     }
@@ -222,5 +227,7 @@ mod tests {
         assert!(!relative("x".into(), 1.003, 1.0, 2e-3).ok);
         assert!(!relative("x".into(), f64::NAN, 1.0, 2e-3).ok);
         assert!(line(&relative("x".into(), 1.003, 1.0, 2e-3)).ends_with("FAILED"));
+        assert_eq!(outcome(1, 117).unwrap_err().exit_code(), 1);
+        assert!(outcome(0, 117).is_ok());
     }
 }

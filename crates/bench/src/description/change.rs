@@ -1,7 +1,14 @@
 //! Changes of a transmission bench's description: parameters by name, another bearing, another clearance.
 
-use super::{BearingMaterial, ShapeName, TransmissionBench};
+use super::{BearingMaterial, LoadFriction, ShapeName, TransmissionBench};
 use contact::{FrictionLaw, Material, StribeckShape};
+
+impl LoadFriction {
+    /// Force on the load crank's pin along +Y in N at the pin's speed.
+    pub(crate) fn force_n(&self, rate_m_s: f64) -> f64 {
+        -self.coulomb_n * (rate_m_s / self.regularisation_m_s).tanh() - self.viscous_n_s_m * rate_m_s
+    }
+}
 
 impl TransmissionBench {
     pub(crate) fn parameter_mut(&mut self, name: &str) -> Option<&mut f64> {

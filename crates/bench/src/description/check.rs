@@ -74,6 +74,14 @@ impl Bench {
                     ("two_plane.support_damping_nm_s_rad", t.support_damping_nm_s_rad, 0.0, most),
                 ]);
             }
+            let column = b.effects.iter().any(|e| e.name == "hydraulic-compliance");
+            if b.two_plane.is_some() && (b.fork.is_some() || column) {
+                return refuse(
+                    "two_plane".into(),
+                    "beside a compliant drive".into(),
+                    "no `[fork]` and no `hydraulic-compliance`: its fork is rigid",
+                );
+            }
             if let Some(f) = &b.fork {
                 limits.extend([
                     ("fork.backlash_m", f.backlash_m, 0.0, 0.1 * b.geometry.drive_lever_radius_m),
@@ -195,6 +203,11 @@ mod tests {
             ("\"shaft.mass_kg\" = 3.0", "\"shaft.masse\" = 3.0", "uncertain.shaft.masse"),
             ("transmission-bench", "teapot", "plant is `teapot`"),
             ("[logging]", "[two_plane]\nslices = 0\n[logging]", "two_plane.slices is 0; expected 1 to 201"),
+            (
+                "[logging]",
+                "[two_plane]\n[fork]\nbacklash_m = 1e-4\n[logging]",
+                "two_plane is beside a compliant drive; expected no `[fork]`",
+            ),
             ("[logging]", "[fork]\nbacklash_m = -1.0\n[logging]", "fork.backlash_m is -1; expected 0 to"),
             (
                 "\"hybrid-as-printed\"",

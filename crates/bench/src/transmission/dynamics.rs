@@ -44,7 +44,7 @@ impl Transmission {
             let cos = (1.0 - sin * sin).sqrt();
             (sin, cos, (drive.rate - s[2]) / (self.drive_lever_m * cos))
         };
-        let distance = s[0].hypot(s[1]);
+        let distance = (s[0] * s[0] + s[1] * s[1]).sqrt();
         let (ny, nz) = if distance > 0.0 { (s[0] / distance, s[1] / distance) } else { (0.0, 0.0) };
         Geometry {
             ny,
@@ -100,7 +100,7 @@ impl Transmission {
 
     /// Components on the journal and torque on the shaft of given forces at a state.
     pub(crate) fn components(&self, s: &State, forces: &BearingForces) -> (f64, f64, f64) {
-        let distance = s[0].hypot(s[1]);
+        let distance = (s[0] * s[0] + s[1] * s[1]).sqrt();
         let (ny, nz) = if distance > 0.0 { (s[0] / distance, s[1] / distance) } else { (0.0, 0.0) };
         self.components_along(ny, nz, forces)
     }
@@ -137,10 +137,7 @@ impl Transmission {
         let lever = self.drive_lever_m * g.cos;
         let load_rate = s[2] + self.load_lever_m * g.cos * g.speed_rad_s;
         let cylinder = self.load.at(time_s).value;
-        let load_friction = match &self.load_friction {
-            None => 0.0,
-            Some(f) => -f.coulomb_n * (load_rate / f.regularisation_m_s).tanh() - f.viscous_n_s_m * load_rate,
-        };
+        let load_friction = self.load_friction.as_ref().map_or(0.0, |f| f.force_n(load_rate));
         let load = cylinder + load_friction;
         let (acceleration_y, angular, fork) = match &self.compliance {
             None => {
@@ -225,7 +222,7 @@ impl ContactPlant<STATES> for Transmission {
     }
 
     fn deformation(&self, _: f64, s: &State) -> (f64, f64) {
-        let distance = s[0].hypot(s[1]);
+        let distance = (s[0] * s[0] + s[1] * s[1]).sqrt();
         let rate = if distance > 0.0 { (s[0] * s[2] + s[1] * s[3]) / distance } else { 0.0 };
         (distance - self.radial_clearance_m, rate)
     }

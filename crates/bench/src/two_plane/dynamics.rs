@@ -38,7 +38,7 @@ pub(super) struct Sums {
 
 impl TwoPlane {
     pub(super) fn crank(&self, time_s: f64, s: &State) -> Crank {
-        let drive = self.drive.at(time_s);
+        let drive = self.drive.at(time_s - self.extension.drive_lag_s);
         let offset = self.section.drive_offset_m;
         let sin =
             ((drive.value - s[0] - s[4] * offset) / self.drive_lever_m).clamp(-LARGEST_SINE, LARGEST_SINE);
@@ -51,7 +51,7 @@ impl TwoPlane {
         let y = s[0] + (s[4] - self.section.misalignment_y_rad) * position_m;
         let z = s[1] + (s[5] - self.section.misalignment_z_rad) * position_m;
         let (vy, vz) = (s[2] + s[6] * position_m, s[3] + s[7] * position_m);
-        let distance = y.hypot(z);
+        let distance = (y * y + z * z).sqrt();
         let (ny, nz) = if distance > 0.0 { (y / distance, z / distance) } else { (0.0, 0.0) };
         Slice {
             ny,
@@ -67,7 +67,11 @@ impl TwoPlane {
         let normal = self.share() * self.joint_law.law.force_n(slice.depth_m, slice.rate_m_s, latched_m_s);
         let v = slice.sliding_m_s;
         let steady = self.friction_law.steady_deflection_m(v);
-        (normal, self.friction_law.force_n(normal, v, steady) * self.friction_level)
+        let mut dry = self.friction_law.force_n(normal, v, steady) * self.friction_level;
+        if self.extension.coulomb_asymmetry != 0.0 {
+            dry *= 1.0 + self.extension.coulomb_asymmetry * (v / self.sign_width_m_s).tanh();
+        }
+        (normal, dry - self.share() * self.extension.viscous_n_s_m * v)
     }
 
     pub(super) fn sums(&self, crank: &Crank, s: &State, latched_m_s: &[Option<f64>]) -> Sums {
@@ -92,7 +96,11 @@ impl TwoPlane {
     /// State derivative and fork force.
     pub(super) fn motion(&self, time_s: f64, s: &State, crank: &Crank, f: &Sums, out: &mut State) -> f64 {
         let section = &self.section;
-        let load = self.load.at(time_s).value;
+        let load_rate =
+            s[2] + s[6] * section.load_offset_m + self.load_lever_m * crank.cos * crank.speed_rad_s;
+        let cylinder = self.load.at(time_s).value;
+        let load_friction = self.load_friction.as_ref().map_or(0.0, |f| f.force_n(load_rate));
+        let load = cylinder + load_friction;
         let lever = self.drive_lever_m * crank.cos;
         let (stiffness, damping) = (section.support_stiffness_nm_rad, section.support_damping_nm_s_rad);
         let (inertia, offset) = (section.transverse_inertia_kg_m2, section.drive_offset_m);
@@ -107,8 +115,6 @@ impl TwoPlane {
         let yielding = 1.0 / self.mass_kg + offset * offset / inertia + lever * lever / self.inertia_kg_m2;
         let fork = (wanted - free) / yielding;
         let drive_power = fork * crank.drive.rate;
-        let load_rate =
-            s[2] + s[6] * section.load_offset_m + self.load_lever_m * crank.cos * crank.speed_rad_s;
         let bearing_power = f.force_y * s[2]
             + f.force_z * s[3]
             + f.moment_y * s[6]
@@ -126,9 +132,10 @@ impl TwoPlane {
             moment_z / inertia,
             drive_power,
             drive_power.abs(),
-            load * load_rate,
+            cylinder * load_rate,
             f.heat,
             -bearing_power - f.heat - f.elastic + damping * (s[6] * s[6] + s[7] * s[7]),
+            -load_friction * load_rate,
         ];
         fork
     }

@@ -23,19 +23,19 @@ mod output;
 pub use output::{SliceLoad, TwoPlaneRun, TwoPlaneSnapshot, run_two_plane};
 
 use crate::contact_laws::{BearingFriction, JointLaw};
-use crate::description::{TransmissionBench, TwoPlaneSection};
+use crate::description::{Extension, LoadFriction, TransmissionBench, TwoPlaneSection};
 use crate::energy::{EnergyAudit, elastic_energy_j};
 use crate::integrate::Tolerances;
 use crate::motion::Profile;
 use crate::transmission::{GRAVITY_M_S2, START_GAP_SHARE};
 
 /// Number of states.
-pub const STATES: usize = 13;
+pub const STATES: usize = 14;
 /// States under error control: the motion and the drive's two works.
 const CONTROLLED: f64 = 10.0;
 
 /// States: y, z, y', z', a, b, a', b', then energies in J: work of the fork, the same with every contribution positive, work of
-/// the load, heat of friction, loss of the normal forces and the supports.
+/// the load, heat of friction, loss of the normal forces and the supports, heat of the load cylinder.
 pub type State = [f64; STATES];
 
 /// The bench ready to be integrated.
@@ -54,6 +54,9 @@ pub struct TwoPlane {
     joint_law: JointLaw,
     friction_law: BearingFriction,
     friction_level: f64,
+    sign_width_m_s: f64,
+    extension: Extension,
+    load_friction: Option<LoadFriction>,
     drive: Profile,
     load: Profile,
 }
@@ -61,7 +64,7 @@ pub struct TwoPlane {
 impl TwoPlane {
     /// Builds the plant of a resolved description; without a `[two_plane]` section that section's defaults hold.
     ///
-    /// Effects that extend the planar model (column, lag, viscous friction, asymmetry) are not in this one.
+    /// Effects that change the friction or the drive's timing hold here too; a hydraulic column does not.
     pub fn new(bench: &TransmissionBench, drive: Profile, load: Profile) -> Self {
         let section = bench.two_plane.clone().unwrap_or_default();
         let (length_m, count) = (bench.bearing.length_m, section.slices.max(1));
@@ -79,6 +82,9 @@ impl TwoPlane {
             joint_law: JointLaw::after_changes(bench),
             friction_law: BearingFriction::after_changes(&bench.friction),
             friction_level: bench.friction.level,
+            sign_width_m_s: bench.friction.regularisation_m_s,
+            extension: bench.extension,
+            load_friction: bench.load_friction.clone(),
             drive,
             load,
         }
@@ -130,6 +136,7 @@ impl TwoPlane {
             gravity_work_j: -self.mass_kg * GRAVITY_M_S2 * change(1),
             friction_heat_j: change(11),
             damping_loss_j: change(12),
+            load_friction_heat_j: change(13),
             stored_change_j: self.stored_energy_j(end_s, end) - self.stored_energy_j(start_s, start),
             ..EnergyAudit::default()
         }
