@@ -88,7 +88,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         table(&verdicts)?;
         if arguments.emulated.is_none() {
             print(format_args!(
-                "(no sums of a controller: --emulated RESULTS takes them, model-quant/peers/README.md has the format)"
+                "(not compared with a controller: `cargo xtask verify` runs the emulated core and gives its sums to --emulated)"
             ))?;
         }
     }
