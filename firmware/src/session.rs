@@ -157,9 +157,7 @@ impl Session {
 
 fn model_id(bearing: Bearing) -> ModelId {
     match Model::<i16>::load(shipped(bearing)) {
-        Ok(model) => {
-            ModelId { crc: model.check_sum(), training_id: model.header().training_id }
-        }
+        Ok(model) => ModelId { crc: model.check_sum(), training_id: model.header().training_id },
         Err(_) => ModelId { crc: 0, training_id: 0 },
     }
 }

@@ -152,10 +152,7 @@ pub fn run(
             contacts += 1;
             outside += usize::from(flags.intersects(Flags::OUTSIDE_TRAINING));
         }
-        BearingForces {
-            normal_n: f64::from(normal_n),
-            friction_n: f64::from(friction_n),
-        }
+        BearingForces { normal_n: f64::from(normal_n), friction_n: f64::from(friction_n) }
     };
     let run = match source {
         ForceSource::Law => run_with_law(plant, end_s, samples_s, DEFAULT_TOLERANCE)?,

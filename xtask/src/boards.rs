@@ -58,11 +58,18 @@ impl Board {
         let mut command = Command::new(EMULATOR);
         command
             .args(["-M", self.name, "-display", "none", "-serial", "null", "-monitor", "none"])
-            .args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off", "-kernel"])
+            .args([
+                "-semihosting-config",
+                "enable=on,target=native",
+                "-icount",
+                "shift=6,sleep=off",
+                "-kernel",
+            ])
             .arg(image)
             .stdin(Stdio::null())
             .stdout(Stdio::piped());
-        let failed = |status: String| ChoreError::Failed { line: format!("{EMULATOR} -M {}", self.name), status };
+        let failed =
+            |status: String| ChoreError::Failed { line: format!("{EMULATOR} -M {}", self.name), status };
         let mut emulator = command.spawn().map_err(|error| failed(error.to_string()))?;
         let start = Instant::now();
         let status = loop {

@@ -7,7 +7,16 @@ use std::path::PathBuf;
 /// Builds the image and says where it is.
 pub(crate) fn build(way: &Way) -> Result<PathBuf, ChoreError> {
     let mut command = crate::compile::build(way, TARGET, root())?;
-    command.args(["--profile", "firmware", "--package", "firmware", "--bin", "estimator", "--features", "board"]);
+    command.args([
+        "--profile",
+        "firmware",
+        "--package",
+        "firmware",
+        "--bin",
+        "estimator",
+        "--features",
+        "board",
+    ]);
     run(&mut command)?;
     Ok(target_folder().join(TARGET).join("firmware/estimator"))
 }

@@ -61,9 +61,13 @@ pub(crate) fn bless() -> Result<(), ChoreError> {
     let json = serde_json::to_string_pretty(&counts).unwrap_or_default() + "\n";
     for (file, text) in [(path(), json), (readme, text)] {
         let temporary = file.with_extension("new");
-        std::fs::write(&temporary, text).and_then(|()| std::fs::rename(&temporary, &file)).map_err(|error| {
-            ChoreError::File { file, found: error.to_string(), expected: "a file that can be written" }
-        })?;
+        std::fs::write(&temporary, text).and_then(|()| std::fs::rename(&temporary, &file)).map_err(
+            |error| ChoreError::File {
+                file,
+                found: error.to_string(),
+                expected: "a file that can be written",
+            },
+        )?;
     }
     Ok(())
 }

@@ -45,7 +45,8 @@ impl Figure {
     fn parse(line: &str) -> Option<(String, Self)> {
         let mut words = line.split_whitespace();
         let name = words.next()?.to_owned();
-        let [min, max, macs] = [words.next()?.parse().ok()?, words.next()?.parse().ok()?, words.next()?.parse().ok()?];
+        let [min, max, macs] =
+            [words.next()?.parse().ok()?, words.next()?.parse().ok()?, words.next()?.parse().ok()?];
         Some((name, Self { min, max, macs }))
     }
 }

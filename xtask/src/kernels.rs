@@ -3,10 +3,10 @@
 use crate::boards::{BOARDS, Board, COUNTED};
 use crate::run::ChoreError;
 use crate::setup;
+use inference::kernel::{Native, Portable};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 use on_target::agreement::digest;
 use on_target::network::Room;
-use inference::kernel::{Native, Portable};
 use std::collections::BTreeSet;
 
 /// Seeds that the image runs.
@@ -32,7 +32,10 @@ pub(crate) fn kernels() -> Result<(), ChoreError> {
                 expected,
             });
         }
-        println!("{:<14} {:<10} portable and SMLAD kernels agree with the host: {SEEDS} seeds", board.name, board.core);
+        println!(
+            "{:<14} {:<10} portable and SMLAD kernels agree with the host: {SEEDS} seeds",
+            board.name, board.core
+        );
     }
     let least = Least::of(COUNTED)?;
     println!("least image: flash {} bytes, no reachable panic", least.flash_bytes);
@@ -53,21 +56,26 @@ impl Least {
     /// Builds it for a board and refuses a reachable panic.
     pub(crate) fn of(board: Board) -> Result<Self, ChoreError> {
         let file = board.build("estimate")?;
-        let wrong =
-            |found: String| ChoreError::File { file: file.clone(), found, expected: "an image without panics" };
+        let wrong = |found: String| ChoreError::File {
+            file: file.clone(),
+            found,
+            expected: "an image without panics",
+        };
         let bytes = std::fs::read(&file).map_err(|error| wrong(error.to_string()))?;
         let image = object::File::parse(&*bytes).map_err(|error| wrong(error.to_string()))?;
-        let symbols: BTreeSet<String> = (image.symbols())
-            .filter_map(|symbol| symbol.name().ok().map(str::to_owned))
-            .collect();
+        let symbols: BTreeSet<String> =
+            (image.symbols()).filter_map(|symbol| symbol.name().ok().map(str::to_owned)).collect();
         if symbols.contains("PINTLE_PANIC_MARKER") {
             return Err(wrong("a reachable panic".into()));
         }
         // A model that the compiler saw through would leave nothing to look at.
         let weights = inference::shipped(inference::Bearing::Babbitt).len() as u64;
         let loaded = [SectionKind::Text, SectionKind::ReadOnlyData, SectionKind::Data];
-        let flash_bytes =
-            image.sections().filter(|section| loaded.contains(&section.kind())).map(|section| section.size()).sum();
+        let flash_bytes = image
+            .sections()
+            .filter(|section| loaded.contains(&section.kind()))
+            .map(|section| section.size())
+            .sum();
         if flash_bytes < weights {
             return Err(wrong(format!("{flash_bytes} bytes, less than the model's {weights}")));
         }

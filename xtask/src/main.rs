@@ -6,11 +6,13 @@ mod firmware;
 mod golden;
 mod insn;
 mod kernels;
+mod miri;
 mod run;
 mod setup;
 mod size;
 mod table;
 mod test;
+mod verify;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -36,6 +38,10 @@ enum Command {
     Firmware,
     /// Compare the kernels of every emulated core with the host's, bit for bit.
     Kernels,
+    /// Run the inference crate's tests under Miri (nightly toolchain).
+    Miri,
+    /// Verify the shipped images against laws, float networks, other runtimes and the emulated core.
+    Verify,
     /// Count anew and write the golden figures and the README's tables.
     Bless,
     /// Instructions of the reference network, the layers and a controller tick, from the emulator.
@@ -56,9 +62,11 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Setup => setup::setup().map(|_| ()),
         Command::Test => test::test(),
-        Command::Firmware => {
-            setup::target(setup::TARGET).and_then(|way| firmware::build(&way)).map(|elf| println!("{}", elf.display()))
-        }
+        Command::Firmware => setup::target(setup::TARGET)
+            .and_then(|way| firmware::build(&way))
+            .map(|elf| println!("{}", elf.display())),
+        Command::Miri => miri::miri(),
+        Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
         Command::Bless => golden::bless(),
         Command::Insn { json } => insn::insn(json),

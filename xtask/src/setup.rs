@@ -32,7 +32,9 @@ pub(crate) fn setup() -> Result<Way, ChoreError> {
 /// Makes sure that one can build for a target.
 pub(crate) fn target(target: &str) -> Result<Way, ChoreError> {
     let allowed = std::env::var_os(WITHOUT_RUSTUP).is_none();
-    if allowed && (target_is_there(target) || run(Command::new("rustup").args(["target", "add", target])).is_ok()) {
+    if allowed
+        && (target_is_there(target) || run(Command::new("rustup").args(["target", "add", target])).is_ok())
+    {
         return Ok(Way::Rustup);
     }
     eprintln!("rustup gave no core library for {target}; trying Debian's compiler");

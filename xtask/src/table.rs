@@ -12,7 +12,8 @@ const MODES: [(&str, &str); 4] = [
 ];
 
 /// Rows of the layers at one and two positions.
-const CONVOLUTIONS: [&str; 6] = ["5x6_to_16", "5x16_to_32", "3x32_to_32", "3x4_to_16", "3x8_to_16", "3x16_to_16"];
+const CONVOLUTIONS: [&str; 6] =
+    ["5x6_to_16", "5x16_to_32", "3x32_to_32", "3x4_to_16", "3x8_to_16", "3x16_to_16"];
 const HEADS: [&str; 2] = ["32x32", "2x16"];
 
 /// Both tables and the sizes, in Markdown.
@@ -62,7 +63,8 @@ pub(crate) fn render(counts: &Counts) -> String {
         line(format!("| convolution {} | {wide} | {packed} | {compact} |", shape.replace("_to_", " -> ")));
     }
     for shape in HEADS {
-        let [wide, packed, compact] = ["wide", "packed", "compact"].map(|mode| ratio(&format!("head_{shape}_{mode}")));
+        let [wide, packed, compact] =
+            ["wide", "packed", "compact"].map(|mode| ratio(&format!("head_{shape}_{mode}")));
         line(format!("| dense {shape} -> 1 | {wide} | {packed} | {compact} |"));
     }
     line(String::new());

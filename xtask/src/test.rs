@@ -12,6 +12,7 @@ pub(crate) fn test() -> Result<(), ChoreError> {
         run(cargo().args(["fmt", "--all", "--check"]))?;
     }
     crate::kernels::kernels()?;
+    crate::verify::verify()?;
     crate::golden::check()?;
     run(cargo().args(["test", "--workspace", "--no-fail-fast", "--features", "system-tests/emulated"]))
 }

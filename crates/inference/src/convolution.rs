@@ -55,7 +55,12 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
 
     /// Computes some units of the outputs at one position; gives how many activations were clipped.
     #[inline]
-    pub fn units<E: Engine>(&self, units: Range<usize>, columns: &[[A; IN]; K], outputs: &mut [B; OUT]) -> u32 {
+    pub fn units<E: Engine>(
+        &self,
+        units: Range<usize>,
+        columns: &[[A; IN]; K],
+        outputs: &mut [B; OUT],
+    ) -> u32 {
         self.weights.units::<E, B, IN, OUT, K>(units, &self.scaling, columns, outputs)
     }
 

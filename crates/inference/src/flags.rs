@@ -92,7 +92,11 @@ mod tests {
 
     #[test]
     fn this_crate_stays_in_its_sixteen_bits() {
-        let all = Flags::OUTSIDE_TRAINING | Flags::SATURATED | Flags::NON_FINITE | Flags::WARMING_UP | Flags::MISSING;
+        let all = Flags::OUTSIDE_TRAINING
+            | Flags::SATURATED
+            | Flags::NON_FINITE
+            | Flags::WARMING_UP
+            | Flags::MISSING;
         assert!(all.bits() < 1 << 16);
     }
 }

@@ -39,7 +39,9 @@ impl Scale {
     }
 }
 
-impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize> Head<'a, A, IN, COLUMNS, OUT> {
+impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
+    Head<'a, A, IN, COLUMNS, OUT>
+{
     /// Multiply-accumulates.
     pub const MACS: usize = COLUMNS * IN * OUT;
 

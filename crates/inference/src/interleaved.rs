@@ -9,7 +9,14 @@ use core::marker::PhantomData;
 ///
 /// The sums are those of [`crate::Streaming`], `TICKS - 1` ticks later.
 #[derive(Clone, Debug)]
-pub struct Interleaved<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, const TICKS: usize, E = Native> {
+pub struct Interleaved<
+    'a,
+    N: Chain<'a, A, IN>,
+    A: Activation,
+    const IN: usize,
+    const TICKS: usize,
+    E = Native,
+> {
     network: N,
     stream: N::Stream,
     ends: [usize; TICKS],
@@ -38,7 +45,15 @@ impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, const TICKS: usize
         if let Some(last) = ends.last_mut() {
             *last = N::UNITS;
         }
-        Self { network, stream: N::stream(), ends, done: N::UNITS, tick: TICKS, clipped: 0, engine: PhantomData }
+        Self {
+            network,
+            stream: N::stream(),
+            ends,
+            done: N::UNITS,
+            tick: TICKS,
+            clipped: 0,
+            engine: PhantomData,
+        }
     }
 
     /// Takes the next column; `false`, and the column is not taken, while the work of the one before is not done.

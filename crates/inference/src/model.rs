@@ -55,7 +55,9 @@ impl<'a, B: Between> Model<'a, B> {
         let (head, networks) = body.split_first_chunk::<HEADER_LENGTH>().ok_or(ImageError::TooShort)?;
         // Magic, version and length first: a file of another kind deserves a better message than "check sum".
         let header = Header::parse(head, image.len());
-        if let Err(error @ (ImageError::Magic | ImageError::Version { .. } | ImageError::Length { .. })) = header {
+        if let Err(error @ (ImageError::Magic | ImageError::Version { .. } | ImageError::Length { .. })) =
+            header
+        {
             return Err(error);
         }
         let (found, expected) = (check_sum(body), u32::from_le_bytes(*sum));

@@ -25,7 +25,10 @@ pub struct Scaling<'a, const OUT: usize> {
 impl<'a, const OUT: usize> Scaling<'a, OUT> {
     /// Biases and multipliers of some whole blocks.
     #[inline]
-    fn blocks(&self, blocks: Range<usize>) -> impl Iterator<Item = (&'a [i32; BLOCK], &'a [i32; BLOCK])> + use<'a, OUT> {
+    fn blocks(
+        &self,
+        blocks: Range<usize>,
+    ) -> impl Iterator<Item = (&'a [i32; BLOCK], &'a [i32; BLOCK])> + use<'a, OUT> {
         let biases = self.biases.as_chunks().0.get(blocks.clone()).unwrap_or_default();
         let multipliers = self.multipliers.as_chunks().0.get(blocks).unwrap_or_default();
         biases.iter().zip(multipliers)
@@ -90,7 +93,9 @@ impl<'a, S: Storage> Stored<'a, S> {
         let (second, second_left) = second.as_chunks_mut::<BLOCK>();
         let quads = self.quads.chunks_exact(groups::<S>(K * IN));
         let outputs = first.iter_mut().zip(second);
-        for ((quads, (biases, multipliers)), (first, second)) in quads.zip(scaling.blocks(0..OUT / BLOCK)).zip(outputs) {
+        for ((quads, (biases, multipliers)), (first, second)) in
+            quads.zip(scaling.blocks(0..OUT / BLOCK)).zip(outputs)
+        {
             let mut sums = [*biases; 2];
             <E as Kernel<S>>::pair::<IN, K>(quads, columns, &mut sums);
             let [at_first, at_second] = sums;
@@ -290,12 +295,7 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
 pub struct PackedWeights<'a>(Stored<'a, Packed8>);
 
 impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
-    fn read(
-        reader: &mut Reader<'a>,
-        _: WeightForm,
-        outputs: usize,
-        taps: usize,
-    ) -> Result<Self, ImageError> {
+    fn read(reader: &mut Reader<'a>, _: WeightForm, outputs: usize, taps: usize) -> Result<Self, ImageError> {
         // A shape with wide weights on 8-bit inputs is none.
         Stored::read(reader, outputs, taps).map(Self)
     }

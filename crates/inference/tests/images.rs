@@ -122,8 +122,11 @@ fn layers_are_refused_by_name() {
     let zero = resealed(|image| put(image, HEADER_LENGTH + SHAPE_LENGTH + 64, &[0; 4]));
     assert_eq!(zero, Err(ImageError::Scale { layer: first }));
     let bias = resealed(|image| put(image, HEADER_LENGTH + SHAPE_LENGTH + 8, &i32::MAX.to_le_bytes()));
-    assert!(matches!(bias, Err(ImageError::Overflow { layer, output: 2, largest })
-        if layer == first && largest >= i64::from(i32::MAX)), "{bias:?}");
+    assert!(
+        matches!(bias, Err(ImageError::Overflow { layer, output: 2, largest })
+        if layer == first && largest >= i64::from(i32::MAX)),
+        "{bias:?}"
+    );
     // A model of another type does not take the image.
     let other = Model::<i8>::load(shipped(Bearing::Babbitt)).map(|_| ());
     assert!(matches!(other, Err(ImageError::Shape { layer, .. }) if layer == first), "{other:?}");
@@ -171,15 +174,18 @@ fn the_bound_of_a_sum_is_that_of_the_actual_weights() {
     let error = load(&uniform(&wide, 1366).expect("image"));
     let layer = LayerName { network: "collision", index: 1 };
     assert_eq!(error, Err(ImageError::Overflow { layer, output: 0, largest: 48 * 1366 * 32768 + 1 }));
-    let friction = uniform(&wide, -1365).and_then(|mut image| {
+    let friction = uniform(&wide, -1365).map(|mut image| {
         let at = image.length - CRC_LENGTH - 4;
         put(image.bytes_mut(), at, &i16::MIN.to_le_bytes());
         put(image.bytes_mut(), at + 2, &i16::MIN.to_le_bytes());
         seal(image.bytes_mut());
-        Ok(load(&image))
+        load(&image)
     });
     let layer = LayerName { network: "friction", index: 3 };
-    assert!(matches!(friction, Ok(Err(ImageError::Overflow { layer: found, .. })) if found == layer), "{friction:?}");
+    assert!(
+        matches!(friction, Ok(Err(ImageError::Overflow { layer: found, .. })) if found == layer),
+        "{friction:?}"
+    );
 }
 
 #[test]

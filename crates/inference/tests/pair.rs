@@ -137,7 +137,7 @@ fn each_input_outside_the_training_range_has_its_flag() {
     };
     assert!(!flags(inside).intersects(Flags::OUTSIDE_TRAINING));
     let floor = i64::from(header.latch_floor_nm_s);
-    let rate = (floor * i64::from(header.rate_ratio_high_q16) >> 16) as i32;
+    let rate = ((floor * i64::from(header.rate_ratio_high_q16)) >> 16) as i32;
     let (deformation, speed) = (header.deformation_high_pm as i32, header.sliding_speed_high_nm_s as i32);
     for (sample, flag) in [
         (Sample { radial_clearance_nm: header.clearance_high_nm + 1, ..inside }, Flags::OUTSIDE_CLEARANCE),

@@ -46,7 +46,7 @@ fn layer<E: Engine, A: Activation, B: Activation, const IN: usize, const OUT: us
         core::array::from_fn(|_| {
             let value = noise.within(full_scale);
             // Features may be negative; so may the smallest value there is.
-            A::from_i32(if noise.bits() % 50 == 0 { -A::MAX - 1 } else { value })
+            A::from_i32(if noise.bits().is_multiple_of(50) { -A::MAX - 1 } else { value })
         })
     });
     for (before, count) in [(K - 1, PLACES), ((K - 1) / 2, PLACES), (0, PLACES - (K - 1))] {

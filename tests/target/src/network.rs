@@ -15,7 +15,10 @@ pub const COLUMNS: usize = 32;
 /// 32 columns of 6 -> convolution over 5 to 16 -> 5 to 32 -> 3 to 32 -> dense over all 32 columns to 1.
 pub type Reference<'a, A> = Then<
     Convolution<'a, i16, A, INPUTS, 16, 5>,
-    Then<Convolution<'a, A, A, 16, 32, 5>, Then<Convolution<'a, A, A, 32, 32, 3>, Head<'a, A, 32, COLUMNS, 1>>>,
+    Then<
+        Convolution<'a, A, A, 16, 32, 5>,
+        Then<Convolution<'a, A, A, 32, 32, 3>, Head<'a, A, 32, COLUMNS, 1>>,
+    >,
 >;
 
 /// The shapes of its layers.
@@ -57,7 +60,7 @@ pub fn random(shapes: &[LayerShape], seed: u64, room: &mut Room) -> Result<usize
         weights.fill_with(|| noise.within(largest.min(32_000)) as i16);
         let (mut biases, mut multipliers) = ([0i32; MOST_OUTPUTS], [0i32; MOST_OUTPUTS]);
         // Sums are about weight x input x sqrt(taps): brought to the size of full scale.
-        let size = u64::from(largest) * (shape.taps() as u64).isqrt() << (shape.input_bits - 3);
+        let size = (u64::from(largest) * (shape.taps() as u64).isqrt()) << (shape.input_bits - 3);
         let factor = (1u64 << (32 + u64::from(shape.output_bits.min(16)) - 2)) / size.max(1);
         let factor = u32::try_from(factor).unwrap_or(u32::MAX).min(1 << 30);
         biases.fill_with(|| noise.within(1 + (size as u32 / 4).min(1 << 24)));
@@ -66,7 +69,9 @@ pub fn random(shapes: &[LayerShape], seed: u64, room: &mut Room) -> Result<usize
         let parts = LayerParts {
             shape: *shape,
             biases: biases.get(..outputs).ok_or(WriteError::Lengths)?,
-            multipliers: multipliers.get(..if convolution { outputs } else { 0 }).ok_or(WriteError::Lengths)?,
+            multipliers: multipliers
+                .get(..if convolution { outputs } else { 0 })
+                .ok_or(WriteError::Lengths)?,
             scale: Scale { multiplier: 1 << 30, shift: 40 },
             weights,
         };
@@ -80,7 +85,9 @@ pub fn random(shapes: &[LayerShape], seed: u64, room: &mut Room) -> Result<usize
 /// # Errors
 ///
 /// The bytes are not those of such a chain.
-pub fn read<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize>(bytes: &'a [u8]) -> Result<N, ImageError> {
+pub fn read<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize>(
+    bytes: &'a [u8],
+) -> Result<N, ImageError> {
     let layer = LayerName { network: "test", index: 0 };
     inference::image::prove(bytes).map_err(|_| ImageError::Scale { layer })?;
     N::read(&mut Reader::new(bytes), layer)

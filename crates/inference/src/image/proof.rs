@@ -84,7 +84,8 @@ const fn prove_layer(layer: u8, shape: &LayerShape, body: &[u8]) -> Result<(), U
         while group < shape.groups().wrapping_mul(side_by_side) {
             let Some((bytes, behind)) = weights.split_first_chunk::<4>() else { return malformed };
             let lane = group % side_by_side;
-            let grown = get(&sums, lane).wrapping_add(magnitude(shape.form, *bytes) << (shape.input_bits.wrapping_sub(1) & 15));
+            let grown = get(&sums, lane)
+                .wrapping_add(magnitude(shape.form, *bytes) << (shape.input_bits.wrapping_sub(1) & 15));
             set(&mut sums, lane, grown);
             weights = behind;
             group = group.wrapping_add(1);

@@ -71,7 +71,8 @@ impl LayerShape {
 
     /// The shape in an image, if it is one.
     pub const fn from_bytes(bytes: &[u8; SHAPE_LENGTH]) -> Option<Self> {
-        let [kind, columns, in_low, in_high, out_low, out_high, input_bits, output_bits, form, 0, 0, 0] = *bytes
+        let [kind, columns, in_low, in_high, out_low, out_high, input_bits, output_bits, form, 0, 0, 0] =
+            *bytes
         else {
             return None;
         };

@@ -87,7 +87,8 @@ impl Room<'_> {
         let LayerParts { shape, biases, multipliers, scale, weights } = *parts;
         let outputs = shape.outputs as usize;
         let factors = if shape.kind == LayerKind::Convolution { outputs } else { 0 };
-        if biases.len() != outputs || multipliers.len() != factors || weights.len() != outputs * shape.taps() {
+        if biases.len() != outputs || multipliers.len() != factors || weights.len() != outputs * shape.taps()
+        {
             return Err(WriteError::Lengths);
         }
         self.put(&shape.to_bytes())?;

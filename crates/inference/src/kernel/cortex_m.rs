@@ -196,7 +196,13 @@ macro_rules! kernel {
                 const { assert!(IN * $bytes + 16 <= 4095 && K * IN / $taps / 4 * 64 <= 65535) };
                 if weights.len() == groups::<$storage>(K * IN) && columns.len() == K + 1 {
                     // SAFETY: the lengths are those of the argument above.
-                    unsafe { $pair::<IN, K>(sums.as_mut_ptr().cast(), weights.as_ptr().cast(), columns.as_ptr().cast()) }
+                    unsafe {
+                        $pair::<IN, K>(
+                            sums.as_mut_ptr().cast(),
+                            weights.as_ptr().cast(),
+                            columns.as_ptr().cast(),
+                        )
+                    }
                 }
             }
 
@@ -209,7 +215,9 @@ macro_rules! kernel {
                 const { assert!(K * IN / $taps / 4 * 64 <= 65535) };
                 if weights.len() == groups::<$storage>(K * IN) {
                     // SAFETY: as above.
-                    unsafe { $block::<IN, K>(sums.as_mut_ptr(), weights.as_ptr().cast(), columns.as_ptr().cast()) }
+                    unsafe {
+                        $block::<IN, K>(sums.as_mut_ptr(), weights.as_ptr().cast(), columns.as_ptr().cast())
+                    }
                 }
             }
 
@@ -312,10 +320,28 @@ kernel!(Packed16, 4, 2,
 macro_rules! bytes_left {
     ($register:literal, $spare:literal, $offset:literal) => {
         concat!(
-            ".if {rest} == 1\n ldrb ", $register, ", [r2, #", $offset, "]\n .endif\n",
-            ".if {rest} > 1\n ldrh ", $register, ", [r2, #", $offset, "]\n .endif\n",
-            ".if {rest} == 3\n ldrb ", $spare, ", [r2, #(", $offset, " + 2)]\n",
-            "orr ", $register, ", ", $register, ", ", $spare, ", lsl #16\n .endif\n"
+            ".if {rest} == 1\n ldrb ",
+            $register,
+            ", [r2, #",
+            $offset,
+            "]\n .endif\n",
+            ".if {rest} > 1\n ldrh ",
+            $register,
+            ", [r2, #",
+            $offset,
+            "]\n .endif\n",
+            ".if {rest} == 3\n ldrb ",
+            $spare,
+            ", [r2, #(",
+            $offset,
+            " + 2)]\n",
+            "orr ",
+            $register,
+            ", ",
+            $register,
+            ", ",
+            $spare,
+            ", lsl #16\n .endif\n"
         )
     };
 }

@@ -101,7 +101,8 @@ impl<S: Multiply> Kernel<S> for Simd {
         };
         let [mut at_first, mut at_second] = sums.map(bytemuck::cast::<_, i32x4>);
         let (first, second) = (first.as_flattened(), second.as_flattened());
-        for ((&quad, first), second) in weights.iter().zip(first.chunks(S::TAPS)).zip(second.chunks(S::TAPS)) {
+        for ((&quad, first), second) in weights.iter().zip(first.chunks(S::TAPS)).zip(second.chunks(S::TAPS))
+        {
             at_first += S::multiply(quad, S::inputs(first));
             at_second += S::multiply(quad, S::inputs(second));
         }

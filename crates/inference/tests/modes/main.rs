@@ -15,7 +15,8 @@ const POSITIONS: usize = if cfg!(miri) { 10 } else { 40 };
 const P: usize = 12;
 
 /// Two convolutions and a head with shapes that leave rests everywhere.
-type Odd<'a, A> = Then<Convolution<'a, i16, A, 3, 6, 5>, Then<Convolution<'a, A, A, 6, 7, 2>, Head<'a, A, 7, 4, 2>>>;
+type Odd<'a, A> =
+    Then<Convolution<'a, i16, A, 3, 6, 5>, Then<Convolution<'a, A, A, 6, 7, 2>, Head<'a, A, 7, 4, 2>>>;
 /// The family of the shipped networks.
 type Family<'a, A> = inference::Network<'a, A, 8>;
 
@@ -68,7 +69,12 @@ where
         prop_assert_eq!(&wide(sums), &causal[position], "stream, position {}", position);
         if position + 1 >= N::WINDOW {
             let newest = plain(&columns[position + 1 - N::WINDOW..=position]);
-            prop_assert_eq!(wide(sums), network.evaluate(&newest, Padding::Valid), "window, position {}", position);
+            prop_assert_eq!(
+                wide(sums),
+                network.evaluate(&newest, Padding::Valid),
+                "window, position {}",
+                position
+            );
         }
         prop_assert!(pieces.begin(column) && more_pieces.begin(column));
         prop_assert!(!pieces.begin(column), "the work of a column is not done");

@@ -53,7 +53,8 @@ impl Plain {
     /// The sums of the head over a whole window (or history) of columns.
     pub(super) fn evaluate(&self, columns: &[Vec<i64>], padding: Padding) -> Vec<i64> {
         let (head, convolutions) = self.0.split_last().expect("a head");
-        let behind = convolutions.iter().fold(columns.to_vec(), |columns, layer| layer.convolve(&columns, padding));
+        let behind =
+            convolutions.iter().fold(columns.to_vec(), |columns, layer| layer.convolve(&columns, padding));
         let newest = behind.len() - usize::from(head.shape.columns);
         (0..usize::from(head.shape.outputs)).map(|output| head.sum(output, &behind, newest as i64)).collect()
     }
@@ -61,8 +62,9 @@ impl Plain {
     /// The head's sums at every position of a history with causal zeros before it.
     pub(super) fn stream(&self, columns: &[Vec<i64>]) -> Vec<Vec<i64>> {
         let (head, convolutions) = self.0.split_last().expect("a head");
-        let behind =
-            convolutions.iter().fold(columns.to_vec(), |columns, layer| layer.convolve(&columns, Padding::Causal));
+        let behind = convolutions
+            .iter()
+            .fold(columns.to_vec(), |columns, layer| layer.convolve(&columns, Padding::Causal));
         (0..columns.len())
             .map(|position| {
                 let oldest = position as i64 - i64::from(head.shape.columns) + 1;
@@ -108,12 +110,13 @@ impl PlainLayer {
         let inputs = usize::from(self.shape.inputs);
         let mut sum = i64::from(self.biases[output]);
         for tap in 0..usize::from(self.shape.columns) {
-            let Some(column) = usize::try_from(oldest + tap as i64).ok().and_then(|at| columns.get(at)) else {
+            let Some(column) = usize::try_from(oldest + tap as i64).ok().and_then(|at| columns.get(at))
+            else {
                 continue;
             };
-            for input in 0..inputs {
+            for (input, value) in column.iter().enumerate() {
                 let weight = self.weights[output * self.shape.taps() + tap * inputs + input];
-                sum += i64::from(weight) * column[input];
+                sum += i64::from(weight) * value;
             }
         }
         sum

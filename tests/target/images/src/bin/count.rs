@@ -119,9 +119,14 @@ fn modes<A: Activation, E: Engine>(
     let mut pieces = Interleaved::<_, i16, INPUTS, 4, E>::new(network);
     Extremes::over(TIMES, || {
         pieces.begin(&column(&mut noise));
-        (0..4).map(|_| counter.count(|| {
-            black_box(pieces.tick());
-        })).max().unwrap_or(0)
+        (0..4)
+            .map(|_| {
+                counter.count(|| {
+                    black_box(pieces.tick());
+                })
+            })
+            .max()
+            .unwrap_or(0)
     })
     .print(pieces_name, Reference::<'_, A>::MACS / 4);
     Some(())

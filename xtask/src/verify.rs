@@ -1,0 +1,43 @@
+//! `model-quant verify` with the emulated core among those it compares.
+
+use crate::boards::COUNTED;
+use crate::run::{ChoreError, cargo, run, target_folder};
+use inference::{Bearing, shipped};
+
+/// The runtime's name in a file of results, and the bytes it takes there.
+const NAME: &[u8] = b"emulated Cortex-M4";
+const NAME_LENGTH: usize = 48;
+
+/// Runs the windows of `model-quant/peers` on the emulated core and verifies the shipped images against its sums, too.
+pub(crate) fn verify() -> Result<(), ChoreError> {
+    crate::setup::setup()?;
+    let image = COUNTED.build("replay")?;
+    let text = COUNTED.run(&image)?;
+    let sums: Option<Vec<i32>> = text.lines().map(|line| line.parse().ok()).collect();
+    let networks = 2 * Bearing::ALL.len();
+    let windows = sums.as_ref().map_or(0, |sums| sums.len() / networks);
+    let sums = sums.filter(|sums| windows > 0 && sums.len() == networks * windows).ok_or_else(|| {
+        ChoreError::File {
+            file: image,
+            found: format!("{} lines", text.lines().count()),
+            expected: "a whole number for every window of four networks",
+        }
+    })?;
+    // The format is told in model-quant/peers/README.md.
+    let mut bytes = b"PINTLER\n".to_vec();
+    bytes.extend([1, networks as u32].map(u32::to_le_bytes).as_flattened());
+    bytes.extend(NAME);
+    bytes.resize(bytes.len() + NAME_LENGTH - NAME.len(), 0);
+    let bearings = Bearing::ALL.iter().flat_map(|&bearing| [bearing, bearing]);
+    for (sums, bearing) in sums.chunks(windows).zip(bearings) {
+        bytes.extend(shipped(bearing).last_chunk::<4>().into_iter().flatten());
+        bytes.extend(sums.iter().flat_map(|sum| sum.to_le_bytes()));
+    }
+    let file = target_folder().join("on-target/sums.bin");
+    std::fs::write(&file, bytes).map_err(|error| ChoreError::File {
+        file: file.clone(),
+        found: error.to_string(),
+        expected: "a file that can be written",
+    })?;
+    run(cargo().args(["run", "--quiet", "--package", "model-quant", "--", "verify", "--emulated"]).arg(&file))
+}
