@@ -142,13 +142,6 @@ impl BearingFriction {
                 law.check()?;
                 Self::LuGre(law)
             }
-            FrictionKind::Coulomb => {
-                return Err(LawError::OutOfRange {
-                    quantity: "law `coulomb` jumps at rest, so the width of its sign (m/s)",
-                    found: 0.0,
-                    expected: "a law that is continuous at rest, such as regularised-linear",
-                });
-            }
             kind => {
                 let parameters = SlidingParameters {
                     coulomb_coefficient: section.coulomb_coefficient,

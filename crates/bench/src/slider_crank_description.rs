@@ -1,6 +1,6 @@
 //! The slider-crank's description in TOML.
 
-use crate::description::DescriptionError;
+use crate::description::{DescriptionError, shown};
 use crate::law_names::{DissipationName, StiffnessName};
 use crate::slider_crank::SliderCrank;
 use contact::{
@@ -112,32 +112,34 @@ impl SliderCrankBench {
     }
 
     fn check(&self, file: &str) -> Result<(), DescriptionError> {
-        let most = f64::MAX;
-        for (field, value, limit) in [
-            ("crank.length_m", self.crank.length_m, self.rod.length_m),
-            ("crank.speed_rpm", self.crank.speed_rpm, most),
-            ("crank.revolutions", self.crank.revolutions, 1000.0),
-            ("rod.length_m", self.rod.length_m, most),
-            ("rod.mass_kg", self.rod.mass_kg, most),
-            ("rod.inertia_kg_m2", self.rod.inertia_kg_m2, most),
-            ("slider.mass_kg", self.slider.mass_kg, most),
-            ("joint.journal_radius_m", self.joint.journal_radius_m, 0.9999 * self.joint.bearing_radius_m),
-            ("joint.bearing_radius_m", self.joint.bearing_radius_m, most),
-            ("joint.youngs_modulus_pa", self.joint.youngs_modulus_pa, most),
-            ("joint.poisson_ratio", self.joint.poisson_ratio, 0.5),
-            ("joint.restitution", self.joint.restitution, 1.0),
-            ("joint.latch_floor_m_s", self.joint.latch_floor_m_s, most),
+        let most = 1e9;
+        let least = 1e-9;
+        for (field, value, least, most) in [
+            ("rod.length_m", self.rod.length_m, 1e-6, 1e6),
+            ("crank.length_m", self.crank.length_m, least, self.rod.length_m),
+            ("crank.speed_rpm", self.crank.speed_rpm, 1e-3, 1e7),
+            ("crank.revolutions", self.crank.revolutions, 1e-6, 1000.0),
+            ("rod.mass_kg", self.rod.mass_kg, least, most),
+            ("rod.inertia_kg_m2", self.rod.inertia_kg_m2, 1e-12, most),
+            ("slider.mass_kg", self.slider.mass_kg, least, most),
+            ("joint.bearing_radius_m", self.joint.bearing_radius_m, 1e-6, 1e3),
+            (
+                "joint.journal_radius_m",
+                self.joint.journal_radius_m,
+                least,
+                0.9999 * self.joint.bearing_radius_m,
+            ),
+            ("joint.youngs_modulus_pa", self.joint.youngs_modulus_pa, 1e3, 1e15),
+            ("joint.poisson_ratio", self.joint.poisson_ratio, 0.0, 0.5),
+            ("joint.restitution", self.joint.restitution, 1e-6, 1.0),
+            ("joint.latch_floor_m_s", self.joint.latch_floor_m_s, 1e-12, 1e3),
         ] {
-            if !(value > 0.0 && value <= limit) {
+            if !(least..=most).contains(&value) {
                 return Err(DescriptionError::OutOfRange {
                     file: file.into(),
                     field: field.into(),
-                    found: value.to_string(),
-                    expected: if limit < most {
-                        format!("above 0, up to {limit}")
-                    } else {
-                        "a number above 0".into()
-                    },
+                    found: shown(value),
+                    expected: format!("{} to {}", shown(least), shown(most)),
                 });
             }
         }
@@ -212,7 +214,7 @@ mod tests {
     fn refusals_name_the_field_and_other_plants_are_left_alone() {
         let error =
             SliderCrankBench::parse("x", &PRESET.replace("9.5e-3", "10.5e-3")).unwrap_err().to_string();
-        assert!(error.contains("joint.journal_radius_m is 0.0105; expected above 0, up to"), "{error}");
+        assert!(error.contains("joint.journal_radius_m is 0.0105; expected 1e-9 to 0.009999"), "{error}");
         let error = SliderCrankBench::parse("x", &PRESET.replace("mass_kg = 0.14", "mas = 1"))
             .unwrap_err()
             .to_string();

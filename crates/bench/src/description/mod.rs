@@ -12,9 +12,12 @@ macro_rules! section {
 mod change;
 mod check;
 mod friction_rig;
+mod laws;
+mod ranges;
 mod transmission;
 
 pub use friction_rig::*;
+pub(crate) use ranges::shown;
 pub use transmission::*;
 
 use serde::{Deserialize, Serialize};

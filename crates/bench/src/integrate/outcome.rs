@@ -56,7 +56,7 @@ pub struct Integration<const N: usize> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IntegrationError {
     /// The method gave up.
-    #[error("the integrator stopped at t = {time_s} s: {reason}")]
+    #[error("the integrator stopped at t = {time_s:e} s: {reason}")]
     Stopped {
         /// Time reached in s.
         time_s: f64,
@@ -65,7 +65,7 @@ pub enum IntegrationError {
     },
     /// The number of steps is bounded, so that no parameter set can hang a run.
     #[error(
-        "the integrator used {steps} steps up to t = {time_s} s; expected fewer than {limit}: stiffer than the method can take"
+        "the integrator used {steps} steps up to t = {time_s:e} s; expected fewer than {limit}: stiffer than the method can take"
     )]
     TooManySteps {
         /// Steps used.
@@ -87,7 +87,7 @@ pub enum IntegrationError {
     },
     /// Onsets follow each other faster than the run can mean.
     #[error(
-        "contact {contact} chatters: {count} onsets within {window_s} s up to t = {time_s} s; expected sustained contact or separate impacts"
+        "contact {contact} chatters: {count} onsets within {window_s:e} s up to t = {time_s:e} s; expected sustained contact or separate impacts"
     )]
     Chattering {
         /// Which contact.
