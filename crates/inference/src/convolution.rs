@@ -73,7 +73,7 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
     /// Computes the outputs at some positions of a window; output `p` looks at the inputs from `p - before` on, and what
     /// lies outside the window is zero. Gives how many activations were clipped.
     ///
-    /// Positions that are not in `outputs` are left out.
+    /// Nothing is computed if not all of the positions are in `outputs`.
     pub fn positions<E: Engine>(
         &self,
         inputs: &[[A; IN]],

@@ -3,8 +3,8 @@
 //! Every function takes the same instructions for all of its arguments (the core's divider takes 2 to 12 cycles on its
 //! own), and none divides more than 32 bits.
 
-/// `numerator / denominator` times 2^32; `u32::MAX` from 1 on and for a denominator of 0. At most 4 counts too low, never
-/// too high.
+/// `numerator / denominator` times 2^32; `u32::MAX` from 1 on and for a denominator of 0. At most 12 counts too low (9 in
+/// 4e8 random pairs), never too high.
 #[inline]
 pub fn fraction(numerator: u32, denominator: u32) -> u32 {
     let shift = denominator.leading_zeros() & 31;
@@ -18,7 +18,8 @@ pub fn fraction(numerator: u32, denominator: u32) -> u32 {
     if numerator < denominator { quotient } else { u32::MAX }
 }
 
-/// [`fraction`] of two numbers of 64 bits, both rounded down to 32 significant bits of the denominator.
+/// [`fraction`] of two numbers of 64 bits, both rounded down to 32 significant bits of the denominator. The numerator must not
+/// be above the denominator: it would be cut off.
 #[inline]
 pub fn fraction_wide(numerator: u64, denominator: u64) -> u32 {
     let shift = 32u32.saturating_sub(denominator.leading_zeros());

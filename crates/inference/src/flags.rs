@@ -1,5 +1,8 @@
 //! What an estimate has to say about itself, as a set of bits.
 //!
+//! Remarks are about the sample they travel with. An estimate looks back at [`crate::WINDOW`] samples, those before with remarks of
+//! their own: a caller who wants none of that history to be remarked on joins the flags of so many estimates.
+//!
 //! Bits 0 to 15 belong to this crate; bits 16 to 31 are free for the caller.
 
 use core::ops::{BitOr, BitOrAssign};
@@ -15,17 +18,20 @@ impl Flags {
     pub const OUTSIDE_CLEARANCE: Self = Self(1 << 0);
     /// The deformation is above the range.
     pub const OUTSIDE_DEFORMATION: Self = Self(1 << 1);
-    /// In contact, the rate over the approach speed is outside the range; the network saw the nearest end.
+    /// In contact, the rate over the approach speed is outside the range, and the network saw the nearest end; or one of the two is
+    /// beyond the whole numbers of a [`crate::Sample`].
     pub const OUTSIDE_RATE_RATIO: Self = Self(1 << 2);
     /// In contact, the sliding speed is outside the range; the network saw the nearest end.
     pub const OUTSIDE_SLIDING_SPEED: Self = Self(1 << 3);
     /// The predicted normal force is above every force of the training set.
     pub const OUTSIDE_FORCE: Self = Self(1 << 4);
-    /// At least one activation was clipped to 16 bits.
+    /// At least one activation was clipped at full scale.
     pub const SATURATED: Self = Self(1 << 5);
     /// An input was infinite or not a number: the forces are 0 and the history starts anew.
     pub const NON_FINITE: Self = Self(1 << 6);
-    /// Fewer samples than the window holds have been seen since the start or the last reset.
+    /// Fewer samples than the window holds have been seen since the start or the last reset. The normal force behind them no
+    /// longer depends on the start; the friction network then still looks back at forces from before, until
+    /// 2 [`crate::WINDOW`] - 1 samples have been seen. (Training and verification judge both forces after one window.)
     pub const WARMING_UP: Self = Self(1 << 7);
     /// There was no sample: the forces are 0 and the history starts anew.
     pub const MISSING: Self = Self(1 << 8);

@@ -58,6 +58,7 @@ impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, const TICKS: usize
 
     /// Takes the next column; `false`, and the column is not taken, while the work of the one before is not done.
     #[inline]
+    #[must_use = "a column that is not taken is lost"]
     pub fn begin(&mut self, column: &[A; IN]) -> bool {
         if self.tick < TICKS {
             return false;
@@ -68,7 +69,7 @@ impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, const TICKS: usize
     }
 
     /// Does this tick's share; in the last tick of a column, gives the head's sums and how many activations were
-    /// clipped.
+    /// clipped. Before the first column and between the last tick and the next column there is nothing to do: `None`.
     #[inline]
     pub fn tick(&mut self) -> Option<(N::Output, u32)> {
         if self.tick >= TICKS {

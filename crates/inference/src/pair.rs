@@ -65,10 +65,14 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
     }
 
     /// Takes one sample in SI units. One that is not finite gives forces of 0, flagged [`Flags::NON_FINITE`], and starts
-    /// the history anew.
+    /// the history anew. Speeds of metres a second, which a [`Sample`] cannot hold, are flagged as outside the training range.
     pub fn push(&mut self, state: &ContactState) -> Estimate {
         match state.sample() {
-            Some(sample) => self.step(&sample),
+            Some(sample) => {
+                let outside = sample.deformation_pm > 0 && !state.rates_fit();
+                let estimate = self.step(&sample);
+                Estimate { flags: estimate.flags | Flags::OUTSIDE_RATE_RATIO.when(outside), ..estimate }
+            }
             None => self.without_sample(Flags::NON_FINITE),
         }
     }

@@ -40,23 +40,38 @@ impl ContactState {
             && self.sliding_speed_m_s.is_finite()
     }
 
-    /// The same as whole numbers, rounded to nearest; beyond 2.1 mm of deformation and 2.1 m/s, which every image is outside of, the
-    /// nearest that there is. `None` if an input is not finite.
+    /// Whether the rate of the deformation and the approach speed fit into a [`Sample`]: if not, their ratio there is another one.
+    pub fn rates_fit(&self) -> bool {
+        let rate_nm_s = scaled(self.deformation_rate_m_s, 1e9);
+        // 2^31 and 2^32, which a conversion to whole numbers does not reach.
+        rate_nm_s > -2_147_483_648.0
+            && rate_nm_s < 2_147_483_648.0
+            && scaled(self.approach_speed_m_s, 1e9) < 4_294_967_296.0
+    }
+
+    /// The same as whole numbers, rounded to nearest; beyond 2.1 m of clearance, 2.1 mm of deformation, 4.2 m/s of approach and 2.1 m/s of rate
+    /// and sliding the nearest that there is. No image is trained that far on clearance, deformation and sliding;
+    /// whether the other two fit says [`Self::rates_fit`]. Negative clearance and approach speed become 0. `None` if an input is not finite.
     pub fn sample(&self) -> Option<Sample> {
         self.is_finite().then(|| Sample {
             radial_clearance_nm: rounded(self.radial_clearance_m, 1e9).max(0).cast_unsigned(),
             deformation_pm: rounded(self.deformation_m, 1e12),
             deformation_rate_nm_s: rounded(self.deformation_rate_m_s, 1e9),
-            approach_speed_nm_s: rounded(self.approach_speed_m_s, 1e9).max(0).cast_unsigned(),
+            approach_speed_nm_s: scaled(self.approach_speed_m_s, 1e9) as u32,
             sliding_speed_nm_s: rounded(self.sliding_speed_m_s, 1e9),
         })
     }
 }
 
-/// A number of units, halves away from zero.
-fn rounded(value: f32, per_unit: f32) -> i32 {
+/// A number of units, to be cut off to a whole one: halves go away from zero.
+fn scaled(value: f32, per_unit: f32) -> f32 {
     let scaled = value * per_unit;
-    (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i32
+    if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }
+}
+
+/// The nearest whole number of units.
+fn rounded(value: f32, per_unit: f32) -> i32 {
+    scaled(value, per_unit) as i32
 }
 
 #[cfg(test)]
@@ -78,6 +93,14 @@ mod tests {
         assert_eq!(sample.deformation_rate_nm_s, i32::MAX);
         assert_eq!(sample.approach_speed_nm_s, 0);
         assert!((sample.sliding_speed_nm_s - 100_000_000).abs() <= 8);
+        assert!(!state.rates_fit());
         assert_eq!(ContactState { deformation_m: f32::NAN, ..state }.sample(), None);
+        let fast = ContactState { deformation_rate_m_s: -2.1, approach_speed_m_s: 4.0, ..state };
+        assert!(fast.rates_fit());
+        let sample = fast.sample().unwrap_or_default();
+        assert!((sample.deformation_rate_nm_s + 2_100_000_000).abs() <= 128);
+        assert!(sample.approach_speed_nm_s.abs_diff(4_000_000_000) <= 256);
+        assert!(!ContactState { approach_speed_m_s: 4.3, ..fast }.rates_fit());
+        assert!(!ContactState { deformation_rate_m_s: -2.2, ..fast }.rates_fit());
     }
 }

@@ -92,6 +92,46 @@ fn reset_forgets_everything_and_the_start_is_flagged() {
     }
 }
 
+/// Collision estimates are free of the start after one window, friction estimates after the second, as `WARMING_UP` says.
+#[test]
+fn the_start_is_forgotten_when_the_flag_says_so() {
+    let mut fresh: Pair = Pair::new(model(Bearing::Babbitt));
+    let mut warm: Pair = Pair::new(model(Bearing::Babbitt));
+    run(&mut warm, 0..4);
+    // In contact from the first sample on, so that the first estimates matter to the later ones.
+    let press = |pair: &mut Pair<'_>| -> Vec<Estimate> {
+        (0..20)
+            .map(|step| pair.step(&Sample { deformation_pm: 20_000_000 + 1_000_000 * step, ..sample(3) }))
+            .collect()
+    };
+    let (fresh, warm) = (press(&mut fresh), press(&mut warm));
+    let last = |differ: fn(&Estimate, &Estimate) -> bool| {
+        fresh.iter().zip(&warm).rposition(|(fresh, warm)| differ(fresh, warm)).map_or(0, |last| last + 1)
+    };
+    assert!(last(|a, b| a.normal_force_mn != b.normal_force_mn) < WINDOW);
+    let friction = last(|a, b| a.friction_force_mn != b.friction_force_mn);
+    assert!((WINDOW..2 * WINDOW - 1).contains(&friction), "{friction}");
+}
+
+#[test]
+fn speeds_that_no_sample_holds_are_flagged() {
+    let slow = ContactState {
+        radial_clearance_m: 0.5e-3,
+        deformation_m: 2e-5,
+        deformation_rate_m_s: 1.0,
+        approach_speed_m_s: 1.0,
+        sliding_speed_m_s: 0.0,
+    };
+    let flags = |state: ContactState| Pair::<'_, i16>::new(model(Bearing::Babbitt)).push(&state).flags;
+    assert!(!flags(slow).intersects(Flags::OUTSIDE_TRAINING));
+    // The ratios are -50 (outside) and 0.01, but would be -1 and 0.25 of what is left of the numbers.
+    for (rate, approach) in [(-100.0, 2.0), (-100.0, 4.2), (1.0, 100.0)] {
+        let state = ContactState { deformation_rate_m_s: rate, approach_speed_m_s: approach, ..slow };
+        assert!(flags(state).contains(Flags::OUTSIDE_RATE_RATIO), "{state:?}");
+        assert!(!flags(ContactState { deformation_m: -1e-5, ..state }).intersects(Flags::OUTSIDE_TRAINING));
+    }
+}
+
 #[test]
 fn a_bad_or_missing_sample_gives_zero_is_flagged_and_starts_the_history_anew() {
     let mut pair: Pair = Pair::new(model(Bearing::Babbitt));

@@ -88,7 +88,7 @@ fn network<E: Engine, A: Activation, D: Pad>(
         let newest = column();
         add(window.slide(&newest));
         add(stream.push(&newest));
-        pieces.begin(&newest);
+        pieces.begin(&newest).then_some(())?;
         (0..3).filter_map(|_| pieces.tick()).for_each(&mut add);
     }
     Some(())

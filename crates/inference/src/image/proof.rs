@@ -2,6 +2,10 @@
 //!
 //! For every output: `|bias| + sum |weight| * 2^(input bits - 1)` must stay below 2^31. As a constant function it runs when an image
 //! is loaded, and for the shipped ones already when the crate is compiled.
+//!
+//! The bound holds for the sum in any order and for every part of it, with inputs from the smallest value there is (-2^15, -2^7) on.
+//! Weights that fill up a group are counted, although no kernel multiplies them with anything but 0: an image may be refused for
+//! them, never accepted.
 
 use super::SHAPE_LENGTH;
 use super::shape::{LayerKind, LayerShape, WeightForm};

@@ -6,15 +6,23 @@
 //! SXTB16, which takes one instruction for two of them.
 //!
 //! Shapes are constants of the functions: four groups of taps a turn, the rest unrolled behind the loop, and no branch that
-//! depends on data. The count of instructions is that of the shape.
+//! depends on data. The count of instructions is that of the shape; only where a column takes no whole number of words (odd `IN` of 16 bits)
+//! does a head's also depend on the address of the columns.
 //!
 //! # Safety argument
 //!
 //! The functions read `K` (or, at two positions, `K + 1`) columns and `groups` groups of weights and write the sums; the
 //! safe wrappers check both lengths and do nothing if they are not met. An odd tap at the end is loaded alone, so no
-//! load leaves the columns. Weights are loaded by LDM and LDRD, which need addresses divisible by 4, and are words; the activations by LDR, LDRH and LDRB, which take any address on these cores
-//! unless CCR.UNALIGN_TRP is set, as it is not after a reset. The sums are i32, hence aligned. The functions follow the procedure call
-//! standard: they save r4 to r11 and lr, keep the stack aligned to 8 bytes and touch no other memory.
+//! load leaves the columns; beside it stands 0, so the weights that fill a group up count for nothing, whatever they are. Weights are
+//! loaded by LDM and LDRD, which need addresses divisible by 4, and are words. Activations are loaded by LDR, LDRH and LDRB, which
+//! take any address of normal memory (all RAM and flash, unless an MPU region says otherwise) while CCR.UNALIGN_TRP is clear, as it
+//! is after a reset: with it set, or in device memory, an odd column would be a usage fault, not a wrong sum. The one LDM of
+//! activations is behind a test of their address. The sums are i32, hence aligned.
+//!
+//! The functions follow the procedure call standard: those that use them save r4 to r11 and lr, r12 and the flags are theirs
+//! (SMLAD may set Q, which nobody reads); 48, 40 and 32 bytes of stack keep it aligned to 8, and nothing is kept below the stack
+//! pointer, where an interrupt writes. They touch no other memory. Constants fit their instructions, or the shape does not
+//! compile: MOVW holds 65535, an offset of LDR 4095.
 #![allow(unsafe_code)]
 
 use super::{BLOCK, Engine, Kernel, Quad};

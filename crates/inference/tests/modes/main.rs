@@ -62,6 +62,7 @@ where
     let mut stream = Streaming::<N, i16, IN, E>::new(chain);
     let mut pieces = Interleaved::<N, i16, IN, 3, E>::new(chain);
     let mut more_pieces = Interleaved::<N, i16, IN, 64, E>::new(chain);
+    prop_assert!(pieces.tick().is_none(), "nothing has begun");
     let mut clipped = 0;
     for (position, column) in columns.iter().enumerate() {
         let (sums, count) = stream.push(column);
@@ -82,7 +83,7 @@ where
         prop_assert_eq!(results, vec![(sums, count)], "3 pieces, position {}", position);
         let results: Vec<_> = (0..64).filter_map(|_| more_pieces.tick()).collect();
         prop_assert_eq!(results, vec![(sums, count)], "64 pieces, position {}", position);
-        prop_assert!(pieces.tick().is_none());
+        prop_assert!(pieces.tick().is_none(), "all is done");
     }
     Ok(clipped)
 }
@@ -111,6 +112,33 @@ where
         let mut fresh = Windowed::<N, i16, IN, P, D, E>::new(chain);
         prop_assert_eq!(&wide(fresh.evaluate(&window).0), &expected, "evaluated, position {}", position);
         prop_assert_eq!(&wide(moved.slide(newest).0), &expected, "moved, position {}", position);
+    }
+    Ok(())
+}
+
+/// Whole windows and moves in any order, in the smallest window that the head allows.
+fn windows_of<'a, N, D, const IN: usize, const OUT: usize, const SIZE: usize>(
+    words: &'a [u32],
+    network: &Plain,
+    seed: u64,
+) -> Result<(), TestCaseError>
+where
+    N: Chain<'a, i16, IN, Output = Sums<OUT>> + Copy,
+    D: Pad,
+{
+    let mut noise = Noise(seed ^ 0x3333);
+    let mut moved = Windowed::<N, i16, IN, SIZE, D>::new(read(words));
+    let mut window = [[0; IN]; SIZE];
+    for step in 0..POSITIONS {
+        let sums = if noise.bits().is_multiple_of(4) {
+            window = core::array::from_fn(|_| noise.column());
+            moved.evaluate(&window).0
+        } else {
+            window.rotate_left(1);
+            window[SIZE - 1] = noise.column();
+            moved.slide(&window[SIZE - 1]).0
+        };
+        prop_assert_eq!(wide(sums), network.evaluate(&plain(&window), D::PADDING), "step {}", step);
     }
     Ok(())
 }
@@ -155,6 +183,18 @@ proptest! {
         let words = network.bytes();
         windows::<Family<'_, i16>, Same, Native, 8, 1>(&words, &network, seed)?;
         windows::<Family<'_, i16>, Valid, Native, 8, 1>(&words, &network, seed)?;
+    }
+
+    #[test]
+    #[cfg_attr(miri, ignore = "takes minutes there, and the streams run the same code")]
+    fn moves_follow_whole_windows_in_the_smallest_windows(seed in any::<u64>(), form in forms()) {
+        let network = Plain::random(&odd::<i16>(form), seed, 1.0);
+        let words = network.bytes();
+        windows_of::<Odd<'_, i16>, Same, 3, 2, 4>(&words, &network, seed)?;
+        windows_of::<Odd<'_, i16>, Same, 3, 2, 7>(&words, &network, seed)?;
+        windows_of::<Odd<'_, i16>, Causal, 3, 2, 4>(&words, &network, seed)?;
+        windows_of::<Odd<'_, i16>, Causal, 3, 2, 5>(&words, &network, seed)?;
+        windows_of::<Odd<'_, i16>, Valid, 3, 2, 9>(&words, &network, seed)?;
     }
 
     #[test]

@@ -118,7 +118,7 @@ fn modes<A: Activation, E: Engine>(
     .print(stream_name, Reference::<'_, A>::MACS);
     let mut pieces = Interleaved::<_, i16, INPUTS, 4, E>::new(network);
     Extremes::over(TIMES, || {
-        pieces.begin(&column(&mut noise));
+        let _taken = pieces.begin(&column(&mut noise));
         (0..4)
             .map(|_| {
                 counter.count(|| {
