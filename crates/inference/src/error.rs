@@ -40,8 +40,12 @@ pub enum ImageError {
     },
     /// A number of the header is out of its range.
     Field {
-        /// Name of the field.
+        /// Name of the field and its unit.
         name: &'static str,
+        /// Number found.
+        found: u32,
+        /// Smallest and largest number expected.
+        expected: [u32; 2],
     },
     /// A layer's shape is not that of the model's type.
     Shape {
@@ -84,10 +88,12 @@ impl fmt::Display for ImageError {
                 write!(f, "found format version {found}, expected {expected}")
             }
             Self::Crc { found, expected } => {
-                write!(f, "check sum is {found:#010x}, expected {expected:#010x}")
+                write!(f, "check sum of its bytes is {found:#010x}, the one at its end {expected:#010x}")
             }
             Self::Bearing { found } => write!(f, "found bearing code {found}, expected 0 or 1"),
-            Self::Field { name } => write!(f, "{name} is out of range"),
+            Self::Field { name, found, expected: [low, high] } => {
+                write!(f, "{name}: found {found}, expected {low} to {high}")
+            }
             Self::Shape { layer, found: Some(found), expected } => {
                 write!(f, "{layer} is {found}, expected {expected}")
             }

@@ -5,7 +5,7 @@ use crate::convolution::Convolution;
 use crate::error::ImageError;
 use crate::features::{COLLISION_INPUTS, FRICTION_INPUTS};
 use crate::head::Head;
-use crate::image::{CRC_LENGTH, HEADER_LENGTH, Header, LayerName, Reader, Unproven, check_sum, prove};
+use crate::image::{CRC_LENGTH, HEADER_LENGTH, Header, LayerName, Reader, check_sum, prove};
 
 /// Channels of every convolution of the shipped networks.
 pub const CHANNELS: usize = 16;
@@ -76,7 +76,7 @@ impl<'a, B: Between> Model<'a, B> {
         if !reader.is_empty() {
             return Err(ImageError::Trailing);
         }
-        prove(networks).map_err(refused)?;
+        prove(networks).map_err(|unproven| unproven.named(name))?;
         Ok(model)
     }
 
@@ -107,15 +107,5 @@ fn name(layer: u8) -> LayerName {
     match layer.checked_sub(CONVOLUTIONS as u8 + 1) {
         None => LayerName { network: collision, index: layer },
         Some(index) => LayerName { network: friction, index },
-    }
-}
-
-fn refused(unproven: Unproven) -> ImageError {
-    match unproven {
-        Unproven::Malformed { .. } => ImageError::TooShort,
-        Unproven::Overflow { layer, output, largest } => {
-            ImageError::Overflow { layer: name(layer), output, largest }
-        }
-        Unproven::Scale { layer } => ImageError::Scale { layer: name(layer) },
     }
 }

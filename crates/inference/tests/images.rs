@@ -89,8 +89,20 @@ fn each_field_of_the_header_has_its_own_reason() {
         resealed(|image| put(image, 12, &1u32.to_le_bytes())),
         Err(ImageError::Length { found: length, expected: 1 })
     );
-    assert_eq!(resealed(|image| put(image, 11, &[3])), Err(ImageError::Field { name: "half powers" }));
-    assert_eq!(resealed(|image| put(image, 60, &[1])), Err(ImageError::Field { name: "reserved" }));
+    let half_powers = ImageError::Field { name: "half powers", found: 3, expected: [0, 2] };
+    assert_eq!(resealed(|image| put(image, 11, &[3])), Err(half_powers));
+    assert_eq!(half_powers.to_string(), "model image: half powers: found 3, expected 0 to 2");
+    let reserved = ImageError::Field { name: "reserved number", found: 1, expected: [0, 0] };
+    assert_eq!(resealed(|image| put(image, 60, &[1])), Err(reserved));
+    // No rate at all would be inside the range at the floor.
+    let floor = resealed(|image| {
+        put(image, 24 + 4 * 3, &(1u32 << 12).to_le_bytes());
+        put(image, 24 + 4 * 6, &15u32.to_le_bytes());
+    });
+    assert_eq!(
+        floor,
+        Err(ImageError::Field { name: "latch floor in nm/s", found: 15, expected: [16, 1 << 30] })
+    );
     let names = [
         "radial clearance",
         "radial clearance",
@@ -104,8 +116,12 @@ fn each_field_of_the_header_has_its_own_reason() {
     ];
     for (index, name) in names.into_iter().enumerate() {
         for value in [0, u32::MAX] {
-            let found = resealed(|image| put(image, 24 + 4 * index, &u32::to_le_bytes(value)));
-            assert_eq!(found, Err(ImageError::Field { name }), "field {index}");
+            let refused = resealed(|image| put(image, 24 + 4 * index, &u32::to_le_bytes(value)));
+            assert!(
+                matches!(refused, Err(ImageError::Field { name: named, found, .. })
+                    if named.starts_with(name) && (found == value || index == 1)),
+                "field {index}: {refused:?}"
+            );
         }
     }
 }

@@ -115,24 +115,29 @@ impl Header {
     }
 
     fn check(&self, reserved: u32) -> Result<(), ImageError> {
-        let within = |value: u32, largest: u32| value > 0 && value <= largest;
-        let clearance = within(self.clearance_low_nm, self.clearance_high_nm.saturating_sub(1))
-            && within(self.clearance_high_nm, 2_000_000);
+        // Features divide by the largest rate inside the range: at the floor it is the floor times the ratio, in nm/s.
+        let least_floor = (1u32 << 16).div_ceil(self.rate_ratio_high_q16.max(1));
         let fields = [
-            (clearance, "radial clearance"),
-            (within(self.deformation_high_pm, LARGEST), "deformation"),
+            (
+                self.clearance_low_nm,
+                1,
+                self.clearance_high_nm.saturating_sub(1),
+                "radial clearance, lower end in nm",
+            ),
+            (self.clearance_high_nm, 2, 2_000_000, "radial clearance, upper end in nm"),
+            (self.deformation_high_pm, 1, LARGEST, "deformation in pm"),
             // 1/16 to 64 times the approach speed.
-            (self.rate_ratio_high_q16 >= 1 << 12 && self.rate_ratio_high_q16 <= 1 << 22, "rate ratio"),
-            (within(self.sliding_speed_high_nm_s, LARGEST), "sliding speed"),
-            (within(self.normal_force_high_mn, i32::MAX as u32), "normal force"),
-            (within(self.latch_floor_nm_s, LARGEST), "latch floor"),
-            (within(self.slow_speed_nm_s, LARGEST), "slow speed"),
-            (within(self.fast_speed_nm_s, LARGEST), "fast speed"),
-            (self.deformation_half_powers <= 2, "half powers"),
-            (reserved == 0, "reserved"),
+            (self.rate_ratio_high_q16, 1 << 12, 1 << 22, "rate ratio times 2^16"),
+            (self.sliding_speed_high_nm_s, 1, LARGEST, "sliding speed in nm/s"),
+            (self.normal_force_high_mn, 1, i32::MAX as u32, "normal force in mN"),
+            (self.latch_floor_nm_s, least_floor, LARGEST, "latch floor in nm/s"),
+            (self.slow_speed_nm_s, 1, LARGEST, "slow speed in nm/s"),
+            (self.fast_speed_nm_s, 1, LARGEST, "fast speed in nm/s"),
+            (u32::from(self.deformation_half_powers), 0, 2, "half powers"),
+            (reserved, 0, 0, "reserved number"),
         ];
-        match fields.iter().find(|(sound, _)| !sound) {
-            Some(&(_, name)) => Err(ImageError::Field { name }),
+        match fields.iter().find(|(found, low, high, _)| found < low || found > high) {
+            Some(&(found, low, high, name)) => Err(ImageError::Field { name, found, expected: [low, high] }),
             None => Ok(()),
         }
     }

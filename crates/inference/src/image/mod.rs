@@ -24,6 +24,7 @@
 //! The order of the weights is told in [`crate::storage`]; every group of them takes four bytes.
 
 mod header;
+mod load;
 mod name;
 mod proof;
 mod reader;
@@ -31,6 +32,7 @@ mod shape;
 pub mod write;
 
 pub use header::{Header, Range};
+pub use load::load;
 pub use name::LayerName;
 pub use proof::{Unproven, prove};
 pub use reader::Reader;

@@ -5,7 +5,7 @@ mod plain;
 
 use inference::activation::Activation;
 use inference::chain::{Chain, Sums, Then};
-use inference::image::{LayerName, LayerShape, Reader, WeightForm};
+use inference::image::{LayerShape, WeightForm};
 use inference::kernel::{Engine, Native, Portable};
 use inference::{Causal, Convolution, Head, Interleaved, Pad, Padding, Same, Streaming, Valid, Windowed};
 use plain::{Noise, Plain, plain};
@@ -36,9 +36,7 @@ fn family<A: Activation>(form: WeightForm) -> Vec<LayerShape> {
 }
 
 fn read<'a, N: Chain<'a, i16, IN>, const IN: usize>(words: &'a [u32]) -> N {
-    let bytes = bytemuck::cast_slice(words);
-    inference::image::prove(bytes).expect("no overflow");
-    N::read(&mut Reader::new(bytes), LayerName { network: "test", index: 0 }).expect("network")
+    inference::image::load(bytemuck::cast_slice(words), "test").expect("network")
 }
 
 fn wide<const OUT: usize>(sums: Sums<OUT>) -> Vec<i64> {
