@@ -3,7 +3,7 @@
 use crate::run::{ChoreError, root, run, succeeds};
 use std::process::Command;
 
-/// Installs Miri where it is missing and runs the tests that it can run in minutes.
+/// Installs Miri where it is missing and runs the tests that it gets through in about ten minutes.
 pub(crate) fn miri() -> Result<(), ChoreError> {
     let toolchain = ["--toolchain", "nightly"];
     if !succeeds(Command::new("cargo").args(["+nightly", "miri", "--version"])) {
@@ -15,5 +15,5 @@ pub(crate) fn miri() -> Result<(), ChoreError> {
     // The calling cargo is pinned to the project's toolchain.
     command.env_remove("RUSTUP_TOOLCHAIN").env_remove("CARGO").env_remove("RUSTC");
     command.env("MIRIFLAGS", "-Zmiri-disable-isolation").env("PROPTEST_CASES", "2");
-    run(command.args(["--lib", "--test", "modes", "--test", "pair"]))
+    run(command.args(["--lib", "--test", "modes"]))
 }

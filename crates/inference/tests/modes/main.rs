@@ -11,7 +11,7 @@ use inference::{Causal, Convolution, Head, Interleaved, Pad, Padding, Same, Stre
 use plain::{Noise, Plain, plain};
 use proptest::prelude::*;
 
-const POSITIONS: usize = if cfg!(miri) { 10 } else { 40 };
+const POSITIONS: usize = if cfg!(miri) { 9 } else { 40 };
 const P: usize = 12;
 
 /// Two convolutions and a head with shapes that leave rests everywhere.
