@@ -125,6 +125,7 @@ fn wrong_input_exits_with_2_and_names_what_was_expected() {
         (vec!["quantize", "--mode", "w4a4", "--out", out], "w8a16"),
         (vec!["quantize", "--mode", "w16a16", "--packing", "flash", "--out", out], "one form of storage"),
         (vec!["quantize", "--max-error-n", "NaN", "--out", out], "--max-error-n: found NaN"),
+        (vec!["quantize", "--max-error-n", "-1", "--out", out], "--max-error-n: found -1"),
     ] {
         let output = model_quant(&arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

@@ -111,6 +111,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_crates_readme_tells_what_it_takes() {
+        let readme = std::fs::read_to_string(root().join("crates/inference/README.md")).unwrap();
+        let counts = golden().unwrap();
+        for figure in [
+            format!("{} bytes of RAM", counts.pair_ram_bytes),
+            format!("{} bytes of flash", counts.least_flash_bytes),
+        ] {
+            assert!(readme.contains(&figure), "crates/inference/README.md: {figure}");
+        }
+    }
+
+    #[test]
     fn the_readme_shows_the_golden_figures() {
         let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
         let counts = golden().unwrap();

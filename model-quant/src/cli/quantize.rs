@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
     packing: Packing,
     /// Refuse images whose mean absolute difference from the float networks over all test rows, of normal or friction
     /// force, exceeds this many N: exit 1, nothing written
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     max_error_n: Option<f64>,
     /// Directory that gets BEARING.pintle and BEARING.md
     #[arg(long, value_name = "DIR", default_value = ".")]

@@ -4,7 +4,7 @@ use crate::noise::Noise;
 use inference::activation::Activation;
 use inference::chain::{Chain, Then};
 use inference::image::write::{LayerParts, WriteError, layers};
-use inference::image::{LayerKind, LayerShape, WeightForm};
+use inference::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
 use inference::{Convolution, Head, ImageError, Scale};
 
 /// Inputs of a column of the reference network.
@@ -88,5 +88,8 @@ pub fn random(shapes: &[LayerShape], seed: u64, room: &mut Room) -> Result<usize
 pub fn read<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize>(
     bytes: &'a [u8],
 ) -> Result<N, ImageError> {
-    inference::image::load(bytes, "test")
+    // Not `image::load`: the figures of instructions were counted with the code around them laid out like this.
+    let layer = LayerName { network: "test", index: 0 };
+    inference::image::prove(bytes).map_err(|_| ImageError::Scale { layer })?;
+    N::read(&mut Reader::new(bytes), layer)
 }
