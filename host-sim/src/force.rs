@@ -3,13 +3,15 @@
 use crate::error::CliError;
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
-use bench::run::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law};
+use bench::peaks::{Peak, peaks_with_bars};
+use bench::run::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law, snapshots};
 use bench::transmission::{BearingForces, ContactView, Transmission};
 use bench::two_plane::{TwoPlane, TwoPlaneSnapshot, run_two_plane};
 use clap::ValueEnum;
 use inference::{Bearing, ContactState, Flags, Model, Pair, shipped};
 use model_quant::float_pair::{self, FloatPair};
 use serde::{Deserialize, Serialize};
+use std::time::Instant;
 
 /// Source of the bearing force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
@@ -39,15 +41,27 @@ pub const SAMPLE_RATE_HZ: f64 = 10_000.0;
 /// Communication step of the networks unless stated otherwise, s.
 pub const DEFAULT_STEP_S: f64 = 1e-5;
 
+/// Seconds that a run may last: more samples at the controller's rate would not fit into a memory.
+const LONGEST_S: f64 = 2000.0;
+/// The same for a bench in two planes, whose samples hold every slice.
+const LONGEST_TILTING_S: f64 = 200.0;
+
 /// A run with what its force source said about itself.
 #[derive(Clone, Debug)]
 pub struct ForcedRun {
     /// The run.
     pub run: Run,
+    /// Wall time of the run alone, s.
+    pub wall_s: f64,
+    /// Peaks from the end of the load's ramp on. Of the law they are read at a tighter tolerance, and the bar is the
+    /// distance from the run's own; of the networks it is the distance from a run at twice the communication step.
+    pub peaks: Vec<Peak>,
     /// Share of the samples in contact on which the networks left their training range.
     pub outside_training_share: f64,
     /// The shaft's tilt, on a bench in two planes.
     pub tilt: Option<Tilt>,
+    /// The slices at every sample, on a bench in two planes.
+    pub tilting: Vec<TwoPlaneSnapshot>,
 }
 
 /// What the tilt came to.
@@ -89,19 +103,46 @@ pub fn contact_state(view: &ContactView) -> ContactState {
     }
 }
 
-/// Runs a resolved bench over its drive's cycles, sampled at [`SAMPLE_RATE_HZ`]; `step_s` and `tick` as in [`run`].
+/// Runs a resolved bench over its drive's cycles, sampled at [`SAMPLE_RATE_HZ`]; `step_s` is the communication step of the
+/// networks; `tick` is called a hundred times on the way.
 pub fn run_bench(
     bench: &TransmissionBench,
     source: ForceSource,
     step_s: f64,
     tick: impl FnMut(),
 ) -> Result<ForcedRun, CliError> {
-    if bench.two_plane.is_some() {
-        return run_tilting(bench, source);
+    let longest_s = if bench.two_plane.is_some() { LONGEST_TILTING_S } else { LONGEST_S };
+    if bench.duration_s() > longest_s {
+        return Err(CliError::Input(format!(
+            "drive.cycles: found {} of drive.period_s {}; expected a run of at most {longest_s} s",
+            bench.drive.cycles, bench.drive.period_s
+        )));
     }
-    let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
-    let times = bench.sample_times_s(SAMPLE_RATE_HZ);
-    run(&plant, bench.bearing.material, source, (bench.duration_s(), step_s), &times, tick)
+    let started = Instant::now();
+    let forced = if bench.two_plane.is_some() {
+        run_tilting(bench, source)?
+    } else {
+        run_planar(bench, source, step_s, tick)?
+    };
+    let wall_s = started.elapsed().as_secs_f64();
+    let peaks = match &forced.run.extremes {
+        Some(extremes) => {
+            // A step too coarse to hold the contact has no peaks, and the bar says so.
+            let coarser = run_planar(bench, source, 2.0 * step_s, || {}).ok();
+            extremes.against(coarser.and_then(|c| c.run.extremes).as_ref())
+        }
+        None => law_peaks(bench)?,
+    };
+    Ok(ForcedRun { wall_s, peaks, ..forced })
+}
+
+/// The analytic law's peaks: bars from the tolerance of every run, values from a tighter one.
+pub fn law_peaks(bench: &TransmissionBench) -> Result<Vec<Peak>, CliError> {
+    let profiles = || (bench.drive_profile(), bench.load_profile());
+    let span = (bench.load.ramp_s, bench.duration_s());
+    Ok(peaks_with_bars(span, DEFAULT_TOLERANCE, |tolerance, times| {
+        snapshots(bench, profiles(), bench.duration_s(), times, tolerance)
+    })?)
 }
 
 /// The bench in two planes; the networks know a bearing without tilt only.
@@ -120,27 +161,41 @@ fn run_tilting(bench: &TransmissionBench, source: ForceSource) -> Result<ForcedR
         largest_tilt_rad: largest(|s| s.tilt_about_y_rad.hypot(s.tilt_about_z_rad)),
         largest_edge_ratio: largest(TwoPlaneSnapshot::edge_ratio),
     };
+    let tilting = run.samples;
     let run = Run {
-        samples: run.samples.into_iter().map(|s| s.planar).collect(),
+        samples: tilting.iter().map(|s| s.planar).collect(),
         impacts: run.impacts,
         energy_residual_rel: run.energy.residual_rel,
         energy: run.energy,
         steps: run.steps,
+        extremes: None,
     };
-    Ok(ForcedRun { run, outside_training_share: 0.0, tilt: Some(tilt) })
+    Ok(ForcedRun { tilt: Some(tilt), tilting, ..ForcedRun::of(run) })
 }
 
-/// Runs the plant with a force source. `end_s` and `samples_s` as in `bench::run`; `step_s` is the communication step
-/// of the networks; `tick` is called a hundred times on the way.
-pub fn run(
-    plant: &Transmission,
-    material: BearingMaterial,
+impl ForcedRun {
+    fn of(run: Run) -> Self {
+        Self {
+            run,
+            wall_s: 0.0,
+            peaks: Vec::new(),
+            outside_training_share: 0.0,
+            tilt: None,
+            tilting: Vec::new(),
+        }
+    }
+}
+
+/// The planar bench with a force source.
+fn run_planar(
+    bench: &TransmissionBench,
     source: ForceSource,
-    (end_s, step_s): (f64, f64),
-    samples_s: &[f64],
+    step_s: f64,
     mut tick: impl FnMut(),
 ) -> Result<ForcedRun, CliError> {
-    let bearing = bearing_of(material);
+    let plant = &Transmission::new(bench, bench.drive_profile(), bench.load_profile());
+    let (samples_s, end_s) = (&bench.sample_times_s(SAMPLE_RATE_HZ), bench.duration_s());
+    let bearing = bearing_of(bench.bearing.material);
     let every = ((end_s / step_s / 100.0) as usize).max(1);
     let (mut steps, mut contacts, mut outside) = (0_usize, 0_usize, 0_usize);
     let mut held = |view: &ContactView, [normal_n, friction_n]: [f32; 2], flags: Flags| {
@@ -174,9 +229,6 @@ pub fn run(
             })?
         }
     };
-    Ok(ForcedRun {
-        run,
-        outside_training_share: if contacts > 0 { outside as f64 / contacts as f64 } else { 0.0 },
-        tilt: None,
-    })
+    let outside_training_share = if contacts > 0 { outside as f64 / contacts as f64 } else { 0.0 };
+    Ok(ForcedRun { outside_training_share, ..ForcedRun::of(run) })
 }

@@ -1,7 +1,7 @@
 //! `host-sim`: runs, records, diagnoses and validates the test bench.
 
 use clap::{Parser, Subcommand};
-use host_sim::commands::{diagnose, figures, record, run, sweep, validate};
+use host_sim::commands::{diagnose, figures, laws, record, run, sweep, validate};
 use std::process::ExitCode;
 
 /// Simulates a rudder drive's test bench with the controller's own inference code in the loop, and finds what the
@@ -33,6 +33,8 @@ enum Command {
     Sweep(sweep::SweepArgs),
     /// Run the paper's Figs. 16-20 again, with the table of its claims.
     Figures(figures::FiguresArgs),
+    /// List the contact and friction laws that a bench description may name.
+    Laws(laws::LawsArgs),
     /// Compare the models with published known answers.
     Validate(validate::ValidateArgs),
 }
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
         Some(Command::Diagnose(args)) => diagnose::run(&args),
         Some(Command::Sweep(args)) => sweep::run(&args),
         Some(Command::Figures(args)) => figures::run(&args),
+        Some(Command::Laws(args)) => laws::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
     };
     match result {

@@ -1,6 +1,7 @@
 //! Options that several commands share: which bench, and what to change on it.
 
 use crate::error::CliError;
+use bench::slider_crank_description::SliderCrankBench;
 use bench::{BearingMaterial, Bench};
 use clap::{Args, ValueEnum};
 
@@ -25,7 +26,8 @@ impl From<BearingName> for BearingMaterial {
 /// The bench and what differs from its description.
 #[derive(Args, Clone, Debug)]
 pub struct BenchOptions {
-    /// Preset (bench-b, bench-a, friction-rig, slider-crank) or bench description file.
+    /// Preset (bench-b, bench-a, friction-rig, friction-rig-babbitt, friction-rig-plastic, slider-crank) or bench
+    /// description file.
     #[arg(long, default_value = "bench-b", value_name = "NAME|FILE")]
     pub bench: String,
     /// Bearing material, with its modulus, restitution and friction.
@@ -43,8 +45,26 @@ pub struct BenchOptions {
 }
 
 impl BenchOptions {
+    /// Refuses the changes where the bench has nothing of the kind.
+    pub fn unchanged(&self, plant: &str) -> Result<(), CliError> {
+        let given = self.bearing.is_some() || self.clearance_mm.is_some() || self.cycles.is_some();
+        if given || self.load_kn.is_some() {
+            return Err(CliError::Input(format!(
+                "{}: --bearing, --clearance-mm, --load-kn and --cycles belong to a transmission bench; found a {plant}",
+                self.bench
+            )));
+        }
+        Ok(())
+    }
+
     /// Opens the bench and applies the changes; the result has been checked as a whole.
     pub fn open(&self) -> Result<Bench, CliError> {
+        if SliderCrankBench::open(&self.bench)?.is_some() {
+            return Err(CliError::Input(format!(
+                "{}: found plant `slider-crank`, which only `run` takes; expected `transmission-bench` or `friction-rig`",
+                self.bench
+            )));
+        }
         let mut bench = Bench::open(&self.bench)?;
         match &mut bench {
             Bench::Transmission(t) => {

@@ -13,8 +13,7 @@ const OSCILLATION_MEAN_S: f64 = 0.020;
 const OSCILLATION_WINDOW: (f64, f64) = (0.02, 0.13);
 
 /// What a run came to, the same bytes on every run. Peaks leave out the start: they count from the end of the load's
-/// ramp. The contact force's is located; components, torque and deformation are read at the samples, 0.1 ms apart, so a
-/// torque that turns around between two of them may stand 2 % too low.
+/// ramp. Each has its numerical error bar, see [`ForcedRun::peaks`]; none where the coarser run came to nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// Bearing material.
@@ -43,6 +42,42 @@ pub struct Figures {
     pub energy_residual_rel: f64,
     /// Share of the contact samples outside the networks' training range.
     pub outside_training_share: f64,
+    /// Error bars of the peaks.
+    pub error_bars: ErrorBars,
+}
+
+/// Numerical error bar of each peak, under the peak's name.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorBars {
+    /// Of the normal force.
+    pub peak_contact_force_n: Option<f64>,
+    /// Of the force along Y.
+    pub peak_force_y_n: Option<f64>,
+    /// Of the force along Z.
+    pub peak_force_z_n: Option<f64>,
+    /// Of the friction torque.
+    pub peak_friction_torque_nm: Option<f64>,
+    /// Of the deformation.
+    pub max_deformation_m: Option<f64>,
+}
+
+impl ErrorBars {
+    /// The largest bars of some runs in words.
+    pub fn largest<'a>(runs: impl Iterator<Item = &'a Figures> + Clone) -> String {
+        let most = |read: fn(&Self) -> Option<f64>, unit: f64| {
+            let bar = runs.clone().map(|f| read(&f.error_bars)).try_fold(0.0_f64, |m, b| Some(m.max(b?)));
+            bar.map_or_else(|| "unknown".into(), |bar| format!("{:.1e}", bar * unit))
+        };
+        format!(
+            "numerical error bars of the peaks, the largest: contact force {} N, Y {} N, Z {} N, torque {} N m, deformation \
+             {} um; from two tolerances, with networks from twice the communication step",
+            most(|b| b.peak_contact_force_n, 1.0),
+            most(|b| b.peak_force_y_n, 1.0),
+            most(|b| b.peak_force_z_n, 1.0),
+            most(|b| b.peak_friction_torque_nm, 1.0),
+            most(|b| b.max_deformation_m, 1e6)
+        )
+    }
 }
 
 /// The figures of a run with its wall time and what ran beside it.
@@ -55,8 +90,11 @@ pub struct Summary {
     pub wall_s_per_simulated_s: f64,
     /// Terms of the energy balance in J, and its relative residual.
     pub energy: serde_json::Map<String, serde_json::Value>,
-    /// Peaks of the analytic law, with error bars from two tolerances; none on a bench in two planes.
-    pub law_peaks: Vec<LawPeak>,
+    /// The run's peaks with their error bars and times.
+    pub peaks: Vec<PeakRow>,
+    /// Those of the analytic law, where the force came from networks.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub law_peaks: Vec<PeakRow>,
     /// The shaft's tilt, on a bench in two planes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tilt: Option<Tilt>,
@@ -68,23 +106,22 @@ pub struct Summary {
     pub against_law: Option<AgainstLaw>,
 }
 
-/// A peak of the analytic law. Components and torque are read more finely than from the samples of a run, so a narrow
-/// peak may stand a little above that of the figures.
+/// A peak as it is printed.
 #[derive(Clone, Debug, Serialize)]
-pub struct LawPeak {
+pub struct PeakRow {
     /// What it is the peak of, unit included.
     pub name: &'static str,
     /// Largest magnitude.
     pub value: f64,
-    /// Difference between the runs at two tolerances.
-    pub error_bar: f64,
+    /// Distance from the coarser run; none where that came to nothing.
+    pub error_bar: Option<f64>,
     /// When, s.
     pub time_s: f64,
 }
 
-impl From<Peak> for LawPeak {
-    fn from(Peak { name, value, error_bar, time_s }: Peak) -> Self {
-        Self { name, value, error_bar, time_s }
+impl From<&Peak> for PeakRow {
+    fn from(&Peak { name, value, error_bar, time_s }: &Peak) -> Self {
+        Self { name, value, error_bar: Some(error_bar).filter(|b| b.is_finite()), time_s }
     }
 }
 
@@ -146,29 +183,30 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
 impl Figures {
     /// Sums up a run whose samples lie `rate_hz` apart.
     pub fn of(bench: &TransmissionBench, force: ForceSource, forced: &ForcedRun, rate_hz: f64) -> Self {
-        let samples = after_start(bench, &forced.run.samples);
-        // Between samples the integrator knows better.
-        let located = forced
-            .run
-            .impacts
-            .iter()
-            .filter(|i| i.peak_s >= bench.load.ramp_s)
-            .map(|i| i.peak_force_n)
-            .fold(0.0, f64::max);
+        let peak = |name: &str| forced.peaks.iter().find(|p| p.name == name);
+        let value = |name: &str| peak(name).map_or(0.0, |p| p.value);
+        let bar = |name: &str| peak(name).map(|p| p.error_bar).filter(|b| b.is_finite());
         Self {
             bearing: bench.bearing.material,
             clearance_mm: bench.bearing.radial_clearance_m * 1e3,
             load_kn: bench.load.force_n * 1e-3,
             force,
-            peak_contact_force_n: peak(samples, |s| s.forces.normal_n).max(located),
-            peak_force_y_n: peak(samples, |s| s.force_y_n),
-            peak_force_z_n: peak(samples, |s| s.force_z_n),
-            peak_friction_torque_nm: peak(samples, |s| s.friction_torque_nm),
-            max_deformation_m: samples.iter().map(|s| s.contact.deformation_m).fold(0.0, f64::max),
+            peak_contact_force_n: value("peak_contact_force_n"),
+            peak_force_y_n: value("peak_force_y_n"),
+            peak_force_z_n: value("peak_force_z_n"),
+            peak_friction_torque_nm: value("peak_friction_torque_nm"),
+            max_deformation_m: value("max_deformation_m"),
             oscillation_rms_n: oscillation_rms_n(bench, &forced.run.samples, rate_hz),
             contacts: forced.run.impacts.len(),
             energy_residual_rel: forced.run.energy_residual_rel,
             outside_training_share: forced.outside_training_share,
+            error_bars: ErrorBars {
+                peak_contact_force_n: bar("peak_contact_force_n"),
+                peak_force_y_n: bar("peak_force_y_n"),
+                peak_force_z_n: bar("peak_force_z_n"),
+                peak_friction_torque_nm: bar("peak_friction_torque_nm"),
+                max_deformation_m: bar("max_deformation_m"),
+            },
         }
     }
 }
@@ -242,9 +280,8 @@ pub fn fluctuation_rms_n(samples: &[Snapshot], rate_hz: f64, (from_s, to_s): (f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force::run;
+    use crate::force::run_bench;
     use bench::Bench;
-    use bench::transmission::Transmission;
 
     #[test]
     fn the_reversal_and_the_oscillation_match_the_published_table() {
@@ -261,9 +298,7 @@ mod tests {
                 let reversals = acceleration_reversals_s(&bench);
                 assert_eq!(reversals.len(), 2, "{reversals:?}");
                 assert!((reversals[0] - 0.266).abs() < 5e-4 && (reversals[1] - 0.734).abs() < 5e-4);
-                let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
-                let times = bench.sample_times_s(10_000.0);
-                let forced = run(&plant, material, ForceSource::Law, (1.0, 1e-5), &times, || {}).unwrap();
+                let forced = run_bench(&bench, ForceSource::Law, 1e-5, || {}).unwrap();
                 let found = Figures::of(&bench, ForceSource::Law, &forced, 10_000.0).oscillation_rms_n;
                 assert!(
                     (found / expected - 1.0).abs() < 0.02,

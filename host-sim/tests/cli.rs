@@ -33,6 +33,10 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
         (&["run", "--bench", "no-such.toml"], "neither a preset"),
         (&["run", "--bench", "broken.toml"], "broken.toml"),
         (&["run", "--bench", "friction-rig"], "expected `transmission-bench`"),
+        (&["run", "--bench", "slider-crank", "--load-kn", "1"], "belong to a transmission bench"),
+        (&["record", "--bench", "slider-crank"], "found plant `slider-crank`"),
+        (&["run", "--cycles", "4000000000"], "drive.cycles is 4e9; expected 1 to 1000000"),
+        (&["run", "--cycles", "5000"], "expected a run of at most 2000 s"),
         (&["run", "--step-us", "0"], "--step-us: found 0; expected"),
         (&["run", "--force", "wishes"], "possible values"),
     ] {
@@ -87,7 +91,10 @@ fn the_main_job_follows_the_law_and_its_estimator_follows_the_bench() {
     let first = |field: &str| peaks[0].get(field).and_then(serde_json::Value::as_f64).unwrap();
     assert_eq!(peaks[0].get("name").and_then(serde_json::Value::as_str), Some("peak_contact_force_n"));
     assert!((first("value") - law).abs() < 1.0 && first("error_bar") < 0.1, "{peaks:?}");
-    for section in ["Peaks of the analytic law", "Energy", "Contacts", "What the model leaves out"] {
+    let own = run.pointer("/peaks/0/error_bar").and_then(serde_json::Value::as_f64).unwrap();
+    assert!(own > 0.0 && own < 0.01 * law, "{own}");
+    assert_eq!(number("/error_bars/peak_contact_force_n"), own);
+    for section in ["Peaks", "Energy", "Contacts", "What the model leaves out"] {
         assert!(report.contains(section), "{section}");
     }
     let impacts = std::fs::read_to_string(directory.path().join("out/run/impacts.csv")).unwrap();
@@ -124,6 +131,55 @@ fn every_known_answer_holds() {
     }
     let written = std::fs::read_to_string(directory.path().join("v/validate.json")).unwrap();
     assert_eq!(serde_json::from_str::<serde_json::Value>(&written).unwrap(), printed);
+}
+
+#[test]
+fn a_tilted_bearing_shows_its_edge_load_and_every_peak_its_bar() {
+    let directory = tempfile::tempdir().unwrap();
+    let preset = include_str!("../../crates/bench/presets/bench-b.toml");
+    let tilted =
+        "[two_plane]\nslices = 5\nmisalignment_y_rad = 1e-3\nsupport_stiffness_nm_rad = 5e5\n[logging]";
+    std::fs::write(directory.path().join("tilted.toml"), preset.replace("[logging]", tilted)).unwrap();
+    let run = json(&host_sim(
+        directory.path(),
+        &["run", "--bench", "tilted.toml", "--force", "law", "--controller", "none", "--json"],
+    ));
+    let number = |name: &str| run.pointer(name).and_then(serde_json::Value::as_f64).unwrap();
+    assert!(number("/tilt/largest_edge_ratio") > 1.1, "{run}");
+    assert!(number("/error_bars/peak_contact_force_n") < 0.05 * number("/peak_contact_force_n"), "{run}");
+    let read = |name: &str| std::fs::read_to_string(directory.path().join("out/run").join(name)).unwrap();
+    let table = read("tilt.csv");
+    assert!(table.starts_with("t_s,tilt_about_y_rad,") && table.lines().count() == 1001);
+    assert!(table.lines().next().unwrap().ends_with(",line_load_5_n_m"));
+    let report = read("report.html");
+    assert!(report.contains("Line load along the bearing") && report.contains("Tilt of the shaft"));
+}
+
+#[test]
+fn the_slider_cranks_peaks_have_bars_and_its_contacts_a_table() {
+    let directory = tempfile::tempdir().unwrap();
+    let run = json(&host_sim(directory.path(), &["run", "--bench", "slider-crank", "--json"]));
+    let bars = run.get("error_bars_n").and_then(serde_json::Value::as_array).unwrap();
+    assert_eq!(bars.len(), 20);
+    assert!(bars[0].as_f64().unwrap() < 0.01, "{bars:?}");
+    let impacts = std::fs::read_to_string(directory.path().join("out/run/impacts.csv")).unwrap();
+    assert_eq!(impacts.lines().count(), 21);
+}
+
+#[test]
+fn every_law_is_listed_with_range_and_source_and_its_name_is_one_of_a_description() {
+    let directory = tempfile::tempdir().unwrap();
+    let printed = json(&host_sim(directory.path(), &["laws", "--json"]));
+    let laws = printed.get("laws").and_then(serde_json::Value::as_array).unwrap();
+    let field = |law: &serde_json::Value, name: &str| law.get(name).unwrap().as_str().unwrap().to_owned();
+    for law in laws {
+        assert!(!field(law, "range").is_empty() && !field(law, "source").is_empty(), "{law}");
+    }
+    let has = |at: &str, name: &str| laws.iter().any(|l| field(l, "field") == at && field(l, "name") == name);
+    assert!(has("contact.stiffness", "liu-times-length") && has("contact.dissipation", "zhiying-qishao"));
+    assert!(has("contact.law", "adams-impact") && has("friction.law", "lugre"));
+    let text = text(&host_sim(directory.path(), &["laws"]).stdout);
+    assert!(text.contains("in the library only"), "{text}");
 }
 
 #[test]

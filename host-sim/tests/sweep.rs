@@ -178,12 +178,12 @@ fn wrong_input_exits_with_2_and_names_the_field() {
 }
 
 #[test]
-fn a_run_that_cannot_be_integrated_is_recorded_and_the_rest_is_done() {
+fn a_run_that_fails_is_recorded_and_the_rest_is_done() {
     let directory = tempfile::tempdir().unwrap();
-    // Next to no mass on a stiff contact: the step size underflows.
+    // A cycle longer than any run may be.
     std::fs::write(
         directory.path().join("s.toml"),
-        "[[parameters]]\npath = \"shaft.mass_kg\"\nvalues = [150, 1e-30]",
+        "[[parameters]]\npath = \"drive.period_s\"\nvalues = [1, 3000]",
     )
     .unwrap();
     let output = host_sim(directory.path(), &["sweep", "s.toml", "--out", "out"]);

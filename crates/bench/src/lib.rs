@@ -35,6 +35,6 @@ pub mod transmission;
 pub mod two_plane;
 
 pub use channel::{Channel, Role};
-pub use description::{BearingMaterial, Bench, DescriptionError};
+pub use description::{BearingMaterial, Bench, DescriptionError, integrates_friction};
 pub use description_io::PRESETS;
 pub use log::MeasuredLog;

@@ -34,6 +34,7 @@ pub const LIMITS: &[Limits] = &[
             "The ends of the bearing are as stiff as its middle.",
             "Gyroscopic moments of the slow shaft are left out.",
             "The drive is rigid: no hydraulic column, no play in the fork.",
+            "The controller sees the journal in the bearing's middle only: of contact at the ends it knows nothing.",
             "As on the planar bench: dry, round, no wear during a run, constant temperature.",
         ],
     },

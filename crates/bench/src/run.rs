@@ -4,6 +4,7 @@ use crate::description::TransmissionBench;
 use crate::energy::EnergyAudit;
 use crate::integrate::{ContactPlant, Impact, IntegrationError, integrate};
 use crate::motion::Profile;
+use crate::peaks::Extremes;
 use crate::transmission::{BearingForces, ContactView, STATES, Snapshot, State, Transmission};
 use crate::two_plane::{TwoPlane, run_two_plane};
 use differential_equations::ode::OrdinaryNumericalMethod;
@@ -26,6 +27,8 @@ pub struct Run {
     pub energy: EnergyAudit,
     /// Integrator steps.
     pub steps: usize,
+    /// With a held force: the extremes over all communication steps from the end of the load's ramp on.
+    pub extremes: Option<Extremes>,
 }
 
 impl TransmissionBench {
@@ -88,6 +91,7 @@ pub fn run_with_law(
         energy_residual_rel: energy.residual_rel,
         energy,
         steps: result.steps,
+        extremes: None,
     })
 }
 
@@ -138,6 +142,7 @@ pub fn run_with_held_force(
     let mut samples = Vec::with_capacity(samples_s.len());
     let mut next_sample = 0;
     let mut impacts: Vec<Impact> = Vec::new();
+    let mut extremes = Extremes::default();
     let (mut contact, mut latched) = (false, 0.0);
     for step in 0..count {
         let time_s = step as f64 * step_s;
@@ -180,8 +185,12 @@ pub fn run_with_held_force(
                 (impact.peak_force_n, impact.peak_s) = (forces.normal_n, time_s);
             }
         }
+        let snapshot = plant.snapshot(time_s, &state, latched, forces);
+        if time_s >= plant.load_up_s() {
+            extremes.see(&snapshot);
+        }
         while samples_s.get(next_sample).is_some_and(|&t| t < time_s + 0.5 * step_s) {
-            samples.push(plant.snapshot(time_s, &state, latched, forces));
+            samples.push(snapshot);
             next_sample += 1;
         }
         system.components.set(plant.components(&middle, &forces));
@@ -196,5 +205,6 @@ pub fn run_with_held_force(
         }
     }
     let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state));
-    Ok(Run { samples, impacts, energy_residual_rel: energy.residual_rel, energy, steps: count })
+    let extremes = Some(extremes);
+    Ok(Run { samples, impacts, energy_residual_rel: energy.residual_rel, energy, steps: count, extremes })
 }

@@ -1,6 +1,6 @@
 //! `host-sim run`: the bench with the networks or the law as the bearing force, the estimator beside it.
 
-use super::{output, run_report, slider_crank, sweep};
+use super::{output, run_report, run_tilt, slider_crank, sweep};
 use crate::controller::{ControllerError, EmulatedController, NativeController};
 use crate::error::CliError;
 use crate::estimator::{self, Tracked};
@@ -8,16 +8,13 @@ use crate::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use crate::options::BenchOptions;
 use crate::progress;
 use crate::sensing;
-use crate::summary::{AgainstLaw, EstimatorSummary, Figures, LawPeak, Summary};
+use crate::summary::{AgainstLaw, EstimatorSummary, Figures, PeakRow, Summary};
 use bench::description::TransmissionBench;
-use bench::peaks::peaks_with_bars;
-use bench::run::DEFAULT_TOLERANCE;
 use bench::slider_crank_description::SliderCrankBench;
 use bench::transmission::Transmission;
 use bench::{Bench, MeasuredLog, impact_log};
 use clap::{Args, Parser, ValueEnum};
 use std::path::PathBuf;
-use std::time::Instant;
 
 /// Where the estimator runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -55,7 +52,7 @@ pub struct RunArgs {
     /// Firmware for the emulated controller.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
-    /// Folder for log.csv, impacts.csv, run.json and report.html.
+    /// Folder for log.csv, impacts.csv, run.json and report.html; on a bench in two planes also tilt.csv.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
     pub out: PathBuf,
     /// Print the figures as JSON.
@@ -93,6 +90,7 @@ pub struct Finished {
 /// Runs the command.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(bench) = SliderCrankBench::open(&args.bench.bench)? {
+        args.bench.unchanged("slider-crank")?;
         return slider_crank::run(&bench, args);
     }
     let finished = execute(args)?;
@@ -101,6 +99,10 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let page = run_report::page(&finished).map_err(CliError::Work)?;
     output::write(&args.out, "log.csv", &log_of(&finished, args.seed).to_csv())?;
     output::write(&args.out, impact_log::FILE_NAME, &impacts)?;
+    if !finished.forced.tilting.is_empty() {
+        let table = run_tilt::to_csv(&finished.forced.tilting, log_interval(&finished));
+        output::write(&args.out, run_tilt::FILE_NAME, &table)?;
+    }
     output::write(&args.out, "run.json", &format!("{json}\n"))?;
     output::write(&args.out, "report.html", &page.render())?;
     if args.json {
@@ -131,13 +133,11 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
 
     let bar = progress::bar(args.json, progress::PERCENT);
-    let started = Instant::now();
     bar.set_message(format!("bench with {}", args.force.name()));
     let forced = force::run_bench(&resolved, args.force, step_s, || bar.inc(1))?;
-    let wall_s = started.elapsed().as_secs_f64();
     let mut summary = Summary {
         figures: Figures::of(&resolved, args.force, &forced, SAMPLE_RATE_HZ),
-        wall_s_per_simulated_s: wall_s / resolved.duration_s(),
+        wall_s_per_simulated_s: forced.wall_s / resolved.duration_s(),
         energy: forced
             .run
             .energy
@@ -145,7 +145,8 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
             .map(|(name, value)| (name.to_owned(), value.into()))
             .into_iter()
             .collect(),
-        law_peaks: law_peaks(&resolved, &plant)?,
+        peaks: forced.peaks.iter().map(PeakRow::from).collect(),
+        law_peaks: Vec::new(),
         tilt: forced.tilt,
         estimator: None,
         against_law: None,
@@ -154,6 +155,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         None
     } else {
         let law = force::run_bench(&resolved, ForceSource::Law, step_s, || {})?;
+        summary.law_peaks = law.peaks.iter().map(PeakRow::from).collect();
         summary.against_law = Some(AgainstLaw::of(&resolved, &forced.run.samples, &law.run.samples));
         Some(law)
     };
@@ -180,19 +182,15 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     Ok(Finished { bench: *resolved, summary, forced, law, tracked })
 }
 
-/// The peaks of the analytic law with their error bars, from the end of the load's ramp on.
-fn law_peaks(bench: &TransmissionBench, plant: &Transmission) -> Result<Vec<LawPeak>, CliError> {
-    if bench.two_plane.is_some() {
-        return Ok(Vec::new());
-    }
-    let peaks = peaks_with_bars(plant, (bench.load.ramp_s, bench.duration_s()), DEFAULT_TOLERANCE)?;
-    Ok(peaks.into_iter().map(LawPeak::from).collect())
+/// Samples of a run from one of the log to the next.
+fn log_interval(finished: &Finished) -> usize {
+    ((SAMPLE_RATE_HZ / finished.bench.logging.sample_rate_hz).round() as usize).max(1)
 }
 
 /// The run as a measured log: the bench's sensors at its logging rate.
 fn log_of(finished: &Finished, seed: u64) -> MeasuredLog {
-    let every = ((SAMPLE_RATE_HZ / finished.bench.logging.sample_rate_hz).round() as usize).max(1);
-    let samples: Vec<_> = finished.forced.run.samples.iter().step_by(every).copied().collect();
+    let samples: Vec<_> =
+        finished.forced.run.samples.iter().step_by(log_interval(finished)).copied().collect();
     bench::record::log_of(&Bench::Transmission(Box::new(finished.bench.clone())), &samples, seed)
 }
 

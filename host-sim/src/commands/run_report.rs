@@ -1,10 +1,10 @@
 //! The report of a run: the figures as a table, the forces over the cycle, the journal's orbit.
 
-use super::limits;
 use super::run::Finished;
+use super::{limits, run_tilt};
 use crate::figure::{Chart, Series, Style, lines, map};
 use crate::page::Page;
-use crate::summary::{LawPeak, Summary};
+use crate::summary::{PeakRow, Summary};
 use bench::integrate::Impact;
 use bench::transmission::Snapshot;
 
@@ -96,9 +96,17 @@ const IMPACT_HEADER: [&str; 7] = [
     "energy lost, J",
 ];
 
+/// The slice of a contact is worth a column only where there are several.
+fn impact_header(finished: &Finished) -> Vec<&'static str> {
+    let slice = (!finished.forced.tilting.is_empty()).then_some("slice");
+    slice.into_iter().chain(IMPACT_HEADER).collect()
+}
+
 fn impact_rows(finished: &Finished) -> Vec<Vec<String>> {
+    let slices = !finished.forced.tilting.is_empty();
     let row = |i: &Impact| {
-        vec![
+        let slice = slices.then(|| (i.contact + 1).to_string());
+        let cells = [
             format!("{:.6}", i.onset_s),
             format!("{:.3}", i.angles.crank_rad.to_degrees()),
             format!("{:.3}", 1e3 * i.approach_speed_m_s),
@@ -106,7 +114,8 @@ fn impact_rows(finished: &Finished) -> Vec<Vec<String>> {
             format!("{:.2}", 1e6 * i.max_deformation_m),
             i.duration_s().map_or_else(|| "to the end".into(), |d| format!("{:.3}", 1e3 * d)),
             number(i.energy_lost_j),
-        ]
+        ];
+        slice.into_iter().chain(cells).collect()
     };
     finished.forced.run.impacts.iter().take(LISTED).map(row).collect()
 }
@@ -123,10 +132,12 @@ fn energy_rows(finished: &Finished) -> Vec<Vec<String>> {
 }
 
 fn peak_rows(summary: &Summary) -> Vec<Vec<String>> {
-    let row = |p: &LawPeak| {
-        vec![p.name.to_owned(), number(p.value), format!("{:.1e}", p.error_bar), format!("{:.4}", p.time_s)]
+    let row = |source: &str, p: &PeakRow| {
+        let bar = p.error_bar.map_or_else(|| "unknown".into(), |bar| format!("{bar:.1e}"));
+        vec![source.into(), p.name.to_owned(), number(p.value), bar, format!("{:.4}", p.time_s)]
     };
-    summary.law_peaks.iter().map(row).collect()
+    let own = summary.peaks.iter().map(|p| row(summary.figures.force.name(), p));
+    own.chain(summary.law_peaks.iter().map(|p| row("law", p))).collect()
 }
 
 /// Energy balance, contacts and peaks with their bars on the terminal.
@@ -138,11 +149,11 @@ pub(super) fn print_audit(finished: &Finished) {
         rows.iter().for_each(|row| say!("{}", line(row)));
     };
     table("energy", &["term", "value"], energy_rows(finished));
-    table("contacts (all in impacts.csv)", &IMPACT_HEADER, impact_rows(finished));
-    table("peaks of the analytic law", &PEAK_HEADER, peak_rows(&finished.summary));
+    table("contacts (all in impacts.csv)", &impact_header(finished), impact_rows(finished));
+    table("peaks", &PEAK_HEADER, peak_rows(&finished.summary));
 }
 
-const PEAK_HEADER: [&str; 4] = ["peak", "value", "error bar", "at, s"];
+const PEAK_HEADER: [&str; 5] = ["force from", "peak", "value", "error bar", "at, s"];
 
 /// The page. An error is a drawing failure, in words.
 pub(super) fn page(finished: &Finished) -> Result<Page, String> {
@@ -237,16 +248,19 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
             "Negative is a gap.",
         ),
     ]);
-    page.section("Peaks of the analytic law").table(&PEAK_HEADER, &peak_rows(summary));
+    if !finished.forced.tilting.is_empty() {
+        run_tilt::section(&mut page, &finished.bench, &finished.forced.tilting)?;
+    }
+    page.section("Peaks").table(&PEAK_HEADER, &peak_rows(summary));
     page.note(
-        "The error bar is the difference between runs at two tolerances. Read more finely than the samples above, so a \
-         narrow peak of the torque may stand a little higher.",
+        "The error bar is the numerical one: the distance between runs at two tolerances, with networks from one at twice \
+         the communication step, which holds the step's error but not the networks' own: that is their difference from the law.",
     );
     page.section("Energy").table(&["term", "value"], &energy_rows(finished));
     page.note(
         "Work of drive, load and gravity less friction heat, damping loss and change of the stored energy is the residual.",
     );
-    page.section("Contacts").table(&IMPACT_HEADER, &impact_rows(finished));
+    page.section("Contacts").table(&impact_header(finished), &impact_rows(finished));
     page.note("The first 30; impacts.csv has all, with angles, latched speeds and restitution.");
     limits::section(&mut page, limits::plant_of(&finished.bench));
     Ok(page)

@@ -5,9 +5,10 @@ use super::run::RunArgs;
 use crate::error::CliError;
 use crate::figure::{Chart, Series, lines};
 use crate::page::Page;
-use bench::atomic;
 use bench::integrate::{ContactPlant, Impact, integrate};
+use bench::peaks::{TIGHTER, impacts_with_bars};
 use bench::slider_crank_description::SliderCrankBench;
+use bench::{atomic, impact_log};
 use serde::Serialize;
 
 /// Relative tolerance that keeps the slider's position within 1e-6 m over .6 revolutions.
@@ -32,9 +33,11 @@ pub(super) struct SliderCrankSummary {
     onsets_s: Vec<f64>,
     /// Largest force of each contact.
     peaks_n: Vec<f64>,
+    /// Numerical error bar of each, from a coarser tolerance; none for a contact that the coarser run does not have.
+    error_bars_n: Vec<Option<f64>>,
 }
 
-/// Runs the slider-crank and writes log.csv, run.json and report.html.
+/// Runs the slider-crank and writes log.csv, impacts.csv, run.json and report.html.
 pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliError> {
     let plant = bench.plant();
     let end_s = bench.duration_s();
@@ -51,6 +54,10 @@ pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
             rows.push((t, s[1], s[3], plant.deformation(t, s).0, plant.normal_force_n(t, s, latched)));
         },
     )?;
+    let tolerances = plant.tolerances(TOLERANCE / TIGHTER);
+    let bars = impacts_with_bars(&plant, (0.0, end_s), plant.initial_state(), &tolerances)?;
+    let error_bars_n: Vec<Option<f64>> =
+        bars.iter().map(|(_, bar)| Some(*bar).filter(|b| b.is_finite())).collect();
     let peaks_n: Vec<f64> = result.impacts.iter().map(|i: &Impact| i.peak_force_n).collect();
     let [_, position, _, speed] = result.state;
     let summary = SliderCrankSummary {
@@ -61,6 +68,7 @@ pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
         slider_speed_m_s: speed,
         onsets_s: result.impacts.iter().map(|i| i.onset_s).collect(),
         peaks_n,
+        error_bars_n,
     };
     let mut csv = String::from("t_s,position_m,velocity_m_s,deformation_m,contact_force_n\n");
     for (t, x, v, d, f) in &rows {
@@ -78,11 +86,13 @@ pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
     let table: Vec<Vec<String>> = result
         .impacts
         .iter()
-        .map(|i| {
+        .zip(&summary.error_bars_n)
+        .map(|(i, bar)| {
             vec![
                 format!("{:.3}", i.onset_s * 1e6),
                 format!("{:.4}", i.approach_speed_m_s),
                 format!("{:.2}", i.peak_force_n),
+                bar.map_or_else(|| "unknown".into(), |bar| format!("{bar:.1e}")),
             ]
         })
         .collect();
@@ -94,20 +104,27 @@ pub(super) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
         &lines(&chart("Slider speed", "m/s"), &[series("speed", |r| r.2)]).map_err(CliError::Work)?,
         "Every contact is a kink.",
     );
-    page.section("Contacts").table(&["onset, us", "approach speed, m/s", "peak force, N"], &table);
+    page.section("Contacts")
+        .table(&["onset, us", "approach speed, m/s", "peak force, N", "error bar, N"], &table);
+    page.note("The error bar is the distance from a run at a coarser tolerance; impacts.csv has more of each contact.");
     limits::section(&mut page, "slider-crank");
     let json = serde_json::to_string_pretty(&summary).map_err(|e| CliError::Work(e.to_string()))?;
-    for (name, text) in [("log.csv", csv), ("run.json", format!("{json}\n")), ("report.html", page.render())]
-    {
+    let impacts = impact_log::to_csv(&result.impacts, bench.joint.latch_floor_m_s);
+    for (name, text) in [
+        ("log.csv", csv),
+        (impact_log::FILE_NAME, impacts),
+        ("run.json", format!("{json}\n")),
+        ("report.html", page.render()),
+    ] {
         let path = args.out.join(name);
         atomic::write(&path, text.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
     }
     if args.json {
         say!("{json}");
     } else {
-        say!("{:>12} {:>12} {:>14}", "onset, us", "speed, m/s", "peak force, N");
+        say!("{:>12} {:>12} {:>14} {:>12}", "onset, us", "speed, m/s", "peak force, N", "error bar, N");
         for row in &table {
-            say!("{:>12} {:>12} {:>14}", row[0], row[1], row[2]);
+            say!("{:>12} {:>12} {:>14} {:>12}", row[0], row[1], row[2], row[3]);
         }
         say!(
             "slider at {position:.10} m, {speed:.6} m/s\n\nreport: {}",

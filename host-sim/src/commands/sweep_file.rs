@@ -9,7 +9,7 @@ use crate::force;
 use crate::page::Page;
 use crate::paper::BEARINGS;
 use crate::progress;
-use crate::summary::Figures;
+use crate::summary::{ErrorBars, Figures};
 use crate::sweep::journal::{Header, Journal, Record};
 use crate::sweep::points::points;
 use crate::sweep::specification::{Scale, Specification};
@@ -128,7 +128,14 @@ fn summary(outcome: &Outcome) -> String {
             text.push_str(&format!("{what:<24} {low:>10.1} to {high:>10.1} {unit}\n"));
         }
     }
+    text.push_str(&bars(outcome));
+    text.push('\n');
     text
+}
+
+fn bars(outcome: &Outcome) -> String {
+    let figures: Vec<&Figures> = outcome.runs.iter().filter_map(|r| r.figures).collect();
+    ErrorBars::largest(figures.into_iter())
 }
 
 fn pictures(outcome: &Outcome) -> Result<Vec<Picture>, CliError> {
@@ -175,6 +182,7 @@ fn page(file: &str, outcome: &Outcome, pictures: &[Picture], plant: &str) -> Pag
     page.section("Figures over each parameter");
     output::show(&mut page, pictures);
     page.section("Runs");
+    page.note(&format!("Here {}. runs.csv has each.", bars(outcome)));
     if outcome.runs.len() > LISTED {
         page.note(&format!("The first {LISTED} of {}; runs.csv has all.", outcome.runs.len()));
     }

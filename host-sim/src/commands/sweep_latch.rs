@@ -13,7 +13,7 @@ use crate::figure::{Chart, Series, Style, lines_log_x};
 use crate::force::{self, DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ};
 use crate::page::Page;
 use crate::paper::{BEARINGS, CLEARANCES_MM, resolved, variant};
-use crate::summary::Figures;
+use crate::summary::{ErrorBars, Figures};
 use crate::sweep::table;
 use crate::{parallel, progress};
 use bench::BearingMaterial;
@@ -94,6 +94,7 @@ pub(super) fn run(options: &RunOptions, folder: &Path, json: bool) -> Result<(),
         say!("peak contact force in N by floor or reference speed");
         say!("{}", line(&header()));
         rows(&outcome.runs).iter().for_each(|row| say!("{}", line(row)));
+        say!("{}", ErrorBars::largest(outcome.runs.iter().map(|r| &r.figures)));
         say!("\nreport: {}", folder.join("report.html").display());
     }
     Ok(())
@@ -192,6 +193,7 @@ fn page(runs: &[LatchRun], pictures: &[Picture], plant: &str) -> Page {
     page.section("Peak contact force, N, by floor or reference speed");
     let header = header();
     page.table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows(runs));
+    page.note(&format!("Here {}. runs.csv has each.", ErrorBars::largest(runs.iter().map(|r| &r.figures))));
     limits::section(&mut page, plant);
     page
 }

@@ -11,6 +11,7 @@ use crate::force::ForceSource;
 use crate::page::Page;
 use crate::paper::{PaperRun, PaperRuns, Series};
 use crate::progress;
+use crate::summary::ErrorBars;
 use crate::sweep::table;
 use serde::Serialize;
 use std::path::Path;
@@ -56,6 +57,8 @@ pub(super) fn run(
         };
         page.section(heading).text(text);
         page.table(&HEADER, &runs.series(one).into_iter().map(cells).collect::<Vec<_>>());
+        let bars = ErrorBars::largest(runs.series(one).into_iter().map(|r| &r.figures));
+        page.note(&format!("Here {bars}. runs.csv has each."));
         let drawn = pictures::over_time(&runs, one)?;
         output::show(&mut page, &drawn);
         all.extend(drawn);
@@ -152,6 +155,7 @@ fn print(outcome: &Outcome) {
     for run in &outcome.runs {
         say!("{}", line(cells(run)));
     }
+    say!("{}", ErrorBars::largest(outcome.runs.iter().map(|r| &r.figures)));
     say!("\n{}:", counts(&outcome.claims));
     for c in &outcome.claims {
         say!("{:>3} {:<13} {}\n{:17} {}", c.id, c.verdict.name(), c.claim, "", c.why);

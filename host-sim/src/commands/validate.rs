@@ -11,9 +11,6 @@ use crate::progress;
 use crate::summary::Figures;
 use bench::description::TransmissionBench;
 use bench::known_answers::{KnownAnswer, known_answers};
-use bench::peaks::peaks_with_bars;
-use bench::run::DEFAULT_TOLERANCE;
-use bench::transmission::Transmission;
 use bench::{BearingMaterial, Bench};
 use clap::Args;
 use contact::{Dissipation, produced_restitution};
@@ -205,8 +202,7 @@ fn bench_b() -> Result<Vec<Case>, CliError> {
 
 /// Peaks in the tables' order and units.
 fn peaks_of(bench: &TransmissionBench) -> Result<[f64; 5], CliError> {
-    let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
-    let peaks = peaks_with_bars(&plant, (bench.load.ramp_s, bench.duration_s()), DEFAULT_TOLERANCE)?;
+    let peaks = force::law_peaks(bench)?;
     let value = |name: &str| peaks.iter().find(|p| p.name == name).map_or(f64::NAN, |p| p.value);
     Ok([
         value("peak_contact_force_n"),

@@ -10,12 +10,20 @@ use contact::{FrictionKind, LawError, StiffnessKind, WholeKind};
 const NOT_INTEGRATED: [FrictionKind; 3] =
     [FrictionKind::Coulomb, FrictionKind::Karnopp, FrictionKind::SevenParameter];
 
+/// Whether a bench can be integrated with the friction law of this name.
+pub fn integrates_friction(name: &str) -> bool {
+    FrictionKind::from_name(name).is_some_and(|kind| !NOT_INTEGRATED.contains(&kind))
+}
+
 /// Field, what was found and what was expected, if anything is wrong.
 pub(super) fn refusal(bench: &TransmissionBench) -> Option<(String, String, String)> {
     if let Some(name) = bench.friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
         let fit = FrictionKind::ALL.iter().filter(|kind| !NOT_INTEGRATED.contains(kind));
         let names: Vec<&str> = fit.map(|kind| kind.entry().name).collect();
-        let expected = format!("one of {}: a bench needs a law that is continuous at rest", names.join(", "));
+        let expected = format!(
+            "one of {}: a bench integrates laws that are a rate and continuous at rest",
+            names.join(", ")
+        );
         return Some(("friction.law".into(), name.0.entry().name.into(), expected));
     }
     in_vain(bench)

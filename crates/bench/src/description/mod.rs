@@ -17,6 +17,7 @@ mod ranges;
 mod transmission;
 
 pub use friction_rig::*;
+pub use laws::integrates_friction;
 pub(crate) use ranges::shown;
 pub use transmission::*;
 

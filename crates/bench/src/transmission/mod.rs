@@ -188,6 +188,11 @@ impl Transmission {
         self.radial_clearance_m
     }
 
+    /// When the load's ramp ends, s.
+    pub fn load_up_s(&self) -> f64 {
+        if let Profile::Ramp { ramp_s, .. } = self.load { ramp_s } else { 0.0 }
+    }
+
     /// The deformation in m up to which the normal law holds, if it ends.
     pub fn largest_deformation_m(&self) -> Option<f64> {
         self.joint_law.law.largest_deformation_m()

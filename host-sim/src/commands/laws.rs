@@ -1,0 +1,72 @@
+//! `host-sim laws`: the contact and friction laws that a bench description may name, with range and source.
+
+use super::output;
+use crate::error::CliError;
+use clap::Args;
+use contact::catalogue::{self, Group};
+use serde::Serialize;
+
+/// Arguments of `host-sim laws`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Examples:\n  host-sim laws\n  host-sim laws --json")]
+pub struct LawsArgs {
+    /// Print the laws as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// One law.
+#[derive(Serialize)]
+struct Law {
+    /// Field of the description that takes the name.
+    field: &'static str,
+    name: &'static str,
+    description: &'static str,
+    range: &'static str,
+    source: &'static str,
+    /// Whether a bench can be integrated with it.
+    on_a_bench: bool,
+}
+
+#[derive(Serialize)]
+struct Laws {
+    laws: Vec<Law>,
+}
+
+/// Runs the command.
+pub fn run(args: &LawsArgs) -> Result<(), CliError> {
+    let law = |entry: catalogue::Entry| Law {
+        field: match entry.group {
+            Group::Dissipation => "contact.dissipation",
+            Group::Stiffness => "contact.stiffness",
+            Group::Whole => "contact.law",
+            Group::Friction => "friction.law",
+        },
+        name: entry.name,
+        description: entry.description,
+        range: entry.range,
+        source: entry.source,
+        on_a_bench: entry.group != Group::Friction || bench::integrates_friction(entry.name),
+    };
+    let laws = Laws { laws: catalogue::all().map(law).collect() };
+    if args.json {
+        say!("{}", output::json(&laws)?);
+        return Ok(());
+    }
+    let mut field = "";
+    for law in &laws.laws {
+        if law.field != field {
+            field = law.field;
+            say!("{field}");
+        }
+        say!("  {:<34} {}", law.name, law.description);
+        say!("  {:<34} holds: {}; {}", "", law.range, law.source);
+        if !law.on_a_bench {
+            say!(
+                "  {:<34} in the library only: a bench integrates laws that are a rate and continuous at rest",
+                ""
+            );
+        }
+    }
+    Ok(())
+}
