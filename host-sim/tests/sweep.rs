@@ -180,10 +180,13 @@ fn wrong_input_exits_with_2_and_names_the_field() {
 #[test]
 fn a_run_that_fails_is_recorded_and_the_rest_is_done() {
     let directory = tempfile::tempdir().unwrap();
-    // A cycle longer than any run may be.
+    // Johnson's law ends far below the load where there is next to no clearance.
+    let bench = include_str!("../../crates/bench/presets/bench-b.toml");
+    let johnson = bench.replace("\"hybrid-as-printed\"", "\"johnson\"");
+    std::fs::write(directory.path().join("johnson.toml"), johnson).unwrap();
     std::fs::write(
         directory.path().join("s.toml"),
-        "[[parameters]]\npath = \"drive.period_s\"\nvalues = [1, 3000]",
+        "bench = \"johnson.toml\"\n[[parameters]]\npath = \"bearing.radial_clearance_m\"\nvalues = [5e-4, 1e-7]",
     )
     .unwrap();
     let output = host_sim(directory.path(), &["sweep", "s.toml", "--out", "out"]);
