@@ -27,6 +27,14 @@ pub enum Purpose {
     Order = 8,
     /// Windows that other runtimes are compared on.
     PeerWindows = 9,
+    /// Values of the axes of a data set.
+    DatasetAxes = 10,
+    /// Order of the rows of a data set.
+    DatasetOrder = 11,
+    /// Which groups or runs of a data set go into which split.
+    DatasetSplit = 12,
+    /// Which samples of a group a data set takes.
+    DatasetSamples = 13,
 }
 
 /// A stream of draws.

@@ -27,6 +27,7 @@
 pub mod card;
 pub mod checkpoint;
 pub mod csv;
+pub mod dataset;
 pub mod draw;
 pub mod features;
 pub mod float_pair;

@@ -1,4 +1,8 @@
-//! `model-quant dataset`: the rows of a set as a table.
+//! `model-quant dataset`: the rows of a set as a table; below it, whole data sets.
+
+mod collision;
+mod friction;
+mod progress;
 
 use super::{CliError, parse_bearing, print_json};
 use inference::Bearing;
@@ -14,16 +18,22 @@ use std::path::PathBuf;
 /// Most rows of a table.
 const ROWS_LIMIT: usize = 20_000_000;
 
-/// Write rows of a data set as CSV: states and the forces of the laws
+/// Write rows of a data set as CSV: states and the forces of the laws; or a whole set with one of the commands
 ///
 /// A row depends on seed, set and index alone, so a longer table begins with the shorter one. `paper` is Table 2 of the
 /// paper; `bench` is what the transmission bench meets and what the shipped models were trained on. The rate over the
 /// approach speed is limited to -6..6 in both: a row beyond gets the rate at the nearest end.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  model-quant dataset --bearing plastic --range paper --rows 1000 --seed 7 --out rows.csv"
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    after_help = "Examples:\n  model-quant dataset --bearing plastic --range paper --rows 1000 --seed 7 --out rows.csv\n  \
+                  model-quant dataset collision --bearing plastic --out sets --format parquet\n  \
+                  model-quant dataset friction --bearing plastic --out sets"
 )]
 pub(crate) struct Arguments {
+    #[command(subcommand)]
+    whole: Option<Whole>,
     /// Bearing: babbitt or plastic
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
     bearing: Bearing,
@@ -40,11 +50,18 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 2)]
     seed: u64,
     /// File to write
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
+    #[arg(long, value_name = "FILE", required = true)]
+    out: Option<PathBuf>,
     /// Print a summary as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// Whole sets.
+#[derive(Debug, clap::Subcommand)]
+enum Whole {
+    Collision(collision::Arguments),
+    Friction(friction::Arguments),
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -56,6 +73,13 @@ enum Set {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let out = match (&arguments.whole, &arguments.out) {
+        (Some(Whole::Collision(arguments)), _) => return collision::run(arguments),
+        (Some(Whole::Friction(arguments)), _) => return friction::run(arguments),
+        (None, Some(out)) => out,
+        // Not reached: without a command the option is required.
+        (None, None) => return Err(CliError::Argument("--out", "nothing".to_owned(), "a file to write")),
+    };
     if arguments.rows == 0 || arguments.rows > ROWS_LIMIT {
         return Err(CliError::Argument("--rows", arguments.rows.to_string(), "1 to 20000000"));
     }
@@ -68,11 +92,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let features = FloatFeatures::of(&header(arguments.bearing, arguments.range));
     let set = rows(arguments.bearing, arguments.range, arguments.seed, purpose, arguments.rows);
     let text = table(&features, &set);
-    write_whole(&arguments.out, text.as_bytes())?;
+    write_whole(out, text.as_bytes())?;
     let largest = set.iter().fold(0.0_f64, |largest, row| largest.max(row.normal_force_n));
     let mean = set.iter().map(|row| row.normal_force_n).sum::<f64>() / set.len() as f64;
     let summary = json!({
-        "file": arguments.out.display().to_string(),
+        "file": out.display().to_string(),
         "bearing": arguments.bearing.name(),
         "range": arguments.range,
         "rows": set.len(),
@@ -85,7 +109,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     super::print(format_args!(
         "{}: {} rows, normal force mean {mean:.1} N, largest {largest:.1} N",
-        arguments.out.display(),
+        out.display(),
         set.len()
     ))?;
     Ok(())

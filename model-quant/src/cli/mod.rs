@@ -8,6 +8,9 @@ mod verify;
 use clap::{Parser, Subcommand};
 use inference::{Bearing, ImageError};
 use model_quant::checkpoint::{Checkpoint, CheckpointError, bearing_named};
+use model_quant::dataset::bench_runs::RunError;
+use model_quant::dataset::friction::FrictionError;
+use model_quant::dataset::picture::PictureError;
 use model_quant::float_pair::{LoadError, read_checkpoint, shipped};
 use model_quant::peers::{ResultsError, WindowsError};
 use model_quant::quantise::QuantiseError;
@@ -55,6 +58,12 @@ pub(crate) enum CliError {
     Quantise(#[from] QuantiseError),
     #[error("{0}")]
     Write(#[from] WriteError),
+    #[error("{0}")]
+    Run(#[from] RunError),
+    #[error("{0}")]
+    Friction(#[from] FrictionError),
+    #[error("{0}")]
+    Picture(#[from] PictureError),
     #[error("standard output: {0}")]
     Output(std::io::Error),
     #[error("json: {0}")]
@@ -76,6 +85,7 @@ impl CliError {
             | Self::Image { .. }
             | Self::Results { .. }
             | Self::Argument(..) => 2,
+            Self::Friction(error) if error.is_wrong_input() => 2,
             _ => 1,
         }
     }
