@@ -9,7 +9,7 @@ use clap::{Parser, Subcommand};
 use inference::{Bearing, ImageError};
 use model_quant::checkpoint::{Checkpoint, CheckpointError, bearing_named};
 use model_quant::dataset::bench_runs::RunError;
-use model_quant::dataset::friction::FrictionError;
+use model_quant::dataset::friction_source::FrictionError;
 use model_quant::dataset::picture::PictureError;
 use model_quant::float_pair::{LoadError, read_checkpoint, shipped};
 use model_quant::peers::{ResultsError, WindowsError};

@@ -5,9 +5,10 @@
 //!
 //! What an estimator would have of them: `d = a - D` from the noisy place; `d'` the slope of a straight line through the
 //! latest 32 values of `d` (standard deviation .038 mm/s, late by 1.6 ms); the latched rate is that slope where `d` has
-//! just come above 0, not below 0, and 0 in a gap. A run lands within its first millisecond, before the first full slope: what is
-//! latched from there is that slope, not the speed of the landing, as for any estimator that is switched on in contact. The force is that of the law without noise at the same time. The rows
-//! of a run follow each other at 100 us, so a window is so many rows of one run.
+//! just come above 0, not below 0, and 0 in a gap. A run lands within its first millisecond, before the first full
+//! slope: what is latched from there is that slope, not the speed of the landing, as for any estimator that is switched
+//! on in contact. The force is that of the law without noise at the same time. The rows of a run follow each other at
+//! 100 us, so a window is so many rows of one run.
 
 use super::collision::{push, window_values};
 use super::split::{Split, deal};

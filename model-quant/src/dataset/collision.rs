@@ -3,7 +3,8 @@
 //! `paper`: the grid of Table 2 ([`super::grid`]). Place `p` of the shuffled set is point `permutation(p)` of the grid; training is
 //! places 0 to 1e7, validation the next 2.5e6, test the last 2.5e6. All three share the axes' values, as in the paper, so
 //! its test part judges combinations, not values in between. `bench`: row `k` of each part is what
-//! [`crate::rows::row`] draws for the seed, the rows that the shipped models were trained on.
+//! [`crate::rows::row`] draws for the seed, the rows that the shipped models were trained on; there a state
+//! whose force is beyond the range's is drawn anew.
 //!
 //! The rule for the ratio: the rate over the latched rate has no bound in Table 2, and at 0 over 0 no value. The latched
 //! rate is raised to the law's floor (1 mm/s); then a rate beyond 6 times that is lowered to 6 times.

@@ -8,13 +8,12 @@
 //! repetition, 5 times, and kept in the order of time.
 
 use super::clean::{smoothed, without_outliers};
+use super::friction_source::FrictionError;
 use super::split::{Split, deal};
 use crate::draw::{Draw, Purpose};
-use bench::rig_groups::rig_groups;
-use bench::{Bench, Channel, DescriptionError, MeasuredLog};
+use bench::{Channel, MeasuredLog};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::PathBuf;
 
 /// Draws of every group.
 pub const DRAWS: usize = 5;
@@ -36,37 +35,6 @@ pub const COLUMNS: [&str; 9] = [
     "spindle_speed_z",
     "friction_torque_z",
 ];
-
-/// Why there is no friction set.
-#[derive(Debug, thiserror::Error)]
-pub enum FrictionError {
-    /// The bench's description was refused.
-    #[error("{0}")]
-    Description(#[from] DescriptionError),
-    /// The rig could not be recorded.
-    #[error("friction rig: {0}")]
-    Rig(#[from] bench::integrate::IntegrationError),
-    /// A log could not be read.
-    #[error("{0}")]
-    Log(#[from] bench::log::LogError),
-    /// A log or a description does not have what the set needs.
-    #[error("{file}: found {found}, expected {expected}")]
-    Content {
-        /// The file, or the preset.
-        file: String,
-        /// What there is.
-        found: String,
-        /// What there should be.
-        expected: String,
-    },
-}
-
-impl FrictionError {
-    /// Whether files or descriptions are at fault.
-    pub fn is_wrong_input(&self) -> bool {
-        !matches!(self, Self::Rig(_))
-    }
-}
 
 /// One group before and after cleaning, quantities by [`CHANNELS`].
 #[derive(Clone, Debug)]
@@ -102,35 +70,6 @@ pub struct FrictionSet {
     /// Scales by [`CHANNELS`].
     pub scales: [Scale; 3],
     seed: u64,
-}
-
-/// The groups of a rig described in a preset or file, as its sensors log them.
-pub fn from_rig(description: &str, seed: u64) -> Result<Vec<MeasuredLog>, FrictionError> {
-    let Bench::FrictionRig(rig) = Bench::open(description)? else {
-        let expected = "a friction rig, or --logs".to_owned();
-        return Err(FrictionError::Content {
-            file: description.into(),
-            found: "another plant".into(),
-            expected,
-        });
-    };
-    Ok(rig_groups(&rig, seed)?.into_iter().map(|group| group.log).collect())
-}
-
-/// The same groups without noise, resolution and outliers: what cleaning should come near. A sensor's drift stays: no
-/// average takes it out.
-pub fn truth_of_rig(description: &str, seed: u64) -> Result<Vec<MeasuredLog>, FrictionError> {
-    let Bench::FrictionRig(mut rig) = Bench::open(description)? else { return Ok(Vec::new()) };
-    for sensor in rig.sensors.values_mut() {
-        (sensor.noise, sensor.resolution, sensor.outlier_share) = (0.0, 0.0, 0.0);
-    }
-    Ok(rig_groups(&rig, seed)?.into_iter().map(|group| group.log).collect())
-}
-
-/// Measured logs, one group a file, read as a bench description says.
-pub fn from_logs(description: &str, files: &[PathBuf]) -> Result<Vec<MeasuredLog>, FrictionError> {
-    let format = Bench::open(description)?.log_format();
-    files.iter().map(|file| Ok(MeasuredLog::read(file, &format)?)).collect()
 }
 
 impl FrictionSet {
@@ -251,6 +190,7 @@ pub fn torque_errors(groups: &[Group], truth: &[MeasuredLog]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::friction_source::{from_rig, truth_of_rig};
     use super::*;
 
     fn set(seed: u64) -> FrictionSet {

@@ -8,6 +8,7 @@ pub mod bench_runs;
 pub mod clean;
 pub mod collision;
 pub mod friction;
+pub mod friction_source;
 pub mod grid;
 pub mod permutation;
 pub mod picture;

@@ -76,6 +76,10 @@ impl Spread {
         for (class, &count) in self.counts.iter().enumerate() {
             let count = f64::from(count);
             if count > 0.0 && below + count >= wanted {
+                // The class of 0 and of what is next to nothing: no straight line between such.
+                if class == 0 {
+                    return self.low;
+                }
                 let edge = |class: usize| f64::from(f32::from_bits((class as u32) << CLASS_SHIFT));
                 let inside = edge(class) + (edge(class + 1) - edge(class)) * (wanted - below) / count;
                 return inside.clamp(self.low, self.high);
@@ -109,6 +113,15 @@ mod tests {
         joined.join(&other);
         assert_eq!((joined.count(), joined.low(), joined.high()), (100_000, whole.low(), whole.high()));
         assert_eq!(joined.quantile(0.3), whole.quantile(0.3));
+    }
+
+    #[test]
+    fn what_is_mostly_0_has_a_quantile_of_0() {
+        let mut spread = Spread::default();
+        (0..100).for_each(|i| spread.add(if i < 60 { 0.0 } else { 8.0 }));
+        assert_eq!([0.01, 0.5, 0.99].map(|share| spread.quantile(share)), [0.0, 0.0, 8.0]);
+        spread.add(-3.0);
+        assert_eq!((spread.low(), spread.count()), (0.0, 101));
     }
 
     proptest! {

@@ -2,9 +2,8 @@
 
 use super::super::{CliError, parse_bearing, print, print_json};
 use inference::Bearing;
-use model_quant::dataset::friction::{
-    CHANNELS, COLUMNS, DRAWS, FrictionSet, Group, SAMPLES, from_logs, from_rig, torque_errors, truth_of_rig,
-};
+use model_quant::dataset::friction::{CHANNELS, COLUMNS, DRAWS, FrictionSet, Group, SAMPLES, torque_errors};
+use model_quant::dataset::friction_source::{from_logs, from_rig, truth_of_rig};
 use model_quant::dataset::picture::comparison;
 use model_quant::dataset::sink::{Format, Part, Sink, publish};
 use model_quant::dataset::split::Split;
