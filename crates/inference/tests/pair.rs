@@ -1,6 +1,8 @@
 //! The chained networks of the shipped images: flags, history, gaps, bearings.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
+use inference::image::write::seal;
+use inference::image::{HEADER_LENGTH, SHAPE_LENGTH};
 use inference::kernel::Portable;
 use inference::{Bearing, ContactState, Estimate, Flags, Model, Pair, Sample, WINDOW, shipped};
 use proptest::prelude::*;
@@ -201,4 +203,24 @@ fn each_input_outside_the_training_range_has_its_flag() {
     ] {
         assert!(!flags(sample).intersects(Flags::OUTSIDE_TRAINING), "{sample:?} has {:?}", flags(sample));
     }
+}
+
+#[test]
+fn a_single_clipped_activation_is_counted_and_flagged() {
+    let mut words = vec![0u32; shipped(Bearing::Babbitt).len() / 4];
+    let image: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
+    image.copy_from_slice(shipped(Bearing::Babbitt));
+    // The multipliers of the first layer stand behind its shape and 16 biases: its first output at the largest factor.
+    let at = HEADER_LENGTH + SHAPE_LENGTH + 64;
+    image[at..at + 4].copy_from_slice(&i32::MAX.to_le_bytes());
+    seal(image);
+    let mut pair: Pair = Pair::new(Model::load(image).expect("changed image"));
+    let estimates: Vec<Estimate> = (0..60).map(|step| pair.step(&sample(step))).collect();
+    for estimate in &estimates {
+        assert_eq!(estimate.flags.contains(Flags::SATURATED), estimate.saturated > 0, "{estimate:?}");
+    }
+    assert!(
+        estimates.iter().any(|estimate| estimate.saturated == 1),
+        "one output at most is clipped in the first layer"
+    );
 }

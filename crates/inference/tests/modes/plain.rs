@@ -50,27 +50,33 @@ impl Plain {
         words
     }
 
-    /// The sums of the head over a whole window (or history) of columns.
-    pub(super) fn evaluate(&self, columns: &[Vec<i64>], padding: Padding) -> Vec<i64> {
-        let (head, convolutions) = self.0.split_last().expect("a head");
-        let behind =
-            convolutions.iter().fold(columns.to_vec(), |columns, layer| layer.convolve(&columns, padding));
+    /// The sums of the head over a whole window (or history) of columns, and how many activations were clipped.
+    pub(super) fn evaluate(&self, columns: &[Vec<i64>], padding: Padding) -> (Vec<i64>, u32) {
+        let (head, behind, clipped) = self.convolutions(columns, padding);
         let newest = behind.len() - usize::from(head.shape.columns);
-        (0..usize::from(head.shape.outputs)).map(|output| head.sum(output, &behind, newest as i64)).collect()
+        (head.sums(&behind, newest as i64), clipped.iter().sum())
     }
 
-    /// The head's sums at every position of a history with causal zeros before it.
-    pub(super) fn stream(&self, columns: &[Vec<i64>]) -> Vec<Vec<i64>> {
+    /// The head's sums at every position of a history with causal zeros before it, and how many activations of that
+    /// position were clipped.
+    pub(super) fn stream(&self, columns: &[Vec<i64>]) -> Vec<(Vec<i64>, u32)> {
+        let (head, behind, clipped) = self.convolutions(columns, Padding::Causal);
+        let oldest = |position: usize| position as i64 - i64::from(head.shape.columns) + 1;
+        clipped
+            .into_iter()
+            .enumerate()
+            .map(|(at, clipped)| (head.sums(&behind, oldest(at)), clipped))
+            .collect()
+    }
+
+    /// The head, the columns that it sees, and how many activations were clipped at each input position.
+    fn convolutions(&self, columns: &[Vec<i64>], padding: Padding) -> (&PlainLayer, Vec<Vec<i64>>, Vec<u32>) {
         let (head, convolutions) = self.0.split_last().expect("a head");
+        let mut clipped = vec![0; columns.len()];
         let behind = convolutions
             .iter()
-            .fold(columns.to_vec(), |columns, layer| layer.convolve(&columns, Padding::Causal));
-        (0..columns.len())
-            .map(|position| {
-                let oldest = position as i64 - i64::from(head.shape.columns) + 1;
-                (0..usize::from(head.shape.outputs)).map(|output| head.sum(output, &behind, oldest)).collect()
-            })
-            .collect()
+            .fold(columns.to_vec(), |columns, layer| layer.convolve(&columns, padding, &mut clipped));
+        (head, behind, clipped)
     }
 }
 
@@ -122,7 +128,11 @@ impl PlainLayer {
         sum
     }
 
-    fn convolve(&self, columns: &[Vec<i64>], padding: Padding) -> Vec<Vec<i64>> {
+    fn sums(&self, columns: &[Vec<i64>], oldest: i64) -> Vec<i64> {
+        (0..usize::from(self.shape.outputs)).map(|output| self.sum(output, columns, oldest)).collect()
+    }
+
+    fn convolve(&self, columns: &[Vec<i64>], padding: Padding, clipped: &mut [u32]) -> Vec<Vec<i64>> {
         let kernel = usize::from(self.shape.columns);
         let before = match padding {
             Padding::Causal => kernel - 1,
@@ -137,7 +147,9 @@ impl PlainLayer {
                     .map(|output| {
                         let sum = self.sum(output, columns, position as i64 - before as i64);
                         let scaled = i128::from(sum) * i128::from(self.multipliers[output]);
-                        ((scaled + (1 << 31)) >> 32).clamp(0, full_scale) as i64
+                        let value = (scaled + (1 << 31)) >> 32;
+                        clipped[position] += u32::from(value > full_scale);
+                        value.clamp(0, full_scale) as i64
                     })
                     .collect()
             })
