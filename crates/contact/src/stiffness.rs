@@ -222,8 +222,9 @@ mod tests {
 
     #[test]
     fn a_law_that_ends_refuses_a_deformation_beyond_its_limit() {
-        let law =
-            crate::StiffnessKind::Johnson.build(&crate::StiffnessParameters::of(joint(0.5e-3))).unwrap();
+        let law = crate::StiffnessKind::Logarithmic(crate::LogarithmicKind::Johnson)
+            .build(&crate::StiffnessParameters::of(joint(0.5e-3)))
+            .unwrap();
         let limit = law.largest_deformation_m().unwrap();
         assert!(law.checked_force_n(limit).is_ok());
         assert!(matches!(law.checked_force_n(limit * 1.001), Err(LawError::OutOfRange { .. })));

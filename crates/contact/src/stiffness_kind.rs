@@ -22,22 +22,8 @@ pub enum StiffnessKind {
     LiuTimesLength,
     /// [`Stiffness::pereira`].
     Pereira,
-    /// [`LogarithmicKind::Johnson`].
-    Johnson,
-    /// [`LogarithmicKind::Radzimovsky`].
-    Radzimovsky,
-    /// [`LogarithmicKind::Goldsmith`].
-    Goldsmith,
-    /// [`LogarithmicKind::GoldsmithHalfPlane`].
-    GoldsmithHalfPlane,
-    /// [`LogarithmicKind::DubowskyFreudenstein`].
-    DubowskyFreudenstein,
-    /// [`LogarithmicKind::DubowskyFreudensteinHalfPlane`].
-    DubowskyFreudensteinHalfPlane,
-    /// [`LogarithmicKind::Esdu78035`].
-    Esdu78035,
-    /// [`LogarithmicKind::Esdu78035HalfPlane`].
-    Esdu78035HalfPlane,
+    /// [`Stiffness::Logarithmic`].
+    Logarithmic(LogarithmicKind),
 }
 
 /// What the stiffness parts are built from.
@@ -74,14 +60,14 @@ impl StiffnessKind {
         Self::HybridAsPrinted,
         Self::LiuTimesLength,
         Self::Pereira,
-        Self::Johnson,
-        Self::Radzimovsky,
-        Self::Goldsmith,
-        Self::GoldsmithHalfPlane,
-        Self::DubowskyFreudenstein,
-        Self::DubowskyFreudensteinHalfPlane,
-        Self::Esdu78035,
-        Self::Esdu78035HalfPlane,
+        Self::Logarithmic(LogarithmicKind::Johnson),
+        Self::Logarithmic(LogarithmicKind::Radzimovsky),
+        Self::Logarithmic(LogarithmicKind::Goldsmith),
+        Self::Logarithmic(LogarithmicKind::GoldsmithHalfPlane),
+        Self::Logarithmic(LogarithmicKind::DubowskyFreudenstein),
+        Self::Logarithmic(LogarithmicKind::DubowskyFreudensteinHalfPlane),
+        Self::Logarithmic(LogarithmicKind::Esdu78035),
+        Self::Logarithmic(LogarithmicKind::Esdu78035HalfPlane),
     ];
 
     /// The part of a name of the catalogue.
@@ -112,7 +98,6 @@ impl StiffnessKind {
         }
         let effective_modulus_pa = joint.effective_modulus_pa();
         let radial_clearance_m = joint.radial_clearance_m;
-        let logarithmic = |kind| Stiffness::Logarithmic(Logarithmic::new(kind, joint));
         Ok(match self {
             Self::Linear | Self::Power | Self::Hertz => Stiffness::Hertz {
                 coefficient: hertz_sphere_in_sphere(
@@ -129,16 +114,7 @@ impl StiffnessKind {
                 length_m: joint.length_m,
             },
             Self::Pereira => Stiffness::pereira(joint)?,
-            Self::Johnson => logarithmic(LogarithmicKind::Johnson),
-            Self::Radzimovsky => logarithmic(LogarithmicKind::Radzimovsky),
-            Self::Goldsmith => logarithmic(LogarithmicKind::Goldsmith),
-            Self::GoldsmithHalfPlane => logarithmic(LogarithmicKind::GoldsmithHalfPlane),
-            Self::DubowskyFreudenstein => logarithmic(LogarithmicKind::DubowskyFreudenstein),
-            Self::DubowskyFreudensteinHalfPlane => {
-                logarithmic(LogarithmicKind::DubowskyFreudensteinHalfPlane)
-            }
-            Self::Esdu78035 => logarithmic(LogarithmicKind::Esdu78035),
-            Self::Esdu78035HalfPlane => logarithmic(LogarithmicKind::Esdu78035HalfPlane),
+            Self::Logarithmic(kind) => Stiffness::Logarithmic(Logarithmic::new(kind, joint)),
         })
     }
 
@@ -153,22 +129,28 @@ impl StiffnessKind {
             }
             Self::LiuTimesLength => ("liu-times-length", "L (pi/2) d E* sqrt(d/(2(D+d)))", "Liu et al. 2007"),
             Self::Pereira => ("pereira", "(a D+b) L E*/D d^n, fitted in mm", "Pereira et al. 2011"),
-            Self::Johnson => ("johnson", "implicit, half-plane solution", "Johnson 1985"),
-            Self::Radzimovsky => ("radzimovsky", "implicit", "Radzimovsky 1953"),
-            Self::Goldsmith => ("goldsmith", "implicit, evaluated in SI", "Goldsmith 1960"),
-            Self::GoldsmithHalfPlane => {
+            Self::Logarithmic(LogarithmicKind::Johnson) => {
+                ("johnson", "implicit, half-plane solution", "Johnson 1985")
+            }
+            Self::Logarithmic(LogarithmicKind::Radzimovsky) => {
+                ("radzimovsky", "implicit", "Radzimovsky 1953")
+            }
+            Self::Logarithmic(LogarithmicKind::Goldsmith) => {
+                ("goldsmith", "implicit, evaluated in SI", "Goldsmith 1960")
+            }
+            Self::Logarithmic(LogarithmicKind::GoldsmithHalfPlane) => {
                 ("goldsmith-half-plane", "goldsmith with (1-nu^2)/(pi E)", "Goldsmith 1960")
             }
-            Self::DubowskyFreudenstein => {
+            Self::Logarithmic(LogarithmicKind::DubowskyFreudenstein) => {
                 ("dubowsky-freudenstein", "implicit", "Dubowsky and Freudenstein 1971")
             }
-            Self::DubowskyFreudensteinHalfPlane => (
+            Self::Logarithmic(LogarithmicKind::DubowskyFreudensteinHalfPlane) => (
                 "dubowsky-freudenstein-half-plane",
                 "dubowsky-freudenstein with (1-nu^2)/(pi E)",
                 "Dubowsky and Freudenstein 1971",
             ),
-            Self::Esdu78035 => ("esdu-78035", "implicit", "ESDU 1978"),
-            Self::Esdu78035HalfPlane => {
+            Self::Logarithmic(LogarithmicKind::Esdu78035) => ("esdu-78035", "implicit", "ESDU 1978"),
+            Self::Logarithmic(LogarithmicKind::Esdu78035HalfPlane) => {
                 ("esdu-78035-half-plane", "esdu-78035 with (1-nu^2)/(pi E), one pi", "ESDU 1978")
             }
         };
@@ -178,7 +160,7 @@ impl StiffnessKind {
             Self::Power => "K > 0, n > 0",
             Self::HybridAsPrinted | Self::LiuTimesLength => "0 < D < R_B",
             Self::Pereira => "5 um <= D <= 10 mm",
-            _ => "d up to its largest deformation",
+            Self::Logarithmic(_) => "d up to its largest deformation",
         };
         Entry { group: Group::Stiffness, name, description, source, range }
     }
@@ -225,7 +207,7 @@ mod tests {
         }
         let mut bad = parameters();
         bad.joint.bearing.poisson_ratio = 0.6;
-        let error = StiffnessKind::Johnson.build(&bad).unwrap_err();
+        let error = StiffnessKind::Logarithmic(LogarithmicKind::Johnson).build(&bad).unwrap_err();
         assert_eq!(error.to_string(), "Poisson's ratio: found 6e-1, expected 0 to 0.5");
     }
 
