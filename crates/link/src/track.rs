@@ -1,0 +1,313 @@
+//! Slow telemetry: what the controller has learnt about bearing and sensors over many samples, and what it has to be told for that.
+//!
+//! Whole numbers of fixed size, SI multiples in the names. A [`TrackReport`] says what is tracked, a [`SensorHealth`] what was wrong with
+//! the sensors since the last configuration; both fit into one frame each and are meant for a few times a second. [`SensorStatus`] goes
+//! with every [`crate::SensorFrame`]. [`MonitorConfiguration`] is part of what a bench's description says; the ranges that
+//! are served are those of `firmware::monitor`, which refuses the rest by [`MonitorField`].
+
+use serde::{Deserialize, Serialize};
+
+/// Channels of a sensor frame, in the order of every per-channel list here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SensorChannel {
+    /// Journal centre along y.
+    JournalY,
+    /// Journal centre along z.
+    JournalZ,
+    /// Shaft angle.
+    ShaftAngle,
+    /// Load force.
+    LoadForce,
+}
+
+/// Number of [`SensorChannel`]s.
+pub const CHANNELS: usize = 4;
+
+impl SensorChannel {
+    /// Every channel, in order.
+    pub const ALL: [Self; CHANNELS] = [Self::JournalY, Self::JournalZ, Self::ShaftAngle, Self::LoadForce];
+
+    /// Lower-case name for reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::JournalY => "journal-y",
+            Self::JournalZ => "journal-z",
+            Self::ShaftAngle => "shaft-angle",
+            Self::LoadForce => "load-force",
+        }
+    }
+}
+
+/// What the drivers say about the channels of one sample: bits 0 to 3 missing, bits 4 to 7 at the rail, by channel.
+///
+/// A channel is missing when its transaction failed, timed out, had a parity or error flag, or its wire is broken: its value in the
+/// frame is the last good one. At the rail means that the value is the end of the converter's or transmitter's range.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SensorStatus(pub u8);
+
+impl SensorStatus {
+    /// Nothing to remark.
+    pub const GOOD: Self = Self(0);
+
+    /// This status with a channel's value missing.
+    #[must_use]
+    pub const fn missing(self, channel: SensorChannel) -> Self {
+        Self(self.0 | 1 << channel as u8)
+    }
+
+    /// This status with a channel at its rail.
+    #[must_use]
+    pub const fn at_rail(self, channel: SensorChannel) -> Self {
+        Self(self.0 | 0x10 << channel as u8)
+    }
+
+    /// The channels that are missing, a bit each.
+    #[must_use]
+    pub const fn missing_bits(self) -> u8 {
+        self.0 & 0x0f
+    }
+
+    /// The channels at their rail, a bit each.
+    #[must_use]
+    pub const fn rail_bits(self) -> u8 {
+        self.0 >> 4
+    }
+}
+
+/// How often each thing was wrong with one channel, in samples, saturating.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ChannelCounts {
+    /// The driver had no value.
+    pub missing: u32,
+    /// The value stood at the end of the range.
+    pub saturated: u32,
+    /// The value did not change for the stuck time.
+    pub stuck: u32,
+    /// The short-term deviation was above the configured limit.
+    pub noisy: u32,
+    /// The value moved further than the machine can.
+    pub jumped: u32,
+}
+
+/// What was wrong since the last configuration, in samples, saturating.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SensorHealth {
+    /// Time of the report's last sample, us.
+    pub time_us: u32,
+    /// By [`SensorChannel`].
+    pub channels: [ChannelCounts; CHANNELS],
+    /// Samples whose sequence number did not follow.
+    pub sequence_gaps: u32,
+    /// Samples whose time did not advance by the period.
+    pub time_faults: u32,
+    /// Journal farther out than the clearance and the largest deformation.
+    pub implausible_positions: u32,
+    /// Journal swinging faster along the clearance than it can.
+    pub implausible_swings: u32,
+    /// Estimates outside the envelope of the analytic law.
+    pub outside_law: u32,
+    /// Samples whose estimate was held.
+    pub held: u32,
+    /// Times that holding began.
+    pub holds: u32,
+}
+
+/// Whether the estimates can be used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SafeState {
+    /// No estimate has been trusted since the configuration.
+    #[default]
+    Starting,
+    /// The estimates are live.
+    Live,
+    /// A fault is present, or has not been gone for long enough: the last trusted estimate is repeated.
+    Held,
+    /// As held, for so long that the repeated estimate means nothing any more: its forces are 0.
+    Lost,
+}
+
+/// What is known about wear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Wear {
+    /// Not enough evidence yet.
+    #[default]
+    Unknown,
+    /// Below the limit.
+    Below,
+    /// Above the limit with the stated confidence, and not yet back below the hysteresis.
+    Alarm,
+}
+
+/// What is tracked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TrackReport {
+    /// Time of the report's last sample, us.
+    pub time_us: u32,
+    /// Radial clearance, nm.
+    pub radial_clearance_nm: u32,
+    /// One standard deviation of it, nm, the stated errors of stiffness, inertia and levers included; `u32::MAX` before there is evidence.
+    pub radial_clearance_deviation_nm: u32,
+    /// Friction over what the friction network says, thousandths: 1000 is the friction that it was trained on.
+    pub friction_level_per_mille: u32,
+    /// One standard deviation of it, thousandths; `u32::MAX` before there is evidence.
+    pub friction_level_deviation_per_mille: u32,
+    /// Blocks of samples that the clearance rests on, saturating.
+    pub clearance_blocks: u32,
+    /// Blocks of samples that the friction level rests on, saturating.
+    pub friction_blocks: u32,
+    /// Wear alarm.
+    pub wear: Wear,
+    /// Times that the wear alarm was raised, saturating.
+    pub wear_alarms: u32,
+    /// Safe state.
+    pub safe_state: SafeState,
+}
+
+/// What the monitor has to be told about a bench.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MonitorConfiguration {
+    /// Mass of the shaft, g.
+    pub mass_g: u32,
+    /// Moment of inertia of the shaft with what turns with it, g m2.
+    pub inertia_g_m2: u32,
+    /// Radius of the drive crank, um.
+    pub drive_lever_um: u32,
+    /// Radius of the load crank, um.
+    pub load_lever_um: u32,
+    /// Reading of the shaft angle at which the drive crank is vertical, nrad.
+    pub crank_vertical_nrad: i32,
+    /// Effective modulus of bearing and journal, kPa: `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`.
+    pub effective_modulus_kpa: u32,
+    /// Damping factor `chi(e)` of the contact law, thousandths.
+    pub damping_per_mille: u32,
+    /// One standard deviation of the contact's stiffness, thousandths of it.
+    pub stiffness_deviation_per_mille: u16,
+    /// One standard deviation of the moment of inertia, thousandths of it.
+    pub inertia_deviation_per_mille: u16,
+    /// One standard deviation of either lever's radius, hundred-thousandths of it.
+    pub lever_deviation_ppht: u16,
+    /// One standard deviation of either journal coordinate's offset, nm.
+    pub offset_deviation_nm: u32,
+    /// Largest short-term standard deviation of a journal coordinate, nm.
+    pub journal_noise_limit_nm: u32,
+    /// Largest short-term standard deviation of the shaft angle, nrad.
+    pub angle_noise_limit_nrad: u32,
+    /// Largest short-term standard deviation of the load, mN.
+    pub load_noise_limit_mn: u32,
+    /// A journal coordinate so far out or farther stands at its rail, nm.
+    pub journal_rail_nm: u32,
+    /// A load so large or larger, either way, stands at its rail, mN.
+    pub load_rail_mn: u32,
+    /// Half width of the analytic law's envelope, thousandths of the law's force.
+    pub envelope_per_mille: u32,
+    /// Half width of the envelope at no force, mN.
+    pub envelope_floor_mn: u32,
+    /// Samples without a fault after which a held estimate is live again.
+    pub recovery_samples: u32,
+    /// Held samples after which the estimate is lost.
+    pub lost_samples: u32,
+    /// Radial clearance at which the wear alarm is raised, nm.
+    pub wear_limit_nm: u32,
+    /// How far below the limit the clearance must be for the alarm to end, nm.
+    pub wear_hysteresis_nm: u32,
+}
+
+/// Field of a [`MonitorConfiguration`] that was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum MonitorField {
+    /// `mass_g`.
+    Mass,
+    /// `inertia_g_m2`.
+    Inertia,
+    /// `drive_lever_um`.
+    DriveLever,
+    /// `load_lever_um`.
+    LoadLever,
+    /// `effective_modulus_kpa`.
+    EffectiveModulus,
+    /// `damping_per_mille`.
+    Damping,
+    /// `stiffness_deviation_per_mille`.
+    StiffnessDeviation,
+    /// `inertia_deviation_per_mille`.
+    InertiaDeviation,
+    /// `lever_deviation_ppht`.
+    LeverDeviation,
+    /// `offset_deviation_nm`.
+    OffsetDeviation,
+    /// `journal_noise_limit_nm`.
+    JournalNoiseLimit,
+    /// `angle_noise_limit_nrad`.
+    AngleNoiseLimit,
+    /// `load_noise_limit_mn`.
+    LoadNoiseLimit,
+    /// `journal_rail_nm`.
+    JournalRail,
+    /// `load_rail_mn`.
+    LoadRail,
+    /// `envelope_per_mille`.
+    EnvelopeShare,
+    /// `envelope_floor_mn`.
+    EnvelopeFloor,
+    /// `recovery_samples`.
+    RecoverySamples,
+    /// `lost_samples`.
+    LostSamples,
+    /// `wear_limit_nm`.
+    WearLimit,
+    /// `wear_hysteresis_nm`.
+    WearHysteresis,
+}
+
+/// A value of a [`MonitorConfiguration`] that cannot be served.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MonitorRefusal {
+    /// Which.
+    pub field: MonitorField,
+    /// Found.
+    pub found: u32,
+    /// Least.
+    pub min: u32,
+    /// Most.
+    pub max: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_channel_has_a_bit_of_its_own_for_missing_and_for_rail() {
+        for (channel, bit) in SensorChannel::ALL.into_iter().zip(0..) {
+            assert_eq!(SensorStatus::GOOD.missing(channel).missing_bits(), 1 << bit);
+            assert_eq!(SensorStatus::GOOD.missing(channel).rail_bits(), 0);
+            assert_eq!(SensorStatus::GOOD.at_rail(channel).rail_bits(), 1 << bit);
+        }
+    }
+
+    #[test]
+    fn the_longest_reports_fit_into_a_frame() {
+        let counts = ChannelCounts {
+            missing: u32::MAX,
+            saturated: u32::MAX,
+            stuck: u32::MAX,
+            noisy: u32::MAX,
+            jumped: u32::MAX,
+        };
+        let health = SensorHealth {
+            time_us: u32::MAX,
+            channels: [counts; CHANNELS],
+            sequence_gaps: u32::MAX,
+            time_faults: u32::MAX,
+            implausible_positions: u32::MAX,
+            implausible_swings: u32::MAX,
+            outside_law: u32::MAX,
+            held: u32::MAX,
+            holds: u32::MAX,
+        };
+        // Four bytes of check sum and one of the message's kind go with it.
+        let mut room = [0; crate::MAX_PAYLOAD - 5];
+        assert!(postcard::to_slice(&health, &mut room).is_ok());
+    }
+}
