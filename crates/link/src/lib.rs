@@ -16,6 +16,7 @@
 mod decode;
 mod encode;
 mod message;
+pub mod start;
 pub mod track;
 
 pub use decode::{BadFrames, Decoder, FrameError};
