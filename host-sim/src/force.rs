@@ -1,4 +1,5 @@
-//! Where a run's bearing force comes from: the analytic law, the float networks, or the quantised ones.
+//! Where a run's bearing force comes from: the analytic law, as it is or held over a step, the float networks, or the
+//! quantised ones.
 
 use crate::error::CliError;
 use bench::BearingMaterial;
@@ -19,6 +20,8 @@ use std::time::Instant;
 pub enum ForceSource {
     /// The description's analytic laws, error-controlled.
     Law,
+    /// The same laws held over the communication step: what the step alone does to a run with networks.
+    HeldLaw,
     /// The trained networks in floating point, held over the communication step.
     FloatNet,
     /// The quantised networks, the controller's own code, held over the communication step.
@@ -30,6 +33,7 @@ impl ForceSource {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Law => "law",
+            Self::HeldLaw => "held-law",
             Self::FloatNet => "float-net",
             Self::QuantisedNet => "quantised-net",
         }
@@ -58,6 +62,8 @@ pub struct ForcedRun {
     pub peaks: Vec<Peak>,
     /// Share of the samples in contact on which the networks left their training range.
     pub outside_training_share: f64,
+    /// Largest force that a held source gave without contact, N.
+    pub without_contact_n: f64,
     /// The shaft's tilt, on a bench in two planes.
     pub tilt: Option<Tilt>,
     /// The slices at every sample, on a bench in two planes.
@@ -82,10 +88,10 @@ pub const fn bearing_of(material: BearingMaterial) -> Bearing {
 }
 
 /// Check sum of the networks behind a source, in hexadecimal: what a recorded run depends on beside the description.
-/// Empty for the law.
+/// Empty for the laws.
 pub fn identity(source: ForceSource, material: BearingMaterial) -> String {
     let bytes = match source {
-        ForceSource::Law => return String::new(),
+        ForceSource::Law | ForceSource::HeldLaw => return String::new(),
         ForceSource::FloatNet => float_pair::shipped(bearing_of(material)),
         ForceSource::QuantisedNet => shipped(bearing_of(material)),
     };
@@ -180,6 +186,7 @@ impl ForcedRun {
             wall_s: 0.0,
             peaks: Vec::new(),
             outside_training_share: 0.0,
+            without_contact_n: 0.0,
             tilt: None,
             tilting: Vec::new(),
         }
@@ -198,7 +205,8 @@ fn run_planar(
     let bearing = bearing_of(bench.bearing.material);
     let every = ((end_s / step_s / 100.0) as usize).max(1);
     let (mut steps, mut contacts, mut outside) = (0_usize, 0_usize, 0_usize);
-    let mut held = |view: &ContactView, [normal_n, friction_n]: [f32; 2], flags: Flags| {
+    let mut without_contact_n = 0.0_f64;
+    let mut held = |view: &ContactView, [normal_n, friction_n]: [f64; 2], flags: Flags| {
         steps += 1;
         if steps.is_multiple_of(every) {
             tick();
@@ -206,17 +214,24 @@ fn run_planar(
         if view.deformation_m > 0.0 {
             contacts += 1;
             outside += usize::from(flags.intersects(Flags::OUTSIDE_TRAINING));
+        } else {
+            without_contact_n = without_contact_n.max(normal_n.abs()).max(friction_n.abs());
         }
-        BearingForces { normal_n: f64::from(normal_n), friction_n: f64::from(friction_n) }
+        BearingForces { normal_n, friction_n }
     };
     let run = match source {
         ForceSource::Law => run_with_law(plant, end_s, samples_s, DEFAULT_TOLERANCE)?,
+        ForceSource::HeldLaw => run_with_held_force(plant, end_s, samples_s, step_s, |view| {
+            let law = plant.law(view);
+            held(view, [law.normal_n, law.friction_n], Flags::NONE)
+        })?,
         ForceSource::FloatNet => {
             let mut pair =
                 FloatPair::new(bearing).map_err(|e| CliError::Work(format!("shipped checkpoint: {e}")))?;
             run_with_held_force(plant, end_s, samples_s, step_s, |view| {
                 let estimate = pair.push(&contact_state(view));
-                held(view, [estimate.normal_force_n, estimate.friction_force_n], estimate.flags)
+                let forces = [estimate.normal_force_n, estimate.friction_force_n].map(f64::from);
+                held(view, forces, estimate.flags)
             })?
         }
         ForceSource::QuantisedNet => {
@@ -225,10 +240,11 @@ fn run_planar(
             let mut pair: Pair = Pair::new(model);
             run_with_held_force(plant, end_s, samples_s, step_s, |view| {
                 let estimate = pair.push(&contact_state(view));
-                held(view, [estimate.normal_force_n(), estimate.friction_force_n()], estimate.flags)
+                let forces = [estimate.normal_force_n(), estimate.friction_force_n()].map(f64::from);
+                held(view, forces, estimate.flags)
             })?
         }
     };
     let outside_training_share = if contacts > 0 { outside as f64 / contacts as f64 } else { 0.0 };
-    Ok(ForcedRun { outside_training_share, ..ForcedRun::of(run) })
+    Ok(ForcedRun { outside_training_share, without_contact_n, ..ForcedRun::of(run) })
 }

@@ -8,16 +8,13 @@
 #[macro_use]
 mod say;
 
-pub mod axis;
 pub mod claims;
 pub mod commands;
 pub mod controller;
 pub mod error;
 pub mod estimator;
-pub mod figure;
 pub mod force;
 pub mod options;
-pub mod page;
 pub mod paper;
 mod parallel;
 pub mod progress;
@@ -25,3 +22,5 @@ pub mod sensing;
 pub mod summary;
 pub mod sweep;
 pub mod swing;
+
+pub use report::{axis, figure, page};

@@ -1,0 +1,124 @@
+//! Tables of numbers in colours: a square a cell, the number in it, one colour scale for all.
+//!
+//! The colour says how a cell stands to a limit: white at 0, blue up to the limit, orange beyond it, full at twice the
+//! limit; the sign does not matter. So a reader sees at a glance what is within, and by how much.
+
+use crate::figure::COLOURS;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// A table to be drawn.
+#[derive(Clone, Debug)]
+pub struct Heat<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// What the columns are, with unit.
+    pub x: &'a str,
+    /// What the rows are, with unit.
+    pub y: &'a str,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Names of the rows, the uppermost first.
+    pub rows: Vec<String>,
+    /// Values by row; `None` leaves a cell empty.
+    pub values: Vec<Vec<Option<f64>>>,
+    /// Magnitude up to which a value is within.
+    pub limit: f64,
+    /// Decimals of the numbers.
+    pub decimals: usize,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+}
+
+/// Space in pixels left of, above, right of and below the cells.
+const MARGINS: [i32; 4] = [74, 34, 14, 44];
+
+/// Draws a table. An error is a drawing failure, in words.
+pub fn draw(heat: &Heat) -> Result<String, String> {
+    let mut svg = String::new();
+    let failed = |e: &dyn std::fmt::Display| format!("chart `{}`: {e}", heat.title);
+    {
+        let area = SVGBackend::with_string(&mut svg, heat.size).into_drawing_area();
+        area.fill(&WHITE).map_err(|e| failed(&e))?;
+        let [left, top, right, bottom] = MARGINS;
+        let (width, height) = (heat.size.0 as i32, heat.size.1 as i32);
+        let place = |from: i32, to: i32, index: usize, count: usize| {
+            from + ((to - from) as f64 * index as f64 / count.max(1) as f64).round() as i32
+        };
+        let x = |index| place(left, width - right, index, heat.columns.len());
+        let y = |index| place(top, height - bottom, index, heat.rows.len());
+        let text = |words: &str, at: (i32, i32), size: i32, horizontal: HPos, colour: &RGBColor| {
+            let style = ("sans-serif", size).into_text_style(&area).color(colour);
+            let style = style.pos(Pos::new(horizontal, VPos::Center));
+            area.draw(&Text::new(words.to_owned(), at, style)).map_err(|e| failed(&e))
+        };
+        text(heat.title, (width / 2, 16), 17, HPos::Center, &BLACK)?;
+        text(heat.x, ((left + width - right) / 2, height - 10), 13, HPos::Center, &BLACK)?;
+        let upright = ("sans-serif", 13).into_text_style(&area).transform(FontTransform::Rotate270);
+        let upright = upright.pos(Pos::new(HPos::Center, VPos::Center));
+        let middle = (top + height - bottom) / 2;
+        area.draw(&Text::new(heat.y.to_owned(), (12, middle), upright)).map_err(|e| failed(&e))?;
+        for (index, name) in heat.columns.iter().enumerate() {
+            text(name, ((x(index) + x(index + 1)) / 2, height - bottom + 14), 13, HPos::Center, &BLACK)?;
+        }
+        for (index, name) in heat.rows.iter().enumerate() {
+            text(name, (left - 8, (y(index) + y(index + 1)) / 2), 13, HPos::Right, &BLACK)?;
+        }
+        for (row, values) in heat.values.iter().enumerate() {
+            for (column, value) in values.iter().enumerate() {
+                let Some(value) = value else { continue };
+                let corners = [(x(column) + 1, y(row) + 1), (x(column + 1) - 1, y(row + 1) - 1)];
+                let (colour, ink) = colours(value.abs() / heat.limit);
+                area.draw(&Rectangle::new(corners, colour.filled())).map_err(|e| failed(&e))?;
+                let middle = ((x(column) + x(column + 1)) / 2, (y(row) + y(row + 1)) / 2);
+                text(&format!("{value:.*}", heat.decimals), middle, 13, HPos::Center, &ink)?;
+            }
+        }
+        area.present().map_err(|e| failed(&e))?;
+    }
+    Ok(svg)
+}
+
+/// Colour of a cell and of its number by the share of the limit.
+fn colours(share: f64) -> (RGBColor, RGBColor) {
+    let [within, beyond, ..] = COLOURS;
+    let (full, strength) =
+        if share <= 1.0 { (within, 0.75 * share) } else { (beyond, 0.4 + 0.6 * (share - 1.0)) };
+    // A value that is no number is as far off as can be.
+    let strength = if strength.is_finite() { strength.min(1.0) } else { 1.0 };
+    let mix = |channel: u8| (255.0 + (f64::from(channel) - 255.0) * strength).round() as u8;
+    let ink = if strength > 0.55 { WHITE } else { BLACK };
+    (RGBColor(mix(full.0), mix(full.1), mix(full.2)), ink)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_has_its_number_and_empty_ones_stay_empty() {
+        let heat = Heat {
+            title: "error",
+            x: "load, kN",
+            y: "clearance, mm",
+            columns: vec!["-1".into(), "1".into()],
+            rows: vec!["0.1".into(), "1".into()],
+            values: vec![vec![Some(0.25), None], vec![Some(-7.5), Some(f64::NAN)]],
+            limit: 2.0,
+            decimals: 2,
+            size: (300, 200),
+        };
+        let svg = draw(&heat).unwrap();
+        assert!(svg.contains("0.25") && svg.contains("-7.50") && svg.contains("load, kN"), "{svg}");
+        assert_eq!(svg.matches("<rect").count(), 1 + 3, "the background and three cells");
+    }
+
+    #[test]
+    fn what_is_beyond_the_limit_has_another_colour() {
+        let (at, ink) = colours(0.0);
+        assert_eq!((at, ink), (RGBColor(255, 255, 255), BLACK));
+        let ((inside, _), (outside, _)) = (colours(1.0), colours(1.001));
+        assert!(inside.2 > inside.0 && outside.0 > outside.2, "{inside:?} {outside:?}");
+        assert_eq!(colours(9.0), colours(f64::NAN));
+    }
+}
