@@ -185,6 +185,8 @@ pub struct MonitorConfiguration {
     pub stiffness_deviation_per_mille: u16,
     /// One standard deviation of the moment of inertia, thousandths of it.
     pub inertia_deviation_per_mille: u16,
+    /// One standard deviation of the mass, thousandths of it.
+    pub mass_deviation_per_mille: u16,
     /// One standard deviation of either lever's radius, hundred-thousandths of it.
     pub lever_deviation_ppht: u16,
     /// One standard deviation of either journal coordinate's offset, nm.
@@ -232,6 +234,8 @@ pub enum MonitorField {
     StiffnessDeviation,
     /// `inertia_deviation_per_mille`.
     InertiaDeviation,
+    /// `mass_deviation_per_mille`.
+    MassDeviation,
     /// `lever_deviation_ppht`.
     LeverDeviation,
     /// `offset_deviation_nm`.
