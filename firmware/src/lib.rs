@@ -19,6 +19,7 @@ pub mod clock;
 pub mod estimator;
 pub mod flags;
 pub mod session;
+pub mod supervisor;
 
 pub use estimator::Estimator;
 pub use session::{Identity, NoTicks, Session, TickSource};

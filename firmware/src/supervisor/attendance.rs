@@ -1,0 +1,230 @@
+//! Who must have checked in before the watchdog is kicked.
+//!
+//! Four parties ([`Party`]) check in from wherever they run. [`Attendance::review`] is called once a timer tick: it answers
+//! [`Verdict::Kick`] only while everybody that is expected has checked in within its period, else it names who is missing, and goes on
+//! naming them until the reset: a party that comes back late does not undo it. The board then records the fault and resets; should even
+//! the review not run any more, nobody kicks the hardware's watchdog and that resets.
+//!
+//! Times are the controller's uptime in us, modulo 2^32; a period is at most [`LONGEST_US`]. A party that rests (sampling and inference
+//! before a configuration) is not expected until it checks in again. Everything is atomic loads and stores of words, so parties in different
+//! interrupts need no lock.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use link::start::{MISSING_INFERENCE, MISSING_LINK, MISSING_SAMPLING, MISSING_SELF_TEST};
+
+/// Longest period, us: far from where the time's wrap would hide a missing party.
+pub const LONGEST_US: u32 = 600_000_000;
+
+/// Somebody whose work the controller exists for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Party {
+    /// The sample source was asked.
+    Sampling,
+    /// A sample was estimated.
+    Inference,
+    /// The link was served.
+    Link,
+    /// A round of the self-test passed.
+    SelfTest,
+}
+
+impl Party {
+    /// Everybody, in the order of [`link::start::PARTIES`].
+    pub const ALL: [Self; 4] = [Self::Sampling, Self::Inference, Self::Link, Self::SelfTest];
+
+    /// The party's bit among the missing.
+    #[must_use]
+    pub const fn bit(self) -> u8 {
+        match self {
+            Self::Sampling => MISSING_SAMPLING,
+            Self::Inference => MISSING_INFERENCE,
+            Self::Link => MISSING_LINK,
+            Self::SelfTest => MISSING_SELF_TEST,
+        }
+    }
+}
+
+/// How long each party may stay away, us.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Periods {
+    /// [`Party::Sampling`].
+    pub sampling_us: u32,
+    /// [`Party::Inference`].
+    pub inference_us: u32,
+    /// [`Party::Link`].
+    pub link_us: u32,
+    /// [`Party::SelfTest`].
+    pub self_test_us: u32,
+}
+
+/// What the timer tick is to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Kick the watchdog.
+    Kick,
+    /// Record and reset; never kick again.
+    Starved {
+        /// Bits of the parties that were missing when it was noticed.
+        missing: u8,
+    },
+}
+
+/// One party's state.
+#[derive(Debug)]
+struct Watch {
+    period_us: u32,
+    last_us: AtomicU32,
+    expected: AtomicU32,
+}
+
+impl Watch {
+    const fn new(period_us: u32) -> Self {
+        let period_us = if period_us < LONGEST_US { period_us } else { LONGEST_US };
+        Self { period_us, last_us: AtomicU32::new(0), expected: AtomicU32::new(0) }
+    }
+
+    fn missing(&self, now_us: u32) -> bool {
+        let expected = self.expected.load(Ordering::Relaxed) != 0;
+        let away_us = now_us.wrapping_sub(self.last_us.load(Ordering::Relaxed));
+        // A check-in between the caller's look at the clock and here is from the future: not missing.
+        expected && away_us > self.period_us && away_us < u32::MAX / 2
+    }
+}
+
+/// The register of check-ins.
+#[derive(Debug)]
+pub struct Attendance {
+    sampling: Watch,
+    inference: Watch,
+    link: Watch,
+    self_test: Watch,
+    missed: AtomicU32,
+}
+
+impl Attendance {
+    /// Creates a register in which everybody rests.
+    #[must_use]
+    pub const fn new(periods: Periods) -> Self {
+        Self {
+            sampling: Watch::new(periods.sampling_us),
+            inference: Watch::new(periods.inference_us),
+            link: Watch::new(periods.link_us),
+            self_test: Watch::new(periods.self_test_us),
+            missed: AtomicU32::new(0),
+        }
+    }
+
+    const fn watch(&self, party: Party) -> &Watch {
+        match party {
+            Party::Sampling => &self.sampling,
+            Party::Inference => &self.inference,
+            Party::Link => &self.link,
+            Party::SelfTest => &self.self_test,
+        }
+    }
+
+    /// Notes that a party is at work, and expects it again within its period.
+    pub fn check_in(&self, party: Party, now_us: u32) {
+        let watch = self.watch(party);
+        watch.last_us.store(now_us, Ordering::Relaxed);
+        watch.expected.store(1, Ordering::Release);
+    }
+
+    /// Expects nothing of a party until it checks in again.
+    pub fn rest(&self, party: Party) {
+        self.watch(party).expected.store(0, Ordering::Relaxed);
+    }
+
+    /// Whether the watchdog may be kicked.
+    pub fn review(&self, now_us: u32) -> Verdict {
+        let missing = Party::ALL
+            .into_iter()
+            .filter(|&party| self.watch(party).missing(now_us))
+            .fold(0, |mask, party| mask | party.bit());
+        if missing != 0 && self.missed.load(Ordering::Relaxed) == 0 {
+            self.missed.store(u32::from(missing), Ordering::Relaxed);
+        }
+        match self.missed.load(Ordering::Relaxed).to_le_bytes() {
+            [0, ..] => Verdict::Kick,
+            [missing, ..] => Verdict::Starved { missing },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const PERIODS: Periods =
+        Periods { sampling_us: 1_000, inference_us: 2_000, link_us: 50_000, self_test_us: 5_000_000 };
+
+    #[test]
+    fn a_party_is_missing_once_its_period_has_passed_and_only_then() {
+        for (party, period) in Party::ALL.into_iter().zip([1_000, 2_000, 50_000, 5_000_000]) {
+            for start in [0, 77, u32::MAX - 500] {
+                let register = Attendance::new(PERIODS);
+                register.check_in(party, start);
+                assert_eq!(register.review(start.wrapping_add(period)), Verdict::Kick, "{party:?}");
+                let missing = party.bit();
+                let late = start.wrapping_add(period + 1);
+                assert_eq!(register.review(late), Verdict::Starved { missing }, "{party:?}");
+                // Too late: the reset is due.
+                register.check_in(party, late);
+                assert_eq!(register.review(late), Verdict::Starved { missing }, "{party:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn everybody_missing_is_named() {
+        let register = Attendance::new(PERIODS);
+        for party in Party::ALL {
+            register.check_in(party, 0);
+        }
+        register.rest(Party::Inference);
+        let missing = Party::Sampling.bit() | Party::Link.bit();
+        assert_eq!(register.review(60_000), Verdict::Starved { missing });
+    }
+
+    #[test]
+    fn the_bits_stand_for_the_names_of_the_link() {
+        for (index, party) in Party::ALL.into_iter().enumerate() {
+            assert_eq!(party.bit(), 1 << index);
+            let name = format!("{party:?}").to_lowercase();
+            assert_eq!(name, link::start::PARTIES[index].replace('-', ""));
+        }
+    }
+
+    proptest! {
+        /// Against the plain definition, with times that wrap.
+        #[test]
+        fn the_watchdog_is_kicked_exactly_while_all_have_come_in_time(
+            begin in any::<u32>(),
+            events in prop::collection::vec((0_usize..4, 0_u32..30_000, any::<bool>()), 1..60),
+        ) {
+            let register = Attendance::new(PERIODS);
+            let (mut now, mut starved) = (0_u64, None);
+            let mut last: [Option<u64>; 4] = [None; 4];
+            let periods = [1_000_u64, 2_000, 50_000, 5_000_000];
+            for (index, step, rests) in events {
+                now += u64::from(step);
+                let stamp = begin.wrapping_add(now as u32);
+                let missing = (0..4)
+                    .filter(|&i| last[i].is_some_and(|at| now - at > periods[i]))
+                    .fold(0, |mask, i| mask | Party::ALL[i].bit());
+                starved = starved.or((missing != 0).then_some(missing));
+                let expected = starved.map_or(Verdict::Kick, |missing| Verdict::Starved { missing });
+                prop_assert_eq!(register.review(stamp), expected);
+                if rests {
+                    register.rest(Party::ALL[index]);
+                    last[index] = None;
+                } else {
+                    register.check_in(Party::ALL[index], stamp);
+                    last[index] = Some(now);
+                }
+            }
+        }
+    }
+}
