@@ -3,10 +3,9 @@
 use crate::checkpoint::Checkpoint;
 use crate::layers::{LAYER_ROWS, LayerError};
 use crate::mode::Plan;
-use crate::net::Net;
 use crate::quantise::CALIBRATION_ROWS;
 use crate::ranges::RangeKind;
-use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS, macs_per_step};
+use crate::shapes::{collision, friction};
 use crate::verify::{BANDS_N, Verdict, WORKING_FORCE_N, WORKING_RATIO};
 use inference::image::{CRC_LENGTH, FORMAT_VERSION};
 use inference::{Header, WINDOW};
@@ -66,14 +65,14 @@ fn write_card(out: &mut String, facts: &Facts<'_>) -> std::fmt::Result {
     writeln!(
         out,
         "| parameters | {} collision, {} friction |",
-        Net::<COLLISION_TAPS>::PARAMETERS,
-        Net::<FRICTION_TAPS>::PARAMETERS
+        collision().parameters(),
+        friction().parameters()
     )?;
     writeln!(
         out,
         "| multiply-accumulates a sample | {} collision, {} friction |",
-        macs_per_step(COLLISION_TAPS),
-        macs_per_step(FRICTION_TAPS)
+        collision().macs_per_step(),
+        friction().macs_per_step()
     )?;
     writeln!(out, "| window | {WINDOW} samples; the first {} after a reset are flagged |", WINDOW - 1)?;
     writeln!(

@@ -1,13 +1,13 @@
 //! The float checkpoint: what a training leaves behind, apart from the image.
 //!
 //! Little-endian: magic (8 bytes), version (u32), length of the recipe (u32), the recipe as JSON, then for the collision
-//! and the friction network the free and the tuned weights as f32 in the order of [`Net::slices`], then a CRC-32 over
+//! and the friction network the free and the tuned weights as f32 in the order of [`Network::parameters`], then a CRC-32 over
 //! everything before. The CRC-64 of the whole file is the training id of the images made from it.
 
-use crate::net::Net;
+use crate::network::{Network, Shape};
 use crate::ranges::header;
 use crate::recipe::Recipe;
-use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS};
+use crate::shapes;
 use crate::train::Trained;
 use inference::image::check_sum;
 use inference::{Bearing, Header};
@@ -26,9 +26,9 @@ pub struct Checkpoint {
     /// Bearing of the recipe.
     pub bearing: Bearing,
     /// The collision network.
-    pub collision: Trained<COLLISION_TAPS>,
+    pub collision: Trained,
     /// The friction network.
-    pub friction: Trained<FRICTION_TAPS>,
+    pub friction: Trained,
 }
 
 /// Why a checkpoint was refused.
@@ -77,13 +77,11 @@ impl Checkpoint {
         bytes.extend(VERSION.to_le_bytes());
         bytes.extend((recipe.len() as u32).to_le_bytes());
         bytes.extend(&recipe);
-        let mut put = |slices: [&[f32]; 8]| {
-            bytes.extend(slices.into_iter().flatten().flat_map(|weight| weight.to_le_bytes()));
-        };
-        put(self.collision.float.slices());
-        put(self.collision.tuned.slices());
-        put(self.friction.float.slices());
-        put(self.friction.tuned.slices());
+        for trained in [&self.collision, &self.friction] {
+            for network in [&trained.float, &trained.tuned] {
+                bytes.extend(network.parameters().flat_map(f32::to_le_bytes));
+            }
+        }
         let sum = check_sum(&bytes);
         bytes.extend(sum.to_le_bytes());
         Ok(bytes)
@@ -91,7 +89,7 @@ impl Checkpoint {
 
     /// Reads the bytes of a file.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
-        let weights = 8 * (Net::<COLLISION_TAPS>::PARAMETERS + Net::<FRICTION_TAPS>::PARAMETERS);
+        let weights = 8 * (shapes::collision().parameters() + shapes::friction().parameters());
         let short = |expected| CheckpointError::Length { found: bytes.len(), expected };
         let (start, _) = bytes.split_first_chunk::<16>().ok_or(short(20 + weights))?;
         let word = |at: usize| u32::from_le_bytes([start[at], start[at + 1], start[at + 2], start[at + 3]]);
@@ -116,8 +114,10 @@ impl Checkpoint {
         if values.clone().any(|value| !value.is_finite()) {
             return Err(CheckpointError::Weight);
         }
-        let collision = Trained { float: take(&mut values), tuned: take(&mut values) };
-        let friction = Trained { float: take(&mut values), tuned: take(&mut values) };
+        let mut take = |shape: &Shape| filled(shape, &mut values);
+        let (first, second) = (shapes::collision(), shapes::friction());
+        let collision = Trained { float: take(&first), tuned: take(&first) };
+        let friction = Trained { float: take(&second), tuned: take(&second) };
         Ok(Self { recipe, bearing, collision, friction })
     }
 
@@ -132,12 +132,12 @@ impl Checkpoint {
     }
 }
 
-fn take<const T: usize>(values: &mut impl Iterator<Item = f32>) -> Net<T> {
-    let mut net = Net::zero();
-    for slot in net.slices_mut().into_iter().flatten() {
-        *slot = values.next().unwrap_or(0.0);
+fn filled(shape: &Shape, values: &mut impl Iterator<Item = f32>) -> Network {
+    let mut network = Network::zero(shape.clone());
+    for (slot, value) in network.slices_mut().flatten().zip(values) {
+        *slot = value;
     }
-    net
+    network
 }
 
 #[cfg(test)]
@@ -147,8 +147,9 @@ mod tests {
 
     fn sample() -> Checkpoint {
         let mut draw = Draw::new(5, Purpose::Weights, 0);
-        let collision = Trained { float: Net::start(&mut draw), tuned: Net::start(&mut draw) };
-        let friction = Trained { float: Net::start(&mut draw), tuned: Net::start(&mut draw) };
+        let mut start = |shape: Shape| Network::start(shape, &mut draw);
+        let collision = Trained { float: start(shapes::collision()), tuned: start(shapes::collision()) };
+        let friction = Trained { float: start(shapes::friction()), tuned: start(shapes::friction()) };
         Checkpoint {
             recipe: Recipe::standard(Bearing::Plastic),
             bearing: Bearing::Plastic,

@@ -2,9 +2,8 @@
 
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::features::FloatFeatures;
-use crate::net::{Net, Taps};
-use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS, HEAD_WEIGHTS, HIDDEN_TAPS};
-use inference::model::CHANNELS;
+use crate::network::{Network, Shape, rectify};
+use crate::shapes::LAYERS;
 use inference::{Bearing, ContactState, Flags, Header, WINDOW};
 use std::path::Path;
 
@@ -76,60 +75,57 @@ impl Grid {
 
 /// Which values on the way through a float network are rounded, to see what each costs: features, then the outputs of the
 /// three convolutions. Normally none.
-pub type Rounding = [Option<Grid>; 4];
+pub type Rounding = [Option<Grid>; LAYERS];
 
-/// History of one float network; zero before the start, as on the controller.
+/// History of one float network without padding; zero before the start, as on the controller.
 #[derive(Clone, Debug)]
-struct Stream<const T: usize> {
-    inputs: [f32; T],
-    first: [f32; HIDDEN_TAPS],
-    second: [f32; HIDDEN_TAPS],
-    third: [f32; HEAD_WEIGHTS],
+struct Stream {
+    /// The columns that each layer sees, oldest first.
+    seen: Vec<Vec<f32>>,
+    /// Newest column behind a layer, and the one before it.
+    columns: [Vec<f32>; 2],
 }
 
-impl<const T: usize> Stream<T> {
-    fn new() -> Self {
-        Self {
-            inputs: [0.0; T],
-            first: [0.0; HIDDEN_TAPS],
-            second: [0.0; HIDDEN_TAPS],
-            third: [0.0; HEAD_WEIGHTS],
+impl Stream {
+    fn new(shape: &Shape) -> Self {
+        let seen = shape.layers().iter().map(|layer| vec![0.0; layer.taps()]).collect();
+        Self { seen, columns: [Vec::new(), Vec::new()] }
+    }
+
+    fn reset(&mut self) {
+        for seen in &mut self.seen {
+            seen.fill(0.0);
         }
     }
 
-    fn step<const C: usize>(&mut self, net: &Net<T>, mut column: [f32; C], rounding: &Rounding) -> f32 {
-        let [features, first, second, third] = rounding;
-        let rounded = |mut values: [f32; CHANNELS], grid: &Option<Grid>| {
-            if let Some(grid) = grid {
-                grid.round(&mut values);
+    fn step(&mut self, network: &Network, column: &[f32], rounding: &Rounding) -> f32 {
+        let [newest, next] = &mut self.columns;
+        newest.clear();
+        newest.extend(column);
+        let head = self.seen.len().saturating_sub(1);
+        for (index, (layer, seen)) in network.layers().iter().zip(&mut self.seen).enumerate() {
+            if let Some(grid) = rounding.get(index).copied().flatten() {
+                grid.round(newest);
             }
-            values
-        };
-        if let Some(grid) = features {
-            grid.round(&mut column);
+            push(seen, newest);
+            next.clear();
+            next.resize(layer.biases.len(), 0.0);
+            layer.sums(seen, next);
+            if index < head {
+                rectify(next);
+            }
+            core::mem::swap(newest, next);
         }
-        push(&mut self.inputs, &column);
-        push(&mut self.first, &rounded(convolve(&self.inputs, &net.first, &net.first_bias), first));
-        push(&mut self.second, &rounded(convolve(&self.first, &net.second, &net.second_bias), second));
-        push(&mut self.third, &rounded(convolve(&self.second, &net.third, &net.third_bias), third));
-        self.third.iter().zip(&net.head).fold(net.head_bias[0], |sum, (x, w)| sum + x * w)
+        newest.first().copied().unwrap_or_default()
     }
 }
 
 fn push(columns: &mut [f32], newest: &[f32]) {
-    columns.rotate_left(newest.len());
-    let start = columns.len() - newest.len();
-    columns[start..].copy_from_slice(newest);
-}
-
-fn convolve<const T: usize>(inputs: &[f32; T], weights: &Taps<T>, bias: &[f32; CHANNELS]) -> [f32; CHANNELS] {
-    let mut sums = *bias;
-    for (x, row) in inputs.iter().zip(weights) {
-        for (sum, w) in sums.iter_mut().zip(row) {
-            *sum += x * w;
-        }
+    let start = columns.len().saturating_sub(newest.len());
+    columns.copy_within(newest.len().min(start)..start + newest.len().min(columns.len()), 0);
+    for (slot, value) in columns.iter_mut().skip(start).zip(newest) {
+        *slot = *value;
     }
-    sums.map(|sum| if sum > 0.0 { sum } else { 0.0 })
 }
 
 /// Both float networks of a bearing, one sample at a time.
@@ -137,11 +133,9 @@ fn convolve<const T: usize>(inputs: &[f32; T], weights: &Taps<T>, bias: &[f32; C
 pub struct FloatPair {
     header: Header,
     features: FloatFeatures,
-    collision_net: Net<COLLISION_TAPS>,
-    friction_net: Net<FRICTION_TAPS>,
+    networks: [Network; 2],
     rounding: [Rounding; 2],
-    collision: Stream<COLLISION_TAPS>,
-    friction: Stream<FRICTION_TAPS>,
+    streams: [Stream; 2],
     seen: usize,
 }
 
@@ -161,26 +155,14 @@ impl FloatPair {
     /// The free weights of a checkpoint.
     pub fn of(checkpoint: &Checkpoint, training_id: u64) -> Self {
         let header = Header { training_id, ..checkpoint.header() };
-        let nets = (checkpoint.collision.float.clone(), checkpoint.friction.float.clone());
-        Self::with(header, nets, [[None; 4]; 2])
+        let networks = [checkpoint.collision.float.clone(), checkpoint.friction.float.clone()];
+        Self::with(header, networks, [[None; LAYERS]; 2])
     }
 
-    /// Any two networks, with some of their activations rounded.
-    pub fn with(
-        header: Header,
-        (collision_net, friction_net): (Net<COLLISION_TAPS>, Net<FRICTION_TAPS>),
-        rounding: [Rounding; 2],
-    ) -> Self {
-        Self {
-            header,
-            features: FloatFeatures::of(&header),
-            collision_net,
-            friction_net,
-            rounding,
-            collision: Stream::new(),
-            friction: Stream::new(),
-            seen: 0,
-        }
+    /// Any two networks (collision first) without padding, with some of their activations rounded.
+    pub fn with(header: Header, networks: [Network; 2], rounding: [Rounding; 2]) -> Self {
+        let streams = [0, 1].map(|which: usize| Stream::new(networks[which].shape()));
+        Self { header, features: FloatFeatures::of(&header), networks, rounding, streams, seen: 0 }
     }
 
     /// Ranges and identity, as in the image.
@@ -190,8 +172,9 @@ impl FloatPair {
 
     /// Forgets the history.
     pub fn reset(&mut self) {
-        self.collision = Stream::new();
-        self.friction = Stream::new();
+        for stream in &mut self.streams {
+            stream.reset();
+        }
         self.seen = 0;
     }
 
@@ -205,12 +188,14 @@ impl FloatPair {
             };
         }
         let [collision_rounding, friction_rounding] = &self.rounding;
+        let [collision_net, friction_net] = &self.networks;
+        let [collision, friction] = &mut self.streams;
         let column = self.features.collision(state);
-        let output = self.collision.step(&self.collision_net, column.inputs, collision_rounding);
+        let output = collision.step(collision_net, &column.inputs, collision_rounding);
         let root = output.max(0.0) * column.root_force_factor;
         let normal_force_n = root * root;
         let inputs = self.features.friction(root, state.sliding_speed_m_s);
-        let coefficient = self.friction.step(&self.friction_net, inputs, friction_rounding).max(0.0);
+        let coefficient = friction.step(friction_net, &inputs, friction_rounding).max(0.0);
         let friction_force_n = match state.sliding_speed_m_s {
             speed if speed > 0.0 => -coefficient * normal_force_n,
             speed if speed < 0.0 => coefficient * normal_force_n,
@@ -228,20 +213,21 @@ impl FloatPair {
 mod tests {
     use super::*;
     use crate::draw::{Draw, Purpose};
+    use crate::shapes;
     use inference::features::FRICTION_INPUTS;
 
     #[test]
     fn a_warm_stream_equals_the_window_that_was_trained() {
         let mut draw = Draw::new(8, Purpose::Weights, 0);
-        let net = Net::<FRICTION_TAPS>::start(&mut draw);
+        let net = Network::start(shapes::friction(), &mut draw);
         let columns: Vec<[f32; FRICTION_INPUTS]> =
             (0..40).map(|_| core::array::from_fn(|_| draw.uniform(-1.0, 1.0) as f32)).collect();
-        let mut stream = Stream::new();
+        let mut stream = Stream::new(net.shape());
         for (index, column) in columns.iter().enumerate() {
-            let output = stream.step(&net, *column, &[None; 4]);
+            let output = stream.step(&net, column, &[None; LAYERS]);
             if index + 1 >= WINDOW {
                 let window = columns[index + 1 - WINDOW..=index].as_flattened();
-                assert_eq!(output.to_bits(), net.window(window).to_bits(), "column {index}");
+                assert_eq!(output.to_bits(), net.evaluate(window)[0].to_bits(), "column {index}");
             }
         }
     }

@@ -11,11 +11,11 @@ use crate::checkpoint::Checkpoint;
 use crate::float_pair::{FloatPair, Grid, Rounding};
 use crate::image::AnyModel;
 use crate::mode::{Mode, Plan};
-use crate::net::Net;
-use crate::parameters::{Activations, Channel, LAYERS, channels, put_back};
+use crate::network::Network;
+use crate::parameters::{Activations, channels, put_back};
 use crate::quantise::Quantised;
 use crate::rows::Row;
-use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS};
+use crate::shapes::LAYERS;
 use crate::verify::{BANDS_N, float_forces_after, image_forces_after, mean, test_set};
 use inference::{Header, ImageError};
 use serde::Serialize;
@@ -49,20 +49,18 @@ pub struct LayerError {
 
 const LAYER_NAMES: [&str; LAYERS] = ["convolution 1", "convolution 2", "convolution 3", "head"];
 
-type Nets = (Net<COLLISION_TAPS>, Net<FRICTION_TAPS>);
+type Nets = [Network; 2];
 
 fn grid(activations: &Activations) -> Grid {
     Grid { step: activations.step as f32, most: activations.full_scale() as f32 }
 }
 
 /// Rounds the weights of one layer.
-fn rounded<const T: usize>(net: &Net<T>, layer: usize, inputs: &Activations, mode: Mode) -> Net<T> {
-    let on_grid: Vec<Channel> = (channels(net, layer).iter())
-        .map(|(weights, bias)| Channel::of(weights, *bias, inputs, mode))
-        .collect();
-    let mut net = net.clone();
-    put_back(&mut net, layer, &on_grid);
-    net
+fn rounded(network: &Network, layer: usize, inputs: &Activations, mode: Mode) -> Network {
+    let on_grid = channels(network, layer, inputs, mode);
+    let mut network = network.clone();
+    put_back(&mut network, layer, &on_grid);
+    network
 }
 
 /// Float networks with something of one of them in whole numbers.
@@ -74,7 +72,7 @@ struct Case {
 }
 
 fn cases(checkpoint: &Checkpoint, quantised: &Quantised, plan: Plan) -> Vec<Case> {
-    let float = (checkpoint.collision.float.clone(), checkpoint.friction.float.clone());
+    let float = [checkpoint.collision.float.clone(), checkpoint.friction.float.clone()];
     let none = [[None; LAYERS]; 2];
     let mut cases = Vec::new();
     for (network, activations) in quantised.activations.iter().enumerate() {
@@ -97,9 +95,10 @@ fn cases(checkpoint: &Checkpoint, quantised: &Quantised, plan: Plan) -> Vec<Case
             add(name, float.clone(), rounding);
         }
         add("all activations".to_owned(), float.clone(), all);
-        let round = |nets: &Nets, layer: usize| match network {
-            0 => (rounded(&nets.0, layer, &inputs(layer), plan.mode), nets.1.clone()),
-            _ => (nets.0.clone(), rounded(&nets.1, layer, &inputs(layer), plan.mode)),
+        let round = |nets: &Nets, layer: usize| {
+            let mut nets = nets.clone();
+            nets[network] = rounded(&nets[network], layer, &inputs(layer), plan.mode);
+            nets
         };
         for (layer, name) in LAYER_NAMES.into_iter().enumerate() {
             add(format!("weights of {name}"), round(&float, layer), none);
@@ -110,10 +109,8 @@ fn cases(checkpoint: &Checkpoint, quantised: &Quantised, plan: Plan) -> Vec<Case
             none,
         );
         if plan.mode.has_narrow_weights() {
-            let tuned = match network {
-                0 => (checkpoint.collision.tuned.clone(), float.1.clone()),
-                _ => (float.0.clone(), checkpoint.friction.tuned.clone()),
-            };
+            let mut tuned = float.clone();
+            tuned[network] = [&checkpoint.collision, &checkpoint.friction][network].tuned.clone();
             add("all weights, trained on".to_owned(), tuned, none);
         }
     }

@@ -6,18 +6,15 @@
 //! | up to 16 bits | the smallest for which no weight exceeds 32767 steps and \|bias\| + sum \|weight\| 2^15 stays below 2^31 |
 
 use crate::mode::{Mode, Packing, Plan};
-use crate::net::{Net, Taps};
+use crate::network::Network;
 use crate::quantise::QuantiseError;
 use crate::round::{level, step};
 use inference::Scale;
 use inference::image::write::LayerParts;
 use inference::image::{LayerKind, LayerShape, WeightForm};
-use inference::model::{CHANNELS, HEAD_COLUMNS, KERNEL};
 
 /// Full scale of a layer over its largest activation in the calibration set.
 const HEADROOM: f64 = 17.0 / 16.0;
-/// Layers of a network: three convolutions and the head.
-pub const LAYERS: usize = 4;
 
 /// Activations of a layer in whole numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,23 +52,24 @@ pub struct Channel {
     pub bias: i32,
 }
 
+/// Bias in counts of the sum.
+fn bias_level(bias: f32, inputs: &Activations, step: f64) -> f64 {
+    libm::round(f64::from(bias) / (inputs.step * step))
+}
+
 impl Channel {
-    /// Puts a channel's weights on their grid.
-    pub fn of(weights: &[f32], bias: f32, inputs: &Activations, mode: Mode) -> Self {
-        let bias_level = |step: f64| libm::round(f64::from(bias) / (inputs.step * step));
+    /// The finest step that a channel's weights may have.
+    fn finest_step(weights: &[f32], bias: f32, inputs: &Activations, mode: Mode) -> f64 {
         if mode.has_narrow_weights() {
-            let step = step(weights.iter().copied());
-            let levels = weights.iter().map(|&weight| level(weight, step) as i16).collect();
-            let step = f64::from(step);
-            return Self { step, weights: levels, bias: bias_level(step) as i32 };
+            return f64::from(step(weights.iter().copied()));
         }
         let room = f64::from(i32::MAX);
         let lowest = libm::exp2(f64::from(inputs.bits) - 1.0);
-        let at = |step: f64| weights.iter().map(move |&weight| libm::round(f64::from(weight) / step));
         let fits = |step: f64| {
-            let sum: f64 = at(step).map(f64::abs).sum();
-            let largest = at(step).map(f64::abs).fold(0.0, f64::max);
-            largest <= f64::from(i16::MAX) && bias_level(step).abs() + sum * lowest <= room
+            let levels = || weights.iter().map(|&weight| libm::round(f64::from(weight) / step).abs());
+            let sum: f64 = levels().sum();
+            let largest = levels().fold(0.0, f64::max);
+            largest <= f64::from(i16::MAX) && bias_level(bias, inputs, step).abs() + sum * lowest <= room
         };
         let magnitude = |weight: &f32| f64::from(weight.abs());
         let largest = weights.iter().map(magnitude).fold(0.0, f64::max);
@@ -82,29 +80,48 @@ impl Channel {
         while !fits(step) {
             step *= 1.0 + 1.0 / 4096.0;
         }
-        Self { step, weights: at(step).map(|level| level as i16).collect(), bias: bias_level(step) as i32 }
+        step
+    }
+
+    /// Puts a channel's weights on a grid.
+    fn on(step: f64, weights: &[f32], bias: f32, inputs: &Activations, mode: Mode) -> Self {
+        let levels = weights.iter().map(|&weight| {
+            if mode.has_narrow_weights() {
+                level(weight, step as f32) as i16
+            } else {
+                libm::round(f64::from(weight) / step) as i16
+            }
+        });
+        Self { step, weights: levels.collect(), bias: bias_level(bias, inputs, step) as i32 }
+    }
+
+    /// Puts a channel's weights on their own grid.
+    pub fn of(weights: &[f32], bias: f32, inputs: &Activations, mode: Mode) -> Self {
+        Self::on(Self::finest_step(weights, bias, inputs, mode), weights, bias, inputs, mode)
     }
 }
 
-/// The channels of one layer of a network, 0 to 3, each with the float weights of its taps and its bias.
-pub fn channels<const T: usize>(net: &Net<T>, layer: usize) -> Vec<(Vec<f32>, f32)> {
-    fn convolution<const T: usize>(taps: &Taps<T>, biases: &[f32; CHANNELS]) -> Vec<(Vec<f32>, f32)> {
-        (biases.iter().enumerate())
-            .map(|(channel, &bias)| (taps.iter().filter_map(|row| row.get(channel)).copied().collect(), bias))
-            .collect()
+/// The channels of one layer of a network on their grids. A head has one grid for all its outputs, because it has one scale.
+pub fn channels(network: &Network, layer: usize, inputs: &Activations, mode: Mode) -> Vec<Channel> {
+    let Some(found) = network.layers().get(layer) else { return Vec::new() };
+    let outputs = found.biases.len();
+    let weights =
+        |output: usize| -> Vec<f32> { found.weights.iter().skip(output).step_by(outputs).copied().collect() };
+    let mut steps: Vec<f64> = (found.biases.iter().enumerate())
+        .map(|(output, &bias)| Channel::finest_step(&weights(output), bias, inputs, mode))
+        .collect();
+    if layer + 1 == network.layers().len() {
+        let coarsest = steps.iter().copied().fold(0.0, f64::max);
+        steps.fill(coarsest);
     }
-    match layer {
-        0 => convolution(&net.first, &net.first_bias),
-        1 => convolution(&net.second, &net.second_bias),
-        2 => convolution(&net.third, &net.third_bias),
-        _ => vec![(net.head.to_vec(), net.head_bias[0])],
-    }
+    (found.biases.iter().zip(steps).enumerate())
+        .map(|(output, (&bias, step))| Channel::on(step, &weights(output), bias, inputs, mode))
+        .collect()
 }
 
 /// Puts weights back into a layer of a float network: every channel's weights, in floats again.
-pub fn put_back<const T: usize>(net: &mut Net<T>, layer: usize, channels: &[Channel]) {
-    let slices = net.slices_mut();
-    let Some(slice) = slices.into_iter().nth(2 * layer) else { return };
+pub fn put_back(network: &mut Network, layer: usize, channels: &[Channel]) {
+    let Some(slice) = network.slices_mut().nth(2 * layer) else { return };
     for (tap, row) in slice.chunks_mut(channels.len().max(1)).enumerate() {
         for (slot, channel) in row.iter_mut().zip(channels) {
             let level = channel.weights.get(tap).copied().unwrap_or_default();
@@ -144,32 +161,27 @@ fn scale(value: f64) -> Option<Scale> {
     (multiplier > 0).then_some(Scale { multiplier, shift })
 }
 
+fn narrowed<T: TryFrom<usize>>(layer: usize, what: &'static str, size: usize) -> Result<T, QuantiseError> {
+    T::try_from(size).map_err(|_| QuantiseError::Size { layer, what, size })
+}
+
 /// A network in whole numbers; `largest` are its largest activations behind each convolution.
 ///
 /// # Errors
 ///
-/// A factor between two scales that its 32 bits cannot hold.
-pub fn network<const T: usize>(
-    net: &Net<T>,
-    largest: [f32; LAYERS - 1],
-    plan: Plan,
-) -> Result<Vec<Layer>, QuantiseError> {
-    let behind = largest.map(|largest| Activations::up_to(largest, plan.mode));
+/// A factor between two scales that its 32 bits cannot hold, a layer too large for the image.
+pub fn network(network: &Network, largest: &[f32], plan: Plan) -> Result<Vec<Layer>, QuantiseError> {
     let mut inputs = Activations::FEATURES;
-    let mut layers = Vec::with_capacity(LAYERS);
-    for layer in 0..LAYERS {
-        let channels: Vec<Channel> = (channels(net, layer).iter())
-            .map(|(weights, bias)| Channel::of(weights, *bias, &inputs, plan.mode))
-            .collect();
-        let outputs = behind.get(layer).copied();
-        let columns = if outputs.is_some() { KERNEL } else { HEAD_COLUMNS };
-        let taps = channels.first().map_or(0, |channel| channel.weights.len());
+    let mut layers = Vec::with_capacity(network.layers().len());
+    for (layer, size) in network.shape().layers().iter().enumerate() {
+        let channels = channels(network, layer, &inputs, plan.mode);
+        let outputs = largest.get(layer).map(|&largest| Activations::up_to(largest, plan.mode));
         let wide = !plan.mode.has_narrow_weights() || plan.packing == Packing::Speed;
         let shape = LayerShape {
             kind: if outputs.is_some() { LayerKind::Convolution } else { LayerKind::Head },
-            columns: columns as u8,
-            inputs: (taps / columns) as u16,
-            outputs: channels.len() as u16,
+            columns: narrowed(layer, "columns", size.kernel)?,
+            inputs: narrowed(layer, "inputs", size.inputs)?,
+            outputs: narrowed(layer, "outputs", size.outputs)?,
             input_bits: inputs.bits,
             output_bits: outputs.map_or(32, |outputs| outputs.bits),
             form: if inputs.bits == 16 && wide { WeightForm::Wide } else { WeightForm::Packed },

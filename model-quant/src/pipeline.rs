@@ -6,6 +6,7 @@ use crate::features::FloatFeatures;
 use crate::ranges::header;
 use crate::recipe::Recipe;
 use crate::rows::{Row, rows};
+use crate::shapes;
 use crate::train::{Progress, Task, train};
 use crate::window;
 use inference::Bearing;
@@ -45,6 +46,7 @@ pub fn train_both(
         &Task {
             rows: training,
             validation,
+            shape: shapes::collision(),
             window: |row: &Row, draw: &mut Draw| window::collision(&features, row, draw),
             lane: 0,
         },
@@ -55,6 +57,7 @@ pub fn train_both(
         &Task {
             rows: training,
             validation,
+            shape: shapes::friction(),
             window: |row: &Row, draw: &mut Draw| window::friction(&features, row, draw),
             lane: 1,
         },

@@ -9,10 +9,10 @@ use crate::draw::{Draw, Purpose};
 use crate::features::FloatFeatures;
 use crate::image::{AlignedImage, AnyModel};
 use crate::mode::{Mode, Plan};
-use crate::net::{Net, Trace};
-use crate::parameters::{Activations, LAYERS, Layer, network};
+use crate::network::Network;
+use crate::parameters::{Activations, Layer, network};
 use crate::rows::rows;
-use crate::shapes::{COLLISION_TAPS, FRICTION_TAPS};
+use crate::shapes::{self, CONVOLUTIONS};
 use crate::train::Trained;
 use crate::window::history;
 use inference::chain::Sums;
@@ -39,6 +39,16 @@ pub enum QuantiseError {
         /// The factor.
         factor: f64,
     },
+    /// A layer is larger than an image can say.
+    #[error("layer {layer}: {what}: found {size}, more than the image's field holds")]
+    Size {
+        /// Index of the layer.
+        layer: usize,
+        /// Which size.
+        what: &'static str,
+        /// The size.
+        size: usize,
+    },
     /// The image was refused by the code that runs it.
     #[error("{0}")]
     Image(#[from] ImageError),
@@ -48,7 +58,7 @@ pub enum QuantiseError {
 }
 
 /// Largest activation after each convolution.
-type Largest = [f32; LAYERS - 1];
+type Largest = [f32; CONVOLUTIONS];
 
 /// A finished image and the scales that it was made with.
 #[derive(Clone, Debug)]
@@ -56,19 +66,17 @@ pub struct Quantised {
     /// The image.
     pub image: AlignedImage,
     /// Activations behind the convolutions of the collision and of the friction network.
-    pub activations: [[Activations; LAYERS - 1]; 2],
+    pub activations: [[Activations; CONVOLUTIONS]; 2],
 }
 
-fn watch<const T: usize>(net: &Net<T>, columns: &[f32], trace: &mut Trace, largest: &mut Largest) {
-    net.forward(columns, trace);
-    let layers = [trace.first.as_flattened(), trace.second.as_flattened(), trace.third.as_flattened()];
-    for (largest, layer) in largest.iter_mut().zip(layers) {
+fn watch(network: &Network, columns: &[f32], largest: &mut Largest) {
+    for (largest, layer) in largest.iter_mut().zip(network.activations(columns)) {
         *largest = layer.iter().fold(*largest, |a, &b| a.max(b));
     }
 }
 
 /// The weights of a network that a mode starts from.
-pub fn weights<const T: usize>(trained: &Trained<T>, mode: Mode) -> &Net<T> {
+pub fn weights(trained: &Trained, mode: Mode) -> &Network {
     if mode.has_narrow_weights() { &trained.tuned } else { &trained.float }
 }
 
@@ -113,18 +121,18 @@ pub(crate) fn roots<'s, B: Between>(
 
 /// Largest activations of the friction network behind a quantised collision network.
 fn calibrate_friction<B: Between>(
-    net: &Net<FRICTION_TAPS>,
+    network: &Network,
     model: &Model<'_, B>,
     set: &[[ContactState; WINDOW]],
 ) -> Largest {
     let features = Features::new(model.header());
-    let (mut trace, mut largest) = (Trace::default(), Largest::default());
+    let mut largest = Largest::default();
     roots(model, set, |states, roots| {
         let columns: [_; WINDOW] = core::array::from_fn(|k| {
             let speed = states[k].sample().unwrap_or_default().sliding_speed_nm_s;
             features.friction(roots[k], speed).map(|level| f32::from(level) / f32::from(FULL_SCALE))
         });
-        watch(net, columns.as_flattened(), &mut trace, &mut largest);
+        watch(network, columns.as_flattened(), &mut largest);
     });
     largest
 }
@@ -138,23 +146,23 @@ pub fn quantise(checkpoint: &Checkpoint, training_id: u64, plan: Plan) -> Result
     let header = Header { training_id, ..checkpoint.header() };
     let features = FloatFeatures::of(&header);
     let set = calibration(checkpoint, &features);
-    let collision_net: &Net<COLLISION_TAPS> = weights(&checkpoint.collision, plan.mode);
-    let friction_net: &Net<FRICTION_TAPS> = weights(&checkpoint.friction, plan.mode);
+    let collision_net = weights(&checkpoint.collision, plan.mode);
+    let friction_net = weights(&checkpoint.friction, plan.mode);
 
-    let (mut trace, mut largest) = (Trace::default(), Largest::default());
+    let mut largest = Largest::default();
     for states in &set {
         let columns = states.map(|state| features.collision(&state).inputs);
-        watch(collision_net, columns.as_flattened(), &mut trace, &mut largest);
+        watch(collision_net, columns.as_flattened(), &mut largest);
     }
-    let collision = network(collision_net, largest, plan)?;
+    let collision = network(collision_net, &largest, plan)?;
     // A network of zeros stands in for the friction network until that is calibrated.
-    let stand_in = network(&Net::<FRICTION_TAPS>::zero(), [1.0; LAYERS - 1], plan)?;
+    let stand_in = network(&Network::zero(shapes::friction()), &[1.0; CONVOLUTIONS], plan)?;
     let half_done = assemble(&header, &collision, &stand_in)?;
     let largest_friction = match AnyModel::load(&half_done)? {
         AnyModel::Sixteen(model) => calibrate_friction(friction_net, &model, &set),
         AnyModel::Eight(model) => calibrate_friction(friction_net, &model, &set),
     };
-    let friction = network(friction_net, largest_friction, plan)?;
+    let friction = network(friction_net, &largest_friction, plan)?;
     let image = assemble(&header, &collision, &friction)?;
     AnyModel::load(&image)?;
     let activations =

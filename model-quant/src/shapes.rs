@@ -1,18 +1,32 @@
-//! Sizes of the two networks, for arrays of their weights.
+//! Shapes of the two networks that the controller runs.
 
+use crate::network::{ConvolutionShape, Padding, Shape};
+use inference::WINDOW;
 use inference::features::{COLLISION_INPUTS, FRICTION_INPUTS};
 use inference::model::{CHANNELS, HEAD_COLUMNS, KERNEL};
 
-/// Taps of an output of the collision network's first convolution.
-pub const COLLISION_TAPS: usize = KERNEL * COLLISION_INPUTS;
-/// Taps of an output of the friction network's first convolution.
-pub const FRICTION_TAPS: usize = KERNEL * FRICTION_INPUTS;
-/// Taps of an output of the second and third convolutions.
-pub const HIDDEN_TAPS: usize = KERNEL * CHANNELS;
-/// Weights of a head.
-pub const HEAD_WEIGHTS: usize = HEAD_COLUMNS * CHANNELS;
+/// Convolutions of either network.
+pub const CONVOLUTIONS: usize = 3;
+/// Layers of either network: the convolutions and the head.
+pub const LAYERS: usize = CONVOLUTIONS + 1;
+const _: () = assert!(WINDOW == HEAD_COLUMNS + CONVOLUTIONS * (KERNEL - 1));
 
-/// Multiply-accumulates of one streaming step of a network whose first convolution has so many taps.
-pub const fn macs_per_step(first_taps: usize) -> usize {
-    CHANNELS * (first_taps + 2 * HIDDEN_TAPS) + HEAD_WEIGHTS
+fn causal(inputs: usize) -> Shape {
+    Shape {
+        columns: WINDOW,
+        inputs,
+        padding: Padding::Valid,
+        convolutions: vec![ConvolutionShape { kernel: KERNEL, outputs: CHANNELS }; CONVOLUTIONS],
+        outputs: 1,
+    }
+}
+
+/// The collision network.
+pub fn collision() -> Shape {
+    causal(COLLISION_INPUTS)
+}
+
+/// The friction network.
+pub fn friction() -> Shape {
+    causal(FRICTION_INPUTS)
 }

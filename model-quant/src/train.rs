@@ -5,7 +5,8 @@
 //! because the output is clamped there.
 
 use crate::draw::{Draw, Purpose};
-use crate::net::{Net, Trace, Transposed};
+use crate::network::{Network, Shape};
+use crate::passes::Passes;
 use crate::recipe::Recipe;
 use crate::round::Freezer;
 use crate::rows::Row;
@@ -38,11 +39,11 @@ pub struct Progress {
 
 /// The two results of a training.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trained<const T: usize> {
+pub struct Trained {
     /// Free weights.
-    pub float: Net<T>,
+    pub float: Network,
     /// Weights trained on further so that their rounding costs little.
-    pub tuned: Net<T>,
+    pub tuned: Network,
 }
 
 /// What distinguishes the two trainings of a bearing.
@@ -51,6 +52,8 @@ pub struct Task<'a, F> {
     pub rows: &'a [Row],
     /// Validation rows.
     pub validation: &'a [Row],
+    /// Shape of the network.
+    pub shape: Shape,
     /// Makes a row's window.
     pub window: F,
     /// Number added to the indices of the streams, so that the two trainings do not share draws.
@@ -63,30 +66,31 @@ fn residual(output: f32, target: f32) -> f32 {
 }
 
 /// Sums over one chunk.
-struct Chunk<const T: usize> {
-    gradient: Net<T>,
+struct Chunk {
+    gradient: Network,
     squared: f64,
     absolute: f64,
 }
 
 /// Adam's moments.
-struct Adam<const T: usize> {
-    mean: Net<T>,
-    square: Net<T>,
+struct Adam {
+    mean: Network,
+    square: Network,
     powers: [f64; 2],
 }
 
-impl<const T: usize> Adam<T> {
-    fn new() -> Self {
-        Self { mean: Net::zero(), square: Net::zero(), powers: [1.0; 2] }
+impl Adam {
+    fn new(shape: &Shape) -> Self {
+        let zero = Network::zero(shape.clone());
+        Self { mean: zero.clone(), square: zero, powers: [1.0; 2] }
     }
 
-    fn step(&mut self, net: &mut Net<T>, gradient: &Net<T>, free: &Net<T>, learning_rate: f64) {
+    fn step(&mut self, net: &mut Network, gradient: &Network, free: &Network, learning_rate: f64) {
         self.powers = [self.powers[0] * BETA[0], self.powers[1] * BETA[1]];
         let rate = (learning_rate * libm::sqrt(1.0 - self.powers[1]) / (1.0 - self.powers[0])) as f32;
         let [b1, b2] = BETA.map(|beta| beta as f32);
-        let moments = self.mean.slices_mut().into_iter().zip(self.square.slices_mut());
-        let parts = net.slices_mut().into_iter().zip(gradient.slices()).zip(free.slices()).zip(moments);
+        let moments = self.mean.slices_mut().zip(self.square.slices_mut());
+        let parts = net.slices_mut().zip(gradient.slices()).zip(free.slices()).zip(moments);
         for (((weights, slopes), free), (means, squares)) in parts {
             let values = weights.iter_mut().zip(slopes).zip(free).zip(means).zip(squares);
             for ((((w, g), free), m), s) in values {
@@ -105,12 +109,12 @@ fn shuffle(order: &mut [u32], draw: &mut Draw) {
 }
 
 /// Mean squared and mean absolute error of a network on windows, in units of `unit`.
-pub fn errors<const T: usize, const C: usize>(net: &Net<T>, windows: &[Window<C>], unit: f32) -> (f64, f64) {
+pub fn errors<const C: usize>(net: &Network, windows: &[Window<C>], unit: f32) -> (f64, f64) {
     let sums: Vec<(f64, f64)> = windows
         .par_chunks(CHUNK)
         .map(|chunk| {
             chunk.iter().fold((0.0, 0.0), |(squared, absolute), window| {
-                let output = net.window(window.columns.as_flattened());
+                let output = net.evaluate(window.columns.as_flattened())[0];
                 let error = f64::from(residual(output, window.target / unit));
                 (squared + error * error, absolute + error.abs())
             })
@@ -122,11 +126,11 @@ pub fn errors<const T: usize, const C: usize>(net: &Net<T>, windows: &[Window<C>
 }
 
 /// Trains one network; its output is in the target's own unit.
-pub fn train<const T: usize, const C: usize, F>(
+pub fn train<const C: usize, F>(
     recipe: &Recipe,
     task: &Task<'_, F>,
     report: &mut dyn FnMut(Progress),
-) -> Trained<T>
+) -> Trained
 where
     F: Fn(&Row, &mut Draw) -> Window<C> + Sync,
 {
@@ -137,9 +141,9 @@ where
     let power: f64 =
         validation.iter().map(|window| f64::from(window.target) * f64::from(window.target)).sum();
     let unit = libm::sqrt(power / validation.len().max(1) as f64).max(1e-30) as f32;
-    let mut net = Net::<T>::start(&mut stream(Purpose::Weights, 0));
+    let mut net = Network::start(task.shape.clone(), &mut stream(Purpose::Weights, 0));
     let mut float = net.clone();
-    let mut adam = Adam::new();
+    let mut adam = Adam::new(&task.shape);
     let mut freezer = Freezer::new(&net);
     let mut order: Vec<u32> = (0..task.rows.len() as u32).collect();
     let batches = order.len().div_ceil(recipe.batch);
@@ -152,7 +156,7 @@ where
         };
         if on_grid && phase == 0 {
             float = net.clone();
-            adam = Adam::new();
+            adam = Adam::new(&task.shape);
             freezer = Freezer::new(&net);
         }
         if on_grid {
@@ -162,20 +166,19 @@ where
         shuffle(&mut order, &mut stream(Purpose::Order, epoch as u64));
         let (mut squared, mut absolute) = (0.0, 0.0);
         for (index, batch) in order.chunks(recipe.batch).enumerate() {
-            let transposed = Transposed::of(&net);
             let number = (epoch * batches + index) * recipe.batch.div_ceil(CHUNK);
-            let chunks: Vec<Chunk<T>> = batch
+            let chunks: Vec<Chunk> = batch
                 .par_chunks(CHUNK)
                 .enumerate()
                 .map(|(chunk, rows)| {
                     let mut draw = stream(Purpose::Histories, (number + chunk) as u64);
                     let windows = rows.iter().map(|&row| (task.window)(&task.rows[row as usize], &mut draw));
-                    descend(&net, &transposed, windows, unit, 2.0 / batch.len() as f32)
+                    descend(&net, windows, unit, 2.0 / batch.len() as f32)
                 })
                 .collect();
-            let mut gradient = Net::zero();
+            let mut gradient = Network::zero(task.shape.clone());
             for chunk in &chunks {
-                gradient.add(&chunk.gradient);
+                add(&mut gradient, &chunk.gradient);
                 squared += chunk.squared;
                 absolute += chunk.absolute;
             }
@@ -201,32 +204,38 @@ where
     Trained { float: in_unit(float, unit), tuned: in_unit(net, unit) }
 }
 
+fn add(sum: &mut Network, other: &Network) {
+    for (mine, theirs) in sum.slices_mut().flatten().zip(other.parameters()) {
+        *mine += theirs;
+    }
+}
+
 /// Gradient and errors of one chunk.
-fn descend<const T: usize, const C: usize>(
-    net: &Net<T>,
-    transposed: &Transposed,
+fn descend<const C: usize>(
+    net: &Network,
     windows: impl Iterator<Item = Window<C>>,
     unit: f32,
     weight: f32,
-) -> Chunk<T> {
-    let mut sums = Chunk { gradient: Net::zero(), squared: 0.0, absolute: 0.0 };
-    let mut trace = Trace::default();
+) -> Chunk {
+    let mut sums = Chunk { gradient: Network::zero(net.shape().clone()), squared: 0.0, absolute: 0.0 };
+    let mut passes = Passes::new(net.shape());
     for window in windows {
         let columns: &[f32] = window.columns.as_flattened();
-        let output = net.forward(columns, &mut trace);
+        let output = passes.forward(net, columns);
         let error = residual(output, window.target / unit);
         sums.squared += f64::from(error) * f64::from(error);
         sums.absolute += f64::from(error).abs();
         if error != 0.0 {
-            net.backward(transposed, columns, &trace, weight * error, &mut sums.gradient);
+            passes.backward(net, weight * error, &mut sums.gradient);
         }
     }
     sums
 }
 
 /// Multiplies the head, so that the output is in the target's own unit.
-fn in_unit<const T: usize>(mut net: Net<T>, unit: f32) -> Net<T> {
-    for weight in net.head.iter_mut().chain(&mut net.head_bias) {
+fn in_unit(mut net: Network, unit: f32) -> Network {
+    let convolutions = 2 * net.shape().convolutions.len();
+    for weight in net.slices_mut().skip(convolutions).flatten() {
         *weight *= unit;
     }
     net
