@@ -51,6 +51,7 @@ pub struct Estimator {
     filled: usize,
     latch: Latch,
     pair: Pair<'static>,
+    state: ContactState,
 }
 
 impl Estimator {
@@ -73,8 +74,15 @@ impl Estimator {
             filled: 0,
             latch: Latch::new(setup.latch_floor_m_s, setup.unseen_approach_m_s),
             pair: Pair::new(model),
+            state: ContactState::default(),
             setup,
         })
+    }
+
+    /// The contact as the networks saw it at the last tick: what another law is to be held against.
+    #[must_use]
+    pub const fn state(&self) -> ContactState {
+        self.state
     }
 
     /// Takes one sample and estimates. The tick count of the result is 0; whoever can measure it fills it in.
@@ -115,6 +123,7 @@ impl Estimator {
             sliding_speed_m_s: shaft_speed_rad_s * self.setup.journal_radius_m
                 + contact.tangential_speed(y_m_s, z_m_s),
         };
+        self.state = state;
         let estimate = self.pair.push(&state);
         let (force_y_n, force_z_n) = contact.force(estimate.normal_force_n(), estimate.friction_force_n());
         EstimateFrame {
