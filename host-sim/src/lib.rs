@@ -2,12 +2,13 @@
 //!
 //! [`force`] is where a run's bearing force comes from, [`sensing`] what the controller gets to see of it,
 //! [`controller`] the ends of the link, [`estimator`] their use, [`summary`] the figures,
-//! [`sweep`] many runs at once, [`paper`] the runs of the paper's figures and [`claims`] what they say about its claims, [`figure`] and [`page`] what people look at, and
+//! [`sweep`] many runs at once, [`accuracy`] how far networks and estimator are off, [`paper`] the runs of the paper's figures and [`claims`] what they say about its claims, [`figure`] and [`page`] what people look at, and
 //! [`commands`] the command line.
 
 #[macro_use]
 mod say;
 
+pub mod accuracy;
 pub mod claims;
 pub mod commands;
 pub mod controller;

@@ -1,7 +1,7 @@
 //! `host-sim`: runs, records, diagnoses and validates the test bench.
 
 use clap::{Parser, Subcommand};
-use host_sim::commands::{diagnose, figures, laws, record, run, sweep, validate};
+use host_sim::commands::{accuracy, diagnose, figures, laws, record, run, sweep, validate};
 use std::process::ExitCode;
 
 /// Simulates a rudder drive's test bench with the controller's own inference code in the loop, and finds what the
@@ -33,6 +33,8 @@ enum Command {
     Sweep(sweep::SweepArgs),
     /// Run the paper's Figs. 16-20 again, with the table of its claims.
     Figures(figures::FiguresArgs),
+    /// Measure how far networks and estimator are from the law, over clearances, loads and bearings.
+    Accuracy(accuracy::AccuracyArgs),
     /// List the contact and friction laws that a bench description may name.
     Laws(laws::LawsArgs),
     /// Compare the models with published known answers.
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
         Some(Command::Diagnose(args)) => diagnose::run(&args),
         Some(Command::Sweep(args)) => sweep::run(&args),
         Some(Command::Figures(args)) => figures::run(&args),
+        Some(Command::Accuracy(args)) => accuracy::run(&args),
         Some(Command::Laws(args)) => laws::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
     };

@@ -10,7 +10,7 @@ pub struct Page {
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;padding:0 1rem;color:#1c2733}\
 h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid #d5dce3}\
 p.lead{font-size:1.1rem}p.note{color:#56636f;font-size:.92rem}\
-table{border-collapse:collapse;margin:.8rem 0}th,td{padding:.25rem .8rem;border-bottom:1px solid #e3e8ec;text-align:left}\
+.table{overflow-x:auto}table{border-collapse:collapse;margin:.8rem 0}th,td{padding:.25rem .8rem;border-bottom:1px solid #e3e8ec;text-align:left}\
 td{vertical-align:top}td.n{text-align:right;font-variant-numeric:tabular-nums}th{background:#f2f5f7}\
 figure{margin:1rem 0}figcaption{color:#56636f;font-size:.9rem}svg{max-width:100%;height:auto}\
 .pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}";
@@ -49,7 +49,7 @@ impl Page {
 
     /// A table; cells that begin with a number are set as numbers.
     pub fn table<S: AsRef<str>>(&mut self, header: &[&str], rows: &[Vec<S>]) -> &mut Self {
-        let mut out = String::from("<table><tr>");
+        let mut out = String::from("<div class=\"table\"><table><tr>");
         for cell in header {
             out.push_str(&format!("<th>{}</th>", escape(cell)));
         }
@@ -67,7 +67,7 @@ impl Page {
             }
             out.push_str("</tr>\n");
         }
-        out.push_str("</table>\n");
+        out.push_str("</table></div>\n");
         self.push(&out)
     }
 

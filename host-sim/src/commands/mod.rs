@@ -1,5 +1,8 @@
 //! The commands, one file each: arguments, work, output.
 
+pub mod accuracy;
+mod accuracy_pictures;
+mod accuracy_report;
 pub mod diagnose;
 mod diagnose_pictures;
 mod diagnose_report;

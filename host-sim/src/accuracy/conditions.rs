@@ -1,0 +1,127 @@
+//! The conditions: the paper's clearances and loads with both bearings, and held-out ones.
+//!
+//! The held-out conditions have clearances, loads and drive periods between and beyond the paper's. Whoever chooses a
+//! training recipe, a window or an observer looks at the paper's conditions, never at these.
+
+use crate::error::CliError;
+use crate::force::{self, DEFAULT_STEP_S, ForceSource, ForcedRun};
+use crate::paper::{BEARINGS, CLEARANCES_MM, LOADS_KN, resolved, variant};
+use bench::description::TransmissionBench;
+use bench::sensor::Sensor;
+use bench::{BearingMaterial, Bench, Channel};
+use serde::Serialize;
+
+/// Clearance in mm, load in kN and drive period in s of the held-out conditions.
+pub const HELD_OUT: [(f64, f64, f64); 10] = [
+    (0.17, 7.5, 1.0),
+    (0.17, -3.0, 1.0),
+    (0.35, 10.0, 0.85),
+    (0.35, -7.5, 1.0),
+    (0.35, 3.0, 1.5),
+    (0.7, 7.5, 1.0),
+    (0.7, -3.0, 0.85),
+    (0.7, 2.0, 1.0),
+    (0.85, -7.5, 1.25),
+    (1.3, 4.0, 1.0),
+];
+
+/// Noise of the journal's position sensors at the controller's rate, m.
+pub const POSITION_NOISE_M: f64 = 0.2e-6;
+/// Noise of the shaft's angle sensor at the controller's rate, degrees.
+pub const ANGLE_NOISE_DEG: f64 = 0.01;
+
+/// One condition of bench B.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Condition {
+    /// Bearing material.
+    pub bearing: BearingMaterial,
+    /// Radial clearance.
+    pub clearance_mm: f64,
+    /// Load along +Y.
+    pub load_kn: f64,
+    /// Period of the drive.
+    pub period_s: f64,
+    /// Whether it is one that nothing was chosen on.
+    pub held_out: bool,
+    /// Place in the list of all: the stream of its sensors' noise.
+    #[serde(skip)]
+    pub index: u64,
+}
+
+/// A condition's bench, run with the analytic law.
+#[derive(Clone, Debug)]
+pub struct LawRun {
+    /// The bench with the sensors' noise of this measurement.
+    pub bench: TransmissionBench,
+    /// The run.
+    pub forced: ForcedRun,
+}
+
+/// All conditions: the paper's first, bearing by bearing.
+pub fn all() -> Vec<Condition> {
+    let of = |bearing: BearingMaterial| {
+        let paper = CLEARANCES_MM.into_iter().flat_map(|clearance| LOADS_KN.map(|load| (clearance, load)));
+        let paper = paper.map(|(clearance, load)| (clearance, load, None));
+        let held_out = HELD_OUT.map(|(clearance, load, period)| (clearance, load, Some(period)));
+        paper.chain(held_out).map(move |(clearance_mm, load_kn, period)| Condition {
+            bearing,
+            clearance_mm,
+            load_kn,
+            period_s: period.unwrap_or(1.0),
+            held_out: period.is_some(),
+            index: 0,
+        })
+    };
+    let numbered = BEARINGS.into_iter().flat_map(of).enumerate();
+    numbered.map(|(index, condition)| Condition { index: index as u64, ..condition }).collect()
+}
+
+impl Condition {
+    /// The condition in words.
+    pub fn name(&self) -> String {
+        let period =
+            if self.period_s == 1.0 { String::new() } else { format!(", period {} s", self.period_s) };
+        format!("{}, {} mm, {:+} kN{period}", self.bearing.name(), self.clearance_mm, self.load_kn)
+    }
+
+    /// Bench B at this condition with the sensors' noise of this measurement.
+    pub fn bench(&self) -> Result<TransmissionBench, CliError> {
+        let Bench::Transmission(base) = Bench::open("bench-b")? else {
+            return Err(CliError::Work("bench-b is no transmission bench".into()));
+        };
+        let mut bench = variant(&base, self.bearing, self.clearance_mm, self.load_kn);
+        bench.drive.period_s = self.period_s;
+        let noises = [
+            (Channel::JournalY, POSITION_NOISE_M),
+            (Channel::JournalZ, POSITION_NOISE_M),
+            (Channel::ShaftAngle, ANGLE_NOISE_DEG.to_radians()),
+        ];
+        bench.sensors =
+            noises.map(|(channel, noise)| (channel, Sensor { noise, ..Sensor::default() })).into();
+        resolved(bench)
+    }
+
+    /// Runs it with the analytic law.
+    pub fn law_run(&self) -> Result<LawRun, CliError> {
+        let bench = self.bench()?;
+        let forced = force::run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?;
+        Ok(LawRun { bench, forced })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_conditions_are_all_there_and_no_held_out_one_is_among_them() {
+        let all = all();
+        let paper: Vec<&Condition> = all.iter().filter(|c| !c.held_out).collect();
+        assert_eq!((paper.len(), all.len()), (48, 68));
+        for held_out in all.iter().filter(|c| c.held_out) {
+            assert!(paper.iter().all(|p| p.clearance_mm != held_out.clearance_mm));
+            assert!(paper.iter().all(|p| p.load_kn != held_out.load_kn || p.period_s != held_out.period_s));
+        }
+        assert!(all.iter().enumerate().all(|(i, c)| c.index == i as u64));
+    }
+}

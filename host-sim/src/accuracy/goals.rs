@@ -1,0 +1,156 @@
+//! The goals, and whether they are met: on the paper's conditions and on the held-out ones, each by its worst run.
+
+use super::Accuracy;
+use super::conditions::Condition;
+use serde::Serialize;
+
+/// A goal.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// Stable name.
+    pub name: &'static str,
+    /// What is asked for.
+    pub what: &'static str,
+    /// Largest magnitude that meets it.
+    pub limit: f64,
+    /// Unit of limit and values; `share` is printed in percent.
+    pub unit: &'static str,
+    /// The value of a condition.
+    pub value: fn(&Accuracy) -> f64,
+}
+
+/// All goals.
+pub const GOALS: [Goal; 4] = [
+    Goal {
+        name: "peak_change",
+        what: "networks in place of the law move the peak contact force by at most 2 %",
+        limit: 0.02,
+        unit: "share",
+        value: |a| a.in_the_loop.network.peak,
+    },
+    Goal {
+        name: "oscillation_change",
+        what: "networks in place of the law move the oscillation's rms by at most 5 %",
+        limit: 0.05,
+        unit: "share",
+        value: |a| a.in_the_loop.network.oscillation,
+    },
+    Goal {
+        name: "estimator_force_error",
+        what: "behind noisy sensors the estimator's force errs by at most 3 % rms of the run's full scale",
+        limit: 0.03,
+        unit: "share",
+        value: |a| a.estimate.network.force_share,
+    },
+    Goal {
+        name: "without_contact",
+        what: "no force without contact: networks in the loop and between contacts, estimator",
+        limit: 0.0,
+        unit: "N",
+        value: |a| a.gap.largest_n().max(a.in_the_loop.without_contact_n),
+    },
+];
+
+/// How a set of conditions stands to a goal.
+#[derive(Clone, Debug, Serialize)]
+pub struct Standing {
+    /// Whether every run meets it; not without runs.
+    pub met: bool,
+    /// Runs.
+    pub runs: usize,
+    /// Runs that meet it.
+    pub within: usize,
+    /// Median magnitude.
+    pub median: f64,
+    /// The value of largest magnitude.
+    pub worst: f64,
+    /// Where that is.
+    pub at: Option<Condition>,
+}
+
+/// What became of a goal.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    /// Stable name.
+    pub name: &'static str,
+    /// What was asked for.
+    pub goal: &'static str,
+    /// Largest magnitude that meets it.
+    pub limit: f64,
+    /// Unit of limit and values.
+    pub unit: &'static str,
+    /// Whether it is met on both sets.
+    pub met: bool,
+    /// On the paper's clearances and loads.
+    pub paper: Standing,
+    /// On the held-out conditions.
+    pub held_out: Standing,
+}
+
+/// Holds the outcomes against the goals.
+pub fn judge(outcomes: &[Accuracy]) -> Vec<Verdict> {
+    let one = |goal: &Goal| {
+        let set =
+            |held_out| standing(goal, outcomes.iter().filter(|a| a.condition.held_out == held_out).collect());
+        let (paper, held_out) = (set(false), set(true));
+        Verdict {
+            name: goal.name,
+            goal: goal.what,
+            limit: goal.limit,
+            unit: goal.unit,
+            met: paper.met && held_out.met,
+            paper,
+            held_out,
+        }
+    };
+    GOALS.iter().map(one).collect()
+}
+
+fn standing(goal: &Goal, set: Vec<&Accuracy>) -> Standing {
+    // Negated, so that a value that is no number does not meet the goal.
+    let within = set.iter().filter(|a| (goal.value)(a).abs() <= goal.limit).count();
+    let mut sorted = set.clone();
+    sorted.sort_by(|a, b| (goal.value)(a).abs().total_cmp(&(goal.value)(b).abs()));
+    Standing {
+        met: !set.is_empty() && within == set.len(),
+        runs: set.len(),
+        within,
+        median: sorted.get(set.len() / 2).map_or(0.0, |a| (goal.value)(a).abs()),
+        worst: sorted.last().map_or(0.0, |a| (goal.value)(a)),
+        at: sorted.last().map(|a| a.condition),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::accuracy;
+    use super::*;
+
+    #[test]
+    fn a_goal_is_met_by_the_worst_run_of_both_sets() {
+        let peak = |values: [f64; 2], held_out| {
+            values.map(|value| {
+                let mut a = accuracy(held_out);
+                a.in_the_loop.network.peak = value;
+                a
+            })
+        };
+        let outcomes = [peak([0.001, -0.019], false), peak([0.0, 0.021], true)].concat();
+        let verdict = &judge(&outcomes)[0];
+        assert!(verdict.paper.met && !verdict.held_out.met && !verdict.met);
+        assert_eq!((verdict.paper.worst, verdict.held_out.worst), (-0.019, 0.021));
+        assert_eq!((verdict.held_out.within, verdict.held_out.runs), (1, 2));
+        assert!(verdict.held_out.at.is_some_and(|c| c.held_out));
+    }
+
+    #[test]
+    fn nothing_measured_and_nothing_finite_meet_no_goal() {
+        assert!(judge(&[]).iter().all(|v| !v.met));
+        let mut bad = [accuracy(false), accuracy(true)];
+        bad[0].estimate.network.force_share = f64::NAN;
+        bad[1].gap.estimator_n = 0.1;
+        let verdicts = judge(&bad);
+        assert!(!verdicts[2].paper.met && verdicts[2].held_out.met);
+        assert!(verdicts[3].paper.met && !verdicts[3].held_out.met);
+    }
+}

@@ -1,0 +1,67 @@
+//! The networks in place of the law: how far peak force and oscillation move, and what the held step does to them.
+//!
+//! The networks are sampled and held over a communication step. The same run with the law held over that step shows
+//! how much of the change is the step's; both at twice the step show how it goes with the step.
+
+use super::conditions::{Condition, LawRun};
+use crate::error::CliError;
+use crate::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
+use crate::summary::Figures;
+use serde::Serialize;
+
+/// Change against the error-controlled run with the law, relative.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Change {
+    /// Of the peak contact force.
+    pub peak: f64,
+    /// Of the oscillation's rms.
+    pub oscillation: f64,
+}
+
+/// What the run with networks is worth.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct LoopAccuracy {
+    /// Peak contact force with the law, error-controlled.
+    pub peak_contact_force_n: f64,
+    /// Oscillation with the law, error-controlled.
+    pub oscillation_rms_n: f64,
+    /// Quantised networks at the communication step.
+    pub network: Change,
+    /// Quantised networks at twice the step.
+    pub network_double_step: Change,
+    /// The law held over the step.
+    pub held_law: Change,
+    /// The law held over twice the step.
+    pub held_law_double_step: Change,
+    /// Share of the samples in contact outside the networks' training range.
+    pub outside_training_share: f64,
+    /// Largest force that the networks gave in the loop without contact, N.
+    pub without_contact_n: f64,
+}
+
+/// Runs the condition with networks and with the held law.
+pub fn measure(condition: &Condition, law: &LawRun, step_s: f64) -> Result<LoopAccuracy, CliError> {
+    let figures = |source, forced: &ForcedRun| Figures::of(&law.bench, source, forced, SAMPLE_RATE_HZ);
+    let truth = figures(ForceSource::Law, &law.forced);
+    let run = |source, step_s| {
+        let failed = |e| CliError::Work(format!("{}, {}: {e}", condition.name(), ForceSource::name(source)));
+        let forced = force::run_bench(&law.bench, source, step_s, || {}).map_err(failed)?;
+        let found = figures(source, &forced);
+        let change = Change {
+            peak: found.peak_contact_force_n / truth.peak_contact_force_n - 1.0,
+            oscillation: found.oscillation_rms_n / truth.oscillation_rms_n - 1.0,
+        };
+        Ok::<_, CliError>((change, forced))
+    };
+    let (network, forced) = run(ForceSource::QuantisedNet, step_s)?;
+    Ok(LoopAccuracy {
+        peak_contact_force_n: truth.peak_contact_force_n,
+        oscillation_rms_n: truth.oscillation_rms_n,
+        network,
+        network_double_step: run(ForceSource::QuantisedNet, 2.0 * step_s)?.0,
+        held_law: run(ForceSource::HeldLaw, step_s)?.0,
+        held_law_double_step: run(ForceSource::HeldLaw, 2.0 * step_s)?.0,
+        outside_training_share: forced.outside_training_share,
+        without_contact_n: forced.without_contact_n,
+    })
+}
