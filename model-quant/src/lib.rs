@@ -26,6 +26,7 @@
 
 pub mod card;
 pub mod checkpoint;
+pub mod claims;
 pub mod csv;
 pub mod dataset;
 pub mod draw;

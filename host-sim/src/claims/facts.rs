@@ -1,8 +1,9 @@
 //! The numbers that the claims are judged by.
 
-use super::training::TrainingFacts;
 use crate::paper::PaperRun;
 use bench::BearingMaterial;
+use model_quant::claims::torque::FrictionFacts;
+use model_quant::claims::training::TrainingFacts;
 
 /// One run of the paper's series.
 #[derive(Clone, Debug)]
@@ -55,24 +56,6 @@ pub struct JointFacts {
     pub slider_crank: f64,
     /// The bench by clearance in mm, both bearings.
     pub bench: Vec<(f64, f64)>,
-}
-
-/// Friction torque in N m at a load in N by sliding speed in m/s, ascending: medians of a rig's records in bands.
-#[derive(Clone, Debug)]
-pub struct TorqueCurve {
-    /// Load in N.
-    pub load_n: f64,
-    /// Speed and torque.
-    pub points: Vec<(f64, f64)>,
-}
-
-/// Friction torque over load and speed on the rigs, ascending in load.
-#[derive(Clone, Debug)]
-pub struct FrictionFacts {
-    /// Babbitt.
-    pub babbitt: Vec<TorqueCurve>,
-    /// Plastic.
-    pub plastic: Vec<TorqueCurve>,
 }
 
 /// Everything the claims are judged by.

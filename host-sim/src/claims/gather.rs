@@ -3,8 +3,7 @@
 //! Beside the runs: a fine load grid and a modulus scan with the analytic law (they look for a cause, not for a
 //! figure of the paper), the published slider-crank, records of the friction rigs, and the shipped networks.
 
-use super::facts::{BearingFacts, Facts, FrictionFacts, JointFacts, RunFacts, TorqueCurve};
-use super::training;
+use super::facts::{BearingFacts, Facts, JointFacts, RunFacts};
 use crate::error::CliError;
 use crate::force::{self, DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ};
 use crate::paper::{LOAD_CLEARANCE_MM, PaperRuns, Series, resolved, variant};
@@ -13,15 +12,9 @@ use crate::{parallel, swing};
 use bench::BearingMaterial::{self, Babbitt, Plastic};
 use bench::description::TransmissionBench;
 use bench::integrate::integrate;
-use bench::rig_groups::{LOADS_N, rig_groups};
 use bench::slider_crank_description::reference_problem;
-use bench::{Bench, Channel};
+use model_quant::claims::{torque, training};
 
-/// Bands of the sliding speed on the rig, and the slowest that counts: below, a rest is not yet forgotten.
-const RIG_BANDS: usize = 12;
-const RIG_LEAST_SPEED_M_S: f64 = 1.2e-3;
-/// Seed of the rig's noise.
-const RIG_SEED: u64 = 1;
 /// Fine load grid: half kilonewtons to either side.
 const LOAD_STEPS: i32 = 20;
 const LOAD_STEP_KN: f64 = 0.5;
@@ -52,11 +45,8 @@ pub fn gather(base: &TransmissionBench, runs: &PaperRuns, threads: usize) -> Res
         plastic: bearing(Plastic)?,
         modulus: modulus_scan(base, threads)?,
         joint: JointFacts { slider_crank: slider_crank_ratio()?, bench },
-        friction: FrictionFacts {
-            babbitt: torque_curves("friction-rig-babbitt")?,
-            plastic: torque_curves("friction-rig-plastic")?,
-        },
-        training: training::measure()?,
+        friction: torque::of_rigs().map_err(|e| CliError::Work(e.to_string()))?,
+        training: training::measure().map_err(|e| CliError::Work(e.to_string()))?,
     })
 }
 
@@ -103,40 +93,6 @@ pub fn slider_crank_ratio() -> Result<f64, CliError> {
     let largest = run.impacts.iter().map(|i| i.peak_force_n).fold(0.0, f64::max) / plant.slider_mass_kg;
     let (crank, speed) = (plant.crank_length_m, plant.crank_speed_rad_s);
     Ok(largest / (crank * speed * speed * (1.0 + crank / plant.rod_length_m)))
-}
-
-/// Torque curves of a rig from its records: both directions of turning and of loading.
-fn torque_curves(preset: &str) -> Result<Vec<TorqueCurve>, CliError> {
-    let Bench::FrictionRig(rig) = Bench::open(preset)? else {
-        return Err(CliError::Work(format!("{preset} is no friction rig")));
-    };
-    let radius = rig.axis.friction_radius_m;
-    let highest = radius * rig.axis.amplitude * core::f64::consts::TAU / rig.axis.period_s;
-    let width = (highest - RIG_LEAST_SPEED_M_S) / RIG_BANDS as f64;
-    let groups = rig_groups(&rig, RIG_SEED)?;
-    let mut curves = Vec::new();
-    for load_n in LOADS_N.into_iter().filter(|n| *n > 0.0) {
-        let mut bands: Vec<Vec<f64>> = vec![Vec::new(); RIG_BANDS];
-        for group in groups.iter().filter(|g| g.load_n.abs() == load_n) {
-            let Some(speeds) = group.log.channels.get(&Channel::SpindleSpeed) else { continue };
-            for (speed, torque) in speeds.iter().zip(group.friction_torque_nm()) {
-                let place = (speed.abs() * radius - RIG_LEAST_SPEED_M_S) / width;
-                if place >= 0.0
-                    && let Some(band) = bands.get_mut(place as usize)
-                {
-                    // The torque opposes the motion; an outlier may not.
-                    band.push(-torque * speed.signum());
-                }
-            }
-        }
-        let points = bands.iter_mut().enumerate().filter_map(|(i, band)| {
-            band.sort_by(f64::total_cmp);
-            let median = *band.get(band.len() / 2)?;
-            Some((RIG_LEAST_SPEED_M_S + (i as f64 + 0.5) * width, median))
-        });
-        curves.push(TorqueCurve { load_n, points: points.collect() });
-    }
-    Ok(curves)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The paper's fifteen claims, each judged from the figures of runs: `holds`, `partly`, `does not hold`.
 //!
 //! Nothing here is decided beforehand: [`gather`] collects numbers from runs as [`facts`], and `bearing`, `load`,
-//! `joint`, `frequency`, `friction` and [`training`] compare them with thresholds that every claim states in its own words
+//! `joint`, `frequency` and [`model_quant::claims`] (12 to 15) compare them with thresholds that every claim states in its own words
 //! ([`Claim::threshold`]). The thresholds:
 //!
 //! | claim | holds if | partly if |
@@ -28,69 +28,14 @@
 mod bearing;
 pub mod facts;
 mod frequency;
-mod friction;
 pub mod gather;
 mod joint;
 mod load;
-pub mod training;
+
+pub use model_quant::claims::{Claim, Verdict};
 
 use facts::Facts;
-use serde::Serialize;
-
-/// What became of a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Verdict {
-    /// The numbers bear it out.
-    #[serde(rename = "holds")]
-    Holds,
-    /// They bear out a part of it.
-    #[serde(rename = "partly")]
-    Partly,
-    /// They do not.
-    #[serde(rename = "does not hold")]
-    DoesNotHold,
-}
-
-impl Verdict {
-    /// The verdict in words.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::Partly => "partly",
-            Self::DoesNotHold => "does not hold",
-        }
-    }
-
-    /// `Holds` if all do, `Partly` if some do.
-    fn of(all: bool, some: bool) -> Self {
-        match (all, some) {
-            (true, _) => Self::Holds,
-            (false, true) => Self::Partly,
-            (false, false) => Self::DoesNotHold,
-        }
-    }
-
-    /// `Holds` if every one is true, `Partly` if one is, `DoesNotHold` if none is or there is nothing to go by.
-    fn of_each(each: impl Iterator<Item = bool>) -> Self {
-        let (count, hits) = each.fold((0, 0), |(n, h), ok| (n + 1, h + usize::from(ok)));
-        Self::of(count > 0 && hits == count, hits > 0)
-    }
-}
-
-/// A claim of the paper with its verdict.
-#[derive(Clone, Debug, Serialize)]
-pub struct Claim {
-    /// Number, 1 to 15.
-    pub id: u8,
-    /// What the paper says.
-    pub claim: &'static str,
-    /// What the runs say to that.
-    pub verdict: Verdict,
-    /// What would have held.
-    pub threshold: &'static str,
-    /// The numbers, and the measured cause where it does not hold.
-    pub why: String,
-}
+use model_quant::claims::{friction, list, list_to, training};
 
 /// Judges all claims.
 pub fn judge(facts: &Facts) -> Vec<Claim> {
@@ -100,14 +45,4 @@ pub fn judge(facts: &Facts) -> Vec<Claim> {
     claims.extend(friction::judge(&facts.friction));
     claims.push(training::judge(&facts.training));
     claims
-}
-
-/// Numbers with a separator, without decimals.
-fn list(values: impl IntoIterator<Item = f64>) -> String {
-    values.into_iter().map(|v| format!("{v:.0}")).collect::<Vec<_>>().join(", ")
-}
-
-/// Numbers with a separator and decimals.
-fn list_to(digits: usize, values: impl IntoIterator<Item = f64>) -> String {
-    values.into_iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(", ")
 }

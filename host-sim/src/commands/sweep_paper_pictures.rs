@@ -1,13 +1,14 @@
 //! The pictures of the paper's series: Figs. 16-20, and the causes behind its claims.
 
 use super::output::Picture;
-use crate::claims::facts::{BearingFacts, Facts, RunFacts, TorqueCurve};
+use crate::claims::facts::{BearingFacts, Facts, RunFacts};
 use crate::error::CliError;
 use crate::figure::{Chart, Series as Curve, Style, lines, lines_log_log};
 use crate::paper::{BEARINGS, PaperRun, PaperRuns, Series};
 use crate::summary::after_start;
 use crate::swing::power_law;
 use bench::transmission::Snapshot;
+use model_quant::claims::torque::TorqueCurve;
 
 const HALF: (u32, u32) = (512, 340);
 

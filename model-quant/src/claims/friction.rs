@@ -4,7 +4,7 @@
 //! drift and outliers; their friction is a stated stand-in, so these verdicts say that the stand-in has the shape that
 //! the paper describes and that it survives the sensors.
 
-use super::facts::{FrictionFacts, TorqueCurve};
+use super::torque::{FrictionFacts, TorqueCurve};
 use super::{Claim, Verdict, list, list_to};
 
 const VISIBLE: f64 = 0.05;
@@ -14,7 +14,8 @@ const NOISE: f64 = 0.01;
 const CAVEAT: &str =
     "From records of the simulated rig, whose friction stands in for the paper's unpublished data";
 
-pub(super) fn judge(facts: &FrictionFacts) -> Vec<Claim> {
+/// Judges claims 12 to 14.
+pub fn judge(facts: &FrictionFacts) -> Vec<Claim> {
     vec![falls(facts), level_then_rises(facts), larger(facts)]
 }
 

@@ -5,14 +5,13 @@
 //! history before each. Errors are relative to the rms of the law's force.
 
 use super::{Claim, Verdict};
-use crate::error::CliError;
+use crate::checkpoint::{Checkpoint, CheckpointError};
+use crate::draw::{Draw, Purpose};
+use crate::features::FloatFeatures;
+use crate::float_pair::{self, FloatPair};
+use crate::rows::rows;
+use crate::window::history;
 use inference::Bearing;
-use model_quant::checkpoint::Checkpoint;
-use model_quant::draw::{Draw, Purpose};
-use model_quant::features::FloatFeatures;
-use model_quant::float_pair::{self, FloatPair};
-use model_quant::rows::rows;
-use model_quant::window::history;
 
 /// Rows of either kind.
 const ROWS: usize = 8192;
@@ -36,11 +35,11 @@ pub struct TrainingFacts {
 }
 
 /// Measures the shipped float networks.
-pub fn measure() -> Result<Vec<TrainingFacts>, CliError> {
+pub fn measure() -> Result<Vec<TrainingFacts>, CheckpointError> {
     let mut facts = Vec::new();
     for bearing in Bearing::ALL {
         let bytes = float_pair::shipped(bearing);
-        let checkpoint = Checkpoint::from_bytes(bytes).map_err(|e| CliError::Work(e.to_string()))?;
+        let checkpoint = Checkpoint::from_bytes(bytes)?;
         let trained = errors(&checkpoint, Purpose::TrainingRows);
         let unseen = errors(&checkpoint, Purpose::TestRows);
         for (index, network) in ["collision", "friction"].into_iter().enumerate() {
@@ -80,7 +79,8 @@ fn errors(checkpoint: &Checkpoint, purpose: Purpose) -> [(f64, f64); 2] {
     sums.map(|[squared, absolute, law]| (squared / law, absolute / (law * ROWS as f64).sqrt()))
 }
 
-pub(super) fn judge(facts: &[TrainingFacts]) -> Claim {
+/// Judges claim 15.
+pub fn judge(facts: &[TrainingFacts]) -> Claim {
     let small = !facts.is_empty() && facts.iter().all(|f| f.unseen_mse <= MSE && f.unseen_mae <= MAE);
     let fits = facts.iter().all(|f| f.unseen_mse <= OVERFIT * f.trained_mse);
     let each = facts.iter().map(|f| {
