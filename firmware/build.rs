@@ -1,18 +1,26 @@
-//! Hands the memory map to the linker and the build's name to the greeting; does nothing for the host.
+//! Hands the board's memory map to the linker and the build's name to the greeting; does nothing for the host.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
+/// Handler names of the interrupts that `boards/mps2_an505.rs` lists.
+const AN505_INTERRUPTS: &str = "PROVIDE(UART0_RECEIVE = DefaultHandler);\n";
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-env-changed=PINTLE_BOARD");
     if env::var("CARGO_CFG_TARGET_OS")? != "none" {
         return Ok(());
     }
     let root = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join("..");
     let out = PathBuf::from(env::var("OUT_DIR")?);
-    let map = root.join("memory.x");
+    let an505 = env::var_os("CARGO_FEATURE_MPS2_AN505").is_some();
+    let map = root.join(if an505 { "firmware/memory/mps2-an505.x" } else { "memory.x" });
     fs::copy(&map, out.join("memory.x"))?;
+    if an505 {
+        fs::write(out.join("device.x"), AN505_INTERRUPTS)?;
+    }
     println!("cargo::rerun-if-changed={}", map.display());
     println!("cargo::rustc-link-search={}", out.display());
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
@@ -27,6 +35,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("cargo::rerun-if-changed={}", root.join(".git/HEAD").display());
         println!("cargo::rerun-if-changed={}", root.join(".git/refs/heads").display());
     }
-    println!("cargo::rerun-if-env-changed=PINTLE_CRYSTAL_MHZ");
     Ok(())
 }

@@ -13,12 +13,13 @@
 #![deny(unsafe_code)]
 #![warn(clippy::indexing_slicing)]
 
-#[cfg(all(target_os = "none", feature = "board"))]
 pub mod boards;
 pub mod clock;
+pub mod configuration;
 pub mod estimator;
 pub mod flags;
 pub mod session;
+pub mod store;
 pub mod supervisor;
 
 pub use estimator::Estimator;

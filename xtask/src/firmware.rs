@@ -15,7 +15,7 @@ pub(crate) fn build(way: &Way) -> Result<PathBuf, ChoreError> {
         "--bin",
         "estimator",
         "--features",
-        "board",
+        "stm32f405",
     ]);
     run(&mut command)?;
     Ok(target_folder().join(TARGET).join("firmware/estimator"))

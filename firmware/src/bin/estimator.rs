@@ -1,12 +1,12 @@
-//! The estimator as an image for the STM32F405.
+//! The estimator as an image for a board.
 //!
 //! | task | priority | does |
 //! |---|---|---|
-//! | `received` | 3 | USART3: keeps the bytes that come in |
-//! | `tick` | 2 | SysTick, 10 kHz: takes the next sample, estimates, queues the answer |
-//! | `idle` | 0 | the link: frames in, commands, answers out |
+//! | `received` | 3 | the serial port: keeps the bytes that come in |
+//! | `tick` | 2 | SysTick: reviews who has checked in and kicks the watchdog; paced (10 kHz) it takes the next sample, estimates, queues the answer |
+//! | `idle` | 0 | the link: frames in, commands, answers out; the self-test; the stack's mark |
 //!
-//! Deadline: a tick's work must end before the next tick. If it does not, that is counted and reported at the end of the run.
+//! Deadline: a tick's work must end before the next tick; the session watches it.
 //!
 //! In the emulator's lockstep a frame is a tick: `idle` estimates itself, with SysTick's task shut out by the session's lock, so the
 //! instruction count of a tick repeats exactly.
@@ -18,24 +18,36 @@ fn main() {
 }
 
 #[cfg(target_os = "none")]
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
+#[rtic::app(device = firmware::boards::device, peripherals = true)]
 mod app {
-    use firmware::boards::{Board, Link, Receiver, Timer, count_log_tick, leave, start, tick_is_pending};
+    use firmware::boards::{
+        Board, Light, Link, Receiver, Timer, Watchdog, advance_uptime, check_in, give_up, leave, stack_mark,
+        stack_used, start,
+    };
+    use firmware::supervisor::light::{lit, shown};
+    use firmware::supervisor::paint::Mark;
+    use firmware::supervisor::self_test::Progress;
+    use firmware::supervisor::{Attendance, Party, SelfTest, Verdict};
     use firmware::{NoTicks, Session};
     use heapless::Deque;
     use heapless::spsc::{Consumer, Producer, Queue};
-    use link::{Decoder, MAX_FRAME, SensorFrame, ToController, ToHost, encode};
+    use link::start::{FaultKind, StartReport};
+    use link::track::SensorStatus;
+    use link::{Decoder, ESTIMATE_FRAME, MAX_FRAME, SensorFrame, State, ToController, ToHost, encode};
 
     /// Room for received bytes: more than a tick's worth at the line speed.
     const BYTES: usize = 256;
     /// Room for samples and for answers: the host of a lockstep has one on the way.
     const SAMPLES: usize = 8;
+    /// In lockstep the self-test goes on once in so many frames, so that it does not slow the exchange down.
+    const FRAMES_A_STEP: u32 = 16;
 
     #[shared]
     struct Shared {
         session: Session,
-        samples: Deque<SensorFrame, SAMPLES>,
-        answers: Deque<ToHost, SAMPLES>,
+        samples: Deque<(SensorFrame, SensorStatus), SAMPLES>,
+        estimates: Deque<[u8; ESTIMATE_FRAME], SAMPLES>,
+        attendance: Attendance,
     }
 
     #[local]
@@ -46,76 +58,147 @@ mod app {
         receiver: Receiver,
         bytes_in: Producer<'static, u8>,
         bytes: Consumer<'static, u8>,
+        watchdog: Watchdog,
+        light: Light,
+        start: StartReport,
+        paced: bool,
+        background: Background,
+    }
+
+    /// What is done beside the link.
+    pub struct Background {
+        self_test: SelfTest,
+        mark: Mark,
     }
 
     #[init(local = [byte_queue: Queue<u8, BYTES> = Queue::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let Board { identity, link, receiver, timer } = start(cx.core, cx.device);
+        let Board { identity, start, link, receiver, timer, watchdog, light, attendance } =
+            start(cx.core, cx.device);
         let (bytes_in, bytes) = cx.local.byte_queue.split();
+        let mut session = Session::new(identity);
+        session.report_start(start);
+        // From here on both are expected; sampling and inference once there is something to estimate.
+        check_in(&attendance, Party::Link);
+        check_in(&attendance, Party::SelfTest);
+        let paced = matches!(link, Link::Serial(_));
         defmt::info!("started, core at {=u32} Hz", identity.core_hz);
         (
-            Shared { session: Session::new(identity), samples: Deque::new(), answers: Deque::new() },
-            Local { link, idle_timer: timer, tick_timer: timer, receiver, bytes_in, bytes },
+            Shared { session, samples: Deque::new(), estimates: Deque::new(), attendance },
+            Local {
+                link,
+                idle_timer: timer,
+                tick_timer: timer,
+                receiver,
+                bytes_in,
+                bytes,
+                watchdog,
+                light,
+                start,
+                paced,
+                background: Background { self_test: SelfTest::new(), mark: stack_mark() },
+            },
         )
     }
 
     /// Keeps what the serial port received; a byte without room is lost and its frame fails its check.
-    #[task(binds = USART3, priority = 3, local = [receiver, bytes_in])]
+    #[cfg(feature = "stm32f405")]
+    #[task(binds = USART6, priority = 3, local = [receiver, bytes_in])]
     fn received(cx: received::Context) {
         if let Some(byte) = cx.local.receiver.fetch() {
             let _ = cx.local.bytes_in.enqueue(byte);
         }
     }
 
-    /// One sample period on the serial link. In lockstep no sample ever waits here.
-    #[task(binds = SysTick, priority = 2, local = [tick_timer], shared = [session, samples, answers])]
+    /// One timer tick: the supervisor's review, and on the serial link one sample period.
+    #[task(binds = SysTick, priority = 2, local = [tick_timer, watchdog, light, start, paced], shared = [session, samples, estimates, &attendance])]
     fn tick(cx: tick::Context) {
-        count_log_tick();
-        (cx.shared.session, cx.shared.samples, cx.shared.answers).lock(|session, samples, answers| {
-            let Some(sample) = samples.pop_front() else { return session.count_idle_tick() };
-            let answer = session.handle(&ToController::Sensor(sample), cx.local.tick_timer);
-            if answers.push_back(answer).is_err() {
-                session.count_dropped();
-            }
-            if tick_is_pending() {
-                session.count_overrun();
-            }
-        });
+        let now_us = advance_uptime();
+        let attendance = cx.shared.attendance;
+        match attendance.review(now_us) {
+            Verdict::Kick => cx.local.watchdog.kick(),
+            Verdict::Starved { missing } => give_up(FaultKind::Starved { missing }),
+        }
+        let running = (cx.shared.session, cx.shared.samples, cx.shared.estimates).lock(
+            |session, samples, estimates| {
+                let running = session.state() == State::Running;
+                if !*cx.local.paced {
+                    return running;
+                }
+                check_in(attendance, Party::Sampling);
+                let Some((frame, status)) = samples.pop_front() else {
+                    attendance.rest(Party::Inference);
+                    session.count_idle_tick();
+                    return running;
+                };
+                // A sample before any configuration is answered by silence: the state is in every greeting.
+                if let Ok(estimate) = session.tick(&frame, status, cx.local.tick_timer)
+                    && estimates.push_back(estimate).is_err()
+                {
+                    session.count_dropped_estimate();
+                }
+                check_in(attendance, Party::Inference);
+                running
+            },
+        );
+        cx.local.light.show(lit(shown(cx.local.start, running), now_us));
     }
 
     /// The link.
-    #[idle(local = [link, idle_timer, bytes], shared = [session, samples, answers])]
+    #[idle(local = [link, idle_timer, bytes, background], shared = [session, samples, estimates, &attendance])]
     fn idle(mut cx: idle::Context) -> ! {
         let mut decoder = Decoder::new();
+        let attendance = cx.shared.attendance;
+        let background = cx.local.background;
         // Unasked: a host that was in the middle of a run learns of the restart.
-        let hello = ToHost::Hello(cx.shared.session.lock(|session| session.hello()));
+        let hello = cx.shared.session.lock(|session| session.hello(0));
         match cx.local.link {
-            Link::Files(files) => send(&hello, |bytes| files.write(bytes)),
-            Link::Serial(port) => send(&hello, |bytes| port.write(bytes)),
-        }
+            Link::Files(files) => send(&ToHost::Hello(hello), |bytes| files.write(bytes)),
+            Link::Serial(port) => send(&ToHost::Hello(hello), |bytes| port.write(bytes)),
+        };
+        #[cfg(feature = "provoke")]
+        firmware::boards::provoke(&hello.start, attendance);
         match cx.local.link {
-            Link::Files(files) => loop {
-                let mut buffer = [0; MAX_FRAME];
-                let came = files.read(&mut buffer);
-                if came.is_empty() {
-                    leave();
+            Link::Files(files) => {
+                let mut frames = 0_u32;
+                loop {
+                    let mut buffer = [0; MAX_FRAME];
+                    let came = files.read(&mut buffer);
+                    if came.is_empty() {
+                        leave();
+                    }
+                    check_in(attendance, Party::Link);
+                    for &byte in came {
+                        let Some(message) = decoder.push::<ToController>(byte) else { continue };
+                        let answer = cx.shared.session.lock(|session| match message {
+                            Ok(message) => session.handle(&message, cx.local.idle_timer),
+                            Err(error) => session.bad_frame(error),
+                        });
+                        if let ToHost::Estimate(_) = answer {
+                            check_in(attendance, Party::Sampling);
+                            check_in(attendance, Party::Inference);
+                        }
+                        send(&answer, |bytes| files.write(bytes));
+                        if let Some(report) = cx.shared.session.lock(Session::slow) {
+                            send(&report, |bytes| files.write(bytes));
+                        }
+                    }
+                    frames = frames.wrapping_add(1);
+                    if frames % FRAMES_A_STEP == 0 {
+                        go_on(background, attendance, |stack| {
+                            cx.shared.session.lock(|s| s.report_stack(stack))
+                        });
+                    }
                 }
-                for &byte in came {
-                    let Some(message) = decoder.push::<ToController>(byte) else { continue };
-                    let answer = cx.shared.session.lock(|session| match message {
-                        Ok(message) => session.handle(&message, cx.local.idle_timer),
-                        Err(error) => session.bad_frame(error),
-                    });
-                    send(&answer, |bytes| files.write(bytes));
-                }
-            },
+            }
             Link::Serial(port) => loop {
+                check_in(attendance, Party::Link);
                 while let Some(byte) = cx.local.bytes.dequeue() {
                     let answer = match decoder.push::<ToController>(byte) {
                         None => continue,
-                        Some(Ok(ToController::Sensor(sample))) => {
-                            if cx.shared.samples.lock(|samples| samples.push_back(sample)).is_err() {
-                                cx.shared.session.lock(Session::count_dropped);
+                        Some(Ok(ToController::Sensor(frame, status))) => {
+                            if cx.shared.samples.lock(|samples| samples.push_back((frame, status))).is_err() {
+                                cx.shared.session.lock(Session::count_dropped_sample);
                             }
                             continue;
                         }
@@ -124,21 +207,40 @@ mod app {
                         }
                         Some(Err(error)) => cx.shared.session.lock(|session| session.bad_frame(error)),
                     };
-                    send(&answer, |bytes| port.write(bytes));
+                    if !send(&answer, |bytes| port.write(bytes)) {
+                        cx.shared.session.lock(Session::count_dropped_answer);
+                    }
                 }
-                while let Some(answer) = cx.shared.answers.lock(Deque::pop_front) {
-                    send(&answer, |bytes| port.write(bytes));
+                while let Some(estimate) = cx.shared.estimates.lock(Deque::pop_front) {
+                    if !port.write(&estimate) {
+                        cx.shared.session.lock(Session::count_dropped_estimate);
+                    }
                 }
+                if let Some(report) = cx.shared.session.lock(Session::slow)
+                    && !send(&report, |bytes| port.write(bytes))
+                {
+                    cx.shared.session.lock(Session::count_dropped_answer);
+                }
+                go_on(background, attendance, |stack| cx.shared.session.lock(|s| s.report_stack(stack)));
             },
         }
     }
 
-    /// Frames an answer and hands it to the link. A frame that the link does not take is lost, and the host's wait is bounded.
-    fn send(answer: &ToHost, write: impl FnOnce(&[u8]) -> bool) {
-        let mut buffer = [0; MAX_FRAME];
-        let sent = encode(answer, &mut buffer).is_ok_and(write);
-        if !sent {
-            defmt::warn!("an answer was not taken");
+    /// Goes on with the self-test and the search for the stack's mark.
+    fn go_on(
+        background: &mut Background,
+        attendance: &Attendance,
+        report: impl FnOnce(link::start::StackReport),
+    ) {
+        if background.self_test.step() == Progress::Passed {
+            check_in(attendance, Party::SelfTest);
         }
+        report(stack_used(&mut background.mark));
+    }
+
+    /// Frames an answer and hands it to the link; false if the link did not take it. The host's wait is bounded.
+    fn send(answer: &ToHost, write: impl FnOnce(&[u8]) -> bool) -> bool {
+        let mut buffer = [0; MAX_FRAME];
+        encode(answer, &mut buffer).is_ok_and(write)
     }
 }

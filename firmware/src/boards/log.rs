@@ -103,11 +103,4 @@ unsafe impl defmt::Logger for Logger {
     }
 }
 
-static LOG_TICKS: AtomicU32 = AtomicU32::new(0);
-
-/// Advances the time stamp of log records by one timer tick.
-pub fn count_log_tick() {
-    LOG_TICKS.fetch_add(1, Ordering::Relaxed);
-}
-
-defmt::timestamp!("{=u32}", LOG_TICKS.load(Ordering::Relaxed));
+defmt::timestamp!("{=u32:us}", super::uptime_us());

@@ -9,15 +9,54 @@
 //! `-icount shift=6` an instruction takes 64 ns, which SysTick at 168 MHz sees as 10.752 ticks; work of up to 1.5 million instructions is
 //! counted right. The emulator has no cycle counter; there the count over the serial link is 0.
 
+use core::sync::atomic::{AtomicU32, Ordering};
+
 use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m::peripheral::{DCB, DWT, SCB, SYST};
+use cortex_m::peripheral::{DCB, DWT, SYST};
 
 use crate::session::TickSource;
+use crate::supervisor::{Attendance, Periods};
 
 /// Timer ticks a second when SysTick paces the loop.
 pub const TICKS_PER_SECOND: u32 = 10_000;
 
 const FULL: u32 = 0x00FF_FFFF;
+
+static UPTIME_US: AtomicU32 = AtomicU32::new(0);
+static PERIOD_US: AtomicU32 = AtomicU32::new(0);
+
+/// Time since start, us, modulo 2^32, to the last timer tick.
+#[must_use]
+pub fn uptime_us() -> u32 {
+    UPTIME_US.load(Ordering::Relaxed)
+}
+
+/// Advances the uptime by a timer tick; to be called once from each. Returns the new uptime, us.
+pub fn advance_uptime() -> u32 {
+    let period_us = PERIOD_US.load(Ordering::Relaxed);
+    UPTIME_US.fetch_add(period_us, Ordering::Relaxed).wrapping_add(period_us)
+}
+
+/// The register of check-ins. Paced, a tick is 100 us; in lockstep, where time passes only while the controller works, 0.1 to 0.9 s.
+pub(super) const fn attendance(paced: bool) -> Attendance {
+    const SECOND_US: u32 = 1_000_000;
+    Attendance::new(if paced {
+        Periods {
+            sampling_us: 5_000,
+            inference_us: 5_000,
+            // The longest thing that the link's side does between two rounds is to send a frame.
+            link_us: SECOND_US / 2,
+            self_test_us: 60 * SECOND_US,
+        }
+    } else {
+        Periods {
+            sampling_us: 5 * SECOND_US,
+            inference_us: 5 * SECOND_US,
+            link_us: 5 * SECOND_US,
+            self_test_us: 60 * SECOND_US,
+        }
+    })
+}
 
 /// The counter of a tick's work.
 #[derive(Clone, Copy, Debug)]
@@ -31,8 +70,11 @@ pub enum Timer {
 impl Timer {
     /// Starts SysTick and the cycle counter.
     pub(super) fn start(mut syst: SYST, mut dcb: DCB, mut dwt: DWT, core_hz: u32, paced: bool) -> Self {
+        let reload = if paced { (core_hz / TICKS_PER_SECOND).saturating_sub(1) } else { FULL };
+        let period_us = u64::from(reload).saturating_add(1).saturating_mul(1_000_000).checked_div(core_hz.into());
+        PERIOD_US.store(period_us.and_then(|us| us.try_into().ok()).unwrap_or(u32::MAX), Ordering::Relaxed);
         syst.set_clock_source(SystClkSource::Core);
-        syst.set_reload(if paced { (core_hz / TICKS_PER_SECOND).saturating_sub(1) } else { FULL });
+        syst.set_reload(reload);
         syst.clear_current();
         syst.enable_counter();
         syst.enable_interrupt();
@@ -56,10 +98,4 @@ impl TickSource for Timer {
             Self::Cycles => DWT::cycle_count().wrapping_sub(start),
         }
     }
-}
-
-/// Whether the next timer tick is already waiting: the work of this one came too late.
-#[must_use]
-pub fn tick_is_pending() -> bool {
-    SCB::is_pendst_pending()
 }

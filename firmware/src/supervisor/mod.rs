@@ -8,6 +8,8 @@ pub mod attendance;
 pub mod light;
 pub mod paint;
 pub mod record;
+pub mod self_test;
 pub mod start;
 
 pub use attendance::{Attendance, Party, Periods, Verdict};
+pub use self_test::SelfTest;

@@ -15,9 +15,9 @@ const fn dividers(input: PllInput) -> (u8, u16) {
 }
 
 /// The registers.
-pub(super) struct ClockTree<'a> {
-    pub(super) rcc: &'a RCC,
-    pub(super) flash: &'a FLASH,
+pub(in crate::boards) struct ClockTree<'a> {
+    pub(in crate::boards) rcc: &'a RCC,
+    pub(in crate::boards) flash: &'a FLASH,
 }
 
 impl ClockPort for ClockTree<'_> {

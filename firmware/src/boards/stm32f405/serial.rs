@@ -1,18 +1,18 @@
-//! The link over USART3: PB10 out, PB11 in, 500 kbaud, 8N1.
+//! The link over USART6: PC6 out, PC7 in, 500 kbaud, 8N1.
 //!
 //! 500 kbaud divides every clock that bring-up can arrive at without remainder. It carries about 1,000 exchanges a second; the
 //! sample period of a bench on this link is 1 ms. A byte that nobody fetched in time is lost and shows as a bad frame.
 
-use stm32f4xx_hal::pac::USART3;
+use stm32f4xx_hal::pac::USART6;
 
 /// Line speed, baud.
-pub(super) const BAUD: u32 = 500_000;
+pub(in crate::boards) const BAUD: u32 = 500_000;
 
 /// Polls for room in the transmitter before a byte is given up: some 20 byte times at 168 MHz.
 const POLLS: u32 = 20_000;
 
 /// Sets the port up for a peripheral clock of `bus_hz`. Its clock and pins must be on.
-pub(super) fn set_up(port: &USART3, bus_hz: u32) {
+pub(in crate::boards) fn set_up(port: &USART6, bus_hz: u32) {
     // At 16-fold oversampling the register holds the clock over the baud rate, fraction included.
     let divider = u16::try_from(bus_hz / BAUD).unwrap_or(u16::MAX);
     port.brr().write(|w| {
@@ -31,14 +31,14 @@ pub struct Receiver(());
 pub struct Transmitter(());
 
 /// Gives the halves out, once.
-pub(super) const fn split(_port: USART3) -> (Receiver, Transmitter) {
+pub(in crate::boards) const fn split(_port: USART6) -> (Receiver, Transmitter) {
     (Receiver(()), Transmitter(()))
 }
 
-fn port() -> &'static stm32f4xx_hal::pac::usart3::RegisterBlock {
+fn port() -> &'static stm32f4xx_hal::pac::usart6::RegisterBlock {
     #[expect(unsafe_code, reason = "the halves own the port: one reads DR, the other writes it")]
     unsafe {
-        &*USART3::ptr()
+        &*USART6::ptr()
     }
 }
 
