@@ -86,6 +86,8 @@ pub enum ModelSource {
         slot: u8,
         /// The package's version.
         version: u32,
+        /// First four bytes of the package's hash: tells it from another one of the same version.
+        hash: [u8; 4],
     },
 }
 
@@ -113,6 +115,8 @@ pub struct UpdateStatus {
     pub refused: u16,
     /// Times that the networks in use were found altered since the controller started.
     pub altered: u16,
+    /// Whether the firmware trusts the published development key: good for trying, for nothing else.
+    pub development_key: bool,
 }
 
 /// An update that has begun.
@@ -264,7 +268,8 @@ mod tests {
 
     #[test]
     fn the_longest_request_fits_into_a_frame_with_a_variant_before_it() {
-        let begin = UpdateRequest::Begin(SignedManifest { manifest: [[0; 32]; 3], signature: [[255; 32]; 2] });
+        let begin =
+            UpdateRequest::Begin(SignedManifest { manifest: [[0; 32]; 3], signature: [[255; 32]; 2] });
         let chunk = UpdateRequest::Chunk(UpdateChunk { offset: u32::MAX, bytes: [[0; 32]; 4] });
         for request in [begin, chunk] {
             assert!(encode(&(0_u8, request), &mut [0; MAX_FRAME]).is_ok());

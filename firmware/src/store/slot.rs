@@ -1,0 +1,222 @@
+//! One slot: where a package lies in it and when it counts.
+//!
+//! | bytes | what | written |
+//! |---|---|---|
+//! | 0..96 | manifest | when the update begins |
+//! | 96..160 | signature | when the update begins |
+//! | 160..164 | number of the installation, counting up | last but two |
+//! | 164..168 | its complement | last but one |
+//! | 168..172 | the mark | last |
+//! | 256.. | payload: images by bearing code, then self-tests by bearing code | chunk by chunk, in order |
+//!
+//! A slot counts when the mark stands behind a number and its complement. Each word is programmed by itself, so that power lost at any
+//! moment leaves the mark either whole or not a mark. The newest slot is the one with the largest number, not with the largest
+//! version: a package may be signed to replace a newer one.
+
+use inference::{Bearing, Model};
+use link::update::{
+    CHUNK_LENGTH, FlashOperation, MANIFEST_LENGTH, ModelSource, SIGNATURE_LENGTH, SignedManifest,
+    UpdateRefusal,
+};
+
+use super::manifest::{Manifest, hash_of};
+use super::memory::SlotMemory;
+use super::models::{Loaded, Models};
+use super::self_test::{self, RECORD_LENGTH};
+use super::signature::{KEY_LENGTH, is_signed};
+use crate::estimator::image_cause;
+
+/// Where the payload begins.
+pub const PAYLOAD: u32 = 256;
+const SIGNED: usize = MANIFEST_LENGTH + SIGNATURE_LENGTH;
+const CHUNK: u32 = CHUNK_LENGTH as u32;
+/// A byte that nothing was programmed to.
+const BLANK: u8 = 0xFF;
+const MARK: u32 = 0x5A17_C0DE;
+/// Cause of an image that is for another bearing.
+const WRONG_BEARING: u8 = 100;
+
+/// A place in a slot memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Slot {
+    pub(super) index: u8,
+    start: u32,
+    length: u32,
+}
+
+/// A slot whose mark is whole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Marked {
+    pub(super) slot: Slot,
+    pub(super) number: u32,
+}
+
+impl Slot {
+    pub(super) fn both(memory: &impl SlotMemory) -> [Self; 2] {
+        let length = u32::try_from(memory.capacity() / 2).unwrap_or(0);
+        [Self { index: 0, start: 0, length }, Self { index: 1, start: length, length }]
+    }
+
+    /// Longest payload.
+    pub(super) const fn capacity(self) -> u32 {
+        self.length.saturating_sub(PAYLOAD)
+    }
+
+    fn read<const N: usize>(self, memory: &mut impl SlotMemory, offset: u32) -> Option<[u8; N]> {
+        let end = offset.saturating_add(u32::try_from(N).unwrap_or(u32::MAX));
+        let mut bytes = [0; N];
+        let read = end <= self.length && memory.read(self.start.saturating_add(offset), &mut bytes).is_ok();
+        read.then_some(bytes)
+    }
+
+    /// Manifest and signature as they were programmed.
+    pub(super) fn signed(self, memory: &mut impl SlotMemory) -> Option<SignedManifest> {
+        let bytes: [u8; SIGNED] = self.read(memory, 0)?;
+        let &[a, b, c, d, e] = bytes.as_chunks::<32>().0 else { return None };
+        Some(SignedManifest { manifest: [a, b, c], signature: [d, e] })
+    }
+
+    /// Whether nothing has been programmed since it was erased, as far as manifest and mark go.
+    pub(super) fn is_blank(self, memory: &mut impl SlotMemory) -> bool {
+        self.read::<{ PAYLOAD as usize }>(memory, 0).is_some_and(|bytes| bytes.iter().all(|&b| b == BLANK))
+    }
+
+    pub(super) fn marked(self, memory: &mut impl SlotMemory) -> Option<Marked> {
+        let bytes: [u8; 12] = self.read(memory, SIGNED as u32)?;
+        let &[number, complement, mark] = bytes.as_chunks::<4>().0 else { return None };
+        let number = u32::from_le_bytes(number);
+        let whole = number == !u32::from_le_bytes(complement) && u32::from_le_bytes(mark) == MARK;
+        whole.then_some(Marked { slot: self, number })
+    }
+
+    pub(super) fn erase(self, memory: &mut impl SlotMemory) -> Result<(), UpdateRefusal> {
+        let end = self.start.saturating_add(self.length);
+        memory.erase(self.start, end).map_err(|_| UpdateRefusal::Flash(FlashOperation::Erase))
+    }
+
+    /// Programs bytes and reads them back.
+    fn program(self, memory: &mut impl SlotMemory, offset: u32, bytes: &[u8]) -> Result<(), UpdateRefusal> {
+        let failed = |operation| Err(UpdateRefusal::Flash(operation));
+        let end = u32::try_from(bytes.len()).unwrap_or(u32::MAX).saturating_add(offset);
+        if end > self.length || memory.write(self.start.saturating_add(offset), bytes).is_err() {
+            return failed(FlashOperation::Program);
+        }
+        for (offset, word) in (offset..end).step_by(4).zip(bytes.as_chunks::<4>().0) {
+            if self.read(memory, offset) != Some(*word) {
+                return failed(FlashOperation::ReadBack);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn write_signed(
+        self,
+        memory: &mut impl SlotMemory,
+        signed: &SignedManifest,
+    ) -> Result<(), UpdateRefusal> {
+        self.program(memory, 0, signed.manifest.as_flattened())?;
+        self.program(memory, MANIFEST_LENGTH as u32, signed.signature.as_flattened())
+    }
+
+    pub(super) fn write_payload(
+        self,
+        memory: &mut impl SlotMemory,
+        offset: u32,
+        bytes: &[u8],
+    ) -> Result<(), UpdateRefusal> {
+        self.program(memory, PAYLOAD.saturating_add(offset), bytes)
+    }
+
+    /// Makes the slot count.
+    pub(super) fn mark(self, memory: &mut impl SlotMemory, number: u32) -> Result<(), UpdateRefusal> {
+        for (offset, word) in (SIGNED as u32..).step_by(4).zip([number, !number, MARK]) {
+            self.program(memory, offset, &word.to_le_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// How much of a payload is certainly there: chunks are programmed in order, so everything before the last one that is not blank.
+    /// That one may have been interrupted; programming it again completes it.
+    pub(super) fn written(self, memory: &mut impl SlotMemory, length: u32) -> u32 {
+        let used = |offset: &u32| {
+            self.read::<4>(memory, PAYLOAD.saturating_add(*offset)).is_some_and(|word| word != [BLANK; 4])
+        };
+        let last = (0..length).step_by(4).rev().find(used).unwrap_or(0);
+        last.checked_div(CHUNK).unwrap_or(0).saturating_mul(CHUNK)
+    }
+
+    /// Checks the payload against its manifest, whose signature has been checked: hash, images, self-tests.
+    pub(super) fn load(self, memory: &impl SlotMemory, manifest: &Manifest) -> Result<Models, UpdateRefusal> {
+        let length = manifest.length();
+        if length > self.capacity() {
+            return Err(UpdateRefusal::TooLong { found: length, most: self.capacity() });
+        }
+        let payload = memory.in_place(self.start.saturating_add(PAYLOAD), length);
+        if hash_of(payload) != manifest.hash {
+            return Err(UpdateRefusal::Hash);
+        }
+        let mut rest = payload;
+        let mut take = |length: u32| {
+            let (part, behind) = rest.split_at_checked(length as usize).ok_or(UpdateRefusal::Lengths)?;
+            rest = behind;
+            Ok(part)
+        };
+        let [first, second] = manifest.images;
+        let images = [take(first)?, take(second)?];
+        let [first, second] = manifest.samples;
+        let length = |samples: u32| samples.saturating_mul(RECORD_LENGTH as u32);
+        let records = [take(length(first))?, take(length(second))?];
+        let mut package = [None; 2];
+        let parts = images.into_iter().zip(records).zip(Bearing::ALL);
+        for (to, ((image, records), bearing)) in package.iter_mut().zip(parts) {
+            if !image.is_empty() {
+                *to = Some(checked(image, records, bearing)?);
+            }
+        }
+        let [a, b, c, d, ..] = manifest.hash;
+        let source = ModelSource::Slot { slot: self.index, version: manifest.version, hash: [a, b, c, d] };
+        Ok(Models::of_package(package, source))
+    }
+
+    /// Everything: mark, manifest, signature, payload.
+    pub(super) fn verify(
+        self,
+        memory: &mut impl SlotMemory,
+        board: u16,
+        key: &[u8; KEY_LENGTH],
+    ) -> Result<(Manifest, Models), UpdateRefusal> {
+        let signed = self.signed(memory).ok_or(UpdateRefusal::Flash(FlashOperation::Read))?;
+        let manifest = authentic(&signed, board, key)?;
+        Ok((manifest, self.load(memory, &manifest)?))
+    }
+}
+
+/// A manifest that is sound, for this board and signed.
+pub(super) fn authentic(
+    signed: &SignedManifest,
+    board: u16,
+    key: &[u8; KEY_LENGTH],
+) -> Result<Manifest, UpdateRefusal> {
+    let [a, b, c] = signed.manifest;
+    let mut bytes = [0; MANIFEST_LENGTH];
+    for (to, from) in bytes.as_chunks_mut::<32>().0.iter_mut().zip([a, b, c]) {
+        *to = from;
+    }
+    let manifest = Manifest::parse(&bytes, board)?;
+    let mut signature = [0; SIGNATURE_LENGTH];
+    for (to, from) in signature.as_chunks_mut::<32>().0.iter_mut().zip(signed.signature) {
+        *to = from;
+    }
+    if is_signed(&bytes, &signature, key) { Ok(manifest) } else { Err(UpdateRefusal::Signature) }
+}
+
+fn checked(image: &'static [u8], records: &[u8], bearing: Bearing) -> Result<Loaded, UpdateRefusal> {
+    let code = bearing.code();
+    let model = Model::load(image)
+        .map_err(|error| UpdateRefusal::Image { bearing: code, cause: image_cause(&error) })?;
+    if model.header().bearing != bearing {
+        return Err(UpdateRefusal::Image { bearing: code, cause: WRONG_BEARING });
+    }
+    self_test::run(model, records).map_err(|sample| UpdateRefusal::SelfTest { bearing: code, sample })?;
+    Ok(Loaded { image, model })
+}
