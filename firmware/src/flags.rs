@@ -17,14 +17,50 @@ pub const WINDOW_FILLING: Flags = Flags::from_bits(1 << 21);
 /// In contact, but its onset was not seen (start, or a gap in the samples): the approach speed is the one configured
 /// for that case.
 pub const ONSET_NOT_SEEN: Flags = Flags::from_bits(1 << 22);
+/// A channel has no value: its driver reports a fault, or the frame came without it.
+pub const SENSOR_MISSING: Flags = Flags::from_bits(1 << 23);
+/// A channel stands at the end of its range.
+pub const SENSOR_SATURATED: Flags = Flags::from_bits(1 << 24);
+/// The short-term deviation of a channel is above its limit.
+pub const NOISY: Flags = Flags::from_bits(1 << 25);
+/// The journal swings along the clearance faster than it can.
+pub const IMPLAUSIBLE_SWING: Flags = Flags::from_bits(1 << 26);
+/// The normal force of the networks is outside the envelope of the analytic law at the same contact.
+pub const NETWORK_OUTSIDE_LAW: Flags = Flags::from_bits(1 << 27);
+/// The last trusted estimate stands for this one.
+pub const HELD: Flags = Flags::from_bits(1 << 28);
+/// The estimate came later than its sample period allows.
+pub const STALE: Flags = Flags::from_bits(1 << 29);
+/// Too many late estimates in a row: this is the last one that was in time, until the trip is cleared.
+pub const TRIPPED: Flags = Flags::from_bits(1 << 30);
+/// The normal force is above the configured limit.
+pub const OVER_FORCE: Flags = Flags::from_bits(1 << 31);
 
 /// Every remark that means "do not trust the sensors".
 pub const SENSOR_FAULT: Flags = Flags::from_bits(
-    IMPLAUSIBLE_POSITION.bits() | JUMP.bits() | STUCK.bits() | SEQUENCE_GAP.bits() | TIME_FAULT.bits(),
+    IMPLAUSIBLE_POSITION.bits()
+        | JUMP.bits()
+        | STUCK.bits()
+        | SEQUENCE_GAP.bits()
+        | TIME_FAULT.bits()
+        | SENSOR_MISSING.bits()
+        | SENSOR_SATURATED.bits()
+        | NOISY.bits()
+        | IMPLAUSIBLE_SWING.bits(),
+);
+
+/// Every remark that means "do not trust the estimate", whatever its cause: the monitor holds the last trusted one.
+pub const DISTRUSTED: Flags = Flags::from_bits(
+    SENSOR_FAULT.bits()
+        | NETWORK_OUTSIDE_LAW.bits()
+        | WINDOW_FILLING.bits()
+        | Flags::NON_FINITE.bits()
+        | Flags::WARMING_UP.bits()
+        | Flags::MISSING.bits(),
 );
 
 /// Names of all remarks, those of the networks included, for reports.
-pub const NAMES: [(Flags, &str); 15] = [
+pub const NAMES: [(Flags, &str); 24] = [
     (Flags::OUTSIDE_CLEARANCE, "outside-clearance"),
     (Flags::OUTSIDE_DEFORMATION, "outside-deformation"),
     (Flags::OUTSIDE_RATE_RATIO, "outside-rate-ratio"),
@@ -40,6 +76,15 @@ pub const NAMES: [(Flags, &str); 15] = [
     (TIME_FAULT, "time-fault"),
     (WINDOW_FILLING, "window-filling"),
     (ONSET_NOT_SEEN, "onset-not-seen"),
+    (SENSOR_MISSING, "sensor-missing"),
+    (SENSOR_SATURATED, "sensor-saturated"),
+    (NOISY, "noisy"),
+    (IMPLAUSIBLE_SWING, "implausible-swing"),
+    (NETWORK_OUTSIDE_LAW, "network-outside-law"),
+    (HELD, "held"),
+    (STALE, "stale"),
+    (TRIPPED, "tripped"),
+    (OVER_FORCE, "over-force"),
 ];
 
 #[cfg(test)]

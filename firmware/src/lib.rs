@@ -18,9 +18,12 @@ pub mod clock;
 pub mod configuration;
 pub mod estimator;
 pub mod flags;
+pub mod monitor;
 pub mod session;
 pub mod store;
 pub mod supervisor;
+pub mod tracking;
 
 pub use estimator::Estimator;
+pub use monitor::Monitor;
 pub use session::{Identity, NoTicks, Session, TickSource};

@@ -5,10 +5,12 @@ use crate::error::CliError;
 use crate::force::bearing_of;
 use crate::summary::{EstimatorSummary, after_start, peak, rms};
 use bench::description::TransmissionBench;
+use contact::{Dissipation, Material, effective_modulus_pa};
 use bench::transmission::{Snapshot, Transmission};
 use firmware::flags::SENSOR_FAULT;
 use inference::Flags;
-use link::{Configuration, Counters, EstimateFrame, SensorFrame};
+use link::track::MonitorConfiguration;
+use link::{Configuration, ControllerConfiguration, Counters, EstimateFrame, SensorFrame};
 use std::time::Instant;
 
 /// Timer ticks of an instruction on the emulated controller: 64 ns an instruction at 168 MHz.
@@ -53,6 +55,32 @@ pub fn configuration(
         // The windows are not yet full when the journal lands, so the controller has to be told how this bench starts.
         unseen_approach_um_s: counts("landing speed", plant.landing_speed_m_s(), 1e-6)?,
     })
+}
+
+/// All that the controller of a bench is told; limits and calibration as they are by default.
+pub fn controller_configuration(
+    plant: &Transmission,
+    bench: &TransmissionBench,
+    rate_hz: f64,
+) -> Result<ControllerConfiguration, CliError> {
+    let whole = configuration(plant, bench, rate_hz)?;
+    let default = firmware::configuration::BENCH_B.monitor;
+    let counts = |value: f64, unit: f64| (value / unit).round() as u32;
+    let modulus_pa = |youngs_pa, poisson| {
+        Material::new(youngs_pa, poisson).map(|bearing| effective_modulus_pa(&bearing, &Material::STEEL))
+    };
+    let modulus_pa = modulus_pa(bench.bearing.youngs_modulus_pa, bench.bearing.poisson_ratio)
+        .map_err(|e| CliError::Input(format!("bearing: {e}")))?;
+    let monitor = MonitorConfiguration {
+        mass_g: counts(bench.shaft.mass_kg, 1e-3),
+        inertia_g_m2: counts(bench.shaft.inertia_kg_m2, 1e-3),
+        drive_lever_um: counts(bench.geometry.drive_lever_radius_m, 1e-6),
+        load_lever_um: counts(bench.geometry.load_lever_radius_m, 1e-6),
+        effective_modulus_kpa: counts(modulus_pa, 1e3),
+        damping_per_mille: counts(Dissipation::ZhiyingQishao.factor(bench.bearing.restitution), 1e-3),
+        ..default
+    };
+    Ok(ControllerConfiguration::new(whole, monitor))
 }
 
 /// Exchanges every frame in lockstep.

@@ -7,7 +7,7 @@ use cobs::{DecodeResult, DecoderState};
 use heapless::Vec;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::{CRC, MAGIC, MAX_PAYLOAD, PROTOCOL_VERSION};
+use crate::{MAGIC, MAX_PAYLOAD, PROTOCOL_VERSION, crc32};
 
 /// Why the bytes up to a delimiter are not a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -128,7 +128,7 @@ impl Decoder {
 /// Checks the CRC, then reads the message, which must use up the payload.
 fn parse<M: DeserializeOwned>(payload: &[u8]) -> Result<M, FrameError> {
     let (message, sum) = payload.split_last_chunk::<4>().ok_or(FrameError::Crc)?;
-    if CRC.checksum(message) != u32::from_le_bytes(*sum) {
+    if crc32(message) != u32::from_le_bytes(*sum) {
         return Err(FrameError::Crc);
     }
     match postcard::take_from_bytes::<M>(message) {

@@ -25,6 +25,7 @@ mod message;
 mod sample;
 pub mod start;
 pub mod track;
+pub mod update;
 
 pub use check_sum::crc32;
 pub use configuration::{
@@ -34,12 +35,10 @@ pub use configuration::{
 pub use counters::Counters;
 pub use decode::{BadFrames, Decoder, FrameError};
 pub use encode::{ESTIMATE_FRAME, EncodeError, encode, encode_estimate};
-pub use hello::{
-    BUILD_ID_LEN, BuildId, ClockSource, Hello, MAGIC, ModelId, PROTOCOL_VERSION, Target,
-};
+pub use hello::{BUILD_ID_LEN, BuildId, ClockSource, Hello, MAGIC, ModelId, PROTOCOL_VERSION, Target};
 pub use message::{
-    Acknowledgement, Answer, Command, Fault, NumberedCommand, Refused, SlowFrame, SlowReport, State, ToController,
-    ToHost,
+    Acknowledgement, Answer, Command, Fault, NumberedCommand, Refused, SlowFrame, SlowReport, State,
+    ToController, ToHost,
 };
 pub use sample::{EstimateFrame, EstimateLayout, NumberedEstimate, SensorFrame};
 

@@ -197,6 +197,8 @@ pub struct MonitorConfiguration {
     pub angle_noise_limit_nrad: u32,
     /// Largest short-term standard deviation of the load, mN.
     pub load_noise_limit_mn: u32,
+    /// Samples of one code after which the load counts as stuck; 0: it may stand still, as a steady load behind a coarse converter does.
+    pub load_stuck_samples: u32,
     /// A journal coordinate so far out or farther stands at its rail, nm.
     pub journal_rail_nm: u32,
     /// A load so large or larger, either way, stands at its rail, mN.
@@ -246,6 +248,8 @@ pub enum MonitorField {
     AngleNoiseLimit,
     /// `load_noise_limit_mn`.
     LoadNoiseLimit,
+    /// `load_stuck_samples`.
+    LoadStuckSamples,
     /// `journal_rail_nm`.
     JournalRail,
     /// `load_rail_mn`.

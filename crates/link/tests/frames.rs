@@ -1,10 +1,13 @@
 //! Properties of the wire format: what goes in comes out, and nothing else does.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use link::start::{FaultKind, FaultRecord, ResetReason, StackReport, StartReport};
+use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, MonitorField, SensorHealth, SensorStatus};
 use link::{
-    BuildId, ClockSource, Configuration, Configured, Counters, Decoder, EstimateFrame, Fault, FrameError,
-    Hello, MAGIC, MAX_FRAME, ModelId, PROTOCOL_VERSION, Refusal, SensorFrame, Target, ToController, ToHost,
-    encode,
+    Acknowledgement, Answer, BuildId, Calibration, ClockSource, Command, Configuration, Configured,
+    ControllerConfiguration, Counters, Decoder, EstimateFrame, Fault, Field, FrameError, Hello, Limits,
+    MAGIC, MAX_FRAME, MAX_REASONS, ModelId, NumberedCommand, NumberedEstimate, OutOfRange, PROTOCOL_VERSION,
+    Reasons, Refused, SensorFrame, SlowFrame, SlowReport, State, Target, ToController, ToHost, encode,
 };
 use proptest::prelude::*;
 
@@ -19,23 +22,53 @@ fn sensor() -> impl Strategy<Value = SensorFrame> {
     })
 }
 
-fn configuration() -> impl Strategy<Value = Configuration> {
-    any::<(u8, u32, u32, u32, u32)>().prop_map(|(bearing, clearance, radius, period, floor)| Configuration {
-        bearing,
-        radial_clearance_nm: clearance,
-        journal_radius_nm: radius,
-        sample_period_us: period,
-        latch_floor_um_s: floor,
-        unseen_approach_um_s: floor,
+fn configuration() -> impl Strategy<Value = ControllerConfiguration> {
+    any::<([u32; 5], [i32; 4], [u16; 3], u8)>().prop_map(|(words, offsets, counts, bearing)| {
+        let bench = Configuration {
+            bearing,
+            radial_clearance_nm: words[0],
+            journal_radius_nm: words[1],
+            sample_period_us: words[2],
+            latch_floor_um_s: words[3],
+            unseen_approach_um_s: words[4],
+        };
+        let mut configuration = ControllerConfiguration::new(bench, monitor(words[0]));
+        configuration.calibration = offsets.map(|offset| Calibration { offset, gain_ppm: words[1] });
+        configuration.limits = Limits {
+            force_limit_n: words[2],
+            friction_level_limit_per_mille: words[3],
+            deadline_trip_count: counts[0],
+            stuck_samples: counts[1],
+            slow_every: counts[2],
+        };
+        configuration
     })
+}
+
+/// Every field the same. Every field is an integer of 16 or 32 bits, signed or not: each reads what a u16 wrote.
+fn monitor(value: u32) -> MonitorConfiguration {
+    let mut room = [0; 256];
+    let bytes = postcard::to_slice(&[[value as u16; 32]; 2], &mut room).unwrap();
+    postcard::take_from_bytes(bytes).unwrap().0
+}
+
+fn command() -> impl Strategy<Value = Command> {
+    prop_oneof![
+        configuration().prop_map(Command::Configure),
+        Just(Command::GetConfiguration),
+        Just(Command::Keep),
+        Just(Command::GetCounters),
+        Just(Command::ClearTrip),
+        Just(Command::Stop),
+    ]
 }
 
 fn to_controller() -> impl Strategy<Value = ToController> {
     prop_oneof![
-        Just(ToController::Identify),
-        configuration().prop_map(ToController::Configure),
-        sensor().prop_map(ToController::Sensor),
-        Just(ToController::Stop),
+        any::<u32>().prop_map(|token| ToController::Identify { token }),
+        (any::<u32>(), command())
+            .prop_map(|(id, command)| ToController::Command(NumberedCommand { id, command })),
+        (sensor(), any::<u8>()).prop_map(|(frame, status)| ToController::Sensor(frame, SensorStatus(status))),
     ]
 }
 
@@ -68,6 +101,27 @@ fn hello(protocol: u8) -> Hello {
         core_hz: u32::MAX,
         window: u16::MAX,
         models: [model; 2],
+        token: u32::MAX,
+        last_command: u32::MAX,
+        state: State::Tripped,
+        configuration_crc: u32::MAX,
+        start: StartReport { reason: ResetReason::Starved, fault: Some(record()) },
+        stack: StackReport { reserved_bytes: u32::MAX, used_bytes: u32::MAX },
+    }
+}
+
+fn record() -> FaultRecord {
+    let all = u32::MAX;
+    FaultRecord {
+        kind: FaultKind::Starved { missing: 0xFF },
+        pc: all,
+        lr: all,
+        cfsr: all,
+        hfsr: all,
+        address: Some(all),
+        msp: all,
+        build: all,
+        count: all,
     }
 }
 
@@ -92,11 +146,13 @@ proptest! {
     }
 
     #[test]
-    fn estimates_come_back_bit_for_bit(sent in estimate()) {
-        let back = decode_all::<ToHost>(&mut Decoder::new(), &frame(&ToHost::Estimate(sent)));
+    fn estimates_come_back_bit_for_bit(sent in estimate(), number in any::<u32>(), dropped in any::<u8>()) {
+        let message = ToHost::Estimate(NumberedEstimate { number, dropped, estimate: sent });
+        let back = decode_all::<ToHost>(&mut Decoder::new(), &frame(&message));
         let [Ok(ToHost::Estimate(back))] = back[..] else { panic!("expected one estimate, found {back:?}") };
-        prop_assert!(back.same_bits(&sent));
-        prop_assert_eq!(back.instruction_ticks, sent.instruction_ticks);
+        prop_assert!(back.estimate.same_bits(&sent));
+        prop_assert_eq!((back.number, back.dropped), (number, dropped));
+        prop_assert_eq!(back.estimate.instruction_ticks, sent.instruction_ticks);
     }
 
     #[test]
@@ -127,40 +183,85 @@ proptest! {
 }
 
 #[test]
-fn every_answer_fits_into_a_frame() {
+fn the_longest_answers_fit_into_a_frame() {
+    let all = u32::MAX;
     let counters = Counters {
-        samples: u32::MAX,
-        flagged: u32::MAX,
-        sequence_gaps: u32::MAX,
-        time_faults: u32::MAX,
-        deadline_overruns: u32::MAX,
-        idle_ticks: u32::MAX,
-        dropped: u32::MAX,
-        bad_frames: link::BadFrames { cobs: u32::MAX, crc: u32::MAX, overlong: u32::MAX, unknown: u32::MAX },
+        samples: all,
+        flagged: all,
+        sequence_gaps: all,
+        time_faults: all,
+        over_force: all,
+        deadline_overruns: all,
+        trips: all,
+        held: all,
+        idle_ticks: all,
+        dropped_samples: all,
+        dropped_estimates: all,
+        dropped_answers: all,
+        repeated_commands: all,
+        refused_commands: all,
+        dropped_bytes: all,
+        bad_frames: link::BadFrames { cobs: all, crc: all, overlong: all, unknown: all },
     };
-    let configuration = Configuration {
+    let bench = Configuration {
         bearing: u8::MAX,
-        radial_clearance_nm: u32::MAX,
-        journal_radius_nm: u32::MAX,
-        sample_period_us: u32::MAX,
-        latch_floor_um_s: u32::MAX,
-        unseen_approach_um_s: u32::MAX,
+        radial_clearance_nm: all,
+        journal_radius_nm: all,
+        sample_period_us: all,
+        latch_floor_um_s: all,
+        unseen_approach_um_s: all,
     };
-    let model = ModelId { crc: u32::MAX, training_id: u64::MAX };
-    let answers = [
-        ToHost::Hello(hello(PROTOCOL_VERSION)),
-        ToHost::Configured(Configured { configuration, model, window: u16::MAX }),
-        ToHost::Stopped(counters),
-        ToHost::Fault(Fault::Refused(Refusal::SamplePeriod {
-            found_us: u32::MAX,
-            min_us: u32::MAX,
-            max_us: u32::MAX,
+    let calibration = Calibration { offset: i32::MIN, gain_ppm: all };
+    let limits = Limits {
+        force_limit_n: all,
+        friction_level_limit_per_mille: all,
+        deadline_trip_count: u16::MAX,
+        stuck_samples: u16::MAX,
+        slow_every: u16::MAX,
+    };
+    let configuration = ControllerConfiguration {
+        calibration: [calibration; CHANNELS],
+        limits,
+        ..ControllerConfiguration::new(bench, monitor(all))
+    };
+    let (min, max) = (i64::from(i32::MIN), i64::from(all));
+    let reason = OutOfRange { field: Field::Monitor(MonitorField::WearHysteresis), found: min, min, max };
+    let mut reasons = Reasons::default();
+    for _ in 0..MAX_REASONS + 3 {
+        reasons.add(reason);
+    }
+    assert_eq!((usize::from(reasons.count), reasons.iter().count()), (MAX_REASONS + 3, MAX_REASONS));
+    let counts = ChannelCounts { missing: all, saturated: all, stuck: all, noisy: all, jumped: all };
+    let health = SensorHealth { channels: [counts; CHANNELS], ..SensorHealth::default() };
+    let slow = |report| ToHost::Slow(SlowFrame { number: all, sequence: all, state: State::Tripped, report });
+    let outcomes = [
+        Ok(Answer::Configured(Configured {
+            configuration_crc: all,
+            model: ModelId { crc: all, training_id: u64::MAX },
+            window: u16::MAX,
         })),
-        ToHost::Fault(Fault::BadFrame(FrameError::OtherVersion { found: 255 })),
+        Ok(Answer::Configuration(Some(configuration))),
+        Ok(Answer::Stopped(counters)),
+        Err(Refused::Configuration(reasons)),
+        Err(Refused::OutOfOrder { expected: all }),
     ];
+    let answers = outcomes
+        .map(|outcome| ToHost::Acknowledged(Acknowledgement { id: all, outcome }))
+        .into_iter()
+        .chain([
+            ToHost::Hello(hello(PROTOCOL_VERSION)),
+            slow(SlowReport::Counters(counters)),
+            slow(SlowReport::Sensors(health)),
+            ToHost::Fault(Fault::BadFrame(FrameError::OtherVersion { found: 255 })),
+        ]);
     for answer in answers {
         assert_eq!(decode_all::<ToHost>(&mut Decoder::new(), &frame(&answer)), [Ok(answer)]);
     }
+    let command =
+        ToController::Command(NumberedCommand { id: all, command: Command::Configure(configuration) });
+    assert_eq!(decode_all::<ToController>(&mut Decoder::new(), &frame(&command)), [Ok(command)]);
+    // The monitor's fields were of 3 bytes here; the longest are of 5.
+    assert!(frame(&command).len() + 2 * (size_of::<MonitorConfiguration>() / 4) <= MAX_FRAME);
 }
 
 #[test]
@@ -175,7 +276,7 @@ fn a_greeting_of_another_version_is_named_so() {
 #[test]
 fn each_cause_is_counted_once() {
     let mut decoder = Decoder::new();
-    let stop = frame(&ToController::Stop);
+    let stop = frame(&ToController::Command(NumberedCommand { id: 7, command: Command::Stop }));
     let mut wrong_sum = stop.clone();
     wrong_sum[2] ^= 0x10;
     for bytes in

@@ -164,7 +164,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     } else {
         bar.set_message("estimator");
         let frames = sensing::frames(&described, &forced.run.samples, args.seed);
-        let configuration = estimator::configuration(&plant, &resolved, SAMPLE_RATE_HZ)?;
+        let configuration = estimator::controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ)?;
         let native = estimator::track(Box::new(NativeController::start(configuration)?), &frames)?;
         let (tracked, differences) = if args.controller == ControllerChoice::Emulated {
             let elf = args.elf.clone().unwrap_or_else(EmulatedController::default_elf);

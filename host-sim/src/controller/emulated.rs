@@ -3,10 +3,11 @@
 //! One write and one read a frame. While the controller waits for a frame its time stands still (`-icount`), so its
 //! instruction counts repeat exactly.
 
-use super::{Controller, ControllerError, greeted};
+use super::{Controller, ControllerError, Conversation, Heard, Losses, greeted, stopped, unexpected};
+use link::track::SensorStatus;
 use link::{
-    Configuration, Counters, Decoder, EstimateFrame, Fault, Hello, MAX_FRAME, SensorFrame, ToController,
-    ToHost, encode,
+    Answer, Command as Order, ControllerConfiguration, Counters, Decoder, EstimateFrame, Hello, MAX_FRAME,
+    SensorFrame, SlowFrame, ToController, ToHost, encode,
 };
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{CWD, FileType, Mode, mknodat};
@@ -34,6 +35,7 @@ const COUNTING: &[&str] = &["-semihosting-config", "enable=on,target=native", "-
 pub struct EmulatedController {
     line: Line,
     hello: Hello,
+    slow: Option<SlowFrame>,
 }
 
 /// The two pipes and what has come through them.
@@ -43,6 +45,7 @@ struct Line {
     to_controller: File,
     to_host: File,
     decoder: Decoder,
+    conversation: Conversation,
     waiting: VecDeque<ToHost>,
     last_sequence: Option<u32>,
 }
@@ -78,7 +81,7 @@ impl EmulatedController {
     }
 
     /// Starts the emulator with an image, waits for its greeting and configures it.
-    pub fn start(configuration: Configuration, elf: &Path) -> Result<Self, ControllerError> {
+    pub fn start(configuration: ControllerConfiguration, elf: &Path) -> Result<Self, ControllerError> {
         let elf = elf.canonicalize().map_err(|_| ControllerError::FirmwareMissing { path: elf.into() })?;
         is_for_arm(&elf)?;
         let folder =
@@ -117,6 +120,7 @@ impl EmulatedController {
             to_controller,
             to_host,
             decoder: Decoder::new(),
+            conversation: Conversation::default(),
             waiting: VecDeque::new(),
             last_sequence: None,
         };
@@ -128,21 +132,31 @@ impl EmulatedController {
             },
             other => other,
         })?;
-        let hello = match greeting {
-            ToHost::Hello(hello) => greeted(hello)?,
+        let hello = match line.conversation.hear(greeting) {
+            Heard::Started(hello) => greeted(hello)?,
             other => return Err(unexpected(&other, "a greeting")),
         };
-        match line.ask(&ToController::Configure(configuration), "the configuration")? {
-            ToHost::Configured(_) => Ok(Self { line, hello }),
-            ToHost::Fault(Fault::Refused(refusal)) => Err(ControllerError::Refused(refusal)),
-            other => Err(unexpected(&other, "a confirmed configuration")),
-        }
+        let mut controller = Self { line, hello, slow: None };
+        controller.order(Order::Configure(configuration))?;
+        Ok(controller)
     }
 
     /// Sends raw bytes, as a disturbed line would, and returns the controller's answer.
     pub fn disturb(&mut self, bytes: &[u8]) -> Result<ToHost, ControllerError> {
         self.line.send(bytes)?;
         self.line.answer("disturbed bytes", ANSWER_BOUND_S, "The bytes may hold no end of a frame.")
+    }
+
+    /// The next message but for slow telemetry, which is kept.
+    fn hear(&mut self, waiting_for: &'static str) -> Result<Heard, ControllerError> {
+        let cause = "The firmware may hang, or the machine be overloaded.";
+        loop {
+            let message = self.line.answer(waiting_for, ANSWER_BOUND_S, cause)?;
+            match self.line.conversation.hear(message) {
+                Heard::Slow(slow) => self.slow = Some(slow),
+                heard => return Ok(heard),
+            }
+        }
     }
 
     /// The emulator's process identifier, for tests that end it.
@@ -161,21 +175,32 @@ impl Controller for EmulatedController {
     }
 
     fn exchange(&mut self, frame: &SensorFrame) -> Result<EstimateFrame, ControllerError> {
-        match self.line.ask(&ToController::Sensor(*frame), "a sample")? {
-            ToHost::Estimate(estimate) if estimate.sequence == frame.sequence => {
+        self.line.send_message(&ToController::Sensor(*frame, SensorStatus::GOOD))?;
+        match self.hear("a sample")? {
+            Heard::Estimate(estimate) if estimate.sequence == frame.sequence => {
                 self.line.last_sequence = Some(frame.sequence);
                 Ok(estimate)
             }
-            ToHost::Hello(_) => Err(ControllerError::Restarted { last_sequence: self.line.last_sequence }),
+            Heard::Started(_) => Err(ControllerError::Restarted { last_sequence: self.line.last_sequence }),
             other => Err(unexpected(&other, &format!("the estimate of sample {}", frame.sequence))),
         }
     }
 
     fn finish(mut self: Box<Self>) -> Result<Counters, ControllerError> {
-        match self.line.ask(&ToController::Stop, "the end of the run")? {
-            ToHost::Stopped(counters) => Ok(counters),
-            other => Err(unexpected(&other, "the counters")),
+        stopped(self.order(Order::Stop)?)
+    }
+
+    fn order(&mut self, command: Order) -> Result<Answer, ControllerError> {
+        let message = self.line.conversation.order(command);
+        self.line.send_message(&message)?;
+        match self.hear("a command")? {
+            Heard::Outcome(outcome) => outcome.map_err(ControllerError::Refused),
+            other => Err(unexpected(&other, "the answer to a command")),
         }
+    }
+
+    fn heard(&self) -> (Option<SlowFrame>, Losses) {
+        (self.slow, *self.line.conversation.losses())
     }
 }
 
@@ -193,19 +218,14 @@ fn is_for_arm(path: &Path) -> Result<(), ControllerError> {
     Err(ControllerError::NotFirmware { path: path.into(), found })
 }
 
-fn unexpected(found: &ToHost, expected: &str) -> ControllerError {
-    ControllerError::Unexpected { found: format!("{found:?}"), expected: expected.into() }
-}
-
 impl Line {
-    fn ask(&mut self, message: &ToController, what: &'static str) -> Result<ToHost, ControllerError> {
+    fn send_message(&mut self, message: &ToController) -> Result<(), ControllerError> {
         let mut buffer = [0; MAX_FRAME];
         let frame = encode(message, &mut buffer).map_err(|e| ControllerError::Unexpected {
             found: e.to_string(),
             expected: "a message that fits a frame".into(),
         })?;
-        self.send(frame)?;
-        self.answer(what, ANSWER_BOUND_S, "The firmware may hang, or the machine be overloaded.")
+        self.send(frame)
     }
 
     /// A pipe holds hundreds of frames and lockstep has one on the way: a full pipe means that nobody reads.

@@ -1,6 +1,6 @@
 //! What can go wrong with a controller, and what to do about it.
 
-use link::{FrameError, Refusal};
+use link::{FrameError, Refused};
 use std::path::PathBuf;
 
 /// Why a controller could not be used any further.
@@ -65,9 +65,9 @@ pub enum ControllerError {
         /// Expected.
         expected: u8,
     },
-    /// It did not accept the configuration.
-    #[error("the controller refused the configuration: {0:?}")]
-    Refused(Refusal),
+    /// It did not carry a command out.
+    #[error("the controller refused: {}", why(_0))]
+    Refused(Refused),
     /// A frame came damaged.
     #[error("a damaged frame on the link: {0:?}")]
     Frame(FrameError),
@@ -85,6 +85,29 @@ pub enum ControllerError {
         /// What should have come.
         expected: String,
     },
+}
+
+/// A refusal in words.
+fn why(refused: &Refused) -> String {
+    match refused {
+        Refused::Configuration(reasons) => {
+            let mut told: Vec<_> = reasons
+                .iter()
+                .map(|r| format!("{:?}: found {}, expected {} to {}", r.field, r.found, r.min, r.max))
+                .collect();
+            let more = usize::from(reasons.count).saturating_sub(told.len());
+            if more > 0 {
+                told.push(format!("and {more} more"));
+            }
+            told.join("; ")
+        }
+        Refused::OutOfOrder { expected } => format!("the command's number does not follow; expected {expected}"),
+        Refused::NumberTaken => "another command has had this number".into(),
+        Refused::Image { cause } => format!("the model image on board is damaged or for another bearing (cause {cause})"),
+        Refused::NotConfigured => "nothing is configured".into(),
+        Refused::Running => "a run is going on; stop it first".into(),
+        Refused::NotKept => "the configuration could not be kept: nowhere to, or the flash failed".into(),
+    }
 }
 
 fn last(sequence: Option<u32>) -> String {

@@ -3,15 +3,17 @@
 //! Lockstep: the sensor frame's time is the controller's time, and the host waits for the estimate of every frame. Every
 //! wait is bounded and names what it waited for. A restarted controller is noticed by its unasked greeting.
 
+mod conversation;
 mod emulated;
 mod error;
 mod native;
 
+pub use conversation::{Conversation, Heard, Losses};
 pub use emulated::EmulatedController;
 pub use error::ControllerError;
 pub use native::NativeController;
 
-use link::{Counters, EstimateFrame, Hello, MAGIC, PROTOCOL_VERSION, SensorFrame};
+use link::{Answer, Command, Counters, EstimateFrame, Hello, MAGIC, PROTOCOL_VERSION, SensorFrame, SlowFrame};
 
 /// A configured controller.
 pub trait Controller {
@@ -23,6 +25,22 @@ pub trait Controller {
     fn exchange(&mut self, frame: &SensorFrame) -> Result<EstimateFrame, ControllerError>;
     /// Ends the run and takes its counters.
     fn finish(self: Box<Self>) -> Result<Counters, ControllerError>;
+    /// Gives it a command and takes the answer.
+    fn order(&mut self, command: Command) -> Result<Answer, ControllerError>;
+    /// The last frame of slow telemetry that came, and what was lost.
+    fn heard(&self) -> (Option<SlowFrame>, Losses);
+}
+
+/// What [`Controller::finish`] is for all of them.
+fn stopped(answer: Answer) -> Result<Counters, ControllerError> {
+    match answer {
+        Answer::Stopped(counters) => Ok(counters),
+        other => Err(unexpected(&other, "the counters")),
+    }
+}
+
+fn unexpected(found: &impl std::fmt::Debug, expected: &str) -> ControllerError {
+    ControllerError::Unexpected { found: format!("{found:?}"), expected: expected.into() }
 }
 
 /// Accepts a greeting of this protocol only.

@@ -3,8 +3,9 @@
 use crate::frames::{configuration, troubled};
 use host_sim::controller::{Controller, ControllerError, EmulatedController};
 use inference::Bearing;
+use link::track::SensorStatus;
 use link::{
-    BadFrames, Configuration, Counters, Fault, FrameError, MAX_FRAME, Refusal, SensorFrame, ToController,
+    BadFrames, Counters, Fault, Field, FrameError, MAX_FRAME, OutOfRange, Refused, SensorFrame, ToController,
     ToHost, encode,
 };
 use object::{Object, ObjectSection, ObjectSymbol};
@@ -56,11 +57,11 @@ fn disturbed_bytes_are_answered_counted_and_survived() {
     let mut undisturbed = start();
     let mut disturbed = start();
     let mut damaged = [0; MAX_FRAME];
-    let sound = encode(&ToController::Sensor(frames[50]), &mut damaged).unwrap().len();
+    let sound = encode(&ToController::Sensor(frames[50], SensorStatus::GOOD), &mut damaged).unwrap().len();
     let damaged = &mut damaged[..sound];
     damaged[5] ^= 0x10;
     let mut foreign = [0; MAX_FRAME];
-    let foreign = encode(&ToHost::Stopped(Counters::default()), &mut foreign).unwrap();
+    let foreign = encode(&ToHost::Fault(Fault::NotConfigured { sequence: 7 }), &mut foreign).unwrap();
     // Sound stuffing: every 1 stands for a zero.
     let mut overlong = [1; 3 * MAX_FRAME];
     overlong[3 * MAX_FRAME - 1] = 0;
@@ -213,10 +214,15 @@ fn offset_of_reset(image: &[u8]) -> usize {
 
 #[test]
 fn a_refused_configuration_says_what_was_wrong_with_it() {
-    let bad = Configuration { sample_period_us: 10, ..configuration(Bearing::Plastic) };
+    let mut bad = configuration(Bearing::Plastic);
+    bad.bench.sample_period_us = 10;
+    bad.limits.stuck_samples = 1;
     let error = EmulatedController::start(bad, &EmulatedController::default_elf()).err().unwrap();
-    assert!(
-        matches!(error, ControllerError::Refused(Refusal::SamplePeriod { found_us: 10, .. })),
-        "{error:?}"
-    );
+    let ControllerError::Refused(Refused::Configuration(reasons)) = &error else { panic!("{error:?}") };
+    let told: Vec<_> = reasons.iter().copied().collect();
+    let period = OutOfRange { field: Field::SamplePeriod, found: 10, min: 50, max: 1_000 };
+    let stuck = OutOfRange { field: Field::StuckSamples, found: 1, min: 10, max: 10_000 };
+    assert_eq!(told, [period, stuck]);
+    let text = error.to_string();
+    assert!(text.contains("SamplePeriod: found 10, expected 50 to 1000"), "{text}");
 }

@@ -5,22 +5,17 @@
 //! ends of the integers.
 
 use core::f64::consts::{FRAC_PI_2, TAU};
+use firmware::configuration::BENCH_B;
 use inference::Bearing;
-use link::{Configuration, SensorFrame};
+use link::{Configuration, ControllerConfiguration, SensorFrame};
 
 /// Samples of one stretch: longer than a stuck sensor needs to be noticed, and than the window needs to fill again.
 const STRETCH: u32 = 250;
 
 /// Bench B with either bearing.
-pub(crate) fn configuration(bearing: Bearing) -> Configuration {
-    Configuration {
-        bearing: bearing.code(),
-        radial_clearance_nm: 500_000,
-        journal_radius_nm: 69_500_000,
-        sample_period_us: 100,
-        latch_floor_um_s: 1_000,
-        unseen_approach_um_s: 3_000,
-    }
+pub(crate) fn configuration(bearing: Bearing) -> ControllerConfiguration {
+    let bench = Configuration { bearing: bearing.code(), ..BENCH_B.bench };
+    ControllerConfiguration { bench, ..BENCH_B }
 }
 
 /// SplitMix64: small, and the same everywhere.
@@ -78,7 +73,8 @@ const TROUBLES: [Trouble; 10] = [
 ];
 
 /// `count` frames for a configuration. Every second stretch is clean; a full round of troubles takes 5,000 frames.
-pub(crate) fn troubled(configuration: &Configuration, count: u32, seed: u64) -> Vec<SensorFrame> {
+pub(crate) fn troubled(configuration: &ControllerConfiguration, count: u32, seed: u64) -> Vec<SensorFrame> {
+    let configuration = configuration.bench;
     let mut random = Random(seed);
     let clearance_m = f64::from(configuration.radial_clearance_nm) * 1e-9;
     let period_s = f64::from(configuration.sample_period_us) * 1e-6;

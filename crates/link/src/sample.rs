@@ -1,0 +1,132 @@
+//! The two frames of every tick: a sample of the sensors, the estimate for it.
+//!
+//! An estimate has a fixed layout on the wire ([`EstimateLayout`]): 47 bytes behind the byte of its kind, so that it is framed word by word
+//! ([`crate::encode_estimate`]).
+
+use serde::{Deserialize, Serialize};
+
+/// One sample of the sensors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SensorFrame {
+    /// Counts up by one a sample, modulo 2^32.
+    pub sequence: u32,
+    /// Time of the sample, us, modulo 2^32.
+    pub time_us: u32,
+    /// Journal centre from the bearing's centre along y, nm.
+    pub journal_y_nm: i32,
+    /// Journal centre from the bearing's centre along z (up), nm.
+    pub journal_z_nm: i32,
+    /// Shaft angle, nrad, modulo 2^32: only its differences are used.
+    pub shaft_angle_nrad: i32,
+    /// Load force along y, mN; carried for the log, not used by the estimator.
+    pub load_force_mn: i32,
+}
+
+/// The estimate for one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EstimateFrame {
+    /// Sequence number of the sample.
+    pub sequence: u32,
+    /// Time of the sample, us.
+    pub time_us: u32,
+    /// Normal contact force, N, not negative.
+    pub normal_force_n: f32,
+    /// Force of the bearing on the journal along y, N: normal and friction together.
+    pub force_y_n: f32,
+    /// Force of the bearing on the journal along z, N.
+    pub force_z_n: f32,
+    /// Torque of the bearing on the shaft, N m: `F_f R_J`, negative while the shaft slides forward.
+    pub friction_torque_nm: f32,
+    /// Deformation, m; negative is the gap.
+    pub deformation_m: f32,
+    /// Direction of the journal from the bearing's centre, rad, from +y towards +z.
+    pub contact_angle_rad: f32,
+    /// Flags of the networks (bits 0 to 15) and of the sensors (bits 16 to 31).
+    pub flags: u32,
+    /// Activations that saturated in this sample.
+    pub saturated: u16,
+    /// Timer ticks that the estimator took; natively 0. Not part of the result.
+    pub instruction_ticks: u32,
+}
+
+impl EstimateFrame {
+    /// Whether two estimates agree in every bit of every field but the tick count.
+    #[must_use]
+    pub fn same_bits(&self, other: &Self) -> bool {
+        self.bits() == other.bits()
+    }
+
+    fn bits(&self) -> [u32; 10] {
+        [
+            self.sequence,
+            self.time_us,
+            self.normal_force_n.to_bits(),
+            self.force_y_n.to_bits(),
+            self.force_z_n.to_bits(),
+            self.friction_torque_nm.to_bits(),
+            self.deformation_m.to_bits(),
+            self.contact_angle_rad.to_bits(),
+            self.flags,
+            u32::from(self.saturated),
+        ]
+    }
+}
+
+/// An estimate as it goes on the wire.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "EstimateLayout", into = "EstimateLayout")]
+pub struct NumberedEstimate {
+    /// Counts up by one an estimate put on the line, modulo 2^32: a gap is a loss on the line or at the host.
+    pub number: u32,
+    /// Estimates that the controller itself had to drop since it was configured, modulo 256.
+    pub dropped: u8,
+    /// The estimate.
+    pub estimate: EstimateFrame,
+}
+
+/// An estimate's bytes behind that of its kind: `dropped` and `saturated`, then little-endian words: number, sequence, time, the
+/// six floats in their order, flags, ticks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EstimateLayout(pub [u8; 3], pub [[u8; 4]; 11]);
+
+impl From<NumberedEstimate> for EstimateLayout {
+    fn from(numbered: NumberedEstimate) -> Self {
+        let estimate = numbered.estimate;
+        let [low, high] = estimate.saturated.to_le_bytes();
+        let words = [
+            numbered.number,
+            estimate.sequence,
+            estimate.time_us,
+            estimate.normal_force_n.to_bits(),
+            estimate.force_y_n.to_bits(),
+            estimate.force_z_n.to_bits(),
+            estimate.friction_torque_nm.to_bits(),
+            estimate.deformation_m.to_bits(),
+            estimate.contact_angle_rad.to_bits(),
+            estimate.flags,
+            estimate.instruction_ticks,
+        ];
+        Self([numbered.dropped, low, high], words.map(u32::to_le_bytes))
+    }
+}
+
+impl From<EstimateLayout> for NumberedEstimate {
+    fn from(EstimateLayout([dropped, low, high], words): EstimateLayout) -> Self {
+        let [number, sequence, time_us, normal, y, z, torque, deformation, angle, flags, instruction_ticks] =
+            words.map(u32::from_le_bytes);
+        let estimate = EstimateFrame {
+            sequence,
+            time_us,
+            normal_force_n: f32::from_bits(normal),
+            force_y_n: f32::from_bits(y),
+            force_z_n: f32::from_bits(z),
+            friction_torque_nm: f32::from_bits(torque),
+            deformation_m: f32::from_bits(deformation),
+            contact_angle_rad: f32::from_bits(angle),
+            flags,
+            saturated: u16::from_le_bytes([low, high]),
+            instruction_ticks,
+        };
+        Self { number, dropped, estimate }
+    }
+}

@@ -1,0 +1,75 @@
+//! Every field against its range, before anything changes.
+
+use core::ops::RangeInclusive;
+
+use inference::Bearing;
+use link::track::SensorChannel;
+use link::{CONFIGURATION_VERSION, ControllerConfiguration, Field, OutOfRange, Reasons};
+
+use crate::estimator::{
+    CLEARANCE_RANGE_NM, JOURNAL_RADIUS_RANGE_NM, LATCH_FLOOR_RANGE_UM_S, SAMPLE_PERIOD_RANGE_US,
+};
+
+/// Offsets of a journal coordinate, nm: what a probe may be mounted off its place, 10 mm.
+const JOURNAL_OFFSET_RANGE_NM: RangeInclusive<i64> = -10_000_000..=10_000_000;
+/// Offsets of the other channels: anything.
+const OFFSET_RANGE: RangeInclusive<i64> = i32::MIN as i64..=i32::MAX as i64;
+/// Gains, millionths: half to double.
+const GAIN_RANGE_PPM: RangeInclusive<i64> = 500_000..=2_000_000;
+/// Force limits, N: none, or up to 1 MN.
+const FORCE_LIMIT_RANGE_N: RangeInclusive<i64> = 0..=1_000_000;
+/// Limits of the friction level, thousandths: none, or up to a hundred times the trained friction.
+const FRICTION_LEVEL_LIMIT_RANGE_PER_MILLE: RangeInclusive<i64> = 0..=100_000;
+/// Late estimates in a row at which the controller trips: never, or up to 10,000.
+const DEADLINE_TRIP_RANGE: RangeInclusive<i64> = 0..=10_000;
+/// Samples of one code after which a sensor counts as stuck: fewer than 10 happen at rest.
+const STUCK_RANGE_SAMPLES: RangeInclusive<i64> = 10..=10_000;
+/// Samples between frames of slow telemetry: none, or 10 and more.
+const SLOW_EVERY_RANGE: RangeInclusive<i64> = 10..=u16::MAX as i64;
+
+/// Accepts a configuration, or gives every reason against it.
+///
+/// # Errors
+///
+/// Fields are out of range.
+pub fn validate(configuration: &ControllerConfiguration) -> Result<(), Reasons> {
+    let mut reasons = Reasons::default();
+    let mut check = |field, found: i64, range: RangeInclusive<i64>| {
+        if !range.contains(&found) {
+            reasons.add(OutOfRange { field, found, min: *range.start(), max: *range.end() });
+        }
+    };
+    let wide = |range: RangeInclusive<u32>| i64::from(*range.start())..=i64::from(*range.end());
+    let version = i64::from(CONFIGURATION_VERSION);
+    check(Field::Version, configuration.version.into(), version..=version);
+    let bench = &configuration.bench;
+    let bearings = Bearing::ALL.map(|bearing| i64::from(bearing.code()));
+    let last = bearings.iter().fold(0, |most, &code| if code > most { code } else { most });
+    check(Field::Bearing, bench.bearing.into(), 0..=last);
+    check(Field::RadialClearance, bench.radial_clearance_nm.into(), wide(CLEARANCE_RANGE_NM));
+    check(Field::JournalRadius, bench.journal_radius_nm.into(), wide(JOURNAL_RADIUS_RANGE_NM));
+    check(Field::SamplePeriod, bench.sample_period_us.into(), wide(SAMPLE_PERIOD_RANGE_US));
+    check(Field::LatchFloor, bench.latch_floor_um_s.into(), wide(LATCH_FLOOR_RANGE_UM_S));
+    check(Field::UnseenApproach, bench.unseen_approach_um_s.into(), wide(LATCH_FLOOR_RANGE_UM_S));
+    for (channel, calibration) in SensorChannel::ALL.into_iter().zip(&configuration.calibration) {
+        let offsets = match channel {
+            SensorChannel::JournalY | SensorChannel::JournalZ => JOURNAL_OFFSET_RANGE_NM,
+            SensorChannel::ShaftAngle | SensorChannel::LoadForce => OFFSET_RANGE,
+        };
+        check(Field::Offset(channel), calibration.offset.into(), offsets);
+        check(Field::Gain(channel), calibration.gain_ppm.into(), GAIN_RANGE_PPM);
+    }
+    let limits = &configuration.limits;
+    check(Field::ForceLimit, limits.force_limit_n.into(), FORCE_LIMIT_RANGE_N);
+    check(
+        Field::FrictionLevelLimit,
+        limits.friction_level_limit_per_mille.into(),
+        FRICTION_LEVEL_LIMIT_RANGE_PER_MILLE,
+    );
+    check(Field::DeadlineTripCount, limits.deadline_trip_count.into(), DEADLINE_TRIP_RANGE);
+    check(Field::StuckSamples, limits.stuck_samples.into(), STUCK_RANGE_SAMPLES);
+    if limits.slow_every != 0 {
+        check(Field::SlowEvery, limits.slow_every.into(), SLOW_EVERY_RANGE);
+    }
+    if reasons.count == 0 { Ok(()) } else { Err(reasons) }
+}

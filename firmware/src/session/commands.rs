@@ -1,0 +1,87 @@
+//! Commands: each is carried out once, in order, and answered as often as it comes.
+
+use link::{Acknowledgement, Answer, Command, Counters, NumberedCommand, Refused, Target};
+
+use super::run::Run;
+use super::{Session, count};
+use crate::configuration::validate;
+
+/// The last command that was carried out, with its answer.
+#[derive(Debug, Default)]
+pub(super) struct LastCommand(Option<(NumberedCommand, Result<Answer, Refused>)>);
+
+impl LastCommand {
+    /// Its number; 0 before the first.
+    pub(super) fn number(&self) -> u32 {
+        self.0.as_ref().map_or(0, |(numbered, _)| numbered.id)
+    }
+}
+
+impl Session {
+    /// Carries a command out if it is the next one, or answers it again if it is the last one.
+    pub(super) fn command(&mut self, numbered: &NumberedCommand) -> Acknowledgement {
+        let id = numbered.id;
+        let expected = self.commands.number().wrapping_add(1);
+        let outcome = match &self.commands.0 {
+            _ if id == expected => {
+                let outcome = self.carry_out(&numbered.command);
+                self.commands.0 = Some((*numbered, outcome));
+                outcome
+            }
+            Some((last, outcome)) if last == numbered => {
+                count(&mut self.counters.repeated_commands, true);
+                return Acknowledgement { id, outcome: *outcome };
+            }
+            Some((last, _)) if last.id == id => Err(Refused::NumberTaken),
+            _ => Err(Refused::OutOfOrder { expected }),
+        };
+        count(&mut self.counters.refused_commands, outcome.is_err());
+        Acknowledgement { id, outcome }
+    }
+
+    fn carry_out(&mut self, command: &Command) -> Result<Answer, Refused> {
+        match command {
+            Command::Configure(configuration) => {
+                validate(configuration).map_err(Refused::Configuration)?;
+                let is_timed = self.hello.target != Target::Emulator;
+                let run = Run::new(*configuration, if is_timed { self.hello.core_hz } else { 0 })?;
+                let configured = run.configured;
+                self.slow.left = configuration.limits.slow_every;
+                self.run = Some(run);
+                self.forget_run();
+                Ok(Answer::Configured(configured))
+            }
+            Command::GetConfiguration => {
+                Ok(Answer::Configuration(self.run.as_ref().map(|run| run.configuration)))
+            }
+            Command::Keep => Err(Refused::NotKept),
+            Command::GetCounters => Ok(Answer::Counters(self.counters)),
+            Command::ClearTrip => {
+                let run = self.run.as_mut().ok_or(Refused::NotConfigured)?;
+                run.deadline.clear();
+                Ok(Answer::Cleared)
+            }
+            Command::Stop => {
+                let counters = self.counters;
+                self.run = None;
+                self.forget_run();
+                Ok(Answer::Stopped(counters))
+            }
+        }
+    }
+
+    /// Counts anew what belongs to a run; what belongs to the link stays.
+    fn forget_run(&mut self) {
+        let Counters {
+            dropped_answers, repeated_commands, refused_commands, dropped_bytes, bad_frames, ..
+        } = self.counters;
+        self.counters = Counters {
+            dropped_answers,
+            repeated_commands,
+            refused_commands,
+            dropped_bytes,
+            bad_frames,
+            ..Counters::default()
+        };
+    }
+}

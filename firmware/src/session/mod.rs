@@ -1,0 +1,281 @@
+//! The controller's side of the conversation with the host: a message in, a message out.
+//!
+//! Waiting (after start or [`Command::Stop`]) -> running by [`Command::Configure`] -> one estimate a sample. Too many late estimates trip
+//! the controller until [`Command::ClearTrip`]. Nothing is served before it is configured; every refusal has a name, everything lost
+//! a count.
+//!
+//! Commands are carried out once, in the order of their numbers, and answered as often as they come: see [`link::Command`].
+
+mod commands;
+mod deadline;
+mod run;
+#[cfg(test)]
+mod tests;
+
+use inference::Bearing;
+use link::start::{StackReport, StartReport};
+use link::track::SensorStatus;
+use link::{
+    BuildId, ClockSource, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello, MAGIC, NumberedEstimate,
+    PROTOCOL_VERSION, SensorFrame, SlowFrame, SlowReport, State, Target, ToController, ToHost,
+    encode_estimate,
+};
+
+use crate::estimator::WINDOW;
+use crate::flags::{OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
+use commands::LastCommand;
+use run::{Run, flags_of, model_id};
+
+/// A free-running counter that times one tick's work.
+pub trait TickSource {
+    /// Takes the count at the start of the work.
+    fn start(&mut self) -> u32;
+    /// Ticks since `start`.
+    fn since(&mut self, start: u32) -> u32;
+}
+
+/// No counter: every duration is 0.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoTicks;
+
+impl TickSource for NoTicks {
+    fn start(&mut self) -> u32 {
+        0
+    }
+
+    fn since(&mut self, _start: u32) -> u32 {
+        0
+    }
+}
+
+/// What the controller says about itself in a [`Hello`].
+#[derive(Clone, Copy, Debug)]
+pub struct Identity {
+    /// Name of the build.
+    pub build_id: BuildId,
+    /// Where it runs.
+    pub target: Target,
+    /// What drives the core.
+    pub clock: ClockSource,
+    /// Core frequency, Hz.
+    pub core_hz: u32,
+}
+
+/// One conversation.
+#[derive(Debug)]
+pub struct Session {
+    hello: Hello,
+    run: Option<Run>,
+    counters: Counters,
+    commands: LastCommand,
+    slow: Slow,
+}
+
+/// Where slow telemetry stands.
+#[derive(Debug, Default)]
+struct Slow {
+    /// Samples until the next frame.
+    left: u16,
+    due: bool,
+    number: u32,
+    sequence: u32,
+}
+
+impl Session {
+    /// Creates a session that waits to be configured.
+    #[must_use]
+    pub fn new(identity: Identity) -> Self {
+        let hello = Hello {
+            magic: MAGIC,
+            protocol: PROTOCOL_VERSION,
+            build_id: identity.build_id,
+            target: identity.target,
+            clock: identity.clock,
+            core_hz: identity.core_hz,
+            window: WINDOW as u16,
+            models: Bearing::ALL.map(model_id),
+            token: 0,
+            last_command: 0,
+            state: State::Waiting,
+            configuration_crc: 0,
+            start: StartReport::default(),
+            stack: StackReport::default(),
+        };
+        Self {
+            hello,
+            run: None,
+            counters: Counters::default(),
+            commands: LastCommand::default(),
+            slow: Slow::default(),
+        }
+    }
+
+    /// Takes what the greeting is to say of the start.
+    pub const fn report_start(&mut self, start: StartReport) {
+        self.hello.start = start;
+    }
+
+    /// Takes what the greeting is to say of the stack.
+    pub const fn report_stack(&mut self, stack: StackReport) {
+        self.hello.stack = stack;
+    }
+
+    /// The greeting; with the token of whoever asked, 0 for nobody.
+    #[must_use]
+    pub fn hello(&self, token: u32) -> Hello {
+        Hello {
+            token,
+            last_command: self.commands.number(),
+            state: self.state(),
+            configuration_crc: self.run.as_ref().map_or(0, |run| run.configured.configuration_crc),
+            ..self.hello
+        }
+    }
+
+    /// What the controller is doing.
+    #[must_use]
+    pub fn state(&self) -> State {
+        match &self.run {
+            None => State::Waiting,
+            Some(run) if run.deadline.tripped() => State::Tripped,
+            Some(_) => State::Running,
+        }
+    }
+
+    /// What was counted so far.
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// Serves one message.
+    pub fn handle(&mut self, message: &ToController, ticks: &mut impl TickSource) -> ToHost {
+        match message {
+            ToController::Identify { token } => ToHost::Hello(self.hello(*token)),
+            ToController::Command(numbered) => ToHost::Acknowledged(self.command(numbered)),
+            ToController::Sensor(frame, status) => {
+                let start = ticks.start();
+                match self.sample(frame, *status, start, ticks) {
+                    Some((estimate, elapsed)) => {
+                        self.finish(elapsed, ticks.since(start));
+                        ToHost::Estimate(estimate)
+                    }
+                    None => not_configured(frame),
+                }
+            }
+        }
+    }
+
+    /// A whole tick: a sample in, the bytes of its estimate out, and both in time. The estimate tells how long the tick before it took.
+    ///
+    /// # Errors
+    ///
+    /// Nothing is configured.
+    pub fn tick(
+        &mut self,
+        frame: &SensorFrame,
+        status: SensorStatus,
+        ticks: &mut impl TickSource,
+    ) -> Result<[u8; ESTIMATE_FRAME], ToHost> {
+        let start = ticks.start();
+        let (estimate, elapsed) =
+            self.sample(frame, status, start, ticks).ok_or_else(|| not_configured(frame))?;
+        let bytes = encode_estimate(&estimate);
+        self.finish(elapsed, ticks.since(start));
+        Ok(bytes)
+    }
+
+    /// Counts a frame that could not be read, and answers it so that a waiting host learns of it.
+    pub fn bad_frame(&mut self, error: FrameError) -> ToHost {
+        self.counters.bad_frames.count(error);
+        ToHost::Fault(Fault::BadFrame(error))
+    }
+
+    /// The frame of slow telemetry that is due, if one is.
+    pub fn slow(&mut self) -> Option<ToHost> {
+        let slow = &mut self.slow;
+        if !core::mem::take(&mut slow.due) {
+            return None;
+        }
+        let number = slow.number;
+        slow.number = number.wrapping_add(1);
+        let (sequence, state) = (slow.sequence, self.state());
+        let report = SlowReport::Counters(self.counters);
+        Some(ToHost::Slow(SlowFrame { number, sequence, state, report }))
+    }
+
+    /// Counts a timer tick of a configured session that found no sample waiting. In lockstep the timer paces nothing.
+    pub fn count_idle_tick(&mut self) {
+        count(&mut self.counters.idle_ticks, self.run.is_some() && self.hello.target == Target::Silicon);
+    }
+
+    /// Counts a sample that was dropped because there was no room for it.
+    pub fn count_dropped_sample(&mut self) {
+        count(&mut self.counters.dropped_samples, true);
+    }
+
+    /// Counts an estimate that was dropped: no room for it, or the line did not take it.
+    pub fn count_dropped_estimate(&mut self) {
+        count(&mut self.counters.dropped_estimates, true);
+    }
+
+    /// Counts another answer that was dropped.
+    pub fn count_dropped_answer(&mut self) {
+        count(&mut self.counters.dropped_answers, true);
+    }
+
+    /// Takes the number of received bytes that were dropped so far.
+    pub const fn dropped_bytes(&mut self, so_far: u32) {
+        self.counters.dropped_bytes = so_far;
+    }
+
+    /// Estimates, watches the deadline and counts; returns the estimate and the ticks it took up to here.
+    fn sample(
+        &mut self,
+        frame: &SensorFrame,
+        status: SensorStatus,
+        start: u32,
+        ticks: &mut impl TickSource,
+    ) -> Option<(NumberedEstimate, u32)> {
+        let run = self.run.as_mut()?;
+        let estimate = run.estimate(frame, status);
+        let elapsed = ticks.since(start);
+        let mut numbered = run.number(estimate, elapsed);
+        numbered.estimate.dropped = self.counters.dropped_estimates as u8;
+
+        let flags = flags_of(&numbered.estimate.estimate);
+        let counters = &mut self.counters;
+        count(&mut counters.samples, true);
+        count(&mut counters.flagged, flags.intersects(SENSOR_FAULT));
+        count(&mut counters.sequence_gaps, flags.contains(SEQUENCE_GAP));
+        count(&mut counters.time_faults, flags.contains(TIME_FAULT));
+        count(&mut counters.over_force, flags.contains(OVER_FORCE));
+        count(&mut counters.deadline_overruns, numbered.late);
+        count(&mut counters.trips, numbered.trips);
+        count(&mut counters.held, numbered.held);
+        let slow = &mut self.slow;
+        slow.sequence = frame.sequence;
+        slow.left = slow.left.wrapping_sub(1);
+        if slow.left == 0 {
+            // Nobody fetched the last one.
+            count(&mut counters.dropped_answers, slow.due);
+            slow.left = run.configuration.limits.slow_every;
+            slow.due = slow.left != 0;
+        }
+        Some((numbered.estimate, elapsed))
+    }
+
+    fn finish(&mut self, elapsed: u32, whole: u32) {
+        if let Some(run) = &mut self.run {
+            run.deadline.finished(elapsed, whole);
+        }
+    }
+}
+
+fn not_configured(frame: &SensorFrame) -> ToHost {
+    ToHost::Fault(Fault::NotConfigured { sequence: frame.sequence })
+}
+
+fn count(counter: &mut u32, happened: bool) {
+    *counter = counter.saturating_add(u32::from(happened));
+}
