@@ -60,7 +60,7 @@ pub const DISTRUSTED: Flags = Flags::from_bits(
 );
 
 /// Names of all remarks, those of the networks included, for reports.
-pub const NAMES: [(Flags, &str); 24] = [
+pub const NAMES: [(Flags, &str); 25] = [
     (Flags::OUTSIDE_CLEARANCE, "outside-clearance"),
     (Flags::OUTSIDE_DEFORMATION, "outside-deformation"),
     (Flags::OUTSIDE_RATE_RATIO, "outside-rate-ratio"),
@@ -69,6 +69,7 @@ pub const NAMES: [(Flags, &str); 24] = [
     (Flags::SATURATED, "saturated"),
     (Flags::NON_FINITE, "non-finite"),
     (Flags::WARMING_UP, "warming-up"),
+    (Flags::ALTERED, "altered"),
     (IMPLAUSIBLE_POSITION, "implausible-position"),
     (JUMP, "jump"),
     (STUCK, "stuck"),

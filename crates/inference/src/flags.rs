@@ -35,6 +35,9 @@ impl Flags {
     pub const WARMING_UP: Self = Self(1 << 7);
     /// There was no sample: the forces are 0 and the history starts anew.
     pub const MISSING: Self = Self(1 << 8);
+    /// The model is no longer what it was when it was loaded: a bit of its image has changed. Nothing in this crate finds that out; whoever
+    /// checks an image in use says it with this.
+    pub const ALTERED: Self = Self(1 << 9);
     /// Every remark that means "outside the training range".
     pub const OUTSIDE_TRAINING: Self = Self(
         Self::OUTSIDE_CLEARANCE.0
@@ -102,7 +105,8 @@ mod tests {
             | Flags::SATURATED
             | Flags::NON_FINITE
             | Flags::WARMING_UP
-            | Flags::MISSING;
+            | Flags::MISSING
+            | Flags::ALTERED;
         assert!(all.bits() < 1 << 16);
     }
 }

@@ -9,7 +9,7 @@ use link::update::ModelMemory;
 /// is how an interrupted update goes on ([`MultiwriteNorFlash`]; flash with error correction per word does not allow that).
 pub trait SlotMemory: MultiwriteNorFlash {
     /// Whether the memory lasts without power.
-    const KEPT: ModelMemory;
+    fn kind(&self) -> ModelMemory;
 
     /// Whether the core stands still while the memory is written, so that a run has to be stopped before.
     fn stalls_the_core(&self) -> bool;

@@ -12,6 +12,7 @@
 //! A package must be newer than what runs and than what the other slot holds, unless it is signed with the remark that it may be older. Such a
 //! package can be installed again by whoever has it; the link itself authenticates nobody.
 
+pub mod controller;
 pub mod keeper;
 pub mod key;
 pub mod manifest;
@@ -160,7 +161,7 @@ impl<M: SlotMemory> Store<M> {
         let [slot, _] = Slot::both(&self.memory);
         UpdateStatus {
             running: self.running.source,
-            memory: M::KEPT,
+            memory: self.memory.kind(),
             capacity: slot.capacity(),
             receiving: self.reception.as_ref().map(Reception::report),
             refused: self.refusals.count(),

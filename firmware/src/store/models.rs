@@ -62,14 +62,20 @@ impl Models {
         self.source
     }
 
-    /// What the greeting says about them; zeros where an image is damaged.
+    /// What the host is told of a bearing's networks; zeros where their image is damaged.
     #[must_use]
-    pub fn ids(&self) -> [ModelId; 2] {
-        Bearing::ALL.map(|bearing| match self.of(bearing) {
+    pub fn id(&self, bearing: Bearing) -> ModelId {
+        match self.of(bearing) {
             Some(Loaded { model, .. }) => {
                 ModelId { crc: model.check_sum(), training_id: model.header().training_id }
             }
             None => ModelId { crc: 0, training_id: 0 },
-        })
+        }
+    }
+
+    /// [`Self::id`] of every bearing.
+    #[must_use]
+    pub fn ids(&self) -> [ModelId; 2] {
+        Bearing::ALL.map(|bearing| self.id(bearing))
     }
 }

@@ -138,7 +138,9 @@ thread_local! {
 }
 
 impl<const BYTES: usize> SlotMemory for Flash<BYTES> {
-    const KEPT: ModelMemory = ModelMemory::Flash;
+    fn kind(&self) -> ModelMemory {
+        ModelMemory::Flash
+    }
 
     fn stalls_the_core(&self) -> bool {
         self.stalls

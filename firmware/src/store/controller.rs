@@ -1,0 +1,241 @@
+//! A flash controller told to erase and to program: what to write in which order, and when to give up.
+//!
+//! Every wait is a bounded number of polls, every outcome has a name. The registers are behind [`FlashPort`], so that this is tested on the
+//! host. Order and keys: RM0090 section 3.6 (embedded flash memory interface, program and erase operations).
+
+use embedded_storage::nor_flash::{NorFlashError, NorFlashErrorKind};
+
+/// Polls before an erasure is given up: about 6 s at 168 MHz and 10 cycles a poll; a sector of 128 KiB takes 2 s at most.
+pub const ERASE_POLLS: u32 = 100_000_000;
+/// Polls before a word is given up: about 6 ms; a word takes 100 us at most.
+pub const PROGRAM_POLLS: u32 = 100_000;
+
+/// What the controller reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Status {
+    /// At work.
+    pub busy: bool,
+    /// Bits of the errors; 0 is none.
+    pub errors: u16,
+}
+
+/// The controller's registers.
+pub trait FlashPort {
+    /// What it reports.
+    fn status(&self) -> Status;
+    /// Clears its errors.
+    fn clear_errors(&mut self);
+    /// Gives it the keys; whether it took them.
+    fn unlock(&mut self) -> bool;
+    /// Takes them back.
+    fn lock(&mut self);
+    /// Starts erasing a sector.
+    fn start_erase(&mut self, sector: u8);
+    /// Makes it program words that are stored, or no longer.
+    fn programming(&mut self, on: bool);
+    /// Stores a word.
+    fn store(&mut self, address: u32, word: u32);
+    /// Forgets what is in the caches in front of the flash.
+    fn flush(&mut self);
+}
+
+/// Why the flash did not do what it was told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlashError {
+    /// Not whole words, or not whole sectors.
+    NotAligned,
+    /// Outside of the memory.
+    OutOfBounds,
+    /// It did not take the keys; it then takes none until the next reset.
+    Locked,
+    /// It did not come to an end.
+    TimedOut,
+    /// It reported errors.
+    Reported {
+        /// Their bits.
+        errors: u16,
+    },
+}
+
+impl NorFlashError for FlashError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::NotAligned => NorFlashErrorKind::NotAligned,
+            Self::OutOfBounds => NorFlashErrorKind::OutOfBounds,
+            _ => NorFlashErrorKind::Other,
+        }
+    }
+}
+
+/// Erases one sector.
+///
+/// # Errors
+///
+/// It is locked for good, never ends or reports an error.
+pub fn erase(port: &mut impl FlashPort, sector: u8) -> Result<(), FlashError> {
+    unlocked(port, |port| {
+        port.start_erase(sector);
+        finished(port, ERASE_POLLS)
+    })
+}
+
+/// Programs bytes, a word at a time, at an address divisible by 4.
+///
+/// # Errors
+///
+/// As [`erase`]; bytes that are no whole words.
+pub fn program(port: &mut impl FlashPort, address: u32, bytes: &[u8]) -> Result<(), FlashError> {
+    let (words, []) = bytes.as_chunks::<4>() else { return Err(FlashError::NotAligned) };
+    if !address.is_multiple_of(4) {
+        return Err(FlashError::NotAligned);
+    }
+    unlocked(port, |port| {
+        port.programming(true);
+        let done = (address..).step_by(4).zip(words).try_for_each(|(address, word)| {
+            port.store(address, u32::from_le_bytes(*word));
+            finished(port, PROGRAM_POLLS)
+        });
+        port.programming(false);
+        done
+    })
+}
+
+fn unlocked<P: FlashPort>(
+    port: &mut P,
+    work: impl FnOnce(&mut P) -> Result<(), FlashError>,
+) -> Result<(), FlashError> {
+    // An operation that was given up may still be going on.
+    if !(0..PROGRAM_POLLS).any(|_| !port.status().busy) {
+        return Err(FlashError::TimedOut);
+    }
+    port.clear_errors();
+    if !port.unlock() {
+        return Err(FlashError::Locked);
+    }
+    let done = work(port);
+    port.lock();
+    port.flush();
+    done
+}
+
+fn finished(port: &mut impl FlashPort, polls: u32) -> Result<(), FlashError> {
+    if !(0..polls).any(|_| !port.status().busy) {
+        return Err(FlashError::TimedOut);
+    }
+    match port.status().errors {
+        0 => Ok(()),
+        errors => {
+            port.clear_errors();
+            Err(FlashError::Reported { errors })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::cell::Cell;
+
+    /// A controller with four words that is busy for some polls after each operation.
+    struct Fake {
+        words: [u32; 4],
+        busy: Cell<u32>,
+        work: u32,
+        errors: u16,
+        next_errors: u16,
+        keys_accepted: bool,
+        open: bool,
+        programming: bool,
+        flushed: bool,
+    }
+
+    fn fake() -> Fake {
+        Fake {
+            words: [u32::MAX; 4],
+            busy: Cell::new(0),
+            work: 3,
+            errors: 0,
+            next_errors: 0,
+            keys_accepted: true,
+            open: false,
+            programming: false,
+            flushed: false,
+        }
+    }
+
+    impl FlashPort for Fake {
+        fn status(&self) -> Status {
+            let left = self.busy.get();
+            self.busy.set(left.saturating_sub(1));
+            Status { busy: left > 0, errors: self.errors }
+        }
+
+        fn clear_errors(&mut self) {
+            self.errors = 0;
+        }
+
+        fn unlock(&mut self) -> bool {
+            self.open = self.keys_accepted;
+            self.open
+        }
+
+        fn lock(&mut self) {
+            self.open = false;
+        }
+
+        fn start_erase(&mut self, sector: u8) {
+            assert!(self.open && !self.programming && sector == 10);
+            self.words = [u32::MAX; 4];
+            self.busy.set(self.work);
+            self.errors = self.next_errors;
+        }
+
+        fn programming(&mut self, on: bool) {
+            assert!(self.open);
+            self.programming = on;
+        }
+
+        fn store(&mut self, address: u32, word: u32) {
+            assert!(self.open && self.programming && self.busy.get() == 0);
+            self.words[address as usize / 4] &= word;
+            self.busy.set(self.work);
+            self.errors = self.next_errors;
+        }
+
+        fn flush(&mut self) {
+            assert!(!self.open);
+            self.flushed = true;
+        }
+    }
+
+    #[test]
+    fn words_are_programmed_one_after_the_other_and_the_flash_is_shut_again() {
+        let mut port = fake();
+        assert_eq!(program(&mut port, 4, &[1, 0, 0, 0, 2, 0, 0, 0]), Ok(()));
+        assert_eq!(port.words, [u32::MAX, 1, 2, u32::MAX]);
+        assert!(!port.open && !port.programming && port.flushed);
+        assert_eq!(erase(&mut port, 10), Ok(()));
+        assert_eq!(port.words, [u32::MAX; 4]);
+    }
+
+    #[test]
+    fn half_words_and_odd_addresses_are_refused_before_anything_is_touched() {
+        let mut port = fake();
+        assert_eq!(program(&mut port, 0, &[1, 2, 3]), Err(FlashError::NotAligned));
+        assert_eq!(program(&mut port, 2, &[1, 2, 3, 4]), Err(FlashError::NotAligned));
+        assert_eq!(port.words, [u32::MAX; 4]);
+    }
+
+    #[test]
+    fn what_goes_wrong_has_a_name_and_an_end() {
+        let mut hanging = Fake { work: u32::MAX, ..fake() };
+        assert_eq!(program(&mut hanging, 0, &[0; 4]), Err(FlashError::TimedOut));
+        assert!(!hanging.open, "shut again all the same");
+        assert_eq!(program(&mut hanging, 0, &[0; 4]), Err(FlashError::TimedOut));
+        let mut failing = Fake { next_errors: 0x10, ..fake() };
+        assert_eq!(erase(&mut failing, 10), Err(FlashError::Reported { errors: 0x10 }));
+        assert_eq!(failing.errors, 0, "cleared for the next operation");
+        let mut shut = Fake { keys_accepted: false, ..fake() };
+        assert_eq!(erase(&mut shut, 10), Err(FlashError::Locked));
+    }
+}
