@@ -30,6 +30,7 @@ pub mod claims;
 pub mod csv;
 pub mod dataset;
 pub mod draw;
+pub mod exchange;
 pub mod features;
 pub mod float_pair;
 pub mod image;

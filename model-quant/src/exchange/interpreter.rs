@@ -1,0 +1,156 @@
+//! Runs the bytes of a network with the arithmetic of the engine, for any shape: slow, plain, and the same bits.
+//!
+//! The engine's networks are types that the compiler sizes; here the shapes are read from the bytes. Weights are taken apart from
+//! their packed form again, so that what is run is what is written. That both agree is tested on networks that exist as types.
+
+use crate::network::Padding;
+use inference::image::{LayerKind, LayerShape, SHAPE_LENGTH, WeightForm};
+use inference::kernel::{BLOCK, Engine, Portable};
+use inference::storage::{Packed8, Packed16, Storage, Wide};
+use inference::{ImageError, Scale};
+
+/// One layer, taken apart.
+#[derive(Clone, Debug)]
+struct Layer {
+    shape: LayerShape,
+    biases: Vec<i32>,
+    multipliers: Vec<i32>,
+    scale: Scale,
+    /// By output, then tap.
+    weights: Vec<i32>,
+}
+
+/// A network in whole numbers that can be run.
+#[derive(Clone, Debug)]
+pub struct Interpreter {
+    padding: Padding,
+    layers: Vec<Layer>,
+}
+
+/// What a window gives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sums {
+    /// The head's sums.
+    pub sums: Vec<i32>,
+    /// Activations that were clipped at full scale.
+    pub clipped: usize,
+}
+
+impl Interpreter {
+    /// Takes the bytes of layers apart, as [`inference::image::write::layers`] writes them.
+    ///
+    /// # Errors
+    ///
+    /// Bytes that are not layers from beginning to end.
+    pub fn new(bytes: &[u8], padding: Padding) -> Result<Self, ImageError> {
+        let mut layers = Vec::new();
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let (layer, behind) = Layer::read(rest).ok_or(ImageError::TooShort)?;
+            layers.push(layer);
+            rest = behind;
+        }
+        Ok(Self { padding, layers })
+    }
+
+    /// What one count of the head's sums is worth.
+    pub fn scale(&self) -> f64 {
+        self.layers.last().map_or(0.0, |head| head.scale.to_f64())
+    }
+
+    /// Runs a window: columns oldest first, flattened.
+    pub fn run(&self, window: &[i16]) -> Sums {
+        let mut values: Vec<i32> = window.iter().map(|&value| i32::from(value)).collect();
+        let mut clipped = 0;
+        for layer in &self.layers {
+            values = layer.run(&values, self.padding, &mut clipped);
+        }
+        Sums { sums: values, clipped }
+    }
+}
+
+impl Layer {
+    fn read(bytes: &[u8]) -> Option<(Self, &[u8])> {
+        let (head, _) = bytes.split_first_chunk::<SHAPE_LENGTH>()?;
+        let shape = LayerShape::from_bytes(head)?;
+        let (layer, behind) = bytes.split_at_checked(shape.length())?;
+        let words: Vec<u32> =
+            layer.get(SHAPE_LENGTH..)?.as_chunks::<4>().0.iter().map(|w| u32::from_le_bytes(*w)).collect();
+        let signed = |words: &[u32]| words.iter().map(|word| word.cast_signed()).collect();
+        let (outputs, scale) = (usize::from(shape.outputs), shape.scale_length() / 4);
+        let (biases, multipliers, scale) = match shape.kind {
+            LayerKind::Convolution => (
+                signed(words.get(..outputs)?),
+                signed(words.get(outputs..outputs + scale)?),
+                Scale { multiplier: 0, shift: 0 },
+            ),
+            LayerKind::Head => {
+                let [multiplier, shift] = *words.first_chunk()?;
+                let scale = Scale { multiplier: multiplier.cast_signed(), shift };
+                (signed(words.get(2..2 + outputs)?), Vec::new(), scale)
+            }
+        };
+        let groups = words.get(outputs + shape.scale_length() / 4..)?;
+        let weights = match (shape.form, shape.input_bits) {
+            (WeightForm::Wide, _) => unpacked::<Wide>(groups, &shape),
+            (WeightForm::Packed, 8) => unpacked::<Packed8>(groups, &shape),
+            (WeightForm::Packed, _) => unpacked::<Packed16>(groups, &shape),
+        }?;
+        Some((Self { shape, biases, multipliers, scale, weights }, behind))
+    }
+
+    fn run(&self, inputs: &[i32], padding: Padding, clipped: &mut usize) -> Vec<i32> {
+        let (width, kernel) = (usize::from(self.shape.inputs), usize::from(self.shape.columns));
+        let columns = inputs.len() / width;
+        let is_head = self.shape.kind == LayerKind::Head;
+        let (before, positions) = match padding {
+            _ if is_head => (0, usize::from(columns >= kernel)),
+            Padding::Valid => (0, (columns + 1).saturating_sub(kernel)),
+            Padding::Same => ((kernel - 1) / 2, columns),
+        };
+        // A head takes the newest columns.
+        let start = if is_head { columns.saturating_sub(kernel) } else { 0 };
+        let full_scale = (1 << (self.shape.output_bits.min(31) - 1)) - 1;
+        let mut outputs = Vec::with_capacity(positions * self.biases.len());
+        for position in 0..positions {
+            let value = |tap: usize| {
+                let column = (start + position + tap / width).checked_sub(before);
+                let place = column.map(|column| column * width + tap % width);
+                place.and_then(|place| inputs.get(place)).copied().unwrap_or(0)
+            };
+            let rows = self.weights.chunks_exact(self.shape.taps());
+            for (output, (row, bias)) in rows.zip(&self.biases).enumerate() {
+                let products = row.iter().enumerate().map(|(tap, weight)| weight.wrapping_mul(value(tap)));
+                let sum = products.fold(*bias, i32::wrapping_add);
+                outputs.push(match self.multipliers.get(output) {
+                    Some(&multiplier) => {
+                        let scaled = Portable::requantise(sum, multiplier);
+                        *clipped += usize::from(scaled > full_scale);
+                        scaled.clamp(0, full_scale)
+                    }
+                    None => sum,
+                });
+            }
+        }
+        outputs
+    }
+}
+
+/// Weights by output, then tap: whole blocks of outputs lie side by side, the outputs left over one after another.
+fn unpacked<S: Storage>(groups: &[u32], shape: &LayerShape) -> Option<Vec<i32>> {
+    let (per_output, outputs) = (shape.groups(), usize::from(shape.outputs));
+    let whole = outputs / BLOCK * BLOCK;
+    let mut weights = Vec::with_capacity(outputs * shape.taps());
+    for output in 0..outputs {
+        for tap in 0..shape.taps() {
+            let group = tap / S::TAPS;
+            let place = if output < whole {
+                (output / BLOCK * per_output + group) * BLOCK + output % BLOCK
+            } else {
+                output * per_output + group
+            };
+            weights.push(S::weight(*groups.get(place)?, tap % S::TAPS));
+        }
+    }
+    Some(weights)
+}

@@ -1,0 +1,83 @@
+//! Inputs of a network as whole numbers of 16 bits: what counts as full scale for each value of a column.
+//!
+//! Count = value x 32767 / full scale, rounded to nearest (halves away from zero), clipped to 16 bits. The full scale goes into the
+//! weights of the first layer, so that the controller multiplies once for every value of a new column and nowhere else.
+
+use super::samples::Samples;
+use crate::network::Network;
+
+/// Full scale over the largest value in the samples.
+const HEADROOM: f32 = 17.0 / 16.0;
+
+/// Full scale of every value of a column, in the unit of the network's inputs; above 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputScale(Vec<f32>);
+
+impl InputScale {
+    /// The largest magnitudes of the samples, plus a sixteenth; 1 for a value that is always 0.
+    pub fn of(samples: &Samples, inputs: usize) -> Self {
+        let mut largest = vec![0.0_f32; inputs];
+        for column in samples.windows.iter().flat_map(|window| window.chunks_exact(inputs)) {
+            for (largest, value) in largest.iter_mut().zip(column) {
+                *largest = largest.max(value.abs());
+            }
+        }
+        Self(
+            largest.into_iter().map(|largest| if largest > 0.0 { largest * HEADROOM } else { 1.0 }).collect(),
+        )
+    }
+
+    /// Given full scales, if there is one above 0 for each of the `inputs`.
+    pub fn given(full_scales: &[f32], inputs: usize) -> Option<Self> {
+        let fits =
+            full_scales.len() == inputs && full_scales.iter().all(|scale| *scale > 0.0 && scale.is_finite());
+        fits.then(|| Self(full_scales.to_vec()))
+    }
+
+    /// The full scales.
+    pub fn full_scales(&self) -> &[f32] {
+        &self.0
+    }
+
+    /// Counts in one unit of each value, as the controller multiplies.
+    pub fn factors(&self) -> Vec<f32> {
+        self.0.iter().map(|full_scale| f32::from(i16::MAX) / full_scale).collect()
+    }
+
+    /// A window in counts, and how many values were clipped.
+    pub fn counts(&self, window: &[f32]) -> (Vec<i16>, usize) {
+        let factors = self.factors();
+        let scaled = window.iter().zip(factors.iter().cycle()).map(|(value, factor)| value * factor);
+        // A cast to i16 drops the fraction and clips.
+        let rounded = scaled.map(|scaled| scaled + 0.5_f32.copysign(scaled));
+        let is_clipped = |value: &f32| !(-32768.9..32768.0).contains(value);
+        (rounded.clone().map(|value| value as i16).collect(), rounded.filter(is_clipped).count())
+    }
+
+    /// The network that takes inputs over their full scales.
+    pub fn folded(&self, network: &Network) -> Network {
+        let mut folded = network.clone();
+        let row = network.layers().first().map_or(1, |layer| layer.biases.len());
+        if let Some(weights) = folded.slices_mut().next() {
+            for (row, full_scale) in weights.chunks_mut(row).zip(self.0.iter().cycle()) {
+                row.iter_mut().for_each(|weight| *weight *= full_scale);
+            }
+        }
+        folded
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_round_to_nearest_and_clip() {
+        let scale = InputScale::given(&[1.0, 2.0], 2).expect("scale");
+        let (counts, clipped) = scale.counts(&[1.0, -1.0, 0.5 / 32767.0, -2.0, 1.1, 2.0, -9.0, 0.0]);
+        assert_eq!(counts, [32767, -16384, 1, -32767, 32767, 32767, -32768, 0]);
+        assert_eq!(clipped, 2);
+        assert_eq!(InputScale::given(&[1.0, 0.0], 2), None);
+        assert_eq!(InputScale::given(&[1.0], 2), None);
+    }
+}

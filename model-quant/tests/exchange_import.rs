@@ -1,0 +1,155 @@
+//! Networks as Keras and PyTorch write them: what is read equals what the framework computes; what is no network of the family is
+//! refused by its node; damaged files are refused, too.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
+
+use model_quant::exchange::recognise::{Imported, Layout, import};
+use model_quant::exchange::samples::Samples;
+use model_quant::network::{ConvolutionShape, Padding, Shape};
+use proptest::prelude::*;
+use std::path::PathBuf;
+
+fn golden(name: &str) -> Vec<u8> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peers/exchange/golden").join(name);
+    std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn imported(name: &str) -> Imported {
+    import(&golden(&format!("{name}.onnx"))).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn shape<const N: usize>(
+    [columns, inputs, outputs]: [usize; 3],
+    padding: Padding,
+    convolutions: [[usize; 2]; N],
+) -> Shape {
+    let convolutions =
+        convolutions.into_iter().map(|[kernel, outputs]| ConvolutionShape { kernel, outputs }).collect();
+    Shape { columns, inputs, padding, convolutions, outputs }
+}
+
+/// Every network that can be read: its file, its samples when they have another name, its shape.
+fn accepted() -> Vec<(&'static str, &'static str, Layout, Shape)> {
+    use Layout::{ChannelsFirst, ColumnsFirst};
+    use Padding::{Same, Valid};
+    let asymmetric = shape([11, 3, 2], Valid, [[4, 5], [2, 7]]);
+    let valid = shape([10, 3, 2], Valid, [[4, 6], [2, 5]]);
+    vec![
+        ("torch_shipped", "torch_shipped", ChannelsFirst, shape([8, 4, 1], Valid, [[3, 16]; 3])),
+        ("torch_same", "torch_same", ChannelsFirst, shape([12, 6, 3], Same, [[5, 12], [4, 7]])),
+        ("torch_asymmetric", "torch_asymmetric", ChannelsFirst, asymmetric.clone()),
+        ("torchscript_asymmetric", "torch_asymmetric", ChannelsFirst, asymmetric),
+        ("torch_columns_first", "torch_columns_first", ColumnsFirst, shape([7, 3, 1], Valid, [[3, 4]])),
+        // A dense layer with ReLU is a convolution over all columns.
+        ("torch_hidden", "torch_hidden", ChannelsFirst, shape([6, 2, 1], Valid, [[3, 8], [4, 10]])),
+        (
+            "keras_reference",
+            "keras_reference",
+            ColumnsFirst,
+            shape([32, 6, 1], Same, [[5, 16], [5, 32], [3, 32]]),
+        ),
+        ("keras_valid", "keras_valid", ColumnsFirst, valid.clone()),
+        ("keras_export_valid", "keras_valid", ColumnsFirst, valid),
+        ("keras_even", "keras_even", ColumnsFirst, shape([9, 2, 3], Same, [[4, 5], [1, 3]])),
+        ("keras_hidden", "keras_hidden", ColumnsFirst, shape([6, 4, 1], Valid, [[3, 8], [4, 7]])),
+    ]
+}
+
+#[test]
+fn networks_of_both_frameworks_compute_what_the_framework_computed() {
+    for (name, samples, layout, shape) in accepted() {
+        let found = imported(name);
+        assert_eq!((found.network.shape(), found.layout), (&shape, layout), "{name}");
+        let framework = if name.starts_with("keras") { "tf2onnx 1.17" } else { "pytorch 2.15" };
+        assert!(found.producer.starts_with(framework), "{}", found.producer);
+        let samples = Samples::read(&golden(&format!("{samples}.safetensors")), &shape, layout).expect(name);
+        assert_eq!(samples.windows.len(), 32);
+        let difference = samples.difference(&found.network);
+        // f32 sums of up to 1024 terms in another order.
+        assert!(difference.relative() < 2e-6, "{name}: {difference:?}");
+        assert!(difference.full_scale > 0.1, "{name}: {difference:?}");
+    }
+}
+
+#[test]
+fn the_order_of_flattening_matters_and_is_told_from_the_graph() {
+    // Reading the head in the other order gives another network: the check with samples would see it.
+    let found = imported("torch_asymmetric");
+    let shape = found.network.shape().clone();
+    let samples =
+        Samples::read(&golden("torch_asymmetric.safetensors"), &shape, found.layout).expect("samples");
+    let mut layers = found.network.layers().to_vec();
+    let head = layers.last_mut().expect("head");
+    let (columns, channels) = (7, 7);
+    let rows: Vec<&[f32]> = head.weights.chunks(2).collect();
+    head.weights = (0..columns * channels)
+        .flat_map(|tap| rows[(tap % channels) * columns + tap / channels].iter().copied())
+        .collect();
+    let other = model_quant::network::Network::new(shape, layers).expect("network");
+    assert!(samples.difference(&other).relative() > 0.05);
+}
+
+#[test]
+fn what_is_no_network_of_the_family_is_refused_by_its_node() {
+    for (name, expected) in [
+        ("torch_stride", "node `node_conv1d` (Conv): strides: found [2], expected [1]"),
+        ("torch_dilation", "node `node_conv1d` (Conv): dilations: found [2], expected [1]"),
+        ("torch_groups", "node `node_conv1d` (Conv): group: found 2, expected 1"),
+        ("torch_max_pool", "MaxPool (node `node_max_pool1d`)"),
+        ("torch_sigmoid", "Sigmoid (node `node_sigmoid`)"),
+        ("torch_lstm", "LSTM (node `node_lstm__2`)"),
+        (
+            "torch_linear",
+            "node `node_conv1d_1` (Conv): input: found Conv behind `node_conv1d` (Conv), expected ReLU",
+        ),
+        (
+            "torch_causal",
+            "node `node_conv1d` (Conv): pads along the columns: found [2, 0], expected [0, 0] ('valid') or [1, 1] ('same')",
+        ),
+        ("keras_max_pool", "MaxPool (node `"),
+        ("keras_stride", "/convolution` (Conv): strides: found [1, 2], expected [1, 1]"),
+        ("keras_sigmoid", "Sigmoid (node `"),
+        ("keras_causal", "Pad (node `"),
+        ("keras_lstm", "LSTM (node `LSTM__"),
+        ("keras_dense_per_column", "Gather (node `"),
+    ] {
+        let error = import(&golden(&format!("{name}.onnx"))).expect_err(name).to_string();
+        assert!(error.contains(expected), "{name}: {error}");
+    }
+}
+
+#[test]
+fn files_of_another_kind_and_cut_files_are_refused() {
+    assert!(import(b"").is_err());
+    assert!(import(b"nothing of the kind").is_err());
+    assert!(import(&golden("torch_shipped.safetensors")).is_err());
+    let whole = golden("torch_asymmetric.onnx");
+    let cut = (0..whole.len()).filter(|&length| import(&whole[..length]).is_ok()).count();
+    // The versions of the operators stand at the end; nothing shorter is a whole file.
+    assert_eq!(cut, 0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    /// Damage is refused or gives some network: nothing panics, nothing takes more memory than the file has.
+    #[test]
+    fn damaged_files_do_not_panic(
+        which in 0usize..5,
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        keep in any::<prop::sample::Index>(),
+        is_cut in prop::bool::weighted(0.2),
+    ) {
+        let names = ["torch_hidden", "torch_same", "keras_valid", "keras_even", "torch_columns_first"];
+        let mut bytes = golden(&format!("{}.onnx", names[which]));
+        for (place, value) in changes {
+            let place = place.index(bytes.len());
+            bytes[place] = value;
+        }
+        if is_cut {
+            bytes.truncate(keep.index(bytes.len()));
+        }
+        if let Ok(found) = import(&bytes) {
+            prop_assert!(found.network.parameters().all(f32::is_finite));
+        }
+    }
+}
