@@ -39,7 +39,6 @@ pub mod layers;
 pub mod mode;
 pub mod network;
 pub mod parameters;
-mod passes;
 pub mod peers;
 pub mod pipeline;
 pub mod quantise;

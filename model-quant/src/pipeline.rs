@@ -7,8 +7,8 @@ use crate::ranges::header;
 use crate::recipe::Recipe;
 use crate::rows::{Row, rows};
 use crate::shapes;
-use crate::train::{Progress, Task, train};
-use crate::window;
+use crate::train::{Loss, Progress, Source, Training, Windows};
+use crate::window::{self, Window};
 use inference::Bearing;
 
 /// One of the two networks.
@@ -21,11 +21,43 @@ pub enum Network {
 }
 
 impl Network {
+    /// Both, in the order of a checkpoint.
+    pub const ALL: [Self; 2] = [Self::Collision, Self::Friction];
+
     /// Lower-case name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Collision => "collision",
             Self::Friction => "friction",
+        }
+    }
+}
+
+/// Drawn rows, each with a history drawn anew whenever it is asked for.
+struct Drawn<'a> {
+    network: Network,
+    features: FloatFeatures,
+    rows: &'a [Row],
+}
+
+impl Windows {
+    /// Adds a window.
+    pub fn push<const C: usize>(&mut self, window: &Window<C>) {
+        self.columns.extend(window.columns.as_flattened());
+        self.targets.push(window.target);
+    }
+}
+
+impl Source for Drawn<'_> {
+    fn count(&self) -> u64 {
+        self.rows.len() as u64
+    }
+
+    fn add(&self, row: u64, draw: &mut Draw, windows: &mut Windows) {
+        let Some(row) = self.rows.get(row as usize) else { return };
+        match self.network {
+            Network::Collision => windows.push(&window::collision(&self.features, row, draw)),
+            Network::Friction => windows.push(&window::friction(&self.features, row, draw)),
         }
     }
 }
@@ -40,28 +72,19 @@ pub fn train_both(
     let set = |purpose, count| rows(bearing, recipe.range, recipe.seed, purpose, count);
     let training = set(Purpose::TrainingRows, recipe.rows);
     let validation = set(Purpose::ValidationRows, recipe.validation_rows);
-    let (training, validation) = (training.as_slice(), validation.as_slice());
-    let collision = train(
-        recipe,
-        &Task {
-            rows: training,
-            validation,
-            shape: shapes::collision(),
-            window: |row: &Row, draw: &mut Draw| window::collision(&features, row, draw),
-            lane: 0,
-        },
-        &mut |progress| report(Network::Collision, progress),
-    );
-    let friction = train(
-        recipe,
-        &Task {
-            rows: training,
-            validation,
-            shape: shapes::friction(),
-            window: |row: &Row, draw: &mut Draw| window::friction(&features, row, draw),
-            lane: 1,
-        },
-        &mut |progress| report(Network::Friction, progress),
-    );
+    let [collision, friction] = Network::ALL.map(|network| {
+        let source = |rows| Drawn { network, features, rows };
+        let shape = match network {
+            Network::Collision => shapes::collision(),
+            Network::Friction => shapes::friction(),
+        };
+        let (training, validation) = (source(&training), source(&validation));
+        let mut training =
+            Training::new(recipe, shape, (&training, &validation), Loss::Clamped, network as u64);
+        while !training.is_done() {
+            report(network, training.epoch());
+        }
+        training.finish()
+    });
     Checkpoint { recipe: recipe.clone(), bearing, collision, friction }
 }
