@@ -56,7 +56,8 @@ pub const DISTRUSTED: Flags = Flags::from_bits(
         | WINDOW_FILLING.bits()
         | Flags::NON_FINITE.bits()
         | Flags::WARMING_UP.bits()
-        | Flags::MISSING.bits(),
+        | Flags::MISSING.bits()
+        | Flags::ALTERED.bits(),
 );
 
 /// Names of all remarks, those of the networks included, for reports.

@@ -25,7 +25,7 @@ use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
 pub use geometry::ContactFrame;
 pub use latch::Latch;
-pub use plausibility::{MAX_DEFORMATION_NM, Plausibility, STUCK_SAMPLES};
+pub use plausibility::{Findings, Limits, MAX_DEFORMATION_NM, Plausibility, STUCK_SAMPLES, SwingLimit};
 pub use setup::{
     CLEARANCE_RANGE_NM, JOURNAL_RADIUS_RANGE_NM, LATCH_FLOOR_RANGE_UM_S, SAMPLE_PERIOD_RANGE_US, image_cause,
 };
@@ -77,6 +77,17 @@ impl Estimator {
             state: ContactState::default(),
             setup,
         })
+    }
+
+    /// The watch over the samples: what was found in the last one.
+    #[must_use]
+    pub const fn plausibility(&self) -> &Plausibility {
+        &self.plausibility
+    }
+
+    /// The watch over the samples, to be given its limits and what the drivers say of the next one.
+    pub const fn plausibility_mut(&mut self) -> &mut Plausibility {
+        &mut self.plausibility
     }
 
     /// The contact as the networks saw it at the last tick: what another law is to be held against.

@@ -1,16 +1,37 @@
 //! What a sensor sample may look like: every doubt becomes a flag, never a guess.
 //!
-//! The limits are those of the machine, not of the networks: 0.5 m/s is three times what the journal reaches falling freely through the widest
-//! clearance, 100 rad/s fifty times the rudder shaft's speed. The allowances on top are far above sensor noise (0.2 um, 20 urad).
+//! | doubt | rule, by channel |
+//! |---|---|
+//! | missing | its driver says so ([`SensorStatus`]), or its value is `i32::MIN` |
+//! | saturated | its driver says so, or the value is at or beyond the rail |
+//! | stuck | so many samples of one code |
+//! | jumped | it moved further since the last sample than the machine can |
+//! | noisy | mean square of the second difference, over 64 samples, above 6 times the square of the limit; motion leaves 0.7 um there at most |
+//!
+//! and for the sample as a whole: the sequence does not follow, the time did not advance by the period, the journal is farther out than
+//! clearance and largest deformation, it swings along the clearance faster than it can ([`swing`]).
+//!
+//! The limits that nobody configures are the machine's: 0.5 m/s is three times what the journal reaches falling freely through the widest
+//! clearance, 100 rad/s fifty times the rudder shaft's speed, 2 MN/s a load from nothing to full in 5 ms. The allowances on
+//! top are far above sensor noise (0.2 um, 20 urad).
+//!
+//! No branch depends on data: a sample costs the same whatever it holds.
+
+mod swing;
 
 use inference::Flags;
 use link::SensorFrame;
+use link::track::{CHANNELS, SensorStatus};
 
-use crate::flags::{IMPLAUSIBLE_POSITION, JUMP, SEQUENCE_GAP, STUCK, TIME_FAULT};
+use crate::flags::{
+    IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, JUMP, NOISY, SENSOR_MISSING, SENSOR_SATURATED, SEQUENCE_GAP,
+    STUCK, TIME_FAULT,
+};
+pub use swing::SwingLimit;
 
 /// Deformation above which the position cannot be true, nm.
 pub const MAX_DEFORMATION_NM: u32 = 500_000;
-/// Samples of one unchanging code after which a sensor counts as stuck: 10 ms at 10 kHz.
+/// Samples of one unchanging code after which a sensor counts as stuck unless configured otherwise: 10 ms at 10 kHz.
 pub const STUCK_SAMPLES: u8 = 100;
 /// Journal speed that the machine cannot exceed, nm/us (mm/s): 0.5 m/s.
 const MAX_JOURNAL_SPEED_NM_US: u32 = 500;
@@ -20,14 +41,83 @@ const JOURNAL_ALLOWANCE_NM: u32 = 5_000;
 const MAX_SHAFT_SPEED_NRAD_US: u32 = 100_000;
 /// Allowance on an angle step for noise, nrad.
 const ANGLE_ALLOWANCE_NRAD: u32 = 500_000;
+/// Load rate that the machine cannot exceed, mN/us: 2 MN/s.
+const MAX_LOAD_RATE_MN_US: u32 = 2_000;
+/// The channels whose jump breaks the samples before it off; the load is not among them.
+const MOTION: u8 = 0b0111;
+/// The mean square is over 2 to this power samples.
+const MEAN_SHIFT: u32 = 6;
+/// A channel that has not changed for longer is not counted further.
+const LONGEST: u32 = 1 << 30;
+/// Second differences beyond this multiple of the limit count as this: one outlier is a jump, not noise.
+const CLIP: i32 = 8;
+
+/// Limits that depend on the sensors; `u32::MAX` for none.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Samples of one code after which a channel is stuck.
+    pub stuck_samples: [u32; CHANNELS],
+    /// Largest short-term standard deviation, in the channel's unit.
+    pub noise: [u32; CHANNELS],
+    /// Magnitude at the rail, in the channel's unit.
+    pub rail: [u32; CHANNELS],
+    /// What limits the swing.
+    pub swing: SwingLimit,
+}
+
+impl Limits {
+    /// Nothing but the time for which a position or angle may stand still.
+    pub const NONE: Self = Self {
+        stuck_samples: [STUCK_SAMPLES as u32, STUCK_SAMPLES as u32, STUCK_SAMPLES as u32, u32::MAX],
+        noise: [u32::MAX; CHANNELS],
+        rail: [u32::MAX; CHANNELS],
+        swing: SwingLimit::NONE,
+    };
+}
+
+/// What was found in a sample: a bit a channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Findings {
+    /// No value.
+    pub missing: u8,
+    /// At the end of the range.
+    pub saturated: u8,
+    /// Unchanged for too long.
+    pub stuck: u8,
+    /// Too noisy.
+    pub noisy: u8,
+    /// Moved too far.
+    pub jumped: u8,
+    /// All of it as flags, with those of the sample as a whole.
+    pub flags: Flags,
+}
+
+/// One channel's watch.
+#[derive(Clone, Copy, Debug, Default)]
+struct Channel {
+    rail: u32,
+    step_limit: u32,
+    stuck_samples: u32,
+    noise_shift: u32,
+    noise_clip: i32,
+    noise_threshold: u32,
+    step: i32,
+    unchanged: u32,
+    mean_square: u32,
+}
 
 /// Watches the samples of one run.
 #[derive(Clone, Debug)]
 pub struct Plausibility {
     period_us: u32,
-    farthest_nm: u32,
-    previous: Option<SensorFrame>,
-    unchanged: [u8; 3],
+    farthest_squared: u64,
+    channels: [Channel; CHANNELS],
+    swing: swing::Swing,
+    previous: SensorFrame,
+    /// 0 before the first sample, then all ones.
+    seen: u32,
+    status: SensorStatus,
+    findings: Findings,
 }
 
 /// Doubts after which the samples before this one no longer belong to it.
@@ -37,129 +127,128 @@ pub(super) const DISCONTINUITY: Flags =
 impl Plausibility {
     /// Creates a watch for a bearing and a sample period.
     #[must_use]
-    pub const fn new(radial_clearance_nm: u32, period_us: u32) -> Self {
-        let farthest_nm = radial_clearance_nm.saturating_add(MAX_DEFORMATION_NM);
-        Self { period_us, farthest_nm, previous: None, unchanged: [0; 3] }
+    pub fn new(radial_clearance_nm: u32, period_us: u32) -> Self {
+        let farthest_nm = u64::from(radial_clearance_nm.saturating_add(MAX_DEFORMATION_NM));
+        let mut watch = Self {
+            period_us,
+            farthest_squared: farthest_nm.saturating_mul(farthest_nm),
+            channels: [Channel::default(); CHANNELS],
+            swing: swing::Swing::default(),
+            previous: SensorFrame::default(),
+            seen: 0,
+            status: SensorStatus::GOOD,
+            findings: Findings::default(),
+        };
+        watch.set_limits(&Limits::NONE);
+        watch
     }
 
-    /// Takes a sample and returns the doubts about it.
-    pub fn check(&mut self, frame: &SensorFrame) -> Flags {
-        let mut flags = IMPLAUSIBLE_POSITION.when(self.is_too_far(frame));
-        if let Some(previous) = self.previous.replace(*frame) {
-            let elapsed_us = frame.time_us.wrapping_sub(previous.time_us);
-            flags |= SEQUENCE_GAP.when(frame.sequence != previous.sequence.wrapping_add(1));
-            flags |= TIME_FAULT.when(elapsed_us.abs_diff(self.period_us) > self.period_us / 2);
-            let steps = [
-                frame.journal_y_nm.wrapping_sub(previous.journal_y_nm),
-                frame.journal_z_nm.wrapping_sub(previous.journal_z_nm),
-                frame.shaft_angle_nrad.wrapping_sub(previous.shaft_angle_nrad),
-            ];
-            let journal_nm =
-                self.period_us.saturating_mul(MAX_JOURNAL_SPEED_NM_US).saturating_add(JOURNAL_ALLOWANCE_NM);
-            let angle_nrad =
-                self.period_us.saturating_mul(MAX_SHAFT_SPEED_NRAD_US).saturating_add(ANGLE_ALLOWANCE_NRAD);
-            let limits = [journal_nm, journal_nm, angle_nrad];
-            for ((step, limit), unchanged) in steps.iter().zip(limits).zip(&mut self.unchanged) {
-                flags |= JUMP.when(step.unsigned_abs() > limit);
-                *unchanged = if *step == 0 { unchanged.saturating_add(1) } else { 0 };
-                flags |= STUCK.when(*unchanged >= STUCK_SAMPLES - 1);
-            }
+    /// Sets the limits that depend on the sensors. Forgets what was seen of noise and standing still.
+    pub fn set_limits(&mut self, limits: &Limits) {
+        let journal_nm =
+            self.period_us.saturating_mul(MAX_JOURNAL_SPEED_NM_US).saturating_add(JOURNAL_ALLOWANCE_NM);
+        let angle_nrad =
+            self.period_us.saturating_mul(MAX_SHAFT_SPEED_NRAD_US).saturating_add(ANGLE_ALLOWANCE_NRAD);
+        let [.., load_noise] = limits.noise;
+        let load_mn =
+            self.period_us.saturating_mul(MAX_LOAD_RATE_MN_US).saturating_add(load_noise.saturating_mul(10));
+        let sensors = limits.rail.iter().zip(limits.stuck_samples).zip(limits.noise);
+        let steps = [journal_nm, journal_nm, angle_nrad, load_mn];
+        for (channel, (step_limit, ((rail, stuck), noise))) in
+            self.channels.iter_mut().zip(steps.into_iter().zip(sensors))
+        {
+            // Scaled so that the limit has 10 to 11 bits: its clipped square then has 28 at most.
+            let noise_shift = 22_u32.saturating_sub(noise.leading_zeros()).saturating_sub(1);
+            let scaled = noise >> noise_shift;
+            *channel = Channel {
+                rail: *rail,
+                step_limit,
+                stuck_samples: stuck.saturating_sub(1),
+                noise_shift,
+                noise_clip: scaled.saturating_mul(CLIP as u32) as i32,
+                noise_threshold: if noise == u32::MAX {
+                    u32::MAX
+                } else {
+                    scaled.saturating_mul(scaled).saturating_mul(6)
+                },
+                ..Channel::default()
+            };
         }
-        flags
+        self.swing = swing::Swing::new(&limits.swing, self.period_us);
+    }
+
+    /// What the drivers say of the next sample.
+    pub const fn take_status(&mut self, status: SensorStatus) {
+        self.status = status;
+    }
+
+    /// What was found in the last sample, by channel.
+    #[must_use]
+    pub const fn findings(&self) -> &Findings {
+        &self.findings
+    }
+
+    /// Takes a sample and returns the doubts about it, as far as they concern the motion: what is wrong with the load is among
+    /// the [`Self::findings`] only, as no estimate rests on it.
+    pub fn check(&mut self, frame: &SensorFrame) -> Flags {
+        let previous = core::mem::replace(&mut self.previous, *frame);
+        let values = |frame: &SensorFrame| {
+            [frame.journal_y_nm, frame.journal_z_nm, frame.shaft_angle_nrad, frame.load_force_mn]
+        };
+        let seen = core::mem::replace(&mut self.seen, u32::MAX);
+        let mut found = Findings {
+            missing: self.status.missing_bits(),
+            saturated: self.status.rail_bits(),
+            ..Findings::default()
+        };
+        let samples = values(frame).into_iter().zip(values(&previous));
+        for ((channel, (value, before)), index) in self.channels.iter_mut().zip(samples).zip(0_u32..) {
+            let bit = |happened: bool| u8::from(happened) << index;
+            found.missing |= bit(value == i32::MIN);
+            found.saturated |= bit(value.unsigned_abs() >= channel.rail);
+            let step = value.wrapping_sub(before) & seen.cast_signed();
+            found.jumped |= bit(step.unsigned_abs() > channel.step_limit);
+            let still = u32::from(step == 0) & seen;
+            channel.unchanged = channel.unchanged.wrapping_add(1).min(LONGEST) & still.wrapping_neg();
+            found.stuck |= bit(channel.unchanged >= channel.stuck_samples);
+            let bend = step.wrapping_sub(core::mem::replace(&mut channel.step, step)) >> channel.noise_shift;
+            let bend = bend.min(channel.noise_clip).max(channel.noise_clip.wrapping_neg());
+            let square = bend.wrapping_mul(bend).cast_unsigned();
+            channel.mean_square = channel
+                .mean_square
+                .wrapping_add(square >> MEAN_SHIFT)
+                .wrapping_sub(channel.mean_square >> MEAN_SHIFT);
+            found.noisy |= bit(channel.mean_square > channel.noise_threshold);
+        }
+        self.status = SensorStatus::GOOD;
+
+        let elapsed_us = frame.time_us.wrapping_sub(previous.time_us);
+        let gap = frame.sequence.wrapping_sub(previous.sequence) != 1;
+        let late = elapsed_us.abs_diff(self.period_us) > self.period_us / 2;
+        let swings = self.swing.too_fast(frame);
+        let known = seen != 0;
+        let motion = IMPLAUSIBLE_POSITION.when(self.is_too_far(frame))
+            | SEQUENCE_GAP.when(gap & known)
+            | TIME_FAULT.when(late & known)
+            | IMPLAUSIBLE_SWING.when(swings);
+        let flags_of = |channels: u8| {
+            SENSOR_MISSING.when(found.missing & channels != 0)
+                | SENSOR_SATURATED.when(found.saturated & channels != 0)
+                | STUCK.when(found.stuck & channels != 0)
+                | NOISY.when(found.noisy & channels != 0)
+                | JUMP.when(found.jumped & channels != 0)
+        };
+        let motion = motion | flags_of(MOTION);
+        self.findings = Findings { flags: motion | flags_of(!MOTION), ..found };
+        motion
     }
 
     fn is_too_far(&self, frame: &SensorFrame) -> bool {
-        let square =
-            |value: i32| u64::from(value.unsigned_abs()).saturating_mul(u64::from(value.unsigned_abs()));
-        let distance = square(frame.journal_y_nm).saturating_add(square(frame.journal_z_nm));
-        distance > u64::from(self.farthest_nm).saturating_mul(u64::from(self.farthest_nm))
+        let square = |value: i32| i64::from(value).wrapping_mul(i64::from(value)).cast_unsigned();
+        // Two squares of 2^62 at most.
+        square(frame.journal_y_nm).wrapping_add(square(frame.journal_z_nm)) > self.farthest_squared
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const CLEARANCE_NM: u32 = 500_000;
-
-    /// A lively but possible sample.
-    fn frame(sequence: u32) -> SensorFrame {
-        let wobble = i32::try_from(sequence % 7).unwrap() * 300;
-        SensorFrame {
-            sequence,
-            time_us: sequence.wrapping_mul(100),
-            journal_y_nm: 100_000 + wobble,
-            journal_z_nm: -490_000 - wobble,
-            shaft_angle_nrad: 5_000 * wobble,
-            load_force_mn: 0,
-        }
-    }
-
-    fn after_ten() -> Plausibility {
-        let mut watch = Plausibility::new(CLEARANCE_NM, 100);
-        for sequence in 0..10 {
-            assert_eq!(watch.check(&frame(sequence)), Flags::NONE);
-        }
-        watch
-    }
-
-    #[test]
-    fn sequence_and_time_may_wrap() {
-        let mut watch = Plausibility::new(CLEARANCE_NM, 100);
-        for sequence in (u32::MAX - 5..=u32::MAX).chain(0..5) {
-            assert_eq!(watch.check(&frame(sequence)), Flags::NONE, "{sequence}");
-        }
-    }
-
-    #[test]
-    fn lost_and_repeated_samples_are_noticed() {
-        assert!(after_ten().check(&frame(11)).contains(SEQUENCE_GAP | TIME_FAULT));
-        assert!(after_ten().check(&frame(9)).contains(SEQUENCE_GAP | TIME_FAULT));
-    }
-
-    #[test]
-    fn time_must_advance_by_the_period() {
-        for (time_us, fault) in
-            [(1000, false), (1049, false), (951, false), (1051, true), (900, true), (899, true)]
-        {
-            let flags = after_ten().check(&SensorFrame { time_us, ..frame(10) });
-            assert_eq!(flags, TIME_FAULT.when(fault), "{time_us}");
-        }
-    }
-
-    #[test]
-    fn impossible_steps_are_noticed() {
-        let next = frame(10);
-        for jumped in [
-            SensorFrame { journal_y_nm: next.journal_y_nm + 60_000, ..next },
-            SensorFrame { journal_z_nm: next.journal_z_nm + 60_000, ..next },
-            SensorFrame { shaft_angle_nrad: next.shaft_angle_nrad - 20_000_000, ..next },
-        ] {
-            assert_eq!(after_ten().check(&jumped), JUMP);
-        }
-    }
-
-    #[test]
-    fn a_journal_outside_the_bearing_is_noticed() {
-        let mut watch = Plausibility::new(CLEARANCE_NM, 100);
-        let at = |y, z| SensorFrame { journal_y_nm: y, journal_z_nm: z, ..SensorFrame::default() };
-        assert_eq!(watch.check(&at(600_000, -799_000)), Flags::NONE);
-        let mut watch = Plausibility::new(CLEARANCE_NM, 100);
-        assert_eq!(watch.check(&at(600_000, -801_000)), IMPLAUSIBLE_POSITION);
-        assert!(watch.check(&at(i32::MIN, i32::MIN)).contains(IMPLAUSIBLE_POSITION | JUMP));
-    }
-
-    #[test]
-    fn one_stuck_sensor_is_noticed_while_the_others_move() {
-        let mut watch = Plausibility::new(CLEARANCE_NM, 100);
-        for sequence in 0..200 {
-            let stuck = SensorFrame { journal_z_nm: -490_123, ..frame(sequence) };
-            assert_eq!(
-                watch.check(&stuck),
-                STUCK.when(sequence >= u32::from(STUCK_SAMPLES) - 1),
-                "{sequence}"
-            );
-        }
-        assert_eq!(watch.check(&frame(200)), Flags::NONE);
-    }
-}
+mod tests;

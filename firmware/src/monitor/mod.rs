@@ -1,0 +1,165 @@
+//! The estimator with everything that watches over it: plausibility, envelope, virtual sensor, safe state.
+//!
+//! A sample goes through the estimator (which checks it first); the networks' force is held against the analytic law; the [`Tracker`]
+//! learns from samples without a fault; what cannot be trusted is held. Every finding is a flag of its sample and a count of the
+//! run ([`Monitor::health`]); what is learnt is reported by [`Monitor::report`]. No branch depends on data.
+//!
+//! Frames are calibrated: `host-sim`'s are, and on the controller the drivers' values go through the configuration's calibration first.
+
+mod envelope;
+mod limits;
+mod safe_state;
+mod tally;
+
+use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, SensorHealth, SensorStatus, TrackReport};
+use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
+
+pub use envelope::Envelope;
+pub use limits::ranges;
+
+use crate::Estimator;
+use crate::estimator::{Limits, SwingLimit, flags_of};
+use crate::flags::{
+    DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, NETWORK_OUTSIDE_LAW, SENSOR_FAULT, SEQUENCE_GAP,
+    TIME_FAULT,
+};
+use crate::tracking::Tracker;
+use safe_state::Holding;
+use tally::Tally;
+
+/// An estimator under watch.
+#[derive(Clone, Debug)]
+pub struct Monitor {
+    estimator: Estimator,
+    envelope: Envelope,
+    tracker: Tracker,
+    holding: Holding,
+    tally: Tally,
+    time_us: u32,
+}
+
+/// Lanes of the tally: five findings of four channels, then the sample's.
+const CHANNEL_LANES: u32 = 5 * CHANNELS as u32;
+
+impl Monitor {
+    /// Creates the estimator for a bench from a model image, and what watches over it. `stuck_samples` is for journal and angle.
+    ///
+    /// # Errors
+    ///
+    /// A value of the configuration is out of range, or the image is damaged or made for another bearing. The monitor's own
+    /// configuration is taken as validated ([`ranges`]).
+    pub fn new(
+        image: &'static [u8],
+        configuration: &Configuration,
+        monitor: &MonitorConfiguration,
+        stuck_samples: u16,
+    ) -> Result<Self, Refusal> {
+        let mut estimator = Estimator::new(image, *configuration)?;
+        estimator.plausibility_mut().set_limits(&limits_of(configuration, monitor, stuck_samples));
+        Ok(Self {
+            estimator,
+            envelope: Envelope::new(configuration.radial_clearance_nm, monitor),
+            tracker: Tracker::new(configuration, monitor),
+            holding: Holding::new(monitor.recovery_samples, monitor.lost_samples),
+            tally: Tally::default(),
+            time_us: 0,
+        })
+    }
+
+    /// Takes one sample, with what the drivers say of it, and estimates.
+    pub fn step(&mut self, frame: &SensorFrame, status: SensorStatus) -> EstimateFrame {
+        self.estimator.plausibility_mut().take_status(status);
+        let mut estimate = self.estimator.step(frame);
+        let findings = *self.estimator.plausibility().findings();
+        let flags = flags_of(&estimate);
+        let outside = self.envelope.is_outside(&self.estimator.state(), estimate.normal_force_n)
+            & !flags.intersects(envelope::EXCUSED);
+        // The estimate does not rest on the load: what is wrong with it stops the tracker, and is flagged, but nothing is held.
+        let flags = flags | NETWORK_OUTSIDE_LAW.when(outside);
+        let distrusted = flags.intersects(DISTRUSTED);
+        let flags = flags | findings.flags;
+        estimate.flags = flags.bits();
+        self.tracker.step(frame, &estimate, !flags.intersects(SENSOR_FAULT));
+        let (out, held, begins) = self.holding.apply(&estimate, distrusted);
+        self.time_us = frame.time_us;
+
+        let channels = u32::from(findings.missing)
+            | u32::from(findings.saturated) << 4
+            | u32::from(findings.stuck) << 8
+            | u32::from(findings.noisy) << 12
+            | u32::from(findings.jumped) << 16;
+        let sample = [
+            flags.intersects(SEQUENCE_GAP),
+            flags.intersects(TIME_FAULT),
+            flags.intersects(IMPLAUSIBLE_POSITION),
+            flags.intersects(IMPLAUSIBLE_SWING),
+            outside,
+            held,
+            begins,
+        ];
+        let events = sample
+            .iter()
+            .zip(CHANNEL_LANES..)
+            .fold(channels, |events, (happened, lane)| events | u32::from(*happened) << lane);
+        self.tally.add(events);
+        out
+    }
+    /// What has been learnt about the bearing.
+    #[must_use]
+    pub fn report(&self) -> TrackReport {
+        TrackReport { time_us: self.time_us, safe_state: self.holding.state(), ..self.tracker.report() }
+    }
+
+    /// What was wrong since the start.
+    #[must_use]
+    pub fn health(&self) -> SensorHealth {
+        let count = |lane: u32| self.tally.count(lane);
+        let channel = |index: u32| ChannelCounts {
+            missing: count(index),
+            saturated: count(index + 4),
+            stuck: count(index + 8),
+            noisy: count(index + 12),
+            jumped: count(index + 16),
+        };
+        SensorHealth {
+            time_us: self.time_us,
+            channels: [channel(0), channel(1), channel(2), channel(3)],
+            sequence_gaps: count(CHANNEL_LANES),
+            time_faults: count(CHANNEL_LANES + 1),
+            implausible_positions: count(CHANNEL_LANES + 2),
+            implausible_swings: count(CHANNEL_LANES + 3),
+            outside_law: count(CHANNEL_LANES + 4),
+            held: count(CHANNEL_LANES + 5),
+            holds: count(CHANNEL_LANES + 6),
+        }
+    }
+
+    /// The estimator, to be given another model.
+    pub const fn estimator_mut(&mut self) -> &mut Estimator {
+        &mut self.estimator
+    }
+
+    /// The estimator, for what it conditioned.
+    #[must_use]
+    pub const fn estimator(&self) -> &Estimator {
+        &self.estimator
+    }
+}
+
+/// The limits of the sensors of a bench.
+fn limits_of(configuration: &Configuration, monitor: &MonitorConfiguration, stuck_samples: u16) -> Limits {
+    let stuck = u32::from(stuck_samples);
+    let load_stuck = if monitor.load_stuck_samples == 0 { u32::MAX } else { monitor.load_stuck_samples };
+    let journal = (monitor.journal_noise_limit_nm, monitor.journal_rail_nm);
+    let lever_ratio = monitor.load_lever_um as f32 / monitor.drive_lever_um as f32;
+    Limits {
+        stuck_samples: [stuck, stuck, stuck, load_stuck],
+        noise: [journal.0, journal.0, monitor.angle_noise_limit_nrad, monitor.load_noise_limit_mn],
+        rail: [journal.1, journal.1, u32::MAX, monitor.load_rail_mn],
+        swing: SwingLimit {
+            radial_clearance_m: configuration.radial_clearance_nm as f32 * 1e-9,
+            journal_radius_m: configuration.journal_radius_nm as f32 * 1e-9,
+            per_load: (1.0 - lever_ratio).abs() / (monitor.mass_g as f32 * 1e-3),
+        },
+    }
+}

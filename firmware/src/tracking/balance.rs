@@ -1,0 +1,124 @@
+//! What load, weight and inertia say about the bearing's force, without the contact model.
+//!
+//! The fork's force `P` drops out of the bench's equations (`bench::transmission`):
+//!
+//! ```text
+//! B    = m y'' - J th''/R_c - F_L (1 - R_l/R_d)        R_c = R_d cos th
+//! F_cy = B + rho F_f,    rho = R_J/R_c                 the friction's torque acts on the crank too
+//! F_cz = m (z'' + g)
+//! F_c  = -F_n n + F_f t  =>  F_n = (F_cz (rho - n_z) - B n_y)/det
+//!                            F_f = (B n_z - F_cz n_y)/det,   det = n_y^2 + n_z^2 - rho n_z
+//! ```
+//!
+//! `n` is the mean direction of the block. While the journal swings, the mean of the product `F . n` is not the product of the means;
+//! `|n|^2` then falls below 1, and the share that is missing is the measure of it ([`Balance::unsteadiness`]).
+//!
+//! Limits: fork without play, load on its lever without friction of the cylinder, planar motion; a compliant drive does not matter, as the
+//! fork's force is eliminated, not assumed.
+
+use link::Configuration;
+use link::track::MonitorConfiguration;
+
+use super::block::Means;
+
+const GRAVITY_M_S2: f32 = 9.81;
+
+/// The bench as the balance needs it, SI.
+#[derive(Clone, Debug)]
+pub(super) struct Levers {
+    mass_kg: f32,
+    weight_n: f32,
+    inertia_kg_m2: f32,
+    drive_lever_m: f32,
+    lever_ratio: f32,
+    journal_radius_m: f32,
+    crank_vertical_rad: f32,
+    /// From per sample squared to per second squared.
+    per_period_squared: f32,
+}
+
+/// The bearing's force as the balance has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// Normal force, N.
+    pub normal_n: f32,
+    /// Friction force along `t`, N.
+    pub friction_n: f32,
+    /// Change of the normal force with `B` and with `F_cz`.
+    pub normal_by: [f32; 2],
+    /// Change of the friction force with `B` and with `F_cz`.
+    pub friction_by: [f32; 2],
+    /// Part of `B` that is proportional to the inertia, N.
+    pub inertia_part_n: f32,
+    /// Part of `B` that is proportional to the ratio of the levers, N.
+    pub lever_part_n: f32,
+    /// `F_cz`, all of it proportional to the mass, N.
+    pub weight_part_n: f32,
+    /// 1 less the squared length of the mean direction: 0 when the journal did not move around.
+    pub unsteadiness: f32,
+}
+
+impl Levers {
+    pub(super) fn new(configuration: &Configuration, monitor: &MonitorConfiguration) -> Self {
+        let mass_kg = monitor.mass_g as f32 * 1e-3;
+        let frequency_hz = 1e6 / configuration.sample_period_us as f32;
+        Self {
+            mass_kg,
+            weight_n: mass_kg * GRAVITY_M_S2,
+            inertia_kg_m2: monitor.inertia_g_m2 as f32 * 1e-3,
+            drive_lever_m: monitor.drive_lever_um as f32 * 1e-6,
+            lever_ratio: monitor.load_lever_um as f32 / monitor.drive_lever_um as f32,
+            journal_radius_m: configuration.journal_radius_nm as f32 * 1e-9,
+            crank_vertical_rad: monitor.crank_vertical_nrad as f32 * 1e-9,
+            per_period_squared: frequency_hz * frequency_hz,
+        }
+    }
+
+    pub(super) fn balance(&self, means: &Means) -> Balance {
+        let [y, z, angle] = means.curvature.map(|curvature| curvature * self.per_period_squared);
+        let lever_m = self.drive_lever_m * cosine(means.angle_rad - self.crank_vertical_rad);
+        let inertia_part_n = -self.inertia_kg_m2 * angle / lever_m;
+        let lever_part_n = means.load_n * self.lever_ratio;
+        let rest = self.mass_kg * y + inertia_part_n - means.load_n + lever_part_n;
+        let force_z_n = self.weight_n + self.mass_kg * z;
+        let rho = self.journal_radius_m / lever_m;
+        let (n_y, n_z) = (means.normal_y, means.normal_z);
+        let length = n_y * n_y + n_z * n_z;
+        // A mean direction of length 0 says nothing; whoever uses the result looks at the unsteadiness.
+        let determinant = (length - rho * n_z).max(0.1);
+        let per = 1.0 / determinant;
+        let normal_by = [-n_y * per, (rho - n_z) * per];
+        let friction_by = [n_z * per, -n_y * per];
+        Balance {
+            normal_n: normal_by[0] * rest + normal_by[1] * force_z_n,
+            friction_n: friction_by[0] * rest + friction_by[1] * force_z_n,
+            normal_by,
+            friction_by,
+            inertia_part_n,
+            lever_part_n,
+            weight_part_n: force_z_n,
+            unsteadiness: (1.0 - length).max(0.0),
+        }
+    }
+}
+
+/// Cosine to 1e-4 up to 1.2 rad either way; farther out it is that of 1.2 rad: no rudder's crank goes there.
+fn cosine(angle_rad: f32) -> f32 {
+    let angle = angle_rad.clamp(-1.2, 1.2);
+    let square = angle * angle;
+    1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cosine_is_one() {
+        for step in -120..=120_i16 {
+            let angle = f32::from(step) * 0.01;
+            assert!((cosine(angle) - angle.cos()).abs() < 1.1e-4, "{angle}");
+        }
+        assert_eq!(cosine(9.0), cosine(1.2));
+    }
+}

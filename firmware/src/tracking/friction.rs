@@ -1,0 +1,126 @@
+//! Friction level: the balance's friction force over the one that the friction network asks for at the balance's normal force.
+//!
+//! ```text
+//! E = F_n T_net/(R_J F_net)      the network's coefficient, with its sign, times the balance's normal force
+//! F_f = L E                      L is the level: 1 is the friction that the network was trained on
+//! ```
+//!
+//! Recursive least squares over the blocks. A block at a turn of the sliding speed has `E` near 0 and counts for next to nothing, as
+//! does a block in which the journal swings. Errors of inertia, levers, mass and probe offsets are considered as in
+//! [`super::clearance`]; their sign changes with the direction of sliding while that of `E` does too, so a cycle forth and back
+//! cancels part of them.
+//!
+//! No drive force is needed: the fork's force is eliminated by the crank's equation ([`super::balance`]). Limits: the network's shape
+//! over speed is taken as right; friction elsewhere in the drive (seals, load cylinder) is taken for the bearing's.
+
+use link::Configuration;
+use link::track::MonitorConfiguration;
+
+use super::balance::Balance;
+use super::block::Means;
+
+/// Deviation that the level may gain from a block to the next: 0.012 in a second of 10 kHz.
+pub const WALK: f32 = 0.002;
+/// Deviation of a block's friction force that is not told by the configuration, N.
+const FORCE_NOISE_N: f32 = 10.0;
+/// Deviation of a block's friction force over the normal force, per unsteadiness.
+const UNSTEADY_SHARE: f32 = 2.0;
+/// Deviation of the level at the start.
+const START_DEVIATION: f32 = 0.5;
+
+/// Number of considered errors: inertia, levers, mass, offset along y and z.
+const CONSIDERED: usize = 5;
+
+/// The tracked level.
+#[derive(Clone, Debug)]
+pub struct FrictionLevel {
+    per_journal_radius: f32,
+    deviations: [f32; CONSIDERED],
+    value: f32,
+    variance: f32,
+    sensitivities: [f32; CONSIDERED],
+}
+
+/// One block's friction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Friction force at a level of 1, N.
+    pub expected_n: f32,
+    /// Friction force of the balance, N.
+    pub found_n: f32,
+    /// Variance that is this block's own, N2.
+    pub variance_n2: f32,
+    /// Change of the found force with one standard deviation of each considered error, N.
+    pub sensitivities_n: [f32; CONSIDERED],
+}
+
+impl FrictionLevel {
+    pub(super) fn new(configuration: &Configuration, monitor: &MonitorConfiguration) -> Self {
+        let per_mille = |value: u16| f32::from(value) * 1e-3;
+        let offset_m = monitor.offset_deviation_nm as f32 * 1e-9;
+        let lever = f32::from(monitor.lever_deviation_ppht) * 1e-5 * core::f32::consts::SQRT_2;
+        Self {
+            per_journal_radius: 1e9 / configuration.journal_radius_nm as f32,
+            deviations: [
+                per_mille(monitor.inertia_deviation_per_mille),
+                lever,
+                per_mille(monitor.mass_deviation_per_mille),
+                offset_m,
+                offset_m,
+            ],
+            value: 1.0,
+            variance: START_DEVIATION * START_DEVIATION,
+            sensitivities: [0.0; CONSIDERED],
+        }
+    }
+
+    pub(super) fn measure(&self, means: &Means, balance: &Balance) -> Measured {
+        let coefficient = means.network_torque_nm * self.per_journal_radius / means.network_normal_n.max(1.0);
+        let normal_n = balance.normal_n.max(0.0);
+        let [by_rest, by_weight] = balance.friction_by;
+        let turn = normal_n / means.distance_m.max(1e-6);
+        let unit = [
+            by_rest * balance.inertia_part_n,
+            by_rest * balance.lever_part_n,
+            by_weight * balance.weight_part_n,
+            turn * means.normal_z,
+            -turn * means.normal_y,
+        ];
+        let mut sensitivities_n = self.deviations;
+        for (sensitivity, unit) in sensitivities_n.iter_mut().zip(unit) {
+            *sensitivity *= unit;
+        }
+        let noise_n = FORCE_NOISE_N + UNSTEADY_SHARE * balance.unsteadiness * normal_n;
+        Measured {
+            expected_n: coefficient * normal_n,
+            found_n: balance.friction_n,
+            variance_n2: noise_n * noise_n,
+            sensitivities_n,
+        }
+    }
+
+    /// Takes a block's friction if `gate` is 1, leaves everything as it was if it is 0.
+    pub(super) fn take(&mut self, measured: &Measured, gate: f32) {
+        let considered: f32 = measured.sensitivities_n.iter().map(|s| s * s).sum();
+        let prior = self.variance + gate * (WALK * WALK);
+        let expected = measured.expected_n;
+        let gain =
+            gate * prior * expected / (prior * expected * expected + measured.variance_n2 + considered);
+        self.value += gain * (measured.found_n - self.value * expected);
+        self.variance = prior - gain * expected * prior;
+        for (kept, new) in self.sensitivities.iter_mut().zip(measured.sensitivities_n) {
+            *kept += gain * (new - expected * *kept);
+        }
+    }
+
+    /// The level.
+    pub fn value(&self) -> f32 {
+        self.value
+    }
+
+    /// One standard deviation.
+    pub fn deviation(&self) -> f32 {
+        let considered: f32 = self.sensitivities.iter().map(|s| s * s).sum();
+        libm::sqrtf(self.variance + considered)
+    }
+}

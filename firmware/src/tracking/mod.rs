@@ -1,0 +1,110 @@
+//! A sensor for what no sensor measures: the bearing's radial clearance and its friction level, from the signals that are there.
+//!
+//! Samples are summed up over blocks of [`BLOCK`] ([`block`]); load, weight and inertia give the bearing's force without the contact
+//! model ([`balance`]); distance and force give the clearance ([`clearance`]) and, with the friction network, the friction level
+//! ([`friction`]); the clearance is held against the wear limit ([`wear`]). A block with a sensor fault in it, or without a force that
+//! presses the journal to the bearing, counts for nothing.
+//!
+//! Everything is computed in every sample and takes effect in the last one of a block: the tick costs the same in all of them. f32 with
+//! `+ - * /` and square roots only, so that host and controller agree in every bit.
+
+pub mod balance;
+pub mod block;
+pub mod clearance;
+pub mod friction;
+pub mod wear;
+
+use link::track::{MonitorConfiguration, SafeState, TrackReport};
+use link::{Configuration, EstimateFrame, SensorFrame};
+
+pub use block::BLOCK;
+
+use balance::Levers;
+use block::{Block, Taken};
+use clearance::Clearance;
+use friction::FrictionLevel;
+use wear::WearAlarm;
+
+/// Normal force below which a block tells nothing, N.
+const LEAST_NORMAL_N: f32 = 50.0;
+/// Unsteadiness above which a block tells nothing.
+const MOST_UNSTEADINESS: f32 = 0.2;
+
+/// The virtual sensor.
+#[derive(Clone, Debug)]
+pub struct Tracker {
+    levers: Levers,
+    nominal_clearance_nm: f32,
+    block: Block,
+    clearance: Clearance,
+    friction: FrictionLevel,
+    wear: WearAlarm,
+    sound: bool,
+    blocks: u32,
+    friction_blocks: u32,
+}
+
+impl Tracker {
+    /// Creates a tracker for a bench.
+    #[must_use]
+    pub fn new(configuration: &Configuration, monitor: &MonitorConfiguration) -> Self {
+        Self {
+            levers: Levers::new(configuration, monitor),
+            nominal_clearance_nm: configuration.radial_clearance_nm as f32,
+            block: Block::default(),
+            clearance: Clearance::new(configuration, monitor),
+            friction: FrictionLevel::new(configuration, monitor),
+            wear: WearAlarm::new(monitor.wear_limit_nm, monitor.wear_hysteresis_nm),
+            sound: true,
+            blocks: 0,
+            friction_blocks: 0,
+        }
+    }
+
+    /// Takes a sample with its estimate; `sound` is false when a sensor fault was found in it.
+    pub fn step(&mut self, frame: &SensorFrame, estimate: &EstimateFrame, sound: bool) {
+        let distance_nm = (self.nominal_clearance_nm + estimate.deformation_m * 1e9).max(1.0);
+        let per_distance = 1.0 / distance_nm;
+        let taken = Taken {
+            distance_nm,
+            normal_y: frame.journal_y_nm as f32 * per_distance,
+            normal_z: frame.journal_z_nm as f32 * per_distance,
+            network_normal_n: estimate.normal_force_n,
+            network_torque_nm: estimate.friction_torque_nm,
+        };
+        let (means, complete) = self.block.push(frame, &taken);
+        let balance = self.levers.balance(&means);
+        self.sound &= sound;
+        let pressed = (balance.normal_n > LEAST_NORMAL_N) & (balance.unsteadiness < MOST_UNSTEADINESS);
+        let taken = complete & self.sound & pressed;
+        let gate = if taken { 1.0 } else { 0.0 };
+        self.sound |= complete;
+
+        let measured = self.clearance.measure(&means, &balance);
+        self.clearance.take(&measured, gate);
+        self.wear.update(self.clearance.value_m(), self.clearance.whole_variance_m2(), taken);
+        let friction = self.friction.measure(&means, &balance);
+        self.friction.take(&friction, gate);
+        self.blocks = self.blocks.saturating_add(u32::from(taken));
+        let slides = friction.expected_n * friction.expected_n > friction.variance_n2;
+        self.friction_blocks = self.friction_blocks.saturating_add(u32::from(taken & slides));
+    }
+
+    /// What is tracked; time and safe state are the monitor's.
+    #[must_use]
+    pub fn report(&self) -> TrackReport {
+        let known = |blocks: u32, value: f32| if blocks == 0 { u32::MAX } else { value as u32 };
+        TrackReport {
+            time_us: 0,
+            radial_clearance_nm: (self.clearance.value_m() * 1e9) as u32,
+            radial_clearance_deviation_nm: known(self.blocks, self.clearance.deviation_m() * 1e9),
+            friction_level_per_mille: (self.friction.value() * 1e3) as u32,
+            friction_level_deviation_per_mille: known(self.friction_blocks, self.friction.deviation() * 1e3),
+            clearance_blocks: self.blocks,
+            friction_blocks: self.friction_blocks,
+            wear: self.wear.state(self.blocks),
+            wear_alarms: self.wear.times(),
+            safe_state: SafeState::Starting,
+        }
+    }
+}

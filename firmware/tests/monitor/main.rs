@@ -1,0 +1,4 @@
+//! The monitor from outside: runs of the bench in, what it tracks, flags and holds out.
+
+mod run;
+mod tracking;

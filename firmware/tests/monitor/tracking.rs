@@ -1,0 +1,130 @@
+//! The virtual sensor against benches whose clearance and friction are known.
+
+use crate::run::{Truth, follow, monitor};
+use inference::Bearing;
+use link::track::Wear;
+
+/// Benches per bearing whose uncertain parameters are drawn, each with another clearance and friction level.
+const SEEDS: u64 = 32;
+
+/// Error over deviation of clearance and friction level, and their errors in nm and thousandths, after one cycle of every bench.
+fn scores(bearing: Bearing) -> Vec<[f64; 4]> {
+    (0..SEEDS)
+        .map(|seed| {
+            let clearance_m = 0.5e-3 + 4e-6 * (seed as f64 - 8.0);
+            let friction_level = 0.8 + 0.0125 * seed as f64;
+            let truth = Truth { clearance_m, friction_level, ..Truth::drawn(bearing, seed) };
+            let mut monitor = monitor(bearing, |_| {});
+            follow(&mut monitor, &truth.frames(seed, 0).0);
+            let report = monitor.report();
+            let clearance = f64::from(report.radial_clearance_nm) - clearance_m * 1e9;
+            let friction = f64::from(report.friction_level_per_mille) - friction_level * 1e3;
+            [
+                clearance / f64::from(report.radial_clearance_deviation_nm),
+                friction / f64::from(report.friction_level_deviation_per_mille),
+                clearance,
+                friction,
+            ]
+        })
+        .collect()
+}
+
+#[test]
+fn the_stated_deviations_cover_the_errors() {
+    for (bearing, clearance_nm, friction) in
+        [(Bearing::Babbitt, 600.0, 80.0), (Bearing::Plastic, 3_000.0, 100.0)]
+    {
+        let scores = scores(bearing);
+        let rms = |column: usize| {
+            (scores.iter().map(|row| row[column] * row[column]).sum::<f64>() / SEEDS as f64).sqrt()
+        };
+        let within = |column: usize, deviations: f64| {
+            scores.iter().filter(|row| row[column].abs() <= deviations).count() as f64 / SEEDS as f64
+        };
+        println!(
+            "{bearing:?}: clearance {:.0} nm rms, {:.2} deviations; friction {:.0} thousandths rms, {:.2} deviations",
+            rms(2),
+            rms(0),
+            rms(3),
+            rms(1)
+        );
+        for (quantity, column) in [("clearance", 0), ("friction", 1)] {
+            // A normal deviation holds 68 and 95 %; 32 draws scatter by 8 and 4 %.
+            assert!(within(column, 1.0) > 0.55, "{bearing:?} {quantity}: {}", within(column, 1.0));
+            assert!(within(column, 2.0) > 0.89, "{bearing:?} {quantity}: {}", within(column, 2.0));
+            // Nor is the deviation so wide that it says nothing.
+            assert!(rms(column) > 0.4, "{bearing:?} {quantity}: {}", rms(column));
+        }
+        assert!(rms(2) < clearance_nm, "{bearing:?}: {} nm", rms(2));
+        assert!(rms(3) < friction, "{bearing:?}: {}", rms(3));
+    }
+}
+
+#[test]
+fn a_clearance_that_grows_is_followed_and_alarmed_when_it_is_above_the_limit() {
+    for (bearing, limit_m, step_m) in [(Bearing::Babbitt, 0.52e-3, 1e-6), (Bearing::Plastic, 0.53e-3, 2e-6)] {
+        let mut monitor = monitor(bearing, |configuration| {
+            configuration.wear_limit_nm = (limit_m * 1e9) as u32;
+            configuration.wear_hysteresis_nm = 15_000;
+        });
+        let mut raised_at = None;
+        for cycle in 0..32_u32 {
+            let clearance_m = 0.5e-3 + step_m * f64::from(cycle);
+            let truth = Truth { clearance_m, ..Truth::drawn(bearing, 3) };
+            follow(&mut monitor, &truth.frames(u64::from(cycle), cycle * 10_000).0);
+            let report = monitor.report();
+            let deviation_m = f64::from(report.radial_clearance_deviation_nm) * 1e-9;
+            let error_m = f64::from(report.radial_clearance_nm) * 1e-9 - clearance_m;
+            assert!(error_m.abs() < 2.5 * deviation_m, "{bearing:?} {cycle}: {error_m} of {deviation_m} m");
+            if report.wear == Wear::Alarm && raised_at.is_none() {
+                raised_at = Some(clearance_m);
+                // The confidence of 1.6 deviations, the error of up to 2, and what a cycle adds.
+                assert!(clearance_m > limit_m - 0.5 * deviation_m, "{bearing:?}: early, {clearance_m} m");
+                assert!(
+                    clearance_m < limit_m + 3.7 * deviation_m + step_m,
+                    "{bearing:?}: late, {clearance_m} m"
+                );
+            }
+        }
+        assert!(raised_at.is_some(), "{bearing:?}: never");
+        assert_eq!((monitor.report().wear, monitor.report().wear_alarms), (Wear::Alarm, 1), "{bearing:?}");
+    }
+}
+
+#[test]
+fn without_wear_there_is_no_alarm() {
+    for bearing in Bearing::ALL {
+        for seed in 100..140 {
+            let mut monitor = monitor(bearing, |configuration| configuration.wear_limit_nm = 500_000);
+            // Two deviations below the limit, as a bearing that has worn to near it.
+            let below_m = if bearing == Bearing::Babbitt { 1.4e-6 } else { 5.6e-6 };
+            let truth = Truth { clearance_m: 0.5e-3 - below_m, ..Truth::drawn(bearing, seed) };
+            follow(&mut monitor, &truth.frames(seed, 0).0);
+            assert_eq!(monitor.report().wear, Wear::Below, "{bearing:?}, {seed}");
+        }
+    }
+}
+
+#[test]
+fn load_either_way_and_other_clearances_are_followed() {
+    for bearing in Bearing::ALL {
+        for (clearance_m, load_n) in
+            [(0.49e-3, -10e3), (0.5e-3, 1e3), (0.51e-3, 5e3), (0.45e-3, -5e3), (0.6e-3, 10e3)]
+        {
+            let truth = Truth { clearance_m, load_n, ..Truth::nominal(bearing) };
+            let mut monitor = monitor(bearing, |_| {});
+            follow(&mut monitor, &truth.frames(9, 0).0);
+            let report = monitor.report();
+            let deviation_m = f64::from(report.radial_clearance_deviation_nm) * 1e-9;
+            let error_m = f64::from(report.radial_clearance_nm) * 1e-9 - clearance_m;
+            println!(
+                "{bearing:?} {clearance_m} m {load_n} N: {error_m:.2e} of {deviation_m:.2e} m, friction {} of {}",
+                report.friction_level_per_mille, report.friction_level_deviation_per_mille
+            );
+            assert!(
+                error_m.abs() < deviation_m,
+                "{bearing:?} {clearance_m} m, {load_n} N: {error_m} of {deviation_m} m"
+            );
+        }
+    }
+}
