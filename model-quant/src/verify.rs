@@ -6,8 +6,11 @@
 
 use crate::checkpoint::Checkpoint;
 use crate::draw::{Draw, Purpose};
+use crate::errors::Errors;
 use crate::features::FloatFeatures;
 use crate::float_pair::{FloatEstimate, FloatPair};
+use crate::goals::{Goal, goals};
+use crate::held_out::HeldOut;
 use crate::image::{AnyModel, AnyPair};
 use crate::peers::PeerVerdict;
 use crate::rows::{Row, rows};
@@ -59,6 +62,15 @@ pub struct Verdict {
     pub r2_quantised: f64,
     /// Mean absolute error of the image against the law in N.
     pub mae_n: f64,
+    /// The same as a torque on the bench's bearing radius in N m; of the friction network alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mae_nm: Option<f64>,
+    /// 99th percentile of the law's force in N.
+    pub p99_force_n: f64,
+    /// Mean absolute error of the image over that percentile.
+    pub mae_share_of_p99: f64,
+    /// Largest absolute error of the image against the law in N.
+    pub largest_n: f64,
     /// Mean absolute difference between image and float networks in N.
     pub mae_quantisation_n: f64,
     /// Largest absolute difference between image and float networks in N.
@@ -79,8 +91,26 @@ pub struct Verdict {
     pub rows: usize,
     /// Errors by band.
     pub bands: Vec<Band>,
+    /// Errors over the contacts of held-out bench runs, where they were measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub held_out: Option<HeldOut>,
+    /// The figures held against their goals.
+    pub goals: Vec<Goal>,
     /// Other runtimes on the same parameters.
     pub peers: Vec<PeerVerdict>,
+}
+
+impl Verdict {
+    fn judged(mut self) -> Self {
+        self.goals = goals(&self);
+        self
+    }
+
+    /// The verdict with the errors over held-out bench runs, which have goals of their own.
+    #[must_use]
+    pub fn with_held_out(self, held_out: HeldOut) -> Self {
+        Self { held_out: Some(held_out), ..self }.judged()
+    }
 }
 
 struct Sample {
@@ -143,7 +173,8 @@ pub(crate) fn image_forces_after(
         .collect()
 }
 
-/// Runs image and float networks over the test rows; collision first, friction second. Peers are left to the caller.
+/// Runs image and float networks over the test rows; collision first, friction second. Peers and held-out runs are left to
+/// the caller.
 pub fn verify(checkpoint: &Checkpoint, training_id: u64, image: &[u8]) -> Result<[Verdict; 2], ImageError> {
     let model = AnyModel::load(image)?;
     let image_crc_ok = (image.split_last_chunk::<CRC_LENGTH>())
@@ -173,26 +204,38 @@ pub fn verify(checkpoint: &Checkpoint, training_id: u64, image: &[u8]) -> Result
             },
         )
         .collect();
-    let verdict = |which: usize, network| Verdict {
-        bearing: checkpoint.bearing.name(),
-        network,
-        r2_float: r_squared(&samples, |s| (s.law[which], s.float[which])),
-        r2_quantised: r_squared(&samples, |s| (s.law[which], s.image[which])),
-        mae_n: mean(samples.iter().map(|s| (s.law[which] - s.image[which]).abs())),
-        mae_quantisation_n: mean(samples.iter().map(|s| (s.float[which] - s.image[which]).abs())),
-        largest_quantisation_n: (samples.iter())
-            .fold(0.0, |largest, s| (s.float[which] - s.image[which]).abs().max(largest)),
-        working_error_median: relative_error(&samples, which, 0.5),
-        working_error_p95: relative_error(&samples, which, 0.95),
-        zero_contact_output: samples.iter().fold(0.0, |largest, s| s.gap.max(largest)),
-        image_crc_ok,
-        image_matches_checkpoint: header.training_id == training_id,
-        saturated_share: mean(samples.iter().map(|s| f64::from(u8::from(s.saturated)))),
-        rows: samples.len(),
-        bands: bands(&samples, which, f64::from(features.normal_force_n.high)),
-        peers: Vec::new(),
+    let verdict = |which: usize, network: &'static str| {
+        let errors = |pick: fn(&Sample) -> [f64; 2]| {
+            Errors::of(samples.iter().map(move |s| (s.law[which], pick(s)[which])))
+        };
+        let (image, float) = (errors(|s| s.image), errors(|s| s.float));
+        Verdict {
+            bearing: checkpoint.bearing.name(),
+            network,
+            r2_float: float.r2,
+            r2_quantised: image.r2,
+            mae_n: image.mae_n,
+            mae_nm: (network == "friction").then(|| image.mae_nm()),
+            p99_force_n: image.p99_force_n,
+            mae_share_of_p99: image.mae_share_of_p99,
+            largest_n: image.largest_n,
+            mae_quantisation_n: mean(samples.iter().map(|s| (s.float[which] - s.image[which]).abs())),
+            largest_quantisation_n: (samples.iter())
+                .fold(0.0, |largest, s| (s.float[which] - s.image[which]).abs().max(largest)),
+            working_error_median: relative_error(&samples, which, 0.5),
+            working_error_p95: relative_error(&samples, which, 0.95),
+            zero_contact_output: samples.iter().fold(0.0, |largest, s| s.gap.max(largest)),
+            image_crc_ok,
+            image_matches_checkpoint: header.training_id == training_id,
+            saturated_share: mean(samples.iter().map(|s| f64::from(u8::from(s.saturated)))),
+            rows: samples.len(),
+            bands: bands(&samples, which, f64::from(features.normal_force_n.high)),
+            held_out: None,
+            goals: Vec::new(),
+            peers: Vec::new(),
+        }
     };
-    Ok([verdict(0, "collision"), verdict(1, "friction")])
+    Ok([verdict(0, "collision"), verdict(1, "friction")].map(Verdict::judged))
 }
 
 fn is_working_point(features: &FloatFeatures, row: &Row) -> bool {
@@ -204,13 +247,6 @@ fn is_working_point(features: &FloatFeatures, row: &Row) -> bool {
 pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
     if count == 0 { 0.0 } else { sum / count as f64 }
-}
-
-fn r_squared(samples: &[Sample], pick: impl Fn(&Sample) -> (f64, f64)) -> f64 {
-    let centre = mean(samples.iter().map(|s| pick(s).0));
-    let residual: f64 = samples.iter().map(&pick).map(|(law, found)| (law - found) * (law - found)).sum();
-    let total: f64 = samples.iter().map(&pick).map(|(law, _)| (law - centre) * (law - centre)).sum();
-    1.0 - residual / total
 }
 
 fn relative_error(samples: &[Sample], which: usize, quantile: f64) -> f64 {

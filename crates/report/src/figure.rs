@@ -113,6 +113,12 @@ pub fn lines_log_x(chart: &Chart, series: &[Series]) -> Result<String, String> {
     draw(chart, series, &Axis::logarithmic(all.clone().map(|p| p.0)), &Axis::linear(all.map(|p| p.1)), true)
 }
 
+/// A chart with a logarithmic vertical axis; points with y at or below 0 are left out.
+pub fn lines_log_y(chart: &Chart, series: &[Series]) -> Result<String, String> {
+    let all = values(series);
+    draw(chart, series, &Axis::linear(all.clone().map(|p| p.0)), &Axis::logarithmic(all.map(|p| p.1)), true)
+}
+
 /// A chart with two logarithmic axes; points at or below 0 are left out.
 pub fn lines_log_log(chart: &Chart, series: &[Series]) -> Result<String, String> {
     let all = values(series);
@@ -219,7 +225,7 @@ mod tests {
     #[test]
     fn an_empty_chart_is_still_a_picture() {
         let chart = Chart { title: "empty", x: "x", y: "y", size: (300, 200) };
-        for draw in [lines, lines_log_x, lines_log_log, map] {
+        for draw in [lines, lines_log_x, lines_log_y, lines_log_log, map] {
             assert!(draw(&chart, &[]).unwrap().starts_with("<svg"));
         }
     }

@@ -1,7 +1,6 @@
 //! The conditions: the paper's clearances and loads with both bearings, and held-out ones.
 //!
-//! The held-out conditions have clearances, loads and drive periods between and beyond the paper's. Whoever chooses a
-//! training recipe, a window or an observer looks at the paper's conditions, never at these.
+//! The held-out conditions are those of [`model_quant::held_out`].
 
 use crate::error::CliError;
 use crate::force::{self, DEFAULT_STEP_S, ForceSource, ForcedRun};
@@ -9,21 +8,8 @@ use crate::paper::{BEARINGS, CLEARANCES_MM, LOADS_KN, resolved, variant};
 use bench::description::TransmissionBench;
 use bench::sensor::Sensor;
 use bench::{BearingMaterial, Bench, Channel};
+use model_quant::held_out;
 use serde::Serialize;
-
-/// Clearance in mm, load in kN and drive period in s of the held-out conditions.
-pub const HELD_OUT: [(f64, f64, f64); 10] = [
-    (0.17, 7.5, 1.0),
-    (0.17, -3.0, 1.0),
-    (0.35, 10.0, 0.85),
-    (0.35, -7.5, 1.0),
-    (0.35, 3.0, 1.5),
-    (0.7, 7.5, 1.0),
-    (0.7, -3.0, 0.85),
-    (0.7, 2.0, 1.0),
-    (0.85, -7.5, 1.25),
-    (1.3, 4.0, 1.0),
-];
 
 /// Noise of the journal's position sensors at the controller's rate, m.
 pub const POSITION_NOISE_M: f64 = 0.2e-6;
@@ -62,7 +48,7 @@ pub fn all() -> Vec<Condition> {
     let of = |bearing: BearingMaterial| {
         let paper = CLEARANCES_MM.into_iter().flat_map(|clearance| LOADS_KN.map(|load| (clearance, load)));
         let paper = paper.map(|(clearance, load)| (clearance, load, None));
-        let held_out = HELD_OUT.map(|(clearance, load, period)| (clearance, load, Some(period)));
+        let held_out = held_out::CONDITIONS.map(|(clearance, load, period)| (clearance, load, Some(period)));
         paper.chain(held_out).map(move |(clearance_mm, load_kn, period)| Condition {
             bearing,
             clearance_mm,

@@ -2,6 +2,7 @@
 
 mod dataset;
 mod quantize;
+mod report;
 mod train;
 mod verify;
 
@@ -14,6 +15,8 @@ use model_quant::dataset::picture::PictureError;
 use model_quant::float_pair::{LoadError, read_checkpoint, shipped};
 use model_quant::peers::{ResultsError, WindowsError};
 use model_quant::quantise::QuantiseError;
+use model_quant::training_report::ReportError;
+use model_quant::training_report::history::HistoryError;
 use model_quant::write::WriteError;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -35,6 +38,7 @@ enum Command {
     Train(train::Arguments),
     Quantize(quantize::Arguments),
     Verify(verify::Arguments),
+    Report(report::Arguments),
 }
 
 /// Why a command ended without its result.
@@ -64,6 +68,10 @@ pub(crate) enum CliError {
     Friction(#[from] FrictionError),
     #[error("{0}")]
     Picture(#[from] PictureError),
+    #[error("{0}")]
+    Report(#[from] ReportError),
+    #[error("{0}")]
+    History(#[from] HistoryError),
     #[error("standard output: {0}")]
     Output(std::io::Error),
     #[error("json: {0}")]
@@ -84,6 +92,7 @@ impl CliError {
             | Self::Read { .. }
             | Self::Image { .. }
             | Self::Results { .. }
+            | Self::History(_)
             | Self::Argument(..) => 2,
             Self::Friction(error) if error.is_wrong_input() => 2,
             _ => 1,
@@ -99,6 +108,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Command::Train(arguments) => train::run(arguments),
         Command::Quantize(arguments) => quantize::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
+        Command::Report(arguments) => report::run(arguments),
     }
 }
 

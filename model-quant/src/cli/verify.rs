@@ -2,6 +2,9 @@
 
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
 use inference::{Bearing, shipped as shipped_image};
+use model_quant::errors::{Errors, FRICTION_RADIUS_M};
+use model_quant::goals::Goal;
+use model_quant::held_out::judged;
 use model_quant::image::{AlignedImage, AnyModel};
 use model_quant::peers::{CHECKED_IN, Results, to_bytes, windows};
 use model_quant::verify::{TEST_ROWS, Verdict, verify};
@@ -10,7 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Compare model images with the laws, their float networks and other runtimes
 ///
-/// Laws and float networks: on rows that no training saw. Other runtimes: the checked-in results of ONNX Runtime (the same whole
+/// Laws and float networks: on rows that no training saw, and over the contacts of bench runs that nothing was chosen on; with
+/// the goals that the networks meet or do not meet. Other runtimes: the checked-in results of ONNX Runtime (the same whole
 /// numbers, a difference is an error) and of LiteRT, formerly TFLite (16-bit activations and 8-bit weights, its own rounding), on
 /// the windows of model-quant/peers, made for the checked-in images; and with `--emulated` those of a
 /// controller, which must be equal, too.
@@ -138,20 +142,38 @@ fn table(verdicts: &[Verdict]) -> Result<(), CliError> {
                 verdict.bearing, verdict.network
             ))
         };
-        let largest_n = verdict.bands.iter().map(|band| band.largest_n).fold(0.0, f64::max);
         let figures = format!(
             "  {:.6}  {:7.2}  {:7.2}",
             verdict.r2_quantised,
             100.0 * verdict.working_error_median,
             100.0 * verdict.working_error_p95
         );
-        row("law", verdict.rows, None, [verdict.mae_n, largest_n], figures)?;
+        row("law", verdict.rows, None, [verdict.mae_n, verdict.largest_n], figures)?;
         let quantisation = [verdict.mae_quantisation_n, verdict.largest_quantisation_n];
         let figures = format!("  ({:.6} of them against the law)", verdict.r2_float);
         row("float networks", verdict.rows, None, quantisation, figures)?;
         for peer in &verdict.peers {
             let figures = format!("  (sums: {} counts at most)", peer.largest_counts);
             row(&peer.peer, peer.windows, Some(peer.different), [peer.mean_n, peer.largest_n], figures)?;
+        }
+        if let Some(held_out) = &verdict.held_out {
+            let Errors { rows, r2, mae_n, largest_n, .. } = held_out.image;
+            let figures = format!("  {r2:.6}");
+            row(&format!("law, {} held-out runs", held_out.runs), rows, None, [mae_n, largest_n], figures)?;
+        }
+        for goal in &verdict.goals {
+            let met = if goal.met { "met" } else { "not met" };
+            let Goal { figure, value, relation, limit, .. } = goal;
+            print(format_args!(
+                "{:8} {:9}  {met}: {figure} {value:.6} {relation} {limit}",
+                verdict.bearing, verdict.network
+            ))?;
+        }
+        if let Some(mae_nm) = verdict.mae_nm {
+            print(format_args!(
+                "{:8} {:9}  mean absolute error {mae_nm:.3} N m on a radius of {FRICTION_RADIUS_M} m",
+                verdict.bearing, verdict.network
+            ))?;
         }
         print(format_args!(
             "{:8} {:9}  largest output without contact {} N; check sum {}",
@@ -176,5 +198,6 @@ fn check(file: Option<&Path>, bearing: Bearing, image: &[u8], name: &Path) -> Re
         return Err(CliError::Argument("--checkpoint", found, "one of the image's bearing"));
     }
     let refused = |source| CliError::Image { path: name.to_path_buf(), source };
-    verify(&checkpoint, training_id, image).map_err(refused)
+    let verdicts = verify(&checkpoint, training_id, image).map_err(refused)?;
+    Ok(judged(verdicts, &checkpoint, AnyModel::load(image).map_err(refused)?)?)
 }

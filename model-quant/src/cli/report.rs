@@ -1,0 +1,86 @@
+//! `model-quant report`: the training report.
+
+use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
+use inference::Bearing;
+use model_quant::claims::{Claim, friction, torque, training};
+use model_quant::training_report::facts::BearingFacts;
+use model_quant::training_report::history::History;
+use model_quant::training_report::page::{goal_rows, lead, report};
+use model_quant::write::write_whole;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Write the training report: the paper's Figs. 10 to 13, errors against the goals, claims 12 to 15, quantisation loss
+///
+/// A goal that is not met is an outcome, not a failure: the exit code is 0.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  model-quant report --out out/training\n  \
+                        model-quant train --bearing plastic --json > plastic.json && \
+                        model-quant report --bearing plastic --history plastic.json --out out/training")]
+pub(crate) struct Arguments {
+    /// Bearing: babbitt or plastic; both if not given
+    #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
+    bearing: Option<Bearing>,
+    /// Float checkpoint; the checked-in ones if not given
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+    /// Output of `model-quant train --json` for a checkpoint, for the errors over the epochs; may be given once a bearing
+    #[arg(long, value_name = "FILE")]
+    history: Vec<PathBuf>,
+    /// Folder for report.html, report.json and the pictures (SVG)
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print the figures as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Outcome<'a> {
+    networks: &'a [BearingFacts],
+    claims: &'a [Claim],
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let mut histories: Vec<(PathBuf, History)> = Vec::new();
+    for path in &arguments.history {
+        histories.push((path.clone(), History::read(path)?));
+    }
+    let chosen =
+        if arguments.checkpoint.is_some() { vec![Bearing::Babbitt] } else { bearings(arguments.bearing) };
+    let mut all = Vec::new();
+    for bearing in chosen {
+        let (checkpoint, training_id) = checkpoint(arguments.checkpoint.as_deref(), bearing)?;
+        let id = format!("{training_id:016x}");
+        let place = histories.iter().position(|(_, history)| history.training_id == id);
+        let history = place.map(|place| histories.swap_remove(place).1);
+        all.push(BearingFacts::of(&checkpoint, training_id, history)?);
+    }
+    if let Some((path, history)) = histories.first() {
+        let found = format!("{}: training id {}", path.display(), history.training_id);
+        return Err(CliError::Argument("--history", found, "the training of a checkpoint of this report"));
+    }
+    let rigs = torque::of_rigs()?;
+    let mut claims = friction::judge(&rigs);
+    claims.push(training::judge(&training::measure()?));
+    let made = report(&all, &claims)?;
+    let text = serde_json::to_string_pretty(&Outcome { networks: &all, claims: &claims })?;
+    for picture in &made.pictures {
+        write_whole(&arguments.out.join(format!("{}.svg", picture.name)), picture.svg.as_bytes())?;
+    }
+    write_whole(&arguments.out.join("report.json"), format!("{text}\n").as_bytes())?;
+    let file = arguments.out.join("report.html");
+    write_whole(&file, made.page.render().as_bytes())?;
+    if arguments.json {
+        return print_json(&Outcome { networks: &all, claims: &claims });
+    }
+    for row in goal_rows(&all) {
+        if let [bearing, network, figure, found, goal, verdict] = row.as_slice() {
+            print(format_args!("{bearing:8} {network:9}  {verdict:7}  {figure}: {found}, goal {goal}"))?;
+        }
+    }
+    for claim in &claims {
+        print(format_args!("claim {:2}  {}: {}", claim.id, claim.verdict.name(), claim.why))?;
+    }
+    print(format_args!("{}\nreport: {}", lead(&all, &claims), file.display()))
+}

@@ -1,0 +1,112 @@
+//! Friction torque over speed and load, as the networks of an image give it: the paper's Figs. 12 and 13.
+//!
+//! The chain is asked as the controller asks it: a contact at rest in depth whose force under the law is the load, at a
+//! steady sliding speed, until its window is full. So the torque carries the errors of both networks. Loads and speeds are
+//! those of the bench; the rig's lie beyond what these networks were trained on.
+
+use crate::errors::FRICTION_RADIUS_M;
+use crate::image::{AnyModel, AnyPair};
+use crate::law::{friction_law, normal_law};
+use inference::{Bearing, ContactState, Header, WINDOW};
+use serde::Serialize;
+
+/// Loads in N.
+pub const LOADS_N: [f64; 5] = [1e3, 2e3, 5e3, 10e3, 14e3];
+/// Sliding speeds in m/s that the map has.
+pub const SPEEDS_M_S: [f64; 8] = [0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.15, 0.25];
+/// Points of a curve.
+const POINTS: usize = 80;
+/// Slowest sliding speed of a curve, m/s.
+const SLOWEST_M_S: f64 = 5e-4;
+/// Radial clearance that the networks are asked at, m.
+const CLEARANCE_M: f64 = 0.5e-3;
+/// Halvings of the interval of the deformation.
+const HALVINGS: usize = 60;
+
+/// Torque in N m at a load by sliding speed in m/s, ascending.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// Load in N.
+    pub load_n: f64,
+    /// Speed, torque of the networks, torque of the law.
+    pub points: Vec<(f64, f64, f64)>,
+}
+
+/// The curves of an image at those of [`LOADS_N`] that its training range holds.
+pub fn curves(model: AnyModel<'_>, speeds_m_s: &[f64]) -> Vec<Curve> {
+    let header = model.header();
+    let law = friction_law(header.bearing);
+    let mut pair = AnyPair::new(model);
+    let curve = |load_n: f64| {
+        let deformation_m = depth(&header, load_n)?;
+        let points = speeds_m_s.iter().map(|&speed| {
+            pair.reset();
+            let state = ContactState {
+                radial_clearance_m: CLEARANCE_M as f32,
+                deformation_m: deformation_m as f32,
+                deformation_rate_m_s: 0.0,
+                approach_speed_m_s: header.latch_floor_m_s(),
+                sliding_speed_m_s: speed as f32,
+            };
+            let found = (0..WINDOW).fold(0, |_, _| pair.push(&state).friction_force_mn);
+            let torque = |force_n: f64| force_n.abs() * FRICTION_RADIUS_M;
+            (speed, torque(f64::from(found) / 1000.0), torque(law.force_n(load_n, speed)))
+        });
+        Some(Curve { load_n, points: points.collect() })
+    };
+    LOADS_N.into_iter().filter_map(curve).collect()
+}
+
+/// Speeds of a curve, evenly spaced in their logarithm, up to the end of the training range.
+pub fn speeds(header: &Header) -> Vec<f64> {
+    let highest = f64::from(header.sliding_speed_m_s().high);
+    let share = |i: usize| i as f64 / (POINTS - 1) as f64;
+    (0..POINTS).map(|i| SLOWEST_M_S * (highest / SLOWEST_M_S).powf(share(i))).collect()
+}
+
+/// The deformation at rest that carries a load under the law, by bisection: the force grows with it. None if that is deeper
+/// than the networks were trained to.
+fn depth(header: &Header, load_n: f64) -> Option<f64> {
+    let bearing: Bearing = header.bearing;
+    let law = normal_law(bearing, CLEARANCE_M, f64::from(header.latch_floor_m_s()));
+    let (mut low, mut high) = (0.0, f64::from(header.deformation_m().high));
+    if law.force_n(high, 0.0, 0.0) < load_n {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if law.force_n(middle, 0.0, 0.0) < load_n { low = middle } else { high = middle }
+    }
+    Some(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use inference::shipped;
+
+    #[test]
+    fn the_networks_torque_follows_the_law_over_speed_and_load() {
+        for bearing in Bearing::ALL {
+            let model = AnyModel::load(shipped(bearing)).unwrap();
+            let curves = curves(model, &SPEEDS_M_S);
+            assert!(curves.len() >= 4, "{bearing:?}");
+            for curve in curves {
+                for (speed, network, law) in curve.points {
+                    let error = network / law - 1.0;
+                    assert!(error.abs() < 0.05, "{bearing:?}, {} N, {speed} m/s: {error}", curve.load_n);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_depth_carries_the_load() {
+        let header = AnyModel::load(shipped(Bearing::Plastic)).unwrap().header();
+        let law = normal_law(Bearing::Plastic, CLEARANCE_M, 1e-3);
+        assert!((law.force_n(depth(&header, 5e3).unwrap(), 0.0, 0.0) / 5e3 - 1.0).abs() < 1e-9);
+        assert_eq!(depth(&header, 1e6), None);
+        let speeds = speeds(&header);
+        assert!(speeds.windows(2).all(|w| w[0] < w[1]) && (speeds[POINTS - 1] - 0.25).abs() < 1e-6);
+    }
+}
