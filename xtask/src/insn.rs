@@ -53,7 +53,7 @@ impl Figure {
 
 /// Counts everything.
 pub(crate) fn count() -> Result<Counts, ChoreError> {
-    let way = setup::setup()?;
+    setup::setup()?;
     let image = COUNTED.build("count")?;
     let text = COUNTED.run(&image)?;
     let mut figures = BTreeMap::new();
@@ -75,7 +75,7 @@ pub(crate) fn count() -> Result<Counts, ChoreError> {
     let (reference_window, reference_stream) = (most("reference_window")?, most("reference_stream")?);
     let (reference_reuse, pair_ram_bytes) = (most("reference_reuse")?, most("pair_bytes")?);
     figures.remove("pair_bytes");
-    firmware::build(&way)?;
+    firmware::DEFAULT.build()?;
     let (estimator_tick_min, estimator_tick_max) = ticks()?;
     Ok(Counts {
         reference_window,

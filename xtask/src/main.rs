@@ -1,6 +1,7 @@
 //! Workspace chores: set-up, tests, instruction counts, sizes. CI calls nothing else.
 
 mod boards;
+mod budget;
 mod compile;
 mod firmware;
 mod golden;
@@ -10,6 +11,7 @@ mod miri;
 mod run;
 mod setup;
 mod size;
+mod stack;
 mod table;
 mod test;
 mod verify;
@@ -34,8 +36,15 @@ enum Command {
     Setup,
     /// Set up, build the firmware, run every test, the emulated ones included.
     Test,
-    /// Build the firmware's image for the STM32F405.
-    Firmware,
+    /// Build the firmware's image for a board.
+    Firmware {
+        /// The board: stm32f405 (any of them), feather-stm32f405, olimex-stm32-h405, netduino-plus-2, mps2-an505.
+        #[arg(long, default_value = "stm32f405", value_parser = firmware::board)]
+        board: firmware::Board,
+        /// With faults on demand, for the emulator's tests; never for a bench.
+        #[arg(long)]
+        provoke: bool,
+    },
     /// Compare the kernels of every emulated core with the host's, bit for bit.
     Kernels,
     /// Run the inference crate's tests under Miri (nightly toolchain).
@@ -50,7 +59,13 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Flash and RAM of the image, and whether it contains a reachable panic.
+    /// Static bound and emulated high-water mark of the stack.
+    Stack {
+        /// Print as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Flash, RAM and stack of the image, and whether it contains a reachable panic.
     Size {
         /// Print as JSON.
         #[arg(long)]
@@ -62,14 +77,14 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Setup => setup::setup().map(|_| ()),
         Command::Test => test::test(),
-        Command::Firmware => setup::target(setup::TARGET)
-            .and_then(|way| firmware::build(&way))
+        Command::Firmware { board, provoke } => if provoke { board.build_provoking() } else { board.build() }
             .map(|elf| println!("{}", elf.display())),
         Command::Miri => miri::miri(),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
-        Command::Bless => golden::bless(),
+        Command::Bless => golden::bless().and_then(|()| budget::bless()),
         Command::Insn { json } => insn::insn(json),
+        Command::Stack { json } => stack::stack(json),
         Command::Size { json } => size::size(json),
     };
     match result {

@@ -1,4 +1,4 @@
-//! What the tests need beyond the toolchain: the controller's target and the emulator.
+//! What the tests need beyond the toolchain: the controllers' targets and the emulator.
 //!
 //! The target comes from rustup. Where its server cannot be reached, Debian's compiler with its library sources builds the
 //! core library itself; where neither is to be had, the reason is said.
@@ -25,6 +25,7 @@ pub(crate) enum Way {
 /// Installs everything.
 pub(crate) fn setup() -> Result<Way, ChoreError> {
     let way = target(TARGET)?;
+    target(crate::firmware::OTHER_CORE.target)?;
     emulator()?;
     Ok(way)
 }

@@ -1,52 +1,83 @@
-//! Flash and RAM of the image, and whether a panic is reachable in it.
+//! Flash, RAM and stack of the image, and whether a panic is reachable in it.
 //!
-//! Flash is what the image loads, RAM what it claims statically; the stack comes on top. The panic handler refers to a marker
-//! symbol: an image without the symbol contains no reachable panic.
+//! Flash is what the image loads, RAM what it claims statically; the stack has room of its own below that. The panic handler refers to a
+//! marker symbol: an image without the symbol contains no reachable panic.
 
 use crate::run::ChoreError;
-use crate::{firmware, setup};
+use crate::{firmware, stack};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, elf};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 const PANIC_MARKER: &str = "PINTLE_PANIC_MARKER";
-/// Start of the RAM in memory.x.
-const RAM_START: u64 = 0x2000_0000;
 
-#[derive(Serialize)]
-struct Sizes {
-    flash_bytes: u64,
-    ram_bytes: u64,
-    panic_symbol: bool,
+/// Sizes of an image.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Sizes {
+    /// What is written to flash.
+    pub(crate) flash_bytes: u64,
+    /// What is claimed of the RAM besides the stack.
+    pub(crate) ram_bytes: u64,
+    /// Whether a panic is reachable.
+    pub(crate) panic_symbol: bool,
 }
 
-/// Builds the image and prints its sizes.
-pub(crate) fn size(json: bool) -> Result<(), ChoreError> {
-    let way = setup::target(setup::TARGET)?;
-    let path = firmware::build(&way)?;
-    let wrong =
-        |found: String| ChoreError::File { file: path.clone(), found, expected: "the firmware's image" };
-    let bytes = std::fs::read(&path).map_err(|e| wrong(e.to_string()))?;
-    let image = object::File::parse(&*bytes).map_err(|e| wrong(e.to_string()))?;
-    let mut sizes = Sizes { flash_bytes: 0, ram_bytes: 0, panic_symbol: false };
-    for section in image.sections() {
-        let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
-        if sh_flags & u64::from(elf::SHF_ALLOC) == 0 {
-            continue;
+/// Sizes and stack.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Figures {
+    /// The sizes.
+    #[serde(flatten)]
+    pub(crate) sizes: Sizes,
+    /// Most bytes that the stack can take.
+    pub(crate) stack_bound_bytes: u32,
+    /// Most bytes that it took in the emulator.
+    pub(crate) stack_painted_bytes: u32,
+}
+
+impl Sizes {
+    /// Reads an image.
+    pub(crate) fn of(path: &Path) -> Result<Self, ChoreError> {
+        let wrong =
+            |found: String| ChoreError::File { file: path.into(), found, expected: "the firmware's image" };
+        let bytes = std::fs::read(path).map_err(|e| wrong(e.to_string()))?;
+        let image = object::File::parse(&*bytes).map_err(|e| wrong(e.to_string()))?;
+        let mut sizes = Self { flash_bytes: 0, ram_bytes: 0, panic_symbol: false };
+        for section in image.sections() {
+            let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
+            if sh_flags & u64::from(elf::SHF_ALLOC) == 0 {
+                continue;
+            }
+            // What can be written is in RAM; initialised data stand in flash too, from where they are copied.
+            let in_ram = sh_flags & u64::from(elf::SHF_WRITE) != 0;
+            if in_ram {
+                sizes.ram_bytes += section.size();
+            }
+            if !in_ram || section.kind() == object::SectionKind::Data {
+                sizes.flash_bytes += section.size();
+            }
         }
-        let in_ram = section.address() >= RAM_START;
-        if in_ram {
-            sizes.ram_bytes += section.size();
-        }
-        // Initialised data stand in flash too, from where they are copied.
-        if !in_ram || section.kind() == object::SectionKind::Data {
-            sizes.flash_bytes += section.size();
-        }
+        sizes.panic_symbol = image.symbols().any(|symbol| symbol.name() == Ok(PANIC_MARKER));
+        Ok(sizes)
     }
-    sizes.panic_symbol = image.symbols().any(|symbol| symbol.name() == Ok(PANIC_MARKER));
+}
+
+/// Builds the default board's image and measures it.
+pub(crate) fn measure() -> Result<Figures, ChoreError> {
+    let sizes = Sizes::of(&firmware::DEFAULT.build()?)?;
+    let stack = stack::measure()?;
+    let (stack_bound_bytes, stack_painted_bytes) = (stack.stack_bound_bytes, stack.stack_painted_bytes);
+    Ok(Figures { sizes, stack_bound_bytes, stack_painted_bytes })
+}
+
+/// Prints the figures.
+pub(crate) fn size(json: bool) -> Result<(), ChoreError> {
+    let figures = measure()?;
     if json {
-        println!("{}", serde_json::json!(sizes));
+        println!("{}", serde_json::json!(figures));
     } else {
+        let Figures { sizes, stack_bound_bytes, stack_painted_bytes } = figures;
         println!("flash {} bytes, static RAM {} bytes", sizes.flash_bytes, sizes.ram_bytes);
+        println!("stack at most {stack_bound_bytes} bytes, {stack_painted_bytes} seen in the emulator");
         println!("reachable panic: {}", if sizes.panic_symbol { "yes" } else { "none" });
     }
     Ok(())

@@ -6,13 +6,15 @@ use crate::{firmware, setup};
 /// Sets up, builds the image, checks the format where rustfmt is there, and compares kernels and instruction counts on the
 /// emulated cores, and runs the tests with the emulated ones.
 pub(crate) fn test() -> Result<(), ChoreError> {
-    let way = setup::setup()?;
-    firmware::build(&way)?;
+    setup::setup()?;
+    firmware::DEFAULT.build_provoking()?;
+    firmware::DEFAULT.build()?;
     if succeeds(cargo().args(["fmt", "--version"])) {
         run(cargo().args(["fmt", "--all", "--check"]))?;
     }
     crate::kernels::kernels()?;
     crate::verify::verify()?;
     crate::golden::check()?;
+    crate::budget::check()?;
     run(cargo().args(["test", "--workspace", "--no-fail-fast", "--features", "system-tests/emulated"]))
 }
