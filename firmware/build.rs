@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-/// Handler names of the interrupts that `boards/mps2_an505.rs` lists.
-const AN505_INTERRUPTS: &str = "PROVIDE(UART0_RECEIVE = DefaultHandler);\n";
+/// Default handlers of the interrupts that `boards/mps2_an505.rs` lists; other devices bring theirs.
+const AN505_INTERRUPTS: &str = "PROVIDE(SERIAL = DefaultHandler);\n";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo::rerun-if-changed=build.rs");

@@ -21,9 +21,10 @@ fn main() {
 #[rtic::app(device = firmware::boards::device, peripherals = true)]
 mod app {
     use firmware::boards::{
-        Board, Light, Link, Receiver, Timer, Watchdog, advance_uptime, check_in, give_up, leave, stack_mark,
-        stack_used, start,
+        Board, Light, Link, Memory, Receiver, Storage, Timer, Watchdog, advance_uptime, check_in, give_up,
+        leave, stack_mark, stack_used, start,
     };
+    use firmware::store::{Keeper, Store, key};
     use firmware::supervisor::light::{lit, shown};
     use firmware::supervisor::paint::Mark;
     use firmware::supervisor::self_test::Progress;
@@ -33,7 +34,12 @@ mod app {
     use heapless::spsc::{Consumer, Producer, Queue};
     use link::start::{FaultKind, StartReport};
     use link::track::SensorStatus;
-    use link::{Decoder, ESTIMATE_FRAME, MAX_FRAME, SensorFrame, State, ToController, ToHost, encode};
+    use link::update::UpdateRequest;
+    use link::{
+        CONFIGURATION_VERSION, Decoder, ESTIMATE_FRAME, MAX_FRAME, SensorFrame, State, ToController, ToHost,
+        encode,
+    };
+    use model_package::board::STM32F405;
 
     /// Room for received bytes: more than a tick's worth at the line speed.
     const BYTES: usize = 256;
@@ -63,6 +69,13 @@ mod app {
         start: StartReport,
         paced: bool,
         background: Background,
+        kept: Kept,
+    }
+
+    /// What outlives the power.
+    pub struct Kept {
+        store: Store<Memory>,
+        keeper: Keeper<Memory>,
     }
 
     /// What is done beside the link.
@@ -73,11 +86,19 @@ mod app {
 
     #[init(local = [byte_queue: Queue<u8, BYTES> = Queue::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let Board { identity, start, link, receiver, timer, watchdog, light, attendance } =
+        let Board { identity, start, link, receiver, timer, watchdog, light, attendance, storage } =
             start(cx.core, cx.device);
         let (bytes_in, bytes) = cx.local.byte_queue.split();
         let mut session = Session::new(identity);
         session.report_start(start);
+        let Storage { slots, places } = storage;
+        let (store, models) = Store::start(slots, STM32F405, key::KEY);
+        session.switch(models);
+        let mut keeper = Keeper::start(places);
+        // A bench beside which the controller was left running goes on without a host. A refusal is a configuration of another build.
+        if let Some(configuration) = keeper.value(CONFIGURATION_VERSION.into()) {
+            let _ = session.configure(&configuration);
+        }
         // From here on both are expected; sampling and inference once there is something to estimate.
         check_in(&attendance, Party::Link);
         check_in(&attendance, Party::SelfTest);
@@ -97,13 +118,13 @@ mod app {
                 start,
                 paced,
                 background: Background { self_test: SelfTest::new(), mark: stack_mark() },
+                kept: Kept { store, keeper },
             },
         )
     }
 
     /// Keeps what the serial port received; a byte without room is lost and its frame fails its check.
-    #[cfg(feature = "stm32f405")]
-    #[task(binds = USART6, priority = 3, local = [receiver, bytes_in])]
+    #[task(binds = SERIAL, priority = 3, local = [receiver, bytes_in])]
     fn received(cx: received::Context) {
         if let Some(byte) = cx.local.receiver.fetch() {
             let _ = cx.local.bytes_in.enqueue(byte);
@@ -145,11 +166,12 @@ mod app {
     }
 
     /// The link.
-    #[idle(local = [link, idle_timer, bytes, background], shared = [session, samples, estimates, &attendance])]
+    #[idle(local = [link, idle_timer, bytes, background, kept], shared = [session, samples, estimates, &attendance])]
     fn idle(mut cx: idle::Context) -> ! {
         let mut decoder = Decoder::new();
         let attendance = cx.shared.attendance;
         let background = cx.local.background;
+        let kept = cx.local.kept;
         // Unasked: a host that was in the middle of a run learns of the restart.
         let hello = cx.shared.session.lock(|session| session.hello(0));
         match cx.local.link {
@@ -170,30 +192,41 @@ mod app {
                     check_in(attendance, Party::Link);
                     for &byte in came {
                         let Some(message) = decoder.push::<ToController>(byte) else { continue };
-                        let answer = cx.shared.session.lock(|session| match message {
-                            Ok(message) => session.handle(&message, cx.local.idle_timer),
-                            Err(error) => session.bad_frame(error),
-                        });
+                        let answer = match message {
+                            Ok(ToController::Update(request)) => {
+                                update(&mut kept.store, &request, &mut cx.shared.session)
+                            }
+                            Ok(message) => {
+                                keep(&mut kept.keeper, &message, &mut cx.shared.session);
+                                cx.shared
+                                    .session
+                                    .lock(|session| session.handle(&message, cx.local.idle_timer))
+                            }
+                            Err(error) => cx.shared.session.lock(|session| session.bad_frame(error)),
+                        };
                         if let ToHost::Estimate(_) = answer {
                             check_in(attendance, Party::Sampling);
                             check_in(attendance, Party::Inference);
                         }
                         send(&answer, |bytes| files.write(bytes));
+                        replace_altered(&mut kept.store, &mut cx.shared.session);
                         if let Some(report) = cx.shared.session.lock(Session::slow) {
                             send(&report, |bytes| files.write(bytes));
                         }
-                    }
-                    frames = frames.wrapping_add(1);
-                    if frames % FRAMES_A_STEP == 0 {
-                        go_on(background, attendance, |stack| {
-                            cx.shared.session.lock(|s| s.report_stack(stack))
-                        });
+                        frames = frames.wrapping_add(1);
+                        if frames % FRAMES_A_STEP == 0 {
+                            go_on(background, attendance, |stack| {
+                                cx.shared.session.lock(|session| session.report_stack(stack));
+                            });
+                        }
                     }
                 }
             }
             Link::Serial(port) => loop {
                 check_in(attendance, Party::Link);
-                while let Some(byte) = cx.local.bytes.dequeue() {
+                // Bounded, so that a flood does not keep the rest waiting.
+                for _ in 0..BYTES {
+                    let Some(byte) = cx.local.bytes.dequeue() else { break };
                     let answer = match decoder.push::<ToController>(byte) {
                         None => continue,
                         Some(Ok(ToController::Sensor(frame, status))) => {
@@ -202,7 +235,11 @@ mod app {
                             }
                             continue;
                         }
+                        Some(Ok(ToController::Update(request))) => {
+                            update(&mut kept.store, &request, &mut cx.shared.session)
+                        }
                         Some(Ok(command)) => {
+                            keep(&mut kept.keeper, &command, &mut cx.shared.session);
                             cx.shared.session.lock(|session| session.handle(&command, &mut NoTicks))
                         }
                         Some(Err(error)) => cx.shared.session.lock(|session| session.bad_frame(error)),
@@ -221,6 +258,7 @@ mod app {
                 {
                     cx.shared.session.lock(Session::count_dropped_answer);
                 }
+                replace_altered(&mut kept.store, &mut cx.shared.session);
                 go_on(background, attendance, |stack| cx.shared.session.lock(|s| s.report_stack(stack)));
             },
         }
@@ -236,6 +274,41 @@ mod app {
             check_in(attendance, Party::SelfTest);
         }
         report(stack_used(&mut background.mark));
+    }
+
+    /// Serves a request about models. New networks are switched to between two samples; everything before that is done while
+    /// estimates go on.
+    fn update(
+        store: &mut Store<Memory>,
+        request: &UpdateRequest,
+        session: &mut impl rtic::Mutex<T = Session>,
+    ) -> ToHost {
+        let estimating = session.lock(|session| session.state() != State::Waiting);
+        let served = store.serve(request, estimating);
+        if let Some(models) = served.models {
+            session.lock(|session| session.switch(models));
+        }
+        ToHost::Update(served.answer)
+    }
+
+    /// Keeps the configuration if that is what a message wants, before the session answers it.
+    fn keep(
+        keeper: &mut Keeper<Memory>,
+        message: &ToController,
+        session: &mut impl rtic::Mutex<T = Session>,
+    ) {
+        if let Some(configuration) = session.lock(|session| session.to_keep(message)) {
+            let kept = keeper.keep(CONFIGURATION_VERSION.into(), &configuration).is_ok();
+            session.lock(|session| session.take_kept(kept));
+        }
+    }
+
+    /// Gives the session sound networks when it has found those in use altered.
+    fn replace_altered(store: &mut Store<Memory>, session: &mut impl rtic::Mutex<T = Session>) {
+        if session.lock(Session::take_altered) {
+            let models = store.replace_altered();
+            session.lock(|session| session.switch(models));
+        }
     }
 
     /// Frames an answer and hands it to the link; false if the link did not take it. The host's wait is bounded.

@@ -92,7 +92,7 @@ pub fn stack_mark() -> Mark {
 
 /// Searches a little further and says what has been found so far.
 pub fn stack_used(mark: &mut Mark) -> StackReport {
-    const WORDS_A_CALL: usize = 64;
+    const WORDS_A_CALL: usize = 128;
     let lowest = guard_end() as *const u32;
     mark.search(WORDS_A_CALL, |index| {
         #[expect(unsafe_code, reason = "the mark's indices end where the stack does; a read disturbs nobody")]
