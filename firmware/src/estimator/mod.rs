@@ -20,7 +20,7 @@ mod plausibility;
 mod setup;
 pub mod window;
 
-use inference::{ContactState, Flags, Pair};
+use inference::{ContactState, Flags, Model, Pair};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
 pub use geometry::ContactFrame;
@@ -94,6 +94,12 @@ impl Estimator {
     #[must_use]
     pub const fn state(&self) -> ContactState {
         self.state
+    }
+
+    /// Goes on with another model of the same bearing from the next sample on. The networks' history starts anew; the conditioning and
+    /// the latch, which do not depend on the model, go on.
+    pub fn switch(&mut self, model: Model<'static>) {
+        self.pair.switch(model);
     }
 
     /// Takes one sample and estimates. The tick count of the result is 0; whoever can measure it fills it in.

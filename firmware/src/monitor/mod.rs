@@ -11,6 +11,7 @@ mod limits;
 mod safe_state;
 mod tally;
 
+use inference::Model;
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, SensorHealth, SensorStatus, TrackReport};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
@@ -104,6 +105,11 @@ impl Monitor {
         self.tally.add(events);
         out
     }
+    /// Goes on with another model of the same bearing from the next sample on.
+    pub fn switch(&mut self, model: Model<'static>) {
+        self.estimator.switch(model);
+    }
+
     /// What has been learnt about the bearing.
     #[must_use]
     pub fn report(&self) -> TrackReport {
