@@ -74,6 +74,26 @@ pub enum ImageError {
     Trailing,
 }
 
+impl ImageError {
+    /// The reason as one byte, for reports that have no more room: its position among these, in the order in which they came to be.
+    pub const fn cause(&self) -> u8 {
+        match self {
+            Self::Length { .. } => 0,
+            Self::Magic => 1,
+            Self::Version { .. } => 2,
+            Self::TooShort => 3,
+            Self::Crc { .. } => 4,
+            Self::Bearing { .. } => 5,
+            Self::Shape { .. } => 6,
+            Self::Field { .. } => 7,
+            Self::Overflow { .. } => 8,
+            Self::Scale { .. } => 9,
+            Self::Alignment => 10,
+            Self::Trailing => 11,
+        }
+    }
+}
+
 impl fmt::Display for ImageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("model image: ")?;

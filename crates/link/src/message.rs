@@ -10,6 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::track::{SensorHealth, SensorStatus, TrackReport};
+use crate::update::{UpdateAnswer, UpdateRequest};
 use crate::{Configured, ControllerConfiguration, Counters, Hello, NumberedEstimate, Reasons, SensorFrame};
 
 /// What the host sends.
@@ -24,6 +25,9 @@ pub enum ToController {
     Command(NumberedCommand),
     /// One sample and what the drivers say about it; the answer is [`ToHost::Estimate`] or a [`Fault`].
     Sensor(SensorFrame, SensorStatus),
+    /// Asks about the models kept on board, or for an update of them; the answer is [`ToHost::Update`]. Not numbered: every such request
+    /// may be repeated.
+    Update(UpdateRequest),
 }
 
 /// A command with its number.
@@ -65,6 +69,8 @@ pub enum ToHost {
     Slow(SlowFrame),
     /// The last frame could not be served.
     Fault(Fault),
+    /// What became of a request about models.
+    Update(UpdateAnswer),
 }
 
 /// What became of a command.

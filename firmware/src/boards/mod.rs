@@ -23,6 +23,7 @@ on_target! {
     mod guard;
     mod log;
     mod memory;
+    mod model_memory;
     mod semihosting;
     mod timer;
 
@@ -52,6 +53,7 @@ on_target! {
 
     pub use fault::give_up;
     pub use memory::{stack_mark, stack_used};
+    pub use model_memory::{Memory, Storage};
     pub use semihosting::{Files, leave};
     pub use timer::{TICKS_PER_SECOND, Timer, advance_uptime, uptime_us};
 
@@ -96,5 +98,7 @@ on_target! {
         pub light: Light,
         /// Who must check in.
         pub attendance: crate::supervisor::Attendance,
+        /// What models and configuration are kept in.
+        pub storage: Storage,
     }
 }

@@ -2,23 +2,44 @@
 
 mod clock_tree;
 mod light;
+mod sectors;
 mod serial;
 mod watchdog;
 
 use link::{BuildId, ClockSource, Target};
 use stm32f4xx_hal::gpio::GpioExt;
-pub use stm32f4xx_hal::pac as device;
 use stm32f4xx_hal::rcc::RccExt;
 
 pub use light::Light;
 pub use serial::{Receiver, Transmitter};
 pub use watchdog::Watchdog;
 
-use super::{BOARD, BUILD_ID, Board, Files, Link, Timer, fault, guard, timer};
+use super::{BOARD, BUILD_ID, Board, Files, Link, Storage, Timer, fault, guard, timer};
 use crate::clock::{Clocks, INTERNAL_HZ, bring_up};
 use crate::session::Identity;
 use crate::supervisor::start::reason_of_flags;
 use clock_tree::ClockTree;
+pub(super) use sectors::Sectors;
+
+/// The device as the task framework wants it.
+pub mod device {
+    pub use stm32f4xx_hal::pac::{NVIC_PRIO_BITS, Peripherals};
+
+    /// The interrupts in use, by what they are for. The memory map binds the names to the vector table's.
+    #[derive(Clone, Copy, Debug)]
+    #[repr(u16)]
+    pub enum Interrupt {
+        /// USART6 has a byte.
+        SERIAL = stm32f4xx_hal::pac::Interrupt::USART6 as u16,
+    }
+
+    #[expect(unsafe_code, reason = "every value is the number of one interrupt")]
+    unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
+        fn number(self) -> u16 {
+            self as u16
+        }
+    }
+}
 
 /// SysTick's frequency on the emulator, Hz, whatever the clock registers say.
 const EMULATOR_HZ: u32 = 168_000_000;
@@ -62,5 +83,8 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
     let identity =
         Identity { build_id: BuildId::new(BUILD_ID), target, clock: clocks.source, core_hz: clocks.core_hz };
     let link = files.map_or(Link::Serial(transmitter), Link::Files);
-    Board { identity, start, link, receiver, timer, watchdog, light, attendance: timer::attendance(paced) }
+    // The emulator ignores stores to flash.
+    let storage = if target == Target::Silicon { Storage::in_flash() } else { Storage::in_ram() };
+    let attendance = timer::attendance(paced);
+    Board { identity, start, link, receiver, timer, watchdog, light, attendance, storage }
 }

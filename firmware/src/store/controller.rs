@@ -91,8 +91,10 @@ pub fn program(port: &mut impl FlashPort, address: u32, bytes: &[u8]) -> Result<
     }
     unlocked(port, |port| {
         port.programming(true);
-        let done = (address..).step_by(4).zip(words).try_for_each(|(address, word)| {
+        let mut address = address;
+        let done = words.iter().try_for_each(|word| {
             port.store(address, u32::from_le_bytes(*word));
+            address = address.wrapping_add(4);
             finished(port, PROGRAM_POLLS)
         });
         port.programming(false);

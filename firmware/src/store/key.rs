@@ -4,7 +4,7 @@
 //! pair and prints the digits. Without it the firmware trusts the development key, whose secret half is published with the
 //! sources (`model-quant/keys/development.key`), and says so in every [`link::update::UpdateStatus`].
 
-use super::signature::KEY_LENGTH;
+use model_package::signature::KEY_LENGTH;
 
 /// Public half of the development key.
 pub const DEVELOPMENT_KEY: [u8; KEY_LENGTH] =

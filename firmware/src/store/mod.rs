@@ -1,6 +1,6 @@
 //! The models kept beside the firmware: two slots, the update over the link, the choice at start.
 //!
-//! A package ([`manifest`], [`slot`]) holds the images of one or both bearings and a self-test for each, under one ed25519 signature. At start
+//! A package ([`model_package`]) holds the images of one or both bearings and a self-test for each, under one ed25519 signature. At start
 //! [`Store::start`] takes the newest slot that is whole, signed for this board and passes its self-test, else the other, else the
 //! images built into the firmware. An update is written to the slot that is not in use, in chunks, and counts only once everything in it
 //! has been checked and its mark is programmed, as the last word of all: power lost at any moment leaves a model that runs. Whatever is
@@ -15,14 +15,11 @@
 pub mod controller;
 pub mod keeper;
 pub mod key;
-pub mod manifest;
 mod memory;
 mod models;
 mod receive;
 mod refusals;
 pub mod scrub;
-pub mod self_test;
-pub mod signature;
 mod slot;
 
 use link::update::{ModelSource, UpdateAnswer, UpdateRefusal, UpdateRequest, UpdateStatus};
@@ -34,8 +31,8 @@ pub use refusals::Refusals;
 pub use scrub::Scrubber;
 pub use slot::PAYLOAD;
 
+use model_package::signature::KEY_LENGTH;
 use receive::{Reception, claimed_version};
-use signature::KEY_LENGTH;
 use slot::{Marked, Slot};
 
 /// The slots and the update that is going on.

@@ -3,24 +3,16 @@
 use inference::{Bearing, Model, shipped};
 use link::ModelId;
 use link::update::ModelSource;
+use model_package::Checked;
 
 /// An image and the model over it.
-#[derive(Clone, Copy, Debug)]
-pub struct Loaded {
-    /// The image, where it lies.
-    pub image: &'static [u8],
-    /// The model, checked.
-    pub model: Model<'static>,
-}
+pub type Loaded = Checked<'static>;
 
-impl Loaded {
-    /// Checks an image; nothing if it is refused or for another bearing.
-    #[must_use]
-    pub fn built_in(bearing: Bearing) -> Option<Self> {
-        let image = shipped(bearing);
-        let model = Model::load(image).ok()?;
-        (model.header().bearing == bearing).then_some(Self { image, model })
-    }
+/// The image built in for a bearing; nothing if it is damaged.
+fn built_in(bearing: Bearing) -> Option<Loaded> {
+    let image = shipped(bearing);
+    let model = Model::load(image).ok()?;
+    (model.header().bearing == bearing).then_some(Loaded { image, model })
 }
 
 /// The networks of every bearing. A package may hold those of one bearing only: the others are the built-in ones.
@@ -34,15 +26,14 @@ impl Models {
     /// Those built into the firmware.
     #[must_use]
     pub fn built_in() -> Self {
-        Self { by_bearing: Bearing::ALL.map(Loaded::built_in), source: ModelSource::BuiltIn }
+        Self { by_bearing: Bearing::ALL.map(built_in), source: ModelSource::BuiltIn }
     }
 
     /// Those of a package, completed by the built-in ones.
     pub(super) fn of_package(package: [Option<Loaded>; 2], source: ModelSource) -> Self {
         let [first, second] = package;
-        let [built_in, other] = Bearing::ALL;
-        let by_bearing =
-            [first.or_else(|| Loaded::built_in(built_in)), second.or_else(|| Loaded::built_in(other))];
+        let [babbitt, plastic] = Bearing::ALL;
+        let by_bearing = [first.or_else(|| built_in(babbitt)), second.or_else(|| built_in(plastic))];
         Self { by_bearing, source }
     }
 

@@ -1,11 +1,11 @@
 //! An update on its way into the slot that is not in use.
 
 use link::update::{CHUNK_LENGTH, Receiving, SignedManifest, UpdateChunk, UpdateRefusal};
+use model_package::{Manifest, authentic};
 
-use super::manifest::Manifest;
 use super::memory::SlotMemory;
 use super::models::Models;
-use super::slot::{Marked, Slot, authentic};
+use super::slot::{Marked, Slot};
 use super::{Running, Store};
 
 const CHUNK: u32 = CHUNK_LENGTH as u32;

@@ -13,18 +13,16 @@
 //! moment leaves the mark either whole or not a mark. The newest slot is the one with the largest number, not with the largest
 //! version: a package may be signed to replace a newer one.
 
-use inference::{Bearing, Model};
 use link::update::{
     CHUNK_LENGTH, FlashOperation, MANIFEST_LENGTH, ModelSource, SIGNATURE_LENGTH, SignedManifest,
     UpdateRefusal,
 };
 
-use super::manifest::{Manifest, hash_of};
+use model_package::signature::KEY_LENGTH;
+use model_package::{Manifest, authentic, check};
+
 use super::memory::SlotMemory;
-use super::models::{Loaded, Models};
-use super::self_test::{self, RECORD_LENGTH};
-use super::signature::{KEY_LENGTH, is_signed};
-use crate::estimator::image_cause;
+use super::models::Models;
 
 /// Where the payload begins.
 pub const PAYLOAD: u32 = 256;
@@ -33,8 +31,6 @@ const CHUNK: u32 = CHUNK_LENGTH as u32;
 /// A byte that nothing was programmed to.
 const BLANK: u8 = 0xFF;
 const MARK: u32 = 0x5A17_C0DE;
-/// Cause of an image that is for another bearing.
-const WRONG_BEARING: u8 = 100;
 
 /// A place in a slot memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,7 +125,7 @@ impl Slot {
 
     /// Makes the slot count.
     pub(super) fn mark(self, memory: &mut impl SlotMemory, number: u32) -> Result<(), UpdateRefusal> {
-        for (offset, word) in (SIGNED as u32..).step_by(4).zip([number, !number, MARK]) {
+        for (offset, word) in (SIGNED as u32..PAYLOAD).step_by(4).zip([number, !number, MARK]) {
             self.program(memory, offset, &word.to_le_bytes())?;
         }
         Ok(())
@@ -152,27 +148,7 @@ impl Slot {
             return Err(UpdateRefusal::TooLong { found: length, most: self.capacity() });
         }
         let payload = memory.in_place(self.start.saturating_add(PAYLOAD), length);
-        if hash_of(payload) != manifest.hash {
-            return Err(UpdateRefusal::Hash);
-        }
-        let mut rest = payload;
-        let mut take = |length: u32| {
-            let (part, behind) = rest.split_at_checked(length as usize).ok_or(UpdateRefusal::Lengths)?;
-            rest = behind;
-            Ok(part)
-        };
-        let [first, second] = manifest.images;
-        let images = [take(first)?, take(second)?];
-        let [first, second] = manifest.samples;
-        let length = |samples: u32| samples.saturating_mul(RECORD_LENGTH as u32);
-        let records = [take(length(first))?, take(length(second))?];
-        let mut package = [None; 2];
-        let parts = images.into_iter().zip(records).zip(Bearing::ALL);
-        for (to, ((image, records), bearing)) in package.iter_mut().zip(parts) {
-            if !image.is_empty() {
-                *to = Some(checked(image, records, bearing)?);
-            }
-        }
+        let package = check(manifest, payload)?;
         let [a, b, c, d, ..] = manifest.hash;
         let source = ModelSource::Slot { slot: self.index, version: manifest.version, hash: [a, b, c, d] };
         Ok(Models::of_package(package, source))
@@ -189,34 +165,4 @@ impl Slot {
         let manifest = authentic(&signed, board, key)?;
         Ok((manifest, self.load(memory, &manifest)?))
     }
-}
-
-/// A manifest that is sound, for this board and signed.
-pub(super) fn authentic(
-    signed: &SignedManifest,
-    board: u16,
-    key: &[u8; KEY_LENGTH],
-) -> Result<Manifest, UpdateRefusal> {
-    let [a, b, c] = signed.manifest;
-    let mut bytes = [0; MANIFEST_LENGTH];
-    for (to, from) in bytes.as_chunks_mut::<32>().0.iter_mut().zip([a, b, c]) {
-        *to = from;
-    }
-    let manifest = Manifest::parse(&bytes, board)?;
-    let mut signature = [0; SIGNATURE_LENGTH];
-    for (to, from) in signature.as_chunks_mut::<32>().0.iter_mut().zip(signed.signature) {
-        *to = from;
-    }
-    if is_signed(&bytes, &signature, key) { Ok(manifest) } else { Err(UpdateRefusal::Signature) }
-}
-
-fn checked(image: &'static [u8], records: &[u8], bearing: Bearing) -> Result<Loaded, UpdateRefusal> {
-    let code = bearing.code();
-    let model = Model::load(image)
-        .map_err(|error| UpdateRefusal::Image { bearing: code, cause: image_cause(&error) })?;
-    if model.header().bearing != bearing {
-        return Err(UpdateRefusal::Image { bearing: code, cause: WRONG_BEARING });
-    }
-    self_test::run(model, records).map_err(|sample| UpdateRefusal::SelfTest { bearing: code, sample })?;
-    Ok(Loaded { image, model })
 }

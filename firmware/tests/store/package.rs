@@ -1,10 +1,10 @@
 //! Packages for the tests, signed with the development key.
 
 use ed25519_dalek::{Signer, SigningKey};
-use firmware::store::manifest::{Manifest, board, hash_of};
-use firmware::store::self_test::record;
 use inference::{Bearing, Model, Pair, Sample, shipped};
 use link::update::{CHUNK_LENGTH, SignedManifest, UpdateChunk, UpdateRequest};
+use model_package::self_test::record;
+use model_package::{Manifest, board, hash_of};
 
 pub(crate) const BOARD: u16 = board::STM32F405;
 

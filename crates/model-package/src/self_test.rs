@@ -38,7 +38,7 @@ pub fn record(pair: &mut Pair<'_>, sample: &Sample) -> [u8; RECORD_LENGTH] {
 /// That position.
 pub fn run(model: Model<'_>, records: &[u8]) -> Result<(), u16> {
     let mut pair: Pair<'_> = Pair::new(model);
-    for (position, expected) in (0_u16..).zip(records.as_chunks::<RECORD_LENGTH>().0) {
+    for (position, expected) in (0..=u16::MAX).zip(records.as_chunks::<RECORD_LENGTH>().0) {
         if record(&mut pair, &sample(expected)) != *expected {
             return Err(position);
         }

@@ -20,7 +20,7 @@
 use link::update::{MANIFEST_LENGTH, UpdateRefusal};
 use sha2::{Digest, Sha512_256};
 
-use super::self_test::RECORD_LENGTH;
+use crate::self_test::RECORD_LENGTH;
 
 /// Codes of the boards that packages are made for.
 pub mod board {
