@@ -39,23 +39,23 @@ pub(super) struct Levers {
 
 /// The bearing's force as the balance has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Balance {
+pub(super) struct Balance {
     /// Normal force, N.
-    pub normal_n: f32,
+    pub(super) normal_n: f32,
     /// Friction force along `t`, N.
-    pub friction_n: f32,
+    pub(super) friction_n: f32,
     /// Change of the normal force with `B` and with `F_cz`.
-    pub normal_by: [f32; 2],
+    pub(super) normal_by: [f32; 2],
     /// Change of the friction force with `B` and with `F_cz`.
-    pub friction_by: [f32; 2],
+    pub(super) friction_by: [f32; 2],
     /// Part of `B` that is proportional to the inertia, N.
-    pub inertia_part_n: f32,
+    pub(super) inertia_part_n: f32,
     /// Part of `B` that is proportional to the ratio of the levers, N.
-    pub lever_part_n: f32,
+    pub(super) lever_part_n: f32,
     /// `F_cz`, all of it proportional to the mass, N.
-    pub weight_part_n: f32,
+    pub(super) weight_part_n: f32,
     /// 1 less the squared length of the mean direction: 0 when the journal did not move around.
-    pub unsteadiness: f32,
+    pub(super) unsteadiness: f32,
 }
 
 impl Levers {

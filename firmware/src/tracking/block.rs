@@ -17,25 +17,25 @@ const CURVATURE: f32 = 60.0 / (N * (N * N - 1.0) * (N * N - 4.0));
 
 /// Weighted means of a block and second derivatives per sample squared.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Means {
+pub(super) struct Means {
     /// Distance of the journal from the bearing's centre, m.
-    pub distance_m: f32,
+    pub(super) distance_m: f32,
     /// Slope of the distance, m per sample.
-    pub distance_slope_m: f32,
+    pub(super) distance_slope_m: f32,
     /// Direction of the journal.
-    pub normal_y: f32,
+    pub(super) normal_y: f32,
     /// Direction of the journal.
-    pub normal_z: f32,
+    pub(super) normal_z: f32,
     /// Load, N.
-    pub load_n: f32,
+    pub(super) load_n: f32,
     /// Shaft angle, rad.
-    pub angle_rad: f32,
+    pub(super) angle_rad: f32,
     /// Normal force of the network, N.
-    pub network_normal_n: f32,
+    pub(super) network_normal_n: f32,
     /// Friction torque of the network, N m.
-    pub network_torque_nm: f32,
+    pub(super) network_torque_nm: f32,
     /// Second derivatives per sample squared: y and z in m, angle in rad.
-    pub curvature: [f32; 3],
+    pub(super) curvature: [f32; 3],
 }
 
 /// A sample as the block takes it.
@@ -53,6 +53,11 @@ pub(super) struct Taken {
 pub(super) struct Block {
     index: u32,
     first: SensorFrame,
+    sums: Sums,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
     weight: f32,
     distance: f32,
     slope: f32,
@@ -66,54 +71,121 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Takes a sample; returns the means so far and whether the block is complete (it then begins anew with the next sample).
-    pub(super) fn push(&mut self, frame: &SensorFrame, taken: &Taken) -> (Means, bool) {
-        // A new block keeps nothing: every sum is multiplied by 0 and the reference replaced, at the same cost in every sample.
-        let begins = self.index == 0;
-        let keep = if begins { 0.0 } else { 1.0 };
-        self.first = if begins { *frame } else { self.first };
-        let k = self.index as f32;
+    /// Takes a sample and returns its place in the block, 0 to [`BLOCK`] - 1. After the last place stands what [`Self::close`] gives.
+    pub(super) fn push(&mut self, frame: &SensorFrame, taken: &Taken) -> u32 {
+        let place = self.index;
+        self.index = (place + 1) % BLOCK;
+        if place == 0 {
+            self.first = *frame;
+        }
+        let k = place as f32;
         let (since, left) = (k + 0.5, N - 0.5 - k);
         let root = since * left;
         let weight = root * root;
         let p2 = (6.0 * k) * (k - (N - 1.0)) + (N - 1.0) * (N - 2.0);
-        let sum = |kept: f32, weight: f32, value: f32| kept * keep + weight * value;
-        self.weight = sum(self.weight, weight, 1.0);
-        self.distance = sum(self.distance, weight, taken.distance_nm);
-        self.slope = sum(self.slope, since - left, taken.distance_nm);
-        self.normal_y = sum(self.normal_y, weight, taken.normal_y);
-        self.normal_z = sum(self.normal_z, weight, taken.normal_z);
-        self.load = sum(self.load, weight, frame.load_force_mn as f32);
-        self.network_normal = sum(self.network_normal, weight, taken.network_normal_n);
-        self.network_torque = sum(self.network_torque, weight, taken.network_torque_nm);
+        let sums = &mut self.sums;
+        sums.weight += weight;
+        sums.distance += weight * taken.distance_nm;
+        sums.slope += (since - left) * taken.distance_nm;
+        sums.normal_y += weight * taken.normal_y;
+        sums.normal_z += weight * taken.normal_z;
+        sums.load += weight * frame.load_force_mn as f32;
+        sums.network_normal += weight * taken.network_normal_n;
+        sums.network_torque += weight * taken.network_torque_nm;
         let angle = frame.shaft_angle_nrad.wrapping_sub(self.first.shaft_angle_nrad) as f32;
-        self.angle = sum(self.angle, weight, angle);
-        let relative = [
-            frame.journal_y_nm.wrapping_sub(self.first.journal_y_nm) as f32,
-            frame.journal_z_nm.wrapping_sub(self.first.journal_z_nm) as f32,
-            angle,
-        ];
-        for (curvature, value) in self.curvature.iter_mut().zip(relative) {
-            *curvature = sum(*curvature, p2, value);
-        }
-        let complete = self.index == BLOCK - 1;
-        self.index = (self.index + 1) % BLOCK;
-        (self.means(), complete)
+        sums.angle += weight * angle;
+        let [y, z, turn] = &mut sums.curvature;
+        *y += p2 * frame.journal_y_nm.wrapping_sub(self.first.journal_y_nm) as f32;
+        *z += p2 * frame.journal_z_nm.wrapping_sub(self.first.journal_z_nm) as f32;
+        *turn += p2 * angle;
+        place
     }
 
-    fn means(&self) -> Means {
-        let per = 1.0 / self.weight;
+    /// The means of the block that is complete; the sums begin anew.
+    pub(super) fn close(&mut self) -> Means {
+        let sums = core::mem::take(&mut self.sums);
+        let per = 1.0 / sums.weight;
         let nano = per * 1e-9;
         Means {
-            distance_m: self.distance * nano,
-            distance_slope_m: self.slope * (6e-9 / (N * (N * N - 1.0))),
-            normal_y: self.normal_y * per,
-            normal_z: self.normal_z * per,
-            load_n: self.load * (per * 1e-3),
-            angle_rad: self.first.shaft_angle_nrad as f32 * 1e-9 + self.angle * nano,
-            network_normal_n: self.network_normal * per,
-            network_torque_nm: self.network_torque * per,
-            curvature: self.curvature.map(|sum| sum * (CURVATURE * 1e-9)),
+            distance_m: sums.distance * nano,
+            distance_slope_m: sums.slope * (6e-9 / (N * (N * N - 1.0))),
+            normal_y: sums.normal_y * per,
+            normal_z: sums.normal_z * per,
+            load_n: sums.load * (per * 1e-3),
+            angle_rad: self.first.shaft_angle_nrad as f32 * 1e-9 + sums.angle * nano,
+            network_normal_n: sums.network_normal * per,
+            network_torque_nm: sums.network_torque * per,
+            curvature: sums.curvature.map(|sum| sum * (CURVATURE * 1e-9)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A block of motions in closed form.
+    fn means(frame: impl Fn(f64) -> SensorFrame, distance_nm: impl Fn(f64) -> f64) -> Means {
+        let mut block = Block::default();
+        for k in 0..BLOCK {
+            let t = f64::from(k);
+            let taken = Taken {
+                distance_nm: distance_nm(t) as f32,
+                normal_y: 0.6,
+                normal_z: -0.8,
+                network_normal_n: 3000.0,
+                network_torque_nm: -30.0,
+            };
+            assert_eq!(block.push(&frame(t), &taken), k);
+        }
+        block.close()
+    }
+
+    #[test]
+    fn parabolas_have_their_curvature_wherever_they_begin() {
+        for (start, speed, bend) in
+            [(0.0, 0.0, 4.0), (400_000_000.0, 31_000.0, -2.5), (-2e9, -90_000.0, 12.0)]
+        {
+            let at = |t: f64| (start + speed * t + 0.5 * bend * t * t) as i64 as i32;
+            let found = means(
+                |t| SensorFrame { journal_y_nm: at(t), shaft_angle_nrad: at(t), ..SensorFrame::default() },
+                |_| 5e5,
+            );
+            for curvature in [found.curvature[0], found.curvature[2]] {
+                assert!((f64::from(curvature) * 1e9 - bend).abs() < 2e-3, "{curvature}");
+            }
+            assert_eq!(found.curvature[1], 0.0);
+        }
+    }
+
+    #[test]
+    fn curvature_and_mean_have_the_same_weights() {
+        // A swing of two periods in the block: the curvature must be -w^2 times the mean of the swing itself.
+        let w = 2.0 * core::f64::consts::TAU / f64::from(BLOCK);
+        for phase in [0.0, 0.7, 1.9] {
+            let wave = |t: f64| 1e6 * (w * t + phase).sin();
+            let found = means(
+                |t| SensorFrame { journal_y_nm: wave(t).round() as i32, ..SensorFrame::default() },
+                |t| 2e6 + wave(t),
+            );
+            let expected = -w * w * (f64::from(found.distance_m) * 1e9 - 2e6);
+            let largest = w * w * 1e6;
+            assert!((f64::from(found.curvature[0]) * 1e9 - expected).abs() < 2e-3 * largest, "{phase}");
+        }
+    }
+
+    #[test]
+    fn means_are_means_and_the_next_block_begins_anew() {
+        let line = |t: f64| 5e5 + 3.0 * t;
+        let steady = |_| SensorFrame {
+            load_force_mn: 7_000_000,
+            shaft_angle_nrad: 250_000_000,
+            ..SensorFrame::default()
+        };
+        let found = means(steady, line);
+        assert!((found.distance_m * 1e9 - line(127.5) as f32).abs() < 1.0, "{}", found.distance_m);
+        assert!((found.distance_slope_m * 1e9 - 3.0).abs() < 1e-3, "{}", found.distance_slope_m);
+        assert!((found.load_n - 7000.0).abs() < 0.01 && (found.angle_rad - 0.25).abs() < 1e-6);
+        assert!((found.normal_y - 0.6).abs() < 1e-6 && (found.network_torque_nm + 30.0).abs() < 1e-4);
     }
 }

@@ -25,7 +25,7 @@ use super::balance::Balance;
 use super::block::Means;
 
 /// Deviation that the clearance may gain from a block to the next, m: 0.6 um in a second of 10 kHz.
-pub const WALK_M: f32 = 0.1e-6;
+const WALK_M: f32 = 0.1e-6;
 /// Deviation of a block's force that is not told by the configuration, N: noise of angle and load.
 const FORCE_NOISE_N: f32 = 15.0;
 /// Deviation of a block's force over the force, per unsteadiness.
@@ -49,7 +49,7 @@ const CONSIDERED: usize = 7;
 
 /// The tracked clearance.
 #[derive(Clone, Debug)]
-pub struct Clearance {
+pub(super) struct Clearance {
     modulus_factor: f32,
     damping_per_slope: f32,
     deviations: [f32; CONSIDERED],
@@ -61,15 +61,17 @@ pub struct Clearance {
 
 /// One block's clearance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
+pub(super) struct Measured {
     /// Radial clearance, m.
-    pub clearance_m: f32,
+    clearance_m: f32,
     /// Deformation, m.
-    pub deformation_m: f32,
-    /// Variance that is this block's own, m2.
-    pub variance_m2: f32,
+    deformation_m: f32,
+    /// Share of the damping in the force.
+    damping: f32,
+    /// Variance that weighs this block: its own and that of the considered errors, m2.
+    variance_m2: f32,
     /// Change with one standard deviation of each considered error, m.
-    pub sensitivities_m: [f32; CONSIDERED],
+    sensitivities_m: [f32; CONSIDERED],
 }
 
 impl Clearance {
@@ -103,11 +105,11 @@ impl Clearance {
         }
     }
 
-    pub(super) fn measure(&self, means: &Means, balance: &Balance) -> Measured {
+    /// Works out a block's clearance.
+    pub(super) fn measure(&self, means: &Means, balance: &Balance, measured: &mut Measured) {
         let distance_m = means.distance_m.max(1e-6);
-        let normal_n = balance.normal_n.max(1.0);
-        let damping = (self.damping_per_slope * means.distance_slope_m).clamp(-0.7, 2.0);
-        let elastic_n = normal_n / (1.0 + damping);
+        let damping = (self.damping_per_slope * means.distance_slope_m).max(-0.7).min(2.0);
+        let elastic_n = balance.normal_n.max(1.0) / (1.0 + damping);
         let target = elastic_n * distance_m * libm::sqrtf(distance_m) / self.modulus_factor;
         // Heron's root with the weak dependence inside, from the last block's deformation: five rounds from a factor of 4.
         let mut deformation_m = self.deformation_m;
@@ -115,37 +117,44 @@ impl Clearance {
             let other_m = target / ((3.0 * distance_m - deformation_m) * deformation_m);
             deformation_m = (0.5 * (deformation_m + other_m)).max(LEAST_M).min(distance_m);
         }
-        let half_m = 0.5 * deformation_m;
+        measured.clearance_m = distance_m - deformation_m;
+        measured.deformation_m = deformation_m;
+        measured.damping = damping;
+    }
+
+    /// Works out how sure a block's clearance is.
+    pub(super) fn sensitivities(&self, means: &Means, balance: &Balance, measured: &mut Measured) {
+        let normal_n = balance.normal_n.max(1.0);
+        let half_m = 0.5 * measured.deformation_m;
         let per_force = -half_m / normal_n;
-        let by_rest = per_force * balance.normal_by[0];
+        let [normal_by_rest, normal_by_weight] = balance.normal_by;
+        let by_rest = per_force * normal_by_rest;
         let unit = [
             half_m,
             by_rest * balance.inertia_part_n,
             by_rest * balance.lever_part_n,
-            per_force * balance.normal_by[1] * balance.weight_part_n,
+            per_force * normal_by_weight * balance.weight_part_n,
             means.normal_y,
             means.normal_z,
-            half_m * damping / (1.0 + damping),
+            half_m * measured.damping / (1.0 + measured.damping),
         ];
-        let mut sensitivities_m = self.deviations;
-        for (sensitivity, unit) in sensitivities_m.iter_mut().zip(unit) {
-            *sensitivity *= unit;
-        }
         let force_noise_n = FORCE_NOISE_N + UNSTEADY_SHARE * balance.unsteadiness * normal_n;
         let by_force_m = per_force * force_noise_n;
-        Measured {
-            clearance_m: distance_m - deformation_m,
-            deformation_m,
-            variance_m2: by_force_m * by_force_m + DISTANCE_NOISE_M * DISTANCE_NOISE_M,
-            sensitivities_m,
+        let mut variance_m2 = by_force_m * by_force_m + DISTANCE_NOISE_M * DISTANCE_NOISE_M;
+        for ((sensitivity, unit), deviation) in
+            measured.sensitivities_m.iter_mut().zip(unit).zip(self.deviations)
+        {
+            *sensitivity = unit * deviation;
+            variance_m2 += *sensitivity * *sensitivity;
         }
+        measured.variance_m2 = variance_m2;
     }
 
-    /// Takes a block's clearance if `gate` is 1, leaves everything as it was if it is 0.
-    pub(super) fn take(&mut self, measured: &Measured, gate: f32) {
-        let considered: f32 = measured.sensitivities_m.iter().map(|s| s * s).sum();
+    /// Takes a block's clearance if it counts, else leaves everything as it was, at the same cost.
+    pub(super) fn take(&mut self, measured: &Measured, counts: bool) {
+        let gate = if counts { 1.0 } else { 0.0 };
         let prior = self.variance_m2 + gate * (WALK_M * WALK_M);
-        let gain = gate * prior / (prior + measured.variance_m2 + considered);
+        let gain = gate * prior / (prior + measured.variance_m2);
         self.deformation_m += gate * (measured.deformation_m - self.deformation_m);
         self.value_m += gain * (measured.clearance_m - self.value_m);
         self.variance_m2 = prior - gain * prior;
@@ -155,12 +164,12 @@ impl Clearance {
     }
 
     /// The clearance, m.
-    pub fn value_m(&self) -> f32 {
+    pub(super) fn value_m(&self) -> f32 {
         self.value_m
     }
 
     /// One standard deviation, m.
-    pub fn deviation_m(&self) -> f32 {
+    pub(super) fn deviation_m(&self) -> f32 {
         libm::sqrtf(self.whole_variance_m2())
     }
 

@@ -20,7 +20,7 @@ use super::balance::Balance;
 use super::block::Means;
 
 /// Deviation that the level may gain from a block to the next: 0.012 in a second of 10 kHz.
-pub const WALK: f32 = 0.002;
+const WALK: f32 = 0.002;
 /// Deviation of a block's friction force that is not told by the configuration, N.
 const FORCE_NOISE_N: f32 = 10.0;
 /// Deviation of a block's friction force over the normal force, per unsteadiness.
@@ -33,7 +33,7 @@ const CONSIDERED: usize = 5;
 
 /// The tracked level.
 #[derive(Clone, Debug)]
-pub struct FrictionLevel {
+pub(super) struct FrictionLevel {
     per_journal_radius: f32,
     deviations: [f32; CONSIDERED],
     value: f32,
@@ -43,15 +43,15 @@ pub struct FrictionLevel {
 
 /// One block's friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
+pub(super) struct Measured {
     /// Friction force at a level of 1, N.
-    pub expected_n: f32,
+    pub(super) expected_n: f32,
     /// Friction force of the balance, N.
-    pub found_n: f32,
+    found_n: f32,
     /// Variance that is this block's own, N2.
-    pub variance_n2: f32,
+    pub(super) variance_n2: f32,
     /// Change of the found force with one standard deviation of each considered error, N.
-    pub sensitivities_n: [f32; CONSIDERED],
+    sensitivities_n: [f32; CONSIDERED],
 }
 
 impl FrictionLevel {
@@ -99,8 +99,9 @@ impl FrictionLevel {
         }
     }
 
-    /// Takes a block's friction if `gate` is 1, leaves everything as it was if it is 0.
-    pub(super) fn take(&mut self, measured: &Measured, gate: f32) {
+    /// Takes a block's friction if it counts, else leaves everything as it was, at the same cost.
+    pub(super) fn take(&mut self, measured: &Measured, counts: bool) {
+        let gate = if counts { 1.0 } else { 0.0 };
         let considered: f32 = measured.sensitivities_n.iter().map(|s| s * s).sum();
         let prior = self.variance + gate * (WALK * WALK);
         let expected = measured.expected_n;
@@ -114,12 +115,12 @@ impl FrictionLevel {
     }
 
     /// The level.
-    pub fn value(&self) -> f32 {
+    pub(super) fn value(&self) -> f32 {
         self.value
     }
 
     /// One standard deviation.
-    pub fn deviation(&self) -> f32 {
+    pub(super) fn deviation(&self) -> f32 {
         let considered: f32 = self.sensitivities.iter().map(|s| s * s).sum();
         libm::sqrtf(self.variance + considered)
     }

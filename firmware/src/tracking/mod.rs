@@ -5,26 +5,30 @@
 //! ([`friction`]); the clearance is held against the wear limit ([`wear`]). A block with a sensor fault in it, or without a force that
 //! presses the journal to the bearing, counts for nothing.
 //!
-//! Everything is computed in every sample and takes effect in the last one of a block: the tick costs the same in all of them. f32 with
-//! `+ - * /` and square roots only, so that host and controller agree in every bit.
+//! What a block says is worked out in the first samples of the next one, a step a sample, so that no tick has to bear all of it: what a
+//! tick costs depends on its place in the block and on nothing else. f32 with `+ - * /` and square roots only, so that host and
+//! controller agree in every bit.
 
-pub mod balance;
-pub mod block;
-pub mod clearance;
-pub mod friction;
-pub mod wear;
+mod balance;
+mod block;
+mod clearance;
+mod friction;
+mod wear;
 
 use link::track::{MonitorConfiguration, SafeState, TrackReport};
 use link::{Configuration, EstimateFrame, SensorFrame};
 
 pub use block::BLOCK;
+pub use wear::{CONFIDENCE, CONFIRM, ENOUGH};
 
-use balance::Levers;
-use block::{Block, Taken};
+use balance::{Balance, Levers};
+use block::{Block, Means, Taken};
 use clearance::Clearance;
 use friction::FrictionLevel;
 use wear::WearAlarm;
 
+/// Last place in a block.
+const LAST: u32 = BLOCK - 1;
 /// Normal force below which a block tells nothing, N.
 const LEAST_NORMAL_N: f32 = 50.0;
 /// Unsteadiness above which a block tells nothing.
@@ -40,8 +44,20 @@ pub struct Tracker {
     friction: FrictionLevel,
     wear: WearAlarm,
     sound: bool,
+    closed: Closed,
     blocks: u32,
     friction_blocks: u32,
+}
+
+/// What is being worked out of the last block.
+#[derive(Clone, Copy, Debug, Default)]
+struct Closed {
+    means: Means,
+    balance: Balance,
+    clearance: clearance::Measured,
+    friction: friction::Measured,
+    /// No fault in it; from the second step on also: the journal was pressed to the bearing and steady.
+    counts: bool,
 }
 
 impl Tracker {
@@ -56,6 +72,7 @@ impl Tracker {
             friction: FrictionLevel::new(configuration, monitor),
             wear: WearAlarm::new(monitor.wear_limit_nm, monitor.wear_hysteresis_nm),
             sound: true,
+            closed: Closed::default(),
             blocks: 0,
             friction_blocks: 0,
         }
@@ -72,22 +89,40 @@ impl Tracker {
             network_normal_n: estimate.normal_force_n,
             network_torque_nm: estimate.friction_torque_nm,
         };
-        let (means, complete) = self.block.push(frame, &taken);
-        let balance = self.levers.balance(&means);
         self.sound &= sound;
-        let pressed = (balance.normal_n > LEAST_NORMAL_N) & (balance.unsteadiness < MOST_UNSTEADINESS);
-        let taken = complete & self.sound & pressed;
-        let gate = if taken { 1.0 } else { 0.0 };
-        self.sound |= complete;
+        let place = self.block.push(frame, &taken);
+        self.work(place);
+    }
 
-        let measured = self.clearance.measure(&means, &balance);
-        self.clearance.take(&measured, gate);
-        self.wear.update(self.clearance.value_m(), self.clearance.whole_variance_m2(), taken);
-        let friction = self.friction.measure(&means, &balance);
-        self.friction.take(&friction, gate);
-        self.blocks = self.blocks.saturating_add(u32::from(taken));
-        let slides = friction.expected_n * friction.expected_n > friction.variance_n2;
-        self.friction_blocks = self.friction_blocks.saturating_add(u32::from(taken & slides));
+    /// The step of working out the last block that this place of the new one has.
+    fn work(&mut self, place: u32) {
+        let closed = &mut self.closed;
+        match place {
+            0 => {
+                closed.balance = self.levers.balance(&closed.means);
+                closed.counts &= (closed.balance.normal_n > LEAST_NORMAL_N)
+                    & (closed.balance.unsteadiness < MOST_UNSTEADINESS);
+            }
+            1 => self.clearance.measure(&closed.means, &closed.balance, &mut closed.clearance),
+            2 => self.clearance.sensitivities(&closed.means, &closed.balance, &mut closed.clearance),
+            3 => self.clearance.take(&closed.clearance, closed.counts),
+            4 => {
+                self.wear.update(self.clearance.value_m(), self.clearance.whole_variance_m2(), closed.counts)
+            }
+            5 => closed.friction = self.friction.measure(&closed.means, &closed.balance),
+            6 => {
+                self.friction.take(&closed.friction, closed.counts);
+                let slides =
+                    closed.friction.expected_n * closed.friction.expected_n > closed.friction.variance_n2;
+                self.blocks = self.blocks.saturating_add(u32::from(closed.counts));
+                self.friction_blocks = self.friction_blocks.saturating_add(u32::from(closed.counts & slides));
+            }
+            LAST => {
+                closed.means = self.block.close();
+                closed.counts = core::mem::replace(&mut self.sound, true);
+            }
+            _ => {}
+        }
     }
 
     /// What is tracked; time and safe state are the monitor's.

@@ -16,7 +16,7 @@ pub const ENOUGH: u32 = 16;
 
 /// The alarm.
 #[derive(Clone, Debug)]
-pub struct WearAlarm {
+pub(super) struct WearAlarm {
     limit_m: f32,
     end_m: f32,
     raised: bool,
@@ -54,7 +54,7 @@ impl WearAlarm {
     }
 
     /// What is known after so many blocks.
-    pub fn state(&self, blocks: u32) -> Wear {
+    pub(super) fn state(&self, blocks: u32) -> Wear {
         if self.raised {
             Wear::Alarm
         } else if blocks < ENOUGH {
@@ -65,7 +65,7 @@ impl WearAlarm {
     }
 
     /// Times that it was raised.
-    pub fn times(&self) -> u32 {
+    pub(super) fn times(&self) -> u32 {
         self.times
     }
 }
