@@ -9,6 +9,7 @@ use link::{CONFIGURATION_VERSION, ControllerConfiguration, Field, OutOfRange, Re
 use crate::estimator::{
     CLEARANCE_RANGE_NM, JOURNAL_RADIUS_RANGE_NM, LATCH_FLOOR_RANGE_UM_S, SAMPLE_PERIOD_RANGE_US,
 };
+use crate::monitor::ranges;
 
 /// Offsets of a journal coordinate, nm: what a probe may be mounted off its place, 10 mm.
 const JOURNAL_OFFSET_RANGE_NM: RangeInclusive<i64> = -10_000_000..=10_000_000;
@@ -58,6 +59,9 @@ pub fn validate(configuration: &ControllerConfiguration) -> Result<(), Reasons> 
         };
         check(Field::Offset(channel), calibration.offset.into(), offsets);
         check(Field::Gain(channel), calibration.gain_ppm.into(), GAIN_RANGE_PPM);
+    }
+    for (field, found, range) in ranges(&configuration.monitor) {
+        check(Field::Monitor(field), found, range);
     }
     let limits = &configuration.limits;
     check(Field::ForceLimit, limits.force_limit_n.into(), FORCE_LIMIT_RANGE_N);

@@ -1,6 +1,9 @@
 //! Commands: each is carried out once, in order, and answered as often as it comes.
 
-use link::{Acknowledgement, Answer, Command, Counters, NumberedCommand, Refused, Target};
+use link::{
+    Acknowledgement, Answer, Command, Configured, ControllerConfiguration, Counters, NumberedCommand,
+    Refused, Target, ToController,
+};
 
 use super::run::Run;
 use super::{Session, count};
@@ -41,20 +44,17 @@ impl Session {
 
     fn carry_out(&mut self, command: &Command) -> Result<Answer, Refused> {
         match command {
-            Command::Configure(configuration) => {
-                validate(configuration).map_err(Refused::Configuration)?;
-                let is_timed = self.hello.target != Target::Emulator;
-                let run = Run::new(*configuration, if is_timed { self.hello.core_hz } else { 0 })?;
-                let configured = run.configured;
-                self.slow.left = configuration.limits.slow_every;
-                self.run = Some(run);
-                self.forget_run();
-                Ok(Answer::Configured(configured))
+            Command::Configure(configuration) => self.configure(configuration).map(Answer::Configured),
+            Command::GetConfiguration => Ok(Answer::Configuration(self.configuration)),
+            Command::Keep => {
+                let kept = core::mem::take(&mut self.kept);
+                match (self.run.is_some(), self.configuration) {
+                    (true, _) => Err(Refused::Running),
+                    (false, None) => Err(Refused::NotConfigured),
+                    (false, Some(_)) if kept => Ok(Answer::Kept),
+                    (false, Some(_)) => Err(Refused::NotKept),
+                }
             }
-            Command::GetConfiguration => {
-                Ok(Answer::Configuration(self.run.as_ref().map(|run| run.configuration)))
-            }
-            Command::Keep => Err(Refused::NotKept),
             Command::GetCounters => Ok(Answer::Counters(self.counters)),
             Command::ClearTrip => {
                 let run = self.run.as_mut().ok_or(Refused::NotConfigured)?;
@@ -68,6 +68,41 @@ impl Session {
                 Ok(Answer::Stopped(counters))
             }
         }
+    }
+
+    /// Checks a configuration as a whole and runs with it. Refused, it changes nothing.
+    ///
+    /// # Errors
+    ///
+    /// Fields are out of range, or there is no model for the bearing.
+    pub fn configure(&mut self, configuration: &ControllerConfiguration) -> Result<Configured, Refused> {
+        validate(configuration).map_err(Refused::Configuration)?;
+        let is_timed = self.hello.target != Target::Emulator;
+        let run = Run::new(*configuration, &self.models, if is_timed { self.hello.core_hz } else { 0 })?;
+        let configured = run.configured;
+        self.slow.left = configuration.limits.slow_every;
+        self.configuration = Some(*configuration);
+        self.run = Some(run);
+        self.forget_run();
+        Ok(configured)
+    }
+
+    /// The configuration that a message wants kept and that may be kept now: the flash is written while no run is on. Whoever has a keeper
+    /// keeps it, tells [`Session::take_kept`], and then has the message served.
+    #[must_use]
+    pub fn to_keep(&self, message: &ToController) -> Option<ControllerConfiguration> {
+        let next = self.commands.number().wrapping_add(1);
+        match message {
+            ToController::Command(NumberedCommand { id, command: Command::Keep }) if *id == next => {
+                self.configuration.filter(|_| self.run.is_none())
+            }
+            _ => None,
+        }
+    }
+
+    /// Takes whether the configuration of [`Session::to_keep`] is kept now.
+    pub const fn take_kept(&mut self, kept: bool) {
+        self.kept = kept;
     }
 
     /// Counts anew what belongs to a run; what belongs to the link stays.

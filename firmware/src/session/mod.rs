@@ -12,19 +12,21 @@ mod run;
 #[cfg(test)]
 mod tests;
 
-use inference::Bearing;
 use link::start::{StackReport, StartReport};
 use link::track::SensorStatus;
+use link::update::{UpdateAnswer, UpdateRefusal};
 use link::{
-    BuildId, ClockSource, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello, MAGIC, NumberedEstimate,
-    PROTOCOL_VERSION, SensorFrame, SlowFrame, SlowReport, State, Target, ToController, ToHost,
-    encode_estimate,
+    BuildId, ClockSource, ControllerConfiguration, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello, MAGIC,
+    NumberedEstimate, PROTOCOL_VERSION, SensorFrame, SlowFrame, SlowReport, State, Target, ToController,
+    ToHost, encode_estimate,
 };
 
+use crate::configuration::check_sum;
 use crate::estimator::WINDOW;
 use crate::flags::{OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
+use crate::store::Models;
 use commands::LastCommand;
-use run::{Run, flags_of, model_id};
+use run::{Run, flags_of};
 
 /// A free-running counter that times one tick's work.
 pub trait TickSource {
@@ -65,6 +67,11 @@ pub struct Identity {
 #[derive(Debug)]
 pub struct Session {
     hello: Hello,
+    models: Models,
+    /// The configuration accepted last; it outlives its run.
+    configuration: Option<ControllerConfiguration>,
+    /// Whether that configuration has just been kept.
+    kept: bool,
     run: Option<Run>,
     counters: Counters,
     commands: LastCommand,
@@ -82,9 +89,10 @@ struct Slow {
 }
 
 impl Session {
-    /// Creates a session that waits to be configured.
+    /// Creates a session that waits to be configured, with the models built into the firmware.
     #[must_use]
     pub fn new(identity: Identity) -> Self {
+        let models = Models::built_in();
         let hello = Hello {
             magic: MAGIC,
             protocol: PROTOCOL_VERSION,
@@ -93,7 +101,7 @@ impl Session {
             clock: identity.clock,
             core_hz: identity.core_hz,
             window: WINDOW as u16,
-            models: Bearing::ALL.map(model_id),
+            models: models.ids(),
             token: 0,
             last_command: 0,
             state: State::Waiting,
@@ -103,11 +111,29 @@ impl Session {
         };
         Self {
             hello,
+            models,
+            configuration: None,
+            kept: false,
             run: None,
             counters: Counters::default(),
             commands: LastCommand::default(),
             slow: Slow::default(),
         }
+    }
+
+    /// Goes on with other models from the next sample on. The networks' history starts anew, and is flagged so.
+    pub fn switch(&mut self, models: Models) {
+        self.hello.models = models.ids();
+        self.models = models;
+        if let Some(run) = &mut self.run {
+            run.switch(&self.models);
+        }
+    }
+
+    /// Whether the model in use has been found altered since this was asked last: a bit of it is not what it was when it was loaded. Until a
+    /// sound one is switched to, every estimate is flagged so.
+    pub fn take_altered(&mut self) -> bool {
+        self.run.as_mut().is_some_and(Run::take_altered)
     }
 
     /// Takes what the greeting is to say of the start.
@@ -127,7 +153,7 @@ impl Session {
             token,
             last_command: self.commands.number(),
             state: self.state(),
-            configuration_crc: self.run.as_ref().map_or(0, |run| run.configured.configuration_crc),
+            configuration_crc: self.configuration.as_ref().map_or(0, check_sum),
             ..self.hello
         }
     }
@@ -163,6 +189,8 @@ impl Session {
                     None => not_configured(frame),
                 }
             }
+            // Whoever has a store serves these before they come here.
+            ToController::Update(_) => ToHost::Update(UpdateAnswer::Refused(UpdateRefusal::NoMemory)),
         }
     }
 
@@ -180,7 +208,8 @@ impl Session {
         let start = ticks.start();
         let (estimate, elapsed) =
             self.sample(frame, status, start, ticks).ok_or_else(|| not_configured(frame))?;
-        let bytes = encode_estimate(&estimate);
+        let mut bytes = [0; ESTIMATE_FRAME];
+        encode_estimate(&estimate, &mut bytes);
         self.finish(elapsed, ticks.since(start));
         Ok(bytes)
     }
@@ -191,16 +220,19 @@ impl Session {
         ToHost::Fault(Fault::BadFrame(error))
     }
 
-    /// The frame of slow telemetry that is due, if one is.
+    /// The frame of slow telemetry that is due, if one is. The reports take turns.
     pub fn slow(&mut self) -> Option<ToHost> {
-        let slow = &mut self.slow;
-        if !core::mem::take(&mut slow.due) {
+        if !core::mem::take(&mut self.slow.due) {
             return None;
         }
-        let number = slow.number;
-        slow.number = number.wrapping_add(1);
-        let (sequence, state) = (slow.sequence, self.state());
-        let report = SlowReport::Counters(self.counters);
+        let run = self.run.as_ref()?;
+        let (number, sequence, state) = (self.slow.number, self.slow.sequence, self.state());
+        self.slow.number = number.wrapping_add(1);
+        let report = match number % 3 {
+            0 => SlowReport::Track(run.monitor.report()),
+            1 => SlowReport::Sensors(run.monitor.health()),
+            _ => SlowReport::Counters(self.counters),
+        };
         Some(ToHost::Slow(SlowFrame { number, sequence, state, report }))
     }
 

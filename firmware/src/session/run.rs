@@ -1,17 +1,17 @@
 //! One run: the estimator with its configuration, its deadline and its place in the stream of estimates.
 
-use inference::{Bearing, Flags, Model, shipped};
+use inference::{Bearing, Flags};
 use link::track::SensorStatus;
 use link::{
-    Configured, ControllerConfiguration, EstimateFrame, ModelId, NumberedEstimate, Refusal, Refused,
-    SensorFrame,
+    Configured, ControllerConfiguration, EstimateFrame, NumberedEstimate, Refusal, Refused, SensorFrame,
 };
 
 use super::deadline::Deadline;
-use crate::Estimator;
-use crate::configuration::record;
+use crate::Monitor;
+use crate::configuration::{Calibrator, check_sum};
 use crate::estimator::WINDOW;
 use crate::flags::{OVER_FORCE, STALE, TRIPPED};
+use crate::store::{Loaded, Models, Scrubber};
 
 /// A configured estimator at work.
 #[derive(Debug)]
@@ -19,7 +19,13 @@ pub(super) struct Run {
     pub(super) configuration: ControllerConfiguration,
     pub(super) configured: Configured,
     pub(super) deadline: Deadline,
-    estimator: Estimator,
+    pub(super) monitor: Monitor,
+    calibrator: Calibrator,
+    scrubber: Scrubber,
+    altered: bool,
+    /// Whether that has not been told yet.
+    altered_is_news: bool,
+    bearing: Bearing,
     force_limit_n: f32,
     /// Number of the next estimate.
     number: u32,
@@ -29,27 +35,40 @@ pub(super) struct Run {
 
 impl Run {
     /// Starts a run with a configuration that has been validated. `watched_hz` is the frequency of the tick source; 0 for none.
-    pub(super) fn new(configuration: ControllerConfiguration, watched_hz: u32) -> Result<Self, Refused> {
+    pub(super) fn new(
+        configuration: ControllerConfiguration,
+        models: &Models,
+        watched_hz: u32,
+    ) -> Result<Self, Refused> {
         let bench = configuration.bench;
         let bearing = Bearing::from_code(bench.bearing).ok_or(Refused::Image { cause: 0 })?;
-        let estimator = Estimator::new(shipped(bearing), bench).map_err(|refusal| match refusal {
-            Refusal::Image { cause } => Refused::Image { cause },
-            // Validated before: a component that serves less than the validation promises is to be mended.
-            _ => Refused::NotConfigured,
-        })?;
+        let &Loaded { image, .. } = models.of(bearing).ok_or(Refused::Image { cause: 4 })?;
         let limits = configuration.limits;
+        let monitor =
+            Monitor::new(image, &bench, &configuration.monitor, limits.stuck_samples).map_err(|refusal| {
+                match refusal {
+                    Refusal::Image { cause } => Refused::Image { cause },
+                    // Validated before: a component that serves less than the validation promises is to be mended.
+                    _ => Refused::NotConfigured,
+                }
+            })?;
         let budget = u64::from(watched_hz).wrapping_mul(bench.sample_period_us.into()) / 1_000_000;
         let budget = u32::try_from(budget).unwrap_or(u32::MAX);
         let configured = Configured {
-            configuration_crc: record::check_sum(&configuration),
-            model: model_id(bearing),
+            configuration_crc: check_sum(&configuration),
+            model: models.id(bearing),
             window: WINDOW as u16,
         };
         Ok(Self {
             configuration,
             configured,
             deadline: Deadline::new(budget, limits.deadline_trip_count),
-            estimator,
+            monitor,
+            calibrator: Calibrator::new(&configuration.calibration),
+            scrubber: Scrubber::new(image),
+            altered: false,
+            altered_is_news: false,
+            bearing,
             force_limit_n: if limits.force_limit_n == 0 {
                 f32::INFINITY
             } else {
@@ -61,14 +80,36 @@ impl Run {
     }
 
     /// Estimates. Tripped, the last estimate that was in time stands for the new one, so that the link has time to be served.
-    pub(super) fn estimate(&mut self, frame: &SensorFrame, _status: SensorStatus) -> EstimateFrame {
+    pub(super) fn estimate(&mut self, frame: &SensorFrame, status: SensorStatus) -> EstimateFrame {
         if self.deadline.tripped() {
             let flags = self.held.flags | (STALE | TRIPPED).bits();
             return EstimateFrame { sequence: frame.sequence, time_us: frame.time_us, flags, ..self.held };
         }
-        let mut estimate = self.estimator.step(frame);
+        let mut estimate = self.monitor.step(&self.calibrator.apply(frame), status);
+        let altered = self.scrubber.step();
+        self.altered_is_news |= altered & !self.altered;
+        self.altered |= altered;
+        estimate.flags |= Flags::ALTERED.when(self.altered).bits();
         estimate.flags |= OVER_FORCE.when(estimate.normal_force_n > self.force_limit_n).bits();
         estimate
+    }
+
+    /// Goes on with other networks; without any, with the altered ones, flagged.
+    pub(super) fn switch(&mut self, models: &Models) {
+        self.configured.model = models.id(self.bearing);
+        match models.of(self.bearing) {
+            Some(&Loaded { image, model }) => {
+                self.monitor.switch(model);
+                self.scrubber = Scrubber::new(image);
+                self.altered = false;
+            }
+            None => self.altered = true,
+        }
+    }
+
+    /// Whether the model has been found altered since this was asked last.
+    pub(super) const fn take_altered(&mut self) -> bool {
+        core::mem::replace(&mut self.altered_is_news, false)
     }
 
     /// Marks an estimate that took `elapsed` ticks, keeps it if it was in time, and gives it its number.
@@ -93,14 +134,6 @@ pub(super) struct Numbered {
     pub(super) late: bool,
     pub(super) trips: bool,
     pub(super) held: bool,
-}
-
-/// What a bearing's image says it is; zeros when it is refused.
-pub(super) fn model_id(bearing: Bearing) -> ModelId {
-    match Model::<i16>::load(shipped(bearing)) {
-        Ok(model) => ModelId { crc: model.check_sum(), training_id: model.header().training_id },
-        Err(_) => ModelId { crc: 0, training_id: 0 },
-    }
 }
 
 /// The flags of an estimate as a set.

@@ -3,9 +3,10 @@
 //! One command at a time is on the way. It is sent again, number and all, until its answer comes; answers with another number are
 //! strays of an earlier sending. Streams have numbers of their own: a gap is a loss.
 
+use link::update::UpdateAnswer;
 use link::{
-    Acknowledgement, Answer, Command, EstimateFrame, Hello, NumberedCommand, NumberedEstimate, Refused, SlowFrame,
-    State, ToController, ToHost,
+    Acknowledgement, Answer, Command, EstimateFrame, Hello, NumberedCommand, NumberedEstimate, Refused,
+    SlowFrame, State, ToController, ToHost,
 };
 
 /// What the line and the other side lost, as the host sees it.
@@ -38,6 +39,8 @@ pub enum Heard {
     Estimate(EstimateFrame),
     /// Slow telemetry.
     Slow(SlowFrame),
+    /// An answer about models.
+    Update(UpdateAnswer),
     /// The controller could not serve a frame.
     Fault(link::Fault),
     /// An answer to something earlier.
@@ -57,6 +60,11 @@ pub struct Conversation {
 }
 
 impl Conversation {
+    /// Creates the host's side; greetings that it asks for carry the numbers after `token`.
+    pub fn new(token: u32) -> Self {
+        Self { token, ..Self::default() }
+    }
+
     /// Asks who is there. The answer tells the number of the next command.
     pub fn identify(&mut self) -> ToController {
         self.token = self.token.wrapping_add(1).max(1);
@@ -73,16 +81,6 @@ impl Conversation {
     pub fn again(&mut self) -> Option<ToController> {
         self.losses.sent_again = self.losses.sent_again.saturating_add(u32::from(self.on_the_way.is_some()));
         self.on_the_way
-    }
-
-    /// Whether something is on the way.
-    pub const fn is_waiting(&self) -> bool {
-        self.on_the_way.is_some()
-    }
-
-    /// Counts a damaged frame.
-    pub const fn damaged(&mut self) {
-        self.losses.damaged = self.losses.damaged.saturating_add(1);
     }
 
     /// What was lost so far.
@@ -120,6 +118,7 @@ impl Conversation {
                 self.losses.slow_missed = self.losses.slow_missed.saturating_add(missed);
                 Heard::Slow(slow)
             }
+            ToHost::Update(answer) => Heard::Update(answer),
             ToHost::Fault(fault) => Heard::Fault(fault),
         }
     }

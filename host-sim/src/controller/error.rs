@@ -33,6 +33,14 @@ pub enum ControllerError {
         /// Its answer.
         source: std::io::Error,
     },
+    /// A port cannot be used.
+    #[error("{path}: {source}; expected a serial port with a controller", path = path.display())]
+    Port {
+        /// The port.
+        path: PathBuf,
+        /// The system's answer.
+        source: std::io::Error,
+    },
     /// No answer within the bound.
     #[error("no answer to {waiting_for} within {bound_s} s; last sequence number answered: {last}. {cause}", last = last(*last_sequence))]
     TimedOut {
@@ -101,9 +109,13 @@ fn why(refused: &Refused) -> String {
             }
             told.join("; ")
         }
-        Refused::OutOfOrder { expected } => format!("the command's number does not follow; expected {expected}"),
+        Refused::OutOfOrder { expected } => {
+            format!("the command's number does not follow; expected {expected}")
+        }
         Refused::NumberTaken => "another command has had this number".into(),
-        Refused::Image { cause } => format!("the model image on board is damaged or for another bearing (cause {cause})"),
+        Refused::Image { cause } => {
+            format!("the model image on board is damaged or for another bearing (cause {cause})")
+        }
         Refused::NotConfigured => "nothing is configured".into(),
         Refused::Running => "a run is going on; stop it first".into(),
         Refused::NotKept => "the configuration could not be kept: nowhere to, or the flash failed".into(),

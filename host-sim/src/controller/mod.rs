@@ -1,19 +1,25 @@
-//! The controller's ends: the same conversation in this process and with the emulated controller.
+//! The controller's ends: the same conversation in this process, with the emulated controller and with a board on a serial port.
 //!
 //! Lockstep: the sensor frame's time is the controller's time, and the host waits for the estimate of every frame. Every
 //! wait is bounded and names what it waited for. A restarted controller is noticed by its unasked greeting.
 
+mod attached;
 mod conversation;
 mod emulated;
 mod error;
 mod native;
+mod remote;
 
+pub use attached::{AttachedController, BAUD};
 pub use conversation::{Conversation, Heard, Losses};
 pub use emulated::EmulatedController;
 pub use error::ControllerError;
 pub use native::NativeController;
+pub use remote::RemoteController;
 
-use link::{Answer, Command, Counters, EstimateFrame, Hello, MAGIC, PROTOCOL_VERSION, SensorFrame, SlowFrame};
+use link::{
+    Answer, Command, Counters, EstimateFrame, Hello, MAGIC, PROTOCOL_VERSION, SensorFrame, SlowFrame,
+};
 
 /// A configured controller.
 pub trait Controller {
@@ -37,6 +43,10 @@ fn stopped(answer: Answer) -> Result<Counters, ControllerError> {
         Answer::Stopped(counters) => Ok(counters),
         other => Err(unexpected(&other, "the counters")),
     }
+}
+
+fn system(what: &'static str) -> impl Fn(std::io::Error) -> ControllerError {
+    move |source| ControllerError::System { what, source }
 }
 
 fn unexpected(found: &impl std::fmt::Debug, expected: &str) -> ControllerError {

@@ -4,8 +4,8 @@ use super::{Controller, ControllerError, Conversation, Heard, Losses, greeted, s
 use firmware::{Identity, NoTicks, Session};
 use link::track::SensorStatus;
 use link::{
-    Answer, BuildId, ClockSource, Command, ControllerConfiguration, Counters, EstimateFrame, Hello, SensorFrame,
-    SlowFrame, Target, ToController, ToHost,
+    Answer, BuildId, ClockSource, Command, ControllerConfiguration, Counters, EstimateFrame, Hello,
+    SensorFrame, SlowFrame, Target, ToController, ToHost,
 };
 
 /// The session of the firmware, without a line between.

@@ -1,7 +1,7 @@
 //! What goes wrong with a controller has a name and an end: nothing hangs, and the last sample that was answered is told.
 
 use crate::frames::{configuration, troubled};
-use host_sim::controller::{Controller, ControllerError, EmulatedController};
+use host_sim::controller::{Controller, ControllerError, EmulatedController, RemoteController};
 use inference::Bearing;
 use link::track::SensorStatus;
 use link::{
@@ -13,7 +13,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-fn start() -> EmulatedController {
+fn start() -> RemoteController {
     EmulatedController::start(configuration(Bearing::Babbitt), &EmulatedController::default_elf()).unwrap()
 }
 
@@ -21,14 +21,14 @@ fn frames() -> Vec<SensorFrame> {
     troubled(&configuration(Bearing::Babbitt), 200, 9)
 }
 
-fn process(controller: &EmulatedController) -> Pid {
-    Pid::from_raw(controller.process_id().try_into().unwrap()).unwrap()
+fn process(controller: &RemoteController) -> Pid {
+    Pid::from_raw(controller.process_id().unwrap().try_into().unwrap()).unwrap()
 }
 
 /// Sends a signal and waits until every thread of the emulator is in the state that it leads to (T stopped, Z gone): a thread in
 /// mid-instruction still answers.
-fn signal(controller: &EmulatedController, signal: Signal, state: &str) {
-    let id = controller.process_id();
+fn signal(controller: &RemoteController, signal: Signal, state: &str) {
+    let id = controller.process_id().unwrap();
     kill_process(process(controller), signal).unwrap();
     let reached = || {
         let threads = std::fs::read_dir(format!("/proc/{id}/task")).unwrap();
@@ -129,7 +129,7 @@ fn a_silent_controller_times_out_within_its_bound_and_the_last_sample_is_named()
         other => panic!("{other:?}"),
     }
     // A stopped process ends no less for it.
-    let gone = Path::new("/proc").join(controller.process_id().to_string());
+    let gone = Path::new("/proc").join(controller.process_id().unwrap().to_string());
     assert!(gone.exists());
     drop(controller);
     assert!(!gone.exists());

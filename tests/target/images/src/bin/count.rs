@@ -1,4 +1,4 @@
-//! Counts the instructions of the reference network's modes and of single layers, on a board whose SysTick runs at 168 MHz.
+//! Counts the instructions of the reference network's modes, of single layers and of an estimate's frame, on a board whose SysTick runs at 168 MHz.
 //!
 //! One line a figure: name, fewest and most instructions over random inputs, multiply-accumulates.
 #![no_std]
@@ -17,6 +17,7 @@ use inference::kernel::{Engine, Native, Portable};
 use inference::{
     Bearing, Convolution, Head, Interleaved, Model, Network, Pair, Same, Sample, Streaming, Windowed, shipped,
 };
+use link::{ESTIMATE_FRAME, EstimateLayout, NumberedEstimate, encode_estimate};
 use on_target::network::{COLUMNS, INPUTS, Reference, Room, random, read, reference_shapes};
 use on_target::noise::Noise;
 
@@ -216,6 +217,23 @@ fn pair(counter: &Counter, bearing: Bearing) -> Option<()> {
     Some(())
 }
 
+/// The frame of an estimate over any bits, zeros among them.
+fn frame(counter: &Counter) {
+    let mut noise = Noise(6);
+    Extremes::over(TIMES, || {
+        let sparse = noise.bits();
+        let mut byte = |at: usize| if sparse >> (at % 32) & 1 == 0 { 0 } else { noise.bits() as u8 };
+        let first = [byte(0), byte(1), byte(2)];
+        let words: [[u8; 4]; 11] = core::array::from_fn(|word| core::array::from_fn(|at| byte(4 * word + at)));
+        let estimate = NumberedEstimate::from(EstimateLayout(first, words));
+        let mut frame = [0; ESTIMATE_FRAME];
+        let count = counter.count(|| encode_estimate(black_box(&estimate), &mut frame));
+        black_box(frame);
+        count
+    })
+    .print("estimate_frame", 0);
+}
+
 fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
     let (wide, packed) = (WeightForm::Wide, WeightForm::Packed);
     modes::<i16, Native>(
@@ -260,6 +278,7 @@ fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
     for bearing in Bearing::ALL {
         pair(counter, bearing)?;
     }
+    frame(counter);
     layers::<i16>(counter, room, wide, "wide")?;
     layers::<i16>(counter, room, packed, "packed")?;
     layers::<i8>(counter, room, packed, "compact")
