@@ -19,6 +19,7 @@ pub mod configuration;
 pub mod estimator;
 pub mod flags;
 pub mod monitor;
+pub mod sensors;
 pub mod session;
 pub mod store;
 pub mod supervisor;

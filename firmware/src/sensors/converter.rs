@@ -1,0 +1,89 @@
+//! Texas Instruments ADS8688: eight channels, 16 bits, 500 kS/s, SPI mode 1, at most 17 MHz.
+//!
+//! Framing (data sheet SBAS582C, sections 8.4 and 8.5). A conversion frame is 32 clocks: 16 of the command, during which the device drives
+//! its output low, then 16 of the result, most significant bit first. The command `MAN_Ch_n` (`0xC000 + n 0x400`) selects the channel that
+//! the *next* frame converts and returns. A program register is written in 24 clocks: address in the upper 7 bits, a 1 for writing, the
+//! value; the value is returned in the last 8.
+//!
+//! Results are straight binary: 0 is the lower end of the range, 65535 the upper.
+
+use embedded_hal::spi::SpiDevice;
+
+use super::SensorFault;
+
+/// Inputs of the device.
+const INPUTS: u8 = 8;
+const MANUAL: u16 = 0xc000;
+const RESET: u16 = 0x8500;
+const FIRST_RANGE_REGISTER: u8 = 0x05;
+
+/// Input range of one channel, with the internal reference of 4.096 V: bits of the range-select register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputRange {
+    /// -10.24 to 10.24 V.
+    Bipolar10V = 0b000,
+    /// -5.12 to 5.12 V.
+    Bipolar5V = 0b001,
+    /// -2.56 to 2.56 V.
+    Bipolar2V5 = 0b010,
+    /// 0 to 10.24 V.
+    Unipolar10V = 0b101,
+    /// 0 to 5.12 V.
+    Unipolar5V = 0b110,
+}
+
+/// The converter on its bus.
+#[derive(Debug)]
+pub struct Ads8688<SPI> {
+    spi: SPI,
+}
+
+impl<SPI: SpiDevice> Ads8688<SPI> {
+    /// Takes the device; [`Self::configure`] comes next.
+    pub const fn new(spi: SPI) -> Self {
+        Self { spi }
+    }
+
+    /// Resets the device, sets the range of each listed input and selects the first of them for the next frame.
+    ///
+    /// # Errors
+    ///
+    /// The bus failed, or a register did not read back.
+    pub fn configure(&mut self, ranges: &[(u8, InputRange)]) -> Result<(), SensorFault> {
+        self.command(RESET)?;
+        for (input, range) in ranges {
+            let address = FIRST_RANGE_REGISTER.wrapping_add(input % INPUTS) << 1 | 1;
+            let mut frame = [address, *range as u8, 0];
+            self.spi.transfer_in_place(&mut frame).map_err(|_| SensorFault::Bus)?;
+            let [.., echo] = frame;
+            if echo != *range as u8 {
+                return Err(SensorFault::NotConfigured);
+            }
+        }
+        ranges.first().map_or(Ok(()), |(input, _)| self.select(*input).map(|_| ()))
+    }
+
+    /// Selects an input for the next frame and returns the result of the one selected before.
+    ///
+    /// # Errors
+    ///
+    /// The bus failed, or the device did not drive its output low during the command.
+    pub fn select(&mut self, next: u8) -> Result<u16, SensorFault> {
+        self.command(MANUAL | u16::from(next % INPUTS) << 10)
+    }
+
+    /// Gives the bus back.
+    pub fn release(self) -> SPI {
+        self.spi
+    }
+
+    fn command(&mut self, command: u16) -> Result<u16, SensorFault> {
+        let [high, low] = command.to_be_bytes();
+        let mut frame = [high, low, 0, 0];
+        self.spi.transfer_in_place(&mut frame).map_err(|_| SensorFault::Bus)?;
+        match frame {
+            [0, 0, high, low] => Ok(u16::from_be_bytes([high, low])),
+            _ => Err(SensorFault::NoAnswer),
+        }
+    }
+}
