@@ -1,15 +1,14 @@
 //! The training of both networks of a bearing, as the command line runs it.
 
 use crate::checkpoint::Checkpoint;
-use crate::draw::{Draw, Purpose};
-use crate::features::FloatFeatures;
-use crate::ranges::header;
 use crate::recipe::Recipe;
-use crate::rows::{Row, rows};
 use crate::shapes;
-use crate::train::{Loss, Progress, Source, Training, Windows};
-use crate::window::{self, Window};
+use crate::sources::Sources;
+use crate::train::{Loss, Progress, StateError, Trained, Training};
+use crate::write::{WriteError, write_whole};
 use inference::Bearing;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// One of the two networks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,58 +32,109 @@ impl Network {
     }
 }
 
-/// Drawn rows, each with a history drawn anew whenever it is asked for.
-struct Drawn<'a> {
-    network: Network,
-    features: FloatFeatures,
-    rows: &'a [Row],
+/// Where a training is kept while it runs.
+#[derive(Clone, Debug)]
+pub struct Keep {
+    /// Directory of the state files.
+    pub directory: PathBuf,
+    /// Least time between two states of a network; the last epoch's is always kept.
+    pub every: Duration,
+    /// Whether to go on from the states that are there.
+    pub resume: bool,
 }
 
-impl Windows {
-    /// Adds a window.
-    pub fn push<const C: usize>(&mut self, window: &Window<C>) {
-        self.columns.extend(window.columns.as_flattened());
-        self.targets.push(window.target);
+impl Keep {
+    /// The state file of a network.
+    pub fn file(&self, bearing: Bearing, network: Network) -> PathBuf {
+        self.directory.join(format!("{}-{}.training", bearing.name(), network.name()))
     }
 }
 
-impl Source for Drawn<'_> {
-    fn count(&self) -> u64 {
-        self.rows.len() as u64
-    }
+/// Why a training could not go on.
+#[derive(Debug, thiserror::Error)]
+pub enum TrainError {
+    /// A state file could not be read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A state file does not fit.
+    #[error("{}: {source}", path.display())]
+    State {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: StateError,
+    },
+    /// A state file could not be written.
+    #[error("{0}")]
+    Write(#[from] WriteError),
+    /// Notes could not be written.
+    #[error("training state: {0}")]
+    Json(#[from] serde_json::Error),
+}
 
-    fn add(&self, row: u64, draw: &mut Draw, windows: &mut Windows) {
-        let Some(row) = self.rows.get(row as usize) else { return };
-        match self.network {
-            Network::Collision => windows.push(&window::collision(&self.features, row, draw)),
-            Network::Friction => windows.push(&window::friction(&self.features, row, draw)),
-        }
+/// A checkpoint and the histories of its two trainings, collision first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// The networks.
+    pub checkpoint: Checkpoint,
+    /// Every epoch of both trainings.
+    pub histories: [Vec<Progress>; 2],
+}
+
+fn saved(path: &Path) -> Result<Option<Vec<u8>>, TrainError> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(TrainError::Read { path: path.to_owned(), source }),
     }
 }
 
-/// Trains both networks; `report` is called after every epoch.
+/// Trains both networks; `report` is called after every epoch, and for those that were done before.
+///
+/// # Errors
+///
+/// State files that cannot be read, do not fit, or cannot be written.
 pub fn train_both(
     bearing: Bearing,
     recipe: &Recipe,
+    keep: Option<&Keep>,
     report: &mut dyn FnMut(Network, Progress),
-) -> Checkpoint {
-    let features = FloatFeatures::of(&header(bearing, recipe.range));
-    let set = |purpose, count| rows(bearing, recipe.range, recipe.seed, purpose, count);
-    let training = set(Purpose::TrainingRows, recipe.rows);
-    let validation = set(Purpose::ValidationRows, recipe.validation_rows);
-    let [collision, friction] = Network::ALL.map(|network| {
-        let source = |rows| Drawn { network, features, rows };
+) -> Result<Outcome, TrainError> {
+    let sources = Sources::new(bearing, recipe);
+    let mut one = |network: Network| -> Result<(Trained, Vec<Progress>), TrainError> {
         let shape = match network {
             Network::Collision => shapes::collision(),
             Network::Friction => shapes::friction(),
         };
-        let (training, validation) = (source(&training), source(&validation));
-        let mut training =
-            Training::new(recipe, shape, (&training, &validation), Loss::Clamped, network as u64);
-        while !training.is_done() {
-            report(network, training.epoch());
+        let (rows, validation) = sources.of(network);
+        let mut training = Training::new(recipe, shape, (&rows, &validation), Loss::Clamped, network as u64);
+        if let Some(keep) = keep.filter(|keep| keep.resume) {
+            let path = keep.file(bearing, network);
+            if let Some(bytes) = saved(&path)? {
+                training.take_up(&bytes).map_err(|source| TrainError::State { path, source })?;
+            }
         }
-        training.finish()
-    });
-    Checkpoint { recipe: recipe.clone(), bearing, collision, friction }
+        training.history().iter().for_each(|progress| report(network, *progress));
+        let mut kept = Instant::now();
+        while !training.is_done() {
+            let progress = training.epoch();
+            if let Some(keep) = keep
+                && (kept.elapsed() >= keep.every || training.is_done())
+            {
+                write_whole(&keep.file(bearing, network), &training.to_bytes()?)?;
+                kept = Instant::now();
+            }
+            report(network, progress);
+        }
+        Ok((training.finish(), training.history().to_vec()))
+    };
+    let (collision, first) = one(Network::Collision)?;
+    let (friction, second) = one(Network::Friction)?;
+    let checkpoint = Checkpoint { recipe: recipe.clone(), bearing, collision, friction };
+    Ok(Outcome { checkpoint, histories: [first, second] })
 }

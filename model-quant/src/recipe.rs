@@ -4,6 +4,17 @@ use crate::ranges::RangeKind;
 use crate::train::InstructionSet;
 use serde::{Deserialize, Serialize};
 
+/// Where the rows of a training come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum TrainingSet {
+    /// A number of rows drawn from the range, kept in memory
+    #[default]
+    Drawn,
+    /// All ten million rows of the collision set's training part (`model-quant dataset collision`), made as they are needed
+    Full,
+}
+
 /// Recipe of one training of both networks of a bearing. The same recipe gives the same bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -12,9 +23,12 @@ pub struct Recipe {
     pub bearing: String,
     /// Range and distribution of the rows.
     pub range: RangeKind,
+    /// Where the rows come from.
+    #[serde(default)]
+    pub set: TrainingSet,
     /// Seed of every draw.
     pub seed: u64,
-    /// Rows of the training set.
+    /// Rows of the training set; the full set has its own number.
     pub rows: usize,
     /// Rows of the validation set.
     pub validation_rows: usize,
@@ -47,6 +61,7 @@ impl Recipe {
         Self {
             bearing: bearing.name().to_owned(),
             range: RangeKind::Bench,
+            set: TrainingSet::Drawn,
             seed: 2,
             rows: 1 << 17,
             validation_rows: 1 << 13,

@@ -58,6 +58,16 @@ impl Freezer {
         Self { grid: grid(net), free }
     }
 
+    /// The grid and what is free.
+    pub(crate) fn parts(&self) -> [&Network; 2] {
+        [&self.grid, &self.free]
+    }
+
+    /// The reverse of [`Freezer::parts`].
+    pub(crate) fn from_parts([grid, free]: [Network; 2]) -> Self {
+        Self { grid, free }
+    }
+
     /// 1 for a parameter that may still move, 0 for a frozen one.
     pub fn free(&self) -> &Network {
         &self.free

@@ -2,7 +2,8 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 fn model_quant(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_model-quant")).args(arguments).output().expect("model-quant")
@@ -104,6 +105,41 @@ fn a_small_training_goes_through_the_whole_chain() {
     assert_eq!(refused.status.code(), Some(2));
     let message = text(&refused.stderr);
     assert!(message.contains("plastic.pintle") && message.contains("check sum"), "{message}");
+}
+
+#[test]
+fn a_killed_training_is_taken_up_again_to_the_same_bytes() {
+    let directory = tempfile::tempdir().expect("directory");
+    let (whole, parts) = (directory.path().join("whole"), directory.path().join("parts"));
+    let arguments = |out: &Path| -> Vec<String> {
+        let fixed = "train --rows 4096 --epochs 25 --grid-epochs 15 --keep-s 0 --json --out";
+        fixed.split(' ').map(str::to_owned).chain([as_str(out).to_owned()]).collect()
+    };
+    let run = |out: &Path, more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_model-quant"));
+        command.args(arguments(out)).args(more).output().expect("model-quant")
+    };
+    json(&run(&whole, &[]));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_model-quant"));
+    command.args(arguments(&parts)).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut killed = command.spawn().expect("model-quant");
+    let state = parts.join("babbitt-collision.training");
+    while !state.exists() {
+        assert!(killed.try_wait().expect("status").is_none(), "it ended before a state was kept");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    killed.kill().expect("kill");
+    killed.wait().expect("status");
+    assert!(!parts.join("babbitt.float").exists(), "killed before its end");
+    let wrong = run(&parts, &["--resume", "--seed", "77"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(text(&wrong.stderr).contains("babbitt-collision.training"), "{}", text(&wrong.stderr));
+    json(&run(&parts, &["--resume"]));
+    for file in ["babbitt.float", "babbitt.history.json"] {
+        let read = |directory: &Path| std::fs::read(directory.join(file)).expect("file");
+        assert!(read(&whole) == read(&parts), "{file}");
+    }
+    assert_eq!(std::fs::read_dir(&parts).expect("entries").count(), 2, "no states are left");
 }
 
 #[test]

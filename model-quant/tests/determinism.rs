@@ -4,9 +4,12 @@
 use inference::Bearing;
 use model_quant::checkpoint::Checkpoint;
 use model_quant::mode::{Mode, Packing, Plan};
-use model_quant::pipeline::train_both;
+use model_quant::pipeline::{Network, train_both};
 use model_quant::quantise::quantise;
 use model_quant::recipe::Recipe;
+use model_quant::shapes::collision;
+use model_quant::sources::Sources;
+use model_quant::train::{Loss, Progress, Source, StateError, Trained, Training};
 
 fn small() -> Recipe {
     Recipe {
@@ -21,10 +24,10 @@ fn small() -> Recipe {
 fn train(threads: usize) -> (Vec<u8>, Vec<f64>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let mut losses = Vec::new();
-    let checkpoint = pool.install(|| {
-        train_both(Bearing::Plastic, &small(), &mut |_, progress| losses.push(progress.validation_loss))
-    });
-    (checkpoint.to_bytes().expect("bytes"), losses)
+    let mut report = |_, progress: Progress| losses.push(progress.validation_loss);
+    let outcome =
+        pool.install(|| train_both(Bearing::Plastic, &small(), None, &mut report)).expect("training");
+    (outcome.checkpoint.to_bytes().expect("bytes"), losses)
 }
 
 #[test]
@@ -49,6 +52,75 @@ fn training_and_quantising_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn another_seed_gives_other_weights() {
     let recipe = |seed| Recipe { seed, epochs: 1, grid_epochs: 0, ..small() };
-    let train = |seed| train_both(Bearing::Plastic, &recipe(seed), &mut |_, _| ()).collision.float;
+    let train = |seed| {
+        let outcome = train_both(Bearing::Plastic, &recipe(seed), None, &mut |_, _| ()).expect("training");
+        outcome.checkpoint.collision.float
+    };
     assert_ne!(train(1), train(2));
+}
+
+/// Stops after some epochs by not being asked for more, and goes on from the bytes.
+fn in_two_parts(recipe: &Recipe, first: usize) -> Trained {
+    let sources = Sources::new(Bearing::Plastic, recipe);
+    let (rows, validation) = sources.of(Network::Collision);
+    let start = || {
+        let parts: (&dyn Source, &dyn Source) = (&rows, &validation);
+        Training::new(recipe, collision(), parts, Loss::Clamped, 0)
+    };
+    let mut training = start();
+    for _ in 0..first {
+        training.epoch();
+    }
+    let bytes = training.to_bytes().expect("bytes");
+    let mut training = start();
+    training.take_up(&bytes).expect("state");
+    assert_eq!(training.history().len(), first);
+    while !training.is_done() {
+        training.epoch();
+    }
+    training.finish()
+}
+
+#[test]
+fn a_training_taken_up_again_gives_the_same_bytes() {
+    let recipe = Recipe { rows: 2000, ..small() };
+    let whole = in_two_parts(&recipe, 0);
+    for first in [1, 3, 4, 6] {
+        assert_eq!(in_two_parts(&recipe, first), whole, "stopped after {first} epochs");
+    }
+}
+
+#[test]
+fn a_state_that_does_not_fit_is_refused() {
+    let recipe = Recipe { rows: 1000, ..small() };
+    let sources = Sources::new(Bearing::Plastic, &recipe);
+    let (rows, validation) = sources.of(Network::Collision);
+    let parts: (&dyn Source, &dyn Source) = (&rows, &validation);
+    let mut training = Training::new(&recipe, collision(), parts, Loss::Clamped, 0);
+    training.epoch();
+    let bytes = training.to_bytes().expect("bytes");
+    for length in (0..bytes.len()).step_by(509) {
+        assert!(training.take_up(&bytes[..length]).is_err(), "{length} bytes");
+    }
+    for at in (0..bytes.len()).step_by(257) {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 4;
+        assert!(training.take_up(&damaged).is_err(), "byte {at}");
+    }
+    let other = Recipe { seed: 3, ..recipe.clone() };
+    let mut training = Training::new(&other, collision(), parts, Loss::Clamped, 0);
+    assert!(matches!(training.take_up(&bytes), Err(StateError::Other { .. })));
+}
+
+#[test]
+fn without_improvement_the_free_passes_end_and_the_best_weights_are_kept() {
+    let recipe = Recipe { rows: 512, epochs: 60, patience: Some(2), learning_rate: 0.05, ..small() };
+    let outcome = train_both(Bearing::Plastic, &recipe, None, &mut |_, _| ()).expect("training");
+    for epochs in &outcome.histories {
+        let free: Vec<f64> = epochs.iter().filter(|e| !e.on_grid).map(|e| e.validation_loss).collect();
+        assert!((3..60).contains(&free.len()), "{} epochs", free.len());
+        let best = free.iter().copied().fold(f64::INFINITY, f64::min);
+        assert_eq!(free[free.len() - 3], best, "two epochs after the best one it ends");
+        assert_eq!(epochs.len(), free.len() + recipe.grid_epochs);
+    }
 }

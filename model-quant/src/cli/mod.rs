@@ -1,6 +1,10 @@
 //! The commands and what they share.
 
 mod dataset;
+mod export;
+mod import;
+mod key;
+mod package;
 mod quantize;
 mod report;
 mod train;
@@ -13,7 +17,10 @@ use model_quant::dataset::bench_runs::RunError;
 use model_quant::dataset::friction_source::FrictionError;
 use model_quant::dataset::picture::PictureError;
 use model_quant::float_pair::{LoadError, read_checkpoint, shipped};
+use model_quant::key::KeyError;
+use model_quant::package::PackageError;
 use model_quant::peers::{ResultsError, WindowsError};
+use model_quant::pipeline::TrainError;
 use model_quant::quantise::QuantiseError;
 use model_quant::training_report::ReportError;
 use model_quant::training_report::history::HistoryError;
@@ -37,8 +44,12 @@ enum Command {
     Dataset(dataset::Arguments),
     Train(train::Arguments),
     Quantize(quantize::Arguments),
+    Import(import::Arguments),
+    Export(export::Arguments),
     Verify(verify::Arguments),
     Report(report::Arguments),
+    Key(key::Arguments),
+    Package(package::Arguments),
 }
 
 /// Why a command ended without its result.
@@ -53,6 +64,12 @@ pub(crate) enum CliError {
     #[error("{}: {source}", path.display())]
     Image { path: PathBuf, source: ImageError },
     #[error("{}: {source}", path.display())]
+    Key { path: PathBuf, source: KeyError },
+    #[error("{}: {source}", path.display())]
+    Package { path: PathBuf, source: PackageError },
+    #[error("random numbers: {0}")]
+    Random(getrandom::Error),
+    #[error("{}: {source}", path.display())]
     Results { path: PathBuf, source: ResultsError },
     #[error("{0}")]
     Windows(#[from] WindowsError),
@@ -63,6 +80,8 @@ pub(crate) enum CliError {
     #[error("{0}")]
     Write(#[from] WriteError),
     #[error("{0}")]
+    Train(#[from] TrainError),
+    #[error("{0}")]
     Run(#[from] RunError),
     #[error("{0}")]
     Friction(#[from] FrictionError),
@@ -72,6 +91,10 @@ pub(crate) enum CliError {
     Report(#[from] ReportError),
     #[error("{0}")]
     History(#[from] HistoryError),
+    #[error("{0}")]
+    Import(#[from] import::ImportError),
+    #[error("safetensors: {0}")]
+    Safetensors(#[from] safetensors::SafeTensorError),
     #[error("standard output: {0}")]
     Output(std::io::Error),
     #[error("json: {0}")]
@@ -92,7 +115,11 @@ impl CliError {
             | Self::Read { .. }
             | Self::Image { .. }
             | Self::Results { .. }
+            | Self::Import(_)
+            | Self::Key { .. }
+            | Self::Package { .. }
             | Self::History(_)
+            | Self::Train(TrainError::State { .. })
             | Self::Argument(..) => 2,
             Self::Friction(error) if error.is_wrong_input() => 2,
             _ => 1,
@@ -107,7 +134,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Command::Dataset(arguments) => dataset::run(arguments),
         Command::Train(arguments) => train::run(arguments),
         Command::Quantize(arguments) => quantize::run(arguments),
+        Command::Import(arguments) => import::run(arguments),
+        Command::Export(arguments) => export::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
+        Command::Key(arguments) => key::run(arguments),
+        Command::Package(arguments) => package::run(arguments),
         Command::Report(arguments) => report::run(arguments),
     }
 }

@@ -11,11 +11,13 @@ mod lanes;
 mod layout;
 mod optimiser;
 mod passes;
+mod state;
 mod trainer;
 mod training;
 
 pub use lanes::InstructionSet;
 pub use optimiser::cosine_rate;
+pub use state::StateError;
 pub use trainer::{CHUNK, Errors, Loss, Trainer, Windows};
 pub use training::{Progress, Source, Training};
 

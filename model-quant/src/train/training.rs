@@ -51,11 +51,11 @@ pub(super) struct Best {
 
 /// One training between two epochs.
 pub struct Training<'a> {
-    recipe: &'a Recipe,
+    pub(super) recipe: &'a Recipe,
     source: &'a dyn Source,
     validation: Windows,
     /// Number in the indices of the streams, so that two trainings do not share draws.
-    lane: u64,
+    pub(super) lane: u64,
     /// The target's rms: the network learns targets in this unit.
     unit: f32,
     pub(super) trainer: Trainer,
