@@ -16,7 +16,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let root = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join("..");
     let out = PathBuf::from(env::var("OUT_DIR")?);
     let an505 = env::var_os("CARGO_FEATURE_MPS2_AN505").is_some();
-    let map = root.join(if an505 { "firmware/memory/mps2-an505.x" } else { "memory.x" });
+    // Not at the workspace's root: the linker would look there first, whatever the board.
+    let map = root.join("firmware/memory").join(if an505 { "mps2-an505.x" } else { "stm32f405.x" });
     fs::copy(&map, out.join("memory.x"))?;
     if an505 {
         fs::write(out.join("device.x"), AN505_INTERRUPTS)?;

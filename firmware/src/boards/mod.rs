@@ -63,7 +63,8 @@ on_target! {
         None => env!("CARGO_PKG_VERSION"),
     };
 
-    /// The board that the image is built for.
+    /// The board that the image is built for; there is one MPS2 only.
+    #[cfg(feature = "stm32f405")]
     pub(crate) const BOARD: &pins::BoardFacts = match option_env!("PINTLE_BOARD") {
         None => &pins::ANY_STM32F405,
         Some(name) => match pins::named(name) {

@@ -4,6 +4,8 @@
 //! or, not paced by a bench, over UART0. The board has no independent watchdog worth the name and no reset flags; its light is left dark.
 //! Sources: Arm DAI 0505 (memory map, interrupts), Arm DDI 0479 (CMSDK APB UART).
 
+// Brings the vector table and the reset handler, which no device crate does here.
+use cortex_m_rt as _;
 use link::start::ResetReason;
 use link::{BuildId, ClockSource, Target};
 
@@ -34,6 +36,7 @@ pub mod device {
         /// UART0 has a byte.
         SERIAL = 32,
     }
+    pub use Interrupt as interrupt;
 
     unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
         fn number(self) -> u16 {

@@ -32,6 +32,7 @@ pub mod device {
         /// USART6 has a byte.
         SERIAL = stm32f4xx_hal::pac::Interrupt::USART6 as u16,
     }
+    pub use Interrupt as interrupt;
 
     #[expect(unsafe_code, reason = "every value is the number of one interrupt")]
     unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
