@@ -1,80 +1,206 @@
-//! From the journal's position and motion to the contact's, and from its forces back to the bench's axes.
+//! From the journal's position and motion to the contact's, and from its forces back to the bench's axes, in whole numbers.
 //!
 //! `a` is the journal's distance from the bearing's centre, `n = (y, z)/a` points to the contact, `t = (n_z, -n_y)` is the direction in
-//! which the journal slides when the shaft turns forward (from +z towards +y). Positions in nm, speeds in m/s: f32 keeps a tenth of a nanometre at a millimetre.
+//! which the journal slides when the shaft turns forward (from +z towards +y). Positions in nm within [`POSITION_LIMIT_NM`],
+//! the distance in sixteenths of a nanometre, directions times 2^30. No branch on data.
+
+use super::whole::{product, saturated, select};
+use core::f32::consts::{FRAC_PI_2, PI};
+use inference::fixed::{fraction, root};
+
+/// Positions are cut off here, nm: 8.4 mm either way, beyond every clearance that can be served.
+pub const POSITION_LIMIT_NM: i32 = (1 << 23) - 1;
+/// Steps of the distance in a nanometre.
+pub const DISTANCE_STEPS_PER_NM: i32 = 16;
+/// Fraction bits of a direction.
+const DIRECTION_BITS: u32 = 30;
 
 /// The contact's own frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactFrame {
-    /// Distance `a` of the journal from the centre, nm.
-    pub distance_nm: f32,
-    /// `n` along y.
-    pub normal_y: f32,
-    /// `n` along z.
-    pub normal_z: f32,
+    /// Distance `a` of the journal from the centre, nm/16, rounded down.
+    pub distance: i32,
+    /// `n` along y, times 2^30.
+    pub normal_y: i32,
+    /// `n` along z, times 2^30.
+    pub normal_z: i32,
+    /// `2^62` over the distance times 2^`scale`.
+    inverse: u32,
+    /// Power of two that brings the distance to 2^31..2^32: 8 to 31.
+    scale: u32,
 }
 
 impl ContactFrame {
-    /// The frame at a journal position. At the very centre the normal is taken along +y; there is no contact there.
+    /// The frame at a journal position; magnitudes above [`POSITION_LIMIT_NM`] are cut off. At the very centre the normal is taken along +y, a nanometre
+    /// away; there is no contact there.
+    #[inline]
     #[must_use]
-    pub fn at(y_nm: f32, z_nm: f32) -> Self {
-        let distance_nm = libm::sqrtf(y_nm * y_nm + z_nm * z_nm);
-        if distance_nm > 0.0 {
-            Self { distance_nm, normal_y: y_nm / distance_nm, normal_z: z_nm / distance_nm }
-        } else {
-            Self { distance_nm: 0.0, normal_y: 1.0, normal_z: 0.0 }
+    pub fn at(y_nm: i32, z_nm: i32) -> Self {
+        let y = y_nm.max(-POSITION_LIMIT_NM).min(POSITION_LIMIT_NM);
+        let z = z_nm.max(-POSITION_LIMIT_NM).min(POSITION_LIMIT_NM);
+        let y = y | i32::from((y | z) == 0);
+        // Below 2^47: the even shift to 2^62..2^64 is 16 at least.
+        let square = product(y, y, 0).wrapping_add(product(z, z, 0)).cast_unsigned();
+        let scale = (square.leading_zeros() >> 1) & 31;
+        let scaled = square << (2 * scale);
+        // A root of 16 bits from below, then one division for the rest: `h = h0 + (s - h0^2)/(2 h0)`, right to 2^-30 of itself.
+        let first = root((scaled >> 32) as u32).wrapping_sub(1);
+        let rough = u64::from(first) << 15;
+        let rest = scaled.wrapping_sub(rough.wrapping_mul(rough)) >> 18;
+        let more = (rest as u32) / ((first >> 2) | 1);
+        let length = rough.wrapping_add(u64::from(more)).min(u64::from(u32::MAX)) as u32;
+        let inverse = fraction(1 << DIRECTION_BITS, length);
+        let along =
+            |component: i32| ((i64::from(component) << scale).wrapping_mul(i64::from(inverse)) >> 32) as i32;
+        Self {
+            distance: (length >> (scale.wrapping_sub(4) & 31)).cast_signed(),
+            normal_y: along(y),
+            normal_z: along(z),
+            inverse,
+            scale,
         }
     }
 
-    /// `t . v`: the journal's part of the sliding speed.
+    /// `a phi'`: the journal's speed around the centre, from +y towards +z, in the unit of its components (below 2^30).
+    #[inline]
     #[must_use]
-    pub fn tangential_speed(&self, y_m_s: f32, z_m_s: f32) -> f32 {
-        self.normal_z * y_m_s - self.normal_y * z_m_s
+    pub fn turning(&self, y: i32, z: i32) -> i32 {
+        let turned = product(self.normal_y, z, 0).wrapping_sub(product(self.normal_z, y, 0));
+        saturated(turned >> DIRECTION_BITS)
     }
 
-    /// Force of the bearing on the journal: `-F_n n + F_f t`, along y and z.
+    /// `a phi'^2` in units of 1024 nm/s2, from `a phi'` in nm/s; saturates at 2.2 km/s2.
+    #[inline]
     #[must_use]
-    pub fn force(&self, normal_n: f32, friction_n: f32) -> (f32, f32) {
-        (
-            friction_n * self.normal_z - normal_n * self.normal_y,
-            -(friction_n * self.normal_y + normal_n * self.normal_z),
-        )
+    pub fn centripetal(&self, turning_nm_s: i32) -> i32 {
+        // (v/2^8)^2/2^14 has 32 bits: steps of 2^30 nm2/s2, 1e-5 m/s2 at a tenth of a millimetre.
+        let speed = turning_nm_s >> 8;
+        let square = product(speed, speed, 14).cast_unsigned();
+        let quotient = square.wrapping_mul(u64::from(self.inverse));
+        (quotient >> (42_u32.wrapping_sub(self.scale) & 63)).min(i32::MAX as u64) as i32
     }
 
-    /// Angle of `n` from +y towards +z, rad.
+    /// A vector's part along `n`.
+    #[inline]
+    #[must_use]
+    pub fn along(&self, y: i32, z: i32) -> i32 {
+        saturated(product(self.normal_y, y, 0).wrapping_add(product(self.normal_z, z, 0)) >> DIRECTION_BITS)
+    }
+
+    /// Force of the bearing on the journal: `-F_n n + F_f t`, along y and z, in the unit of its parts.
+    #[inline]
+    #[must_use]
+    pub fn force(&self, normal: i32, friction: i32) -> (i32, i32) {
+        let y = product(self.normal_z, friction, 0).wrapping_sub(product(self.normal_y, normal, 0));
+        let z = product(self.normal_y, friction, 0).wrapping_add(product(self.normal_z, normal, 0));
+        (saturated(y >> DIRECTION_BITS), saturated(z.wrapping_neg() >> DIRECTION_BITS))
+    }
+
+    /// Angle of `n` from +y towards +z, rad, to 1e-6. A polynomial in the first eighth of the circle, the rest by symmetry; additions,
+    /// multiplications and one division, so the same bits everywhere.
     #[must_use]
     pub fn angle_rad(&self) -> f32 {
-        libm::atan2f(self.normal_z, self.normal_y)
+        let (y, z) = (self.normal_y.saturating_abs(), self.normal_z.saturating_abs());
+        let x = y.min(z) as f32 / y.max(z).max(1) as f32;
+        let s = x * x;
+        // Odd polynomial for the arctangent, least largest error on 0 to 1.
+        let eighth = x
+            * (0.999_996_1
+                + s * (-0.333_173_68
+                    + s * (0.198_078_15
+                        + s * (-0.132_333_42
+                            + s * (0.079_623_66 + s * (-0.033_604_21 + s * 0.006_811_79))))));
+        let steep = pick(z > y, FRAC_PI_2 - eighth, eighth);
+        let half = pick(self.normal_y < 0, PI - steep, steep);
+        pick(self.normal_z < 0, -half, half)
     }
+}
+
+/// One of two numbers, without a branch.
+fn pick(condition: bool, yes: f32, no: f32) -> f32 {
+    let bits = select(condition, yes.to_bits().cast_signed(), no.to_bits().cast_signed());
+    f32::from_bits(bits.cast_unsigned())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use core::f32::consts::FRAC_PI_2;
+    use proptest::prelude::*;
 
-    #[test]
-    fn at_the_bottom_forward_shaft_rotation_slides_backwards_along_y() {
-        let frame = ContactFrame::at(0.0, -500_000.0);
-        assert_eq!((frame.normal_y, frame.normal_z, frame.distance_nm), (0.0, -1.0, 500_000.0));
-        assert_eq!(frame.tangential_speed(1.0, 0.0), -1.0);
-        assert_eq!(frame.angle_rad(), -FRAC_PI_2);
-        // Friction opposing forward sliding (negative) pushes the journal along +y; the bearing pushes it up.
-        assert_eq!(frame.force(1000.0, -100.0), (100.0, 1000.0));
+    const ONE: f64 = (1 << DIRECTION_BITS) as f64;
+
+    fn code() -> impl Strategy<Value = i32> {
+        prop_oneof![-3_000_000..3_000_000_i32, -200..200_i32, any::<i32>(), Just(i32::MIN), Just(i32::MAX)]
     }
 
-    #[test]
-    fn force_components_keep_the_size() {
-        for (y, z) in [(3e5, 4e5), (-1e5, 2e5), (1.0, -7e5)] {
-            let (force_y, force_z) = ContactFrame::at(y, z).force(3000.0, 400.0);
-            let size = (force_y * force_y + force_z * force_z).sqrt();
-            assert!((size - (3000.0_f32.powi(2) + 400.0_f32.powi(2)).sqrt()).abs() < 1e-2, "{size}");
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4096))]
+
+        #[test]
+        fn distance_and_direction_are_those_of_floating_point(y in code(), z in code()) {
+            let frame = ContactFrame::at(y, z);
+            let limit = f64::from(POSITION_LIMIT_NM);
+            let (y, z) = (f64::from(y).clamp(-limit, limit), f64::from(z).clamp(-limit, limit));
+            prop_assume!(y != 0.0 || z != 0.0);
+            let a = y.hypot(z);
+            let steps = a * f64::from(DISTANCE_STEPS_PER_NM);
+            prop_assert!((f64::from(frame.distance) - steps).abs() <= 1.0 + 2e-9 * steps, "{:?} {}", frame, steps);
+            prop_assert!((f64::from(frame.normal_y) / ONE - y / a).abs() < 1e-8, "{:?}", frame);
+            prop_assert!((f64::from(frame.normal_z) / ONE - z / a).abs() < 1e-8, "{:?}", frame);
+            let off = (f64::from(frame.angle_rad()) - z.atan2(y)).abs();
+            prop_assert!(off < 3e-6 || (off - core::f64::consts::TAU).abs() < 3e-6, "{}", off);
+        }
+
+        #[test]
+        fn speeds_and_accelerations_are_those_of_floating_point(y in -1_000_000..1_000_000_i32, z in 50_000..1_000_000_i32,
+            v_y in -400_000_000..400_000_000_i32, v_z in -400_000_000..400_000_000_i32) {
+            let frame = ContactFrame::at(y, z);
+            let a = f64::from(y).hypot(f64::from(z));
+            let turning = (f64::from(y) * f64::from(v_z) - f64::from(z) * f64::from(v_y)) / a;
+            let found = frame.turning(v_y, v_z);
+            prop_assert!((f64::from(found) - turning).abs() < 20.0, "{} {}", found, turning);
+            let along = (f64::from(y) * f64::from(v_y) + f64::from(z) * f64::from(v_z)) / a;
+            prop_assert!((f64::from(frame.along(v_y, v_z)) - along).abs() < 20.0);
+            let expected = turning * turning / a / 1024.0;
+            prop_assume!(expected < 2e9);
+            let centripetal = f64::from(frame.centripetal(found));
+            // The speed in steps of 256 nm/s, its square in steps of 2^30 nm2/s2.
+            let off = 2.0 * 256.0 * turning.abs() / a / 1024.0 + 1.1e9 / a / 1024.0 + 2.0;
+            prop_assert!((centripetal - expected).abs() <= off, "{} {} {}", centripetal, expected, off);
+        }
+
+        #[test]
+        fn nothing_overflows(y in code(), z in code(), a in any::<i32>(), b in any::<i32>()) {
+            let frame = ContactFrame::at(y, z);
+            let _ = (frame.turning(a, b), frame.along(a, b), frame.centripetal(a), frame.force(a, b));
+            prop_assert!(frame.distance > 0 && frame.angle_rad().abs() < 3.142);
+        }
+
+        #[test]
+        fn force_components_keep_the_size(y in code(), z in code(), normal in 0..100_000_000_i32, friction in -30_000_000..30_000_000_i32) {
+            let (force_y, force_z) = ContactFrame::at(y, z).force(normal, friction);
+            let size = f64::from(force_y).hypot(f64::from(force_z));
+            prop_assert!((size - f64::from(normal).hypot(f64::from(friction))).abs() < 3.0, "{}", size);
         }
     }
 
     #[test]
+    fn at_the_bottom_forward_shaft_rotation_slides_backwards_along_y() {
+        let frame = ContactFrame::at(0, -500_000);
+        assert!(frame.normal_z + (1 << 30) < 20 && frame.normal_y == 0, "{frame:?}");
+        assert!((frame.distance - 8_000_000).abs() <= 1);
+        // The journal going to +y turns from +y to -z, that is backwards: `a phi' = n_y v_z - n_z v_y`.
+        assert!((frame.turning(1_000_000, 0) - 1_000_000).abs() <= 1);
+        assert!((frame.angle_rad() + FRAC_PI_2).abs() < 1e-6);
+        // Friction opposing forward sliding (negative) pushes the journal along +y; the bearing pushes it up.
+        let (force_y, force_z) = frame.force(1_000_000, -100_000);
+        assert!((force_y - 100_000).abs() <= 1 && (force_z - 1_000_000).abs() <= 1, "{force_y} {force_z}");
+    }
+
+    #[test]
     fn the_centre_is_no_division_by_zero() {
-        let frame = ContactFrame::at(0.0, 0.0);
-        assert!(frame.force(0.0, 0.0) == (0.0, 0.0) && frame.angle_rad() == 0.0);
+        let frame = ContactFrame::at(0, 0);
+        assert_eq!(frame.force(0, 0), (0, 0));
+        assert!(frame.angle_rad() == 0.0 && frame.distance.abs_diff(16) <= 1);
     }
 }

@@ -1,80 +1,98 @@
 //! One tick: a sensor sample becomes an estimate of the contact's forces.
 //!
-//! Checks ([`Plausibility`]) -> direction ([`ContactFrame`]) -> window fits of y, z, distance and angle ([`Window`]) -> deformation
-//! and its rate -> onset ([`Latch`]) -> sliding speed -> networks ([`inference::Pair`]) -> force components, torque, flags.
+//! A calibrated sample: checks ([`Plausibility`]) -> distance and direction ([`ContactFrame`]) -> motion (parabolas
+//! through the last samples, [`signals`](self::signals)) -> deformation and its rate (Newton's law ahead, the measured position behind,
+//! [`newton`](self::newton) and [`observer`](self::observer)) -> onset ([`Latch`]) -> sliding speed -> networks ([`inference::Pair`])
+//! -> force components, torque, flags. Whole numbers from the sensor frame to the networks' forces; no branch on data but for a restart of the
+//! history after a fault.
 //!
-//! The distance has a window of its own: the journal swings along the clearance circle at 100 mm/s and more while its distance
-//! from the centre changes by less than 1 mm/s. A rate taken as the projection of two Cartesian slopes would mistake a
-//! fiftieth of the former for the latter.
-//!
-//! The contact's direction is that of the newest raw sample: at half a millimetre 0.2 um of noise turn it by 0.4 mrad, a
-//! parabola through a swing of 60 Hz by 28 mrad. The deformation is fitted, at the newest sample (no delay at constant
-//! acceleration); how well the rate follows the journal is told in [`window`]. The swing's part of the sliding speed errs by up to 9,
-//! 19, 31 % of its peak at 30, 45, 60 Hz and 1 rad either way: near its turns the friction's sign is uncertain. Until the
-//! window is full (3.6 ms) after a start, a gap or a jump, the newest raw position is used and
+//! The contact's direction is that of the newest raw sample, no delay: at half a millimetre 0.2 um of noise turn it by 0.4 mrad, a
+//! parabola through a swing of 60 Hz by 28 mrad. Until the windows are full after a start, a gap or a jump the newest raw position is used and
 //! the rates are 0: flagged, not guessed.
 
+mod conditioning;
 mod geometry;
 mod latch;
+mod newton;
+mod observer;
 mod plausibility;
 mod setup;
-pub mod window;
+mod signals;
+mod whole;
+mod window;
 
-use inference::{ContactState, Flags, Model, Pair};
+use inference::{Bearing, ContactState, Flags, Model, Pair, Sample};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
-pub use geometry::ContactFrame;
+pub use conditioning::{Conditioning, MASS_RANGE_G, Masses};
+pub use geometry::{ContactFrame, DISTANCE_STEPS_PER_NM, POSITION_LIMIT_NM};
 pub use latch::Latch;
 pub use plausibility::{Findings, Limits, MAX_DEFORMATION_NM, Plausibility, STUCK_SAMPLES, SwingLimit};
 pub use setup::{
     CLEARANCE_RANGE_NM, JOURNAL_RADIUS_RANGE_NM, LATCH_FLOOR_RANGE_UM_S, SAMPLE_PERIOD_RANGE_US, image_cause,
 };
-pub use window::{WINDOW, Window};
+pub use signals::{DISTANCE_WINDOW, SHAFT_WINDOW, SWING_WINDOW, WINDOW};
+pub use window::Window;
 
 use crate::flags::{ONSET_NOT_SEEN, WINDOW_FILLING};
+use newton::{Newton, Told};
+use observer::{Observer, Radial};
 use plausibility::DISCONTINUITY;
 use setup::Setup;
-use window::Fit;
+use signals::Signals;
+use whole::saturated;
 
-/// Fixed-point steps of the distance: finer than f32 resolves it at a millimetre, and far from overflow (at 5 mm: 2^27).
-const DISTANCE_STEPS_PER_NM: f32 = 16.0;
+/// Metres in a step of the distance.
+const STEP_M: f32 = 1e-9 / DISTANCE_STEPS_PER_NM as f32;
+/// Newtons in a millinewton.
+const MILLI: f32 = 1e-3;
 
 /// The estimator of one bench.
 #[derive(Clone, Debug)]
 pub struct Estimator {
     setup: Setup,
     plausibility: Plausibility,
-    journal_y: Window,
-    journal_z: Window,
-    distance: Window,
-    shaft_angle: Window,
-    filled: usize,
+    signals: Signals,
+    newton: Newton,
+    observer: Observer,
     latch: Latch,
     pair: Pair<'static>,
-    state: ContactState,
+    sample: Sample,
 }
 
 impl Estimator {
-    /// Creates the estimator for a bench from a model image.
+    /// Creates the estimator for a bench from a model image, with the masses of the project's bench.
     ///
     /// # Errors
     ///
     /// A value of the configuration is out of range, or the image is damaged or made for another bearing.
     pub fn new(image: &'static [u8], configuration: Configuration) -> Result<Self, Refusal> {
+        let bearing = Bearing::from_code(configuration.bearing)
+            .ok_or(Refusal::UnknownBearing { found: configuration.bearing })?;
+        Self::conditioned(image, configuration, &Conditioning::of_bench(bearing))
+    }
+
+    /// Creates the estimator for a bench from a model image and what its conditioning is told.
+    ///
+    /// # Errors
+    ///
+    /// A value of the configuration is out of range, or the image is damaged or made for another bearing.
+    pub fn conditioned(
+        image: &'static [u8],
+        configuration: Configuration,
+        conditioning: &Conditioning,
+    ) -> Result<Self, Refusal> {
         let (setup, model) = Setup::new(image, configuration)?;
+        let period_us = configuration.sample_period_us;
+        let newton = Newton::new(conditioning, period_us);
         Ok(Self {
-            plausibility: Plausibility::new(
-                configuration.radial_clearance_nm,
-                configuration.sample_period_us,
-            ),
-            journal_y: Window::default(),
-            journal_z: Window::default(),
-            distance: Window::default(),
-            shaft_angle: Window::default(),
-            filled: 0,
-            latch: Latch::new(setup.latch_floor_m_s, setup.unseen_approach_m_s),
+            plausibility: Plausibility::new(configuration.radial_clearance_nm, period_us),
+            signals: Signals::new(period_us),
+            observer: Observer::new(period_us, conditioning.noise_nm, newton.has_masses()),
+            newton,
+            latch: Latch::new(setup.latch_floor_nm_s, setup.unseen_approach_nm_s),
             pair: Pair::new(model),
-            state: ContactState::default(),
+            sample: Sample::default(),
             setup,
         })
     }
@@ -90,10 +108,22 @@ impl Estimator {
         &mut self.plausibility
     }
 
-    /// The contact as the networks saw it at the last tick: what another law is to be held against.
+    /// The contact as the networks saw it at the last tick, in whole numbers.
     #[must_use]
-    pub const fn state(&self) -> ContactState {
-        self.state
+    pub const fn sample(&self) -> &Sample {
+        &self.sample
+    }
+
+    /// The same in SI units: what another law is to be held against.
+    #[must_use]
+    pub fn state(&self) -> ContactState {
+        ContactState {
+            radial_clearance_m: self.sample.radial_clearance_nm as f32 * 1e-9,
+            deformation_m: self.sample.deformation_pm as f32 * 1e-12,
+            deformation_rate_m_s: self.sample.deformation_rate_nm_s as f32 * 1e-9,
+            approach_speed_m_s: self.sample.approach_speed_nm_s as f32 * 1e-9,
+            sliding_speed_m_s: self.sample.sliding_speed_nm_s as f32 * 1e-9,
+        }
     }
 
     /// Goes on with another model of the same bearing from the next sample on. The networks' history starts anew; the conditioning and
@@ -106,53 +136,61 @@ impl Estimator {
     pub fn step(&mut self, frame: &SensorFrame) -> EstimateFrame {
         let mut flags = self.plausibility.check(frame);
         if flags.intersects(DISCONTINUITY) {
-            self.filled = 0;
+            self.signals.restart();
+            self.newton.restart();
             self.latch.reset();
             self.pair.reset();
         }
-        let contact = ContactFrame::at(frame.journal_y_nm as f32, frame.journal_z_nm as f32);
-        let distance = (contact.distance_nm * DISTANCE_STEPS_PER_NM) as i32;
-        self.distance.push(distance);
-        self.journal_y.push(frame.journal_y_nm);
-        self.journal_z.push(frame.journal_z_nm);
-        self.shaft_angle.push(frame.shaft_angle_nrad);
-        self.filled = self.filled.saturating_add(1).min(WINDOW);
-        let full = self.filled == WINDOW;
-        flags |= WINDOW_FILLING.when(!full);
-
-        let fit = |window: &Window| if full { window.fit() } else { Fit { correction: 0.0, slope: 0.0 } };
-        let (y, z, angle) = (fit(&self.journal_y), fit(&self.journal_z), fit(&self.shaft_angle));
-        let radial = fit(&self.distance);
-        let (y_m_s, z_m_s) = (y.slope * self.setup.per_sample_to_m_s, z.slope * self.setup.per_sample_to_m_s);
-        let shaft_speed_rad_s = angle.slope * self.setup.per_sample_to_m_s;
-        let distance_nm = (distance as f32 + radial.correction) / DISTANCE_STEPS_PER_NM;
-        let deformation_m = (distance_nm - self.setup.radial_clearance_nm) * 1e-9;
-        let deformation_rate_m_s = radial.slope / DISTANCE_STEPS_PER_NM * self.setup.per_sample_to_m_s;
-        let (approach_speed_m_s, onset_seen) =
-            self.latch.update(deformation_m, full.then_some(deformation_rate_m_s));
-        flags |= ONSET_NOT_SEEN.when(!onset_seen);
-
-        let state = ContactState {
-            radial_clearance_m: self.setup.radial_clearance_m,
-            deformation_m,
-            deformation_rate_m_s,
-            approach_speed_m_s,
-            sliding_speed_m_s: shaft_speed_rad_s * self.setup.journal_radius_m
-                + contact.tangential_speed(y_m_s, z_m_s),
+        let (y, z) = (frame.journal_y_nm, frame.journal_z_nm);
+        let contact = ContactFrame::at(y, z);
+        let motion = self.signals.push(y, z, contact.distance, frame.shaft_angle_nrad);
+        let turning = contact.turning(motion.y_nm_s, motion.z_nm_s);
+        let from_clearance = |distance: i32| distance.saturating_sub(self.setup.radial_clearance);
+        let window =
+            Radial { deformation: from_clearance(motion.distance), rate_nm_s: motion.distance_rate_nm_s };
+        let open = !motion.rate_known | (window.deformation < 0);
+        let predicted = self.newton.rate_nm_s(&contact, turning, motion.y_nm_s, motion.rate_known);
+        let radial = self.observer.step(from_clearance(contact.distance), window, predicted, open);
+        let (approach_nm_s, onset_seen) =
+            self.latch.update(radial.deformation, radial.rate_nm_s, motion.rate_known);
+        let sliding = self.setup.shaft_to_sliding.times(motion.shaft_speed);
+        self.sample = Sample {
+            radial_clearance_nm: self.setup.radial_clearance_nm,
+            // 62.5 pm a step.
+            deformation_pm: saturated(i64::from(radial.deformation).wrapping_mul(125) >> 1),
+            deformation_rate_nm_s: radial.rate_nm_s,
+            approach_speed_nm_s: approach_nm_s,
+            sliding_speed_nm_s: sliding.saturating_sub(turning),
         };
-        self.state = state;
-        let estimate = self.pair.push(&state);
-        let (force_y_n, force_z_n) = contact.force(estimate.normal_force_n(), estimate.friction_force_n());
+        let estimate = self.pair.step(&self.sample);
+        let (normal_mn, friction_mn) = (estimate.normal_force_mn, estimate.friction_force_mn);
+        let (force_y_mn, force_z_mn) = contact.force(normal_mn, friction_mn);
+        let told = Told {
+            normal_mn,
+            friction_mn,
+            force_y_mn,
+            rate_nm_s: radial.rate_nm_s,
+            approach_nm_s: approach_nm_s.max(self.setup.image_floor_nm_s),
+            warm: !estimate.flags.contains(Flags::WARMING_UP),
+        };
+        self.newton.remember(&told, radial.deformation <= 0);
+
+        // A rate at the end of its whole numbers is another one.
+        let cut_off = (radial.rate_nm_s == i32::MAX) | (radial.rate_nm_s == i32::MIN);
+        flags |= WINDOW_FILLING.when(!motion.full)
+            | ONSET_NOT_SEEN.when(!onset_seen)
+            | Flags::OUTSIDE_RATE_RATIO.when(cut_off & (radial.deformation > 0))
+            | estimate.flags;
         EstimateFrame {
             sequence: frame.sequence,
             time_us: frame.time_us,
-            normal_force_n: estimate.normal_force_n(),
-            force_y_n,
-            force_z_n,
-            friction_torque_nm: estimate.friction_force_n() * self.setup.journal_radius_m,
-            deformation_m,
+            normal_force_n: normal_mn as f32 * MILLI,
+            force_y_n: force_y_mn as f32 * MILLI,
+            force_z_n: force_z_mn as f32 * MILLI,
+            friction_torque_nm: friction_mn as f32 * MILLI * self.setup.journal_radius_m,
+            deformation_m: radial.deformation as f32 * STEP_M,
             contact_angle_rad: contact.angle_rad(),
-            flags: (flags | estimate.flags).bits(),
+            flags: flags.bits(),
             saturated: estimate.saturated,
             instruction_ticks: 0,
         }

@@ -5,6 +5,10 @@ use core::ops::RangeInclusive;
 use inference::{Bearing, ImageError, Model};
 use link::{Configuration, Refusal};
 
+use super::geometry::DISTANCE_STEPS_PER_NM;
+use super::signals::SHAFT_SPEED_UNIT_NRAD_S;
+use super::whole::Factor;
+
 /// Radial clearances that can be served, nm: 1 um to 5 mm. What the networks know is narrower; they flag the rest.
 pub const CLEARANCE_RANGE_NM: RangeInclusive<u32> = 1_000..=5_000_000;
 /// Journal radii that can be served, nm: 1 mm to 1 m.
@@ -17,13 +21,16 @@ pub const LATCH_FLOOR_RANGE_UM_S: RangeInclusive<u32> = 1..=1_000_000;
 /// Factors of a tick.
 #[derive(Clone, Debug)]
 pub(super) struct Setup {
-    pub(super) radial_clearance_nm: f32,
-    pub(super) radial_clearance_m: f32,
+    pub(super) radial_clearance_nm: u32,
+    /// The same in steps of the distance.
+    pub(super) radial_clearance: i32,
     pub(super) journal_radius_m: f32,
-    pub(super) latch_floor_m_s: f32,
-    pub(super) unseen_approach_m_s: f32,
-    /// From nm per sample to m/s, and from nrad per sample to rad/s.
-    pub(super) per_sample_to_m_s: f32,
+    /// From the shaft's speed to the sliding speed in nm/s.
+    pub(super) shaft_to_sliding: Factor,
+    pub(super) latch_floor_nm_s: i32,
+    pub(super) unseen_approach_nm_s: i32,
+    /// The floor that the image applies inside.
+    pub(super) image_floor_nm_s: u32,
 }
 
 impl Setup {
@@ -59,13 +66,19 @@ impl Setup {
         if model.header().bearing != bearing {
             return Err(Refusal::Image { cause: WRONG_BEARING });
         }
+        let steps = radial_clearance_nm.wrapping_mul(DISTANCE_STEPS_PER_NM.unsigned_abs());
+        let speed_nm_s = |speed_um_s: u32| speed_um_s.wrapping_mul(1000).cast_signed();
         let setup = Self {
-            radial_clearance_nm: radial_clearance_nm as f32,
-            radial_clearance_m: radial_clearance_nm as f32 * 1e-9,
+            radial_clearance_nm,
+            radial_clearance: steps.cast_signed(),
             journal_radius_m: journal_radius_nm as f32 * 1e-9,
-            latch_floor_m_s: latch_floor_um_s as f32 * 1e-6,
-            unseen_approach_m_s: unseen_approach_um_s as f32 * 1e-6,
-            per_sample_to_m_s: 1e-3 / sample_period_us as f32,
+            shaft_to_sliding: Factor::of(
+                u64::from(journal_radius_nm).wrapping_mul(SHAFT_SPEED_UNIT_NRAD_S),
+                1_000_000_000,
+            ),
+            latch_floor_nm_s: speed_nm_s(latch_floor_um_s),
+            unseen_approach_nm_s: speed_nm_s(unseen_approach_um_s),
+            image_floor_nm_s: model.header().latch_floor_nm_s,
         };
         Ok((setup, model))
     }

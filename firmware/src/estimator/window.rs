@@ -1,176 +1,150 @@
-//! Value and slope of a sampled quantity: a parabola fitted by least squares to the last [`WINDOW`] samples, read at the newest.
+//! Value and slope of a sampled quantity: a parabola fitted by least squares to the last `N` samples, read at the newest.
 //!
 //! A straight line would delay the slope by half its window, while the journal swings in its clearance at 30 to 65 Hz; the parabola
-//! has no delay for a constant acceleration and pays with noise. Root mean square error of the rate on a bench
-//! with 0.2 um of sensor noise at 10 kHz, swinging at 45 Hz with 0.35 mm/s (Babbitt) and 1.0 mm/s (plastic):
+//! has no delay for a constant acceleration and pays with noise (the table is in [`super::signals`]).
 //!
-//! | fit | samples | noise, mm/s | error at 30, 45, 65 Hz | Babbitt, mm/s | plastic, mm/s |
-//! |---|---|---|---|---|---|
-//! | line | 16 | 0.108 | 14, 21, 30 % | 0.131 | 0.237 |
-//! | line | 20 | 0.078 | 18, 27, 38 % | 0.121 | 0.278 |
-//! | parabola | 28 | 0.181 | 3, 6, 12 % | 0.182 | 0.190 |
-//! | **parabola** | **36** | **0.125** | **4, 9, 19 %** | **0.130** | **0.157** |
-//! | parabola | 44 | 0.093 | 6, 14, 29 % | 0.106 | 0.170 |
-//! | parabola | 64 | 0.053 | 14, 30, 59 % | 0.117 | 0.303 |
-//!
-//! Of 20 to 72 samples, 36 gave the least force error over a whole cycle of bench B with either bearing.
-//!
-//! Noise gains at 36 samples: value 0.473; slope 0.0626 of one sample's noise per sample.
-//!
-//! The sums are exact integers; the first rounding is their conversion to f32. The weights come from the discrete orthogonal
-//! polynomials `p1 = 2k - (N-1)` and `p2 = 6k^2 - 6(N-1)k + (N-1)(N-2)` over the age `k`.
+//! The fit is linear in three sums over the age `k` of a sample, `sum x`, `sum k x`, `sum k^2 x`, and those follow from the ones before
+//! by additions: a sample costs the same whatever `N` is. They are exact integers modulo 2^64, so nothing drifts, what has left
+//! the window has left no trace, and only the fit itself has to stay below 2^63. The weights come from the discrete
+//! orthogonal polynomials `p1 = 2k - (N-1)` and `p2 = 6k^2 - 6(N-1)k + (N-1)(N-2)`.
 
-/// Samples in the window. See the module's table for the trade-off.
-pub const WINDOW: usize = 36;
-
-const N: i64 = WINDOW as i64;
-
-/// Numerators of the value's weights by age, over [`VALUE_DENOMINATOR`].
-#[expect(clippy::indexing_slicing, reason = "evaluated by the compiler, which would refuse it")]
-const VALUE: [i32; WINDOW] = {
-    let mut weights = [0; WINDOW];
-    let mut k = 0;
-    while k < WINDOW {
-        let age = k as i64;
-        weights[k] = (3 * (3 * N * N - 3 * N + 2 - 6 * (2 * N - 1) * age + 10 * age * age)) as i32;
-        k += 1;
-    }
-    weights
-};
-const VALUE_DENOMINATOR: f32 = (N * (N + 1) * (N + 2)) as f32;
-
-/// Numerators of the slope's weights by age, over [`SLOPE_DENOMINATOR`] samples.
-#[expect(clippy::indexing_slicing, reason = "evaluated by the compiler, which would refuse it")]
-const SLOPE: [i32; WINDOW] = {
-    let mut weights = [0; WINDOW];
-    let mut k = 0;
-    while k < WINDOW {
-        let age = k as i64;
-        let p1 = 2 * age - (N - 1);
-        let p2 = 6 * age * age - 6 * (N - 1) * age + (N - 1) * (N - 2);
-        weights[k] = (5 * (N - 1) * p2 - (N * N - 4) * p1) as i32;
-        k += 1;
-    }
-    weights
-};
-const SLOPE_DENOMINATOR: f32 = (N * (N * N - 1) * (N * N - 4) / 6) as f32;
-
-/// The last samples of one quantity, the newest first.
-#[derive(Clone, Debug)]
-pub struct Window {
-    samples: [i32; WINDOW],
+/// Sums over the last `N` samples of one quantity. Before `N` samples have come the others count as 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Window<const N: usize> {
+    sum: i64,
+    first: i64,
+    second: i64,
 }
 
-/// What the window says about the newest sample's instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fit {
-    /// The value less the newest raw sample, in the sample's unit.
-    pub correction: f32,
-    /// The slope, in the sample's unit per sample.
-    pub slope: f32,
-}
+impl<const N: usize> Window<N> {
+    const LENGTH: i64 = N as i64;
+    /// What [`Self::slope`] is to be divided by to be per sample.
+    pub const SLOPE_DENOMINATOR: i64 =
+        Self::LENGTH * (Self::LENGTH * Self::LENGTH - 1) * (Self::LENGTH * Self::LENGTH - 4) / 6;
+    /// What [`Self::value`] is to be divided by.
+    pub const VALUE_DENOMINATOR: i64 = Self::LENGTH * (Self::LENGTH + 1) * (Self::LENGTH + 2);
 
-impl Default for Window {
-    fn default() -> Self {
-        Self { samples: [0; WINDOW] }
-    }
-}
-
-impl Window {
-    /// Takes a sample and drops the oldest.
-    pub fn push(&mut self, sample: i32) {
-        let mut carried = sample;
-        for kept in &mut self.samples {
-            carried = core::mem::replace(kept, carried);
-        }
+    /// Takes the newest sample and drops the one that came `N` samples before it.
+    #[inline]
+    pub const fn push(&mut self, newest: i64, oldest: i64) {
+        self.second = self
+            .second
+            .wrapping_add(self.first << 1)
+            .wrapping_add(self.sum)
+            .wrapping_sub(oldest.wrapping_mul(Self::LENGTH * Self::LENGTH));
+        self.first = self.first.wrapping_add(self.sum).wrapping_sub(oldest.wrapping_mul(Self::LENGTH));
+        self.sum = self.sum.wrapping_add(newest).wrapping_sub(oldest);
     }
 
-    /// Fits the parabola. Means something once [`WINDOW`] samples have been pushed.
+    /// The slope at the newest sample, times [`Self::SLOPE_DENOMINATOR`].
     ///
-    /// Differences to the newest sample are taken modulo 2^32, so an angle may wrap. No sum overflows: weights stay below 2^20, so
-    /// 36 terms below 2^57.
+    /// No overflow below a spread of 2^36 in the window: the weights' magnitudes sum up to 2^26 at most for the windows in use.
+    #[inline]
     #[must_use]
-    pub fn fit(&self) -> Fit {
-        let [newest, ..] = self.samples;
-        let (mut value, mut slope) = (0_i64, 0_i64);
-        for (sample, (value_weight, slope_weight)) in self.samples.iter().zip(VALUE.iter().zip(&SLOPE)) {
-            let relative = i64::from(sample.wrapping_sub(newest));
-            value = value.wrapping_add(relative.wrapping_mul(i64::from(*value_weight)));
-            slope = slope.wrapping_add(relative.wrapping_mul(i64::from(*slope_weight)));
-        }
-        Fit { correction: value as f32 / VALUE_DENOMINATOR, slope: slope as f32 / SLOPE_DENOMINATOR }
+    pub const fn slope(&self) -> i64 {
+        let n = Self::LENGTH;
+        self.weighted(
+            30 * (n - 1),
+            -30 * (n - 1) * (n - 1) - 2 * (n * n - 4),
+            (n - 1) * (5 * (n - 1) * (n - 2) + n * n - 4),
+        )
+    }
+
+    /// The value at the newest sample less that sample, times [`Self::VALUE_DENOMINATOR`]. No overflow, as for the slope.
+    #[inline]
+    #[must_use]
+    pub const fn value(&self, newest: i64) -> i64 {
+        let n = Self::LENGTH;
+        self.weighted(30, -18 * (2 * n - 1), 3 * (3 * n * n - 3 * n + 2))
+            .wrapping_sub(newest.wrapping_mul(Self::VALUE_DENOMINATOR))
+    }
+
+    #[inline]
+    const fn weighted(&self, second: i64, first: i64, sum: i64) -> i64 {
+        self.second
+            .wrapping_mul(second)
+            .wrapping_add(self.first.wrapping_mul(first))
+            .wrapping_add(self.sum.wrapping_mul(sum))
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
-    use core::f64::consts::TAU;
     use proptest::prelude::*;
 
-    fn filled(sample_at_age: impl Fn(i64) -> i32) -> Fit {
-        let mut window = Window::default();
-        for age in (0..N).rev() {
-            window.push(sample_at_age(age));
+    /// What a window makes of samples, the oldest first.
+    pub(in crate::estimator) fn fits<const N: usize>(samples: &[i64]) -> Vec<(f64, f64)> {
+        let mut window = Window::<N>::default();
+        (samples.iter().enumerate())
+            .map(|(index, &newest)| {
+                let oldest = index.checked_sub(N).and_then(|i| samples.get(i)).copied().unwrap_or(0);
+                window.push(newest, oldest);
+                let value = window.value(newest) as f64 / Window::<N>::VALUE_DENOMINATOR as f64;
+                (newest as f64 + value, window.slope() as f64 / Window::<N>::SLOPE_DENOMINATOR as f64)
+            })
+            .collect()
+    }
+
+    /// Weights of value and slope by age: the answer to a single sample of 1.
+    pub(in crate::estimator) fn weights<const N: usize>() -> (Vec<f64>, Vec<f64>) {
+        let samples: Vec<i64> = (0..2 * N).map(|i| i64::from(i == N)).collect();
+        fits::<N>(&samples).into_iter().skip(N).take(N).unzip()
+    }
+
+    /// The fit by least squares in floating point, from the normal equations' closed form over all samples.
+    fn oracle<const N: usize>(samples: &[i64]) -> (f64, f64) {
+        let n = N as f64;
+        let (mut value, mut slope) = (0.0, 0.0);
+        for (age, &sample) in samples.iter().rev().take(N).enumerate() {
+            let k = age as f64;
+            let p1 = 2.0 * k - (n - 1.0);
+            let p2 = 6.0 * k * k - 6.0 * (n - 1.0) * k + (n - 1.0) * (n - 2.0);
+            value += sample as f64
+                * 3.0
+                * (3.0 * n * n - 3.0 * n + 2.0 - 6.0 * (2.0 * n - 1.0) * k + 10.0 * k * k);
+            slope += sample as f64 * (5.0 * (n - 1.0) * p2 - (n * n - 4.0) * p1);
         }
-        window.fit()
+        let den = n * (n * n - 1.0) * (n * n - 4.0) / 6.0;
+        (value / (n * (n + 1.0) * (n + 2.0)), slope / den)
+    }
+
+    fn exact_on_parabolas<const N: usize>(offset: i64, speed: i64, half_acceleration: i64) {
+        let parabola = |t: i64| offset + speed * t + half_acceleration * t * t;
+        // Something wild before: it must have left no trace.
+        let wild = (0..5).map(|i| i64::from(i32::MAX) * (i % 2));
+        let samples: Vec<i64> = wild.chain((1 - N as i64..=0).map(parabola)).collect();
+        assert_eq!(fits::<N>(&samples).last(), Some(&(offset as f64, speed as f64)));
     }
 
     proptest! {
         #[test]
-        fn a_parabola_is_fitted_exactly(offset in -1_000_000..1_000_000_i32, speed in -2000..2000_i32, half_acceleration in -20..20_i32) {
-            let fit = filled(|age| {
-                let t = -i32::try_from(age).unwrap();
-                offset + speed * t + half_acceleration * t * t
-            });
-            prop_assert_eq!(fit.correction, 0.0);
-            prop_assert!((fit.slope - speed as f32).abs() <= 1e-6 * (speed as f32).abs(), "{} {}", fit.slope, speed);
+        fn a_parabola_is_fitted_exactly(offset in -90_000_000..90_000_000_i64, speed in -200_000..200_000_i64, half in -2000..2000_i64) {
+            exact_on_parabolas::<24>(offset, speed, half);
+            exact_on_parabolas::<36>(offset, speed, half);
+            exact_on_parabolas::<64>(offset, speed, half);
         }
 
         #[test]
-        fn an_angle_may_wrap(start in any::<i32>()) {
-            let fit = filled(|age| start.wrapping_sub(100_000_i32.wrapping_mul(i32::try_from(age).unwrap())));
-            prop_assert_eq!(fit, Fit { correction: 0.0, slope: 100_000.0 });
+        fn any_samples_are_fitted_as_in_floating_point(samples in prop::collection::vec(-200_000_000..200_000_000_i64, 64..150)) {
+            let (value, slope) = oracle::<64>(&samples);
+            let found = fits::<64>(&samples).pop().unwrap();
+            prop_assert!((found.0 - value).abs() < 1e-3 && (found.1 - slope).abs() < 1e-3, "{:?} {} {}", found, value, slope);
+            let (value, slope) = oracle::<24>(&samples);
+            let found = fits::<24>(&samples).pop().unwrap();
+            prop_assert!((found.0 - value).abs() < 1e-3 && (found.1 - slope).abs() < 1e-3, "{:?} {} {}", found, value, slope);
         }
     }
 
-    /// Root of the summed squares of the weights: what white noise of one unit becomes.
     #[test]
-    fn noise_gains_are_the_documented_ones() {
-        let gain = |weights: &[i32], denominator: f32| {
-            weights.iter().map(|w| (f64::from(*w) / f64::from(denominator)).powi(2)).sum::<f64>().sqrt()
-        };
-        assert!(
-            (gain(&VALUE, VALUE_DENOMINATOR) - 0.473).abs() < 5e-4,
-            "{}",
-            gain(&VALUE, VALUE_DENOMINATOR)
-        );
-        let slope = gain(&SLOPE, SLOPE_DENOMINATOR);
-        assert!((slope - 0.0626).abs() < 5e-5, "{slope}");
-        let rate_noise_mm_s = slope * 0.2e-3 * 1e4;
-        assert!((rate_noise_mm_s - 0.125).abs() < 5e-4, "{rate_noise_mm_s}");
-    }
-
-    /// A swing of 1 mm at 10 kHz sampling: the largest error of the slope over the largest slope.
-    #[test]
-    fn errors_at_the_journal_s_frequencies_are_the_documented_ones() {
-        for (frequency, expected) in [(30.0, 0.04), (45.0, 0.09), (65.0, 0.19)] {
-            let step = TAU * frequency / 1e4;
-            let worst = (0..1000)
-                .map(|i| {
-                    let phase = f64::from(i) * TAU / 1000.0;
-                    let fit = filled(|age| (1e6 * (phase - step * age as f64).sin()).round() as i32);
-                    (f64::from(fit.slope) / (1e6 * step) - phase.cos()).abs()
-                })
-                .fold(0.0, f64::max);
-            assert!((worst - expected).abs() < 0.006, "{frequency} Hz: {worst}");
+    fn no_fit_of_a_window_in_use_overflows() {
+        fn largest<const N: usize>() -> f64 {
+            let (value, slope) = weights::<N>();
+            let sum = |w: &[f64], den: i64| w.iter().map(|w| w.abs()).sum::<f64>() * den as f64;
+            sum(&value, Window::<N>::VALUE_DENOMINATOR).max(sum(&slope, Window::<N>::SLOPE_DENOMINATOR))
         }
-    }
-
-    /// The journal far out in a wide clearance must not cost the fit its nanometres.
-    #[test]
-    fn an_offset_of_millimetres_costs_no_resolution() {
-        let wave = |age: i64| (300.0 * (age as f64 * 0.37).sin()).round() as i32;
-        assert_eq!(filled(wave), filled(|age| wave(age) + 5_000_000));
+        for largest in [largest::<24>(), largest::<36>(), largest::<64>()] {
+            assert!(largest < f64::from(1 << 26), "{largest}");
+        }
     }
 }
