@@ -1,0 +1,153 @@
+//! `model-quant package`: images, self-tests and signature in one file for the controller.
+
+use super::key::read as read_key;
+use super::{CliError, print, print_json};
+use inference::{Bearing, shipped};
+use model_quant::image::AlignedImage;
+use model_quant::key::{DEVELOPMENT, digits, parse};
+use model_quant::package::{Package, Purpose};
+use model_quant::write::write_whole;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Sign model images for a controller
+///
+/// The package holds the images, for each a self-test (known inputs and the networks' results) that the controller repeats before it runs
+/// them, and an ed25519 signature over all of it. A controller takes a package whose version is above that of what it has, unless it is signed
+/// with `--may-be-older`; whoever has such a package can go back to it any time. The same inputs give the same bytes.
+#[derive(Debug, clap::Args)]
+#[command(
+    visible_alias = "sign",
+    after_help = "Examples:\n  model-quant package new/babbitt.pintle --version 4 --key bench.key --out babbitt-4.package\n  \
+                  model-quant package new/babbitt.pintle new/plastic.pintle --version 5 --key bench.key --out both-5.package\n  \
+                  model-quant package --show both-5.package"
+)]
+pub(crate) struct Arguments {
+    /// Model images, one for each bearing at most; the checked-in ones of both bearings if none is given
+    #[arg(value_name = "IMAGE")]
+    images: Vec<PathBuf>,
+    /// Version of the model, from 1 on
+    #[arg(long, value_name = "N", required_unless_present = "show", value_parser = clap::value_parser!(u32).range(1..))]
+    version: Option<u32>,
+    /// Board it is for
+    #[arg(long, value_enum, default_value_t)]
+    board: Board,
+    /// Let controllers take it even when what they have is newer
+    #[arg(long)]
+    may_be_older: bool,
+    /// File with the secret half of the key; the published development key if not given
+    #[arg(long, value_name = "FILE")]
+    key: Option<PathBuf>,
+    /// File that gets the package
+    #[arg(long, value_name = "FILE", required_unless_present = "show")]
+    out: Option<PathBuf>,
+    /// Print what is in a package, and do nothing else
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["images", "version", "may_be_older", "out"])]
+    show: Option<PathBuf>,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Boards that packages can be made for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Board {
+    /// STM32F405: every board with it, and the emulator
+    #[default]
+    Stm32f405,
+}
+
+impl Board {
+    const fn code(self) -> u16 {
+        match self {
+            Self::Stm32f405 => model_package::board::STM32F405,
+        }
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let key = match &arguments.key {
+        Some(path) => read_key(path)?,
+        None => {
+            parse(DEVELOPMENT).map_err(|source| CliError::Key { path: "development key".into(), source })?
+        }
+    };
+    let public = key.verifying_key().to_bytes();
+    let wrong = |path: &PathBuf| {
+        let path = path.clone();
+        move |source| CliError::Package { path, source }
+    };
+    let (path, package) = match (&arguments.show, &arguments.out, arguments.version) {
+        (Some(path), ..) => {
+            let read = Package::read(path).map_err(|source| CliError::Read { path: path.clone(), source })?;
+            (path, read.map_err(wrong(path))?)
+        }
+        (None, Some(path), Some(version)) => {
+            let purpose =
+                Purpose { board: arguments.board.code(), version, may_be_older: arguments.may_be_older };
+            let package = Package::new(purpose, &images(arguments)?, &key).map_err(wrong(path))?;
+            write_whole(path, &package.to_bytes())?;
+            (path, package)
+        }
+        _ => return Ok(()),
+    };
+    let manifest = package.manifest;
+    let signed = package.is_signed_for(&public);
+    if arguments.json {
+        let images: Vec<_> = package
+            .images()
+            .iter()
+            .zip(manifest.samples.into_iter().filter(|&samples| samples > 0))
+            .map(|((bearing, crc, header, bytes), samples)| {
+                json!({ "bearing": bearing.name(), "crc": format!("{crc:08x}"), "bytes": bytes, "self_test_samples": samples,
+                        "training_id": format!("{:016x}", header.training_id) })
+            })
+            .collect();
+        return print_json(&json!({
+            "file": path.display().to_string(), "version": manifest.version, "board": format!("{:04x}", manifest.board),
+            "may_be_older": manifest.may_be_older, "bytes": package.to_bytes().len(), "hash": digits(&manifest.hash),
+            "images": images, "signed_for": signed.then(|| digits(&public)),
+        }));
+    }
+    print(format_args!("{}: {} bytes", path.display(), package.to_bytes().len()))?;
+    print(format_args!(
+        "  version   {}{}",
+        manifest.version,
+        if manifest.may_be_older { ", may be older" } else { "" }
+    ))?;
+    print(format_args!("  board     {:#06x}", manifest.board))?;
+    for (bearing, crc, header, bytes) in package.images() {
+        let samples = manifest.samples.get(usize::from(bearing.code())).unwrap_or(&0);
+        print(format_args!(
+            "  {:<9} {bytes} bytes, crc {crc:08x}, training {:016x}, self-test of {samples} samples",
+            bearing.name(),
+            header.training_id
+        ))?;
+    }
+    print(format_args!("  hash      {}", digits(&manifest.hash)))?;
+    let development = parse(DEVELOPMENT).is_ok_and(|key| key.verifying_key().to_bytes() == public);
+    let name = if development { "the published development key" } else { "this key" };
+    print(format_args!(
+        "  signature {} {name}, {}",
+        if signed { "good for" } else { "NOT good for" },
+        digits(&public)
+    ))
+}
+
+fn images(arguments: &Arguments) -> Result<Vec<AlignedImage>, CliError> {
+    if arguments.images.is_empty() {
+        return Ok(Bearing::ALL.map(|bearing| AlignedImage::copy(shipped(bearing))).to_vec());
+    }
+    let read = |path: &PathBuf| {
+        AlignedImage::read(path).map_err(|source| CliError::Read { path: path.clone(), source }).and_then(
+            |image| {
+                let refused = inference::Model::<i16>::load(&image).err();
+                match refused {
+                    Some(source) => Err(CliError::Image { path: path.clone(), source }),
+                    None => Ok(image),
+                }
+            },
+        )
+    };
+    arguments.images.iter().map(read).collect()
+}

@@ -1,0 +1,94 @@
+//! Keys that packages are signed with, in files.
+//!
+//! A key file is text: lines that begin with `#` say what it is, and the one other line is the secret half as 64 hexadecimal
+//! digits. The public half is what a firmware is built with (`PINTLE_MODEL_KEY`).
+
+use ed25519_dalek::SigningKey;
+
+/// The published key that a firmware trusts when it is built without one of its own.
+pub const DEVELOPMENT: &str = include_str!("../keys/development.key");
+
+/// Why a text is no key.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum KeyError {
+    /// Not one line beside the remarks.
+    #[error("found {0} lines beside those that begin with `#`, expected one")]
+    Lines(usize),
+    /// Something else than 64 hexadecimal digits.
+    #[error("line {line}: found {found} characters, expected 64 hexadecimal digits")]
+    Digits {
+        /// Line in the text, from 1 on.
+        line: usize,
+        /// Characters found.
+        found: usize,
+    },
+}
+
+/// Reads a key.
+///
+/// # Errors
+///
+/// The text is no key. What is in it is not repeated in the message.
+pub fn parse(text: &str) -> Result<SigningKey, KeyError> {
+    let lines: Vec<_> = text
+        .lines()
+        .zip(1..)
+        .map(|(content, line)| (content.trim(), line))
+        .filter(|(content, _)| !content.is_empty() && !content.starts_with('#'))
+        .collect();
+    let &[(content, line)] = &lines[..] else { return Err(KeyError::Lines(lines.len())) };
+    let wrong = KeyError::Digits { line, found: content.chars().count() };
+    let mut secret = [0; 32];
+    if content.len() != 64 || !content.is_ascii() {
+        return Err(wrong);
+    }
+    for (byte, digits) in secret.iter_mut().zip(content.as_bytes().chunks(2)) {
+        let value = std::str::from_utf8(digits).ok().and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        *byte = value.ok_or_else(|| wrong.clone())?;
+    }
+    Ok(SigningKey::from_bytes(&secret))
+}
+
+/// The text of a key's file.
+#[must_use]
+pub fn text(key: &SigningKey) -> String {
+    format!(
+        "# Secret half of a key for model packages: whoever has it can make models that controllers take.\n\
+         # Public half, for PINTLE_MODEL_KEY: {}\n{}\n",
+        digits(key.verifying_key().as_bytes()),
+        digits(key.as_bytes())
+    )
+}
+
+/// Hexadecimal digits.
+#[must_use]
+pub fn digits(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_survives_its_file() {
+        let key = SigningKey::from_bytes(&[7; 32]);
+        assert_eq!(parse(&text(&key)).expect("key").to_bytes(), key.to_bytes());
+    }
+
+    #[test]
+    fn the_development_key_is_the_one_whose_public_half_stands_in_its_file() {
+        let public = digits(parse(DEVELOPMENT).expect("key").verifying_key().as_bytes());
+        assert!(DEVELOPMENT.contains(&public));
+    }
+
+    #[test]
+    fn other_texts_are_refused_without_repeating_them() {
+        assert_eq!(parse("# nothing\n"), Err(KeyError::Lines(0)));
+        assert_eq!(parse(&"ab\n".repeat(2)), Err(KeyError::Lines(2)));
+        let wrong = parse(&format!("# key\n{}", "gg".repeat(32))).expect_err("not digits");
+        assert_eq!(wrong, KeyError::Digits { line: 2, found: 64 });
+        assert!(!wrong.to_string().contains("gg"));
+        assert_eq!(parse("é".repeat(32).as_str()), Err(KeyError::Digits { line: 1, found: 32 }));
+    }
+}
