@@ -31,6 +31,13 @@ pub enum Meaning {
     Dense,
 }
 
+impl Meaning {
+    /// Whether the axis has everything behind the batch.
+    pub const fn is_flat(self) -> bool {
+        matches!(self, Self::Dense | Self::ByColumn | Self::ByChannel)
+    }
+}
+
 /// An axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axis {
@@ -150,7 +157,7 @@ fn flat(node: &Node, axes: &[Axis]) -> Result<Vec<Axis>, OnnxError> {
         return Err(at(node, "input", "no axes", "a batch of windows"));
     };
     let axis = match rest {
-        [only @ Axis { meaning: Meaning::Dense | Meaning::ByColumn | Meaning::ByChannel, .. }] => *only,
+        [only] if only.meaning.is_flat() => *only,
         [a, b] => {
             let meaning = match (a.meaning, b.meaning) {
                 (Meaning::Columns, Meaning::Channels) => Meaning::ByColumn,

@@ -3,6 +3,8 @@
 use super::axes::{Axis, Meaning};
 use super::constant::{Constants, Weights, attribute, integer, number};
 use super::error::{OnnxError, at, name};
+use super::frameworks::{from_convolution, turned};
+use super::padding::{named, padding};
 use super::proto::Node;
 use super::recognise::Layout;
 use crate::network::{ConvolutionShape, LARGEST, Layer, Network, Padding, Shape};
@@ -115,15 +117,7 @@ impl Chain {
             Some(_) => Some(biases(node, &constants.weights(node, 2, "bias")?, outputs)?),
             None => None,
         };
-        // Ours: column, input, output; theirs: output, input, column.
-        let mut ours = vec![0.0; weights.values.len()];
-        for (output, rows) in weights.values.chunks_exact(channels * kernel).enumerate() {
-            for (input, row) in rows.chunks_exact(kernel).enumerate() {
-                for (tap, &weight) in row.iter().enumerate() {
-                    ours[(tap * channels + input) * outputs + output] = weight;
-                }
-            }
-        }
+        let ours = from_convolution(&weights.values, channels, kernel, outputs);
         self.begin(node, ours, biases, outputs, kernel, false);
         let mut found = axes;
         for (at, axis) in found.iter_mut().enumerate() {
@@ -171,13 +165,9 @@ impl Chain {
         axes: Vec<Axis>,
     ) -> Result<Vec<Axis>, OnnxError> {
         self.check_closed(node)?;
-        let [batch, axis] = axes[..] else {
-            return Err(at(
-                node,
-                "input",
-                format!("{} axes", axes.len()),
-                "a flattened value: batch x values",
-            ));
+        let (batch, axis) = match axes[..] {
+            [batch @ Axis { meaning: Meaning::Batch, .. }, axis] if axis.meaning.is_flat() => (batch, axis),
+            _ => return Err(at(node, "input", format!("{} axes", axes.len()), "batch x flattened values")),
         };
         let mut is_transposed = false;
         if node.op_type == "Gemm" {
@@ -203,16 +193,11 @@ impl Chain {
         }
         let channels = self.layers.last().map_or(axis.size, |layer| layer.biases.len());
         let columns = axis.size / channels.max(1);
-        let mut ours = vec![0.0; weights.values.len()];
-        for (index, &weight) in weights.values.iter().enumerate() {
-            let (tap, output) =
-                if is_transposed { (index % taps, index / taps) } else { (index / outputs, index % outputs) };
-            let (column, channel) = match axis.meaning {
-                Meaning::ByChannel => (tap % columns, tap / columns),
-                _ => (tap / channels, tap % channels),
-            };
-            ours[(column * channels + channel) * outputs + output] = weight;
-        }
+        let rows = if is_transposed { weights.values } else { turned(&weights.values, outputs) };
+        let ours = match axis.meaning {
+            Meaning::ByChannel => from_convolution(&rows, channels, columns, outputs),
+            _ => turned(&rows, taps),
+        };
         let biases = match node.input.get(2).filter(|name| node.op_type == "Gemm" && !name.is_empty()) {
             Some(_) => Some(biases(node, &constants.weights(node, 2, "bias")?, outputs)?),
             None => None,
@@ -320,46 +305,5 @@ fn biases(node: &Node, weights: &Weights, outputs: usize) -> Result<Vec<f32>, On
         [one] => Ok(vec![one; outputs]),
         _ if weights.values.len() == outputs => Ok(weights.values.clone()),
         _ => Err(at(node, "bias", format!("{} values", weights.values.len()), format!("{outputs} values"))),
-    }
-}
-
-fn named(padding: Padding) -> &'static str {
-    match padding {
-        Padding::Valid => "'valid'",
-        Padding::Same => "'same'",
-    }
-}
-
-/// The padding of a convolution along its columns; `None` for a kernel of 1, which has none.
-fn padding(node: &Node, spatial: usize, place: usize, kernel: usize) -> Result<Option<Padding>, OnnxError> {
-    let same = [(kernel as i64 - 1) / 2, kernel as i64 / 2];
-    let mut pads = attribute(node, "pads").map_or(vec![0; 2 * spatial], |attribute| attribute.ints.clone());
-    let automatic = attribute(node, "auto_pad").map_or("NOTSET".into(), |a| String::from_utf8_lossy(&a.s));
-    let along = match &*automatic {
-        "NOTSET" | "" => {
-            let expected = || format!("{} numbers, 0 beside the columns", 2 * spatial);
-            if pads.len() != 2 * spatial {
-                return Err(at(node, "pads", format!("{pads:?}"), expected()));
-            }
-            let (before, behind) = (place - 2, place - 2 + spatial);
-            let along = [pads[before], pads[behind]];
-            (pads[before], pads[behind]) = (0, 0);
-            if pads.iter().any(|&pad| pad != 0) {
-                return Err(at(node, "pads", format!("{pads:?}"), expected()));
-            }
-            along
-        }
-        "SAME_UPPER" => same,
-        "VALID" => [0, 0],
-        other => return Err(at(node, "auto_pad", other, "NOTSET, SAME_UPPER or VALID")),
-    };
-    match along {
-        [0, 0] if kernel == 1 => Ok(None),
-        [0, 0] => Ok(Some(Padding::Valid)),
-        _ if along == same => Ok(Some(Padding::Same)),
-        _ => {
-            let expected = format!("[0, 0] ('valid') or {same:?} ('same')");
-            Err(at(node, "pads along the columns", format!("{along:?}"), expected))
-        }
     }
 }

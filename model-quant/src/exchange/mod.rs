@@ -6,12 +6,20 @@
 //! [`weights`] write what was trained here.
 
 pub mod axes;
+pub mod card;
 mod chain;
 pub mod constant;
+pub mod description;
 pub mod error;
+pub mod export;
+pub mod frameworks;
 pub mod interpreter;
+pub mod onnx;
+mod padding;
 pub mod proto;
 pub mod quantised;
 pub mod recognise;
 pub mod samples;
 pub mod scaling;
+pub mod source;
+pub mod weights;

@@ -7,6 +7,7 @@
 //!
 //! Written in Python by `safetensors.numpy.save_file({"inputs": x, "outputs": y}, path)`, or `safetensors.torch`.
 
+use super::frameworks::turned;
 use super::recognise::Layout;
 use crate::network::{Network, Shape};
 use safetensors::{Dtype, SafeTensorError, SafeTensors, tensor::TensorView};
@@ -134,11 +135,6 @@ fn from_columns_first(window: &[f32], shape: &Shape, layout: Layout) -> Vec<f32>
         Layout::ColumnsFirst => window.to_vec(),
         Layout::ChannelsFirst => turned(window, shape.inputs),
     }
-}
-
-/// Transposes a matrix with rows of this length.
-fn turned(values: &[f32], length: usize) -> Vec<f32> {
-    (0..length).flat_map(|place| values.iter().skip(place).step_by(length).copied()).collect()
 }
 
 /// The values of a tensor of f32, and how many samples they are.
