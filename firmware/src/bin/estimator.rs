@@ -194,21 +194,31 @@ mod app {
                         let Some(message) = decoder.push::<ToController>(byte) else { continue };
                         let answer = match message {
                             Ok(ToController::Update(request)) => {
-                                update(&mut kept.store, &request, &mut cx.shared.session)
+                                Some(update(&mut kept.store, &request, &mut cx.shared.session))
+                            }
+                            Ok(ToController::Sensor(frame, status)) => {
+                                let timer = &mut *cx.local.idle_timer;
+                                match cx.shared.session.lock(|session| session.tick(&frame, status, timer)) {
+                                    Ok(estimate) => {
+                                        check_in(attendance, Party::Sampling);
+                                        check_in(attendance, Party::Inference);
+                                        if !files.write(&estimate) {
+                                            cx.shared.session.lock(Session::count_dropped_estimate);
+                                        }
+                                        None
+                                    }
+                                    Err(refused) => Some(refused),
+                                }
                             }
                             Ok(message) => {
                                 keep(&mut kept.keeper, &message, &mut cx.shared.session);
-                                cx.shared
-                                    .session
-                                    .lock(|session| session.handle(&message, cx.local.idle_timer))
+                                Some(cx.shared.session.lock(|session| session.handle(&message, &mut NoTicks)))
                             }
-                            Err(error) => cx.shared.session.lock(|session| session.bad_frame(error)),
+                            Err(error) => Some(cx.shared.session.lock(|session| session.bad_frame(error))),
                         };
-                        if let ToHost::Estimate(_) = answer {
-                            check_in(attendance, Party::Sampling);
-                            check_in(attendance, Party::Inference);
+                        if let Some(answer) = answer {
+                            send(&answer, |bytes| files.write(bytes));
                         }
-                        send(&answer, |bytes| files.write(bytes));
                         replace_altered(&mut kept.store, &mut cx.shared.session);
                         if let Some(report) = cx.shared.session.lock(Session::slow) {
                             send(&report, |bytes| files.write(bytes));
@@ -224,7 +234,7 @@ mod app {
             }
             Link::Serial(port) => loop {
                 check_in(attendance, Party::Link);
-                // Bounded, so that a flood does not keep the rest waiting.
+                // A bounded number of bytes and one answer at most, so that a flood does not keep the estimates waiting.
                 for _ in 0..BYTES {
                     let Some(byte) = cx.local.bytes.dequeue() else { break };
                     let answer = match decoder.push::<ToController>(byte) {
@@ -247,6 +257,7 @@ mod app {
                     if !send(&answer, |bytes| port.write(bytes)) {
                         cx.shared.session.lock(Session::count_dropped_answer);
                     }
+                    break;
                 }
                 while let Some(estimate) = cx.shared.estimates.lock(Deque::pop_front) {
                     if !port.write(&estimate) {
