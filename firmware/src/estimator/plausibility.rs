@@ -6,7 +6,7 @@
 //! | saturated | its driver says so, or the value is at or beyond the rail |
 //! | stuck | so many samples of one code |
 //! | jumped | it moved further since the last sample than the machine can |
-//! | noisy | mean square of the second difference, over 64 samples, above 6 times the square of the limit; motion leaves 0.7 um there at most |
+//! | noisy | mean square of the second difference above 6 times the square of the limit; each channel is looked at in every fourth sample, the mean is over 64 of those; motion leaves 0.7 um there at most |
 //!
 //! and for the sample as a whole: the sequence does not follow, the time did not advance by the period, the journal is farther out than
 //! clearance and largest deformation, it swings along the clearance faster than it can ([`swing`]).
@@ -43,12 +43,8 @@ const MAX_SHAFT_SPEED_NRAD_US: u32 = 100_000;
 const ANGLE_ALLOWANCE_NRAD: u32 = 500_000;
 /// Load rate that the machine cannot exceed, mN/us: 2 MN/s.
 const MAX_LOAD_RATE_MN_US: u32 = 2_000;
-/// The channels whose jump breaks the samples before it off; the load is not among them.
-const MOTION: u8 = 0b0111;
-/// The mean square is over 2 to this power samples.
+/// The mean square is over 2 to this power differences.
 const MEAN_SHIFT: u32 = 6;
-/// A channel that has not changed for longer is not counted further.
-const LONGEST: u32 = 1 << 30;
 /// Second differences beyond this multiple of the limit count as this: one outlier is a jump, not noise.
 const CLIP: i32 = 8;
 
@@ -75,22 +71,31 @@ impl Limits {
     };
 }
 
-/// What was found in a sample: a bit a channel.
+/// What was found in a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Findings {
-    /// No value.
-    pub missing: u8,
-    /// At the end of the range.
-    pub saturated: u8,
-    /// Unchanged for too long.
-    pub stuck: u8,
-    /// Too noisy.
-    pub noisy: u8,
-    /// Moved too far.
-    pub jumped: u8,
+    /// A bit a channel for each kind: bits 0 to 3 missing, 4 to 7 saturated, then stuck, noisy, jumped.
+    pub events: u32,
     /// All of it as flags, with those of the sample as a whole.
     pub flags: Flags,
 }
+
+impl Findings {
+    /// The channels, a bit each, of a kind: 0 missing, 1 saturated, 2 stuck, 3 noisy, 4 jumped.
+    #[must_use]
+    pub const fn channels(&self, kind: u32) -> u8 {
+        (self.events >> (4 * (kind % 8)) & 0xf) as u8
+    }
+}
+
+/// Places of the kinds in [`Findings::events`].
+const MISSING: u32 = 0;
+const SATURATED: u32 = 4;
+const STILL: u32 = 8;
+const LOUD: u32 = 12;
+const FAR: u32 = 16;
+/// The motion's channels of every kind.
+const MOTION: u32 = 0x7_7777;
 
 /// One channel's watch.
 #[derive(Clone, Copy, Debug, Default)]
@@ -101,7 +106,6 @@ struct Channel {
     noise_shift: u32,
     noise_clip: i32,
     noise_threshold: u32,
-    step: i32,
     unchanged: u32,
     mean_square: u32,
 }
@@ -114,8 +118,14 @@ pub struct Plausibility {
     channels: [Channel; CHANNELS],
     swing: swing::Swing,
     previous: SensorFrame,
-    /// 0 before the first sample, then all ones.
-    seen: u32,
+    /// Steps of the channels from the sample before the previous one to it.
+    steps: [i32; CHANNELS],
+    /// The channel whose noise is looked at.
+    turn: usize,
+    /// The channels that were too noisy when they were looked at last.
+    loud: u32,
+    /// Whether there was a sample before.
+    seen: bool,
     status: SensorStatus,
     findings: Findings,
 }
@@ -135,7 +145,10 @@ impl Plausibility {
             channels: [Channel::default(); CHANNELS],
             swing: swing::Swing::default(),
             previous: SensorFrame::default(),
-            seen: 0,
+            steps: [0; CHANNELS],
+            turn: 0,
+            loud: 0,
+            seen: false,
             status: SensorStatus::GOOD,
             findings: Findings::default(),
         };
@@ -174,6 +187,7 @@ impl Plausibility {
                 ..Channel::default()
             };
         }
+        self.loud = 0;
         self.swing = swing::Swing::new(&limits.swing, self.period_us);
     }
 
@@ -191,56 +205,76 @@ impl Plausibility {
     /// Takes a sample and returns the doubts about it, as far as they concern the motion: what is wrong with the load is among
     /// the [`Self::findings`] only, as no estimate rests on it.
     pub fn check(&mut self, frame: &SensorFrame) -> Flags {
+        if !self.seen {
+            // Before the first sample the machine stood as it does in it.
+            self.seen = true;
+            self.previous = SensorFrame {
+                sequence: frame.sequence.wrapping_sub(1),
+                time_us: frame.time_us.wrapping_sub(self.period_us),
+                ..*frame
+            };
+            for channel in &mut self.channels {
+                channel.unchanged = u32::MAX;
+            }
+        }
         let previous = core::mem::replace(&mut self.previous, *frame);
         let values = |frame: &SensorFrame| {
             [frame.journal_y_nm, frame.journal_z_nm, frame.shaft_angle_nrad, frame.load_force_mn]
         };
-        let seen = core::mem::replace(&mut self.seen, u32::MAX);
-        let mut found = Findings {
-            missing: self.status.missing_bits(),
-            saturated: self.status.rail_bits(),
-            ..Findings::default()
-        };
+        let status = u32::from(self.status.missing_bits()) << MISSING
+            | u32::from(self.status.rail_bits()) << SATURATED;
+        self.status = SensorStatus::GOOD;
+        let mut events = status;
+        let mut steps = [0; CHANNELS];
         let samples = values(frame).into_iter().zip(values(&previous));
-        for ((channel, (value, before)), index) in self.channels.iter_mut().zip(samples).zip(0_u32..) {
-            let bit = |happened: bool| u8::from(happened) << index;
-            found.missing |= bit(value == i32::MIN);
-            found.saturated |= bit(value.unsigned_abs() >= channel.rail);
-            let step = value.wrapping_sub(before) & seen.cast_signed();
-            found.jumped |= bit(step.unsigned_abs() > channel.step_limit);
-            let still = u32::from(step == 0) & seen;
-            channel.unchanged = channel.unchanged.wrapping_add(1).min(LONGEST) & still.wrapping_neg();
-            found.stuck |= bit(channel.unchanged >= channel.stuck_samples);
-            let bend = step.wrapping_sub(core::mem::replace(&mut channel.step, step)) >> channel.noise_shift;
+        for (((channel, (value, before)), index), kept) in
+            self.channels.iter_mut().zip(samples).zip(0_u32..).zip(&mut steps)
+        {
+            let step = value.wrapping_sub(before);
+            *kept = step;
+            events |= u32::from(value == i32::MIN) << (MISSING + index);
+            events |= u32::from(value.unsigned_abs() >= channel.rail) << (SATURATED + index);
+            events |= u32::from(step.unsigned_abs() > channel.step_limit) << (FAR + index);
+            // Counts up to 2^31 and stands there.
+            let longer = channel.unchanged.wrapping_add(1);
+            channel.unchanged = longer.wrapping_sub(longer >> 31).wrapping_mul(u32::from(step == 0));
+            events |= u32::from(channel.unchanged >= channel.stuck_samples) << (STILL + index);
+        }
+        let before = core::mem::replace(&mut self.steps, steps);
+        self.turn = self.turn.wrapping_add(1) % CHANNELS;
+        let turn = self.turn;
+        let bend =
+            steps.get(turn).zip(before.get(turn)).map_or(0, |(step, before)| step.wrapping_sub(*before));
+        if let Some(channel) = self.channels.get_mut(turn) {
+            let bend = bend.wrapping_shr(channel.noise_shift);
             let bend = bend.min(channel.noise_clip).max(channel.noise_clip.wrapping_neg());
             let square = bend.wrapping_mul(bend).cast_unsigned();
             channel.mean_square = channel
                 .mean_square
                 .wrapping_add(square >> MEAN_SHIFT)
                 .wrapping_sub(channel.mean_square >> MEAN_SHIFT);
-            found.noisy |= bit(channel.mean_square > channel.noise_threshold);
+            let loud = u32::from(channel.mean_square > channel.noise_threshold);
+            let lane = turn as u32;
+            self.loud = (self.loud & !1_u32.wrapping_shl(lane)) | loud.wrapping_shl(lane);
         }
-        self.status = SensorStatus::GOOD;
+        events |= self.loud << LOUD;
 
         let elapsed_us = frame.time_us.wrapping_sub(previous.time_us);
         let gap = frame.sequence.wrapping_sub(previous.sequence) != 1;
         let late = elapsed_us.abs_diff(self.period_us) > self.period_us / 2;
-        let swings = self.swing.too_fast(frame);
-        let known = seen != 0;
-        let motion = IMPLAUSIBLE_POSITION.when(self.is_too_far(frame))
-            | SEQUENCE_GAP.when(gap & known)
-            | TIME_FAULT.when(late & known)
-            | IMPLAUSIBLE_SWING.when(swings);
-        let flags_of = |channels: u8| {
-            SENSOR_MISSING.when(found.missing & channels != 0)
-                | SENSOR_SATURATED.when(found.saturated & channels != 0)
-                | STUCK.when(found.stuck & channels != 0)
-                | NOISY.when(found.noisy & channels != 0)
-                | JUMP.when(found.jumped & channels != 0)
+        let sample = IMPLAUSIBLE_POSITION.when(self.is_too_far(frame))
+            | SEQUENCE_GAP.when(gap)
+            | TIME_FAULT.when(late)
+            | IMPLAUSIBLE_SWING.when(self.swing.too_fast(frame));
+        let flags_of = |events: u32| {
+            SENSOR_MISSING.when(events & 0xf << MISSING != 0)
+                | SENSOR_SATURATED.when(events & 0xf << SATURATED != 0)
+                | STUCK.when(events & 0xf << STILL != 0)
+                | NOISY.when(events & 0xf << LOUD != 0)
+                | JUMP.when(events & 0xf << FAR != 0)
         };
-        let motion = motion | flags_of(MOTION);
-        self.findings = Findings { flags: motion | flags_of(!MOTION), ..found };
-        motion
+        self.findings = Findings { events, flags: sample | flags_of(events) };
+        sample | flags_of(events & MOTION)
     }
 
     fn is_too_far(&self, frame: &SensorFrame) -> bool {

@@ -81,14 +81,9 @@ impl Monitor {
         let flags = flags | findings.flags;
         estimate.flags = flags.bits();
         self.tracker.step(frame, &estimate, !flags.intersects(SENSOR_FAULT));
-        let (out, held, begins) = self.holding.apply(&estimate, distrusted);
+        let (held, begins) = self.holding.apply(&mut estimate, distrusted);
         self.time_us = frame.time_us;
 
-        let channels = u32::from(findings.missing)
-            | u32::from(findings.saturated) << 4
-            | u32::from(findings.stuck) << 8
-            | u32::from(findings.noisy) << 12
-            | u32::from(findings.jumped) << 16;
         let sample = [
             flags.intersects(SEQUENCE_GAP),
             flags.intersects(TIME_FAULT),
@@ -98,12 +93,11 @@ impl Monitor {
             held,
             begins,
         ];
-        let events = sample
-            .iter()
-            .zip(CHANNEL_LANES..)
-            .fold(channels, |events, (happened, lane)| events | u32::from(*happened) << lane);
+        let events = sample.iter().zip(CHANNEL_LANES..).fold(findings.events, |events, (happened, lane)| {
+            events | u32::from(*happened).wrapping_shl(lane)
+        });
         self.tally.add(events);
-        out
+        estimate
     }
     /// Goes on with another model of the same bearing from the next sample on.
     pub fn switch(&mut self, model: Model<'static>) {

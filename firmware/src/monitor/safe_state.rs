@@ -35,8 +35,8 @@ impl Holding {
         Self { recovery_samples, lost_samples, trusted: [0; 6], clean: 0, held: 0, started: 0 }
     }
 
-    /// Takes a live estimate and whether it is distrusted; returns what goes out, and whether a hold lasts and has begun.
-    pub(super) fn apply(&mut self, live: &EstimateFrame, distrusted: bool) -> (EstimateFrame, bool, bool) {
+    /// Turns a live estimate, which may be distrusted, into what goes out; returns whether a hold lasts and whether it has begun.
+    pub(super) fn apply(&mut self, estimate: &mut EstimateFrame, distrusted: bool) -> (bool, bool) {
         // Before anything has been trusted there is nothing to recover from.
         let settled = self.recovery_samples & !self.started;
         let clean = self.clean.wrapping_add(1).min(self.recovery_samples).max(settled);
@@ -48,30 +48,19 @@ impl Holding {
         self.held = self.held.saturating_add(1) & hold;
         let keep = u32::from(self.held <= self.lost_samples).wrapping_neg();
 
-        let values = [
-            live.normal_force_n,
-            live.force_y_n,
-            live.force_z_n,
-            live.friction_torque_nm,
-            live.deformation_m,
-            live.contact_angle_rad,
-        ];
-        for (trusted, value) in self.trusted.iter_mut().zip(values) {
+        let [normal, y, z, torque, deformation, angle] = &mut self.trusted;
+        let apply = |trusted: &mut u32, value: &mut f32, keep: u32| {
             *trusted = (*trusted & hold) | (value.to_bits() & !hold);
-        }
-        let [normal, y, z, torque, deformation, angle] = self.trusted;
-        let force = |bits: u32| f32::from_bits(bits & keep);
-        let out = EstimateFrame {
-            normal_force_n: force(normal),
-            force_y_n: force(y),
-            force_z_n: force(z),
-            friction_torque_nm: force(torque),
-            deformation_m: f32::from_bits(deformation),
-            contact_angle_rad: f32::from_bits(angle),
-            flags: live.flags | (HELD.bits() & hold),
-            ..*live
+            *value = f32::from_bits(*trusted & keep);
         };
-        (out, hold != 0, begins)
+        apply(normal, &mut estimate.normal_force_n, keep);
+        apply(y, &mut estimate.force_y_n, keep);
+        apply(z, &mut estimate.force_z_n, keep);
+        apply(torque, &mut estimate.friction_torque_nm, keep);
+        apply(deformation, &mut estimate.deformation_m, u32::MAX);
+        apply(angle, &mut estimate.contact_angle_rad, u32::MAX);
+        estimate.flags |= HELD.bits() & hold;
+        (hold != 0, begins)
     }
 
     pub(super) const fn state(&self) -> SafeState {
@@ -104,16 +93,23 @@ mod tests {
         }
     }
 
+    /// What goes out, whether it is held, and whether that has begun.
+    fn apply(holding: &mut Holding, index: u32, distrusted: bool) -> (EstimateFrame, bool, bool) {
+        let mut estimate = live(index);
+        let (held, begins) = holding.apply(&mut estimate, distrusted);
+        (estimate, held, begins)
+    }
+
     #[test]
     fn the_start_is_not_held() {
         let mut holding = Holding::new(10, 100);
         for index in 0..50 {
-            assert_eq!(holding.apply(&live(index), true), (live(index), false, false));
+            assert_eq!(apply(&mut holding, index, true), (live(index), false, false));
             assert_eq!(holding.state(), SafeState::Starting);
         }
         for index in 50..100 {
             assert_eq!(
-                holding.apply(&live(index), false),
+                apply(&mut holding, index, false),
                 (live(index), false, false),
                 "nothing to recover from"
             );
@@ -124,40 +120,40 @@ mod tests {
     #[test]
     fn a_hold_repeats_the_last_trusted_estimate_and_ends_after_the_recovery_time() {
         let mut holding = Holding::new(10, 100);
-        holding.apply(&live(0), false);
+        apply(&mut holding, 0, false);
         for index in 1..=3 {
-            let (out, held, begins) = holding.apply(&live(index), true);
+            let (out, held, begins) = apply(&mut holding, index, true);
             assert_eq!((held, begins), (true, index == 1));
             assert_eq!((out.normal_force_n, out.deformation_m), (1000.0, 0.0));
             assert_eq!((out.sequence, out.flags, out.saturated), (index, 5 | HELD.bits(), 1));
         }
         for index in 4..=12 {
-            assert!(holding.apply(&live(index), false).1, "{index}");
+            assert!(apply(&mut holding, index, false).1, "{index}");
             assert_eq!(holding.state(), SafeState::Held);
         }
-        assert_eq!(holding.apply(&live(13), false), (live(13), false, false), "the tenth without distrust");
+        assert_eq!(apply(&mut holding, 13, false), (live(13), false, false), "the tenth without distrust");
         assert_eq!(holding.state(), SafeState::Live);
     }
 
     #[test]
     fn a_fault_within_the_recovery_time_begins_it_anew_and_is_the_same_hold() {
         let mut holding = Holding::new(10, 100);
-        holding.apply(&live(0), false);
-        holding.apply(&live(1), true);
+        apply(&mut holding, 0, false);
+        apply(&mut holding, 1, true);
         for index in 2..8 {
-            holding.apply(&live(index), false);
+            apply(&mut holding, index, false);
         }
-        assert_eq!(holding.apply(&live(8), true).2, false);
-        let held = (9..40).filter(|index| holding.apply(&live(*index), false).1).count();
+        assert_eq!(apply(&mut holding, 8, true).2, false);
+        let held = (9..40).filter(|index| apply(&mut holding, *index, false).1).count();
         assert_eq!(held, 9);
     }
 
     #[test]
     fn a_hold_that_lasts_too_long_loses_its_forces() {
         let mut holding = Holding::new(10, 100);
-        holding.apply(&live(7), false);
+        apply(&mut holding, 7, false);
         for index in 1..=200 {
-            let (out, ..) = holding.apply(&live(index), true);
+            let (out, ..) = apply(&mut holding, index, true);
             let lost = index > 100;
             assert_eq!(out.normal_force_n, if lost { 0.0 } else { 1007.0 }, "{index}");
             assert_eq!(out.friction_torque_nm, if lost { 0.0 } else { -3.0 });

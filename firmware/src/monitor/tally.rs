@@ -20,21 +20,20 @@ pub(super) struct Tally {
 impl Tally {
     /// Counts every event whose bit is set.
     pub(super) fn add(&mut self, events: u32) {
-        let mut carry = events;
-        for plane in &mut self.planes {
-            let both = *plane & carry;
-            *plane ^= carry;
-            carry = both;
-        }
         let lane = self.turn;
-        let pending = self.pending(lane);
+        let mut carry = events;
+        let mut pending = 0;
+        for (plane, power) in self.planes.iter_mut().zip(0_u32..) {
+            let sum = *plane ^ carry;
+            carry &= *plane;
+            let bit = sum.wrapping_shr(lane) & 1;
+            pending |= bit.wrapping_shl(power);
+            *plane = sum ^ bit.wrapping_shl(lane);
+        }
         if let Some(count) = self.counts.get_mut(lane as usize) {
             *count = count.saturating_add(pending);
         }
-        for plane in &mut self.planes {
-            *plane &= !(1 << lane);
-        }
-        self.turn = (lane + 1) % LANES;
+        self.turn = lane.wrapping_add(1) % LANES;
     }
 
     /// How often an event happened.
@@ -44,7 +43,7 @@ impl Tally {
 
     fn pending(&self, lane: u32) -> u32 {
         let planes = self.planes.iter().zip(0_u32..);
-        planes.fold(0, |pending, (plane, power)| pending | ((plane >> (lane % LANES)) & 1) << power)
+        planes.fold(0, |pending, (plane, power)| pending | (plane.wrapping_shr(lane) & 1).wrapping_shl(power))
     }
 }
 

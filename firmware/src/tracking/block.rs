@@ -56,8 +56,10 @@ pub(super) struct Block {
     sums: Sums,
 }
 
+/// Sums over a block.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+pub(super) struct Sums {
+    first_angle_nrad: i32,
     weight: f32,
     distance: f32,
     slope: f32,
@@ -71,10 +73,10 @@ struct Sums {
 }
 
 impl Block {
-    /// Takes a sample and returns its place in the block, 0 to [`BLOCK`] - 1. After the last place stands what [`Self::close`] gives.
+    /// Takes a sample and returns its place in the block, 0 to [`BLOCK`] - 1. After the last place comes [`Self::close`].
     pub(super) fn push(&mut self, frame: &SensorFrame, taken: &Taken) -> u32 {
         let place = self.index;
-        self.index = (place + 1) % BLOCK;
+        self.index = place.wrapping_add(1) % BLOCK;
         if place == 0 {
             self.first = *frame;
         }
@@ -101,21 +103,27 @@ impl Block {
         place
     }
 
-    /// The means of the block that is complete; the sums begin anew.
-    pub(super) fn close(&mut self) -> Means {
-        let sums = core::mem::take(&mut self.sums);
-        let per = 1.0 / sums.weight;
+    /// The sums of the block that is complete; they begin anew.
+    pub(super) fn close(&mut self) -> Sums {
+        Sums { first_angle_nrad: self.first.shaft_angle_nrad, ..core::mem::take(&mut self.sums) }
+    }
+}
+
+impl Sums {
+    /// The means of a complete block. Before the first one there are none: numbers, but of nothing.
+    pub(super) fn means(&self) -> Means {
+        let per = 1.0 / self.weight.max(1.0);
         let nano = per * 1e-9;
         Means {
-            distance_m: sums.distance * nano,
-            distance_slope_m: sums.slope * (6e-9 / (N * (N * N - 1.0))),
-            normal_y: sums.normal_y * per,
-            normal_z: sums.normal_z * per,
-            load_n: sums.load * (per * 1e-3),
-            angle_rad: self.first.shaft_angle_nrad as f32 * 1e-9 + sums.angle * nano,
-            network_normal_n: sums.network_normal * per,
-            network_torque_nm: sums.network_torque * per,
-            curvature: sums.curvature.map(|sum| sum * (CURVATURE * 1e-9)),
+            distance_m: self.distance * nano,
+            distance_slope_m: self.slope * (6e-9 / (N * (N * N - 1.0))),
+            normal_y: self.normal_y * per,
+            normal_z: self.normal_z * per,
+            load_n: self.load * (per * 1e-3),
+            angle_rad: self.first_angle_nrad as f32 * 1e-9 + self.angle * nano,
+            network_normal_n: self.network_normal * per,
+            network_torque_nm: self.network_torque * per,
+            curvature: self.curvature.map(|sum| sum * (CURVATURE * 1e-9)),
         }
     }
 }
@@ -138,7 +146,7 @@ mod tests {
             };
             assert_eq!(block.push(&frame(t), &taken), k);
         }
-        block.close()
+        block.close().means()
     }
 
     #[test]

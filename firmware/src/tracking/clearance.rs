@@ -40,7 +40,7 @@ const START_DEVIATION: f32 = 0.2;
 /// Where the first block's root begins, m.
 const START_DEFORMATION_M: f32 = 50e-6;
 /// Rounds of the root.
-const ROUNDS: u32 = 5;
+pub(super) const ROUNDS: u32 = 5;
 /// Least deformation, so that nothing is divided by 0, m.
 const LEAST_M: f32 = 1e-7;
 
@@ -66,6 +66,10 @@ pub(super) struct Measured {
     clearance_m: f32,
     /// Deformation, m.
     deformation_m: f32,
+    /// Distance of the journal from the centre, m.
+    distance_m: f32,
+    /// What the root is taken of, m3.
+    target: f32,
     /// Share of the damping in the force.
     damping: f32,
     /// Variance that weighs this block: its own and that of the considered errors, m2.
@@ -105,21 +109,23 @@ impl Clearance {
         }
     }
 
-    /// Works out a block's clearance.
-    pub(super) fn measure(&self, means: &Means, balance: &Balance, measured: &mut Measured) {
+    /// First step: what the root of the deformation is taken of.
+    pub(super) fn begin(&self, means: &Means, balance: &Balance, measured: &mut Measured) {
         let distance_m = means.distance_m.max(1e-6);
         let damping = (self.damping_per_slope * means.distance_slope_m).max(-0.7).min(2.0);
         let elastic_n = balance.normal_n.max(1.0) / (1.0 + damping);
-        let target = elastic_n * distance_m * libm::sqrtf(distance_m) / self.modulus_factor;
-        // Heron's root with the weak dependence inside, from the last block's deformation: five rounds from a factor of 4.
-        let mut deformation_m = self.deformation_m;
-        for _ in 0..ROUNDS {
-            let other_m = target / ((3.0 * distance_m - deformation_m) * deformation_m);
-            deformation_m = (0.5 * (deformation_m + other_m)).max(LEAST_M).min(distance_m);
-        }
-        measured.clearance_m = distance_m - deformation_m;
-        measured.deformation_m = deformation_m;
         measured.damping = damping;
+        measured.distance_m = distance_m;
+        measured.target = elastic_n * distance_m * libm::sqrtf(distance_m) / self.modulus_factor;
+        measured.deformation_m = self.deformation_m;
+    }
+
+    /// One of [`ROUNDS`] steps: Heron's root with the weak dependence inside, from the last block's deformation; five are enough from a
+    /// factor of 4.
+    pub(super) fn round(measured: &mut Measured) {
+        let Measured { distance_m, deformation_m, target, .. } = *measured;
+        let other_m = target / ((3.0 * distance_m - deformation_m) * deformation_m);
+        measured.deformation_m = (0.5 * (deformation_m + other_m)).max(LEAST_M).min(distance_m);
     }
 
     /// Works out how sure a block's clearance is.
@@ -148,6 +154,7 @@ impl Clearance {
             variance_m2 += *sensitivity * *sensitivity;
         }
         measured.variance_m2 = variance_m2;
+        measured.clearance_m = measured.distance_m - measured.deformation_m;
     }
 
     /// Takes a block's clearance if it counts, else leaves everything as it was, at the same cost.

@@ -22,12 +22,17 @@ pub use block::BLOCK;
 pub use wear::{CONFIDENCE, CONFIRM, ENOUGH};
 
 use balance::{Balance, Levers};
-use block::{Block, Means, Taken};
-use clearance::Clearance;
-use friction::FrictionLevel;
+use block::{Block, Means, Sums, Taken};
+use clearance::{Clearance, ROUNDS};
+use friction::{FrictionLevel, Measured};
 use wear::WearAlarm;
 
-/// Last place in a block.
+/// Places in a block at which a step of the one before is due.
+const ROUNDED: u32 = 3 + ROUNDS;
+const TAKEN: u32 = ROUNDED + 1;
+const WORN: u32 = ROUNDED + 2;
+const RUBBED: u32 = ROUNDED + 3;
+const COUNTED: u32 = ROUNDED + 4;
 const LAST: u32 = BLOCK - 1;
 /// Normal force below which a block tells nothing, N.
 const LEAST_NORMAL_N: f32 = 50.0;
@@ -52,10 +57,11 @@ pub struct Tracker {
 /// What is being worked out of the last block.
 #[derive(Clone, Copy, Debug, Default)]
 struct Closed {
+    sums: Sums,
     means: Means,
     balance: Balance,
     clearance: clearance::Measured,
-    friction: friction::Measured,
+    friction: Measured,
     /// No fault in it; from the second step on also: the journal was pressed to the bearing and steady.
     counts: bool,
 }
@@ -98,27 +104,29 @@ impl Tracker {
     fn work(&mut self, place: u32) {
         let closed = &mut self.closed;
         match place {
-            0 => {
+            0 => closed.means = closed.sums.means(),
+            1 => {
                 closed.balance = self.levers.balance(&closed.means);
                 closed.counts &= (closed.balance.normal_n > LEAST_NORMAL_N)
                     & (closed.balance.unsteadiness < MOST_UNSTEADINESS);
             }
-            1 => self.clearance.measure(&closed.means, &closed.balance, &mut closed.clearance),
-            2 => self.clearance.sensitivities(&closed.means, &closed.balance, &mut closed.clearance),
-            3 => self.clearance.take(&closed.clearance, closed.counts),
-            4 => {
-                self.wear.update(self.clearance.value_m(), self.clearance.whole_variance_m2(), closed.counts)
+            2 => self.clearance.begin(&closed.means, &closed.balance, &mut closed.clearance),
+            3..ROUNDED => Clearance::round(&mut closed.clearance),
+            ROUNDED => self.clearance.sensitivities(&closed.means, &closed.balance, &mut closed.clearance),
+            TAKEN => self.clearance.take(&closed.clearance, closed.counts),
+            WORN => {
+                self.wear.update(self.clearance.value_m(), self.clearance.whole_variance_m2(), closed.counts);
             }
-            5 => closed.friction = self.friction.measure(&closed.means, &closed.balance),
-            6 => {
+            RUBBED => closed.friction = self.friction.measure(&closed.means, &closed.balance),
+            COUNTED => {
                 self.friction.take(&closed.friction, closed.counts);
-                let slides =
-                    closed.friction.expected_n * closed.friction.expected_n > closed.friction.variance_n2;
+                let Measured { expected_n, variance_n2, .. } = closed.friction;
+                let slides = expected_n * expected_n > variance_n2;
                 self.blocks = self.blocks.saturating_add(u32::from(closed.counts));
                 self.friction_blocks = self.friction_blocks.saturating_add(u32::from(closed.counts & slides));
             }
             LAST => {
-                closed.means = self.block.close();
+                closed.sums = self.block.close();
                 closed.counts = core::mem::replace(&mut self.sound, true);
             }
             _ => {}

@@ -40,7 +40,7 @@ impl WearAlarm {
         // Beyond the side that would change the state.
         let beyond_m = if self.raised { self.end_m - clearance_m } else { clearance_m - self.limit_m };
         let sure = (beyond_m > 0.0) & (beyond_m * beyond_m > (CONFIDENCE * CONFIDENCE) * variance_m2);
-        let agreeing = if sure { self.agreeing + 1 } else { 0 };
+        let agreeing = if sure { self.agreeing.wrapping_add(1) } else { 0 };
         let changes = taken & (agreeing >= CONFIRM);
         self.agreeing = if changes {
             0

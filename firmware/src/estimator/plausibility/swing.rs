@@ -9,6 +9,9 @@ use link::SensorFrame;
 
 /// Samples over which the displacement is taken.
 const SPAN: u32 = 32;
+/// Places in a span at which the displacement begins and ends: away from those at which the tracker works out its blocks.
+const BEGINS: u32 = 16;
+const ENDS: u32 = 15;
 /// Margin on the speed.
 const MARGIN: f32 = 1.5;
 const GRAVITY_M_S2: f32 = 9.81;
@@ -36,6 +39,7 @@ pub(super) struct Swing {
     per_load_nm2: f32,
     per_angle: f32,
     index: u32,
+    /// Where the span began; the first one begins at the start.
     from: SensorFrame,
 }
 
@@ -49,21 +53,27 @@ impl Swing {
             // An infinite limit times no acceleration is no number, which would never be exceeded either; but say so plainly.
             per_load_nm2: if limit.per_load > 0.0 { per * limit.per_load * 1e-3 } else { 0.0 },
             per_angle: 2.0 * limit.journal_radius_m,
+            index: BEGINS,
             ..Self::default()
         }
     }
 
-    /// Takes a sample; true once a span, when the displacement over it was too large.
+    /// Takes a sample; true at the end of a span over which the displacement was too large.
     pub(super) fn too_fast(&mut self, frame: &SensorFrame) -> bool {
-        let begins = self.index == 0;
-        self.from = if begins { *frame } else { self.from };
+        let place = self.index;
+        self.index = place.wrapping_add(1) % SPAN;
+        if place == BEGINS {
+            self.from = *frame;
+        }
+        if place != ENDS {
+            return false;
+        }
         let y = frame.journal_y_nm.wrapping_sub(self.from.journal_y_nm) as f32;
         let z = frame.journal_z_nm.wrapping_sub(self.from.journal_z_nm) as f32;
         let surface = frame.shaft_angle_nrad.wrapping_sub(self.from.shaft_angle_nrad) as f32 * self.per_angle;
         let load_mn = frame.load_force_mn.unsigned_abs() as f32;
         let bound = self.base_nm2 + self.per_load_nm2 * load_mn + surface * surface;
-        self.index = (self.index + 1) % SPAN;
-        (self.index == 0) & (y * y + z * z > bound)
+        y * y + z * z > bound
     }
 }
 

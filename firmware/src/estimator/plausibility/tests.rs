@@ -57,7 +57,7 @@ fn impossible_steps_are_noticed() {
     ] {
         let mut watch = after_ten();
         assert_eq!(watch.check(&jumped), JUMP);
-        assert_eq!(watch.findings().jumped, 1 << channel);
+        assert_eq!(watch.findings().channels(4), 1 << channel);
     }
 }
 
@@ -112,8 +112,8 @@ fn a_noisy_channel_is_noticed_above_its_limit_and_not_below() {
         for sequence in 0..2_000 {
             let z = -490_000 + (sigma_nm * draw()) as i32;
             watch.check(&SensorFrame { journal_z_nm: z, load_force_mn: sequence as i32, ..frame(sequence) });
-            assert_eq!(watch.findings().noisy & !0b10, 0, "only z");
-            found += u32::from(sequence >= 1_000 && watch.findings().noisy == 0b10);
+            assert_eq!(watch.findings().channels(3) & !0b10, 0, "only z");
+            found += u32::from(sequence >= 1_000 && watch.findings().channels(3) == 0b10);
         }
         if noisy { assert!(found > 900, "{sigma_nm}: {found}") } else { assert_eq!(found, 0, "{sigma_nm}") }
     }
@@ -131,8 +131,8 @@ fn one_outlier_is_a_jump_and_no_noise() {
             ..frame
         };
         watch.check(&sample);
-        assert_eq!(watch.findings().jumped, u8::from((300..302).contains(&sequence)));
-        assert_eq!(watch.findings().noisy, 0, "{sequence}");
+        assert_eq!(watch.findings().channels(4), u8::from((300..302).contains(&sequence)));
+        assert_eq!(watch.findings().channels(3), 0, "{sequence}");
     }
 }
 
@@ -147,13 +147,13 @@ fn rails_and_what_the_drivers_say_are_noticed() {
     };
     let flags = watch.check(&at(0, -999_999));
     assert_eq!(
-        (flags, watch.findings().saturated),
+        (flags, watch.findings().channels(1)),
         (Flags::NONE, 0b1000),
         "the load does not concern the motion"
     );
     assert_eq!(watch.findings().flags, SENSOR_SATURATED);
     assert!(watch.check(&at(1, -1_000_000)).contains(SENSOR_SATURATED));
-    assert_eq!(watch.findings().saturated, 0b1001);
+    assert_eq!(watch.findings().channels(1), 0b1001);
 
     let mut watch = limited();
     let channel = link::track::SensorChannel::JournalZ;
@@ -163,7 +163,7 @@ fn rails_and_what_the_drivers_say_are_noticed() {
     watch.take_status(SensorStatus::GOOD.at_rail(channel));
     assert_eq!(watch.check(&frame(2)), SENSOR_SATURATED);
     let none = SensorFrame { load_force_mn: i32::MIN, ..frame(3) };
-    assert_eq!((watch.check(&none), watch.findings().missing), (Flags::NONE, 0b1000));
+    assert_eq!((watch.check(&none), watch.findings().channels(0)), (Flags::NONE, 0b1000));
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn a_load_that_jumps_or_stands_still_breaks_no_motion_off() {
         let load_force_mn = if sequence == 10 { 8_000_000 } else { 10_000_000 };
         let flags = watch.check(&SensorFrame { load_force_mn, ..frame(sequence) });
         assert_eq!(flags, Flags::NONE);
-        assert_eq!(watch.findings().jumped, u8::from((10..12).contains(&sequence)) << 3);
-        assert_eq!(watch.findings().stuck, u8::from(sequence >= 11 + 49) << 3, "{sequence}");
+        assert_eq!(watch.findings().channels(4), u8::from((10..12).contains(&sequence)) << 3);
+        assert_eq!(watch.findings().channels(2), u8::from(sequence >= 11 + 49) << 3, "{sequence}");
     }
 }
