@@ -14,6 +14,7 @@ pub mod commands;
 pub mod controller;
 pub mod error;
 pub mod estimator;
+pub mod flash;
 pub mod force;
 pub mod options;
 pub mod paper;
@@ -23,5 +24,6 @@ pub mod sensing;
 pub mod summary;
 pub mod sweep;
 pub mod swing;
+pub mod update;
 
 pub use report::{axis, figure, page};

@@ -1,7 +1,7 @@
 //! `host-sim`: runs, records, diagnoses and validates the test bench.
 
 use clap::{Parser, Subcommand};
-use host_sim::commands::{accuracy, diagnose, figures, laws, record, run, sweep, validate};
+use host_sim::commands::{accuracy, diagnose, figures, flash, laws, record, run, sweep, update, validate};
 use std::process::ExitCode;
 
 /// Simulates a rudder drive's test bench with the controller's own inference code in the loop, and finds what the
@@ -35,8 +35,12 @@ enum Command {
     Figures(figures::FiguresArgs),
     /// Measure how far networks and estimator are from the law, over clearances, loads and bearings.
     Accuracy(accuracy::AccuracyArgs),
+    /// Write the firmware to a board, or check what would be written.
+    Flash(flash::FlashArgs),
     /// List the contact and friction laws that a bench description may name.
     Laws(laws::LawsArgs),
+    /// Bring a signed model package to a controller.
+    Update(update::UpdateArgs),
     /// Compare the models with published known answers.
     Validate(validate::ValidateArgs),
 }
@@ -51,7 +55,9 @@ fn main() -> ExitCode {
         Some(Command::Sweep(args)) => sweep::run(&args),
         Some(Command::Figures(args)) => figures::run(&args),
         Some(Command::Accuracy(args)) => accuracy::run(&args),
+        Some(Command::Flash(args)) => flash::run(&args),
         Some(Command::Laws(args)) => laws::run(&args),
+        Some(Command::Update(args)) => update::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
     };
     match result {

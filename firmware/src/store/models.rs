@@ -30,7 +30,8 @@ impl Models {
     }
 
     /// Those of a package, completed by the built-in ones.
-    pub(super) fn of_package(package: [Option<Loaded>; 2], source: ModelSource) -> Self {
+    #[must_use]
+    pub fn of_package(package: [Option<Loaded>; 2], source: ModelSource) -> Self {
         let [first, second] = package;
         let [babbitt, plastic] = Bearing::ALL;
         let by_bearing = [first.or_else(|| built_in(babbitt)), second.or_else(|| built_in(plastic))];

@@ -1,0 +1,277 @@
+//! A model package brought to a controller: begin, chunks, finish, over a line that may lose anything.
+//!
+//! What to do next is read from the controller's last answer alone, so that a lost answer, a restart of the controller or of this program costs
+//! repetitions only. Attempts without progress are bounded; a refusal ends the update with the controller's reason.
+
+use crate::controller::{ControllerError, RemoteController};
+use link::update::{
+    CHUNK_LENGTH, ModelSource, Receiving, RefusedPackage, UpdateAnswer, UpdateChunk, UpdateRefusal,
+    UpdateRequest, UpdateStatus,
+};
+use model_quant::package::Package;
+
+/// Attempts in a row without progress before it is given up.
+pub const ATTEMPTS: u32 = 5;
+
+/// Something that takes requests to a controller.
+pub trait Ask {
+    /// Takes a request there and brings the answer.
+    fn ask(&mut self, request: UpdateRequest) -> Result<UpdateAnswer, ControllerError>;
+}
+
+impl Ask for RemoteController {
+    fn ask(&mut self, request: UpdateRequest) -> Result<UpdateAnswer, ControllerError> {
+        self.update(request)
+    }
+}
+
+/// Why an update did not come to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum UpdateError {
+    /// The controller refused the package.
+    #[error("the controller refused the package: {0}")]
+    Refused(UpdateRefusal),
+    /// The line, or the controller.
+    #[error(
+        "{0}; {ATTEMPTS} attempts without progress. What was sent is kept: the same command goes on from there"
+    )]
+    Line(ControllerError),
+    /// Requests were answered, but nothing moved.
+    #[error(
+        "the controller's answers did not lead on within {ATTEMPTS} attempts, the last at offset {next_offset} of {length}"
+    )]
+    Stuck {
+        /// Where the next bytes belong.
+        next_offset: u32,
+        /// Bytes in all.
+        length: u32,
+    },
+}
+
+/// What an update did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Updated {
+    /// How things stood before.
+    pub before: UpdateStatus,
+    /// How they stand now.
+    pub after: UpdateStatus,
+    /// Bytes sent, repetitions included; 0 when the package ran already.
+    pub sent_bytes: u32,
+    /// Offset at which an update that was begun before was gone on with.
+    pub resumed_at: u32,
+    /// Attempts that had to be repeated.
+    pub repeated: u32,
+}
+
+/// Brings a package to a controller; `progress` is told how many bytes are there.
+///
+/// # Errors
+///
+/// The controller refuses it, or the line does not get better.
+pub fn update(
+    line: &mut impl Ask,
+    package: &Package,
+    mut progress: impl FnMut(u32),
+) -> Result<Updated, UpdateError> {
+    let (mut request, mut before, mut resumed_at) = (UpdateRequest::Status, None, None);
+    let (mut sent_bytes, mut repeated, mut idle) = (0, 0, 0);
+    let mut furthest = Receiving { version: 0, next_offset: 0, length: package.manifest.length() };
+    let mut failed = None;
+    while idle < ATTEMPTS {
+        let status = match line.ask(request) {
+            Ok(UpdateAnswer::Status(status)) => status,
+            // What was written is not what was sent: the slot is erased, and it starts over. An update that the controller forgot is begun anew.
+            Ok(UpdateAnswer::Refused(
+                UpdateRefusal::Hash | UpdateRefusal::NotBegun | UpdateRefusal::Unfinished { .. },
+            )) => {
+                (idle, repeated, request) = (idle + 1, repeated + 1, UpdateRequest::Begin(package.signed));
+                continue;
+            }
+            Ok(UpdateAnswer::Refused(reason)) => return Err(UpdateError::Refused(reason)),
+            Ok(UpdateAnswer::Record(_)) => continue,
+            Err(error) => {
+                (idle, repeated, request) = (idle + 1, repeated + 1, UpdateRequest::Status);
+                failed = Some(error);
+                continue;
+            }
+        };
+        let before = *before.get_or_insert(status);
+        if runs(&status, package) {
+            let resumed_at = resumed_at.unwrap_or(0);
+            return Ok(Updated { before, after: status, sent_bytes, resumed_at, repeated });
+        }
+        failed = None;
+        request = match status.receiving {
+            Some(receiving) if receiving.version == package.manifest.version => {
+                resumed_at.get_or_insert(receiving.next_offset);
+                progress(receiving.next_offset);
+                let moved = receiving.next_offset > furthest.next_offset;
+                idle = if moved { 0 } else { idle + 1 };
+                furthest = if moved { receiving } else { furthest };
+                if receiving.next_offset < receiving.length {
+                    sent_bytes += CHUNK_LENGTH as u32;
+                    chunk(package, receiving.next_offset)
+                } else {
+                    UpdateRequest::Finish
+                }
+            }
+            _ => {
+                idle += 1;
+                UpdateRequest::Begin(package.signed)
+            }
+        };
+    }
+    let Receiving { next_offset, length, .. } = furthest;
+    Err(failed.map_or(UpdateError::Stuck { next_offset, length }, UpdateError::Line))
+}
+
+/// The refused packages that the controller still knows of, newest first.
+///
+/// # Errors
+///
+/// The line failed.
+pub fn refusals(line: &mut impl Ask) -> Result<Vec<RefusedPackage>, ControllerError> {
+    let mut records = Vec::new();
+    for index in 0..link::update::REFUSALS as u8 {
+        match line.ask(UpdateRequest::Refusals { index })? {
+            UpdateAnswer::Record(Some(record)) => records.push(record),
+            _ => break,
+        }
+    }
+    Ok(records)
+}
+
+/// Whether a package is the one that runs.
+pub fn runs(status: &UpdateStatus, package: &Package) -> bool {
+    let [a, b, c, d, ..] = package.manifest.hash;
+    matches!(status.running, ModelSource::Slot { version, hash, .. }
+        if version == package.manifest.version && hash == [a, b, c, d])
+}
+
+fn chunk(package: &Package, offset: u32) -> UpdateRequest {
+    let mut bytes = [[0; 32]; CHUNK_LENGTH / 32];
+    let rest = package.payload.get(offset as usize..).unwrap_or_default();
+    for (to, from) in bytes.as_flattened_mut().iter_mut().zip(rest) {
+        *to = *from;
+    }
+    UpdateRequest::Chunk(UpdateChunk { offset, bytes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use inference::{Bearing, shipped};
+    use link::update::ModelMemory;
+    use model_quant::image::AlignedImage;
+    use model_quant::package::Purpose;
+    use proptest::prelude::*;
+
+    fn package() -> Package {
+        let key = model_quant::key::parse(model_quant::key::DEVELOPMENT).expect("key");
+        let purpose = Purpose { board: 0x0405, version: 3, may_be_older: false };
+        Package::new(purpose, &[AlignedImage::copy(shipped(Bearing::Babbitt))], &key).expect("package")
+    }
+
+    /// A controller that keeps what it is sent, behind a line that loses what it is told to lose.
+    struct Fake {
+        package: Package,
+        status: UpdateStatus,
+        received: Vec<u8>,
+        loses: Vec<bool>,
+        asked: usize,
+        refuses: Option<UpdateRefusal>,
+    }
+
+    fn fake(loses: Vec<bool>) -> Fake {
+        let status = UpdateStatus {
+            running: ModelSource::BuiltIn,
+            memory: ModelMemory::Volatile,
+            capacity: 20_000,
+            receiving: None,
+            refused: 0,
+            altered: 0,
+            development_key: true,
+        };
+        Fake { package: package(), status, received: Vec::new(), loses, asked: 0, refuses: None }
+    }
+
+    impl Ask for Fake {
+        fn ask(&mut self, request: UpdateRequest) -> Result<UpdateAnswer, ControllerError> {
+            self.asked += 1;
+            let length = self.package.payload.len() as u32;
+            match request {
+                UpdateRequest::Begin(signed) => {
+                    assert_eq!(signed, self.package.signed);
+                    if let Some(reason) = self.refuses {
+                        return Ok(UpdateAnswer::Refused(reason));
+                    }
+                    self.status.receiving.get_or_insert(Receiving { version: 3, next_offset: 0, length });
+                }
+                UpdateRequest::Chunk(UpdateChunk { offset, bytes }) => {
+                    let receiving = self.status.receiving.as_mut().expect("begun");
+                    if offset == receiving.next_offset {
+                        let taken = (length - offset).min(CHUNK_LENGTH as u32);
+                        self.received.extend(&bytes.as_flattened()[..taken as usize]);
+                        receiving.next_offset += taken;
+                    }
+                }
+                UpdateRequest::Finish => {
+                    assert_eq!(self.received, self.package.payload.to_vec());
+                    let hash = *self.package.manifest.hash.first_chunk().expect("hash");
+                    self.status.running = ModelSource::Slot { slot: 0, version: 3, hash };
+                    self.status.receiving = None;
+                }
+                _ => {}
+            }
+            let lost = self.loses.get(self.asked % self.loses.len().max(1)).copied().unwrap_or(false);
+            if lost {
+                return Err(ControllerError::TimedOut {
+                    waiting_for: "the models",
+                    bound_s: 5,
+                    last_sequence: None,
+                    cause: "",
+                });
+            }
+            Ok(UpdateAnswer::Status(self.status))
+        }
+    }
+
+    #[test]
+    fn every_byte_is_sent_once_on_a_line_that_loses_nothing() {
+        let mut line = fake(Vec::new());
+        let mut told = Vec::new();
+        let updated = update(&mut line, &package(), |offset| told.push(offset)).expect("update");
+        assert_eq!(
+            updated.sent_bytes,
+            (package().payload.len() as u32).next_multiple_of(CHUNK_LENGTH as u32)
+        );
+        assert_eq!((updated.repeated, updated.resumed_at), (0, 0));
+        assert!(told.is_sorted() && told.last() == Some(&package().manifest.length()));
+        // Once more changes nothing.
+        let again = update(&mut line, &package(), |_| {}).expect("update");
+        assert_eq!((again.sent_bytes, again.after), (0, updated.after));
+    }
+
+    #[test]
+    fn a_refusal_and_a_dead_line_end_it() {
+        let mut line = Fake { refuses: Some(UpdateRefusal::Signature), ..fake(Vec::new()) };
+        let refused = update(&mut line, &package(), |_| {}).expect_err("refused");
+        assert!(matches!(refused, UpdateError::Refused(UpdateRefusal::Signature)));
+        let mut dead = fake(vec![true]);
+        assert!(matches!(update(&mut dead, &package(), |_| {}), Err(UpdateError::Line(_))));
+        assert_eq!(dead.asked, ATTEMPTS as usize);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn a_line_that_loses_answers_only_costs_repetitions(
+            loses in prop::collection::vec(prop::bool::weighted(0.3), 7..40).prop_filter("five in a row are a dead line",
+                |loses| !loses.iter().chain(loses).collect::<Vec<_>>().windows(3).any(|three| three.iter().all(|&&lost| lost)))
+        ) {
+            let mut line = fake(loses);
+            let updated = update(&mut line, &package(), |_| {});
+            prop_assert!(updated.is_ok(), "{:?}", updated);
+        }
+    }
+}
