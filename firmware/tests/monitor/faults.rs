@@ -1,0 +1,207 @@
+//! What the monitor makes of sensors and networks that fail in the middle of a run.
+
+use crate::run::{Truth, configuration, follow, monitor};
+use firmware::Monitor;
+use firmware::estimator::flags_of;
+use firmware::flags::{
+    DISTRUSTED, HELD, IMPLAUSIBLE_SWING, JUMP, NETWORK_OUTSIDE_LAW, NOISY, SENSOR_MISSING, SENSOR_SATURATED,
+    STUCK,
+};
+use inference::{Bearing, Flags};
+use link::track::{SafeState, SensorChannel, SensorStatus, TrackReport};
+use link::{EstimateFrame, SensorFrame};
+
+/// When a fault begins: the journal swings under load.
+const BEGIN: usize = 3_000;
+const SAMPLES: usize = 6_000;
+
+fn frames() -> Vec<SensorFrame> {
+    let mut frames = Truth::nominal(Bearing::Babbitt).frames(5, 0).0;
+    frames.truncate(SAMPLES);
+    frames
+}
+
+/// Estimates of a run whose samples and status a fault changes, and the monitor after it.
+fn with(fault: impl Fn(usize, &mut SensorFrame) -> SensorStatus) -> (Vec<EstimateFrame>, Monitor) {
+    let mut monitor = monitor(Bearing::Babbitt, |_| {});
+    let estimates = frames()
+        .into_iter()
+        .enumerate()
+        .map(|(index, mut frame)| {
+            let status = fault(index, &mut frame);
+            monitor.step(&frame, status)
+        })
+        .collect();
+    (estimates, monitor)
+}
+
+fn raised(estimates: &[EstimateFrame], flag: Flags) -> Vec<usize> {
+    let hits = estimates.iter().enumerate().filter(|(_, estimate)| flags_of(estimate).intersects(flag));
+    hits.map(|(index, _)| index).collect()
+}
+
+fn forces(estimate: &EstimateFrame) -> [f32; 4] {
+    [estimate.normal_force_n, estimate.force_y_n, estimate.force_z_n, estimate.friction_torque_nm]
+}
+
+#[test]
+fn a_sound_run_is_live_from_the_first_trusted_sample_and_holds_nothing() {
+    for bearing in Bearing::ALL {
+        for (seed, load_n) in [(0, 10e3), (1, 1e3), (2, -10e3), (3, 5e3)] {
+            let truth = Truth { load_n, ..Truth::drawn(bearing, seed) };
+            let mut monitor = monitor(bearing, |_| {});
+            let estimates = follow(&mut monitor, &truth.frames(seed, 0).0);
+            let found: Vec<_> =
+                raised(&estimates, DISTRUSTED | HELD).into_iter().filter(|i| *i > 100).collect();
+            assert_eq!(found, [0_usize; 0], "{bearing:?}, {load_n} N");
+            let health = monitor.health();
+            assert_eq!((health.held, health.holds, health.outside_law), (0, 0, 0), "{bearing:?}, {load_n} N");
+            assert_eq!(monitor.report().safe_state, SafeState::Live);
+        }
+    }
+}
+
+#[test]
+fn a_missing_sample_holds_the_last_trusted_estimate_until_all_windows_have_passed() {
+    let missing = SensorStatus::GOOD.missing(SensorChannel::JournalZ);
+    let (estimates, monitor) =
+        with(|index, _| if (BEGIN..BEGIN + 10).contains(&index) { missing } else { SensorStatus::GOOD });
+    assert_eq!(raised(&estimates, SENSOR_MISSING), (BEGIN..BEGIN + 10).collect::<Vec<_>>());
+    let held = raised(&estimates, HELD);
+    // Ten samples, and one fewer than the recovery time: its last one is live.
+    let recovery = configuration(Bearing::Babbitt).1.recovery_samples as usize;
+    assert_eq!(held, (BEGIN..BEGIN + 10 + recovery - 1).collect::<Vec<_>>());
+    for index in held {
+        assert_eq!(forces(&estimates[index]), forces(&estimates[BEGIN - 1]), "{index}");
+        assert_eq!(estimates[index].sequence, index as u32);
+    }
+    let health = monitor.health();
+    assert_eq!((health.channels[1].missing, health.channels[0].missing), (10, 0));
+    assert_eq!((health.holds, health.held as usize), (1, 9 + recovery));
+    assert_eq!(monitor.report().safe_state, SafeState::Live);
+}
+
+#[test]
+fn a_stuck_probe_is_held_after_its_time_and_counted() {
+    let held_y = frames()[BEGIN].journal_y_nm;
+    let (estimates, monitor) = with(|index, frame| {
+        if index >= BEGIN {
+            frame.journal_y_nm = held_y;
+        }
+        SensorStatus::GOOD
+    });
+    assert_eq!(raised(&estimates, STUCK).first(), Some(&(BEGIN + 99)));
+    assert_eq!(monitor.health().channels[0].stuck as usize, SAMPLES - BEGIN - 99);
+    assert_eq!(monitor.report().safe_state, SafeState::Held);
+}
+
+#[test]
+fn noise_above_its_limit_is_flagged_and_below_it_is_not() {
+    // The limit is 2 um; interference alternates by as much, either way.
+    for (amplitude_nm, noisy) in [(1_000, false), (4_000, true)] {
+        let (estimates, monitor) = with(|index, frame| {
+            if index >= BEGIN {
+                // Without a period that the second difference would amplify or cancel.
+                frame.journal_z_nm += amplitude_nm * [1, -1, -1, 1, 0, 1, -1][index % 7];
+            }
+            SensorStatus::GOOD
+        });
+        let found = raised(&estimates, NOISY);
+        assert_eq!(!found.is_empty(), noisy, "{amplitude_nm} nm");
+        assert_eq!(monitor.health().channels[1].noisy as usize, found.len());
+        if let Some(first) = found.first() {
+            assert!((BEGIN..BEGIN + 500).contains(first), "{first}");
+        }
+    }
+}
+
+#[test]
+fn a_probe_at_its_rail_is_flagged_by_status_and_by_value() {
+    let at_rail = SensorStatus::GOOD.at_rail(SensorChannel::JournalY);
+    let (estimates, monitor) = with(|index, frame| {
+        if index == BEGIN {
+            return at_rail;
+        }
+        if index == BEGIN + 50 {
+            frame.load_force_mn = -60_000_000;
+        }
+        SensorStatus::GOOD
+    });
+    assert_eq!(raised(&estimates, SENSOR_SATURATED), [BEGIN, BEGIN + 50]);
+    assert!(!raised(&estimates, HELD).contains(&(BEGIN + 200)), "nothing is held for the load");
+    let health = monitor.health();
+    assert_eq!((health.channels[0].saturated, health.channels[3].saturated), (1, 1));
+}
+
+#[test]
+fn a_journal_that_circles_faster_than_anything_drives_it_is_implausible() {
+    // 0.45 m/s along the clearance: below the jump's limit, above what load and weight give.
+    let (estimates, monitor) = with(|index, frame| {
+        if index >= BEGIN {
+            let angle = 45_000.0 / 520_000.0 * (index - BEGIN) as f64;
+            frame.journal_y_nm = (-520_000.0 * angle.cos()) as i32;
+            frame.journal_z_nm = (-520_000.0 * angle.sin()) as i32;
+        }
+        SensorStatus::GOOD
+    });
+    let found = raised(&estimates, IMPLAUSIBLE_SWING);
+    // Once a span of 32 samples.
+    assert!(found.len() > (SAMPLES - BEGIN) / 32 - 3, "{}", found.len());
+    assert!(found.iter().all(|index| *index >= BEGIN));
+    assert_eq!(monitor.health().implausible_swings as usize, found.len());
+    assert!(raised(&estimates[BEGIN + 1..], JUMP).is_empty());
+}
+
+#[test]
+fn a_fault_that_lasts_loses_the_estimate() {
+    let lost_samples = 1_000;
+    let mut monitor = monitor(Bearing::Babbitt, |configuration| configuration.lost_samples = lost_samples);
+    let missing = SensorStatus::GOOD.missing(SensorChannel::ShaftAngle);
+    for (index, frame) in frames().iter().enumerate() {
+        let bad = index >= BEGIN;
+        let estimate = monitor.step(frame, if bad { missing } else { SensorStatus::GOOD });
+        let since = index.saturating_sub(BEGIN);
+        let expected = match (bad, since >= lost_samples as usize) {
+            (false, _) => continue,
+            (true, false) => SafeState::Held,
+            (true, true) => SafeState::Lost,
+        };
+        assert_eq!(monitor.report().safe_state, expected, "{index}");
+        assert!(flags_of(&estimate).contains(HELD | SENSOR_MISSING));
+        if expected == SafeState::Lost {
+            assert_eq!(forces(&estimate), [0.0; 4]);
+        }
+    }
+}
+
+#[test]
+fn networks_that_say_something_else_than_the_law_are_flagged_held_and_counted() {
+    // The same networks, and a law of half the modulus: what altered weights look like from outside.
+    let mut monitor = monitor(Bearing::Babbitt, |configuration| configuration.effective_modulus_kpa /= 2);
+    let estimates = follow(&mut monitor, &frames());
+    let outside = raised(&estimates, NETWORK_OUTSIDE_LAW);
+    assert!(outside.len() > 1_000, "{}", outside.len());
+    assert_eq!(monitor.health().outside_law as usize, outside.len());
+    // Once anything has been trusted, what is outside is held.
+    let trusted = estimates.iter().position(|estimate| !flags_of(estimate).intersects(DISTRUSTED)).unwrap();
+    let mut after = outside.iter().filter(|index| **index > trusted);
+    assert!(after.all(|index| flags_of(&estimates[*index]).contains(HELD)));
+}
+
+#[test]
+fn faults_stop_the_tracker_and_leave_what_it_knows() {
+    let reports = |fault: bool| -> TrackReport {
+        let (_, monitor) = with(|index, frame| {
+            // A slow creep of the probe would be taken for wear; it is stuck, too.
+            if fault && index >= BEGIN {
+                frame.journal_y_nm = -300_000;
+            }
+            SensorStatus::GOOD
+        });
+        monitor.report()
+    };
+    let (sound, faulty) = (reports(false), reports(true));
+    assert!(sound.clearance_blocks > faulty.clearance_blocks + 8);
+    let error_nm = f64::from(faulty.radial_clearance_nm) - 500_000.0;
+    assert!(error_nm.abs() < 2.0 * f64::from(faulty.radial_clearance_deviation_nm), "{error_nm}");
+}
