@@ -15,6 +15,19 @@ pub enum TrainingSet {
     Full,
 }
 
+/// How weights come on to the grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum GridMethod {
+    /// A few weights at a time are frozen on the grid, the free ones make up for them; activations in floats
+    #[default]
+    Freeze,
+    /// The way forward in the controller's whole numbers, slopes as if nothing were rounded; frozen in the last epoch
+    Exact,
+    /// Both: frozen a few at a time, the way forward in whole numbers
+    ExactFreeze,
+}
+
 /// Recipe of one training of both networks of a bearing. The same recipe gives the same bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -46,6 +59,9 @@ pub struct Recipe {
     pub grid_epochs: usize,
     /// Largest learning rate; falls as a cosine to a thousandth.
     pub learning_rate: f64,
+    /// What happens in the passes on the grid.
+    #[serde(default)]
+    pub grid_method: GridMethod,
     /// Largest learning rate of the passes on the grid; falls in the same way.
     pub grid_learning_rate: f64,
 }
@@ -70,6 +86,7 @@ impl Recipe {
             epochs: 180,
             patience: None,
             grid_epochs: 120,
+            grid_method: GridMethod::Freeze,
             learning_rate: 6e-3,
             grid_learning_rate: 5e-4,
         }

@@ -68,6 +68,13 @@ impl Freezer {
         Self { grid, free }
     }
 
+    /// Share of the weights that are the largest of their channel.
+    pub(crate) fn share_of_ends(&self) -> f64 {
+        let channels: usize = self.grid.layers().iter().map(|layer| layer.biases.len()).sum();
+        let weights: usize = self.grid.layers().iter().map(|layer| layer.weights.len()).sum();
+        channels as f64 / weights.max(1) as f64
+    }
+
     /// 1 for a parameter that may still move, 0 for a frozen one.
     pub fn free(&self) -> &Network {
         &self.free

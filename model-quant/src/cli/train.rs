@@ -10,7 +10,7 @@ use model_quant::float_pair::shipped;
 use model_quant::history;
 use model_quant::pipeline::{Keep, Network, Outcome, train_both};
 use model_quant::ranges::RangeKind;
-use model_quant::recipe::{Recipe, TrainingSet};
+use model_quant::recipe::{GridMethod, Recipe, TrainingSet};
 use model_quant::train::{InstructionSet, Progress};
 use model_quant::write::write_whole;
 use serde_json::json;
@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     /// Train again, compare with the checked-in checkpoint, write nothing
-    #[arg(long, conflicts_with_all = ["range", "set", "seed", "rows", "epochs", "grid_epochs", "patience", "portable", "out", "resume"])]
+    #[arg(long, conflicts_with_all = ["range", "set", "seed", "rows", "epochs", "grid_epochs", "grid_method", "patience", "portable", "out", "resume"])]
     check: bool,
     /// Ranges and distributions
     #[arg(long, value_enum)]
@@ -57,6 +57,9 @@ pub(crate) struct Arguments {
     /// Passes while the weights are put on the 8-bit grid
     #[arg(long)]
     grid_epochs: Option<usize>,
+    /// How weights come on to the grid
+    #[arg(long, value_enum)]
+    grid_method: Option<GridMethod>,
     /// End the passes with free weights after so many that were no better on the validation rows
     #[arg(long)]
     patience: Option<usize>,
@@ -85,6 +88,7 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
     recipe.rows = arguments.rows.unwrap_or(recipe.rows);
     recipe.epochs = arguments.epochs.unwrap_or(recipe.epochs);
     recipe.grid_epochs = arguments.grid_epochs.unwrap_or(recipe.grid_epochs);
+    recipe.grid_method = arguments.grid_method.unwrap_or(recipe.grid_method);
     recipe.patience = arguments.patience.or(recipe.patience);
     if arguments.portable || !(arguments.check || recipe.instruction_set.is_here()) {
         recipe.instruction_set = InstructionSet::Portable;

@@ -5,6 +5,7 @@
 //! result depend on the recipe alone, its [`InstructionSet`] among it, and not on the number of threads.
 
 mod block;
+mod exact;
 #[cfg(test)]
 mod gradients;
 mod lanes;

@@ -1,8 +1,10 @@
 //! One window through a network and back, by [`super::block`]; everything of one window stays in the nearest cache.
 
 use super::block::{Sums, Visit, across, along, blocks, load, vectors};
+use super::exact::{Counts, Exact};
 use super::lanes::{LANES, Lanes};
 use super::layout::{Layout, Place};
+use inference::features::FULL_SCALE;
 
 /// Weights of the convolutions turned round for the way back: by column from the newest, output, then input.
 #[derive(Clone, Debug)]
@@ -61,6 +63,8 @@ pub(super) struct Passes {
     seen: Vec<Columns>,
     /// Slopes of the loss over what comes out of each convolution.
     slopes: Vec<Columns>,
+    /// Sums of the head in whole numbers.
+    sums: Vec<i32>,
     /// What comes out of the head.
     pub(super) outputs: Vec<f32>,
 }
@@ -78,7 +82,7 @@ impl Passes {
         }
         let head = &layout.head.size;
         seen.push(Columns::new(0, head.columns, 0, head.inputs));
-        Self { seen, slopes, outputs: vec![0.0; head.outputs] }
+        Self { seen, slopes, sums: vec![0; head.outputs], outputs: vec![0.0; head.outputs] }
     }
 
     #[inline(always)]
@@ -111,6 +115,29 @@ impl Passes {
         let rows = weights.chunks_exact(seen.values.len()).zip(&parameters[layout.head.biases.clone()]);
         for (output, (weights, bias)) in self.outputs.iter_mut().zip(rows) {
             *output = dot(lanes, &seen.values, weights) + bias;
+        }
+    }
+
+    /// The same in the controller's whole numbers, of which everything is kept in floats.
+    #[inline(always)]
+    pub(super) fn forward_exact(
+        &mut self,
+        layout: &Layout,
+        exact: &Exact,
+        window: &[f32],
+        counts: &mut Counts,
+    ) {
+        let features = window.iter().map(|&value| {
+            let scaled = value * f32::from(FULL_SCALE);
+            // Halves away from zero, as `round`, which is slow without SSE4.1.
+            (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i16
+        });
+        exact.sums(layout, features, counts, &mut self.sums);
+        exact.outputs(&self.sums, &mut self.outputs);
+        for (columns, (seen, step)) in self.seen.iter_mut().zip(exact.seen(counts)) {
+            for (slot, value) in columns.values.iter_mut().zip(seen) {
+                *slot = f32::from(*value) * step;
+            }
         }
     }
 

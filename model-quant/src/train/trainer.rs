@@ -3,11 +3,14 @@
 //! A batch is cut into chunks of a fixed size; each chunk fills a gradient of its own, and the gradients are added in the
 //! order of the chunks: the same bytes on any number of threads.
 
+use super::exact::{Counts, Exact, Grids};
 use super::lanes::{InstructionSet, Lanes, Operation};
 use super::layout::Layout;
 use super::optimiser::Adam;
 use super::passes::{Passes, Turned};
+use crate::mode::Mode;
 use crate::network::{Network, Shape};
+use crate::parameters::Activations;
 use rayon::prelude::*;
 
 /// Windows whose gradients are added up by one task.
@@ -61,6 +64,8 @@ pub struct Trainer {
     pub(super) parameters: Vec<f32>,
     pub(super) adam: Adam,
     pub(super) free: Option<Vec<f32>>,
+    /// With these the way forward is in whole numbers.
+    grids: Option<Grids>,
     set: InstructionSet,
     loss: Loss,
 }
@@ -70,7 +75,7 @@ impl Trainer {
     pub fn new(network: &Network, set: InstructionSet, loss: Loss) -> Self {
         let layout = Layout::new(network.shape());
         let parameters = layout.pack(network);
-        Self { adam: Adam::new(layout.length), layout, parameters, free: None, set, loss }
+        Self { adam: Adam::new(layout.length), layout, parameters, free: None, grids: None, set, loss }
     }
 
     /// The network as it is now.
@@ -99,6 +104,26 @@ impl Trainer {
         self.free = free.map(|free| self.layout.pack(free));
     }
 
+    /// Goes forward in the controller's whole numbers from now on: weights in these steps, activations as they are largest
+    /// over some windows.
+    pub fn go_exact(&mut self, grid: &Network, windows: &Windows) {
+        let network = self.network();
+        let size = self.shape().columns * self.shape().inputs;
+        let convolutions = self.layout.convolutions.len();
+        let largest = (windows.columns.par_chunks(size))
+            .map(|window| {
+                let layers = network.activations(window).into_iter().take(convolutions);
+                layers.map(|layer| layer.into_iter().fold(0.0f32, f32::max)).collect::<Vec<f32>>()
+            })
+            .reduce(|| vec![0.0; convolutions], |a, b| a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect());
+        let activations = largest.into_iter().map(|largest| Activations::up_to(largest, Mode::W8a16));
+        self.grids = Some(Grids { weights: self.layout.pack(grid), activations: activations.collect() });
+    }
+
+    fn exact(&self) -> Option<Exact> {
+        self.grids.as_ref().map(|grids| Exact::of(&self.layout, &self.parameters, grids))
+    }
+
     /// One step on the mean squared error of a batch of `count` windows, made by `make` chunk by chunk. Targets are divided
     /// by `unit`.
     pub fn step(
@@ -120,14 +145,17 @@ impl Trainer {
         unit: f32,
         make: impl Fn(usize, core::ops::Range<usize>) -> Windows + Sync,
     ) -> (Vec<f32>, Errors) {
-        let turned = Turned::of(&self.layout, &self.parameters);
+        let exact = self.exact();
+        let parameters = exact.as_ref().map_or(&self.parameters, |exact| &exact.rounded);
+        let turned = Turned::of(&self.layout, parameters);
         let weight = 2.0 / (count * self.layout.shape.outputs).max(1) as f32;
         let chunks: Vec<(Vec<f32>, Errors)> = (0..count.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let windows = make(chunk, chunk * CHUNK..((chunk + 1) * CHUNK).min(count));
-                let (trainer, windows, turned) = (self, &windows, &turned);
-                self.set.run(Descend { trainer, windows, turned, unit, weight })
+                let (trainer, exact) = (self, exact.as_ref());
+                let (windows, turned) = (&windows, &turned);
+                self.set.run(Descend { trainer, exact, parameters, windows, turned, unit, weight })
             })
             .collect();
         let mut chunks = chunks.into_iter();
@@ -146,10 +174,14 @@ impl Trainer {
     /// Errors over windows, without learning.
     pub fn errors(&self, windows: &Windows, unit: f32) -> Errors {
         let size = (self.layout.shape.columns * self.layout.shape.inputs, self.layout.shape.outputs);
+        let exact = self.exact();
         let chunks =
             windows.columns.par_chunks(CHUNK * size.0).zip(windows.targets.par_chunks(CHUNK * size.1));
         let sums: Vec<Errors> = chunks
-            .map(|(columns, targets)| self.set.run(Measure { trainer: self, columns, targets, unit }))
+            .map(|(columns, targets)| {
+                let (trainer, exact) = (self, exact.as_ref());
+                self.set.run(Measure { trainer, exact, columns, targets, unit })
+            })
             .collect();
         let mut errors = Errors::default();
         sums.into_iter().for_each(|more| errors.add(more));
@@ -160,6 +192,8 @@ impl Trainer {
 /// Gradient and errors of one chunk.
 struct Descend<'a> {
     trainer: &'a Trainer,
+    exact: Option<&'a Exact>,
+    parameters: &'a [f32],
     windows: &'a Windows,
     turned: &'a Turned,
     unit: f32,
@@ -171,14 +205,17 @@ impl Operation for Descend<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Self::Output {
-        let Trainer { layout, parameters, loss, .. } = self.trainer;
+        let (Trainer { layout, loss, .. }, parameters) = (self.trainer, self.parameters);
         let mut gradient = vec![0.0; layout.length];
-        let mut passes = Passes::new(layout);
+        let (mut passes, mut counts) = (Passes::new(layout), Counts::new(layout));
         let mut errors = Errors::default();
         let mut slopes = vec![0.0; layout.shape.outputs];
         let windows = self.windows.columns.chunks_exact(layout.shape.columns * layout.shape.inputs);
         for (window, targets) in windows.zip(self.windows.targets.chunks_exact(layout.shape.outputs)) {
-            passes.forward(lanes, layout, parameters, window);
+            match self.exact {
+                Some(exact) => passes.forward_exact(layout, exact, window, &mut counts),
+                None => passes.forward(lanes, layout, parameters, window),
+            }
             let mut any = false;
             for ((slope, output), target) in slopes.iter_mut().zip(&passes.outputs).zip(targets) {
                 let error = loss.residual(*output, target / self.unit);
@@ -198,6 +235,7 @@ impl Operation for Descend<'_> {
 /// Errors of one chunk.
 struct Measure<'a> {
     trainer: &'a Trainer,
+    exact: Option<&'a Exact>,
     columns: &'a [f32],
     targets: &'a [f32],
     unit: f32,
@@ -209,11 +247,14 @@ impl Operation for Measure<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Errors {
         let Trainer { layout, parameters, loss, .. } = self.trainer;
-        let mut passes = Passes::new(layout);
+        let (mut passes, mut counts) = (Passes::new(layout), Counts::new(layout));
         let mut errors = Errors::default();
         let windows = self.columns.chunks_exact(layout.shape.columns * layout.shape.inputs);
         for (window, targets) in windows.zip(self.targets.chunks_exact(layout.shape.outputs)) {
-            passes.forward(lanes, layout, parameters, window);
+            match self.exact {
+                Some(exact) => passes.forward_exact(layout, exact, window, &mut counts),
+                None => passes.forward(lanes, layout, parameters, window),
+            }
             for (output, target) in passes.outputs.iter().zip(targets) {
                 let error = f64::from(loss.residual(*output, target / self.unit));
                 errors.squared += error * error;

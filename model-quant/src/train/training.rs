@@ -5,7 +5,7 @@ use super::{Trained, cosine_rate};
 use crate::dataset::permutation::Permutation;
 use crate::draw::{Draw, Purpose};
 use crate::network::{Network, Shape};
-use crate::recipe::Recipe;
+use crate::recipe::{GridMethod, Recipe};
 use crate::round::Freezer;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -201,10 +201,20 @@ impl<'a> Training<'a> {
             self.trainer.restart(None);
         }
         let freezer = self.freezer.get_or_insert_with(|| Freezer::new(&network));
-        let done = ((phase + 1) as f64 / (FREEZING_SHARE * phases as f64)).min(1.0);
-        freezer.freeze(&mut network, 1.0 - (1.0 - done) * (1.0 - done));
+        let method = self.recipe.grid_method;
+        let done = match method {
+            GridMethod::Exact if phase + 1 < phases => 0.0,
+            GridMethod::Exact => 1.0,
+            _ => ((phase + 1) as f64 / (FREEZING_SHARE * phases as f64)).min(1.0),
+        };
+        // Every channel's largest weight lies on its grid, and stays, or the grid would be another one at the end.
+        let share = (1.0 - (1.0 - done) * (1.0 - done)).max(freezer.share_of_ends());
+        freezer.freeze(&mut network, share);
         self.trainer.replace(&network);
         self.trainer.hold(Some(freezer.free()));
+        if method != GridMethod::Freeze {
+            self.trainer.go_exact(freezer.parts()[0], &self.validation);
+        }
     }
 
     /// The results so far, outputs in the target's own unit.
