@@ -16,6 +16,7 @@ use inference::{ContactState, Flags};
 use link::track::MonitorConfiguration;
 
 use crate::flags::WINDOW_FILLING;
+use crate::tracking::{at_least, at_most};
 
 /// Remarks that excuse an estimate from the comparison.
 pub(super) const EXCUSED: Flags = Flags::from_bits(
@@ -56,14 +57,14 @@ impl Envelope {
     /// Whether a normal force is outside the envelope of the law at a contact.
     pub fn is_outside(&mut self, state: &ContactState, normal_force_n: f32) -> bool {
         let clearance_m = state.radial_clearance_m;
-        let deformation_m = state.deformation_m.max(0.0).min(clearance_m + 1e-3);
+        let deformation_m = at_most(at_least(state.deformation_m, 0.0), clearance_m + 1e-3);
         let distance_m = clearance_m + deformation_m;
         self.root = 0.5 * (self.root + distance_m / self.root);
         let elastic_n =
             self.modulus_factor * (deformation_m * deformation_m) * (3.0 * clearance_m + 2.0 * deformation_m)
                 / (distance_m * self.root);
         let damping = self.damping * state.deformation_rate_m_s / state.approach_speed_m_s;
-        let law_n = (elastic_n * (1.0 + damping)).max(0.0);
+        let law_n = at_least(elastic_n * (1.0 + damping), 0.0);
         let width_n = self.share * elastic_n * (1.0 + damping.abs()) + self.floor_n;
         (normal_force_n - law_n).abs() > width_n
     }

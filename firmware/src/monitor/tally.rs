@@ -1,49 +1,49 @@
-//! Thirty-two saturating counters that cost the same whatever they count.
+//! Twenty-eight saturating counters that cost the same whatever they count.
 //!
-//! A sample's events come as the bits of a word. They are added to bit-sliced counters (plane `i` holds bit `i` of every count), and
-//! each sample moves the short count of one lane to its long one: within 32 samples every lane has had its turn, so six planes
-//! never overflow.
+//! A sample's events come as the bits of a word. Four bits at a time are spread over the four bytes of a word of short counts (one
+//! multiplication), and each sample moves one short count to its long one: within 28 samples every event has had its turn, so no
+//! byte overflows.
 
 /// Counters.
-const LANES: u32 = 32;
-/// Planes: a lane counts up to 32 between its turns.
-const PLANES: usize = 6;
+const LANES: u32 = 4 * WORDS as u32;
+/// Words of four short counts.
+const WORDS: usize = 7;
+/// Brings bit `i` of four to bit `8 i`.
+const SPREAD: u32 = 1 | 1 << 7 | 1 << 14 | 1 << 21;
+const LOWEST_BITS: u32 = 0x0101_0101;
 
 /// The counters.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
-    planes: [u32; PLANES],
-    counts: [u32; LANES as usize],
+    short: [u32; WORDS],
+    long: [u32; LANES as usize],
     turn: u32,
 }
 
 impl Tally {
-    /// Counts every event whose bit is set.
+    /// Counts every event whose bit is set; bits from [`LANES`] on are no events.
     pub(super) fn add(&mut self, events: u32) {
+        for (short, place) in self.short.iter_mut().zip(0_u32..) {
+            let four = events.wrapping_shr(place.wrapping_mul(4)) & 0xf;
+            *short = short.wrapping_add(four.wrapping_mul(SPREAD) & LOWEST_BITS);
+        }
         let lane = self.turn;
-        let mut carry = events;
-        let mut pending = 0;
-        for (plane, power) in self.planes.iter_mut().zip(0_u32..) {
-            let sum = *plane ^ carry;
-            carry &= *plane;
-            let bit = sum.wrapping_shr(lane) & 1;
-            pending |= bit.wrapping_shl(power);
-            *plane = sum ^ bit.wrapping_shl(lane);
+        let shift = lane % 4 * 8;
+        if let (Some(short), Some(long)) =
+            (self.short.get_mut(lane as usize / 4), self.long.get_mut(lane as usize))
+        {
+            let pending = short.wrapping_shr(shift) & 0xff;
+            *short = short.wrapping_sub(pending.wrapping_shl(shift));
+            *long = long.saturating_add(pending);
         }
-        if let Some(count) = self.counts.get_mut(lane as usize) {
-            *count = count.saturating_add(pending);
-        }
-        self.turn = lane.wrapping_add(1) % LANES;
+        self.turn = if lane == LANES - 1 { 0 } else { lane.wrapping_add(1) };
     }
 
     /// How often an event happened.
     pub(super) fn count(&self, lane: u32) -> u32 {
-        self.counts.get(lane as usize).map_or(0, |count| count.saturating_add(self.pending(lane)))
-    }
-
-    fn pending(&self, lane: u32) -> u32 {
-        let planes = self.planes.iter().zip(0_u32..);
-        planes.fold(0, |pending, (plane, power)| pending | (plane.wrapping_shr(lane) & 1).wrapping_shl(power))
+        let short =
+            self.short.get(lane as usize / 4).map_or(0, |short| short.wrapping_shr(lane % 4 * 8) & 0xff);
+        self.long.get(lane as usize).map_or(0, |long| long.saturating_add(short))
     }
 }
 

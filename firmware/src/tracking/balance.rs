@@ -20,6 +20,7 @@ use link::Configuration;
 use link::track::MonitorConfiguration;
 
 use super::block::Means;
+use super::{at_least, at_most};
 
 const GRAVITY_M_S2: f32 = 9.81;
 
@@ -85,7 +86,7 @@ impl Levers {
         let (n_y, n_z) = (means.normal_y, means.normal_z);
         let length = n_y * n_y + n_z * n_z;
         // A mean direction of length 0 says nothing; whoever uses the result looks at the unsteadiness.
-        let determinant = (length - rho * n_z).max(0.1);
+        let determinant = at_least(length - rho * n_z, 0.1);
         let per = 1.0 / determinant;
         let normal_by = [-n_y * per, (rho - n_z) * per];
         let friction_by = [n_z * per, -n_y * per];
@@ -97,14 +98,14 @@ impl Levers {
             inertia_part_n,
             lever_part_n,
             weight_part_n: force_z_n,
-            unsteadiness: (1.0 - length).max(0.0),
+            unsteadiness: at_least(1.0 - length, 0.0),
         }
     }
 }
 
 /// Cosine to 1e-4 up to 1.2 rad either way; farther out it is that of 1.2 rad: no rudder's crank goes there.
 fn cosine(angle_rad: f32) -> f32 {
-    let angle = angle_rad.clamp(-1.2, 1.2);
+    let angle = at_least(at_most(angle_rad, 1.2), -1.2);
     let square = angle * angle;
     1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
 }

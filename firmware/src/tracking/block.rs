@@ -8,6 +8,8 @@
 
 use link::SensorFrame;
 
+use super::at_least;
+
 /// Samples in a block: 25.6 ms at 10 kHz, a swing of the journal or more.
 pub const BLOCK: u32 = 256;
 
@@ -112,7 +114,7 @@ impl Block {
 impl Sums {
     /// The means of a complete block. Before the first one there are none: numbers, but of nothing.
     pub(super) fn means(&self) -> Means {
-        let per = 1.0 / self.weight.max(1.0);
+        let per = 1.0 / at_least(self.weight, 1.0);
         let nano = per * 1e-9;
         Means {
             distance_m: self.distance * nano,

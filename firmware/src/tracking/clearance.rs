@@ -23,6 +23,7 @@ use link::track::MonitorConfiguration;
 
 use super::balance::Balance;
 use super::block::Means;
+use super::{at_least, at_most};
 
 /// Deviation that the clearance may gain from a block to the next, m: 0.6 um in a second of 10 kHz.
 const WALK_M: f32 = 0.1e-6;
@@ -111,9 +112,9 @@ impl Clearance {
 
     /// First step: what the root of the deformation is taken of.
     pub(super) fn begin(&self, means: &Means, balance: &Balance, measured: &mut Measured) {
-        let distance_m = means.distance_m.max(1e-6);
-        let damping = (self.damping_per_slope * means.distance_slope_m).max(-0.7).min(2.0);
-        let elastic_n = balance.normal_n.max(1.0) / (1.0 + damping);
+        let distance_m = at_least(means.distance_m, 1e-6);
+        let damping = at_least(at_most(self.damping_per_slope * means.distance_slope_m, 2.0), -0.7);
+        let elastic_n = at_least(balance.normal_n, 1.0) / (1.0 + damping);
         measured.damping = damping;
         measured.distance_m = distance_m;
         measured.target = elastic_n * distance_m * libm::sqrtf(distance_m) / self.modulus_factor;
@@ -125,12 +126,12 @@ impl Clearance {
     pub(super) fn round(measured: &mut Measured) {
         let Measured { distance_m, deformation_m, target, .. } = *measured;
         let other_m = target / ((3.0 * distance_m - deformation_m) * deformation_m);
-        measured.deformation_m = (0.5 * (deformation_m + other_m)).max(LEAST_M).min(distance_m);
+        measured.deformation_m = at_most(at_least(0.5 * (deformation_m + other_m), LEAST_M), distance_m);
     }
 
     /// Works out how sure a block's clearance is.
     pub(super) fn sensitivities(&self, means: &Means, balance: &Balance, measured: &mut Measured) {
-        let normal_n = balance.normal_n.max(1.0);
+        let normal_n = at_least(balance.normal_n, 1.0);
         let half_m = 0.5 * measured.deformation_m;
         let per_force = -half_m / normal_n;
         let [normal_by_rest, normal_by_weight] = balance.normal_by;

@@ -16,6 +16,7 @@
 use link::Configuration;
 use link::track::MonitorConfiguration;
 
+use super::at_least;
 use super::balance::Balance;
 use super::block::Means;
 
@@ -75,10 +76,11 @@ impl FrictionLevel {
     }
 
     pub(super) fn measure(&self, means: &Means, balance: &Balance) -> Measured {
-        let coefficient = means.network_torque_nm * self.per_journal_radius / means.network_normal_n.max(1.0);
-        let normal_n = balance.normal_n.max(0.0);
+        let coefficient =
+            means.network_torque_nm * self.per_journal_radius / at_least(means.network_normal_n, 1.0);
+        let normal_n = at_least(balance.normal_n, 0.0);
         let [by_rest, by_weight] = balance.friction_by;
-        let turn = normal_n / means.distance_m.max(1e-6);
+        let turn = normal_n / at_least(means.distance_m, 1e-6);
         let unit = [
             by_rest * balance.inertia_part_n,
             by_rest * balance.lever_part_n,

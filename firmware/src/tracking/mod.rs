@@ -13,6 +13,7 @@ mod balance;
 mod block;
 mod clearance;
 mod friction;
+mod order;
 mod wear;
 
 use link::track::{MonitorConfiguration, SafeState, TrackReport};
@@ -25,6 +26,7 @@ use balance::{Balance, Levers};
 use block::{Block, Means, Sums, Taken};
 use clearance::{Clearance, ROUNDS};
 use friction::{FrictionLevel, Measured};
+pub(crate) use order::{at_least, at_most};
 use wear::WearAlarm;
 
 /// Places in a block at which a step of the one before is due.
@@ -86,7 +88,7 @@ impl Tracker {
 
     /// Takes a sample with its estimate; `sound` is false when a sensor fault was found in it.
     pub fn step(&mut self, frame: &SensorFrame, estimate: &EstimateFrame, sound: bool) {
-        let distance_nm = (self.nominal_clearance_nm + estimate.deformation_m * 1e9).max(1.0);
+        let distance_nm = at_least(self.nominal_clearance_nm + estimate.deformation_m * 1e9, 1.0);
         let per_distance = 1.0 / distance_nm;
         let taken = Taken {
             distance_nm,
