@@ -75,12 +75,12 @@ fn write_source(out: &mut String, facts: &Facts<'_>) -> Result {
         "//! let (Sums(sums), clipped) = window.evaluate(&columns.map(|column| {name}::counts(&column)));"
     )?;
     writeln!(out, "//! let values = {name}::values(&sums);\n//! ```\n//!\n//! {how}.\n")?;
-    writeln!(out, "use inference::chain::Sums;")?;
-    if alone.shapes.len() > 1 {
-        writeln!(out, "use inference::chain::Then;\nuse inference::Convolution;")?;
-    }
+    let has_convolutions = alone.shapes.len() > 1;
+    let (chain, convolution) =
+        if has_convolutions { ("{Sums, Then}", "Convolution, ") } else { ("Sums", "") };
+    writeln!(out, "use inference::chain::{chain};")?;
     writeln!(out, "use inference::image::{{check_sum, load as load_layers, prove}};")?;
-    writeln!(out, "use inference::{{Head, ImageError, {kind}, Windowed}};\n")?;
+    writeln!(out, "use inference::{{{convolution}Head, ImageError, {kind}, Windowed}};\n")?;
     writeln!(out, "/// Columns of a window, oldest first.\npub const COLUMNS: usize = {columns};")?;
     writeln!(out, "/// Values of a column.\npub const INPUTS: usize = {inputs};")?;
     writeln!(out, "/// Values that the network gives.\npub const OUTPUTS: usize = {outputs};\n")?;
