@@ -59,7 +59,7 @@ impl<SPI: SpiDevice> As5047p<SPI> {
         if answer == u16::MAX {
             return Err(SensorFault::NoAnswer);
         }
-        if answer.count_ones() % 2 != 0 {
+        if !answer.count_ones().is_multiple_of(2) {
             return Err(SensorFault::Parity);
         }
         if answer & ERROR_FLAG != 0 {

@@ -207,7 +207,7 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
         if let Some(opposite) = self.wiring.opposite {
             self.wiring.geometry.agree(gaps, opposite.scale.length_nm(third?))?;
         }
-        let at_rail = |code: u16| code < RAIL_CODES || code > u16::MAX - RAIL_CODES;
+        let at_rail = |code: u16| !(RAIL_CODES..=u16::MAX - RAIL_CODES).contains(&code);
         Ok((self.wiring.geometry.centre_nm(gaps), at_rail(first) | at_rail(second)))
     }
 
