@@ -2,10 +2,12 @@
 //! refused by its node; damaged files are refused, too.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
-use model_quant::exchange::recognise::{Imported, Layout, import};
+use model_quant::exchange::proto::Model;
+use model_quant::exchange::recognise::{Imported, Layout, OPERATORS, import};
 use model_quant::exchange::samples::Samples;
 use model_quant::network::{ConvolutionShape, Padding, Shape};
 use proptest::prelude::*;
+use prost::Message;
 use std::path::PathBuf;
 
 fn golden(name: &str) -> Vec<u8> {
@@ -150,6 +152,95 @@ proptest! {
         }
         if let Ok(found) = import(&bytes) {
             prop_assert!(found.network.parameters().all(f32::is_finite));
+        }
+    }
+
+    /// Files that are well-formed but say something else: sizes, lists, wiring, operators.
+    #[test]
+    fn altered_graphs_do_not_panic(
+        which in 0usize..6,
+        changes in prop::collection::vec((0usize..8, any::<prop::sample::Index>(), any::<prop::sample::Index>(), number()), 1..4),
+    ) {
+        let names =
+            ["torch_hidden", "torch_same", "keras_valid", "keras_even", "torch_columns_first", "torchscript_asymmetric"];
+        let mut model = Model::decode(&golden(&format!("{}.onnx", names[which]))[..]).expect("golden");
+        for (kind, place, other, number) in changes {
+            alter(&mut model, kind, place, other, number);
+        }
+        if let Ok(found) = import(&model.encode_to_vec()) {
+            let shape = found.network.shape();
+            let outputs = found.network.evaluate(&vec![0.5; shape.columns * shape.inputs]);
+            prop_assert_eq!(outputs.len(), shape.outputs);
+        }
+    }
+}
+
+/// Small numbers, numbers at the ends, and any.
+fn number() -> impl Strategy<Value = i64> {
+    prop_oneof![4 => -4i64..20, 1 => Just(i64::MAX), 1 => Just(i64::MIN), 1 => any::<i64>()]
+}
+
+fn alter(
+    model: &mut Model,
+    kind: usize,
+    place: prop::sample::Index,
+    other: prop::sample::Index,
+    number: i64,
+) {
+    let Some(graph) = &mut model.graph else { return };
+    let (nodes, tensors) = (graph.node.len(), graph.initializer.len());
+    match kind {
+        0 if tensors > 0 => {
+            let dims = &mut graph.initializer[place.index(tensors)].dims;
+            match dims.len() {
+                0 => dims.push(number),
+                length => dims[other.index(length)] = number,
+            }
+        }
+        1 if tensors > 0 => {
+            // Lists of whole numbers: axes, shapes.
+            let tensor = &mut graph.initializer[place.index(tensors)];
+            if tensor.data_type == 7 && !tensor.raw_data.is_empty() {
+                let at = other.index(tensor.raw_data.len() / 8) * 8;
+                tensor.raw_data[at..at + 8].copy_from_slice(&number.to_le_bytes());
+            }
+        }
+        2 => {
+            let attributes = &mut graph.node[place.index(nodes)].attribute;
+            if !attributes.is_empty() {
+                let count = attributes.len();
+                let attribute = &mut attributes[other.index(count)];
+                attribute.i = number;
+                match attribute.ints.len() {
+                    0 => attribute.ints.push(number),
+                    length => attribute.ints[place.index(length)] = number,
+                }
+            }
+        }
+        3 => {
+            let from = graph.node[other.index(nodes)].output.first().cloned().unwrap_or_default();
+            let inputs = &mut graph.node[place.index(nodes)].input;
+            if !inputs.is_empty() {
+                let count = inputs.len();
+                inputs[other.index(count)] = from;
+            }
+        }
+        4 => graph.node[place.index(nodes)].op_type = OPERATORS[other.index(OPERATORS.len())].to_owned(),
+        5 => {
+            graph.node.remove(place.index(nodes));
+            if graph.node.is_empty() {
+                graph.node.push(Default::default());
+            }
+        }
+        6 => {
+            let kind = graph.input[0].kind.as_mut().and_then(|kind| kind.tensor.as_mut());
+            let axes = kind.and_then(|tensor| tensor.shape.as_mut()).expect("shape");
+            let count = axes.dim.len();
+            axes.dim[other.index(count)].size = Some(number);
+        }
+        _ => {
+            let node = graph.node[place.index(nodes)].clone();
+            graph.node.insert(other.index(nodes), node);
         }
     }
 }

@@ -51,3 +51,31 @@ pub(super) fn padding(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::proto::Attribute;
+
+    fn of(pads: &[i64], rule: &str, spatial: usize, place: usize, kernel: usize) -> Option<Option<Padding>> {
+        let ints = Attribute { name: "pads".to_owned(), ints: pads.to_vec(), ..Attribute::default() };
+        let text = Attribute { name: "auto_pad".to_owned(), s: rule.into(), ..Attribute::default() };
+        let node = Node { attribute: vec![ints, text], ..Node::default() };
+        padding(&node, spatial, place, kernel).ok()
+    }
+
+    #[test]
+    fn zeros_on_both_sides_are_same_and_none_are_valid() {
+        assert_eq!(of(&[0, 0], "NOTSET", 1, 2, 3), Some(Some(Padding::Valid)));
+        assert_eq!(of(&[1, 1], "", 1, 2, 3), Some(Some(Padding::Same)));
+        assert_eq!(of(&[1, 2], "NOTSET", 1, 2, 4), Some(Some(Padding::Same)));
+        assert_eq!(of(&[2, 1], "NOTSET", 1, 2, 4), None, "one more zero before is another network");
+        assert_eq!(of(&[2, 0], "NOTSET", 1, 2, 3), None, "causal");
+        assert_eq!(of(&[0, 0], "NOTSET", 1, 2, 1), Some(None), "a kernel of 1 fits both");
+        assert_eq!(of(&[0, 1, 0, 1], "NOTSET", 2, 3, 3), Some(Some(Padding::Same)));
+        assert_eq!(of(&[1, 0, 1, 0], "NOTSET", 2, 3, 3), None, "zeros beside the columns");
+        assert_eq!(of(&[0], "NOTSET", 1, 2, 3), None);
+        assert_eq!(of(&[], "SAME_UPPER", 1, 2, 4), Some(Some(Padding::Same)));
+        assert_eq!(of(&[], "SAME_LOWER", 1, 2, 4), None);
+    }
+}
