@@ -5,8 +5,8 @@ use crate::error::CliError;
 use crate::force::bearing_of;
 use crate::summary::{EstimatorSummary, after_start, peak, rms};
 use bench::description::TransmissionBench;
-use contact::{Dissipation, Material, effective_modulus_pa};
 use bench::transmission::{Snapshot, Transmission};
+use contact::{Dissipation, Material, effective_modulus_pa};
 use firmware::flags::SENSOR_FAULT;
 use inference::Flags;
 use link::track::MonitorConfiguration;
@@ -132,7 +132,8 @@ impl EstimatorSummary {
             force_full_scale_n: peak(counted, |s| s.forces.normal_n),
             ticks: tracked.estimates.len() as u64,
             deadline_misses: u64::from(tracked.counters.deadline_overruns),
-            instructions_per_tick_min: instructions(ticks().min()),
+            // The first estimate tells of no tick before it.
+            instructions_per_tick_min: instructions(ticks().filter(|&ticks| ticks > 0).min()),
             instructions_per_tick_max: instructions(ticks().max()),
             exchanges_per_s: tracked.estimates.len() as f64 / tracked.wall_s.max(1e-9),
             native_emulated_bit_differences: differences,

@@ -1,7 +1,7 @@
 //! `host-sim`: runs, records, diagnoses and validates the test bench.
 
 use clap::{Parser, Subcommand};
-use host_sim::commands::{accuracy, diagnose, figures, flash, laws, record, run, sweep, update, validate};
+use host_sim::commands::{accuracy, diagnose, figures, flash, laws, link, record, run, sweep, update, validate};
 use std::process::ExitCode;
 
 /// Simulates a rudder drive's test bench with the controller's own inference code in the loop, and finds what the
@@ -39,6 +39,8 @@ enum Command {
     Flash(flash::FlashArgs),
     /// List the contact and friction laws that a bench description may name.
     Laws(laws::LawsArgs),
+    /// Say who a controller is, how it started and what it counted; configure it.
+    Link(link::LinkArgs),
     /// Bring a signed model package to a controller.
     Update(update::UpdateArgs),
     /// Compare the models with published known answers.
@@ -57,6 +59,7 @@ fn main() -> ExitCode {
         Some(Command::Accuracy(args)) => accuracy::run(&args),
         Some(Command::Flash(args)) => flash::run(&args),
         Some(Command::Laws(args)) => laws::run(&args),
+        Some(Command::Link(args)) => link::run(&args),
         Some(Command::Update(args)) => update::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
     };

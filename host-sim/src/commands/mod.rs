@@ -10,6 +10,8 @@ pub mod figures;
 pub mod flash;
 pub mod laws;
 mod limits;
+pub mod link;
+mod link_words;
 mod output;
 pub mod record;
 pub mod run;

@@ -98,6 +98,18 @@ impl RemoteController {
         Ok(controller)
     }
 
+    /// Asks how things stand now.
+    pub fn identify(&mut self) -> Result<Hello, ControllerError> {
+        let asking = self.conversation.identify();
+        match self.ask(&asking, "its greeting")? {
+            Heard::Greeting(hello) => {
+                self.hello = hello;
+                Ok(hello)
+            }
+            other => Err(unexpected(&other, "a greeting")),
+        }
+    }
+
     /// Configures it.
     pub fn configure(&mut self, configuration: ControllerConfiguration) -> Result<(), ControllerError> {
         self.order(Command::Configure(configuration)).map(|_| ())
