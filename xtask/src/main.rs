@@ -4,6 +4,7 @@ mod boards;
 mod budget;
 mod compile;
 mod firmware;
+mod flash;
 mod golden;
 mod insn;
 mod kernels;
@@ -59,6 +60,8 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Build the firmware's image and write it to a board, or check what would be written.
+    Flash(flash::FlashArgs),
     /// Static bound and emulated high-water mark of the stack.
     Stack {
         /// Print as JSON.
@@ -84,6 +87,7 @@ fn main() -> ExitCode {
         Command::Kernels => kernels::kernels(),
         Command::Bless => golden::bless().and_then(|()| budget::bless()),
         Command::Insn { json } => insn::insn(json),
+        Command::Flash(args) => flash::flash(&args),
         Command::Stack { json } => stack::stack(json),
         Command::Size { json } => size::size(json),
     };

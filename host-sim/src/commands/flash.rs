@@ -1,0 +1,87 @@
+//! `host-sim flash`: the firmware's image onto a board, or with `--dry-run` only what would be written.
+
+use crate::controller::EmulatedController;
+use crate::error::CliError;
+use crate::flash::{Board, FlashError, Plan, board};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `host-sim flash`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Examples:\n  host-sim flash --board feather-stm32f405 --dry-run\n  \
+    cargo run --release -p host-sim --features probe -- flash --board feather-stm32f405 --follow\n\n\
+    Without a probe: docs/firmware.md tells how to flash over USB (DFU).")]
+pub struct FlashArgs {
+    /// The board: stm32f405 (any of them), feather-stm32f405, olimex-stm32-h405, netduino-plus-2.
+    #[arg(long, value_parser = board)]
+    pub board: Board,
+    /// The image; by default what `cargo xtask firmware --board` built for this board.
+    #[arg(long, value_name = "FILE")]
+    pub elf: Option<PathBuf>,
+    /// Check the image and say what would be written; needs no probe.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// The probe, VID:PID or VID:PID:SERIAL in hexadecimal; by default the only one there is.
+    #[arg(long, value_name = "PROBE")]
+    pub probe: Option<String>,
+    /// Go on showing the controller's log after writing, until interrupted.
+    #[arg(long)]
+    pub follow: bool,
+    /// Print the plan as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl From<FlashError> for CliError {
+    fn from(error: FlashError) -> Self {
+        match error {
+            FlashError::Probe { .. } => Self::Work(error.to_string()),
+            other => Self::Input(other.to_string()),
+        }
+    }
+}
+
+/// Plans, and writes unless only the plan was asked for.
+pub fn run(args: &FlashArgs) -> Result<(), CliError> {
+    let image = args.elf.clone().unwrap_or_else(|| {
+        let default = EmulatedController::default_elf();
+        if args.board.name == "stm32f405" {
+            default
+        } else {
+            default.with_file_name(format!("estimator-{}", args.board.name))
+        }
+    });
+    let plan = Plan::of(args.board, &image)?;
+    if args.json {
+        println!("{}", serde_json::json!(plan));
+    } else {
+        println!("{} ({}): {} bytes of {}", plan.board, plan.chip, plan.bytes, plan.image);
+        for segment in &plan.segments {
+            println!("  {:#010x}  {:>7} bytes  crc {}", segment.address, segment.bytes, segment.crc32);
+        }
+        println!("  erases {} sectors; starts at {:#010x}", plan.sectors.len(), plan.entry);
+    }
+    if args.dry_run {
+        return Ok(());
+    }
+    write(args, &plan, &image)
+}
+
+#[cfg(feature = "probe")]
+fn write(args: &FlashArgs, plan: &Plan, image: &std::path::Path) -> Result<(), CliError> {
+    let mut session = crate::flash::probe::write(plan, image, args.probe.as_deref())?;
+    eprintln!("written and verified; the controller has started");
+    if args.follow {
+        crate::flash::probe::follow(&mut session, image, |line| println!("{line}"))?;
+    }
+    Ok(())
+}
+
+#[cfg(not(feature = "probe"))]
+fn write(_: &FlashArgs, _: &Plan, _: &std::path::Path) -> Result<(), CliError> {
+    Err(CliError::Input(
+        "this build has no support for probes; found no feature `probe`, expected it: \
+         cargo run --release -p host-sim --features probe -- flash ..., or --dry-run"
+            .into(),
+    ))
+}
