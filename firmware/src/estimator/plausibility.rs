@@ -6,7 +6,7 @@
 //! | saturated | its driver says so, or the value is at or beyond the rail |
 //! | stuck | so many samples of one code |
 //! | jumped | it moved further since the last sample than the machine can |
-//! | noisy | mean square of the second difference above 6 times the square of the limit; each channel is looked at in every fourth sample, the mean is over 64 of those; motion leaves 0.7 um there at most |
+//! | noisy | mean square of the second difference above 6 times the square of the limit; each channel is looked at in every eighth sample, the mean is over 64 of those; motion leaves 0.7 um there at most |
 //!
 //! and for the sample as a whole: the sequence does not follow, the time did not advance by the period, the journal is farther out than
 //! clearance and largest deformation, it swings along the clearance faster than it can ([`swing`]).
@@ -100,7 +100,8 @@ const MOTION: u32 = 0x7_7777;
 /// One channel's watch.
 #[derive(Clone, Copy, Debug, Default)]
 struct Channel {
-    rail: u32,
+    /// Largest magnitude that is not at the rail.
+    below_rail: u32,
     step_limit: u32,
     stuck_samples: u32,
     noise_shift: u32,
@@ -120,7 +121,7 @@ pub struct Plausibility {
     previous: SensorFrame,
     /// Steps of the channels from the sample before the previous one to it.
     steps: [i32; CHANNELS],
-    /// The channel whose noise is looked at.
+    /// Twice the channel whose noise is looked at, and whether the sample is one for looking.
     turn: usize,
     /// The channels that were too noisy when they were looked at last.
     loud: u32,
@@ -128,6 +129,14 @@ pub struct Plausibility {
     seen: bool,
     status: SensorStatus,
     findings: Findings,
+}
+
+/// Largest limit of [`is_beyond`].
+const LARGEST: u32 = i32::MAX as u32;
+
+/// Whether a value is farther from 0 than a limit: with the limit added, and no sign, it is above twice that.
+fn is_beyond(value: i32, limit: u32) -> bool {
+    value.cast_unsigned().wrapping_add(limit) > limit.wrapping_mul(2)
 }
 
 /// Doubts after which the samples before this one no longer belong to it.
@@ -174,8 +183,8 @@ impl Plausibility {
             let noise_shift = 22_u32.saturating_sub(noise.leading_zeros()).saturating_sub(1);
             let scaled = noise >> noise_shift;
             *channel = Channel {
-                rail: *rail,
-                step_limit,
+                below_rail: rail.saturating_sub(1).min(LARGEST),
+                step_limit: step_limit.min(LARGEST),
                 stuck_samples: stuck.saturating_sub(1),
                 noise_shift,
                 noise_clip: scaled.saturating_mul(CLIP as u32) as i32,
@@ -233,29 +242,17 @@ impl Plausibility {
             let step = value.wrapping_sub(before);
             *kept = step;
             events |= u32::from(value == i32::MIN) << (MISSING + index);
-            events |= u32::from(value.unsigned_abs() >= channel.rail) << (SATURATED + index);
-            events |= u32::from(step.unsigned_abs() > channel.step_limit) << (FAR + index);
+            events |= u32::from(is_beyond(value, channel.below_rail)) << (SATURATED + index);
+            events |= u32::from(is_beyond(step, channel.step_limit)) << (FAR + index);
             // Counts up to 2^31 and stands there.
             let longer = channel.unchanged.wrapping_add(1);
             channel.unchanged = longer.wrapping_sub(longer >> 31).wrapping_mul(u32::from(step == 0));
             events |= u32::from(channel.unchanged >= channel.stuck_samples) << (STILL + index);
         }
         let before = core::mem::replace(&mut self.steps, steps);
-        self.turn = self.turn.wrapping_add(1) % CHANNELS;
-        let turn = self.turn;
-        let bend =
-            steps.get(turn).zip(before.get(turn)).map_or(0, |(step, before)| step.wrapping_sub(*before));
-        if let Some(channel) = self.channels.get_mut(turn) {
-            let bend = bend.wrapping_shr(channel.noise_shift);
-            let bend = bend.min(channel.noise_clip).max(channel.noise_clip.wrapping_neg());
-            let square = bend.wrapping_mul(bend).cast_unsigned();
-            channel.mean_square = channel
-                .mean_square
-                .wrapping_add(square >> MEAN_SHIFT)
-                .wrapping_sub(channel.mean_square >> MEAN_SHIFT);
-            let loud = u32::from(channel.mean_square > channel.noise_threshold);
-            let lane = turn as u32;
-            self.loud = (self.loud & !1_u32.wrapping_shl(lane)) | loud.wrapping_shl(lane);
+        self.turn = self.turn.wrapping_add(1) % (2 * CHANNELS);
+        if self.turn.is_multiple_of(2) {
+            self.listen(self.turn / 2, &steps, &before);
         }
         events |= self.loud << LOUD;
 
@@ -275,6 +272,24 @@ impl Plausibility {
         };
         self.findings = Findings { events, flags: sample | flags_of(events) };
         sample | flags_of(events & MOTION)
+    }
+
+    /// Looks at the noise of a channel: at how its step differs from the one before.
+    fn listen(&mut self, channel: usize, steps: &[i32; CHANNELS], before: &[i32; CHANNELS]) {
+        let bends = steps.get(channel).zip(before.get(channel));
+        let bend = bends.map_or(0, |(step, before)| step.wrapping_sub(*before));
+        let lane = channel as u32;
+        if let Some(channel) = self.channels.get_mut(channel) {
+            let bend = bend.wrapping_shr(channel.noise_shift);
+            let bend = bend.min(channel.noise_clip).max(channel.noise_clip.wrapping_neg());
+            let square = bend.wrapping_mul(bend).cast_unsigned();
+            channel.mean_square = channel
+                .mean_square
+                .wrapping_add(square >> MEAN_SHIFT)
+                .wrapping_sub(channel.mean_square >> MEAN_SHIFT);
+            let loud = u32::from(channel.mean_square > channel.noise_threshold);
+            self.loud = (self.loud & !1_u32.wrapping_shl(lane)) | loud.wrapping_shl(lane);
+        }
     }
 
     fn is_too_far(&self, frame: &SensorFrame) -> bool {

@@ -10,6 +10,8 @@
 //! modulus of the configuration that is not the trained one. An estimate that carries a remark of its own about training range, warming
 //! up or an unfilled window is not held against the law; it already says that it is not to be compared.
 //!
+//! One sample in four is looked at: altered weights are altered for longer.
+//!
 //! A law that came out as no number (a clearance of 0) is never exceeded; the configuration's ranges rule it out.
 
 use inference::{ContactState, Flags};

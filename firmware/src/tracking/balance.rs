@@ -19,7 +19,7 @@
 use link::Configuration;
 use link::track::MonitorConfiguration;
 
-use super::block::Means;
+use super::block::{Means, STRIDE};
 use super::{at_least, at_most};
 
 const GRAVITY_M_S2: f32 = 9.81;
@@ -34,7 +34,7 @@ pub(super) struct Levers {
     lever_ratio: f32,
     journal_radius_m: f32,
     crank_vertical_rad: f32,
-    /// From per sample squared to per second squared.
+    /// From per sample of a block squared to per second squared.
     per_period_squared: f32,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct Balance {
 impl Levers {
     pub(super) fn new(configuration: &Configuration, monitor: &MonitorConfiguration) -> Self {
         let mass_kg = monitor.mass_g as f32 * 1e-3;
-        let frequency_hz = 1e6 / configuration.sample_period_us as f32;
+        let frequency_hz = 1e6 / (STRIDE as f32 * configuration.sample_period_us as f32);
         Self {
             mass_kg,
             weight_n: mass_kg * GRAVITY_M_S2,

@@ -22,7 +22,7 @@ use link::Configuration;
 use link::track::MonitorConfiguration;
 
 use super::balance::Balance;
-use super::block::Means;
+use super::block::{Means, STRIDE};
 use super::{at_least, at_most};
 
 /// Deviation that the clearance may gain from a block to the next, m: 0.6 um in a second of 10 kHz.
@@ -92,7 +92,7 @@ impl Clearance {
                 * (core::f32::consts::PI / 8.0)
                 * (monitor.effective_modulus_kpa as f32 * 1e3),
             damping_per_slope: monitor.damping_per_mille as f32 * 1e-3 * 1e6
-                / configuration.sample_period_us as f32
+                / (STRIDE as f32 * configuration.sample_period_us as f32)
                 / (approach_um_s * 1e-6),
             deviations: [
                 per_mille(monitor.stiffness_deviation_per_mille),

@@ -1,11 +1,11 @@
 //! A sensor for what no sensor measures: the bearing's radial clearance and its friction level, from the signals that are there.
 //!
-//! Samples are summed up over blocks of [`BLOCK`] ([`block`]); load, weight and inertia give the bearing's force without the contact
+//! Every second sample is summed up over blocks of [`BLOCK`] ([`block`]); load, weight and inertia give the bearing's force without the contact
 //! model ([`balance`]); distance and force give the clearance ([`clearance`]) and, with the friction network, the friction level
 //! ([`friction`]); the clearance is held against the wear limit ([`wear`]). A block with a sensor fault in it, or without a force that
 //! presses the journal to the bearing, counts for nothing.
 //!
-//! What a block says is worked out in the first samples of the next one, a step a sample, so that no tick has to bear all of it: what a
+//! What a block says is worked out during the next one, a step in every fourth sample, so that no tick has to bear all of it: what a
 //! tick costs depends on its place in the block and on nothing else. f32 with `+ - * /` and square roots only, so that host and
 //! controller agree in every bit.
 
@@ -19,7 +19,7 @@ mod wear;
 use link::track::{MonitorConfiguration, SafeState, TrackReport};
 use link::{Configuration, EstimateFrame, SensorFrame};
 
-pub use block::BLOCK;
+pub use block::{BLOCK, STRIDE};
 pub use wear::{CONFIDENCE, CONFIRM, ENOUGH};
 
 use balance::{Balance, Levers};
@@ -29,13 +29,15 @@ use friction::{FrictionLevel, Measured};
 pub(crate) use order::{at_least, at_most};
 use wear::WearAlarm;
 
-/// Places in a block at which a step of the one before is due.
+/// Samples after which everything comes again: sums in the first and third, a step of working out in the last.
+const PHASES: u32 = 4;
+/// Steps of working out a block, counted from the start of the next one.
 const ROUNDED: u32 = 3 + ROUNDS;
 const TAKEN: u32 = ROUNDED + 1;
 const WORN: u32 = ROUNDED + 2;
 const RUBBED: u32 = ROUNDED + 3;
 const COUNTED: u32 = ROUNDED + 4;
-const LAST: u32 = BLOCK - 1;
+const LAST: u32 = BLOCK / STRIDE - 1;
 /// Normal force below which a block tells nothing, N.
 const LEAST_NORMAL_N: f32 = 50.0;
 /// Unsteadiness above which a block tells nothing.
@@ -47,6 +49,9 @@ pub struct Tracker {
     levers: Levers,
     nominal_clearance_nm: f32,
     block: Block,
+    phase: u32,
+    /// The newest sample's place in its block.
+    place: u32,
     clearance: Clearance,
     friction: FrictionLevel,
     wear: WearAlarm,
@@ -76,6 +81,8 @@ impl Tracker {
             levers: Levers::new(configuration, monitor),
             nominal_clearance_nm: configuration.radial_clearance_nm as f32,
             block: Block::default(),
+            phase: 0,
+            place: 0,
             clearance: Clearance::new(configuration, monitor),
             friction: FrictionLevel::new(configuration, monitor),
             wear: WearAlarm::new(monitor.wear_limit_nm, monitor.wear_hysteresis_nm),
@@ -88,6 +95,23 @@ impl Tracker {
 
     /// Takes a sample with its estimate; `sound` is false when a sensor fault was found in it.
     pub fn step(&mut self, frame: &SensorFrame, estimate: &EstimateFrame, sound: bool) {
+        self.sound &= sound;
+        let phase = self.phase;
+        self.phase = phase.wrapping_add(1) % PHASES;
+        if phase % STRIDE == 0 {
+            self.sum_up(frame, estimate);
+        } else if phase == PHASES - 1 {
+            self.work();
+        }
+    }
+
+    /// Whether the sample to come is one in which nothing is done here.
+    #[must_use]
+    pub const fn is_idle(&self) -> bool {
+        self.phase == 1
+    }
+
+    fn sum_up(&mut self, frame: &SensorFrame, estimate: &EstimateFrame) {
         let distance_nm = at_least(self.nominal_clearance_nm + estimate.deformation_m * 1e9, 1.0);
         let per_distance = 1.0 / distance_nm;
         let taken = Taken {
@@ -97,15 +121,13 @@ impl Tracker {
             network_normal_n: estimate.normal_force_n,
             network_torque_nm: estimate.friction_torque_nm,
         };
-        self.sound &= sound;
-        let place = self.block.push(frame, &taken);
-        self.work(place);
+        self.place = self.block.push(frame, &taken);
     }
 
     /// The step of working out the last block that this place of the new one has.
-    fn work(&mut self, place: u32) {
+    fn work(&mut self) {
         let closed = &mut self.closed;
-        match place {
+        match self.place / STRIDE {
             0 => closed.means = closed.sums.means(),
             1 => {
                 closed.balance = self.levers.balance(&closed.means);

@@ -2,16 +2,18 @@
 //!
 //! Falling from rest across the whole clearance under weight and load gives `v^2 = 4 D (g + |F_L| |1 - R_l/R_d|/m)`; rolling along, the
 //! surface of the shaft gives its own speed. The bound is [`MARGIN`] times the former and twice the latter. It leaves out that the crank's
-//! inertia slows the journal along y by a factor of two and that friction takes from it: bench B stays below half of the bound. A
+//! inertia slows the journal along y by a factor of two and that friction takes from it: bench B stays below two thirds of the bound. A
 //! displacement over [`SPAN`] samples is held against it, so that noise and single samples do not count; those are the jump's. A longer span
 //! would let a journal that circles come back to where it was.
 
 use link::SensorFrame;
 
 /// Samples over which the displacement is taken.
-const SPAN: u32 = 16;
-/// Places in a span at which the displacement begins and ends: away from those at which the tracker works out its blocks.
-const BEGINS: u32 = 14;
+const SPAN: u32 = 14;
+/// A span begins so often.
+const EVERY: u32 = 16;
+/// Places at which the displacement begins and ends: samples in which the tracker sums nothing up.
+const BEGINS: u32 = 15;
 const ENDS: u32 = 13;
 /// Margin on the speed.
 const MARGIN: f32 = 1.5;
@@ -40,13 +42,14 @@ pub(super) struct Swing {
     per_load_nm2: f32,
     per_angle: f32,
     index: u32,
-    /// Where the span began; the first one begins at the start.
+    /// Where the span began.
     from: SensorFrame,
+    begun: bool,
 }
 
 impl Swing {
     pub(super) fn new(limit: &SwingLimit, period_us: u32) -> Self {
-        let span_s = (SPAN - 1) as f32 * period_us as f32 * 1e-6;
+        let span_s = SPAN as f32 * period_us as f32 * 1e-6;
         // Squared displacement in nm2 per m/s2.
         let per = 4e18 * (MARGIN * span_s) * (MARGIN * span_s) * limit.radial_clearance_m;
         Self {
@@ -54,7 +57,6 @@ impl Swing {
             // An infinite limit times no acceleration is no number, which would never be exceeded either; but say so plainly.
             per_load_nm2: if limit.per_load > 0.0 { per * limit.per_load * 1e-3 } else { 0.0 },
             per_angle: 2.0 * limit.journal_radius_m,
-            index: BEGINS,
             ..Self::default()
         }
     }
@@ -62,9 +64,10 @@ impl Swing {
     /// Takes a sample; true at the end of a span over which the displacement was too large.
     pub(super) fn too_fast(&mut self, frame: &SensorFrame) -> bool {
         let place = self.index;
-        self.index = place.wrapping_add(1) % SPAN;
+        self.index = place.wrapping_add(1) % EVERY;
         if place == BEGINS {
             self.from = *frame;
+            self.begun = true;
         }
         if place != ENDS {
             return false;
@@ -74,7 +77,7 @@ impl Swing {
         let surface = frame.shaft_angle_nrad.wrapping_sub(self.from.shaft_angle_nrad) as f32 * self.per_angle;
         let load_mn = frame.load_force_mn.unsigned_abs() as f32;
         let bound = self.base_nm2 + self.per_load_nm2 * load_mn + surface * surface;
-        y * y + z * z > bound
+        self.begun & (y * y + z * z > bound)
     }
 }
 
@@ -88,7 +91,7 @@ mod tests {
     /// How often a journal that moves at a speed along y is too fast in 320 samples, under 10 kN, with the shaft at a speed.
     fn too_fast(speed_m_s: f64, shaft_rad_s: f64) -> usize {
         let mut swing = Swing::new(&LIMIT, 100);
-        (0..160)
+        (0..BEGINS + 160)
             .filter(|index| {
                 let t = f64::from(*index) * 1e-4;
                 swing.too_fast(&SensorFrame {

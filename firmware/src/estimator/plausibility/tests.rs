@@ -177,3 +177,14 @@ fn a_load_that_jumps_or_stands_still_breaks_no_motion_off() {
         assert_eq!(watch.findings().channels(2), u8::from(sequence >= 11 + 49) << 3, "{sequence}");
     }
 }
+
+#[test]
+fn beyond_a_limit_is_farther_from_zero_either_way() {
+    for limit in [0, 1, 1_000_000, LARGEST] {
+        for value in
+            [0, 1, -1, 2, -2, 1_000_000, -1_000_000, 1_000_001, -1_000_001, i32::MAX, -i32::MAX, i32::MIN]
+        {
+            assert_eq!(is_beyond(value, limit), value.unsigned_abs() > limit, "{value}, {limit}");
+        }
+    }
+}
