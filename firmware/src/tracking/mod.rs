@@ -98,7 +98,7 @@ impl Tracker {
         self.sound &= sound;
         let phase = self.phase;
         self.phase = phase.wrapping_add(1) % PHASES;
-        if phase % STRIDE == 0 {
+        if phase.is_multiple_of(STRIDE) {
             self.sum_up(frame, estimate);
         } else if phase == PHASES - 1 {
             self.work();
