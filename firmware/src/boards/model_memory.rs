@@ -52,13 +52,11 @@ impl<const BYTES: usize> Kept<BYTES> {
 }
 
 #[expect(unsafe_code, reason = "sections that start-up leaves alone")]
-#[cfg_attr(feature = "stm32f405", unsafe(link_section = ".ccmram.slots"))]
-#[cfg_attr(not(feature = "stm32f405"), unsafe(link_section = ".uninit.slots"))]
+#[unsafe(link_section = ".uninit.slots")]
 static RAM_SLOTS: Kept<SLOTS> = Kept::new();
 
 #[expect(unsafe_code, reason = "as above")]
-#[cfg_attr(feature = "stm32f405", unsafe(link_section = ".ccmram.places"))]
-#[cfg_attr(not(feature = "stm32f405"), unsafe(link_section = ".uninit.places"))]
+#[unsafe(link_section = ".uninit.places")]
 static RAM_PLACES: Kept<PLACES> = Kept::new();
 
 /// A memory of this board.

@@ -5,6 +5,10 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 mod agreement;
+mod batch;
 mod failures;
+mod faults;
 mod frames;
 mod image;
+mod other_core;
+mod update;

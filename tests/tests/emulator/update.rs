@@ -1,0 +1,217 @@
+//! The emulated controller takes a model package over the link while it estimates, and refuses the others.
+
+use crate::frames::{configuration, troubled};
+use ed25519_dalek::SigningKey;
+use firmware::store::{Loaded, Models};
+use firmware::{Identity, NoTicks, Session};
+use host_sim::controller::{Controller, EmulatedController, RemoteController};
+use host_sim::update::{Ask, refusals, runs, update};
+use inference::{Bearing, shipped};
+use link::track::SensorStatus;
+use link::update::{ModelMemory, ModelSource, UpdateAnswer, UpdateRefusal, UpdateRequest};
+use link::{BuildId, ClockSource, EstimateFrame, SensorFrame, Target, ToController, ToHost};
+use model_quant::image::AlignedImage;
+use model_quant::package::{Package, Purpose};
+use std::path::Path;
+
+const BOARD: u16 = model_package::board::STM32F405;
+
+/// The checked-in networks with one bias of the first layer changed: another model, and a sound one.
+fn other_image(bearing: Bearing) -> AlignedImage {
+    let mut image = shipped(bearing).to_vec();
+    for (byte, new) in image.iter_mut().skip(64 + 12).zip(12_345_i32.to_le_bytes()) {
+        *byte = new;
+    }
+    inference::image::write::seal(&mut image);
+    AlignedImage::copy(&image)
+}
+
+fn development_key() -> SigningKey {
+    model_quant::key::parse(model_quant::key::DEVELOPMENT).unwrap()
+}
+
+fn package(version: u32, bearing: Bearing) -> Package {
+    let purpose = Purpose { board: BOARD, version, may_be_older: false };
+    Package::new(purpose, &[other_image(bearing)], &development_key()).unwrap()
+}
+
+fn start() -> RemoteController {
+    EmulatedController::start(configuration(Bearing::Babbitt), &EmulatedController::default_elf()).unwrap()
+}
+
+/// The same firmware in this process.
+fn native() -> Session {
+    let build_id = BuildId::new("test");
+    let identity = Identity { build_id, target: Target::Emulator, clock: ClockSource::Host, core_hz: 0 };
+    let mut session = Session::new(identity);
+    session.configure(&configuration(Bearing::Babbitt)).unwrap();
+    session
+}
+
+fn estimate(session: &mut Session, frame: &SensorFrame) -> EstimateFrame {
+    match session.handle(&ToController::Sensor(*frame, SensorStatus::GOOD), &mut NoTicks) {
+        ToHost::Estimate(numbered) => numbered.estimate,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn models(package: &Package) -> Models {
+    let package = Box::leak(Box::new(package.clone()));
+    let checked: [Option<Loaded>; 2] = model_package::check(&package.manifest, &package.payload).unwrap();
+    Models::of_package(checked, ModelSource::BuiltIn)
+}
+
+/// A controller that is given a sample after every request: the update goes on beside the estimates.
+struct Beside<'a, 'f> {
+    controller: &'a mut RemoteController,
+    native: &'a mut Session,
+    frames: std::slice::Iter<'f, SensorFrame>,
+    package: &'a Package,
+    switched: bool,
+    exchanged: u32,
+}
+
+impl Ask for Beside<'_, '_> {
+    fn ask(&mut self, request: UpdateRequest) -> Result<UpdateAnswer, host_sim::controller::ControllerError> {
+        let answer = self.controller.ask(request)?;
+        if let UpdateAnswer::Status(status) = answer
+            && runs(&status, self.package)
+            && !self.switched
+        {
+            self.switched = true;
+            self.native.switch(models(self.package));
+        }
+        let frame = self.frames.next().unwrap();
+        let emulated = self.controller.exchange(frame)?;
+        let expected = estimate(self.native, frame);
+        assert!(emulated.same_bits(&expected), "sample {}: {emulated:?} {expected:?}", frame.sequence);
+        self.exchanged += 1;
+        Ok(answer)
+    }
+}
+
+#[test]
+fn estimates_go_on_during_an_update_and_are_the_new_model_s_after_it_bit_for_bit() {
+    let frames = troubled(&configuration(Bearing::Babbitt), 6000, 4);
+    let package = package(7, Bearing::Babbitt);
+    let (mut controller, mut session) = (start(), native());
+    let mut beside = Beside {
+        controller: &mut controller,
+        native: &mut session,
+        frames: frames.iter(),
+        package: &package,
+        switched: false,
+        exchanged: 0,
+    };
+    let updated = update(&mut beside, &package, |_| {}).unwrap();
+    assert_eq!((updated.before.running, updated.repeated), (ModelSource::BuiltIn, 0));
+    assert_eq!(updated.after.memory, ModelMemory::Volatile);
+    assert!(beside.switched && beside.exchanged > package.payload.len() as u32 / 128);
+    // All kinds of samples with the new model, and it is another one.
+    let (mut differs, mut built_in) = (0, native());
+    let rest = beside.frames.as_slice();
+    for frame in rest {
+        let emulated = controller.exchange(frame).unwrap();
+        let expected = estimate(&mut session, frame);
+        assert!(emulated.same_bits(&expected), "sample {}", frame.sequence);
+        differs += u32::from(!emulated.same_bits(&estimate(&mut built_in, frame)));
+    }
+    assert!(differs > 500, "{differs} of {}", rest.len());
+    Box::new(controller).finish().unwrap();
+}
+
+#[test]
+fn packages_that_are_unsigned_altered_older_or_for_another_board_are_refused_and_recorded() {
+    let mut controller = start();
+    let good = package(7, Bearing::Plastic);
+    update(&mut controller, &good, |_| {}).unwrap();
+    let refused =
+        |controller: &mut RemoteController, package: &Package| match update(controller, package, |_| {}) {
+            Err(host_sim::update::UpdateError::Refused(reason)) => reason,
+            other => panic!("{other:?}"),
+        };
+    let mut unsigned = package(8, Bearing::Plastic);
+    unsigned.signed.signature = [[0; 32]; 2];
+    assert_eq!(refused(&mut controller, &unsigned), UpdateRefusal::Signature);
+    let foreign = Package::new(
+        Purpose { board: BOARD, version: 8, may_be_older: false },
+        &[other_image(Bearing::Plastic)],
+        &SigningKey::from_bytes(&[3; 32]),
+    );
+    assert_eq!(refused(&mut controller, &foreign.unwrap()), UpdateRefusal::Signature);
+    let older = package(6, Bearing::Babbitt);
+    assert_eq!(refused(&mut controller, &older), UpdateRefusal::Version { found: 6, least: 8 });
+    let other_board = Package::new(
+        Purpose { board: 0x2350, version: 8, may_be_older: false },
+        &[other_image(Bearing::Plastic)],
+        &development_key(),
+    );
+    let expected = UpdateRefusal::Board { found: 0x2350, expected: BOARD };
+    assert_eq!(refused(&mut controller, &other_board.unwrap()), expected);
+    // Altered behind the signature: found out when all of it is there.
+    let mut altered = package(8, Bearing::Plastic);
+    altered.payload.bytes_mut()[4000] ^= 1;
+    assert!(update(&mut controller, &altered, |_| {}).is_err());
+    let reasons: Vec<_> = refusals(&mut controller).unwrap().iter().map(|record| record.reason).collect();
+    assert!(reasons.starts_with(&[UpdateRefusal::Hash]), "{reasons:?}");
+    assert!(reasons.contains(&expected) && reasons.contains(&UpdateRefusal::Signature), "{reasons:?}");
+    // The one that was taken still runs.
+    let UpdateAnswer::Status(status) = controller.ask(UpdateRequest::Status).unwrap() else {
+        panic!("no status")
+    };
+    assert!(runs(&status, &good));
+    assert_eq!(usize::from(status.refused.min(8)), reasons.len());
+}
+
+#[test]
+fn an_update_given_up_half_way_is_gone_on_with() {
+    struct Breaks<'a>(&'a mut RemoteController, u32);
+    impl Ask for Breaks<'_> {
+        fn ask(
+            &mut self,
+            request: UpdateRequest,
+        ) -> Result<UpdateAnswer, host_sim::controller::ControllerError> {
+            self.1 = self.1.saturating_sub(1);
+            if self.1 == 0 {
+                let cause = "The cable was pulled.";
+                return Err(host_sim::controller::ControllerError::TimedOut {
+                    waiting_for: "the models",
+                    bound_s: 5,
+                    last_sequence: None,
+                    cause,
+                });
+            }
+            self.0.ask(request)
+        }
+    }
+    let mut controller = start();
+    let package = package(2, Bearing::Babbitt);
+    assert!(update(&mut Breaks(&mut controller, 30), &package, |_| {}).is_err());
+    controller.ask(UpdateRequest::Abort).unwrap();
+    let updated = update(&mut controller, &package, |_| {}).unwrap();
+    // What was written is still in the slot; the last chunk is sent once more.
+    assert!(updated.resumed_at >= 20 * 128, "{updated:?}");
+    let length = package.manifest.length().next_multiple_of(128);
+    assert_eq!(updated.sent_bytes, length - updated.resumed_at);
+}
+
+#[test]
+fn the_command_makes_a_package_s_model_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("test.package");
+    std::fs::write(&file, package(3, Bearing::Plastic).to_bytes()).unwrap();
+    let arguments = |file: &Path| host_sim::commands::update::UpdateArgs {
+        package: Some(file.into()),
+        controller: host_sim::commands::update::Place::Emulated,
+        port: None,
+        elf: None,
+        stop_run: false,
+        status: false,
+        json: true,
+    };
+    host_sim::commands::update::run(&arguments(&file)).unwrap();
+    std::fs::write(&file, b"no package").unwrap();
+    let error = host_sim::commands::update::run(&arguments(&file)).unwrap_err();
+    assert_eq!(error.exit_code(), 2);
+    assert!(error.to_string().contains("10 bytes"), "{error}");
+}
