@@ -24,6 +24,7 @@
 //! exactly 0. The friction network gives the coefficient of friction from the root of the force and features of `|v|`:
 //! `F_f = -sign(v) mu F_n`, an odd function of the speed by construction.
 
+pub mod bench_loop;
 pub mod card;
 pub mod checkpoint;
 pub mod claims;
@@ -41,6 +42,7 @@ pub mod image;
 pub mod key;
 pub mod law;
 pub mod layers;
+pub mod limits;
 pub mod mode;
 pub mod network;
 pub mod package;

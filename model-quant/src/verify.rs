@@ -37,6 +37,8 @@ pub struct Band {
     pub up_to_n: f64,
     /// Rows in the band.
     pub rows: usize,
+    /// Mean magnitude of the law's force in N.
+    pub mean_force_n: f64,
     /// Mean absolute error of the float networks in N.
     pub mae_float_n: f64,
     /// Mean absolute error of the image in N.
@@ -269,6 +271,7 @@ fn bands(samples: &[Sample], which: usize, highest_n: f64) -> Vec<Band> {
             let band = Band {
                 up_to_n,
                 rows: inside().count(),
+                mean_force_n: mean(inside().map(|s| s.law[which].abs())),
                 mae_float_n: mean(inside().map(|s| (s.law[which] - s.float[which]).abs())),
                 mae_n: mean(inside().map(error)),
                 largest_n: inside().map(error).fold(0.0, f64::max),

@@ -2,10 +2,14 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use inference::{Bearing, Flags, Model, Pair, shipped};
+use model_quant::bench_loop;
 use model_quant::card::{Facts, card};
 use model_quant::checkpoint::Checkpoint;
 use model_quant::float_pair::{FloatPair, shipped as shipped_checkpoint};
+use model_quant::held_out::judged;
+use model_quant::image::AnyModel;
 use model_quant::layers::layer_errors;
+use model_quant::limits;
 use model_quant::mode::Plan;
 use model_quant::quantise::quantise;
 use model_quant::recipe::Recipe;
@@ -58,14 +62,17 @@ fn cards_say_what_verification_finds() {
         let (checkpoint, id) = checkpoint(bearing);
         let plan = Plan::default();
         let quantised = quantise(&checkpoint, id, plan).expect("image");
-        let model: Model = Model::load(shipped(bearing)).expect("image");
+        let model = AnyModel::load(shipped(bearing)).expect("image");
+        let sum = shipped(bearing).last_chunk::<4>().map_or(0, |sum| u32::from_le_bytes(*sum));
         let expected = card(&Facts {
             checkpoint: &checkpoint,
             plan,
             header: &model.header(),
             image: shipped(bearing),
-            verdicts: &verdicts(bearing),
+            verdicts: &judged(verdicts(bearing), &checkpoint, model).expect("bench"),
             layers: &layer_errors(&checkpoint, &quantised, plan).expect("layers"),
+            limits: &limits::measure(model).expect("bench"),
+            bench_loop: bench_loop::of_image(&bench_loop::shipped().expect("measurements"), sum),
         });
         assert_eq!(found, expected, "{}: run `model-quant quantize`", bearing.name());
     }

@@ -3,7 +3,7 @@
 //! [`in_the_loop`]: what a run changes by when the networks stand in the law's place, and how much of that is the step
 //! that a force is held over. [`estimate`]: the estimator behind noisy sensors against the bench's true force, beside the
 //! analytic law and the float networks on the very same conditioned signals. [`gap`]: what comes out without contact.
-//! [`goals`] holds the outcomes against the goals. [`conditions`] are those of the paper and some that no setting of the
+//! [`goals`] holds the outcomes against the goals, [`summary`] is what model cards tell of them. [`conditions`] are those of the paper and some that no setting of the
 //! networks or the conditioning was chosen on.
 //!
 //! Limits: truth is the analytic law on the simulated bench; the sensors' noise is white. Shares are of the run's own
@@ -14,6 +14,7 @@ pub mod estimate;
 pub mod gap;
 pub mod goals;
 pub mod in_the_loop;
+pub mod summary;
 
 use crate::error::CliError;
 use crate::parallel;

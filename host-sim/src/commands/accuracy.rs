@@ -5,6 +5,7 @@ use super::sweep::step_s;
 use super::{accuracy_pictures, accuracy_report};
 use crate::accuracy::conditions::{self, Condition};
 use crate::accuracy::goals::{Verdict, judge};
+use crate::accuracy::summary::bench_loops;
 use crate::accuracy::{Accuracy, Settings, measure};
 use crate::error::CliError;
 use crate::force::DEFAULT_STEP_S;
@@ -35,7 +36,7 @@ pub struct AccuracyArgs {
     /// Threads; 0 takes one a core. The outcome does not depend on it.
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub threads: usize,
-    /// Folder for accuracy.json, the pictures and report.html.
+    /// Folder for accuracy.json, bench-loop.json (what the model cards tell of it), the pictures and report.html.
     #[arg(long, default_value = "out/accuracy", value_name = "DIR")]
     pub out: PathBuf,
     /// Print the outcome as JSON.
@@ -70,7 +71,9 @@ pub fn run(args: &AccuracyArgs) -> Result<(), CliError> {
     let text = output::json(&outcome)?;
     let pictures = accuracy_pictures::draw(&outcome)?;
     let page = accuracy_report::page(&outcome, &pictures);
+    let bench_loop = output::json(&bench_loops(&outcome.runs, settings))?;
     output::write(&args.out, "accuracy.json", &format!("{text}\n"))?;
+    output::write(&args.out, "bench-loop.json", &format!("{bench_loop}\n"))?;
     pictures.save(&args.out)?;
     output::write(&args.out, "report.html", &page.render())?;
     if args.json {

@@ -10,6 +10,7 @@ use crate::accuracy::goals::{Standing, Verdict};
 use crate::accuracy::in_the_loop::Change;
 use crate::page::Page;
 use crate::paper::BEARINGS;
+use model_quant::bench_loop::Spread;
 
 fn percent(share: f64) -> String {
     format!("{:+.2}", 100.0 * share)
@@ -63,13 +64,6 @@ fn lead(outcome: &Outcome) -> String {
     )
 }
 
-/// Median and largest magnitude.
-fn spread(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let mut sizes: Vec<f64> = values.map(f64::abs).collect();
-    sizes.sort_by(f64::total_cmp);
-    (sizes.get(sizes.len() / 2).copied().unwrap_or(0.0), sizes.last().copied().unwrap_or(0.0))
-}
-
 /// A row a bearing and set: `name` and the spread of every value.
 fn spreads<const N: usize>(
     outcome: &Outcome,
@@ -87,7 +81,7 @@ fn spreads<const N: usize>(
             let set = if held_out { "held out" } else { "paper's" };
             let mut row = vec![bearing.name().to_owned(), set.to_owned(), name.to_owned()];
             for (value, format) in values.iter().zip(format) {
-                let (median, largest) = spread(outcome.runs.iter().filter(of).map(value));
+                let Spread { median, largest } = Spread::of(outcome.runs.iter().filter(of).map(value));
                 row.extend([format(median), format(largest)]);
             }
             rows.push(row);

@@ -12,6 +12,7 @@ mod verify;
 
 use clap::{Parser, Subcommand};
 use inference::{Bearing, ImageError};
+use model_quant::bench_loop::BenchLoopError;
 use model_quant::checkpoint::{Checkpoint, CheckpointError, bearing_named};
 use model_quant::dataset::bench_runs::RunError;
 use model_quant::dataset::friction_source::FrictionError;
@@ -92,6 +93,8 @@ pub(crate) enum CliError {
     #[error("{0}")]
     History(#[from] HistoryError),
     #[error("{0}")]
+    BenchLoop(#[from] BenchLoopError),
+    #[error("{0}")]
     Import(#[from] import::ImportError),
     #[error("safetensors: {0}")]
     Safetensors(#[from] safetensors::SafeTensorError),
@@ -119,6 +122,7 @@ impl CliError {
             | Self::Key { .. }
             | Self::Package { .. }
             | Self::History(_)
+            | Self::BenchLoop(_)
             | Self::Train(TrainError::State { .. })
             | Self::Argument(..) => 2,
             Self::Friction(error) if error.is_wrong_input() => 2,

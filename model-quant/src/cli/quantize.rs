@@ -2,10 +2,13 @@
 
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
 use inference::{Bearing, shipped as shipped_image};
+use model_quant::bench_loop;
 use model_quant::card::{Facts, card};
 use model_quant::checkpoint::Checkpoint;
+use model_quant::held_out::judged;
 use model_quant::image::AnyModel;
 use model_quant::layers::{LAYER_ROWS, LayerError, layer_errors};
+use model_quant::limits;
 use model_quant::mode::{Mode, Packing, Plan};
 use model_quant::quantise::{QuantiseError, Quantised, quantise};
 use model_quant::verify::{BANDS_N, TEST_ROWS, Verdict, verify};
@@ -46,6 +49,10 @@ pub(crate) struct Arguments {
     /// Directory that gets BEARING.pintle and BEARING.md
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
+    /// bench-loop.json of `host-sim accuracy` for the model cards; the checked-in one if not given. A measurement with another
+    /// image is left out
+    #[arg(long, value_name = "FILE")]
+    bench_loop: Option<PathBuf>,
     /// Compare every mode with the float networks, write nothing
     #[arg(long, conflicts_with_all = ["mode", "packing", "max_error_n", "out", "check", "layers"])]
     compare: bool,
@@ -131,16 +138,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             )));
         }
     }
+    let measured = arguments.bench_loop.as_deref().map_or_else(bench_loop::shipped, bench_loop::read)?;
     for (ready, verdicts) in ready.iter().zip(&verdicts) {
         let image: &[u8] = &ready.quantised.image;
-        let header = AnyModel::load(image).map_err(QuantiseError::from)?.header();
+        let model = AnyModel::load(image).map_err(QuantiseError::from)?;
+        let header = model.header();
         let text = card(&Facts {
             checkpoint: &ready.checkpoint,
             plan,
             header: &header,
             image,
-            verdicts,
+            verdicts: &judged(verdicts.clone(), &ready.checkpoint, model)?,
             layers: &ready.layers(plan)?,
+            limits: &limits::measure(model)?,
+            bench_loop: bench_loop::of_image(&measured, ready.check_sum()),
         });
         write_whole(&arguments.out.join(format!("{}.md", ready.name())), text.as_bytes())?;
         write_whole(&arguments.out.join(format!("{}.pintle", ready.name())), image)?;

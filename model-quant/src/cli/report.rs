@@ -15,8 +15,8 @@ use std::path::PathBuf;
 /// A goal that is not met is an outcome, not a failure: the exit code is 0.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  model-quant report --out out/training\n  \
-                        model-quant train --bearing plastic --json > plastic.json && \
-                        model-quant report --bearing plastic --history plastic.json --out out/training")]
+                        model-quant train --bearing plastic --out out && \
+                        model-quant report --checkpoint out/plastic.float --out out/training")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic; both if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
@@ -24,7 +24,8 @@ pub(crate) struct Arguments {
     /// Float checkpoint; the checked-in ones if not given
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
-    /// Output of `model-quant train --json` for a checkpoint, for the errors over the epochs; may be given once a bearing
+    /// BEARING.history.json of a training, or the output of `model-quant train --json`; may be given once a bearing. The one
+    /// beside a checkpoint is taken without it
     #[arg(long, value_name = "FILE")]
     history: Vec<PathBuf>,
     /// Folder for report.html, report.json and the pictures (SVG)
@@ -45,6 +46,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let mut histories: Vec<(PathBuf, History)> = Vec::new();
     for path in &arguments.history {
         histories.push((path.clone(), History::read(path)?));
+    }
+    if let Some(beside) = arguments.checkpoint.as_ref().map(|path| path.with_extension("history.json"))
+        && beside.exists()
+    {
+        histories.push((beside.clone(), History::read(&beside)?));
     }
     let chosen =
         if arguments.checkpoint.is_some() { vec![Bearing::Babbitt] } else { bearings(arguments.bearing) };

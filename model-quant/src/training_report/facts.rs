@@ -11,7 +11,6 @@ use crate::mode::{Mode, Packing, Plan};
 use crate::quantise::quantise;
 use crate::recipe::Recipe;
 use crate::verify::{Verdict, image_forces_after, test_set, verify};
-use inference::Header;
 use serde::Serialize;
 
 /// Rows whose forces are drawn one by one.
@@ -59,9 +58,6 @@ pub struct BearingFacts {
     /// Some test rows.
     #[serde(skip)]
     pub drawn: Vec<DrawnRow>,
-    /// The image's header.
-    #[serde(skip)]
-    pub header: Header,
 }
 
 impl BearingFacts {
@@ -78,7 +74,6 @@ impl BearingFacts {
         let plan = Plan::default();
         let quantised = quantise(checkpoint, training_id, plan)?;
         let model = AnyModel::load(&quantised.image)?;
-        let header = model.header();
         let verdicts = judged(verify(checkpoint, training_id, &quantised.image)?, checkpoint, model)?;
         let set = test_set(checkpoint, DRAWN_ROWS);
         let found = image_forces_after(&set, model);
@@ -92,11 +87,10 @@ impl BearingFacts {
             recipe: checkpoint.recipe.clone(),
             layers: layer_errors(checkpoint, &quantised, plan)?,
             modes: modes(checkpoint, training_id)?,
-            torque: torque::curves(model, &torque::speeds(&header)),
+            torque: torque::curves(model, &torque::speeds(&model.header())),
             torque_map: torque::curves(model, &torque::SPEEDS_M_S),
             history,
             drawn: drawn.collect(),
-            header,
             verdicts,
         })
     }

@@ -1,4 +1,4 @@
-//! How the errors went over the epochs: what `model-quant train --json` prints.
+//! How the errors went over the epochs: the history that a training leaves beside its checkpoint ([`crate::history`]).
 
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -45,7 +45,7 @@ pub enum HistoryError {
         source: std::io::Error,
     },
     /// It is no history.
-    #[error("{path}: found {source}; expected what `model-quant train --json` prints")]
+    #[error("{path}: found {source}; expected the history of a training")]
     Content {
         /// The file.
         path: String,

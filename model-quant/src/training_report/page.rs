@@ -6,6 +6,7 @@ use super::pictures::{self, Picture};
 use crate::claims::Claim;
 use crate::goals::Goal;
 use crate::layers::LAYER_ROWS;
+use crate::recipe::TrainingSet;
 use crate::verify::{TEST_ROWS, Verdict};
 use report::page::Page;
 
@@ -125,11 +126,15 @@ fn recipe_rows(all: &[BearingFacts]) -> Vec<Vec<String>> {
                 facts.bearing.to_owned(),
                 format!("{:?}", recipe.range).to_lowercase(),
                 recipe.seed.to_string(),
-                recipe.rows.to_string(),
+                match recipe.set {
+                    TrainingSet::Drawn => recipe.rows.to_string(),
+                    TrainingSet::Full => "full set".to_owned(),
+                },
                 recipe.validation_rows.to_string(),
                 recipe.epochs.to_string(),
                 recipe.grid_epochs.to_string(),
                 recipe.batch.to_string(),
+                recipe.instruction_set.name().to_owned(),
                 facts.training_id.clone(),
             ]
         })
@@ -157,13 +162,22 @@ pub fn report(all: &[BearingFacts], claims: &[Claim]) -> Result<Report, ReportEr
         drawn.extend(pictures);
     };
     page.section("Training (Fig. 10)");
-    let header =
-        ["bearing", "rows of", "seed", "rows", "validation", "epochs", "on the grid", "batch", "training id"];
+    let header = [
+        "bearing",
+        "rows of",
+        "seed",
+        "rows",
+        "validation",
+        "epochs",
+        "on the grid",
+        "batch",
+        "arithmetic",
+        "training id",
+    ];
     page.table(&header, &recipe_rows(all));
     if all.iter().all(|facts| facts.history.is_none()) {
         page.note(
-            "The errors over the epochs are not stored with these checkpoints: give the output of `model-quant train \
-             --json` with --history to see the curves.",
+            "No history of the epochs was given: `model-quant train` writes it beside the checkpoint, --history names it.",
         );
     }
     for history in all.iter().filter_map(|facts| facts.history.as_ref()) {

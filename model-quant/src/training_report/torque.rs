@@ -6,8 +6,8 @@
 
 use crate::errors::FRICTION_RADIUS_M;
 use crate::image::{AnyModel, AnyPair};
-use crate::law::{friction_law, normal_law};
-use inference::{Bearing, ContactState, Header, WINDOW};
+use crate::law::{depth_m, friction_law};
+use inference::{ContactState, Header, WINDOW};
 use serde::Serialize;
 
 /// Loads in N.
@@ -20,8 +20,6 @@ const POINTS: usize = 80;
 const SLOWEST_M_S: f64 = 5e-4;
 /// Radial clearance that the networks are asked at, m.
 const CLEARANCE_M: f64 = 0.5e-3;
-/// Halvings of the interval of the deformation.
-const HALVINGS: usize = 60;
 
 /// Torque in N m at a load by sliding speed in m/s, ascending.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,7 +36,8 @@ pub fn curves(model: AnyModel<'_>, speeds_m_s: &[f64]) -> Vec<Curve> {
     let law = friction_law(header.bearing);
     let mut pair = AnyPair::new(model);
     let curve = |load_n: f64| {
-        let deformation_m = depth(&header, load_n)?;
+        let deepest_m = f64::from(header.deformation_m().high);
+        let deformation_m = depth_m(header.bearing, CLEARANCE_M, load_n, deepest_m)?;
         let points = speeds_m_s.iter().map(|&speed| {
             pair.reset();
             let state = ContactState {
@@ -64,26 +63,10 @@ pub fn speeds(header: &Header) -> Vec<f64> {
     (0..POINTS).map(|i| SLOWEST_M_S * (highest / SLOWEST_M_S).powf(share(i))).collect()
 }
 
-/// The deformation at rest that carries a load under the law, by bisection: the force grows with it. None if that is deeper
-/// than the networks were trained to.
-fn depth(header: &Header, load_n: f64) -> Option<f64> {
-    let bearing: Bearing = header.bearing;
-    let law = normal_law(bearing, CLEARANCE_M, f64::from(header.latch_floor_m_s()));
-    let (mut low, mut high) = (0.0, f64::from(header.deformation_m().high));
-    if law.force_n(high, 0.0, 0.0) < load_n {
-        return None;
-    }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if law.force_n(middle, 0.0, 0.0) < load_n { low = middle } else { high = middle }
-    }
-    Some(high)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use inference::shipped;
+    use inference::{Bearing, shipped};
 
     #[test]
     fn the_networks_torque_follows_the_law_over_speed_and_load() {
@@ -101,12 +84,8 @@ mod tests {
     }
 
     #[test]
-    fn the_depth_carries_the_load() {
-        let header = AnyModel::load(shipped(Bearing::Plastic)).unwrap().header();
-        let law = normal_law(Bearing::Plastic, CLEARANCE_M, 1e-3);
-        assert!((law.force_n(depth(&header, 5e3).unwrap(), 0.0, 0.0) / 5e3 - 1.0).abs() < 1e-9);
-        assert_eq!(depth(&header, 1e6), None);
-        let speeds = speeds(&header);
+    fn speeds_ascend_to_the_end_of_the_range() {
+        let speeds = speeds(&AnyModel::load(shipped(Bearing::Plastic)).unwrap().header());
         assert!(speeds.windows(2).all(|w| w[0] < w[1]) && (speeds[POINTS - 1] - 0.25).abs() < 1e-6);
     }
 }

@@ -1,0 +1,88 @@
+//! The training report and what `verify` says of goals, as a user meets them.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn model_quant(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_model-quant")).args(arguments).output().expect("run")
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("json")
+}
+
+fn name(path: &Path) -> &str {
+    path.to_str().expect("utf-8")
+}
+
+#[test]
+fn the_report_has_every_picture_goal_and_claim_and_is_the_same_every_time() {
+    let folder = tempfile::tempdir().expect("folder");
+    let [first, second] = ["first", "second"].map(|part| folder.path().join(part));
+    let arguments =
+        |out: &Path| ["report", "--bearing", "plastic", "--json", "--out", name(out)].map(str::to_owned);
+    let found = json(&model_quant(&arguments(&first).each_ref().map(String::as_str)));
+    let ids: Vec<u64> =
+        found["claims"].as_array().expect("claims").iter().filter_map(|c| c["id"].as_u64()).collect();
+    assert_eq!(ids, [12, 13, 14, 15]);
+    let network = &found["networks"][0];
+    assert_eq!(network["bearing"], "plastic");
+    for verdict in network["verdicts"].as_array().expect("verdicts") {
+        let goals = verdict["goals"].as_array().expect("goals");
+        assert!(goals.iter().any(|g| g["figure"].as_str().is_some_and(|f| f.contains("held-out"))));
+        for goal in goals {
+            let [value, limit] = ["value", "limit"].map(|key| goal[key].as_f64().expect("number"));
+            assert_eq!(goal["met"], if goal["relation"] == ">=" { value >= limit } else { value <= limit });
+        }
+    }
+    let page = std::fs::read_to_string(first.join("report.html")).expect("page");
+    assert!(page.contains("Figs. 12 and 13") && page.matches("<svg").count() >= 6);
+    for picture in [
+        "prediction-plastic-collision",
+        "torque-plastic-speed",
+        "torque-plastic-map",
+        "bands-plastic-friction",
+    ] {
+        assert!(first.join(format!("{picture}.svg")).exists(), "{picture}");
+    }
+    json(&model_quant(&arguments(&second).each_ref().map(String::as_str)));
+    for file in ["report.html", "report.json"] {
+        let [a, b] = [&first, &second].map(|part| std::fs::read(part.join(file)).expect("file"));
+        assert!(a == b, "{file}");
+    }
+}
+
+#[test]
+fn a_history_of_another_training_is_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("history.json");
+    std::fs::write(&path, r#"{"bearing": "plastic", "training_id": "00", "epochs": []}"#).expect("file");
+    let out = folder.path().join("out");
+    let arguments = ["report", "--bearing", "plastic", "--history", name(&path), "--out", name(&out)];
+    let output = model_quant(&arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("--history: found") && message.contains("training id 00"), "{message}");
+    std::fs::write(&path, "{}").expect("file");
+    let output = model_quant(&arguments);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("history.json: found missing field"));
+    assert!(!out.exists());
+}
+
+#[test]
+fn verify_holds_both_networks_against_their_goals_and_gives_friction_as_a_torque() {
+    let found = json(&model_quant(&["verify", "--bearing", "plastic", "--json"]));
+    let [collision, friction] = [&found[0], &found[1]];
+    assert!(collision.get("mae_nm").is_none());
+    let [mae_n, mae_nm] = ["mae_n", "mae_nm"].map(|key| friction[key].as_f64().expect("number"));
+    assert!((mae_nm / mae_n - 0.07).abs() < 1e-12);
+    let number = |value: &Value, path: &str| value.pointer(path).and_then(Value::as_f64).expect("number");
+    let share = number(collision, "/mae_n") / number(collision, "/p99_force_n");
+    assert!((number(collision, "/mae_share_of_p99") - share).abs() < 1e-12 && share < 0.003);
+    assert!(number(collision, "/held_out/image/rows") > 90_000.0);
+    assert!(number(collision, "/p99_force_n") > 10_000.0);
+}
