@@ -7,3 +7,4 @@ mod line;
 mod package;
 mod power;
 mod refusals;
+mod session;
