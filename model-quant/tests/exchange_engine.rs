@@ -37,7 +37,7 @@ fn window(draw: &mut Draw, index: u64, length: usize) -> Vec<i16> {
     let ends = [i16::MIN, i16::MAX, 0, -i16::MAX];
     let value = |draw: &mut Draw| (draw.unit() * 65536.0 - 32768.0).floor() as i16;
     (0..length)
-        .map(|_| if index % 4 == 0 { ends[(draw.unit() * 4.0) as usize % 4] } else { value(draw) })
+        .map(|_| if index.is_multiple_of(4) { ends[(draw.unit() * 4.0) as usize % 4] } else { value(draw) })
         .collect()
 }
 

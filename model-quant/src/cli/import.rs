@@ -38,7 +38,8 @@ const LARGEST_FILE: u64 = 64 << 20;
 ///
 /// --bearing puts the network in place of the one of its shape in that bearing's float checkpoint and writes BEARING.float
 /// for `model-quant quantize`. Its inputs must be the features of the shipped networks (`model-quant export` lists them in the
-/// file's metadata), its output theirs.
+/// file's metadata), its output theirs. The recipe in that file stays the one of the checkpoint: it tells of the ranges and of the
+/// other network, not of the training of the imported one.
 #[derive(Debug, clap::Args)]
 #[command(
     verbatim_doc_comment,
@@ -87,7 +88,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ImportError {
     #[error("{}: {source}", path.display())]
-    Onnx { path: PathBuf, source: OnnxError },
+    Onnx { path: PathBuf, source: Box<OnnxError> },
     #[error("{}: {source}", path.display())]
     Samples { path: PathBuf, source: SamplesError },
     #[error("{}: found {length} bytes, expected at most {LARGEST_FILE}", path.display())]
@@ -148,7 +149,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         return Err(CliError::Argument("--tolerance", found, "a number, 0 or above"));
     }
     let imported = import(&read(&arguments.file)?)
-        .map_err(|source| ImportError::Onnx { path: arguments.file.clone(), source })?;
+        .map_err(|source| ImportError::Onnx { path: arguments.file.clone(), source: Box::new(source) })?;
     let checked = checked(arguments, &imported)?;
     if let Some(bearing) = arguments.bearing {
         return replace(arguments, bearing, &imported, checked.as_ref());
@@ -163,7 +164,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         })?,
     };
     let name = name(arguments)?;
-    let alone = quantise(&imported.network, scale, &samples, plan)?;
+    let alone = quantise(&imported.network, scale, &samples, plan).map_err(|error| {
+        let hint =
+            if plan.mode.has_narrow_weights() { "; --mode w16a16 has room for finer weights" } else { "" };
+        CliError::Refused(format!("{}: {error}{hint}; nothing written", arguments.file.display()))
+    })?;
     let cost = alone.cost(&imported.network, &samples);
     let file =
         arguments.file.file_name().map_or_else(String::new, |file| file.to_string_lossy().into_owned());
@@ -312,6 +317,9 @@ fn replace(
     print(format_args!(
         "wrote {}: the {replaced} network replaced, {off}; training id {training_id}",
         file.display()
+    ))?;
+    print(format_args!(
+        "its recipe is that of the other network; nothing in it tells how the imported one was trained"
     ))?;
     print(format_args!("next: model-quant quantize --checkpoint {}", file.display()))
 }

@@ -103,8 +103,7 @@ impl Samples {
         for (sample, (window, outputs)) in self.windows.iter().zip(&self.outputs).enumerate() {
             for (output, (ours, theirs)) in network.evaluate(window).iter().zip(outputs).enumerate() {
                 let difference = (f64::from(*ours) - f64::from(*theirs)).abs();
-                // Written so that a difference that is not a number is the largest.
-                if !(difference <= found.largest) {
+                if difference > found.largest || difference.is_nan() {
                     found = Difference { largest: difference, sample, output, full_scale };
                 }
             }
