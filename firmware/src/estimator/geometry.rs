@@ -4,12 +4,12 @@
 //! which the journal slides when the shaft turns forward (from +z towards +y). Positions in nm within [`POSITION_LIMIT_NM`],
 //! the distance in sixteenths of a nanometre, directions times 2^30. No branch on data.
 
-use super::whole::{product, saturated, select};
+use super::whole::{product, saturated, saturated_unsigned, select};
 use core::f32::consts::{FRAC_PI_2, PI};
 use inference::fixed::{fraction, root};
 
-/// Positions are cut off here, nm: 8.4 mm either way, beyond every clearance that can be served.
-pub const POSITION_LIMIT_NM: i32 = (1 << 23) - 1;
+/// Positions are cut off here, nm: beyond every clearance that can be served, and what a window of 24 can hold.
+pub const POSITION_LIMIT_NM: i32 = 7_700_000;
 /// Steps of the distance in a nanometre.
 pub const DISTANCE_STEPS_PER_NM: i32 = 16;
 /// Fraction bits of a direction.
@@ -36,10 +36,10 @@ impl ContactFrame {
     #[inline]
     #[must_use]
     pub fn at(y_nm: i32, z_nm: i32) -> Self {
-        let y = y_nm.max(-POSITION_LIMIT_NM).min(POSITION_LIMIT_NM);
-        let z = z_nm.max(-POSITION_LIMIT_NM).min(POSITION_LIMIT_NM);
+        let y = cut(y_nm);
+        let z = cut(z_nm);
         let y = y | i32::from((y | z) == 0);
-        // Below 2^47: the even shift to 2^62..2^64 is 16 at least.
+        // At most 2^47: the even shift to 2^62..2^64 is 16 at least.
         let square = product(y, y, 0).wrapping_add(product(z, z, 0)).cast_unsigned();
         let scale = (square.leading_zeros() >> 1) & 31;
         let scaled = square << (2 * scale);
@@ -48,10 +48,13 @@ impl ContactFrame {
         let rough = u64::from(first) << 15;
         let rest = scaled.wrapping_sub(rough.wrapping_mul(rough)) >> 18;
         let more = (rest as u32) / ((first >> 2) | 1);
-        let length = rough.wrapping_add(u64::from(more)).min(u64::from(u32::MAX)) as u32;
-        let inverse = fraction(1 << DIRECTION_BITS, length);
-        let along =
-            |component: i32| ((i64::from(component) << scale).wrapping_mul(i64::from(inverse)) >> 32) as i32;
+        let length = saturated_unsigned(rough.wrapping_add(u64::from(more)));
+        // Just below 2^31 at most.
+        let inverse = fraction(1 << DIRECTION_BITS, length).min(i32::MAX as u32);
+        // A component is not longer than the whole: below 2^31.
+        let along = |component: i32| {
+            product(component << (scale.wrapping_sub(1) & 31), inverse.cast_signed(), 31) as i32
+        };
         Self {
             distance: (length >> (scale.wrapping_sub(4) & 31)).cast_signed(),
             normal_y: along(y),
@@ -77,14 +80,9 @@ impl ContactFrame {
         let speed = turning_nm_s >> 8;
         let square = product(speed, speed, 14).cast_unsigned();
         let quotient = square.wrapping_mul(u64::from(self.inverse));
-        (quotient >> (42_u32.wrapping_sub(self.scale) & 63)).min(i32::MAX as u64) as i32
-    }
-
-    /// A vector's part along `n`.
-    #[inline]
-    #[must_use]
-    pub fn along(&self, y: i32, z: i32) -> i32 {
-        saturated(product(self.normal_y, y, 0).wrapping_add(product(self.normal_z, z, 0)) >> DIRECTION_BITS)
+        saturated_unsigned(quotient >> (42_u32.wrapping_sub(self.scale) & 63))
+            .min(i32::MAX as u32)
+            .cast_signed()
     }
 
     /// Force of the bearing on the journal: `-F_n n + F_f t`, along y and z, in the unit of its parts.
@@ -114,6 +112,12 @@ impl ContactFrame {
         let half = pick(self.normal_y < 0, PI - steep, steep);
         pick(self.normal_z < 0, -half, half)
     }
+}
+
+/// A position within the limits.
+#[inline]
+pub(super) fn cut(position_nm: i32) -> i32 {
+    position_nm.max(-POSITION_LIMIT_NM).min(POSITION_LIMIT_NM)
 }
 
 /// One of two numbers, without a branch.
@@ -159,8 +163,6 @@ mod tests {
             let turning = (f64::from(y) * f64::from(v_z) - f64::from(z) * f64::from(v_y)) / a;
             let found = frame.turning(v_y, v_z);
             prop_assert!((f64::from(found) - turning).abs() < 20.0, "{} {}", found, turning);
-            let along = (f64::from(y) * f64::from(v_y) + f64::from(z) * f64::from(v_z)) / a;
-            prop_assert!((f64::from(frame.along(v_y, v_z)) - along).abs() < 20.0);
             let expected = turning * turning / a / 1024.0;
             prop_assume!(expected < 2e9);
             let centripetal = f64::from(frame.centripetal(found));
@@ -172,7 +174,7 @@ mod tests {
         #[test]
         fn nothing_overflows(y in code(), z in code(), a in any::<i32>(), b in any::<i32>()) {
             let frame = ContactFrame::at(y, z);
-            let _ = (frame.turning(a, b), frame.along(a, b), frame.centripetal(a), frame.force(a, b));
+            let _ = (frame.turning(a, b), frame.centripetal(a), frame.force(a, b));
             prop_assert!(frame.distance > 0 && frame.angle_rad().abs() < 3.142);
         }
 

@@ -22,7 +22,7 @@
 
 use super::conditioning::{Conditioning, MASS_RANGE_G};
 use super::geometry::ContactFrame;
-use super::whole::{Factor, product, saturated, select, within};
+use super::whole::{Factor, product, saturated, saturated_unsigned, select, within};
 use inference::fixed::fraction;
 
 /// Unit of accelerations, nm/s2.
@@ -35,10 +35,8 @@ const MASS_BITS: u32 = 20;
 const PULL_SHIFT: u32 = 7;
 /// Below this force the elastic part is not known well enough, mN.
 const LEAST_FORCE_MN: i32 = 20_000;
-/// Largest acceleration, in units: 1.1 km/s2.
-const ACCELERATION_LIMIT: i32 = 1 << 30;
-/// Largest rate that is predicted either way, nm/s: 1.07 m/s.
-const RATE_LIMIT_NM_S: i32 = 1 << 30;
+/// Accelerations are below 2 to this power units, 1.1 km/s2, speeds and predicted rates below 2 to this power nm/s, 1.07 m/s.
+const LIMIT_BITS: u32 = 30;
 
 /// Newton's law along the normal, and what the last ticks told about it.
 #[derive(Clone, Debug)]
@@ -115,37 +113,39 @@ impl Newton {
     pub(super) fn rate_nm_s(&mut self, contact: &ContactFrame, turning: i32, y: i32, settled: bool) -> i32 {
         self.learn_pull(y, settled);
         let ContactFrame { normal_y, normal_z, .. } = *contact;
-        let yield_of =
-            |direction: i32, per_mass: i32| product(product(direction, direction, 30) as i32, per_mass, 30);
+        let part = |direction: i32, per_mass: i32| {
+            product(product(direction, direction, 30) as i32, per_mass, 30) as i32
+        };
         // Acceleration units over mN along the normal, 2^20: below 2^30.
-        let per_mass = yield_of(normal_y, self.per_mass_y).wrapping_add(yield_of(normal_z, self.per_mass_z));
+        let per_mass = part(normal_y, self.per_mass_y).wrapping_add(part(normal_z, self.per_mass_z));
         let difference = self.per_mass_y.wrapping_sub(self.per_mass_z);
-        let friction = saturated(product(self.friction_mn, difference, MASS_BITS));
-        let friction = product(product(normal_y, normal_z, 30) as i32, friction, 30);
-        // Each below 2^31: the sum stays far within its 64 bits.
-        let asked = i64::from(contact.centripetal(turning))
-            .wrapping_add(product(self.pull, normal_y, 30))
-            .wrapping_sub(product(GRAVITY, normal_z, 30))
-            .wrapping_add(friction)
+        let friction = within(saturated(product(self.friction_mn, difference, MASS_BITS)), LIMIT_BITS);
+        let friction = product(product(normal_y, normal_z, 30) as i32, friction, 30) as i32;
+        // Three parts below 2^30 and one below 2^31.
+        let asked = (product(self.pull, normal_y, 30) as i32)
+            .wrapping_sub(product(GRAVITY, normal_z, 30) as i32)
+            .saturating_add(friction)
+            .saturating_add(contact.centripetal(turning))
             .max(0)
-            .min(ACCELERATION_LIMIT.into()) as u32;
+            .cast_unsigned();
         // An eighth of `F_asked/F_last`, and so at most 8 times.
-        let last = i64::from(self.normal_mn).wrapping_mul(per_mass).cast_unsigned() >> (MASS_BITS - 3);
-        let ratio = fraction(asked, last.min(u64::from(u32::MAX)) as u32);
+        let last = product(self.normal_mn, per_mass, MASS_BITS - 3).cast_unsigned();
+        let ratio = fraction(asked, saturated_unsigned(last));
         let rate = u64::from(self.speed_nm_s.cast_unsigned()).wrapping_mul(ratio.into()) >> 29;
-        let rate = within(rate.cast_signed().wrapping_sub(self.slope_nm_s.into()), RATE_LIMIT_NM_S);
+        let rate = saturated(rate.cast_signed()).saturating_sub(self.slope_nm_s);
+        let rate = within(rate, LIMIT_BITS);
         select(self.normal_mn >= LEAST_FORCE_MN, rate, 0)
     }
 
     /// Remembers what a tick's estimate was; `open` says that there was no contact.
     #[inline]
     pub(super) fn remember(&mut self, told: &Told, open: bool) {
-        let speed = self.per_damping.times(told.approach_nm_s.min(RATE_LIMIT_NM_S as u32).cast_signed());
-        let speed = speed.min(RATE_LIMIT_NM_S);
+        let approach = told.approach_nm_s.min(1 << LIMIT_BITS).cast_signed();
+        let speed = within(self.per_damping.times(approach), LIMIT_BITS);
         self.slope_nm_s = speed;
-        let with_rate = i64::from(speed).wrapping_add(told.rate_nm_s.into());
-        let known = told.warm & (with_rate >= i64::from(speed >> 1)) & (told.normal_mn >= LEAST_FORCE_MN);
-        self.speed_nm_s = select(known, saturated(with_rate), self.speed_nm_s);
+        let with_rate = speed.saturating_add(told.rate_nm_s);
+        let known = told.warm & (with_rate >= speed >> 1) & (told.normal_mn >= LEAST_FORCE_MN);
+        self.speed_nm_s = select(known, with_rate, self.speed_nm_s);
         self.normal_mn = select(open, 0, select(known, told.normal_mn, self.normal_mn));
         self.friction_mn = told.friction_mn;
         self.force_y_mn = told.force_y_mn;
@@ -154,15 +154,14 @@ impl Newton {
     /// One more tick of Newton's law along y: over 2, 4, 4, 8, 8, 8, 8, ... ticks, at last over 128.
     #[inline]
     fn learn_pull(&mut self, y_nm_s: i32, settled: bool) {
-        let changed = saturated(i64::from(y_nm_s).wrapping_sub(self.last_y_nm_s.into()));
+        let changed = y_nm_s.saturating_sub(self.last_y_nm_s);
         self.last_y_nm_s = y_nm_s;
         self.ticks = self.ticks.saturating_add(u32::from(settled));
         let shift = 32_u32.wrapping_sub(self.ticks.leading_zeros()).min(PULL_SHIFT);
-        let by_contact = product(self.force_y_mn, self.per_mass_y, MASS_BITS);
-        let found = i64::from(self.per_tick.times(changed)).wrapping_sub(by_contact);
-        let found = i64::from(within(found, ACCELERATION_LIMIT));
-        let step = found.wrapping_sub(self.pull.into()) >> shift;
-        self.pull =
-            select(settled, within(step.wrapping_add(self.pull.into()), ACCELERATION_LIMIT), self.pull);
+        let by_contact = saturated(product(self.force_y_mn, self.per_mass_y, MASS_BITS));
+        let found = within(self.per_tick.times(changed).saturating_sub(by_contact), LIMIT_BITS);
+        // Both below 2^30.
+        let step = found.wrapping_sub(self.pull) >> (shift & 31);
+        self.pull = self.pull.wrapping_add(select(settled, step, 0));
     }
 }

@@ -7,10 +7,10 @@
 //!
 //! Whether the prediction holds shows in that same difference: averaged over 8 samples it is a quarter of the sensor's noise, no more. Its
 //! mean square (over 32 samples while it grows, 64 while it falls) below a quarter of the noise's leaves the observer alone, above half of the
-//! noise's hands over to the parabola of [`super::signals`], in between both are mixed. In a gap, before its window is full, and without masses it is the parabola that
+//! noise's hands over to the parabola of [`super::signals`], in between both are mixed. In a gap, before its window is full, without masses, and when it has lost the journal by 32 um it is the parabola that
 //! counts, and the observer starts from it at an onset; its mean square then starts at [`DOUBT`] times the noise's and takes 18 ms to fall.
 //!
-//! Whole numbers: positions in nm/16 outside and nm/2^24 inside, rates in nm/s outside and nm/2^24 a sample inside. No branch on data.
+//! Whole numbers: positions in nm/16 outside and nm/2^24 inside, rates in nm/s outside and nm/s over 2^16 inside. No branch on data.
 
 use super::geometry::DISTANCE_STEPS_PER_NM;
 use super::whole::{Factor, product, saturated, select, select_wide, within};
@@ -18,7 +18,7 @@ use super::whole::{Factor, product, saturated, select, select_wide, within};
 /// Share of a difference that the position takes over, over 2^20.
 pub(super) const POSITION_GAIN: i32 = 99_775;
 /// Share that the rate takes over a sample, over 2^20.
-pub(super) const RATE_GAIN: i32 = 4_987;
+pub(super) const RATE_GAIN: u32 = 4_987;
 /// Fraction bits of a position inside, and of a position outside.
 const INSIDE_BITS: u32 = 24;
 const OUTSIDE_BITS: u32 = DISTANCE_STEPS_PER_NM.ilog2();
@@ -29,16 +29,18 @@ const ATTACK_SHIFT: u32 = 5;
 const RELEASE_SHIFT: u32 = 6;
 /// Fraction bits of the mean difference.
 const MEAN_BITS: u32 = 8;
-/// Differences beyond 32.8 um count as that.
-const DIFFERENCE_LIMIT_NM: i32 = (1 << 15) - 1;
+/// At a difference of 32.8 um the observer has lost the journal and starts from the window again.
+const DIFFERENCE_BITS: u32 = 15 + OUTSIDE_BITS;
 /// The mean square starts at so many times the noise's.
 const DOUBT: i32 = 4;
 /// Noise that can be served, nm: its square times [`DOUBT`] stays within 32 bits.
 const NOISE_RANGE_NM: (u32, u32) = (10, 8_000);
 /// Fraction bits of the parabola's share.
 const SHARE_BITS: u32 = 15;
-/// Rates are handed in and out in steps of 2^-12 nm a sample (2.4 nm/s at 100 us), up to 0.5 mm a sample.
-const CUT_BITS: u32 = 12;
+/// Fraction bits of a rate inside.
+const RATE_BITS: u32 = 16;
+/// Fraction bits of a step per sample.
+const STEP_BITS: u32 = 12;
 
 /// Position and rate, followed.
 #[derive(Clone, Debug)]
@@ -51,7 +53,7 @@ pub(super) struct Observer {
     per_range: Factor,
     always_window: bool,
     per_sample: Factor,
-    per_second: Factor,
+    rate_gain: i32,
 }
 
 /// Deformation in nm/16 and its rate in nm/s.
@@ -75,8 +77,10 @@ impl Observer {
             noise_square,
             per_range: Factor::of(1 << SHARE_BITS, u64::from(range.cast_unsigned())),
             always_window: !with_predictions,
-            per_sample: Factor::of(u64::from(period_us) << (INSIDE_BITS - CUT_BITS), 1_000_000),
-            per_second: Factor::of(1_000_000, u64::from(period_us) << (INSIDE_BITS - CUT_BITS)),
+            per_sample: Factor::of(u64::from(period_us) << STEP_BITS, 1_000_000),
+            // A step outside, a sixteenth of a nanometre, per sample in nm/s over 2^16: at most 2^23 for 50 us and more.
+            rate_gain: (u64::from(RATE_GAIN).wrapping_mul(1_000_000 << (RATE_BITS - OUTSIDE_BITS))
+                / (u64::from(period_us.max(1)) << 20)) as i32,
         }
     }
 
@@ -84,14 +88,16 @@ impl Observer {
     #[inline]
     pub(super) fn step(&mut self, measured: i32, window: Radial, predicted_nm_s: i32, open: bool) -> Radial {
         let inside = |nm: i32| i64::from(nm) << (INSIDE_BITS - OUTSIDE_BITS);
-        let per_sample = |rate_nm_s: i32| i64::from(self.per_sample.times(rate_nm_s)) << CUT_BITS;
-        let predicted = per_sample(predicted_nm_s);
-        let position = self.position.wrapping_add(self.rest).wrapping_add(predicted);
-        let limit = DIFFERENCE_LIMIT_NM << OUTSIDE_BITS;
-        let off = within(inside(measured).wrapping_sub(position) >> (INSIDE_BITS - OUTSIDE_BITS), limit);
+        let rest = saturated(self.rest >> RATE_BITS);
+        let step = self.per_sample.times(rest.saturating_add(predicted_nm_s));
+        let position = self.position.wrapping_add(i64::from(step) << (INSIDE_BITS - STEP_BITS));
+        let off = saturated(inside(measured).wrapping_sub(position) >> (INSIDE_BITS - OUTSIDE_BITS));
+        let near = within(off, DIFFERENCE_BITS);
+        let open = open | (near != off);
+        let off = near;
         // A step outside over 2^20, that is inside, is 2^20 steps inside over 2^20.
         let position = position.wrapping_add(product(off, POSITION_GAIN, 0));
-        let rest = self.rest.wrapping_add(product(off, RATE_GAIN, 0));
+        let rest = self.rest.wrapping_add(product(off, self.rate_gain, 0));
 
         let mean =
             self.mean.wrapping_add((off << (MEAN_BITS - OUTSIDE_BITS)).wrapping_sub(self.mean) >> MEAN_SHIFT);
@@ -100,10 +106,8 @@ impl Observer {
         let change = select(change > 0, change >> ATTACK_SHIFT, change >> RELEASE_SHIFT);
         let mean_square = self.mean_square.wrapping_add(change);
 
-        // Bounded before they are kept, so that nothing grows without end: 2^27 nm, and 2^20 nm a sample.
-        let (far, fast) = (1_i64 << (INSIDE_BITS + 27), 1_i64 << (INSIDE_BITS + 20));
-        self.position = select_wide(open, inside(window.deformation), position.max(-far).min(far));
-        self.rest = select_wide(open, per_sample(window.rate_nm_s), rest.max(-fast).min(fast));
+        self.position = select_wide(open, inside(window.deformation), position);
+        self.rest = select_wide(open, i64::from(window.rate_nm_s) << RATE_BITS, rest);
         self.mean = select(open, 0, mean);
         self.mean_square = select(open, self.noise_square.wrapping_mul(DOUBT), mean_square);
 
@@ -111,11 +115,9 @@ impl Observer {
         let share = self.per_range.times(beyond).max(0).min(1 << SHARE_BITS);
         let share = select(open | self.always_window, 1 << SHARE_BITS, share);
         let deformation = saturated(self.position >> (INSIDE_BITS - OUTSIDE_BITS));
-        let rate = self.rest.wrapping_add(select_wide(open, 0, predicted));
-        let rate_nm_s = self.per_second.times(saturated(rate >> CUT_BITS));
+        let rate_nm_s = saturated(self.rest >> RATE_BITS).saturating_add(select(open, 0, predicted_nm_s));
         let mixed = |own: i32, other: i32| {
-            let difference = i64::from(other).wrapping_sub(own.into()).wrapping_mul(share.into());
-            saturated(i64::from(own).wrapping_add(difference >> SHARE_BITS))
+            own.saturating_add(product(other.saturating_sub(own), share, SHARE_BITS) as i32)
         };
         Radial {
             deformation: mixed(deformation, window.deformation),

@@ -6,8 +6,6 @@ use inference::{Bearing, ImageError, Model};
 use link::{Configuration, Refusal};
 
 use super::geometry::DISTANCE_STEPS_PER_NM;
-use super::signals::SHAFT_SPEED_UNIT_NRAD_S;
-use super::whole::Factor;
 
 /// Radial clearances that can be served, nm: 1 um to 5 mm. What the networks know is narrower; they flag the rest.
 pub const CLEARANCE_RANGE_NM: RangeInclusive<u32> = 1_000..=5_000_000;
@@ -25,8 +23,6 @@ pub(super) struct Setup {
     /// The same in steps of the distance.
     pub(super) radial_clearance: i32,
     pub(super) journal_radius_m: f32,
-    /// From the shaft's speed to the sliding speed in nm/s.
-    pub(super) shaft_to_sliding: Factor,
     pub(super) latch_floor_nm_s: i32,
     pub(super) unseen_approach_nm_s: i32,
     /// The floor that the image applies inside.
@@ -72,10 +68,6 @@ impl Setup {
             radial_clearance_nm,
             radial_clearance: steps.cast_signed(),
             journal_radius_m: journal_radius_nm as f32 * 1e-9,
-            shaft_to_sliding: Factor::of(
-                u64::from(journal_radius_nm).wrapping_mul(SHAFT_SPEED_UNIT_NRAD_S),
-                1_000_000_000,
-            ),
             latch_floor_nm_s: speed_nm_s(latch_floor_um_s),
             unseen_approach_nm_s: speed_nm_s(unseen_approach_um_s),
             image_floor_nm_s: model.header().latch_floor_nm_s,

@@ -2,14 +2,22 @@
 
 /// The nearest number of 32 bits.
 #[inline]
-pub(super) fn saturated(value: i64) -> i32 {
-    value.max(i64::from(i32::MIN)).min(i64::from(i32::MAX)) as i32
+pub(super) const fn saturated(value: i64) -> i32 {
+    let (low, high) = (value as i32, (value >> 32) as i32);
+    if high == low >> 31 { low } else { (high >> 31) ^ i32::MAX }
 }
 
-/// A number within `-limit..=limit`.
+/// The nearest number of 32 bits without a sign.
 #[inline]
-pub(super) fn within(value: i64, limit: i32) -> i32 {
-    value.max(-i64::from(limit)).min(i64::from(limit)) as i32
+pub(super) const fn saturated_unsigned(value: u64) -> u32 {
+    if value >> 32 == 0 { value as u32 } else { u32::MAX }
+}
+
+/// A number within `-2^bits..2^bits`: one instruction.
+#[inline]
+pub(super) fn within(value: i32, bits: u32) -> i32 {
+    let limit = 1_i32 << (bits & 31);
+    value.max(limit.wrapping_neg()).min(limit.wrapping_sub(1))
 }
 
 /// `a b / 2^shift`, rounded down. No overflow: the product of two numbers of 32 bits has 63.
@@ -32,15 +40,16 @@ pub(super) fn select_wide(condition: bool, yes: i64, no: i64) -> i64 {
     (yes & mask) | (no & !mask)
 }
 
-/// A constant factor, prepared once: 30 significant bits and a power of two.
+/// A constant factor, prepared once: `multiplier / 2^shift`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Factor {
     multiplier: i32,
+    /// At most 31.
     shift: u32,
 }
 
 impl Factor {
-    /// `numerator / denominator`, to 2^-28 of itself; 0 for a numerator of 0. The quotient must lie between 2^-33 and 2^29.
+    /// `numerator / denominator`, to 2^-28 of itself or 2^-31, what is more; 0 for a numerator of 0. The quotient must be below 2^29.
     pub(super) const fn of(numerator: u64, denominator: u64) -> Self {
         if numerator == 0 || denominator == 0 {
             return Self { multiplier: 0, shift: 0 };
@@ -56,14 +65,24 @@ impl Factor {
         };
         let quotient = numerator / if denominator == 0 { 1 } else { denominator };
         let excess = 34_i32.wrapping_sub(quotient.leading_zeros() as i32);
-        let shift = up.wrapping_add(down).wrapping_sub(excess) as u32;
-        Self { multiplier: quotient.wrapping_shr(excess as u32) as i32, shift: shift & 63 }
+        let multiplier = quotient.wrapping_shr(excess as u32) as i32;
+        let shift = up.wrapping_add(down).wrapping_sub(excess);
+        // A small factor gives bits away so that the shift stays below a word.
+        let small = if shift > 31 { shift.wrapping_sub(31) as u32 } else { 0 };
+        let multiplier = if small > 30 { 0 } else { multiplier.wrapping_shr(small) };
+        Self { multiplier, shift: (shift as u32).wrapping_sub(small) & 31 }
     }
 
     /// The number times the factor, rounded down and saturated.
     #[inline]
     pub(super) fn times(self, value: i32) -> i32 {
-        saturated(product(value, self.multiplier, self.shift))
+        // The shift of two words by less than one.
+        let product = product(value, self.multiplier, 0);
+        let (low, high) = (product as u32, (product >> 32) as i32);
+        let carried = (high.cast_unsigned() << 1) << (31_u32.wrapping_sub(self.shift) & 31);
+        let low = ((low >> (self.shift & 31)) | carried).cast_signed();
+        let high = high >> (self.shift & 31);
+        if high == low >> 31 { low } else { (high >> 31) ^ i32::MAX }
     }
 }
 
@@ -80,13 +99,18 @@ mod tests {
             prop_assume!((1e-10..5e8).contains(&exact));
             let found = Factor::of(numerator, denominator).times(value);
             let expected = (f64::from(value) * exact).clamp(f64::from(i32::MIN), f64::from(i32::MAX));
-            prop_assert!((f64::from(found) - expected).abs() <= 1.0 + 1e-8 * expected.abs(), "{} {}", found, expected);
+            let off = 1.0 + 1e-8 * expected.abs() + f64::from(value).abs() / f64::from(1_u32 << 31);
+            prop_assert!((f64::from(found) - expected).abs() <= off, "{} {}", found, expected);
         }
 
         #[test]
-        fn limits_hold(value in any::<i64>(), limit in 0..i32::MAX, a in any::<i32>(), b in any::<i32>(), condition: bool) {
+        fn limits_hold(value in any::<i64>(), down in 0..63_u32, bits in 0..31_u32, a in any::<i32>(), b in any::<i32>(), condition: bool) {
             prop_assert_eq!(i64::from(saturated(value)), value.clamp(i32::MIN.into(), i32::MAX.into()));
-            prop_assert_eq!(i64::from(within(value, limit)), value.clamp((-limit).into(), limit.into()));
+            let wide = value >> down;
+            prop_assert_eq!(i64::from(saturated(wide)), wide.clamp(i32::MIN.into(), i32::MAX.into()));
+            let wide = value.unsigned_abs() >> down;
+            prop_assert_eq!(u64::from(saturated_unsigned(wide)), wide.min(u32::MAX.into()));
+            prop_assert_eq!(i64::from(within(a, bits)), i64::from(a).clamp(-(1 << bits), (1 << bits) - 1));
             prop_assert_eq!(select(condition, a, b), if condition { a } else { b });
             prop_assert_eq!(select_wide(condition, value, a.into()), if condition { value } else { a.into() });
             prop_assert_eq!(product(a, b, 30), (i64::from(a) * i64::from(b)) >> 30);

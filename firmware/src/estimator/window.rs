@@ -4,25 +4,88 @@
 //! has no delay for a constant acceleration and pays with noise (the table is in [`super::signals`]).
 //!
 //! The fit is linear in three sums over the age `k` of a sample, `sum x`, `sum k x`, `sum k^2 x`, and those follow from the ones before
-//! by additions: a sample costs the same whatever `N` is. They are exact integers modulo 2^64, so nothing drifts, what has left
-//! the window has left no trace, and only the fit itself has to stay below 2^63. The weights come from the discrete
+//! by additions: a sample costs the same whatever `N` is. They are exact integers, so nothing drifts, what has left
+//! the window has left no trace, and they wrap: only what comes out has to fit. The weights come from the discrete
 //! orthogonal polynomials `p1 = 2k - (N-1)` and `p2 = 6k^2 - 6(N-1)k + (N-1)(N-2)`.
+//!
+//! [`Window`] is for magnitudes below 2^31 over the sum of the ages (7.7e6 for 24 samples, 3.4e6 for 36), [`WideWindow`] for any below 2^36.
 
 /// Sums over the last `N` samples of one quantity. Before `N` samples have come the others count as 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Window<const N: usize> {
+    sum: i32,
+    first: i32,
+    second: i64,
+}
+
+/// The same for wide numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WideWindow<const N: usize> {
     sum: i64,
     first: i64,
     second: i64,
 }
 
+/// Weights of the three sums, the second one's first.
+const fn slope_weights(n: i64) -> [i64; 3] {
+    [30 * (n - 1), -30 * (n - 1) * (n - 1) - 2 * (n * n - 4), (n - 1) * (5 * (n - 1) * (n - 2) + n * n - 4)]
+}
+
+const fn value_weights(n: i64) -> [i64; 3] {
+    [30, -18 * (2 * n - 1), 3 * (3 * n * n - 3 * n + 2)]
+}
+
+const fn slope_denominator(n: i64) -> i64 {
+    n * (n * n - 1) * (n * n - 4) / 6
+}
+
 impl<const N: usize> Window<N> {
     const LENGTH: i64 = N as i64;
     /// What [`Self::slope`] is to be divided by to be per sample.
-    pub const SLOPE_DENOMINATOR: i64 =
-        Self::LENGTH * (Self::LENGTH * Self::LENGTH - 1) * (Self::LENGTH * Self::LENGTH - 4) / 6;
+    pub const SLOPE_DENOMINATOR: i64 = slope_denominator(Self::LENGTH);
     /// What [`Self::value`] is to be divided by.
     pub const VALUE_DENOMINATOR: i64 = Self::LENGTH * (Self::LENGTH + 1) * (Self::LENGTH + 2);
+
+    /// Takes the newest sample and drops the one that came `N` samples before it.
+    #[inline]
+    pub fn push(&mut self, newest: i32, oldest: i32) {
+        self.second = self
+            .second
+            .wrapping_add(i64::from(self.first) << 1)
+            .wrapping_add(i64::from(self.sum))
+            .wrapping_add(i64::from(oldest).wrapping_mul(-Self::LENGTH * Self::LENGTH));
+        self.first = self.first.wrapping_add(self.sum).wrapping_sub(oldest.wrapping_mul(N as i32));
+        self.sum = self.sum.wrapping_add(newest).wrapping_sub(oldest);
+    }
+
+    /// The slope at the newest sample, times [`Self::SLOPE_DENOMINATOR`].
+    #[inline]
+    #[must_use]
+    pub fn slope(&self) -> i64 {
+        self.weighted(slope_weights(Self::LENGTH))
+    }
+
+    /// The value at the newest sample less that sample, times [`Self::VALUE_DENOMINATOR`].
+    #[inline]
+    #[must_use]
+    pub fn value(&self, newest: i32) -> i64 {
+        self.weighted(value_weights(Self::LENGTH))
+            .wrapping_add(i64::from(newest).wrapping_mul(-Self::VALUE_DENOMINATOR))
+    }
+
+    #[inline]
+    fn weighted(&self, [second, first, sum]: [i64; 3]) -> i64 {
+        self.second
+            .wrapping_mul(second)
+            .wrapping_add(i64::from(self.first).wrapping_mul(first))
+            .wrapping_add(i64::from(self.sum).wrapping_mul(sum))
+    }
+}
+
+impl<const N: usize> WideWindow<N> {
+    const LENGTH: i64 = N as i64;
+    /// What [`Self::slope`] is to be divided by to be per sample.
+    pub const SLOPE_DENOMINATOR: i64 = slope_denominator(Self::LENGTH);
 
     /// Takes the newest sample and drops the one that came `N` samples before it.
     #[inline]
@@ -37,30 +100,10 @@ impl<const N: usize> Window<N> {
     }
 
     /// The slope at the newest sample, times [`Self::SLOPE_DENOMINATOR`].
-    ///
-    /// No overflow below a spread of 2^36 in the window: the weights' magnitudes sum up to 2^26 at most for the windows in use.
     #[inline]
     #[must_use]
     pub const fn slope(&self) -> i64 {
-        let n = Self::LENGTH;
-        self.weighted(
-            30 * (n - 1),
-            -30 * (n - 1) * (n - 1) - 2 * (n * n - 4),
-            (n - 1) * (5 * (n - 1) * (n - 2) + n * n - 4),
-        )
-    }
-
-    /// The value at the newest sample less that sample, times [`Self::VALUE_DENOMINATOR`]. No overflow, as for the slope.
-    #[inline]
-    #[must_use]
-    pub const fn value(&self, newest: i64) -> i64 {
-        let n = Self::LENGTH;
-        self.weighted(30, -18 * (2 * n - 1), 3 * (3 * n * n - 3 * n + 2))
-            .wrapping_sub(newest.wrapping_mul(Self::VALUE_DENOMINATOR))
-    }
-
-    #[inline]
-    const fn weighted(&self, second: i64, first: i64, sum: i64) -> i64 {
+        let [second, first, sum] = slope_weights(Self::LENGTH);
         self.second
             .wrapping_mul(second)
             .wrapping_add(self.first.wrapping_mul(first))
@@ -73,66 +116,78 @@ pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// What a window makes of samples, the oldest first.
-    pub(in crate::estimator) fn fits<const N: usize>(samples: &[i64]) -> Vec<(f64, f64)> {
-        let mut window = Window::<N>::default();
+    /// What a window makes of samples, the oldest first: value and slope. The wide window must say the same.
+    pub(in crate::estimator) fn fits<const N: usize>(samples: &[i32]) -> Vec<(f64, f64)> {
+        let (mut window, mut wide) = (Window::<N>::default(), WideWindow::<N>::default());
         (samples.iter().enumerate())
             .map(|(index, &newest)| {
                 let oldest = index.checked_sub(N).and_then(|i| samples.get(i)).copied().unwrap_or(0);
                 window.push(newest, oldest);
+                wide.push(newest.into(), oldest.into());
+                assert_eq!(window.slope(), wide.slope());
                 let value = window.value(newest) as f64 / Window::<N>::VALUE_DENOMINATOR as f64;
-                (newest as f64 + value, window.slope() as f64 / Window::<N>::SLOPE_DENOMINATOR as f64)
+                let slope = window.slope() as f64 / Window::<N>::SLOPE_DENOMINATOR as f64;
+                (f64::from(newest) + value, slope)
             })
             .collect()
     }
 
     /// Weights of value and slope by age: the answer to a single sample of 1.
     pub(in crate::estimator) fn weights<const N: usize>() -> (Vec<f64>, Vec<f64>) {
-        let samples: Vec<i64> = (0..2 * N).map(|i| i64::from(i == N)).collect();
+        let samples: Vec<i32> = (0..2 * N).map(|i| i32::from(i == N)).collect();
         fits::<N>(&samples).into_iter().skip(N).take(N).unzip()
     }
 
-    /// The fit by least squares in floating point, from the normal equations' closed form over all samples.
-    fn oracle<const N: usize>(samples: &[i64]) -> (f64, f64) {
+    /// The fit by least squares in floating point.
+    fn oracle<const N: usize>(samples: &[i32]) -> (f64, f64) {
         let n = N as f64;
         let (mut value, mut slope) = (0.0, 0.0);
         for (age, &sample) in samples.iter().rev().take(N).enumerate() {
-            let k = age as f64;
+            let (k, sample) = (age as f64, f64::from(sample));
             let p1 = 2.0 * k - (n - 1.0);
             let p2 = 6.0 * k * k - 6.0 * (n - 1.0) * k + (n - 1.0) * (n - 2.0);
-            value += sample as f64
-                * 3.0
-                * (3.0 * n * n - 3.0 * n + 2.0 - 6.0 * (2.0 * n - 1.0) * k + 10.0 * k * k);
-            slope += sample as f64 * (5.0 * (n - 1.0) * p2 - (n * n - 4.0) * p1);
+            value += sample * 3.0 * (3.0 * n * n - 3.0 * n + 2.0 - 6.0 * (2.0 * n - 1.0) * k + 10.0 * k * k);
+            slope += sample * (5.0 * (n - 1.0) * p2 - (n * n - 4.0) * p1);
         }
-        let den = n * (n * n - 1.0) * (n * n - 4.0) / 6.0;
-        (value / (n * (n + 1.0) * (n + 2.0)), slope / den)
+        (value / (n * (n + 1.0) * (n + 2.0)), slope / (n * (n * n - 1.0) * (n * n - 4.0) / 6.0))
     }
 
-    fn exact_on_parabolas<const N: usize>(offset: i64, speed: i64, half_acceleration: i64) {
-        let parabola = |t: i64| offset + speed * t + half_acceleration * t * t;
-        // Something wild before: it must have left no trace.
-        let wild = (0..5).map(|i| i64::from(i32::MAX) * (i % 2));
-        let samples: Vec<i64> = wild.chain((1 - N as i64..=0).map(parabola)).collect();
-        assert_eq!(fits::<N>(&samples).last(), Some(&(offset as f64, speed as f64)));
+    fn exact_on_parabolas<const N: usize>(offset: i32, speed: i32, half_acceleration: i32) {
+        let parabola = |t: i32| offset + speed * t + half_acceleration * t * t;
+        // Something wild before, of which no trace is left.
+        let wild = (0..5).map(|i| 3_000_000 * (i % 2));
+        let samples: Vec<i32> = wild.chain((1 - N as i32..=0).map(parabola)).collect();
+        assert_eq!(fits::<N>(&samples).last(), Some(&(f64::from(offset), f64::from(speed))));
     }
 
     proptest! {
         #[test]
-        fn a_parabola_is_fitted_exactly(offset in -90_000_000..90_000_000_i64, speed in -200_000..200_000_i64, half in -2000..2000_i64) {
+        fn a_parabola_is_fitted_exactly(offset in -900_000..900_000_i32, speed in -2000..2000_i32, half in -20..20_i32) {
             exact_on_parabolas::<24>(offset, speed, half);
             exact_on_parabolas::<36>(offset, speed, half);
-            exact_on_parabolas::<64>(offset, speed, half);
         }
 
         #[test]
-        fn any_samples_are_fitted_as_in_floating_point(samples in prop::collection::vec(-200_000_000..200_000_000_i64, 64..150)) {
-            let (value, slope) = oracle::<64>(&samples);
-            let found = fits::<64>(&samples).pop().unwrap();
-            prop_assert!((found.0 - value).abs() < 1e-3 && (found.1 - slope).abs() < 1e-3, "{:?} {} {}", found, value, slope);
-            let (value, slope) = oracle::<24>(&samples);
-            let found = fits::<24>(&samples).pop().unwrap();
-            prop_assert!((found.0 - value).abs() < 1e-3 && (found.1 - slope).abs() < 1e-3, "{:?} {} {}", found, value, slope);
+        fn any_samples_are_fitted_as_in_floating_point(samples in prop::collection::vec(-3_400_000..3_400_000_i32, 36..150)) {
+            for (found, expected) in [
+                (fits::<36>(&samples).pop().unwrap(), oracle::<36>(&samples)),
+                (fits::<24>(&samples).pop().unwrap(), oracle::<24>(&samples)),
+            ] {
+                prop_assert!((found.0 - expected.0).abs() < 1e-4 && (found.1 - expected.1).abs() < 1e-4, "{:?} {:?}", found, expected);
+            }
+        }
+
+        #[test]
+        fn a_wide_window_is_shifted_by_any_offset(samples in prop::collection::vec(any::<i32>(), 64..130), offset in any::<i64>()) {
+            let slope = |offset: i64| {
+                let mut window = WideWindow::<64>::default();
+                for (index, &newest) in samples.iter().enumerate() {
+                    let oldest = index.checked_sub(64).map_or(0, |i| i64::from(samples[i]).wrapping_add(offset));
+                    window.push(i64::from(newest).wrapping_add(offset), oldest);
+                }
+                window.slope()
+            };
+            prop_assert_eq!(slope(0), slope(offset));
         }
     }
 
@@ -143,6 +198,7 @@ pub(super) mod tests {
             let sum = |w: &[f64], den: i64| w.iter().map(|w| w.abs()).sum::<f64>() * den as f64;
             sum(&value, Window::<N>::VALUE_DENOMINATOR).max(sum(&slope, Window::<N>::SLOPE_DENOMINATOR))
         }
+        // Below 2^26: samples of 2^36 leave the sum below 2^62.
         for largest in [largest::<24>(), largest::<36>(), largest::<64>()] {
             assert!(largest < f64::from(1 << 26), "{largest}");
         }

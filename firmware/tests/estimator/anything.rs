@@ -1,6 +1,9 @@
-//! Whatever the sensors say, the answer is finite, pushes and never pulls, and comes at all.
+//! Whatever the sensors say and whatever the conditioning is told, the answer is finite, pushes and never pulls, and comes at all.
+//!
+//! Tests check every operation for overflow: one in the tick would end them.
 
 use firmware::Estimator;
+use firmware::estimator::{Conditioning, Masses};
 use inference::{Bearing, shipped};
 use link::{Configuration, EstimateFrame, SensorFrame};
 use proptest::prelude::*;
@@ -51,9 +54,20 @@ fn configuration() -> impl Strategy<Value = Configuration> {
         )
 }
 
+fn conditioning() -> impl Strategy<Value = Conditioning> {
+    let any_number = || prop_oneof![3 => 1..2_000_000_u32, 1 => any::<u32>()];
+    (prop::option::of((any_number(), any_number())), any_number(), any_number()).prop_map(
+        |(masses, damping_per_mille, noise_nm)| Conditioning {
+            masses: masses.map(|(along_y_g, along_z_g)| Masses { along_y_g, along_z_g }),
+            damping_per_mille,
+            noise_nm,
+        },
+    )
+}
+
 /// Frames by themselves, and runs of frames that follow on, so that the window fills and rates are formed.
 fn sequence() -> impl Strategy<Value = (Vec<SensorFrame>, bool)> {
-    (prop::collection::vec(frame(), 1..120), any::<bool>())
+    (prop::collection::vec(frame(), 1..240), any::<bool>())
 }
 
 fn is_sound(estimate: &EstimateFrame) -> bool {
@@ -72,9 +86,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(512))]
 
     #[test]
-    fn any_frames_give_finite_estimates((frames, joined) in sequence(), configuration in configuration()) {
+    fn any_frames_give_finite_estimates((frames, joined) in sequence(), configuration in configuration(), conditioning in conditioning()) {
         let bearing = Bearing::from_code(configuration.bearing).unwrap();
-        let mut estimator = Estimator::new(shipped(bearing), configuration).unwrap();
+        let mut estimator = Estimator::conditioned(shipped(bearing), configuration, &conditioning).unwrap();
         for (mut frame, index) in frames.into_iter().zip(0_u32..) {
             if joined {
                 // Sound clock and small steps wrapped around the codes: no restart of the window but for jumps.

@@ -2,5 +2,6 @@
 
 mod accuracy;
 mod anything;
+mod cycle;
 mod flags;
 mod orbit;
