@@ -52,6 +52,7 @@ pub mod pipeline;
 pub mod quantise;
 pub mod ranges;
 pub mod recipe;
+pub mod rig;
 pub mod round;
 pub mod rows;
 pub mod shapes;

@@ -3,7 +3,7 @@
 //! `paper` is Table 2 of the paper: radial clearance uniform up to 1.5 mm, deformation up to 1e-4 m, rate and approach
 //! speed up to 1 m/s, exponential and independent (truncated; mean a fifth of the range). `bench` covers what the
 //! transmission bench meets: deformations up to 80 um (Babbitt) and 260 um (plastic), rates of both signs in sustained
-//! contact with the approach speed at its floor.
+//! contact with the approach speed at its floor. `rig` is `bench` with the deformations of the friction rig's loads.
 //!
 //! The rate over the approach speed has no bound in Table 2. Rule for both ranges: it is limited to -6..=6; a row
 //! beyond gets the rate that gives the nearest end. The networks clamp the ratio in the same way and flag it.
@@ -20,6 +20,8 @@ pub enum RangeKind {
     Paper,
     /// What the transmission bench meets.
     Bench,
+    /// Loads of the friction rig, up to 300 kN.
+    Rig,
 }
 
 /// Upper end of the radial clearance in nm.
@@ -39,6 +41,8 @@ pub fn header(bearing: Bearing, kind: RangeKind) -> Header {
         (RangeKind::Paper, Bearing::Plastic) => (1000, 100, 20_000),
         (RangeKind::Bench, Bearing::Babbitt) => (50_000, 80, 40_000),
         (RangeKind::Bench, Bearing::Plastic) => (50_000, 260, 40_000),
+        (RangeKind::Rig, Bearing::Babbitt) => (50_000, 420, 300_000),
+        (RangeKind::Rig, Bearing::Plastic) => (50_000, 2_100, 300_000),
     };
     let [slow_speed_nm_s, fast_speed_nm_s] = SPEED_SCALES_NM_S;
     Header {

@@ -75,7 +75,7 @@ fn state(features: &FloatFeatures, kind: RangeKind, draw: &mut Draw) -> ContactS
             draw.truncated_exponential(1.0),
             draw.truncated_exponential(1.0),
         ),
-        RangeKind::Bench => {
+        RangeKind::Bench | RangeKind::Rig => {
             let radial_clearance_m = draw.log_uniform(f64::from(clearance.low), f64::from(clearance.high));
             let deformation_m = deformation_high * draw.unit();
             let approach =

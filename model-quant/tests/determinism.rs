@@ -3,13 +3,14 @@
 
 use inference::Bearing;
 use model_quant::checkpoint::Checkpoint;
+use model_quant::draw::{Draw, Purpose};
 use model_quant::mode::{Mode, Packing, Plan};
 use model_quant::pipeline::{Network, train_both};
 use model_quant::quantise::quantise;
-use model_quant::recipe::Recipe;
+use model_quant::recipe::{GridMethod, Recipe, TrainingSet};
 use model_quant::shapes::collision;
 use model_quant::sources::Sources;
-use model_quant::train::{Loss, Progress, Source, StateError, Trained, Training};
+use model_quant::train::{Loss, Progress, Source, StateError, Trained, Training, Windows};
 
 fn small() -> Recipe {
     Recipe {
@@ -82,12 +83,26 @@ fn in_two_parts(recipe: &Recipe, first: usize) -> Trained {
 }
 
 #[test]
-fn a_training_taken_up_again_gives_the_same_bytes() {
-    let recipe = Recipe { rows: 2000, ..small() };
-    let whole = in_two_parts(&recipe, 0);
-    for first in [1, 3, 4, 6] {
-        assert_eq!(in_two_parts(&recipe, first), whole, "stopped after {first} epochs");
+fn a_training_taken_up_again_gives_the_same_bytes_and_the_full_set_continues_the_drawn_one() {
+    for grid_method in [GridMethod::Freeze, GridMethod::Exact, GridMethod::ExactFreeze] {
+        let recipe = Recipe { rows: 2000, grid_method, ..small() };
+        let whole = in_two_parts(&recipe, 0);
+        for first in [1, 3, 4, 6] {
+            assert_eq!(in_two_parts(&recipe, first), whole, "{grid_method:?}, stopped after {first} epochs");
+        }
     }
+    let full = Recipe { set: TrainingSet::Full, ..small() };
+    let sources = Sources::new(Bearing::Plastic, &full);
+    let (rows, validation) = sources.of(Network::Collision);
+    assert_eq!((rows.count(), validation.count()), (10_000_000, 500));
+    let drawn = Recipe { rows: 60, ..small() };
+    let kept = Sources::new(Bearing::Plastic, &drawn);
+    let window = |part: &dyn Source| {
+        let mut windows = Windows::default();
+        part.add(57, &mut Draw::new(1, Purpose::Histories, 0), &mut windows);
+        windows.columns
+    };
+    assert_eq!(window(&rows), window(&kept.of(Network::Collision).0), "row for row those of the drawn set");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! `model-quant train`: a float checkpoint from a recipe.
 
+mod rig;
+
 use super::{CliError, parse_bearing, print_json};
 use indicatif::{ProgressBar, ProgressStyle};
 use inference::Bearing;
@@ -28,7 +30,8 @@ use std::time::{Duration, Instant};
 #[command(after_help = "Examples:\n  model-quant train --bearing babbitt --out model-quant/models\n  \
                         model-quant train --bearing plastic --check\n  \
                         model-quant train --set full --epochs 200 --out long   # all ten million rows; hours\n  \
-                        model-quant train --set full --epochs 200 --out long --resume")]
+                        model-quant train --set full --epochs 200 --out long --resume\n  \
+                        model-quant train --bearing plastic --friction rig --out rig")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
@@ -72,9 +75,27 @@ pub(crate) struct Arguments {
     /// Least time in s between two states; 0 keeps one after every epoch
     #[arg(long, default_value_t = 30)]
     keep_s: u64,
+    /// Where the friction network's torque comes from
+    #[arg(long, value_enum, default_value_t = FrictionSource::Law)]
+    friction: FrictionSource,
+    /// Friction rig: preset or file [default: friction-rig-BEARING]
+    #[arg(long, value_name = "RIG")]
+    rig: Option<String>,
+    /// Measured logs in the rig's place, one a group, read as the rig's description says
+    #[arg(long, value_name = "CSV", num_args = 1.., requires = "rig")]
+    logs: Vec<PathBuf>,
     /// Print the history as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// Where the friction network's targets come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum FrictionSource {
+    /// The law, for the controller: both networks
+    Law,
+    /// The friction set of the rig or of measured logs, behind a collision network that knows its loads
+    Rig,
 }
 
 fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
@@ -140,6 +161,9 @@ impl Watch {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    if arguments.friction == FrictionSource::Rig {
+        return rig::run(arguments);
+    }
     let recipe = recipe(arguments)?;
     let keep = (!arguments.check).then(|| Keep {
         directory: arguments.out.clone(),

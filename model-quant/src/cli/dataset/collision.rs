@@ -127,6 +127,7 @@ fn name(arguments: &Arguments) -> String {
         (Source::Bench, _) => "runs",
         (Source::Table, RangeKind::Paper) => "paper",
         (Source::Table, RangeKind::Bench) => "bench",
+        (Source::Table, RangeKind::Rig) => "rig",
     };
     let windows = if arguments.windows { "-windows" } else { "" };
     format!("collision-{}-{source}{windows}", arguments.bearing.name())

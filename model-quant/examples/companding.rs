@@ -1,0 +1,121 @@
+//! What the collision network should learn: the force itself, its root, or its root over the deformation.
+//!
+//! The same network, rows, seed and epochs for each target; printed are mean absolute errors of the normal force by band
+//! of the law's force, and the largest force at states without contact before any gate.
+//! `cargo run --release -p model-quant --example companding [babbitt|plastic] [epochs]`
+
+use inference::{Bearing, ContactState};
+use model_quant::checkpoint::bearing_named;
+use model_quant::draw::{Draw, Purpose};
+use model_quant::features::FloatFeatures;
+use model_quant::ranges::{RangeKind, header};
+use model_quant::recipe::Recipe;
+use model_quant::rows::{Row, rows};
+use model_quant::shapes::collision;
+use model_quant::train::{InstructionSet, Loss, Source, Training, Windows};
+use model_quant::window::history;
+
+const BANDS_N: [f64; 5] = [100.0, 1000.0, 5000.0, 14_000.0, 40_000.0];
+
+/// How a force becomes a target and an output a force.
+#[derive(Clone, Copy)]
+enum Target {
+    Plain,
+    Root,
+    RootOverDeformation,
+}
+
+impl Target {
+    fn of(self, features: &FloatFeatures, row: &Row) -> f64 {
+        let factor = f64::from(features.collision(&row.state).root_force_factor);
+        match self {
+            Self::Plain => row.normal_force_n,
+            Self::Root => row.normal_force_n.sqrt(),
+            Self::RootOverDeformation if factor > 0.0 => row.normal_force_n.sqrt() / factor,
+            Self::RootOverDeformation => 0.0,
+        }
+    }
+
+    fn force_n(self, features: &FloatFeatures, state: &ContactState, output: f32) -> f64 {
+        let output = f64::from(output.max(0.0));
+        match self {
+            Self::Plain => output,
+            Self::Root => output * output,
+            Self::RootOverDeformation => {
+                (output * f64::from(features.collision(state).root_force_factor)).powi(2)
+            }
+        }
+    }
+}
+
+struct Part<'a> {
+    features: FloatFeatures,
+    rows: &'a [Row],
+    target: Target,
+}
+
+impl Source for Part<'_> {
+    fn count(&self) -> u64 {
+        self.rows.len() as u64
+    }
+
+    fn add(&self, row: u64, draw: &mut Draw, windows: &mut Windows) {
+        let row = &self.rows[row as usize];
+        let columns = history(&self.features, row, draw).map(|state| self.features.collision(&state).inputs);
+        windows.columns.extend(columns.as_flattened());
+        windows.targets.push(self.target.of(&self.features, row) as f32);
+    }
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let bearing = arguments.next().and_then(|name| bearing_named(&name)).unwrap_or(Bearing::Babbitt);
+    let epochs = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(60);
+    let features = FloatFeatures::of(&header(bearing, RangeKind::Bench));
+    let recipe = Recipe {
+        epochs,
+        grid_epochs: 0,
+        rows: 1 << 16,
+        instruction_set: InstructionSet::best(),
+        ..Recipe::standard(bearing)
+    };
+    let drawn = |purpose, count| rows(bearing, RangeKind::Bench, recipe.seed, purpose, count);
+    let training = drawn(Purpose::TrainingRows, recipe.rows);
+    let validation = drawn(Purpose::ValidationRows, 4096);
+    let test = drawn(Purpose::TestRows, 8192);
+    println!("{}, {epochs} epochs over {} rows; mean absolute errors in N", bearing.name(), recipe.rows);
+    println!("| target | to 100 N | to 1 kN | to 5 kN | to 14 kN | above | largest without contact, N |");
+    println!("|---|---|---|---|---|---|---|");
+    for (name, target) in [
+        ("force", Target::Plain),
+        ("root of the force", Target::Root),
+        ("root over the deformation", Target::RootOverDeformation),
+    ] {
+        let part = |rows| Part { features, rows, target };
+        let (training, validation) = (part(training.as_slice()), part(validation.as_slice()));
+        let mut fit = Training::new(&recipe, collision(), (&training, &validation), Loss::Clamped, 0);
+        while !fit.is_done() {
+            fit.epoch();
+        }
+        let network = fit.finish().float;
+        let mut sums = [(0.0, 0usize); BANDS_N.len()];
+        let mut without_contact = 0.0_f64;
+        for (index, row) in test.iter().enumerate() {
+            let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 1 << 41 | index as u64);
+            let states = history(&features, row, &mut draw);
+            let found = |states: &[ContactState]| {
+                let columns: Vec<f32> = states.iter().flat_map(|s| features.collision(s).inputs).collect();
+                target.force_n(&features, &states[states.len() - 1], network.evaluate(&columns)[0])
+            };
+            let band =
+                BANDS_N.iter().position(|&up_to| row.normal_force_n <= up_to).unwrap_or(BANDS_N.len() - 1);
+            sums[band].0 += (found(&states) - row.normal_force_n).abs();
+            sums[band].1 += 1;
+            let gap = states.map(|state| ContactState { deformation_m: -state.deformation_m.abs(), ..state });
+            without_contact = without_contact.max(found(&gap));
+        }
+        let errors: Vec<String> =
+            sums.iter().map(|(sum, count)| format!("{:.1}", sum / (*count).max(1) as f64)).collect();
+        println!("| {name} | {} | {without_contact:.1} |", errors.join(" | "));
+    }
+}
