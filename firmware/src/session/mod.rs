@@ -288,12 +288,12 @@ impl Session {
         let slow = &mut self.slow;
         slow.sequence = frame.sequence;
         slow.left = slow.left.wrapping_sub(1);
-        if slow.left == 0 {
-            // Nobody fetched the last one.
-            count(&mut counters.dropped_answers, slow.due);
-            slow.left = run.configuration.limits.slow_every;
-            slow.due = slow.left != 0;
-        }
+        let ends = slow.left == 0;
+        let every = run.configuration.limits.slow_every;
+        // Nobody fetched the last one.
+        count(&mut counters.dropped_answers, ends & slow.due);
+        slow.left = if ends { every } else { slow.left };
+        slow.due |= ends & (every != 0);
         Some((numbered.estimate, elapsed))
     }
 
