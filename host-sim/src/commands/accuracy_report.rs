@@ -27,7 +27,7 @@ fn value(verdict: &Verdict, value: f64) -> String {
 fn standing(verdict: &Verdict, standing: &Standing) -> String {
     let Some(at) = standing.at else { return "no runs".into() };
     if standing.worst == 0.0 {
-        return format!("0 {} in all {} runs", verdict.unit, standing.runs);
+        return format!("in all {} runs 0 {}", standing.runs, verdict.unit);
     }
     format!(
         "worst {} ({}), median {}, {} of {} runs within",

@@ -183,8 +183,11 @@ pub fn report(all: &[BearingFacts], claims: &[Claim]) -> Result<Report, ReportEr
     for history in all.iter().filter_map(|facts| facts.history.as_ref()) {
         show(&mut page, pictures::epochs(history)?);
     }
-    page.section("Prediction (Fig. 11)");
-    page.text("Forces of the quantised networks over those of the law; friction is that of the whole chain.");
+    page.section("Prediction (in the place of Fig. 11)");
+    page.text(
+        "Forces of the quantised networks over those of the law; friction is that of the whole chain. The paper's Fig. 11 is \
+         against experiment: these networks know the bench's law, not the friction rig's records.",
+    );
     for facts in all {
         show(&mut page, pictures::predictions(facts)?);
     }
