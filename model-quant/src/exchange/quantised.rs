@@ -4,9 +4,9 @@ use super::interpreter::Interpreter;
 use super::samples::Samples;
 use super::scaling::InputScale;
 use crate::image::AlignedImage;
-use crate::mode::Plan;
+use crate::mode::{Mode, Plan};
 use crate::network::Network;
-use crate::parameters::{Layer, network as layers_of};
+use crate::parameters::{Activations, Layer, network as layers_of};
 use crate::quantise::QuantiseError;
 use inference::ImageError;
 use inference::image::write::layers;
@@ -72,7 +72,7 @@ pub fn quantise(
     samples: &Samples,
     plan: Plan,
 ) -> Result<Alone, QuantiseError> {
-    let folded = scale.folded(network);
+    let mut folded = scale.folded(network);
     let mut largest = vec![0.0_f32; network.shape().convolutions.len()];
     for window in &samples.windows {
         let normal: Vec<f32> =
@@ -81,6 +81,7 @@ pub fn quantise(
             *largest = layer.iter().fold(*largest, |a, &b| a.max(b));
         }
     }
+    silence(&mut folded, &largest, plan.mode);
     let quantised = layers_of(&folded, &largest, plan)?;
     let parts: Vec<_> = quantised.iter().map(Layer::parts).collect();
     let shapes: Vec<LayerShape> = parts.iter().map(|part| part.shape).collect();
@@ -89,6 +90,32 @@ pub fn quantise(
     prove(&bytes).map_err(named)?;
     let interpreter = Interpreter::new(&bytes, network.shape().padding)?;
     Ok(Alone { bytes, shapes, scale, interpreter })
+}
+
+/// Zeroes the weights of channels that no input can move by half a count of their output: what training leaves of channels that it
+/// gave up. Their steps would be too fine for 32-bit biases and multipliers. Where the bias does not reach half a count either, ReLU
+/// gives 0, whatever the bias; one of full scale below 0 has steps that fit.
+fn silence(network: &mut Network, largest: &[f32], mode: Mode) {
+    let mut slices = network.slices_mut();
+    let mut full_scale = 1.0;
+    for &largest in largest {
+        let (Some(weights), Some(biases)) = (slices.next(), slices.next()) else { return };
+        let behind = Activations::up_to(largest, mode);
+        let outputs = biases.len();
+        for (output, bias) in biases.iter_mut().enumerate() {
+            let magnitudes =
+                weights.iter().skip(output).step_by(outputs).map(|weight| f64::from(weight.abs()));
+            let half_a_count = 0.5 * behind.step;
+            if magnitudes.sum::<f64>() * full_scale >= half_a_count {
+                continue;
+            }
+            weights.iter_mut().skip(output).step_by(outputs).for_each(|weight| *weight = 0.0);
+            if f64::from(*bias) < half_a_count {
+                *bias = -(behind.step * behind.full_scale()) as f32;
+            }
+        }
+        full_scale = behind.step * behind.full_scale();
+    }
 }
 
 fn named(unproven: Unproven) -> ImageError {
@@ -135,5 +162,67 @@ impl Alone {
             output.rms = libm::sqrt(output.rms);
         }
         cost
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draw::{Draw, Purpose};
+    use crate::mode::Packing;
+    use crate::network::{ConvolutionShape, Padding, Shape};
+
+    fn network() -> Network {
+        let convolutions = vec![ConvolutionShape { kernel: 3, outputs: 5 }; 2];
+        let shape = Shape { columns: 9, inputs: 3, padding: Padding::Same, convolutions, outputs: 2 };
+        Network::start(shape, &mut Draw::new(4, Purpose::Weights, 0))
+    }
+
+    fn samples(network: &Network) -> Samples {
+        let mut draw = Draw::new(4, Purpose::PeerWindows, 0);
+        let windows: Vec<Vec<f32>> =
+            (0..64).map(|_| (0..27).map(|_| draw.uniform(-3.0, 3.0) as f32).collect()).collect();
+        let outputs = windows.iter().map(|window| network.evaluate(window)).collect();
+        Samples { windows, outputs }
+    }
+
+    fn cost(network: &Network, mode: Mode) -> Cost {
+        let samples = samples(network);
+        let plan = Plan { mode, packing: Packing::Speed };
+        quantise(network, InputScale::of(&samples, 3), &samples, plan)
+            .expect("whole numbers")
+            .cost(network, &samples)
+    }
+
+    #[test]
+    fn more_bits_cost_less() {
+        let [coarse, middle, fine] =
+            [Mode::W8a8, Mode::W8a16, Mode::W16a16].map(|mode| cost(&network(), mode));
+        for output in 0..2 {
+            let rms = |cost: &Cost| cost.outputs[output].percent(cost.outputs[output].rms);
+            assert!(rms(&fine) < 0.05 && rms(&fine) < rms(&middle) && rms(&middle) < rms(&coarse));
+            assert!(rms(&coarse) < 3.0, "{}", rms(&coarse));
+        }
+        assert_eq!((fine.clipped_inputs, fine.clipped_activations), (0, 0));
+    }
+
+    #[test]
+    fn channels_that_training_gave_up_are_no_obstacle() {
+        for (scale, bias) in [(1e-7, 0.5), (1e-7, -0.5), (1e-12, 0.0), (0.0, 0.3)] {
+            let mut network = network();
+            for layer in [0, 1] {
+                if let Some(weights) = network.slices_mut().nth(2 * layer) {
+                    weights.iter_mut().skip(1).step_by(5).for_each(|weight| *weight *= scale);
+                }
+                if let Some(biases) = network.slices_mut().nth(2 * layer + 1) {
+                    biases[1] = bias;
+                }
+            }
+            for mode in Mode::ALL {
+                let cost = cost(&network, mode);
+                let worst = cost.outputs.iter().map(|output| output.percent(output.rms)).fold(0.0, f64::max);
+                assert!(worst < 3.0, "{scale} {bias} {mode:?}: {worst} %");
+            }
+        }
     }
 }
