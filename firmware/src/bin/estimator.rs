@@ -91,6 +91,8 @@ mod app {
         let (bytes_in, bytes) = cx.local.byte_queue.split();
         let mut session = Session::new(identity);
         session.report_start(start);
+        let mut mark = stack_mark();
+        session.report_stack(stack_used(&mut mark));
         let Storage { slots, places } = storage;
         let (store, models) = Store::start(slots, STM32F405, key::KEY);
         session.switch(models);
@@ -117,7 +119,7 @@ mod app {
                 light,
                 start,
                 paced,
-                background: Background { self_test: SelfTest::new(), mark: stack_mark() },
+                background: Background { self_test: SelfTest::new(), mark },
                 kept: Kept { store, keeper },
             },
         )

@@ -35,6 +35,8 @@ pub(crate) struct Stack {
     pub(crate) stack_reserved_bytes: u32,
     /// Most bytes that the fault handler can take of its own stack.
     pub(crate) emergency_bound_bytes: u32,
+    /// Room for that.
+    pub(crate) emergency_bytes: u32,
     /// Deepest chain of each handler: its bytes, then the functions.
     #[serde(skip)]
     chains: Vec<Chain>,
@@ -47,8 +49,14 @@ struct Chain {
     functions: Vec<(String, u32)>,
 }
 
-/// Builds, analyses and runs the default board's image.
+/// Builds, analyses and runs the default board's image, and refuses figures beyond their limits.
 pub(crate) fn measure() -> Result<Stack, ChoreError> {
+    let stack = figures()?;
+    stack.check()?;
+    Ok(stack)
+}
+
+fn figures() -> Result<Stack, ChoreError> {
     let path = DEFAULT.build_with_stack_sizes()?;
     let functions = Functions::read(&path)?;
     let wrong = |found: String| ChoreError::File {
@@ -58,33 +66,43 @@ pub(crate) fn measure() -> Result<Stack, ChoreError> {
     };
     let mut stack = bound(&functions).map_err(wrong)?;
     stack.stack_painted_bytes = paint::run(&DEFAULT.build()?)?;
-    let limits = [
-        ("the bound of the stack, bytes", stack.stack_bound_bytes, stack.stack_reserved_bytes.min(MOST)),
-        ("the bound of the fault handler's stack, bytes", stack.emergency_bound_bytes, functions.emergency),
-        (
-            "the stack that the emulator painted over, bytes",
-            stack.stack_painted_bytes,
-            stack.stack_bound_bytes,
-        ),
-    ];
-    for (what, found, most) in limits {
-        if found == 0 || found > most {
-            return Err(ChoreError::Differs {
-                what: what.into(),
-                found: found.to_string(),
-                expected: format!("at most {most}, and not 0"),
-            });
-        }
-    }
     Ok(stack)
+}
+
+impl Stack {
+    fn check(&self) -> Result<(), ChoreError> {
+        let limits = [
+            ("the bound of the stack, bytes", self.stack_bound_bytes, self.stack_reserved_bytes.min(MOST)),
+            (
+                "the bound of the fault handler's stack, bytes",
+                self.emergency_bound_bytes,
+                self.emergency_bytes,
+            ),
+            (
+                "the stack that the emulator painted over, bytes",
+                self.stack_painted_bytes,
+                self.stack_bound_bytes,
+            ),
+        ];
+        for (what, found, most) in limits {
+            if found == 0 || found > most {
+                return Err(ChoreError::Differs {
+                    what: what.into(),
+                    found: found.to_string(),
+                    expected: format!("at most {most}, and not 0"),
+                });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Prints the figures.
 pub(crate) fn stack(json: bool) -> Result<(), ChoreError> {
-    let stack = measure()?;
+    let stack = figures()?;
     if json {
         println!("{}", serde_json::json!(stack));
-        return Ok(());
+        return stack.check();
     }
     for chain in &stack.chains {
         println!("{:>6} bytes", chain.bytes);
@@ -99,7 +117,7 @@ pub(crate) fn stack(json: bool) -> Result<(), ChoreError> {
         stack.stack_painted_bytes,
         stack.emergency_bound_bytes
     );
-    Ok(())
+    stack.check()
 }
 
 fn bound(functions: &Functions) -> Result<Stack, String> {
@@ -127,6 +145,7 @@ fn bound(functions: &Functions) -> Result<Stack, String> {
         stack_painted_bytes: 0,
         stack_reserved_bytes: functions.reserved,
         emergency_bound_bytes,
+        emergency_bytes: functions.emergency,
         chains,
     })
 }

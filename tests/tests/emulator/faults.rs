@@ -1,0 +1,109 @@
+//! Faults on demand: each is survived, recorded with its cause and address, and told in the greeting after the reset.
+//!
+//! Runs the image that `cargo xtask firmware --provoke` builds: it greets, commits the fault that the command line names, resets, greets again
+//! and ends.
+
+use crate::batch;
+use firmware::supervisor::record::build_hash;
+use host_sim::controller::EmulatedController;
+use link::start::{FaultKind, FaultRecord, ResetReason};
+use link::{Hello, ToHost};
+use object::{Object, ObjectSymbol};
+use std::path::{Path, PathBuf};
+use std::process::ExitStatus;
+
+fn provoking() -> PathBuf {
+    EmulatedController::default_elf().with_file_name("estimator-provoke")
+}
+
+/// Runs an image until it ends, and returns how it ended and its last greeting.
+fn run(image: &Path, provocation: &str, more: &[&str]) -> (ExitStatus, Hello) {
+    let (status, said) = batch::run("netduinoplus2", image, provocation, more, &[]);
+    let greetings = said.iter().filter_map(|message| match message {
+        ToHost::Hello(hello) => Some(*hello),
+        _ => None,
+    });
+    (status, greetings.last().unwrap())
+}
+
+/// The record that a provocation leaves behind.
+fn record(provocation: &str) -> FaultRecord {
+    let (status, hello) = run(&provoking(), provocation, &[]);
+    assert!(status.success(), "{provocation}: {status}");
+    let record = hello.start.fault.unwrap_or_else(|| panic!("{provocation}: no record"));
+    let reason = match record.kind {
+        FaultKind::Starved { .. } => ResetReason::Starved,
+        _ => ResetReason::Fault,
+    };
+    assert_eq!(hello.start.reason, reason, "{provocation}");
+    assert_eq!((record.count, record.build), (1, build_hash(hello.build_id.as_str())), "{provocation}");
+    record
+}
+
+/// Whether an address lies in a function of the provoking image whose name contains a text.
+fn is_in(address: u32, function: &str) -> bool {
+    let bytes = std::fs::read(provoking()).unwrap();
+    let file = object::File::parse(&*bytes).unwrap();
+    let address = u64::from(address);
+    file.symbols()
+        .filter(|symbol| symbol.name().is_ok_and(|name| name.contains(function)))
+        .any(|symbol| (symbol.address() & !1..(symbol.address() & !1) + symbol.size()).contains(&address))
+}
+
+#[test]
+fn every_access_that_must_not_be_is_recorded_with_its_address_and_place() {
+    let cases = [
+        ("wild-load", "bus error, data", Some(0xD000_0000), "provoke4load"),
+        ("store-below-ram", "bus error, data", Some(0x1FFF_FFF0), "provoke5store"),
+        ("store-into-guard", "memory protection, data", Some(0x2000_0010), "provoke5store"),
+        ("undefined-instruction", "undefined instruction", None, "provoke"),
+    ];
+    for (provocation, cause, address, function) in cases {
+        let record = record(provocation);
+        assert_eq!(record.kind, FaultKind::Core, "{provocation}: {record}");
+        assert_eq!((record.cause(), record.address), (cause, address), "{provocation}: {record}");
+        assert!(is_in(record.pc, function), "{provocation}: {record}");
+        assert!((0x2000_0100..0x2000_C000).contains(&record.msp), "{provocation}: {record}");
+    }
+}
+
+#[test]
+fn a_stack_overflow_is_survived_and_told_whether_it_meets_the_guard_or_leaps_over_it() {
+    for (provocation, msp) in [("overflow", 0x2000_0000..0x2000_0100), ("leaping-overflow", 0..0x2000_0000)] {
+        let record = record(provocation);
+        assert_eq!(record.kind, FaultKind::StackOverflow, "{provocation}: {record}");
+        assert!(msp.contains(&record.msp), "{provocation}: {record}");
+    }
+}
+
+#[test]
+fn a_party_that_does_not_check_in_is_named() {
+    for (name, bit) in [("sampling", 1), ("inference", 2), ("link", 4), ("self-test", 8)] {
+        let record = record(&format!("starve-{name}"));
+        assert_eq!(record.kind, FaultKind::Starved { missing: bit }, "{record}");
+        assert_eq!(record.missing().collect::<Vec<_>>(), [name]);
+    }
+}
+
+#[test]
+fn a_panic_is_recorded_as_one() {
+    assert_eq!(record("panic").kind, FaultKind::Panic);
+}
+
+#[test]
+fn a_fault_ends_the_emulation_where_no_reset_is_allowed() {
+    let (status, hello) = run(&provoking(), "wild-load", &["-no-reboot"]);
+    assert!(status.success(), "{status}");
+    assert_eq!(hello.start.fault, None, "the greeting before the fault");
+}
+
+#[test]
+fn the_shipped_image_commits_no_fault_on_demand() {
+    let (status, hello) = run(&EmulatedController::default_elf(), "wild-load", &[]);
+    assert!(status.success() && hello.start.fault.is_none(), "{:?}", hello.start);
+    let bytes = std::fs::read(EmulatedController::default_elf()).unwrap();
+    let file = object::File::parse(&*bytes).unwrap();
+    let names: Vec<_> = file.symbols().filter_map(|symbol| symbol.name().ok()).collect();
+    assert!(names.iter().any(|name| name.contains("record_fault")), "its symbols are there");
+    assert!(!names.iter().any(|name| name.contains("provoke")));
+}

@@ -1,0 +1,61 @@
+//! The image for another core (Cortex-M33, `cargo xtask firmware --board mps2-an505`) computes the same bits as the host.
+
+use crate::batch;
+use crate::frames::{configuration, troubled};
+use firmware::{Identity, NoTicks, Session};
+use host_sim::controller::EmulatedController;
+use inference::Bearing;
+use link::track::SensorStatus;
+use link::{
+    BuildId, ClockSource, Command, EstimateFrame, NumberedCommand, Target, ToController, ToHost,
+};
+use object::{Object, ObjectSymbol};
+use std::path::PathBuf;
+
+fn image() -> PathBuf {
+    let default = EmulatedController::default_elf();
+    let target_folder = default.ancestors().nth(3).unwrap();
+    target_folder.join("thumbv8m.main-none-eabihf/firmware/estimator")
+}
+
+fn estimates(said: &[ToHost]) -> Vec<EstimateFrame> {
+    let estimate = |message: &ToHost| match message {
+        ToHost::Estimate(numbered) => Some(numbered.estimate),
+        _ => None,
+    };
+    said.iter().filter_map(estimate).collect()
+}
+
+#[test]
+fn another_core_estimates_the_same_bits() {
+    for (bearing, seed) in [(Bearing::Babbitt, 4), (Bearing::Plastic, 5)] {
+        let configuration = configuration(bearing);
+        let configure = NumberedCommand { id: 1, command: Command::Configure(configuration) };
+        let frames = troubled(&configuration, 5_000, seed);
+        let sensors = frames.iter().map(|frame| ToController::Sensor(*frame, SensorStatus::GOOD));
+        let messages: Vec<_> = std::iter::once(ToController::Command(configure)).chain(sensors).collect();
+        let (status, said) = batch::run("mps2-an505", &image(), "", &[], &messages);
+        assert!(status.success(), "{status}");
+        let on_target = estimates(&said);
+
+        let build_id = BuildId::new("host");
+        let identity =
+            Identity { build_id, target: Target::Native, clock: ClockSource::Host, core_hz: 168_000_000 };
+        let mut session = Session::new(identity);
+        let answers: Vec<_> = messages.iter().map(|message| session.handle(message, &mut NoTicks)).collect();
+        let on_host = estimates(&answers);
+        assert_eq!((on_host.len(), on_target.len()), (frames.len(), frames.len()));
+        for (on_host, on_target) in on_host.iter().zip(&on_target) {
+            assert!(on_host.same_bits(on_target), "host {on_host:?}\nmps2-an505 {on_target:?}");
+        }
+        assert!(on_host.iter().filter(|estimate| estimate.normal_force_n > 0.0).count() > 500, "{bearing:?}");
+    }
+}
+
+#[test]
+fn no_panic_is_reachable_on_the_other_core() {
+    let bytes = std::fs::read(image()).unwrap();
+    let file = object::File::parse(&*bytes).unwrap();
+    let names: Vec<_> = file.symbols().filter_map(|symbol| symbol.name().ok()).collect();
+    assert!(names.contains(&"Reset") && !names.contains(&"PINTLE_PANIC_MARKER"));
+}
