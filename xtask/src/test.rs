@@ -3,10 +3,11 @@
 use crate::run::{ChoreError, cargo, run, succeeds};
 use crate::{firmware, setup};
 
-/// Sets up, builds the image, checks the format where rustfmt is there, and compares kernels and instruction counts on the
+/// Sets up, builds the images, checks the format where rustfmt is there, and compares kernels and instruction counts on the
 /// emulated cores, and runs the tests with the emulated ones.
 pub(crate) fn test() -> Result<(), ChoreError> {
     setup::setup()?;
+    firmware::OTHER_CORE.build()?;
     firmware::DEFAULT.build_provoking()?;
     firmware::DEFAULT.build()?;
     if succeeds(cargo().args(["fmt", "--version"])) {
