@@ -1,7 +1,7 @@
 //! The layers of a network while its graph is being followed.
 
 use super::axes::{Axis, Meaning};
-use super::constant::{Constants, Weights, attribute, integer, number};
+use super::constant::{Constants, attribute, biases, integer, number};
 use super::error::{OnnxError, at, name};
 use super::frameworks::{from_convolution, turned};
 use super::padding::{named, padding};
@@ -296,14 +296,5 @@ impl Chain {
             Some(open) => Err(wrong(&format!("`{}` ({})", open.node, open.operator))),
             None => Err(wrong("ReLU")),
         }
-    }
-}
-
-/// One bias for every output; a single one counts for all.
-fn biases(node: &Node, weights: &Weights, outputs: usize) -> Result<Vec<f32>, OnnxError> {
-    match weights.values[..] {
-        [one] => Ok(vec![one; outputs]),
-        _ if weights.values.len() == outputs => Ok(weights.values.clone()),
-        _ => Err(at(node, "bias", format!("{} values", weights.values.len()), format!("{outputs} values"))),
     }
 }

@@ -112,3 +112,12 @@ pub fn integer(node: &Node, name: &str, default: i64) -> i64 {
 pub fn number(node: &Node, name: &str, default: f32) -> f32 {
     attribute(node, name).map_or(default, |attribute| attribute.f)
 }
+
+/// One bias for every output; a single one counts for all.
+pub fn biases(node: &Node, weights: &Weights, outputs: usize) -> Result<Vec<f32>, OnnxError> {
+    match weights.values[..] {
+        [one] => Ok(vec![one; outputs]),
+        _ if weights.values.len() == outputs => Ok(weights.values.clone()),
+        _ => Err(at(node, "bias", format!("{} values", weights.values.len()), format!("{outputs} values"))),
+    }
+}
