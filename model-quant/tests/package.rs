@@ -1,0 +1,56 @@
+//! Keys and packages on the command line: what is written, what is refused and how that is said.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn model_quant(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_model-quant"));
+    command.current_dir(folder).args(arguments).output().expect("model-quant")
+}
+
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = model_quant(folder, arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+    let output = model_quant(folder, arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("json")
+}
+
+#[test]
+fn a_package_is_signed_for_its_key_and_the_same_bytes_every_time() {
+    let directory = tempfile::tempdir().expect("directory");
+    let folder = directory.path();
+    let public = json(folder, &["key", "--out", "one.key", "--json"])["public_key"].clone();
+    assert_eq!(json(folder, &["key", "--show", "one.key", "--json"])["public_key"], public);
+    let make = |out: &str| {
+        let made = json(folder, &["package", "--version", "4", "--key", "one.key", "--out", out, "--json"]);
+        (made, std::fs::read(folder.join(out)).expect("package"))
+    };
+    let ((made, bytes), (_, again)) = (make("a.package"), make("b.package"));
+    assert_eq!(bytes, again);
+    assert_eq!((&made["signed_for"], made["version"].as_u64()), (&public, Some(4)));
+    assert_eq!(made["images"].as_array().map(Vec::len), Some(2));
+    let foreign = json(folder, &["package", "--show", "a.package", "--json"]);
+    assert!(foreign["signed_for"].is_null(), "the development key is not the one it was signed with");
+    // A key is never replaced by another one.
+    assert!(refused(folder, &["key", "--out", "one.key"]).contains("one.key"));
+}
+
+#[test]
+fn what_is_no_image_no_key_or_no_package_is_refused_by_name() {
+    let directory = tempfile::tempdir().expect("directory");
+    let folder = directory.path();
+    std::fs::write(folder.join("wrong"), "# a remark\nzz\n").expect("file");
+    let message = refused(folder, &["package", "--version", "1", "--key", "wrong", "--out", "x"]);
+    assert!(message.contains("wrong: line 2") && message.contains("64 hexadecimal digits"), "{message}");
+    assert!(refused(folder, &["package", "wrong", "--version", "1", "--out", "x"]).contains("model image"));
+    assert!(refused(folder, &["package", "--show", "wrong"]).contains("expected 160"));
+    assert!(refused(folder, &["package", "--version", "0", "--out", "x"]).contains("--version"));
+    assert!(refused(folder, &["package", "--show", "nothing"]).contains("nothing"));
+    assert!(!folder.join("x").exists());
+}
