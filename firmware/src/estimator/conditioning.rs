@@ -68,3 +68,31 @@ impl Conditioning {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::configuration::BENCH_B;
+
+    #[test]
+    fn the_bench_s_configuration_gives_what_is_assumed_of_the_bench() {
+        assert_eq!(
+            Conditioning::of(Bearing::Babbitt, &BENCH_B.monitor),
+            Conditioning {
+                masses: Some(Masses { along_y_g: 816_666, along_z_g: 150_000 }),
+                ..Conditioning::of_bench(Bearing::Babbitt)
+            }
+        );
+    }
+
+    #[test]
+    fn masses_that_cannot_be_are_unknown() {
+        let monitor = BENCH_B.monitor;
+        for (drive_lever_um, mass_g) in [(0, 150_000), (300_000, 0), (1, 150_000), (300_000, 999)] {
+            let given = MonitorConfiguration { drive_lever_um, mass_g, ..monitor };
+            assert_eq!(Conditioning::of(Bearing::Babbitt, &given).masses, None, "{drive_lever_um} {mass_g}");
+        }
+        let given = MonitorConfiguration { damping_per_mille: 0, ..monitor };
+        assert_eq!(Conditioning::of(Bearing::Babbitt, &given).damping_per_mille, 2_092);
+    }
+}

@@ -11,7 +11,7 @@ mod limits;
 mod safe_state;
 mod tally;
 
-use inference::Model;
+use inference::{Bearing, Model};
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, SensorHealth, SensorStatus, TrackReport};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
@@ -19,7 +19,7 @@ pub use envelope::Envelope;
 pub use limits::ranges;
 
 use crate::Estimator;
-use crate::estimator::{Limits, SwingLimit, flags_of};
+use crate::estimator::{Conditioning, Limits, SwingLimit, flags_of};
 use crate::flags::{
     DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, NETWORK_OUTSIDE_LAW, SENSOR_FAULT, SEQUENCE_GAP,
     TIME_FAULT,
@@ -57,7 +57,10 @@ impl Monitor {
         monitor: &MonitorConfiguration,
         stuck_samples: u16,
     ) -> Result<Self, Refusal> {
-        let mut estimator = Estimator::new(image, *configuration)?;
+        let bearing = Bearing::from_code(configuration.bearing)
+            .ok_or(Refusal::UnknownBearing { found: configuration.bearing })?;
+        let conditioning = Conditioning::of(bearing, monitor);
+        let mut estimator = Estimator::conditioned(image, *configuration, &conditioning)?;
         estimator.plausibility_mut().set_limits(&limits_of(configuration, monitor, stuck_samples));
         Ok(Self {
             estimator,
