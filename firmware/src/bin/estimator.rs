@@ -20,6 +20,7 @@ fn main() {
 #[cfg(target_os = "none")]
 #[rtic::app(device = firmware::boards::device, peripherals = true)]
 mod app {
+    use core::sync::atomic::{AtomicU32, Ordering};
     use firmware::boards::{
         Board, Light, Link, Memory, Receiver, Storage, Timer, Watchdog, advance_uptime, check_in, give_up,
         leave, stack_mark, stack_used, start,
@@ -47,6 +48,9 @@ mod app {
     const SAMPLES: usize = 8;
     /// In lockstep the self-test goes on once in so many frames, so that it does not slow the exchange down.
     const FRAMES_A_STEP: u32 = 16;
+
+    /// Received bytes that found no room.
+    static DROPPED_BYTES: AtomicU32 = AtomicU32::new(0);
 
     #[shared]
     struct Shared {
@@ -96,11 +100,7 @@ mod app {
         let Storage { slots, places } = storage;
         let (store, models) = Store::start(slots, STM32F405, key::KEY);
         session.switch(models);
-        let mut keeper = Keeper::start(places);
-        // A bench beside which the controller was left running goes on without a host. A refusal is a configuration of another build.
-        if let Some(configuration) = keeper.value(CONFIGURATION_VERSION.into()) {
-            let _ = session.configure(&configuration);
-        }
+        let keeper = Keeper::start(places);
         // From here on both are expected; sampling and inference once there is something to estimate.
         check_in(&attendance, Party::Link);
         check_in(&attendance, Party::SelfTest);
@@ -125,11 +125,13 @@ mod app {
         )
     }
 
-    /// Keeps what the serial port received; a byte without room is lost and its frame fails its check.
+    /// Keeps what the serial port received; a byte without room is lost, counted, and its frame fails its check.
     #[task(binds = SERIAL, priority = 3, local = [receiver, bytes_in])]
     fn received(cx: received::Context) {
         if let Some(byte) = cx.local.receiver.fetch() {
-            let _ = cx.local.bytes_in.enqueue(byte);
+            if cx.local.bytes_in.enqueue(byte).is_err() {
+                DROPPED_BYTES.fetch_add(1, Ordering::Relaxed);
+            }
         }
     }
 
@@ -174,6 +176,11 @@ mod app {
         let attendance = cx.shared.attendance;
         let background = cx.local.background;
         let kept = cx.local.kept;
+        // A bench beside which the controller was left running goes on without a host. A refusal is a configuration of another build.
+        // Here and not in `init`, on whose large frame it would come on top.
+        if let Some(configuration) = kept.keeper.value(CONFIGURATION_VERSION.into()) {
+            let _ = cx.shared.session.lock(|session| session.configure(&configuration));
+        }
         // Unasked: a host that was in the middle of a run learns of the restart.
         let hello = cx.shared.session.lock(|session| session.hello(0));
         match cx.local.link {
@@ -266,7 +273,11 @@ mod app {
                         cx.shared.session.lock(Session::count_dropped_estimate);
                     }
                 }
-                if let Some(report) = cx.shared.session.lock(Session::slow)
+                let report = cx.shared.session.lock(|session| {
+                    session.dropped_bytes(DROPPED_BYTES.load(Ordering::Relaxed));
+                    session.slow()
+                });
+                if let Some(report) = report
                     && !send(&report, |bytes| port.write(bytes))
                 {
                     cx.shared.session.lock(Session::count_dropped_answer);
