@@ -126,12 +126,12 @@ impl RemoteController {
     /// Sends raw bytes, as a disturbed line would, and returns the controller's answer.
     pub fn disturb(&mut self, bytes: &[u8]) -> Result<ToHost, ControllerError> {
         self.line.send(bytes)?;
-        self.line.next("disturbed bytes", "The bytes may hold no end of a frame.")
-    }
-
-    /// Sends raw bytes that nobody answers.
-    pub fn send_raw(&mut self, bytes: &[u8]) -> Result<(), ControllerError> {
-        self.line.send(bytes)
+        loop {
+            match self.line.next("disturbed bytes", "The bytes may hold no end of a frame.")? {
+                slow @ ToHost::Slow(_) => drop(self.take(slow)?),
+                answer => return Ok(answer),
+            }
+        }
     }
 
     /// The emulator's process identifier, for tests that end it.

@@ -8,6 +8,7 @@ mod agreement;
 mod batch;
 mod failures;
 mod faults;
+mod flood;
 mod frames;
 mod image;
 mod other_core;

@@ -1,0 +1,58 @@
+//! Garbage on the link: the estimates, and what a tick costs, are those of a quiet line.
+
+use crate::frames::{configuration, troubled};
+use host_sim::controller::{Controller, EmulatedController};
+use inference::Bearing;
+use link::{BadFrames, Counters, Decoder, EstimateFrame, Fault, ToController, ToHost};
+
+/// Samples of the run.
+const SAMPLES: u32 = 2_000;
+
+/// Bytes that end as one refused frame: any but zeros, of any length up to twice a frame's, then the delimiter.
+fn garbage(index: u32) -> Vec<u8> {
+    let mut state = index.wrapping_mul(0x9E37_79B9) | 1;
+    let mut byte = || {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        (state >> 8) as u8
+    };
+    let length = 1 + usize::from(byte()) * 2;
+    let mut bytes: Vec<u8> = (0..length).map(|_| byte().max(1)).collect();
+    bytes.push(0);
+    bytes
+}
+
+/// Instructions of a tick. Its ticks depend on where in a SysTick period it begins, by one.
+fn instructions(estimate: &EstimateFrame) -> f64 {
+    (f64::from(estimate.instruction_ticks) / 10.752).round()
+}
+
+#[test]
+fn garbage_between_the_frames_changes_neither_estimates_nor_the_instructions_of_a_tick() {
+    let configuration = configuration(Bearing::Babbitt);
+    let frames = troubled(&configuration, SAMPLES, 21);
+    let elf = EmulatedController::default_elf();
+    let mut quiet = EmulatedController::start(configuration, &elf).unwrap();
+    let mut flooded = EmulatedController::start(configuration, &elf).unwrap();
+    let mut decoder = Decoder::new();
+    let mut sent = 0;
+    for (frame, index) in frames.iter().zip(0..) {
+        let garbage = garbage(index);
+        sent += garbage.len();
+        let expected: Vec<_> =
+            garbage.iter().filter_map(|&byte| decoder.push::<ToController>(byte)).collect();
+        let answer = flooded.disturb(&garbage).unwrap();
+        let [Err(error)] = expected[..] else { panic!("{expected:?}") };
+        assert_eq!(answer, ToHost::Fault(Fault::BadFrame(error)));
+        let (quiet, flooded) = (quiet.exchange(frame).unwrap(), flooded.exchange(frame).unwrap());
+        assert!(flooded.same_bits(&quiet), "sample {index}");
+        assert_eq!(instructions(&flooded), instructions(&quiet), "sample {index}");
+    }
+    println!("{sent} bytes of garbage between {SAMPLES} samples");
+    let counters = Box::new(flooded).finish().unwrap();
+    assert_eq!(counters.bad_frames, decoder.bad_frames());
+    assert_eq!(counters.bad_frames.total(), SAMPLES);
+    let without = Counters { bad_frames: BadFrames::default(), ..counters };
+    assert_eq!(without, Box::new(quiet).finish().unwrap());
+}
