@@ -1,11 +1,11 @@
 //! Writing through a debug probe, and reading the controller's log through it: probe-rs does both.
 //!
 //! Probes over USB bulk transfers: ST-Link, CMSIS-DAP version 2, J-Link and others. CMSIS-DAP version 1 (HID) is left out, because it wants a C
-//! library of the system. Tried against probe-rs's fake probe only; no board was at hand.
+//! library of the system. Built, but not yet tried: no probe was at hand.
 
 use super::log::Texts;
 use super::{FlashError, Plan};
-use probe_rs::flashing::{DownloadOptions, ElfOptions, download_file_with_options};
+use probe_rs::flashing::{DownloadOptions, ElfLoader, ElfOptions, download_file_with_options};
 use probe_rs::probe::list::Lister;
 use probe_rs::probe::{DebugProbeSelector, Probe};
 use probe_rs::rtt::Rtt;
