@@ -8,7 +8,7 @@
 //! The checked-in models come from
 //!
 //! ```text
-//! model-quant train --bearing babbitt --out model-quant/models      # and plastic; about two minutes each on two cores
+//! model-quant train --bearing babbitt --out model-quant/models      # and plastic; five to eight minutes each on two cores
 //! model-quant quantize --out crates/inference/models
 //! ```
 //!
