@@ -12,7 +12,7 @@ use crate::verify::Verdict;
 use bench::run::{DEFAULT_TOLERANCE, snapshots};
 use bench::transmission::Snapshot;
 use bench::{BearingMaterial, Bench};
-use inference::{Bearing, ContactState};
+use inference::{Bearing, ContactState, WINDOW};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -62,14 +62,15 @@ pub fn runs(bearing: Bearing) -> Result<Vec<Vec<Snapshot>>, RunError> {
     CONDITIONS.into_par_iter().map(run).collect()
 }
 
-/// Runs image and float networks over the contacts; collision first, friction second.
+/// Runs image and float networks over the contacts; collision first, friction second. The first samples of a run, for which
+/// the networks' history is not full, are flagged so and do not count.
 pub fn errors(checkpoint: &Checkpoint, model: AnyModel<'_>, runs: &[Vec<Snapshot>]) -> [HeldOut; 2] {
     let float = FloatPair::of(checkpoint, 0);
     // Truth, image, float; each normal and friction.
     let rows: Vec<[[f64; 2]; 3]> = (runs.par_iter())
         .flat_map_iter(|samples| {
             let (mut float, mut image) = (float.clone(), AnyPair::new(model));
-            samples.iter().map(move |sample| {
+            let estimates = samples.iter().map(move |sample| {
                 let state = contact(sample);
                 let (floats, estimate) = (float.push(&state), image.push(&state));
                 [
@@ -77,7 +78,8 @@ pub fn errors(checkpoint: &Checkpoint, model: AnyModel<'_>, runs: &[Vec<Snapshot
                     [estimate.normal_force_mn, estimate.friction_force_mn].map(|mn| f64::from(mn) / 1000.0),
                     [floats.normal_force_n, floats.friction_force_n].map(f64::from),
                 ]
-            })
+            });
+            estimates.skip(WINDOW - 1)
         })
         .collect();
     [0, 1].map(|which| {

@@ -115,7 +115,8 @@ fn configuration(options: &BenchOptions) -> Result<ControllerConfiguration, CliE
 }
 
 fn learn(controller: &mut RemoteController) -> Result<Learnt, ControllerError> {
-    let unexpected = |found: String| ControllerError::Unexpected { found, expected: "what was asked for".into() };
+    let unexpected =
+        |found: String| ControllerError::Unexpected { found, expected: "what was asked for".into() };
     let counters = match controller.order(Command::GetCounters)? {
         Answer::Counters(counters) => counters,
         other => return Err(unexpected(format!("{other:?}"))),
