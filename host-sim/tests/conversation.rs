@@ -89,6 +89,7 @@ fn command() -> impl Strategy<Value = Command> {
         Just(Command::ClearTrip),
         Just(Command::Keep),
         Just(Command::Stop),
+        Just(Command::SampleYourself),
     ]
 }
 

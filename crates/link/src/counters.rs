@@ -23,7 +23,7 @@ pub struct Counters {
     pub held: u32,
     /// Timer ticks that found no sample waiting (silicon).
     pub idle_ticks: u32,
-    /// Samples dropped because the queue was full (silicon).
+    /// Samples of the link dropped: the queue was full, or the controller takes its own.
     pub dropped_samples: u32,
     /// Estimates dropped because the queue was full or the line took none.
     pub dropped_estimates: u32,

@@ -54,6 +54,8 @@ pub enum Command {
     ClearTrip,
     /// End the run and wait to be configured again.
     Stop,
+    /// Go on with the run on samples of the controller's own sensors, one every timer tick, until it ends. The bench's sample period is 100 us then.
+    SampleYourself,
 }
 
 /// What the controller sends.
@@ -97,6 +99,11 @@ pub enum Answer {
     Cleared,
     /// To [`Command::Stop`]: what the run counted.
     Stopped(Counters),
+    /// To [`Command::SampleYourself`]: one estimate in so many is sent.
+    Sampling {
+        /// Samples from one sent estimate to the next.
+        every: u16,
+    },
 }
 
 /// Why a command was not carried out.
@@ -122,6 +129,8 @@ pub enum Refused {
     Running,
     /// The controller has nowhere to keep it, or it could not be written.
     NotKept,
+    /// The controller has no sensors of its own, or no timer that paces it.
+    NoSensors,
 }
 
 /// What the controller is doing.

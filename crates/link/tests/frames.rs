@@ -60,6 +60,7 @@ fn command() -> impl Strategy<Value = Command> {
         Just(Command::GetCounters),
         Just(Command::ClearTrip),
         Just(Command::Stop),
+        Just(Command::SampleYourself),
     ]
 }
 

@@ -3,7 +3,7 @@
 //! | task | priority | does |
 //! |---|---|---|
 //! | `received` | 3 | the serial port: keeps the bytes that come in |
-//! | `tick` | 2 | SysTick: reviews who has checked in and kicks the watchdog; paced (10 kHz) it takes the next sample, estimates, queues the answer |
+//! | `tick` | 2 | SysTick: reviews who has checked in and kicks the watchdog; paced (10 kHz) it takes the link's next sample, or one of the board's own sensors, estimates, queues the answer |
 //! | `idle` | 0 | the link: frames in, commands, answers out; the self-test; the stack's mark |
 //!
 //! Deadline: a tick's work must end before the next tick; the session watches it.
@@ -22,8 +22,8 @@ fn main() {
 mod app {
     use core::sync::atomic::{AtomicU32, Ordering};
     use firmware::boards::{
-        Board, Light, Link, Memory, Receiver, Storage, Timer, Watchdog, advance_uptime, check_in, give_up,
-        leave, stack_mark, stack_used, start,
+        Board, Light, Link, Memory, Receiver, Sensors, Storage, Timer, Watchdog, advance_uptime, check_in,
+        give_up, leave, stack_mark, stack_used, start,
     };
     use firmware::store::{Keeper, Store, key};
     use firmware::supervisor::light::{lit, shown};
@@ -70,6 +70,7 @@ mod app {
         bytes: Consumer<'static, u8>,
         watchdog: Watchdog,
         light: Light,
+        sensors: Option<Sensors>,
         start: StartReport,
         paced: bool,
         background: Background,
@@ -90,7 +91,7 @@ mod app {
 
     #[init(local = [byte_queue: Queue<u8, BYTES> = Queue::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let Board { identity, start, link, receiver, timer, watchdog, light, attendance, storage } =
+        let Board { identity, start, link, receiver, timer, watchdog, light, attendance, storage, sensors } =
             start(cx.core, cx.device);
         let (bytes_in, bytes) = cx.local.byte_queue.split();
         let mut session = Session::new(identity);
@@ -105,6 +106,7 @@ mod app {
         check_in(&attendance, Party::Link);
         check_in(&attendance, Party::SelfTest);
         let paced = matches!(link, Link::Serial(_));
+        session.report_sensors(paced && sensors.is_some());
         defmt::info!("started, core at {=u32} Hz", identity.core_hz);
         (
             Shared { session, samples: Deque::new(), estimates: Deque::new(), attendance },
@@ -117,6 +119,7 @@ mod app {
                 bytes,
                 watchdog,
                 light,
+                sensors,
                 start,
                 paced,
                 background: Background { self_test: SelfTest::new(), mark },
@@ -136,7 +139,7 @@ mod app {
     }
 
     /// One timer tick: the supervisor's review, and on the serial link one sample period.
-    #[task(binds = SysTick, priority = 2, local = [tick_timer, watchdog, light, start, paced], shared = [session, samples, estimates, &attendance])]
+    #[task(binds = SysTick, priority = 2, local = [tick_timer, watchdog, light, sensors, start, paced], shared = [session, samples, estimates, &attendance])]
     fn tick(cx: tick::Context) {
         let now_us = advance_uptime();
         let attendance = cx.shared.attendance;
@@ -151,13 +154,24 @@ mod app {
                     return running;
                 }
                 check_in(attendance, Party::Sampling);
-                let Some((frame, status)) = samples.pop_front() else {
-                    attendance.rest(Party::Inference);
-                    session.count_idle_tick();
-                    return running;
+                let came = samples.pop_front();
+                let timer = cx.local.tick_timer;
+                let estimate = match (cx.local.sensors, came) {
+                    (Some(sensors), came) if session.samples_itself() => {
+                        if came.is_some() {
+                            session.count_dropped_sample();
+                        }
+                        session.own_tick(|| sensors.sample(now_us), timer)
+                    }
+                    // A sample before any configuration is answered by silence: the state is in every greeting.
+                    (_, Some((frame, status))) => session.tick(&frame, status, timer).ok(),
+                    (_, None) => {
+                        attendance.rest(Party::Inference);
+                        session.count_idle_tick();
+                        return running;
+                    }
                 };
-                // A sample before any configuration is answered by silence: the state is in every greeting.
-                if let Ok(estimate) = session.tick(&frame, status, cx.local.tick_timer)
+                if let Some(estimate) = estimate
                     && estimates.push_back(estimate).is_err()
                 {
                     session.count_dropped_estimate();

@@ -33,9 +33,9 @@ on_target! {
     mod stm32f405;
 
     #[cfg(feature = "mps2-an505")]
-    pub use mps2_an505::{Light, Receiver, Transmitter, Watchdog, device, start};
+    pub use mps2_an505::{Light, Receiver, Sensors, Transmitter, Watchdog, device, start};
     #[cfg(feature = "stm32f405")]
-    pub use stm32f405::{Light, Receiver, Transmitter, Watchdog, device, start};
+    pub use stm32f405::{Light, Receiver, Sensors, Transmitter, Watchdog, device, start};
 
     #[cfg(feature = "provoke")]
     mod provoke;
@@ -101,5 +101,7 @@ on_target! {
         pub attendance: crate::supervisor::Attendance,
         /// What models and configuration are kept in.
         pub storage: Storage,
+        /// The sensors, if it has any.
+        pub sensors: Option<Sensors>,
     }
 }

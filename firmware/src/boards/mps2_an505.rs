@@ -7,7 +7,8 @@
 // Brings the vector table and the reset handler, which no device crate does here.
 use cortex_m_rt as _;
 use link::start::ResetReason;
-use link::{BuildId, ClockSource, Target};
+use link::track::SensorStatus;
+use link::{BuildId, ClockSource, SensorFrame, Target};
 
 use super::{BUILD_ID, Board, Files, Link, Storage, Timer, fault, guard, timer};
 use crate::session::Identity;
@@ -153,6 +154,16 @@ impl Watchdog {
     pub fn kick(&mut self) {}
 }
 
+/// No sensors: there is nothing to make them of.
+pub enum Sensors {}
+
+impl Sensors {
+    /// Never called.
+    pub fn sample(&mut self, _time_us: u32) -> (SensorFrame, SensorStatus) {
+        match *self {}
+    }
+}
+
 /// No light.
 pub struct Light(());
 
@@ -189,5 +200,6 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
         light: Light(()),
         attendance: timer::attendance(paced),
         storage: Storage::in_ram(),
+        sensors: None,
     }
 }

@@ -3,14 +3,17 @@
 mod clock_tree;
 mod light;
 mod sectors;
+mod sensors;
 mod serial;
+mod spi;
 mod watchdog;
 
 use link::{BuildId, ClockSource, Target};
-use stm32f4xx_hal::gpio::GpioExt;
+use stm32f4xx_hal::gpio::{GpioExt, PinState, Speed};
 use stm32f4xx_hal::rcc::RccExt;
 
 pub use light::Light;
+pub use sensors::Sensors;
 pub use serial::{Receiver, Transmitter};
 pub use watchdog::Watchdog;
 
@@ -19,6 +22,7 @@ use crate::clock::{Clocks, INTERNAL_HZ, bring_up};
 use crate::session::Identity;
 use crate::supervisor::start::reason_of_flags;
 use clock_tree::ClockTree;
+use spi::Divider;
 pub(super) use sectors::Sectors;
 
 /// The device as the task framework wants it.
@@ -67,6 +71,7 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
     let files = if target == Target::Emulator { Files::open() } else { None };
 
     device.RCC.apb2enr().modify(|_, w| w.usart6en().set_bit());
+    device.RCC.apb1enr().modify(|_, w| w.spi2en().set_bit());
     let bus_hz = match clocks.source {
         ClockSource::PllCrystal | ClockSource::PllInternal => clocks.core_hz / 2,
         ClockSource::Crystal => clocks.core_hz,
@@ -74,8 +79,21 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
     };
     let mut rcc = device.RCC.constrain();
     let (port_a, port_c) = (device.GPIOA.split(&mut rcc), device.GPIOC.split(&mut rcc));
+    let port_b = device.GPIOB.split(&mut rcc);
     let _ = (port_c.pc6.into_alternate::<8>(), port_c.pc7.into_alternate::<8>());
     let light = Light::start(port_a.pa10, port_c.pc1, port_c.pc12);
+    let fast = Speed::High;
+    let _ = (
+        port_b.pb13.into_alternate::<5>().speed(fast),
+        port_b.pb14.into_alternate::<5>(),
+        port_b.pb15.into_alternate::<5>().speed(fast),
+    );
+    let (converter, encoder) = spi::split(
+        device.SPI2,
+        (port_b.pb9.into_push_pull_output_in_state(PinState::High), Divider::Four),
+        (port_b.pb8.into_push_pull_output_in_state(PinState::High), Divider::Eight),
+    );
+    let sensors = sensors::sampler(converter, encoder);
     serial::set_up(&device.USART6, bus_hz);
     let (receiver, transmitter) = serial::split(device.USART6);
 
@@ -87,5 +105,5 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
     // The emulator ignores stores to flash.
     let storage = if target == Target::Silicon { Storage::in_flash() } else { Storage::in_ram() };
     let attendance = timer::attendance(paced);
-    Board { identity, start, link, receiver, timer, watchdog, light, attendance, storage }
+    Board { identity, start, link, receiver, timer, watchdog, light, attendance, storage, sensors }
 }

@@ -14,11 +14,12 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DCB, DWT, SYST};
 
-use crate::session::TickSource;
+use crate::session::{OWN_PERIOD_US, TickSource};
 use crate::supervisor::{Attendance, Periods};
 
 /// Timer ticks a second when SysTick paces the loop.
 pub const TICKS_PER_SECOND: u32 = 10_000;
+const _: () = assert!(TICKS_PER_SECOND * OWN_PERIOD_US == 1_000_000, "own samples are taken every tick");
 
 const FULL: u32 = 0x00FF_FFFF;
 

@@ -6,8 +6,10 @@
 //! sample period old, which is a delay of the angle by that period.
 //!
 //! An answer of all ones is no angle: it has even parity, but the error flag set; it is what an open line with a pull-up reads. All
-//! zeros has even parity and no error flag, and is a true angle once in 16,384: a data line stuck low cannot be told from a shaft that stands
-//! at 0 by one answer, and is found as stuck ([`crate::estimator::Plausibility`]).
+//! zeros has even parity and no error flag, and is a true angle once in 16,384. It is taken for one only after the device has shown
+//! that it is there, by any other answer; until then the device is asked for its diagnostics, which are not 0 once its offset compensation has ended.
+//! A data line that is stuck low later cannot be told from a shaft that stands at 0 by one answer, and is found as stuck
+//! ([`crate::estimator::Plausibility`]).
 //!
 //! One step is 383 urad, twenty times the noise that the default bench assumes of its angle sensor: the sliding speed of a slow shaft is
 //! then uncertain, and a shaft that stands still shows one code. A finer encoder is the better choice where friction matters.
@@ -21,6 +23,7 @@ pub(super) const STEPS: u32 = 1 << 14;
 const READ: u16 = 1 << 14;
 const ANGLE: u16 = 0x3fff;
 const ERRORS: u16 = 0x0001;
+const DIAGNOSTICS: u16 = 0x3ffc;
 const ERROR_FLAG: u16 = 1 << 14;
 const DATA: u16 = (1 << 14) - 1;
 
@@ -32,12 +35,14 @@ pub struct As5047p<SPI> {
     next: u16,
     /// What the next answer is about.
     asked: u16,
+    /// Whether the device has said anything but zeros.
+    seen: bool,
 }
 
 impl<SPI: SpiDevice> As5047p<SPI> {
     /// Takes the device. The first two readings have no angle yet.
     pub const fn new(spi: SPI) -> Self {
-        Self { spi, next: ANGLE, asked: ERRORS }
+        Self { spi, next: ANGLE, asked: ERRORS, seen: false }
     }
 
     /// Reads the angle asked for by the frame before, in steps.
@@ -65,6 +70,11 @@ impl<SPI: SpiDevice> As5047p<SPI> {
         if answer & ERROR_FLAG != 0 {
             self.next = ERRORS;
             return Err(SensorFault::ErrorFlag);
+        }
+        self.seen |= answer & DATA != 0;
+        if asked != ERRORS && !self.seen {
+            self.next = DIAGNOSTICS;
+            return Err(SensorFault::NoAnswer);
         }
         if asked == ANGLE { Ok(answer & DATA) } else { Err(SensorFault::ErrorFlag) }
     }

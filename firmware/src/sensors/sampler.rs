@@ -8,6 +8,8 @@
 //! marked. Two probes make two coordinates: when one has no value, neither coordinate has.
 //!
 //! After a fault of the converter's bus the input that the next frame returns is not known, so that one is missing too.
+//!
+//! A converter that has not taken its configuration is asked again instead of being read: all its channels are missing until it has.
 
 use embedded_hal::spi::SpiDevice;
 use link::SensorFrame;
@@ -82,6 +84,8 @@ pub struct Sampler<SPI, ANGLE> {
     converter: Ads8688<SPI>,
     angle: ANGLE,
     wiring: Wiring,
+    /// Whether the converter has taken its configuration.
+    configured: bool,
     /// Whether the next frame returns the input that it should.
     in_step: bool,
     frame: SensorFrame,
@@ -91,10 +95,18 @@ pub struct Sampler<SPI, ANGLE> {
 type Code = Result<u16, SensorFault>;
 
 impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
-    /// Takes the devices; [`Self::configure`] comes next.
+    /// Takes the devices. The first sample configures the converter unless [`Self::configure`] has.
     pub fn new(converter: Ads8688<SPI>, angle: ANGLE, wiring: Wiring) -> Self {
         let first = SensorFrame { sequence: u32::MAX, ..SensorFrame::default() };
-        Self { converter, angle, wiring, in_step: false, frame: first, faults: FaultCounts::default() }
+        Self {
+            converter,
+            angle,
+            wiring,
+            configured: false,
+            in_step: false,
+            frame: first,
+            faults: FaultCounts::default(),
+        }
     }
 
     /// Configures the converter. May be repeated whenever it does not answer.
@@ -103,6 +115,7 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
     ///
     /// The bus failed, or a register did not read back.
     pub fn configure(&mut self) -> Result<(), SensorFault> {
+        self.configured = false;
         self.in_step = false;
         let (inputs, count) = self.inputs();
         let mut ranges = [(0, self.wiring.probe_range); MOST_INPUTS];
@@ -110,6 +123,7 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
             *range = (input, if is_load { self.wiring.load_range } else { self.wiring.probe_range });
         }
         self.converter.configure(ranges.get(..count).unwrap_or_default())?;
+        self.configured = true;
         self.in_step = true;
         Ok(())
     }
@@ -117,7 +131,11 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
     /// Samples everything once; `time_us` is the controller's time of the sample.
     pub fn sample(&mut self, time_us: u32) -> (SensorFrame, SensorStatus) {
         let mut status = SensorStatus::GOOD;
-        let codes = self.codes();
+        let codes = if self.configured {
+            self.codes()
+        } else {
+            [Err(self.configure().err().unwrap_or(SensorFault::NotConfigured)); MOST_INPUTS]
+        };
         match self.journal(&codes) {
             Ok(([y, z], at_rail)) => {
                 self.frame.journal_y_nm = y;

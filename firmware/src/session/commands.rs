@@ -5,7 +5,7 @@ use link::{
     Refused, Target, ToController,
 };
 
-use super::run::Run;
+use super::run::{OWN_EVERY, Run};
 use super::{Session, count};
 use crate::configuration::validate;
 
@@ -66,6 +66,14 @@ impl Session {
                 self.run = None;
                 self.forget_run();
                 Ok(Answer::Stopped(counters))
+            }
+            Command::SampleYourself => {
+                let run = self.run.as_mut().ok_or(Refused::NotConfigured)?;
+                if !self.has_sensors {
+                    return Err(Refused::NoSensors);
+                }
+                run.sample_itself().map_err(Refused::Configuration)?;
+                Ok(Answer::Sampling { every: OWN_EVERY })
             }
         }
     }

@@ -26,6 +26,7 @@ use crate::estimator::WINDOW;
 use crate::flags::{OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
 use crate::store::Models;
 use commands::LastCommand;
+pub use run::{OWN_EVERY, OWN_PERIOD_US};
 use run::{Run, flags_of};
 
 /// A free-running counter that times one tick's work.
@@ -72,6 +73,8 @@ pub struct Session {
     configuration: Option<ControllerConfiguration>,
     /// Whether that configuration has just been kept.
     kept: bool,
+    /// Whether the controller has sensors of its own.
+    has_sensors: bool,
     run: Option<Run>,
     counters: Counters,
     commands: LastCommand,
@@ -114,6 +117,7 @@ impl Session {
             models,
             configuration: None,
             kept: false,
+            has_sensors: false,
             run: None,
             counters: Counters::default(),
             commands: LastCommand::default(),
@@ -144,6 +148,17 @@ impl Session {
     /// Takes what the greeting is to say of the stack.
     pub const fn report_stack(&mut self, stack: StackReport) {
         self.hello.stack = stack;
+    }
+
+    /// Takes whether the controller has sensors of its own, with a timer that paces it.
+    pub const fn report_sensors(&mut self, has_sensors: bool) {
+        self.has_sensors = has_sensors;
+    }
+
+    /// Whether the run is on the controller's own samples: [`Session::own_tick`] is due every timer tick.
+    #[must_use]
+    pub fn samples_itself(&self) -> bool {
+        self.run.as_ref().is_some_and(Run::samples_itself)
     }
 
     /// The greeting; with the token of whoever asked, 0 for nobody.
@@ -212,6 +227,22 @@ impl Session {
         encode_estimate(&estimate, &mut bytes);
         self.finish(elapsed, ticks.since(start));
         Ok(bytes)
+    }
+
+    /// A whole tick with the controller's own sample, whose taking is part of the time that is watched. The bytes of the estimate if it is
+    /// one of those that are sent.
+    pub fn own_tick(
+        &mut self,
+        sample: impl FnOnce() -> (SensorFrame, SensorStatus),
+        ticks: &mut impl TickSource,
+    ) -> Option<[u8; ESTIMATE_FRAME]> {
+        let start = ticks.start();
+        let (frame, status) = sample();
+        let (estimate, elapsed) = self.sample(&frame, status, start, ticks)?;
+        let mut bytes = [0; ESTIMATE_FRAME];
+        encode_estimate(&estimate, &mut bytes);
+        self.finish(elapsed, ticks.since(start));
+        self.run.as_mut().is_some_and(Run::sends).then_some(bytes)
     }
 
     /// Counts a frame that could not be read, and answers it so that a waiting host learns of it.

@@ -3,7 +3,8 @@
 use inference::{Bearing, Flags};
 use link::track::SensorStatus;
 use link::{
-    Configured, ControllerConfiguration, EstimateFrame, NumberedEstimate, Refusal, Refused, SensorFrame,
+    Configured, ControllerConfiguration, EstimateFrame, Field, NumberedEstimate, OutOfRange, Reasons,
+    Refusal, Refused, SensorFrame,
 };
 
 use super::deadline::Deadline;
@@ -12,6 +13,11 @@ use crate::configuration::{Calibrator, check_sum};
 use crate::estimator::WINDOW;
 use crate::flags::{OVER_FORCE, STALE, TRIPPED};
 use crate::store::{Loaded, Models, Scrubber};
+
+/// Time between samples that the controller takes itself, us: a timer tick.
+pub const OWN_PERIOD_US: u32 = 100;
+/// Of its own samples' estimates one in so many is sent: 500 a second, half of what the serial line carries.
+pub const OWN_EVERY: u16 = 20;
 
 /// A configured estimator at work.
 #[derive(Debug)]
@@ -29,6 +35,10 @@ pub(super) struct Run {
     force_limit_n: f32,
     /// Number of the next estimate.
     number: u32,
+    /// Whether the samples are the controller's own.
+    samples_itself: bool,
+    /// Estimates since the last one that was sent.
+    withheld: u16,
     /// The last estimate that was in time.
     held: EstimateFrame,
 }
@@ -75,6 +85,8 @@ impl Run {
                 limits.force_limit_n as f32
             },
             number: 0,
+            samples_itself: false,
+            withheld: 0,
             held: EstimateFrame::default(),
         })
     }
@@ -92,6 +104,35 @@ impl Run {
         estimate.flags |= Flags::ALTERED.when(self.altered).bits();
         estimate.flags |= OVER_FORCE.when(estimate.normal_force_n > self.force_limit_n).bits();
         estimate
+    }
+
+    /// Goes on with the controller's own samples; refused if the bench's period is not theirs.
+    pub(super) fn sample_itself(&mut self) -> Result<(), Reasons> {
+        let (found, own) = (self.configuration.bench.sample_period_us.into(), OWN_PERIOD_US.into());
+        if found == own {
+            self.samples_itself = true;
+            return Ok(());
+        }
+        let mut reasons = Reasons::default();
+        reasons.add(OutOfRange { field: Field::SamplePeriod, found, min: own, max: own });
+        Err(reasons)
+    }
+
+    /// Whether the samples are the controller's own.
+    pub(super) const fn samples_itself(&self) -> bool {
+        self.samples_itself
+    }
+
+    /// Whether the estimate of an own sample is sent. One that is not leaves its number to the next.
+    pub(super) const fn sends(&mut self) -> bool {
+        self.withheld = self.withheld.saturating_add(1);
+        let sends = self.withheld >= OWN_EVERY;
+        if sends {
+            self.withheld = 0;
+        } else {
+            self.number = self.number.wrapping_sub(1);
+        }
+        sends
     }
 
     /// Goes on with other networks; without any, with the altered ones, flagged.

@@ -1,5 +1,7 @@
 //! The session by itself: what is served, refused, counted, and what lateness does.
 
+mod own;
+
 use super::*;
 use crate::configuration::BENCH_B;
 use crate::flags::{STALE, TRIPPED};

@@ -1,6 +1,6 @@
 //! AS5047P.
 
-use crate::script::{ASK_ANGLE, ASK_ERRORS, Broken, encoder};
+use crate::script::{ASK_ANGLE, ASK_DIAGNOSTICS, ASK_ERRORS, Broken, encoder};
 use embedded_hal_mock::eh1::spi::Mock;
 use firmware::sensors::{Absolute, AngleSensor, As5047p, SensorFault};
 
@@ -61,6 +61,34 @@ fn an_open_line_is_no_angle() {
     assert_eq!(device.read(), Err(SensorFault::NoAnswer));
     device.release().done();
     assert_eq!(As5047p::new(Broken).read(), Err(SensorFault::Bus));
+}
+
+#[test]
+fn a_line_that_only_reads_zeros_never_gives_an_angle() {
+    let mut script = [encoder(ASK_ANGLE, 0), encoder(ASK_ANGLE, 0)].concat();
+    script.extend((0..50).flat_map(|_| encoder(ASK_DIAGNOSTICS, 0)));
+    let mut device = As5047p::new(Mock::new(&script));
+    assert!((0..52).all(|_| device.read().is_err()));
+    device.release().done();
+}
+
+#[test]
+fn a_shaft_that_stands_at_zero_has_an_angle_once_the_device_has_shown_itself() {
+    let script = [
+        encoder(ASK_ANGLE, 0),
+        encoder(ASK_ANGLE, 0),
+        encoder(ASK_DIAGNOSTICS, 0),
+        encoder(ASK_DIAGNOSTICS, answer(0x0180)),
+        encoder(ASK_ANGLE, answer(0x0180)),
+        encoder(ASK_ANGLE, 0),
+    ]
+    .concat();
+    let mut device = As5047p::new(Mock::new(&script));
+    for _ in 0..5 {
+        assert!(device.read().is_err(), "diagnostics are no angle");
+    }
+    assert_eq!(device.read(), Ok(0));
+    device.release().done();
 }
 
 #[test]

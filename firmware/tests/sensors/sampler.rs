@@ -136,11 +136,22 @@ fn after_a_frame_that_was_not_answered_the_next_input_is_not_taken_for_another()
 }
 
 #[test]
-fn without_configuration_the_first_input_is_missing() {
-    let script = sample([45_000, 55_000, LOAD[0], LOAD[1]]);
-    let mut sampler = Sampler::new(Ads8688::new(Mock::new(&script)), Angles(vec![Ok(0)]), wiring(false));
-    let (_, status) = sampler.sample(0);
-    assert_eq!(status, SensorStatus::GOOD.missing(SensorChannel::JournalY).missing(SensorChannel::JournalZ));
+fn a_converter_that_is_not_there_is_asked_again_and_its_channels_are_missing_until_it_is() {
+    // All zeros, as an open line reads: the range that was written does not read back.
+    let absent = [frame(&[0x85, 0, 0, 0], &[0; 4]), frame(&[11, 0b101, 0], &[0; 3])].concat();
+    let script =
+        [absent.clone(), absent, configured(&TWO_PROBES), sample([50_000, 50_000, LOAD[0], LOAD[1]])];
+    let mut sampler =
+        Sampler::new(Ads8688::new(Mock::new(&script.concat())), Angles(vec![Ok(0); 4]), wiring(false));
+    let none = SensorStatus::GOOD
+        .missing(SensorChannel::JournalY)
+        .missing(SensorChannel::JournalZ)
+        .missing(SensorChannel::LoadForce);
+    for time_us in [0, 100, 200] {
+        assert_eq!(sampler.sample(time_us).1, none);
+    }
+    assert_eq!(sampler.sample(300).1, SensorStatus::GOOD);
+    assert_eq!(sampler.faults().of(SensorChannel::LoadForce, SensorFault::NotConfigured), 3);
     sampler.release().0.done();
 }
 

@@ -28,6 +28,9 @@ pub(crate) const ASK_ANGLE: u16 = 0xffff;
 /// Asks for the error register: read, 0x0001, two ones and no parity bit.
 pub(crate) const ASK_ERRORS: u16 = 0x4001;
 
+/// Asks for the diagnostics: read, 0x3ffc, thirteen ones and so the parity bit.
+pub(crate) const ASK_DIAGNOSTICS: u16 = 0xfffc;
+
 /// A bus that fails.
 #[derive(Debug)]
 pub(crate) struct Broken;

@@ -119,6 +119,7 @@ fn why(refused: &Refused) -> String {
         Refused::NotConfigured => "nothing is configured".into(),
         Refused::Running => "a run is going on; stop it first".into(),
         Refused::NotKept => "the configuration could not be kept: nowhere to, or the flash failed".into(),
+        Refused::NoSensors => "it has no sensors of its own, or is not paced by its timer".into(),
     }
 }
 

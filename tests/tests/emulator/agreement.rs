@@ -20,7 +20,10 @@ fn native(configuration: ControllerConfiguration, frames: &[SensorFrame]) -> (Ve
     exchanged(Box::new(NativeController::start(configuration).unwrap()), frames)
 }
 
-fn emulated(configuration: ControllerConfiguration, frames: &[SensorFrame]) -> (Vec<EstimateFrame>, Counters) {
+fn emulated(
+    configuration: ControllerConfiguration,
+    frames: &[SensorFrame],
+) -> (Vec<EstimateFrame>, Counters) {
     let elf = EmulatedController::default_elf();
     exchanged(Box::new(EmulatedController::start(configuration, &elf).unwrap()), frames)
 }

@@ -12,4 +12,5 @@ mod flood;
 mod frames;
 mod image;
 mod other_core;
+mod own_sensors;
 mod update;

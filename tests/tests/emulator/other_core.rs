@@ -6,9 +6,7 @@ use firmware::{Identity, NoTicks, Session};
 use host_sim::controller::EmulatedController;
 use inference::Bearing;
 use link::track::SensorStatus;
-use link::{
-    BuildId, ClockSource, Command, EstimateFrame, NumberedCommand, Target, ToController, ToHost,
-};
+use link::{BuildId, ClockSource, Command, EstimateFrame, NumberedCommand, Target, ToController, ToHost};
 use object::{Object, ObjectSymbol};
 use std::path::PathBuf;
 

@@ -1,0 +1,125 @@
+//! The sensors' bus: SPI2, PB13 clock, PB14 in, PB15 out, mode 1, most significant bit first; a select of its own for each device.
+//!
+//! The peripheral's clock is 42 MHz under the PLL: the converter is read at 10.5 MHz (17 at most), the encoder at 5.25 MHz (10 at most).
+//! A sample of four inputs and the angle is 18 bytes, 15 us of clocks. Every wait is bounded: a transaction whose bytes do not come is given up
+//! with the first of them. What an absent device's data line reads is for the drivers to find.
+//! Source: RM0090 section 28 (SPI); AS5047P v1-11 (350 ns from select to clock, and between two selects).
+
+use core::convert::Infallible;
+
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
+use stm32f4xx_hal::pac::SPI2;
+
+/// Polls for a byte: four byte times of the slower device at 168 MHz.
+const POLLS: u32 = 200;
+/// Core cycles of 350 ns at 168 MHz; a slower core waits longer than it must.
+const SELECT_CYCLES: u32 = 60;
+/// Clock phase: the second edge samples.
+const PHASE: u16 = 1;
+const CONTROLLER: u16 = 1 << 2;
+const ENABLE: u16 = 1 << 6;
+/// The select input is not a pin: held high inside.
+const SELECT_INSIDE: u16 = 1 << 8 | 1 << 9;
+/// Where the divider's bits are.
+const DIVIDER: u32 = 3;
+
+/// How the bus clock is divided, as the register has it.
+#[derive(Clone, Copy, Debug)]
+#[repr(u16)]
+pub(super) enum Divider {
+    /// By 4.
+    Four = 1,
+    /// By 8.
+    Eight = 2,
+}
+
+/// A byte did not come in its time.
+#[derive(Clone, Copy, Debug)]
+pub struct NoByte;
+
+impl Error for NoByte {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+/// A device on the bus. All of them are used by one task.
+pub struct Device<SELECT> {
+    select: SELECT,
+    divider: Divider,
+}
+
+/// Gives the devices of both selects out, once. The port's clock and pins must be on, the selects high.
+pub(super) fn split<A, B>(_port: SPI2, first: (A, Divider), second: (B, Divider)) -> (Device<A>, Device<B>) {
+    (Device { select: first.0, divider: first.1 }, Device { select: second.0, divider: second.1 })
+}
+
+fn port() -> &'static stm32f4xx_hal::pac::spi1::RegisterBlock {
+    #[expect(unsafe_code, reason = "the devices own the port, and one task owns the devices")]
+    unsafe {
+        &*SPI2::ptr()
+    }
+}
+
+/// Sends a byte and returns the one that comes meanwhile.
+fn exchange(byte: u8) -> Result<u8, NoByte> {
+    let port = port();
+    port.dr().write(|w| {
+        #[expect(unsafe_code, reason = "a raw data byte")]
+        unsafe {
+            w.bits(byte.into())
+        }
+    });
+    let came = (0..POLLS).any(|_| port.sr().read().rxne().bit_is_set());
+    let [low, ..] = port.dr().read().bits().to_le_bytes();
+    if came { Ok(low) } else { Err(NoByte) }
+}
+
+fn serve(operation: &mut Operation<'_, u8>) -> Result<(), NoByte> {
+    match operation {
+        Operation::Read(bytes) => bytes.iter_mut().try_for_each(|byte| exchange(0).map(|came| *byte = came)),
+        Operation::Write(bytes) => bytes.iter().try_for_each(|&byte| exchange(byte).map(|_| ())),
+        Operation::Transfer(read, write) => {
+            for at in 0..read.len().max(write.len()) {
+                let came = exchange(write.get(at).copied().unwrap_or_default())?;
+                if let Some(place) = read.get_mut(at) {
+                    *place = came;
+                }
+            }
+            Ok(())
+        }
+        Operation::TransferInPlace(bytes) => {
+            bytes.iter_mut().try_for_each(|byte| exchange(*byte).map(|came| *byte = came))
+        }
+        Operation::DelayNs(nanoseconds) => {
+            // At most 168 cycles a us; a longer wait than asked for is allowed.
+            cortex_m::asm::delay((*nanoseconds / 5).saturating_add(1));
+            Ok(())
+        }
+    }
+}
+
+impl<SELECT> ErrorType for Device<SELECT> {
+    type Error = NoByte;
+}
+
+impl<SELECT: OutputPin<Error = Infallible>> SpiDevice for Device<SELECT> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), NoByte> {
+        let settings = PHASE | CONTROLLER | SELECT_INSIDE | (self.divider as u16) << DIVIDER;
+        for bits in [settings, settings | ENABLE] {
+            port().cr1().write(|w| {
+                #[expect(unsafe_code, reason = "the whole register in one: its bits are named above")]
+                unsafe {
+                    w.bits(bits)
+                }
+            });
+        }
+        let _ = self.select.set_low();
+        cortex_m::asm::delay(SELECT_CYCLES);
+        let served = operations.iter_mut().try_for_each(serve);
+        let _ = self.select.set_high();
+        cortex_m::asm::delay(SELECT_CYCLES);
+        served
+    }
+}

@@ -1,0 +1,90 @@
+//! Samples of the controller's own sensors.
+
+use super::*;
+use crate::flags::SENSOR_MISSING;
+use link::Decoder;
+use link::track::SensorChannel;
+
+fn sampling() -> Session {
+    let mut session = configured(Target::Silicon, BENCH_B);
+    assert_eq!(order(&mut session, Command::SampleYourself), Err(Refused::NoSensors));
+    assert!(!session.samples_itself());
+    session.report_sensors(true);
+    assert_eq!(order(&mut session, Command::SampleYourself), Ok(Answer::Sampling { every: OWN_EVERY }));
+    assert!(session.samples_itself());
+    session
+}
+
+fn sample(sequence: u32) -> (SensorFrame, SensorStatus) {
+    let time_us = sequence * OWN_PERIOD_US;
+    let frame = SensorFrame { sequence, time_us, ..SensorFrame::default() };
+    (frame, SensorStatus::GOOD.missing(SensorChannel::JournalY))
+}
+
+fn decoded(bytes: &[u8]) -> NumberedEstimate {
+    let mut decoder = Decoder::new();
+    match bytes.iter().find_map(|&byte| decoder.push::<ToHost>(byte)) {
+        Some(Ok(ToHost::Estimate(estimate))) => estimate,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn one_estimate_in_so_many_is_sent_and_their_numbers_have_no_gaps() {
+    let mut session = sampling();
+    let sent: Vec<_> = (0..200)
+        .filter_map(|sequence| session.own_tick(|| sample(sequence), &mut NoTicks))
+        .map(|bytes| decoded(&bytes))
+        .collect();
+    let every = u32::from(OWN_EVERY);
+    assert_eq!(sent.len() as u32, 200 / every);
+    for (estimate, number) in sent.iter().zip(0..) {
+        assert_eq!((estimate.number, estimate.estimate.sequence), (number, (number + 1) * every - 1));
+        assert!(Flags::from_bits(estimate.estimate.flags).contains(SENSOR_MISSING));
+    }
+    assert_eq!((session.counters().samples, session.counters().flagged), (200, 200));
+}
+
+#[test]
+fn the_time_to_take_the_sample_is_part_of_the_deadline() {
+    /// A counter that only the sample moves.
+    struct Moved(std::rc::Rc<std::cell::Cell<u32>>);
+    impl TickSource for Moved {
+        fn start(&mut self) -> u32 {
+            self.0.get()
+        }
+        fn since(&mut self, start: u32) -> u32 {
+            self.0.get() - start
+        }
+    }
+    let mut session = sampling();
+    let count = std::rc::Rc::new(std::cell::Cell::new(0));
+    for sequence in 0..5 {
+        let slow = || {
+            // A cycle more than a sample period at 168 MHz.
+            count.set(count.get() + 16_801);
+            sample(sequence)
+        };
+        session.own_tick(slow, &mut Moved(count.clone()));
+    }
+    assert_eq!(session.counters().deadline_overruns, 5);
+}
+
+#[test]
+fn a_stop_a_new_configuration_and_another_period_end_it() {
+    let mut session = sampling();
+    stopped(&mut session);
+    assert!(!session.samples_itself());
+    assert_eq!(session.own_tick(|| sample(0), &mut NoTicks), None);
+    assert_eq!(order(&mut session, Command::SampleYourself), Err(Refused::NotConfigured));
+    let mut other = BENCH_B;
+    other.bench.sample_period_us = 200;
+    assert!(matches!(order(&mut session, Command::Configure(other)), Ok(Answer::Configured(_))));
+    match order(&mut session, Command::SampleYourself) {
+        Err(Refused::Configuration(reasons)) => {
+            assert_eq!(reasons.iter().map(|reason| reason.field).collect::<Vec<_>>(), [Field::SamplePeriod]);
+        }
+        answer => panic!("{answer:?}"),
+    }
+    assert!(!session.samples_itself());
+}
