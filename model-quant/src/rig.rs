@@ -41,6 +41,8 @@ const SPEED_M_S: f64 = 0.010;
 const SCALES_M_S: [f64; 2] = [0.3e-3, 3e-3];
 /// Values of a column.
 const INPUTS: usize = FRICTION_INPUTS;
+/// Standard deviation in s of the average's weights that the groups are cleaned with.
+pub const SMOOTHING_S: f64 = 0.010;
 /// Number of the training's streams.
 const LANE: u64 = 2;
 
@@ -106,6 +108,13 @@ impl Series {
         }
         (window, direction)
     }
+
+    /// The network's output at a sample: the torque over its deviation.
+    fn output(&self, network: &Network, place: usize) -> f64 {
+        let (window, direction) = self.window(place);
+        let output = network.evaluate(window.as_flattened()).first().copied().unwrap_or_default();
+        f64::from(direction * output)
+    }
 }
 
 /// A part of the set as windows.
@@ -151,6 +160,55 @@ fn rows(set: &FrictionSet, split: Split) -> Vec<(usize, usize, f32)> {
         .collect()
 }
 
+/// A test group over time: load in N, sliding speed in m/s, torques in N m.
+#[derive(Clone, Debug)]
+pub struct TestGroup {
+    /// Where it comes from.
+    pub source: String,
+    /// Time in s.
+    pub time_s: Vec<f64>,
+    /// Load after cleaning.
+    pub load_n: Vec<f64>,
+    /// Sliding speed after cleaning.
+    pub sliding_speed_m_s: Vec<f64>,
+    /// As the sensor logs it.
+    pub measured_nm: Vec<f64>,
+    /// Without outliers and noise, as far as cleaning takes them out.
+    pub cleaned_nm: Vec<f64>,
+    /// What the sensor would show without them; none of a measured log.
+    pub truth_nm: Option<Vec<f64>>,
+    /// What the networks say.
+    pub predicted_nm: Vec<f64>,
+}
+
+/// Every sample of the test groups as the collision and the friction network see it; `truth` as for [`train_on`].
+pub fn test_groups(
+    set: &FrictionSet,
+    truth: &[MeasuredLog],
+    [collision, friction]: [&Network; 2],
+    features: &FloatFeatures,
+) -> Vec<TestGroup> {
+    let [.., scale] = set.scales;
+    let one = |(number, group): (usize, &Group)| {
+        let series = Series::of(group, collision, features);
+        let places = (0..group.time_s.len()).into_par_iter();
+        let [load, speed, torque] = &group.clean;
+        let [.., measured] = &group.raw;
+        TestGroup {
+            source: group.source.clone(),
+            time_s: group.time_s.clone(),
+            load_n: load.clone(),
+            sliding_speed_m_s: speed.iter().map(|speed| speed * RADIUS_M).collect(),
+            measured_nm: measured.clone(),
+            cleaned_nm: torque.clone(),
+            truth_nm: truth.get(number).and_then(|log| log.channels.get(&Channel::FrictionTorque).cloned()),
+            predicted_nm: places.map(|place| scale.deviation * series.output(friction, place)).collect(),
+        }
+    };
+    let groups = set.groups.iter().enumerate();
+    groups.filter(|(_, group)| group.split == Split::Test).map(one).collect()
+}
+
 /// What a training on the rig's groups gave.
 #[derive(Clone, Debug)]
 pub struct RigOutcome {
@@ -185,11 +243,8 @@ pub fn train_on(
     let test = part(Split::Test);
     let found: Vec<(usize, usize, f64, f64)> = (test.rows.par_iter())
         .map(|&(group, place, target)| {
-            let (window, direction) =
-                series.get(group).map(|series| series.window(place)).unwrap_or_default();
-            let output = network.evaluate(window.as_flattened()).first().copied().unwrap_or_default();
-            let torque = |scaled: f32| f64::from(scaled) * scale.deviation;
-            (group, place, torque(direction * output), torque(target))
+            let output = series.get(group).map_or(0.0, |series| series.output(&network, place));
+            (group, place, output * scale.deviation, f64::from(target) * scale.deviation)
         })
         .collect();
     let exact = |group: usize, place: usize| {

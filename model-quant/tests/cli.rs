@@ -235,7 +235,8 @@ fn an_image_that_is_too_far_off_is_refused_and_nothing_is_written() {
 
 #[test]
 fn every_command_has_help_with_an_example() {
-    for command in ["dataset", "train", "quantize", "verify"] {
+    for command in ["dataset", "train", "quantize", "import", "export", "verify", "key", "package", "report"]
+    {
         let output = model_quant(&[command, "--help"]);
         assert!(output.status.success());
         let help = text(&output.stdout);

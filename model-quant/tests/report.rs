@@ -39,8 +39,11 @@ fn the_report_has_every_picture_goal_and_claim_and_is_the_same_every_time() {
         }
     }
     let page = std::fs::read_to_string(first.join("report.html")).expect("page");
-    assert!(page.contains("Figs. 12 and 13") && page.matches("<svg").count() >= 6);
+    assert!(page.contains("Figs. 12 and 13") && page.matches("<svg").count() >= 10);
+    assert!(page.contains("train --friction rig") && page.contains("--example companding"));
     for picture in [
+        "epochs-plastic-collision-mse",
+        "epochs-plastic-friction-mae",
         "prediction-plastic-collision",
         "torque-plastic-speed",
         "torque-plastic-map",
@@ -71,6 +74,51 @@ fn a_history_of_another_training_is_refused() {
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("history.json: found missing field"));
     assert!(!out.exists());
+}
+
+#[test]
+fn networks_of_the_rig_are_held_against_its_records_and_other_files_are_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    let (out, rig) = (folder.path().join("out"), folder.path().join("babbitt.rig.json"));
+    let train = ["train", "--friction", "rig", "--bearing", "babbitt", "--rows", "8192", "--epochs", "8"];
+    let trained = json(&model_quant(&[&train[..], &["--json", "--out", name(folder.path())]].concat()));
+    let companding = folder.path().join("companding.txt");
+    std::fs::write(&companding, "plastic, a comparison\n| target | above |\n|---|---|\n| force | 12.5 |\n")
+        .expect("file");
+    let files = ["--rig", name(&rig), "--companding", name(&companding)];
+    let report = ["report", "--bearing", "plastic", "--json", "--out", name(&out)];
+    let found = json(&model_quant(&[&report[..], &files[..]].concat()));
+    let facts = &found["rigs"][0];
+    assert_eq!(facts["bearing"], "babbitt");
+    let errors = facts["errors"].as_array().expect("groups");
+    assert_eq!((errors.len(), &errors[0]["group"]), (5, &Value::from("all")));
+    // The training judges drawn samples, the report all of them.
+    let number = |value: &Value, path: &str| value.pointer(path).and_then(Value::as_f64).expect("number");
+    let r2 = number(&errors[0], "/truth/r2");
+    assert!((r2 - number(&trained, "/test_against_truth/r2")).abs() < 1e-3, "{r2}");
+    assert_eq!(facts["met"], r2 >= 0.999);
+    let page = std::fs::read_to_string(out.join("report.html")).expect("page");
+    assert!(page.contains("plastic, a comparison") && page.contains("12.5"));
+    assert!(out.join("rig-babbitt-3-speed.svg").exists());
+
+    let text = std::fs::read_to_string(&rig).expect("file");
+    for (from, to, expected) in [
+        (
+            "\"part\":\"test\"",
+            "\"part\":\"training\"",
+            "found other groups; expected those of friction-rig-babbitt",
+        ),
+        ("\"bearing\":\"babbitt\"", "\"bearing\":\"tin\"", "found bearing `tin`"),
+        ("\"parameters\":[", "\"parameters\":[0.0,", "parameters; expected"),
+        ("\"scales\"", "\"scale\"", "missing field `scales`"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        std::fs::write(&rig, text.replacen(from, to, 1)).expect("file");
+        let output = model_quant(&["report", "--rig", name(&rig), "--out", name(&out)]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("babbitt.rig.json") && message.contains(expected), "{message}");
+    }
 }
 
 #[test]

@@ -23,8 +23,7 @@ use model_quant::package::PackageError;
 use model_quant::peers::{ResultsError, WindowsError};
 use model_quant::pipeline::TrainError;
 use model_quant::quantise::QuantiseError;
-use model_quant::training_report::ReportError;
-use model_quant::training_report::history::HistoryError;
+use model_quant::training_report::{FileError, ReportError};
 use model_quant::write::WriteError;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -91,7 +90,7 @@ pub(crate) enum CliError {
     #[error("{0}")]
     Report(#[from] ReportError),
     #[error("{0}")]
-    History(#[from] HistoryError),
+    File(#[from] FileError),
     #[error("{0}")]
     BenchLoop(#[from] BenchLoopError),
     #[error("{0}")]
@@ -121,7 +120,8 @@ impl CliError {
             | Self::Import(_)
             | Self::Key { .. }
             | Self::Package { .. }
-            | Self::History(_)
+            | Self::File(_)
+            | Self::Report(ReportError::File(_))
             | Self::BenchLoop(_)
             | Self::Train(TrainError::State { .. })
             | Self::Argument(..) => 2,

@@ -2,12 +2,14 @@
 
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
 use inference::Bearing;
-use model_quant::claims::{Claim, friction, torque, training};
+use model_quant::claims::training::TrainingFacts;
+use model_quant::claims::{friction, torque, training};
+use model_quant::training_report::companding::Comparison;
 use model_quant::training_report::facts::BearingFacts;
 use model_quant::training_report::history::History;
-use model_quant::training_report::page::{goal_rows, lead, report};
+use model_quant::training_report::page::{Contents, goal_rows, lead, report};
+use model_quant::training_report::rig::RigFacts;
 use model_quant::write::write_whole;
-use serde::Serialize;
 use std::path::PathBuf;
 
 /// Write the training report: the paper's Figs. 10 to 13, errors against the goals, claims 12 to 15, quantisation loss
@@ -16,7 +18,9 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  model-quant report --out out/training\n  \
                         model-quant train --bearing plastic --out out && \
-                        model-quant report --checkpoint out/plastic.float --out out/training")]
+                        model-quant report --checkpoint out/plastic.float --out out/training\n  \
+                        model-quant train --friction rig --bearing plastic --out out && \
+                        model-quant report --rig out/plastic.rig.json --out out/training")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic; both if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
@@ -25,9 +29,16 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// BEARING.history.json of a training, or the output of `model-quant train --json`; may be given once a bearing. The one
-    /// beside a checkpoint is taken without it
+    /// beside a checkpoint and those of the checked-in ones are taken without it
     #[arg(long, value_name = "FILE")]
     history: Vec<PathBuf>,
+    /// BEARING.rig.json of `model-quant train --friction rig`: prediction against experiment (Fig. 11); may be given once a
+    /// bearing
+    #[arg(long, value_name = "FILE")]
+    rig: Vec<PathBuf>,
+    /// What the example `companding` printed; may be given once a bearing
+    #[arg(long, value_name = "FILE")]
+    companding: Vec<PathBuf>,
     /// Folder for report.html, report.json and the pictures (SVG)
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -36,10 +47,17 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-#[derive(Serialize)]
-struct Outcome<'a> {
-    networks: &'a [BearingFacts],
-    claims: &'a [Claim],
+/// The history of a checkpoint: one that was given, or the checked-in one.
+fn history(
+    given: &mut Vec<(PathBuf, History)>,
+    bearing: Bearing,
+    training_id: u64,
+) -> Result<Option<History>, CliError> {
+    let id = format!("{training_id:016x}");
+    if let Some(place) = given.iter().position(|(_, history)| history.training_id == id) {
+        return Ok(Some(given.swap_remove(place).1));
+    }
+    Ok(Some(History::shipped(bearing)?).filter(|history| history.training_id == id))
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
@@ -52,25 +70,29 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     {
         histories.push((beside.clone(), History::read(&beside)?));
     }
+    let companding: Result<Vec<_>, _> =
+        arguments.companding.iter().map(|path| Comparison::read(path)).collect();
+    let companding = companding?;
+    let rigs: Result<Vec<_>, _> = arguments.rig.iter().map(|path| RigFacts::read(path)).collect();
+    let rigs = rigs?;
     let chosen =
         if arguments.checkpoint.is_some() { vec![Bearing::Babbitt] } else { bearings(arguments.bearing) };
-    let mut all = Vec::new();
+    let mut networks = Vec::new();
     for bearing in chosen {
         let (checkpoint, training_id) = checkpoint(arguments.checkpoint.as_deref(), bearing)?;
-        let id = format!("{training_id:016x}");
-        let place = histories.iter().position(|(_, history)| history.training_id == id);
-        let history = place.map(|place| histories.swap_remove(place).1);
-        all.push(BearingFacts::of(&checkpoint, training_id, history)?);
+        let history = history(&mut histories, checkpoint.bearing, training_id)?;
+        networks.push(BearingFacts::of(&checkpoint, training_id, history)?);
     }
     if let Some((path, history)) = histories.first() {
         let found = format!("{}: training id {}", path.display(), history.training_id);
         return Err(CliError::Argument("--history", found, "the training of a checkpoint of this report"));
     }
-    let rigs = torque::of_rigs()?;
-    let mut claims = friction::judge(&rigs);
-    claims.push(training::judge(&training::measure()?));
-    let made = report(&all, &claims)?;
-    let text = serde_json::to_string_pretty(&Outcome { networks: &all, claims: &claims })?;
+    let mut claims = friction::judge(&torque::of_rigs()?);
+    let trainings = networks.iter().filter_map(|facts| facts.history.as_ref());
+    claims.push(training::judge(&trainings.flat_map(TrainingFacts::of).collect::<Vec<_>>()));
+    let contents = Contents { networks, rigs, companding, claims };
+    let made = report(&contents)?;
+    let text = serde_json::to_string_pretty(&contents)?;
     for picture in &made.pictures {
         write_whole(&arguments.out.join(format!("{}.svg", picture.name)), picture.svg.as_bytes())?;
     }
@@ -78,15 +100,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let file = arguments.out.join("report.html");
     write_whole(&file, made.page.render().as_bytes())?;
     if arguments.json {
-        return print_json(&Outcome { networks: &all, claims: &claims });
+        return print_json(&contents);
     }
-    for row in goal_rows(&all) {
+    for row in goal_rows(&contents) {
         if let [bearing, network, figure, found, goal, verdict] = row.as_slice() {
-            print(format_args!("{bearing:8} {network:9}  {verdict:7}  {figure}: {found}, goal {goal}"))?;
+            print(format_args!("{bearing:8} {network:13}  {verdict:7}  {figure}: {found}, goal {goal}"))?;
         }
     }
-    for claim in &claims {
+    for claim in &contents.claims {
         print(format_args!("claim {:2}  {}: {}", claim.id, claim.verdict.name(), claim.why))?;
     }
-    print(format_args!("{}\nreport: {}", lead(&all, &claims), file.display()))
+    print(format_args!("{}\nreport: {}", lead(&contents), file.display()))
 }

@@ -1,5 +1,7 @@
 //! How the errors went over the epochs: the history that a training leaves beside its checkpoint ([`crate::history`]).
 
+use super::FileError;
+use inference::Bearing;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -33,38 +35,31 @@ pub struct History {
     pub epochs: Vec<Epoch>,
 }
 
-/// Why a history could not be read.
-#[derive(Debug, thiserror::Error)]
-pub enum HistoryError {
-    /// The file cannot be read.
-    #[error("{path}: {source}")]
-    Read {
-        /// The file.
-        path: String,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// It is no history.
-    #[error("{path}: found {source}; expected the history of a training")]
-    Content {
-        /// The file.
-        path: String,
-        /// What is wrong with it.
-        source: serde_json::Error,
-    },
-}
-
 impl History {
     /// Reads a history from a file.
     ///
     /// # Errors
     ///
     /// The file cannot be read or is none.
-    pub fn read(path: &Path) -> Result<Self, HistoryError> {
-        let name = || path.display().to_string();
-        let text =
-            std::fs::read_to_string(path).map_err(|source| HistoryError::Read { path: name(), source })?;
-        serde_json::from_str(&text).map_err(|source| HistoryError::Content { path: name(), source })
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        FileError::json(path, &FileError::text(path)?, "the history of a training")
+    }
+
+    /// The history of a bearing's checked-in checkpoint.
+    ///
+    /// # Errors
+    ///
+    /// It is none.
+    pub fn shipped(bearing: Bearing) -> Result<Self, FileError> {
+        let (path, text) = match bearing {
+            Bearing::Babbitt => {
+                ("models/babbitt.history.json", include_str!("../../models/babbitt.history.json"))
+            }
+            Bearing::Plastic => {
+                ("models/plastic.history.json", include_str!("../../models/plastic.history.json"))
+            }
+        };
+        FileError::json(Path::new(path), text, "the history of a training")
     }
 
     /// The epochs of a network, in their order.
@@ -76,6 +71,18 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_checked_in_histories_are_those_of_the_checked_in_checkpoints() {
+        for bearing in Bearing::ALL {
+            let id = crate::checkpoint::Checkpoint::training_id(crate::float_pair::shipped(bearing));
+            let history = History::shipped(bearing).unwrap();
+            assert_eq!(
+                (history.bearing.as_str(), history.training_id),
+                (bearing.name(), format!("{id:016x}"))
+            );
+        }
+    }
 
     #[test]
     fn a_training_s_output_is_read_and_anything_else_is_refused_by_file_and_place() {

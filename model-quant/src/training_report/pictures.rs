@@ -9,7 +9,7 @@ use crate::verify::Verdict;
 use report::figure::{Chart, Series, Style, lines_log_log, lines_log_x, lines_log_y};
 use report::heat::{self, Heat};
 
-const HALF: (u32, u32) = (512, 340);
+pub(super) const HALF: (u32, u32) = (512, 340);
 const TABLE: (u32, u32) = (512, 280);
 /// Force in N below which a row is left out of a picture with logarithmic axes.
 const LEAST_DRAWN_N: f64 = 1.0;
@@ -27,7 +27,7 @@ pub struct Picture {
 
 type Draw = fn(&Chart, &[Series]) -> Result<String, String>;
 
-fn picture(
+pub(super) fn picture(
     draw: Draw,
     name: String,
     chart: &Chart,
@@ -52,7 +52,7 @@ pub fn epochs(history: &History) -> Result<Vec<Picture>, ReportError> {
         };
         let grid = history.of(network).find(|epoch| epoch.on_grid).map(|epoch| epoch.epoch);
         let caption = grid.map_or_else(String::new, |first| {
-            format!("From epoch {first} on the weights are put on the 8-bit grid, share by share.")
+            format!("From epoch {first} on the weights go onto the 8-bit grid.")
         });
         let errors: [(&str, &str, [Series; 2]); 2] = [
             ("mse", "MSE", [curve("training", |e| e.loss), curve("validation", |e| e.validation_loss)]),

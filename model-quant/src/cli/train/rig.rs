@@ -9,15 +9,13 @@ use model_quant::features::FloatFeatures;
 use model_quant::pipeline::Network;
 use model_quant::ranges::{RangeKind, header};
 use model_quant::recipe::Recipe;
-use model_quant::rig::{CLEARANCE_M, collision_force_n, train_on};
+use model_quant::rig::{CLEARANCE_M, SMOOTHING_S, collision_force_n, train_on};
 use model_quant::shapes::collision;
 use model_quant::sources::Sources;
 use model_quant::train::{Loss, Training};
 use model_quant::write::write_whole;
 use serde_json::json;
 
-/// Standard deviation of the average's weights that the groups are cleaned with, s.
-const SMOOTHING_S: f64 = 0.010;
 /// Passes over the rows unless given: both networks learn little after that.
 const EPOCHS: usize = 60;
 
