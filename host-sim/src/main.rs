@@ -1,7 +1,9 @@
 //! `host-sim`: runs, records, diagnoses and validates the test bench.
 
 use clap::{Parser, Subcommand};
-use host_sim::commands::{accuracy, diagnose, figures, flash, laws, link, record, run, sweep, update, validate};
+use host_sim::commands::{
+    accuracy, diagnose, figures, flash, laws, link, record, run, sweep, update, validate,
+};
 use std::process::ExitCode;
 
 /// Simulates a rudder drive's test bench with the controller's own inference code in the loop, and finds what the

@@ -11,7 +11,7 @@ mod limits;
 mod safe_state;
 mod tally;
 
-use inference::{Bearing, Model};
+use inference::{Bearing, Flags, Model};
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, SensorHealth, SensorStatus, TrackReport};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
@@ -37,6 +37,7 @@ pub struct Monitor {
     holding: Holding,
     tally: Tally,
     /// Whether the networks were outside the envelope when they were last held against it.
+    altered: bool,
     outside: bool,
     time_us: u32,
 }
@@ -68,9 +69,15 @@ impl Monitor {
             tracker: Tracker::new(configuration, monitor),
             holding: Holding::new(monitor.recovery_samples, monitor.lost_samples),
             tally: Tally::default(),
+            altered: false,
             outside: false,
             time_us: 0,
         })
+    }
+
+    /// Says whether a bit of the networks is known not to be what it was: from the next sample on nothing they give is trusted.
+    pub const fn note_altered(&mut self, altered: bool) {
+        self.altered = altered;
     }
 
     /// Takes one sample, with what the drivers say of it, and estimates.
@@ -86,7 +93,7 @@ impl Monitor {
         }
         let outside = self.outside;
         // The estimate does not rest on the load: what is wrong with it stops the tracker, and is flagged, but nothing is held.
-        let flags = flags | NETWORK_OUTSIDE_LAW.when(outside);
+        let flags = flags | NETWORK_OUTSIDE_LAW.when(outside) | Flags::ALTERED.when(self.altered);
         let distrusted = flags.intersects(DISTRUSTED);
         let flags = flags | findings.flags;
         estimate.flags = flags.bits();

@@ -97,6 +97,7 @@ impl Run {
             let flags = self.held.flags | (STALE | TRIPPED).bits();
             return EstimateFrame { sequence: frame.sequence, time_us: frame.time_us, flags, ..self.held };
         }
+        self.monitor.note_altered(self.altered);
         let mut estimate = self.monitor.step(&self.calibrator.apply(frame), status);
         let altered = self.scrubber.step();
         self.altered_is_news |= altered & !self.altered;
@@ -135,7 +136,7 @@ impl Run {
         sends
     }
 
-    /// Goes on with other networks; without any, with the altered ones, flagged.
+    /// Goes on with other networks; without any, with the altered ones: flagged, and the last trusted estimate held.
     pub(super) fn switch(&mut self, models: &Models) {
         self.configured.model = models.id(self.bearing);
         match models.of(self.bearing) {

@@ -2,6 +2,7 @@
 
 use crate::package::Package;
 use firmware::configuration::BENCH_B;
+use firmware::flags::HELD;
 use firmware::store::{Loaded, Models};
 use firmware::{Identity, NoTicks, Session};
 use inference::{Bearing, Flags, Model, shipped};
@@ -57,8 +58,11 @@ fn an_altered_weight_is_flagged_within_two_rounds_told_once_and_gone_with_other_
         let noticed = (100..).find(|&sequence| is_altered(&estimate(&mut session, sequence))).unwrap();
         assert!(noticed - 100 < 2 * round, "bit {bit}: after {} samples", noticed - 100);
         assert!(session.take_altered() && !session.take_altered());
-        // It stays flagged until something sound is there.
-        assert!((1..=2 * round).all(|step| is_altered(&estimate(&mut session, noticed + step))));
+        // It stays flagged, and nothing of it is believed, until something sound is there.
+        assert!((1..=2 * round).all(|step| {
+            let estimate = estimate(&mut session, noticed + step);
+            is_altered(&estimate) && Flags::from_bits(estimate.flags).contains(HELD)
+        }));
         session.switch(Models::built_in());
         let after = noticed + 2 * round;
         assert!((1..=3 * round).all(|step| !is_altered(&estimate(&mut session, after + step))));

@@ -41,7 +41,9 @@ pub(super) fn reset(reason: ResetReason) -> &'static str {
         ResetReason::Pin => "reset pin",
         ResetReason::Software => "restarted by the firmware itself, on command",
         ResetReason::Watchdog => "watchdog: the firmware stood still, even its supervisor",
-        ResetReason::WindowWatchdog => "window watchdog, which this firmware does not use: another firmware was running",
+        ResetReason::WindowWatchdog => {
+            "window watchdog, which this firmware does not use: another firmware was running"
+        }
         ResetReason::LowPower => "low-power mode entered by mistake",
         ResetReason::Fault => "fault: see below",
         ResetReason::Starved => "a part of the firmware no longer did its work: see below",
@@ -53,7 +55,9 @@ fn meaning(kind: FaultKind) -> &'static str {
     match kind {
         FaultKind::Core => "a defect in the firmware or in the memory; report it with the numbers above",
         FaultKind::StackOverflow => "the stack was too small; report it with the numbers above",
-        FaultKind::Starved { .. } => "the parties named did not check in within their time, so the supervisor restarted",
+        FaultKind::Starved { .. } => {
+            "the parties named did not check in within their time, so the supervisor restarted"
+        }
         FaultKind::Panic => "a check in the firmware failed; report it with the numbers above",
     }
 }
