@@ -1,4 +1,5 @@
 //! `host-sim flash` on the command line: what is planned, and what is refused with which exit code.
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use std::process::Command;
 

@@ -188,7 +188,7 @@ fn sample(header: &Header, step: u32) -> Sample {
         |range: u64, sixteenths: i64| (i64::try_from(range).unwrap_or(i64::MAX) * sixteenths / 16) as i32;
     let step = i64::from(step);
     let approach = (header.latch_floor_nm_s * 4).min(1 << 30);
-    let rate = u64::from(approach) * u64::from(header.rate_ratio_high_q16) >> 16;
+    let rate = (u64::from(approach) * u64::from(header.rate_ratio_high_q16)) >> 16;
     Sample {
         radial_clearance_nm: header.clearance_low_nm.midpoint(header.clearance_high_nm),
         deformation_pm: part(header.deformation_high_pm.into(), (step * 5) % 21 - 3),

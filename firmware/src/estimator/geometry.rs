@@ -175,7 +175,7 @@ mod tests {
         fn nothing_overflows(y in code(), z in code(), a in any::<i32>(), b in any::<i32>()) {
             let frame = ContactFrame::at(y, z);
             let _ = (frame.turning(a, b), frame.centripetal(a), frame.force(a, b));
-            prop_assert!(frame.distance > 0 && frame.angle_rad().abs() < 3.142);
+            prop_assert!(frame.distance > 0 && frame.angle_rad().abs() <= core::f32::consts::PI);
         }
 
         #[test]

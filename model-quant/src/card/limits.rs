@@ -35,7 +35,8 @@ fn write_loop(out: &mut String, facts: &Facts<'_>) -> Result {
     )?;
     let percent: fn(&Spread) -> String = |s| format!("{:.2} / {:.2} %", 100.0 * s.median, 100.0 * s.largest);
     let torque: fn(&Spread) -> String = |s| format!("{:.1} / {:.1} N m", s.median, s.largest);
-    let rows: [(&str, fn(&LoopSet) -> &Spread, fn(&Spread) -> String); 6] = [
+    type Row = (&'static str, fn(&LoopSet) -> &Spread, fn(&Spread) -> String);
+    let rows: [Row; 6] = [
         ("peak force, change by the networks (goal 2 %)", |s| &s.peak_change, percent),
         ("oscillation rms, change by the networks (goal 5 %)", |s| &s.oscillation_change, percent),
         ("oscillation rms, change by the held step alone", |s| &s.held_oscillation_change, percent),

@@ -19,11 +19,11 @@ fn provoking() -> PathBuf {
 /// Runs an image until it ends, and returns how it ended and its last greeting.
 fn run(image: &Path, provocation: &str, more: &[&str]) -> (ExitStatus, Hello) {
     let (status, said) = batch::run("netduinoplus2", image, provocation, more, &[]);
-    let greetings = said.iter().filter_map(|message| match message {
+    let mut greetings = said.iter().filter_map(|message| match message {
         ToHost::Hello(hello) => Some(*hello),
         _ => None,
     });
-    (status, greetings.last().unwrap())
+    (status, greetings.next_back().unwrap())
 }
 
 /// The record that a provocation leaves behind.

@@ -2,7 +2,7 @@
 //!
 //! Needs qemu-system-arm and the image (`cargo xtask firmware`).
 #![cfg(feature = "emulated")]
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
 
 mod agreement;
 mod batch;
