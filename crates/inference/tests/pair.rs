@@ -111,8 +111,9 @@ fn the_start_is_forgotten_when_the_flag_says_so() {
         fresh.iter().zip(&warm).rposition(|(fresh, warm)| differ(fresh, warm)).map_or(0, |last| last + 1)
     };
     assert!(last(|a, b| a.normal_force_mn != b.normal_force_mn) < WINDOW);
+    // How much of that time it takes depends on the weights.
     let friction = last(|a, b| a.friction_force_mn != b.friction_force_mn);
-    assert!((WINDOW..2 * WINDOW - 1).contains(&friction), "{friction}");
+    assert!((1..2 * WINDOW - 1).contains(&friction), "{friction}");
 }
 
 #[test]
