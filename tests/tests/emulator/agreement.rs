@@ -44,7 +44,8 @@ fn union(estimates: &[EstimateFrame]) -> u32 {
 fn host_and_emulator_agree_bit_for_bit_whatever_happens() {
     let mut flags = 0;
     for (bearing, seed) in [(Bearing::Babbitt, 1), (Bearing::Plastic, 2)] {
-        let configuration = configuration(bearing);
+        let mut configuration = configuration(bearing);
+        configuration.limits.force_limit_n = 2_000;
         let frames = troubled(&configuration, 10_000, seed);
         let on_host = native(configuration, &frames);
         assert_same(&on_host, &emulated(configuration, &frames));
