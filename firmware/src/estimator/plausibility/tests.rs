@@ -1,3 +1,5 @@
+//! Each finding of a channel by itself: when it is raised, when it is not, and how long it stands.
+
 use super::*;
 
 const CLEARANCE_NM: u32 = 500_000;
