@@ -168,15 +168,4 @@ mod tests {
             assert_eq!(bench, again, "{name}");
         }
     }
-
-    #[test]
-    fn effects_at_zero_change_nothing() {
-        let bench = Bench::open("bench-b").unwrap();
-        for kind in crate::effects::CATALOGUE {
-            let channel = kind.per_channel.then_some(Channel::JournalY);
-            let mut with = bench.clone();
-            with.effects_mut().push(Effect { name: kind.name.into(), channel, parameters: BTreeMap::new() });
-            assert_eq!(with.resolved(), bench, "{}", kind.name);
-        }
-    }
 }

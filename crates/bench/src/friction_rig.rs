@@ -14,9 +14,11 @@
 //! It follows the speed with a lag (frictional memory), and a rest raises it: the excess grows towards
 //! `break_away_ratio - 1` over `break_away_time_s` at rest and is lost over `break_away_distance_m` of sliding. These are
 //! assumptions in the shape of published curves; the anchors lie within a factor of two of them. Without `[surface]` the
-//! effort is a function of motion and load alone.
+//! effort is a function of motion and load alone, unless an effect remembers. What effects add: [`crate::effects`]; sliding
+//! speeds are taken at the friction radius.
 
-use crate::description::{BearingMaterial, FrictionRig, Surface};
+use crate::description::{BearingMaterial, FrictionRig, Surface, ripples};
+use crate::extended_friction::smooth_step;
 use crate::motion::Motion;
 
 /// Area that the load rests on, m2.
@@ -39,15 +41,85 @@ pub struct Effort {
     pub friction: f64,
 }
 
-/// The effort under a motion and a load, with a coefficient of the rubbing pair (0 without one).
-fn effort_with(rig: &FrictionRig, motion: &Motion, load_n: f64, coefficient: f64) -> Effort {
-    let axis = &rig.axis;
-    let sign = (motion.rate * axis.friction_radius_m / axis.regularisation_m_s).tanh();
-    let load_dependent = (axis.load_coefficient + coefficient) * load_n.abs() * axis.friction_radius_m;
-    let dry = axis.coulomb_effort + load_dependent;
-    let friction =
-        dry * sign + 0.5 * axis.coulomb_asymmetry * sign * sign + axis.viscous_effort * motion.rate;
-    Effort { effort: axis.load_gain * load_n + axis.inertia * motion.acceleration + friction, friction }
+/// What friction of an axis remembers.
+#[derive(Clone, Copy, Debug, Default)]
+struct AxisMemory {
+    /// Excess of the rubbing pair's static friction.
+    excess: f64,
+    /// Turned sign of pre-sliding.
+    turned: f64,
+    /// Share of the excess that a rest has built up.
+    rest: f64,
+    /// Temperature rise in K.
+    rise_k: f64,
+}
+
+/// The axis at one time: motion, load with its ripples, coefficient of the rubbing pair.
+struct Moment {
+    time_s: f64,
+    motion: Motion,
+    load_n: f64,
+    coefficient: f64,
+}
+
+/// The effort at a moment.
+fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
+    let (axis, extension) = (&rig.axis, &rig.extension);
+    let speed = now.motion.rate * axis.friction_radius_m;
+    let sign = (speed / axis.regularisation_m_s).tanh();
+    let load_dependent =
+        (axis.load_coefficient + now.coefficient) * now.load_n.abs() * axis.friction_radius_m;
+    let mut dry = axis.coulomb_effort + load_dependent;
+    for term in &extension.stribeck {
+        dry += term.rise * (-speed.abs() / term.speed_m_s).exp();
+    }
+    if let Some(term) = &extension.breakaway {
+        dry += term.excess * memory.rest;
+    }
+    for term in &extension.friction_steps {
+        dry += term.change * smooth_step(now.time_s, term.time_s);
+    }
+    if let Some(term) = &extension.thermal {
+        dry *= term.level(memory.rise_k);
+    }
+    let turned = if extension.presliding_distance_m > 0.0 { memory.turned } else { sign };
+    let friction = dry * turned
+        + 0.5 * axis.coulomb_asymmetry * sign * sign
+        + axis.viscous_effort * now.motion.rate
+        + extension.viscous_asymmetry * now.motion.rate * sign;
+    let ripple = ripples(&extension.position_ripples, now.motion.value);
+    Effort {
+        effort: axis.load_gain * now.load_n + axis.inertia * now.motion.acceleration + friction + ripple,
+        friction,
+    }
+}
+
+/// The memory after a step at a moment that stands for it.
+fn remembered(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) -> AxisMemory {
+    let (axis, extension) = (&rig.axis, &rig.extension);
+    let speed = now.motion.rate * axis.friction_radius_m;
+    let sliding = speed.abs();
+    let mut next = last;
+    if let Some(surface) = &rig.surface {
+        next.excess = surface.remember(last.excess, sliding, step_s);
+    }
+    if extension.presliding_distance_m > 0.0 {
+        let sign = (speed / axis.regularisation_m_s).tanh();
+        next.turned =
+            sign + (last.turned - sign) * (-sliding * step_s / extension.presliding_distance_m).exp();
+    }
+    if let Some(term) = &extension.breakaway {
+        // Relaxation towards the steady state of this speed.
+        let rate = 1.0 / term.rest_time_s + sliding / term.distance_m;
+        let steady = 1.0 / (term.rest_time_s * rate);
+        next.rest = steady + (last.rest - steady) * (-rate * step_s).exp();
+    }
+    if let Some(term) = &extension.thermal {
+        let heat = (effort_at(rig, now, &last).friction * now.motion.rate).max(0.0);
+        let steady = term.resistance_k_w * heat;
+        next.rise_k = steady + (last.rise_k - steady) * (-step_s / term.time_constant_s).exp();
+    }
+    next
 }
 
 /// The efforts at ascending times under a motion and a load.
@@ -57,23 +129,38 @@ pub fn efforts(
     motion: impl Fn(f64) -> Motion,
     load_n: impl Fn(f64) -> f64,
 ) -> Vec<Effort> {
-    let Some(surface) = &rig.surface else {
-        return times_s.iter().map(|&t| effort_with(rig, &motion(t), load_n(t), 0.0)).collect();
-    };
+    let extension = &rig.extension;
     let start_s = times_s.first().copied().unwrap_or_default();
-    let sliding = |t: f64| (motion(t.max(start_s)).rate * rig.axis.friction_radius_m).abs();
-    let (mut excess, mut last) = (0.0, start_s);
+    let motion = |t: f64| motion(t - extension.drive_lag_s);
+    let moment = |t: f64| {
+        let (motion_now, load_n) = (motion(t), load_n(t) + ripples(&extension.load_ripples, t));
+        let slid = |s: &Surface| {
+            let then = motion((t - s.lag_s).max(start_s));
+            coefficient(s.material, (then.rate * rig.axis.friction_radius_m).abs(), load_n)
+        };
+        let coefficient = rig.surface.as_ref().map_or(0.0, slid);
+        Moment { time_s: t, motion: motion_now, load_n, coefficient }
+    };
+    let has_memory = rig.surface.is_some()
+        || extension.presliding_distance_m > 0.0
+        || extension.breakaway.is_some()
+        || extension.thermal.is_some();
+    let (mut memory, mut last) = (AxisMemory::default(), start_s);
     let at = |&t: &f64| {
-        // The memory of a rest, marched in steps that follow the speed.
-        let steps = ((t - last) / MEMORY_STEP_S).ceil().max(1.0);
-        let step = (t - last) / steps;
-        for k in 0..steps as usize {
-            excess = surface.remember(excess, sliding(last + (k as f64 + 0.5) * step), step);
+        if has_memory {
+            // The memory is marched in steps that follow the speed.
+            let steps = ((t - last) / MEMORY_STEP_S).ceil().max(1.0);
+            let step = (t - last) / steps;
+            for k in 0..steps as usize {
+                let mut middle = moment(last + (k as f64 + 0.5) * step);
+                middle.coefficient *= 1.0 + memory.excess;
+                memory = remembered(rig, &middle, memory, step);
+            }
+            last = t;
         }
-        last = t;
-        let load = load_n(t);
-        let coefficient = coefficient(surface.material, sliding(t - surface.lag_s), load) * (1.0 + excess);
-        effort_with(rig, &motion(t), load, coefficient)
+        let mut now = moment(t);
+        now.coefficient *= 1.0 + memory.excess;
+        effort_at(rig, &now, &memory)
     };
     times_s.iter().map(at).collect()
 }

@@ -12,6 +12,7 @@ pub mod description;
 mod description_io;
 pub mod effects;
 pub mod energy;
+mod extended_friction;
 pub mod falling_ball;
 pub mod friction_rig;
 pub mod impact_log;

@@ -5,7 +5,7 @@ use crate::energy::EnergyAudit;
 use crate::integrate::{ContactPlant, Impact, IntegrationError, integrate};
 use crate::motion::Profile;
 use crate::peaks::Extremes;
-use crate::transmission::{BearingForces, ContactView, STATES, Snapshot, State, Transmission};
+use crate::transmission::{BearingForces, ContactView, OnShaft, STATES, Snapshot, State, Transmission};
 use crate::two_plane::{TwoPlane, run_two_plane};
 use differential_equations::ode::OrdinaryNumericalMethod;
 use differential_equations::prelude::{ExplicitRungeKutta, ODE};
@@ -113,19 +113,19 @@ pub fn snapshots(
 
 struct Held<'a> {
     plant: &'a Transmission,
-    components: Cell<(f64, f64, f64)>,
+    bearing: Cell<OnShaft>,
 }
 
 impl ODE<f64, State> for Held<'_> {
     fn diff(&self, time_s: f64, state: &State, derivative: &mut State) {
-        self.plant.dynamics(time_s, state, self.components.get(), derivative);
+        self.plant.dynamics(time_s, state, &self.bearing.get(), derivative);
     }
 }
 
 /// Integrates the plant with a bearing force from outside, held over a communication step of `step_s`.
 ///
 /// `force` sees the contact once a step, extrapolated to the middle of the step, and its components are held in the
-/// direction of the contact there: a direction half a step late would push the swinging journal along its path and
+/// direction of the contact there, with the effects on friction of the description upon them: a direction half a step late would push the swinging journal along its path and
 /// feed the oscillation (10 % in half a second at 5 us). In sustained contact the damping `chi d'/d'0` makes the loop
 /// stiff and bounds the step; the command `host-sim run --step-us` shows the error against the law.
 pub fn run_with_held_force(
@@ -138,7 +138,7 @@ pub fn run_with_held_force(
     let count = (end_s / step_s).round() as usize;
     let initial = plant.initial_state(0.0);
     let mut state = initial;
-    let system = Held { plant, components: Cell::new((0.0, 0.0, 0.0)) };
+    let system = Held { plant, bearing: Cell::new(OnShaft::default()) };
     let mut samples = Vec::with_capacity(samples_s.len());
     let mut next_sample = 0;
     let mut impacts: Vec<Impact> = Vec::new();
@@ -147,7 +147,7 @@ pub fn run_with_held_force(
     for step in 0..count {
         let time_s = step as f64 * step_s;
         let mut rates = [0.0; STATES];
-        plant.dynamics(time_s, &state, system.components.get(), &mut rates);
+        plant.dynamics(time_s, &state, &system.bearing.get(), &mut rates);
         let half = 0.5 * step_s;
         let middle: State = std::array::from_fn(|i| state[i] + half * rates[i]);
         let mut view = plant.contact_view(time_s + half, &middle, latched);
@@ -171,7 +171,7 @@ pub fn run_with_held_force(
             }
         }
         contact = touching;
-        let forces = force(&view);
+        let forces = plant.with_effects(time_s + half, &middle, &view, force(&view));
         if !(forces.normal_n.is_finite() && forces.friction_n.is_finite()) {
             return Err(IntegrationError::Stopped {
                 time_s,
@@ -193,7 +193,7 @@ pub fn run_with_held_force(
             samples.push(snapshot);
             next_sample += 1;
         }
-        system.components.set(plant.components(&middle, &forces));
+        system.bearing.set(plant.on_shaft(time_s + half, &middle, &forces));
         let mut method = ExplicitRungeKutta::rk4(step_s);
         // The end only bounds the step, and rounding must not make it the smaller of the two.
         let stopped = |e| IntegrationError::Stopped { time_s, reason: format!("{e:?}") };

@@ -1,4 +1,4 @@
-//! What a sensor does to a signal: bandwidth, delay, gain, offset, drift, noise, resolution, in this order.
+//! What a sensor does to a signal: bandwidth, delay, gain, offset, drift, limit, noise, limit, resolution, in this order.
 
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
@@ -29,6 +29,9 @@ pub struct Sensor {
     /// Change of the offset per second.
     #[serde(default)]
     pub drift_per_s: f64,
+    /// 1 over the largest reading of either sign; 0: no limit.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub inverse_limit: f64,
     /// Share of the readings that external interference throws off.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub outlier_share: f64,
@@ -55,6 +58,7 @@ impl Default for Sensor {
             offset: 0.0,
             gain: 1.0,
             drift_per_s: 0.0,
+            inverse_limit: 0.0,
             outlier_share: 0.0,
             outlier_size: 0.0,
         }
@@ -82,7 +86,7 @@ impl Sensor {
         }
         let start = time_s.first().copied().unwrap_or_default();
         for (value, &t) in signal.iter_mut().zip(time_s) {
-            *value = self.gain * *value + self.offset + self.drift_per_s * (t - start);
+            *value = self.limited(self.gain * *value + self.offset + self.drift_per_s * (t - start));
         }
         signal
     }
@@ -97,9 +101,18 @@ impl Sensor {
                 let draw: f64 = StandardNormal.sample(rng);
                 *value += self.outlier_size * draw;
             }
+            *value = self.limited(*value);
             if self.resolution > 0.0 {
                 *value = (*value / self.resolution).round() * self.resolution;
             }
+        }
+    }
+
+    fn limited(&self, value: f64) -> f64 {
+        if self.inverse_limit > 0.0 {
+            value.clamp(-1.0 / self.inverse_limit, 1.0 / self.inverse_limit)
+        } else {
+            value
         }
     }
 

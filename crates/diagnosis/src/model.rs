@@ -124,7 +124,7 @@ impl Model {
             channel: candidate.channel,
             parameters: BTreeMap::new(),
         });
-        for p in (candidate.kind.parameters)(&self.bench) {
+        for p in candidate.kind.parameters(&self.bench) {
             // Offsets and drifts are scaled by their sensor's noise.
             let unit_scale = match candidate.channel {
                 Some(channel) if p.unit.starts_with("channel") => noise.of(channel).floor,
@@ -133,7 +133,7 @@ impl Model {
             model.parameters.push(Parameter {
                 place: Place::Effect { index, name: p.name },
                 unit: unit(p.unit, candidate.channel, &self.bench),
-                centre: 0.0,
+                centre: p.default,
                 scale: p.scale * unit_scale,
                 least: p.least,
                 most: p.most,

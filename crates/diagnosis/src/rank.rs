@@ -35,7 +35,7 @@ pub(crate) struct Score {
 pub(crate) fn candidates(bench: &Bench, data: &Data, excluded: &[String]) -> Vec<Candidate> {
     let mut out = Vec::new();
     for kind in CATALOGUE.iter().filter(|k| !excluded.iter().any(|e| e == k.name)) {
-        if (kind.parameters)(bench).is_empty() {
+        if kind.parameters(bench).is_empty() {
             continue;
         }
         if kind.per_channel {

@@ -20,12 +20,11 @@ impl Bench {
             }
         }
         if let Self::Transmission(b) = self {
-            let column = b.effects.iter().any(|e| e.name == "hydraulic-compliance");
-            if b.two_plane.is_some() && (b.fork.is_some() || column) {
+            if b.two_plane.is_some() && b.fork.is_some() {
                 return refuse(
                     "two_plane".into(),
                     "beside a compliant drive".into(),
-                    "no `[fork]` and no `hydraulic-compliance`: its fork is rigid",
+                    "no `[fork]`: its fork is rigid",
                 );
             }
             if let Some((field, found, expected)) = laws::refusal(b) {
@@ -42,6 +41,7 @@ impl Bench {
                 ("offset", sensor.offset, size),
                 ("gain", sensor.gain, size),
                 ("drift_per_s", sensor.drift_per_s, size),
+                ("inverse_limit", sensor.inverse_limit, noise),
                 ("outlier_share", sensor.outlier_share, (0.0, 1.0)),
                 ("outlier_size", sensor.outlier_size, noise),
             ];
@@ -73,7 +73,15 @@ impl Bench {
                 return refuse(format!("uncertain.{name}"), shown(*deviation), expected);
             }
         }
+        let bristles = matches!(self, Self::Transmission(b) if laws::has_bristles(b));
         for effect in self.effects() {
+            if bristles && effect.name == "presliding-hysteresis" {
+                return refuse(
+                    "effects".into(),
+                    "`presliding-hysteresis` beside a friction law with bristles".into(),
+                    "one of the two: such a law has a pre-sliding distance of its own",
+                );
+            }
             if let Err(e) = effect.check(self) {
                 return Err(DescriptionError::Malformed { file: file.into(), message: e.to_string() });
             }

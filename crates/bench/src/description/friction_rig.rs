@@ -1,6 +1,6 @@
 //! Description of a single driven axis with a measured effort.
 
-use super::{BearingMaterial, Load, Logging, is_zero};
+use super::{AxisExtension, BearingMaterial, Load, Logging, is_zero};
 use crate::channel::Channel;
 use crate::effects::Effect;
 use crate::log_format::{Columns, TextFormat};
@@ -99,6 +99,9 @@ pub struct FrictionRig {
     /// Extensions beyond the nominal model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<Effect>,
+    /// What effects switch on; never in a file.
+    #[serde(skip)]
+    pub extension: AxisExtension,
 }
 
 fn one_cycle() -> u32 {

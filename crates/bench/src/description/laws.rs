@@ -15,6 +15,11 @@ pub fn integrates_friction(name: &str) -> bool {
     FrictionKind::from_name(name).is_some_and(|kind| !NOT_INTEGRATED.contains(&kind))
 }
 
+/// Whether the friction law of a description has a deflection.
+pub(super) fn has_bristles(bench: &TransmissionBench) -> bool {
+    BearingFriction::of(&bench.friction).is_ok_and(|law| law.has_state())
+}
+
 /// Field, what was found and what was expected, if anything is wrong.
 pub(super) fn refusal(bench: &TransmissionBench) -> Option<(String, String, String)> {
     if let Some(name) = bench.friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {

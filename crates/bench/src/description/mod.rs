@@ -11,11 +11,13 @@ macro_rules! section {
 
 mod change;
 mod check;
+mod extension;
 mod friction_rig;
 mod laws;
 mod ranges;
 mod transmission;
 
+pub use extension::*;
 pub use friction_rig::*;
 pub use laws::integrates_friction;
 pub(crate) use ranges::shown;

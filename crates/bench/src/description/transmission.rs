@@ -1,6 +1,6 @@
 //! Description of the transmission bench.
 
-use super::{BearingMaterial, Load, Logging, is_one, is_zero, one};
+use super::{BearingMaterial, Extension, Load, Logging, is_one, is_zero, one};
 use crate::channel::Channel;
 use crate::effects::Effect;
 use crate::law_names::{DampingName, DissipationName, FrictionName, StiffnessName, WholeName};
@@ -271,17 +271,4 @@ pub struct TransmissionBench {
     /// What effects switch on; never in a file.
     #[serde(skip)]
     pub extension: Extension,
-}
-
-/// Model terms that the nominal transmission bench leaves out and effects switch on. All zero: nominal.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Extension {
-    /// Friction force on the journal per sliding speed, N s/m.
-    pub viscous_n_s_m: f64,
-    /// Relative change of the friction level, opposite in the two directions.
-    pub coulomb_asymmetry: f64,
-    /// Compliance of the hydraulic column between drive cylinder and fork, m/N.
-    pub hydraulic_compliance_m_n: f64,
-    /// Lag of the fork behind the drive cylinder, s.
-    pub drive_lag_s: f64,
 }

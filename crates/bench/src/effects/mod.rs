@@ -1,15 +1,47 @@
 //! Effects: what may be missing from a bench's nominal model, by a stable name.
 //!
-//! An effect changes a description in place; at all parameters 0 it changes nothing. A new effect is one new file
-//! and one line in [`CATALOGUE`].
+//! An effect changes a description in place; at size 0 it changes nothing. A new effect is one new file and one line
+//! in [`CATALOGUE`]; `docs/effects.md` is the catalogue as a table.
 
-mod contact_parameters;
-mod drive;
-mod friction;
-mod sensors;
+mod breakaway;
+mod clearance_wear;
+mod contact_stiffness;
+mod coulomb_asymmetry;
+mod coulomb_level;
+mod drive_lag;
+mod fork_backlash;
+mod friction_step;
+mod hydraulic_compliance;
+mod inertia_mismatch;
+mod journal_out_of_round;
+mod kind;
+mod lever_ratio;
+mod load_dependent_friction;
+mod load_ripple;
+mod misalignment;
+mod position_ripple;
+mod presliding_hysteresis;
+mod restitution;
+mod seal_friction;
+mod sensor_delay;
+mod sensor_drift;
+mod sensor_gain;
+mod sensor_offset;
+mod sensor_saturation;
+mod shaft_flexibility;
+mod squeeze_film;
+mod stribeck_friction;
+#[cfg(test)]
+mod tests;
+mod thermal_friction_drift;
+mod viscous_asymmetry;
+mod viscous_friction;
+
+pub use kind::{EffectKind, EffectParameter, Guess, Plant};
 
 use crate::channel::Channel;
 use crate::description::Bench;
+use crate::sensor::Sensor;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -21,62 +53,43 @@ pub struct Effect {
     /// The sensor concerned, for sensor effects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
-    /// Parameters by name; a missing one is 0.
+    /// Parameters by name; a missing one has its default, which is 0 for a size.
     #[serde(flatten)]
     pub parameters: BTreeMap<String, f64>,
 }
 
-/// A parameter of an effect.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EffectParameter {
-    /// Name with unit.
-    pub name: &'static str,
-    /// Unit.
-    pub unit: &'static str,
-    /// A size that is visible but small: the step of finite differences and the first guess of a fit.
-    pub scale: f64,
-    /// Smallest value that makes sense.
-    pub least: f64,
-    /// Largest value that makes sense.
-    pub most: f64,
-}
-
-/// Applies an effect to a description; the function gives its parameters by name.
-type Apply = fn(&mut Bench, Option<Channel>, &dyn Fn(&str) -> f64);
-
-/// An entry of the catalogue.
-#[derive(Clone, Copy)]
-pub struct EffectKind {
-    /// Stable name in kebab-case.
-    pub name: &'static str,
-    /// What it is, for people.
-    pub summary: &'static str,
-    /// Whether it concerns one sensor.
-    pub per_channel: bool,
-    /// Parameters for a bench, none if the effect does not exist there. For a sensor effect the scale is in
-    /// multiples of the sensor's own floor unless the unit says otherwise.
-    pub parameters: fn(&Bench) -> &'static [EffectParameter],
-    /// Applies the effect to a description.
-    apply: Apply,
-}
-
 /// Every effect the project knows.
 pub const CATALOGUE: &[EffectKind] = &[
-    contact_parameters::CLEARANCE_WEAR,
-    contact_parameters::CONTACT_STIFFNESS,
-    contact_parameters::RESTITUTION,
-    contact_parameters::INERTIA_MISMATCH,
-    contact_parameters::LEVER_RATIO,
-    friction::COULOMB_LEVEL,
-    friction::VISCOUS,
-    friction::COULOMB_ASYMMETRY,
-    friction::LOAD_DEPENDENT,
-    drive::HYDRAULIC_COMPLIANCE,
-    drive::DRIVE_LAG,
-    sensors::OFFSET,
-    sensors::GAIN,
-    sensors::DELAY,
-    sensors::DRIFT,
+    clearance_wear::EFFECT,
+    contact_stiffness::EFFECT,
+    restitution::EFFECT,
+    journal_out_of_round::EFFECT,
+    misalignment::EFFECT,
+    inertia_mismatch::EFFECT,
+    shaft_flexibility::EFFECT,
+    lever_ratio::EFFECT,
+    stribeck_friction::EFFECT,
+    coulomb_level::EFFECT,
+    viscous_friction::EFFECT,
+    viscous_asymmetry::EFFECT,
+    coulomb_asymmetry::EFFECT,
+    load_dependent_friction::EFFECT,
+    breakaway::EFFECT,
+    presliding_hysteresis::EFFECT,
+    thermal_friction_drift::EFFECT,
+    friction_step::EFFECT,
+    seal_friction::EFFECT,
+    position_ripple::EFFECT,
+    hydraulic_compliance::EFFECT,
+    drive_lag::EFFECT,
+    load_ripple::EFFECT,
+    fork_backlash::EFFECT,
+    squeeze_film::EFFECT,
+    sensor_offset::EFFECT,
+    sensor_gain::EFFECT,
+    sensor_delay::EFFECT,
+    sensor_drift::EFFECT,
+    sensor_saturation::EFFECT,
 ];
 
 /// Why an effect was refused.
@@ -85,6 +98,16 @@ pub enum EffectError {
     /// No such name.
     #[error("effects: `{0}` is not a known effect; expected one of {known}", known = names())]
     UnknownName(String),
+    /// The effect means nothing on this plant.
+    #[error("effects: `{effect}` does not act on a {found}; expected {expected}")]
+    Elsewhere {
+        /// Effect.
+        effect: String,
+        /// The plant of the description.
+        found: Plant,
+        /// Plants where it acts.
+        expected: String,
+    },
     /// The effect has no such parameter.
     #[error("effects: `{effect}` has no parameter `{parameter}`; expected {expected}")]
     UnknownParameter {
@@ -134,12 +157,12 @@ impl Effect {
     /// Checks name, channel, parameters and ranges against a bench.
     pub fn check(&self, bench: &Bench) -> Result<&'static EffectKind, EffectError> {
         let kind = kind(&self.name).ok_or_else(|| EffectError::UnknownName(self.name.clone()))?;
-        let known = (kind.parameters)(bench);
+        let known = kind.parameters(bench);
         if known.is_empty() {
-            return Err(EffectError::Channel {
+            return Err(EffectError::Elsewhere {
                 effect: self.name.clone(),
-                found: "does not exist on this plant",
-                expected: "an effect of this plant",
+                found: Plant::of(bench),
+                expected: kind.plants.iter().map(|p| p.words()).collect::<Vec<_>>().join(" or "),
             });
         }
         if kind.per_channel != self.channel.is_some() {
@@ -170,10 +193,23 @@ impl Effect {
         Ok(kind)
     }
 
-    /// Applies the effect in place. The caller has checked it.
+    /// Applies the effect in place. The caller has checked it; on a plant where it does not act nothing happens.
     pub fn apply(&self, bench: &mut Bench) {
-        if let Some(kind) = kind(&self.name) {
-            (kind.apply)(bench, self.channel, &|name| self.parameters.get(name).copied().unwrap_or_default());
+        let Some(kind) = kind(&self.name) else { return };
+        let known = kind.parameters(bench);
+        let default = |name: &str| known.iter().find(|p| p.name == name).map_or(0.0, |p| p.default);
+        let value = |name: &str| self.parameters.get(name).copied().unwrap_or_else(|| default(name));
+        if known.iter().any(|p| p.is_size && value(p.name) != 0.0) {
+            (kind.apply)(bench, self.channel, &value);
         }
     }
+}
+
+/// The sensor of a channel, to be changed.
+fn sensor(bench: &mut Bench, channel: Option<Channel>) -> Option<&mut Sensor> {
+    let sensors = match bench {
+        Bench::Transmission(bench) => &mut bench.sensors,
+        Bench::FrictionRig(rig) => &mut rig.sensors,
+    };
+    Some(sensors.entry(channel?).or_default())
 }

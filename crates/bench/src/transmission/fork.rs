@@ -3,14 +3,20 @@
 //! With a column alone `P = k g + c g'` over the gap `g = x_d - x_f`, pulling as well as pushing: the column is under
 //! pressure on both sides. With play `b` the fork only pushes, and only beyond half the play on either side:
 //! `P = k e (1 + h e')`, `e = |g| - b/2`, never pulling back; `k` is then fork and column in series, and the column's own
-//! damping is left out.
+//! damping is left out. Play beyond that of a `[fork]` section comes from the effect `fork-backlash`; without the section it
+//! is a fork of [`STIFF_N_M`].
 
-use crate::description::TransmissionBench;
+use crate::description::{Fork, TransmissionBench};
 
 /// Damping ratio of the hydraulic column against the shaft's inertia (oil columns: .05 to .15).
 const COLUMN_DAMPING_RATIO: f64 = 0.1;
 /// Compliance below which the column counts as rigid, m/N: a hundredth of a micrometre under 10 kN.
 const LEAST_COMPLIANCE_M_N: f64 = 1e-12;
+
+/// Stiffness of a fork that is described as rigid, N/m: a micrometre under 10 kN.
+const STIFF_N_M: f64 = 1e10;
+/// Relative gain of its force per closing speed, s/m.
+const STIFF_DAMPING_S_M: f64 = 1.0;
 
 /// A compliant drive.
 #[derive(Clone, Copy, Debug)]
@@ -38,10 +44,12 @@ impl Drive {
     pub(super) fn of(bench: &TransmissionBench) -> Option<Self> {
         let compliance = bench.extension.hydraulic_compliance_m_n;
         let column = compliance > LEAST_COMPLIANCE_M_N;
-        match &bench.fork {
+        let backlash_m = bench.extension.backlash_m;
+        let rigid = Fork { backlash_m: 0.0, stiffness_n_m: STIFF_N_M, damping_s_m: STIFF_DAMPING_S_M };
+        match bench.fork.as_ref().or((backlash_m > 0.0).then_some(&rigid)) {
             Some(fork) => Some(Self::Play {
                 stiffness: 1.0 / (1.0 / fork.stiffness_n_m + if column { compliance } else { 0.0 }),
-                half: 0.5 * fork.backlash_m,
+                half: 0.5 * (fork.backlash_m + backlash_m),
                 damping: fork.damping_s_m,
             }),
             None => column.then(|| {

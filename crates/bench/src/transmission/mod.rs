@@ -11,15 +11,20 @@
 //!
 //! With a rigid drive `x_f(t)` is given and the fork force `P` follows. With a hydraulic column
 //! `P = k (x_d - x_f) + c (x_d' - x_f')`, or with play in the fork `P` of [`fork::Drive`], and `th` is a state of its
-//! own. Friction of the load cylinder takes `F_c tanh(v/v_r) + c v` off `F_L` at the speed of the load crank's pin. What
+//! own. On a shaft that twists (`shaft`) the load crank has an angle of its own. Friction of the load cylinder takes `F_c tanh(v/v_r) + c v` off `F_L` at the speed of the load crank's pin. What
 //! this leaves out: [`crate::limits`].
 //!
-//! Here is how the plant is built from a description; `dynamics` has the equations, `fork` the drive's compliance.
+//! Here is how the plant is built from a description; `dynamics` has the equations, `fork` the drive's compliance,
+//! `geometry` the contact, `bearing` its forces. What effects add: [`crate::effects`].
 
-pub(crate) use dynamics::LARGEST_SINE;
+pub(crate) use bearing::OnShaft;
+pub(crate) use geometry::LARGEST_SINE;
 
+mod bearing;
 mod dynamics;
 mod fork;
+mod geometry;
+mod shaft;
 
 use crate::contact_laws::{BearingFriction, JointLaw};
 use crate::description::{Extension, LoadFriction, TransmissionBench};
@@ -27,21 +32,31 @@ use crate::energy::{EnergyAudit, elastic_energy_j};
 use crate::integrate::Tolerances;
 use crate::motion::{Motion, Profile};
 use fork::Drive;
+use shaft::Shaft;
 
 /// Gravity in m/s2, the value of the published test problems.
 pub(crate) const GRAVITY_M_S2: f64 = 9.81;
 /// Gap at the start as a share of the radial clearance.
 pub(crate) const START_GAP_SHARE: f64 = 1e-3;
-/// Index of the bristles' deflection.
-const BRISTLE: usize = STATES - 1;
+/// Index of the bristles' deflection, or of the turned sign of pre-sliding.
+const BRISTLE: usize = 12;
+/// Indices of the load crank's angle and speed on a shaft that twists.
+const LOAD_ANGLE: usize = 13;
+const LOAD_SPEED: usize = 14;
+/// Index of what a rest has built up.
+const REST: usize = 15;
+/// Index of the bearing's temperature rise.
+const RISE: usize = 16;
 /// States under error control, with a friction law without bristles.
 const CONTROLLED: f64 = 8.0;
 /// Number of states.
-pub const STATES: usize = 13;
+pub const STATES: usize = 17;
 
 /// States: y, z, y', z', th, th' (these two only with a compliant drive), then energies in J: work of the fork, the same
 /// with every contribution positive, work of the load, heat of friction, loss of the normal force beyond its elastic
-/// part, heat of the load cylinder; last the deflection of the bristles in m, for friction laws that have one.
+/// part, heat of the load cylinder; then the deflection of the bristles in m, for friction laws that have one, or the
+/// turned sign of pre-sliding; angle and speed of the load crank on a shaft that twists; what a rest has built up of
+/// static friction; the bearing's temperature rise in K. The last five stand still without the effect that needs them.
 pub type State = [f64; STATES];
 
 /// The forces of the bearing on the shaft.
@@ -108,6 +123,7 @@ pub struct Transmission {
     inertia_kg_m2: f64,
     journal_radius_m: f64,
     radial_clearance_m: f64,
+    bearing_length_m: f64,
     joint_law: JointLaw,
     friction_law: BearingFriction,
     sign_width_m_s: f64,
@@ -115,6 +131,10 @@ pub struct Transmission {
     extension: Extension,
     load_friction: Option<LoadFriction>,
     compliance: Option<Drive>,
+    /// A shaft that twists.
+    shaft: Option<Shaft>,
+    /// Whether friction is that of the law alone.
+    plain_friction: bool,
     drive: Profile,
     load: Profile,
 }
@@ -130,13 +150,16 @@ impl Transmission {
             inertia_kg_m2: bench.shaft.inertia_kg_m2,
             journal_radius_m: bench.bearing.bearing_radius_m - radial_clearance_m,
             radial_clearance_m,
+            bearing_length_m: bench.bearing.length_m,
             joint_law: JointLaw::after_changes(bench),
             friction_law: BearingFriction::after_changes(&bench.friction),
             sign_width_m_s: bench.friction.regularisation_m_s,
             friction_level: bench.friction.level,
-            extension: bench.extension,
+            plain_friction: bench.extension.leaves_friction(),
+            extension: bench.extension.clone(),
             load_friction: bench.load_friction.clone(),
             compliance: Drive::of(bench),
+            shaft: Shaft::of(bench),
             drive,
             load,
         }
@@ -155,6 +178,9 @@ impl Transmission {
         state[1] = -self.radial_clearance_m * (1.0 - START_GAP_SHARE);
         state[4] = sine.asin();
         state[5] = drive.rate / (self.drive_lever_m * cosine);
+        if self.shaft.is_some() {
+            [state[LOAD_ANGLE], state[LOAD_SPEED]] = [state[4], state[5]];
+        }
         state
     }
 
@@ -172,8 +198,16 @@ impl Transmission {
         let sizes = [1e-4, 1e-4, 1e-2, 1e-2, 1.0, 1.0, 1e3, 1e3];
         let mut absolute =
             std::array::from_fn(|i| sizes.get(i).map_or(f64::INFINITY, |size| size * relative));
-        if self.friction_law.has_state() {
-            absolute[BRISTLE] = 1e-6 * relative;
+        let own = [
+            (self.friction_law.has_state(), BRISTLE, 1e-6),
+            (self.extension.presliding_distance_m > 0.0, BRISTLE, 1e-2),
+            (self.shaft.is_some(), LOAD_ANGLE, 1e-2),
+            (self.shaft.is_some(), LOAD_SPEED, 1.0),
+            (self.extension.breakaway.is_some(), REST, 1e-2),
+            (self.extension.thermal.is_some(), RISE, 1.0),
+        ];
+        for (_, state, size) in own.into_iter().filter(|(present, ..)| *present) {
+            absolute[state] = size * relative;
         }
         Tolerances { relative, absolute, largest_step_s: 1e-3 }
     }
@@ -198,13 +232,16 @@ impl Transmission {
         self.joint_law.law.largest_deformation_m()
     }
 
-    /// Kinetic energy of the shaft and elastic energy of the contact in J.
+    /// Kinetic energy of the shaft, elastic energy of its twist and the contact, potential of ripples, in J.
     fn stored_energy_j(&self, time_s: f64, s: &State) -> f64 {
         let g = self.geometry(time_s, s);
         let elastic = elastic_energy_j(&self.joint_law.elastic, g.depth_m);
-        0.5 * self.mass_kg * (s[2] * s[2] + s[3] * s[3])
-            + 0.5 * self.inertia_kg_m2 * g.speed_rad_s * g.speed_rad_s
-            + elastic
+        let turning = match &self.shaft {
+            None => 0.5 * self.inertia_kg_m2 * g.speed_rad_s * g.speed_rad_s,
+            Some(shaft) => shaft.stored_energy_j(g.angle_rad(), g.speed_rad_s, s[LOAD_ANGLE], s[LOAD_SPEED]),
+        };
+        let ripples = self.extension.position_ripples.iter().map(|r| r.integral(g.angle_rad()));
+        0.5 * self.mass_kg * (s[2] * s[2] + s[3] * s[3]) + turning + elastic - ripples.sum::<f64>()
     }
 
     /// The energy balance between two states of a run.

@@ -1,6 +1,8 @@
 //! The equations of the two-plane bench at one state.
 
 use super::{STATES, State, TwoPlane};
+use crate::description::ripples;
+use crate::extended_friction::Memory;
 use crate::integrate::{ContactAngles, ContactReading, SlicedPlant};
 use crate::motion::Motion;
 use crate::transmission::{GRAVITY_M_S2, LARGEST_SINE};
@@ -63,23 +65,27 @@ impl TwoPlane {
     }
 
     /// Normal and friction force of a slice in contact.
-    pub(super) fn slice_forces_n(&self, slice: &Slice, latched_m_s: f64) -> (f64, f64) {
+    pub(super) fn slice_forces_n(&self, time_s: f64, slice: &Slice, latched_m_s: f64) -> (f64, f64) {
         let normal = self.share() * self.joint_law.law.force_n(slice.depth_m, slice.rate_m_s, latched_m_s);
         let v = slice.sliding_m_s;
         let steady = self.friction_law.steady_deflection_m(v);
-        let mut dry = self.friction_law.force_n(normal, v, steady) * self.friction_level;
-        if self.extension.coulomb_asymmetry != 0.0 {
-            dry *= 1.0 + self.extension.coulomb_asymmetry * (v / self.sign_width_m_s).tanh();
+        let dry = self.friction_law.force_n(normal, v, steady) * self.friction_level;
+        if self.plain_friction {
+            return (normal, dry);
         }
-        (normal, dry - self.share() * self.extension.viscous_n_s_m * v)
+        // The terms are those of the whole bearing.
+        let (share, width) = (self.share(), self.sign_width_m_s);
+        let whole =
+            self.extension.friction_n(time_s, normal / share, dry / share, v, width, &Memory::default());
+        (normal, share * whole)
     }
 
-    pub(super) fn sums(&self, crank: &Crank, s: &State, latched_m_s: &[Option<f64>]) -> Sums {
+    pub(super) fn sums(&self, time_s: f64, crank: &Crank, s: &State, latched_m_s: &[Option<f64>]) -> Sums {
         let mut sums = Sums::default();
         for (&position, latched) in self.positions_m.iter().zip(latched_m_s) {
             let Some(latched) = latched else { continue };
             let slice = self.slice(position, crank, s);
-            let (normal, friction) = self.slice_forces_n(&slice, *latched);
+            let (normal, friction) = self.slice_forces_n(time_s, &slice, *latched);
             let force_y = -normal * slice.ny + friction * slice.nz;
             let force_z = -normal * slice.nz - friction * slice.ny;
             sums.force_y += force_y;
@@ -98,7 +104,7 @@ impl TwoPlane {
         let section = &self.section;
         let load_rate =
             s[2] + s[6] * section.load_offset_m + self.load_lever_m * crank.cos * crank.speed_rad_s;
-        let cylinder = self.load.at(time_s).value;
+        let cylinder = self.load.at(time_s).value + ripples(&self.extension.load_ripples, time_s);
         let load_friction = self.load_friction.as_ref().map_or(0.0, |f| f.force_n(load_rate));
         let load = cylinder + load_friction;
         let lever = self.drive_lever_m * crank.cos;
@@ -164,7 +170,7 @@ impl SlicedPlant<STATES> for TwoPlane {
         derivative: &mut State,
     ) {
         let crank = self.crank(time_s, state);
-        let sums = self.sums(&crank, state, latched_m_s);
+        let sums = self.sums(time_s, &crank, state, latched_m_s);
         self.motion(time_s, state, &crank, &sums, derivative);
     }
 

@@ -56,6 +56,8 @@ pub struct TwoPlane {
     friction_level: f64,
     sign_width_m_s: f64,
     extension: Extension,
+    /// Whether friction is that of the law alone.
+    plain_friction: bool,
     load_friction: Option<LoadFriction>,
     drive: Profile,
     load: Profile,
@@ -64,7 +66,7 @@ pub struct TwoPlane {
 impl TwoPlane {
     /// Builds the plant of a resolved description; without a `[two_plane]` section that section's defaults hold.
     ///
-    /// Effects that change the friction or the drive's timing hold here too; a hydraulic column does not.
+    /// Effects hold here as far as they are declared for this plant; see [`crate::effects`].
     pub fn new(bench: &TransmissionBench, drive: Profile, load: Profile) -> Self {
         let section = bench.two_plane.clone().unwrap_or_default();
         let (length_m, count) = (bench.bearing.length_m, section.slices.max(1));
@@ -83,7 +85,8 @@ impl TwoPlane {
             friction_law: BearingFriction::after_changes(&bench.friction),
             friction_level: bench.friction.level,
             sign_width_m_s: bench.friction.regularisation_m_s,
-            extension: bench.extension,
+            plain_friction: bench.extension.leaves_friction(),
+            extension: bench.extension.clone(),
             load_friction: bench.load_friction.clone(),
             drive,
             load,

@@ -93,13 +93,14 @@ impl TwoPlane {
     /// Everything at a state with the latched speeds of the slices, `None` in a gap.
     pub fn snapshot(&self, time_s: f64, s: &State, latched_m_s: &[Option<f64>]) -> TwoPlaneSnapshot {
         let crank = self.crank(time_s, s);
-        let sums = self.sums(&crank, s, latched_m_s);
+        let sums = self.sums(time_s, &crank, s, latched_m_s);
         let mut derivative = [0.0; STATES];
         let drive_force_n = self.motion(time_s, s, &crank, &sums, &mut derivative);
         let width = self.length_m * self.share();
         let load = |(&position_m, latched): (&f64, &Option<f64>)| {
             let slice = self.slice(position_m, &crank, s);
-            let (normal_n, friction_n) = latched.map_or((0.0, 0.0), |l| self.slice_forces_n(&slice, l));
+            let (normal_n, friction_n) =
+                latched.map_or((0.0, 0.0), |l| self.slice_forces_n(time_s, &slice, l));
             let contact = ContactView {
                 radial_clearance_m: self.radial_clearance_m,
                 deformation_m: slice.depth_m,

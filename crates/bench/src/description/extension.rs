@@ -1,0 +1,169 @@
+//! Terms that the nominal plants leave out and effects switch on. All absent: nominal. What they are and their equations:
+//! `crate::effects`; what they do to a plant: `crate::extended_friction`, `crate::transmission`, `crate::friction_rig`.
+
+/// Largest factor of dry friction over temperature: friction that heats itself would run away.
+const MOST_LEVEL: f64 = 3.0;
+
+/// Friction that falls with speed: `rise exp(-|v|/speed)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StribeckTerm {
+    /// Rise at rest: coefficient (bearing) or effort (axis).
+    pub rise: f64,
+    /// Speed over which it is lost, m/s.
+    pub speed_m_s: f64,
+}
+
+/// Dry friction that changes at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepTerm {
+    /// Relative change (bearing) or effort (axis).
+    pub change: f64,
+    /// When, in the log's time, s.
+    pub time_s: f64,
+}
+
+/// Static friction that a rest builds up and sliding takes away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BreakawayTerm {
+    /// Excess after a long rest: relative (bearing) or effort (axis).
+    pub excess: f64,
+    /// Time of rest that builds it up, s.
+    pub rest_time_s: f64,
+    /// Sliding distance that takes it away, m.
+    pub distance_m: f64,
+}
+
+impl BreakawayTerm {
+    /// Rate of the memory (0 to 1) at a sliding speed, 1/s.
+    pub(crate) fn rate_per_s(&self, memory: f64, sliding_m_s: f64) -> f64 {
+        (1.0 - memory) / self.rest_time_s - sliding_m_s.abs() * memory / self.distance_m
+    }
+}
+
+/// Friction that follows the temperature that it causes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThermalTerm {
+    /// Relative change of dry friction per kelvin.
+    pub level_per_k: f64,
+    /// Temperature rise per heat, K/W.
+    pub resistance_k_w: f64,
+    /// Time constant of the rise, s.
+    pub time_constant_s: f64,
+}
+
+impl ThermalTerm {
+    /// Rate of the temperature rise in K/s under a heat flow.
+    pub(crate) fn rate_k_s(&self, rise_k: f64, heat_w: f64) -> f64 {
+        (self.resistance_k_w * heat_w - rise_k) / self.time_constant_s
+    }
+
+    /// Factor of dry friction at a temperature rise.
+    pub(crate) fn level(&self, rise_k: f64) -> f64 {
+        (1.0 + self.level_per_k * rise_k).clamp(0.0, MOST_LEVEL)
+    }
+}
+
+/// A sinusoidal disturbance over time or position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RippleTerm {
+    /// Amplitude of the cosine.
+    pub cos: f64,
+    /// Amplitude of the sine.
+    pub sin: f64,
+    /// Cycles per unit of the argument.
+    pub per_unit: f64,
+}
+
+impl RippleTerm {
+    fn phase(&self, argument: f64) -> f64 {
+        core::f64::consts::TAU * self.per_unit * argument
+    }
+
+    /// Value at a time or a position.
+    pub(crate) fn at(&self, argument: f64) -> f64 {
+        let (sin, cos) = self.phase(argument).sin_cos();
+        self.cos * cos + self.sin * sin
+    }
+
+    /// Integral over the argument: the potential, with its sign changed, of a ripple over position.
+    pub(crate) fn integral(&self, argument: f64) -> f64 {
+        let (sin, cos) = self.phase(argument).sin_cos();
+        (self.cos * sin - self.sin * cos) / (core::f64::consts::TAU * self.per_unit)
+    }
+}
+
+/// Sum of ripples at a time or a position.
+pub(crate) fn ripples(terms: &[RippleTerm], argument: f64) -> f64 {
+    terms.iter().map(|term| term.at(argument)).sum()
+}
+
+/// Film between journal and bearing that is squeezed out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmTerm {
+    /// Viscosity, Pa s.
+    pub viscosity_pa_s: f64,
+    /// Thickness that roughness keeps, m.
+    pub least_thickness_m: f64,
+}
+
+/// Terms of the transmission bench.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extension {
+    /// Friction force on the journal per sliding speed, N s/m.
+    pub viscous_n_s_m: f64,
+    /// The same with its sign changed in backward sliding, N s/m.
+    pub viscous_asymmetry_n_s_m: f64,
+    /// Relative change of the friction level, opposite in the two directions.
+    pub coulomb_asymmetry: f64,
+    /// Exponent of the normal force in the coefficient.
+    pub load_exponent: f64,
+    /// Friction that falls with speed.
+    pub stribeck: Vec<StribeckTerm>,
+    /// Changes of dry friction.
+    pub friction_steps: Vec<StepTerm>,
+    /// Static friction after a rest.
+    pub breakaway: Option<BreakawayTerm>,
+    /// Sliding distance over which friction turns round, m; 0: none.
+    pub presliding_distance_m: f64,
+    /// Friction over temperature.
+    pub thermal: Option<ThermalTerm>,
+    /// Compliance of the hydraulic column between drive cylinder and fork, m/N.
+    pub hydraulic_compliance_m_n: f64,
+    /// Lag of the fork behind the drive cylinder, s.
+    pub drive_lag_s: f64,
+    /// Play of the fork beside that of `[fork]`, m.
+    pub backlash_m: f64,
+    /// Ripple of the load over time, N.
+    pub load_ripples: Vec<RippleTerm>,
+    /// Torque on the shaft over its angle, N m.
+    pub position_ripples: Vec<RippleTerm>,
+    /// Torsional compliance of the shaft between drive and load crank, rad/(N m).
+    pub shaft_compliance_rad_nm: f64,
+    /// Second harmonic of the journal's radius over its angle: cosine and sine, m.
+    pub out_of_round_m: [f64; 2],
+    /// Film in the clearance.
+    pub film: Option<FilmTerm>,
+}
+
+/// Terms of a driven axis; efforts in N or N m.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AxisExtension {
+    /// Viscous effort per speed with its sign changed in backward motion.
+    pub viscous_asymmetry: f64,
+    /// Effort that falls with speed.
+    pub stribeck: Vec<StribeckTerm>,
+    /// Changes of dry friction.
+    pub friction_steps: Vec<StepTerm>,
+    /// Static friction after a rest.
+    pub breakaway: Option<BreakawayTerm>,
+    /// Sliding distance over which friction turns round, m at the friction radius; 0: none.
+    pub presliding_distance_m: f64,
+    /// Friction over temperature.
+    pub thermal: Option<ThermalTerm>,
+    /// Lag of the axis behind its logged motion, s.
+    pub drive_lag_s: f64,
+    /// Ripple of the load over time, N.
+    pub load_ripples: Vec<RippleTerm>,
+    /// Effort over position.
+    pub position_ripples: Vec<RippleTerm>,
+}

@@ -1,0 +1,181 @@
+//! Every effect of the catalogue on every plant: nothing at size 0, visible and growing with its size, energy kept.
+
+use super::*;
+use crate::description::TwoPlaneSection;
+use crate::record::record;
+use crate::run::{DEFAULT_TOLERANCE, run_with_law};
+use crate::transmission::Transmission;
+use proptest::prelude::*;
+
+/// Largest readings of the effort, in the order of [`Plant::ALL`].
+const LARGEST: [f64; 4] = [11.6e3, 11.6e3, 990.0, 150.0];
+
+/// A short bench of every plant, without noise.
+fn plant(plant: Plant) -> Bench {
+    let linear = include_str!("../../../../examples/seal-friction.toml");
+    let mut bench = match plant {
+        Plant::Planar | Plant::TwoPlane => Bench::open("bench-b").unwrap(),
+        Plant::Rotary => Bench::open("friction-rig").unwrap(),
+        Plant::Linear => Bench::parse("linear", linear).unwrap(),
+    };
+    match &mut bench {
+        Bench::Transmission(b) => {
+            b.sensors.clear();
+            b.drive.cycles = 1;
+            if plant == Plant::TwoPlane {
+                b.two_plane =
+                    Some(TwoPlaneSection { slices: 5, support_stiffness_nm_rad: 1e6, ..Default::default() });
+            }
+        }
+        Bench::FrictionRig(r) => {
+            r.sensors.clear();
+            // Some friction, which some effects change.
+            r.axis.coulomb_effort += 10.0;
+            // No sample falls on a reversal.
+            r.axis.period_s = 2.0137;
+            r.axis.dwell_s = 0.5;
+        }
+    }
+    bench
+}
+
+/// What only a test knows: shapes that suit a short record, and sizes where the prior does not suit one.
+fn effect(kind: &EffectKind, bench: &Bench, share: f64) -> Effect {
+    let mut parameters = BTreeMap::new();
+    for p in kind.parameters(bench) {
+        let value = match (kind.name, p.name) {
+            (_, "time_s") => 0.45,
+            (_, "time_constant_s") => 0.3,
+            (_, "period") => 0.01,
+            ("viscous-friction", "viscous_n_s_m") => 1e3 * share,
+            ("sensor-saturation", _) => 1.0 / (LARGEST[Plant::of(bench) as usize] * (1.01 - 0.5 * share)),
+            ("inertia-mismatch", "inertia_change") => 10.0 * share,
+            _ if p.is_size => p.prior * share,
+            _ => p.default,
+        };
+        parameters.insert(p.name.to_owned(), value);
+    }
+    let channel = kind.per_channel.then_some(match bench {
+        Bench::Transmission(_) => Channel::BearingForceY,
+        Bench::FrictionRig(rig) => rig.channels().2,
+    });
+    Effect { name: kind.name.into(), channel, parameters }
+}
+
+fn effort_or(bench: &Bench, kind: &EffectKind) -> Channel {
+    match bench {
+        Bench::Transmission(_) => kind.shows_in.unwrap_or(Channel::BearingForceY),
+        Bench::FrictionRig(rig) => rig.channels().2,
+    }
+}
+
+/// Where a rest would hide what is asked: at rest the turned sign holds and the nominal one lets go.
+fn suited(kind: &EffectKind, mut bench: Bench) -> Bench {
+    if let (Bench::FrictionRig(rig), "presliding-hysteresis") = (&mut bench, kind.name) {
+        rig.axis.dwell_s = 0.0;
+    }
+    bench
+}
+
+/// The channel that shows an effect, with the effect at a share of its clear size (0: without the effect).
+fn shown(kind: &EffectKind, nominal: &Bench, share: f64) -> Vec<f64> {
+    let mut bench = nominal.clone();
+    if share != 0.0 {
+        bench.effects_mut().push(effect(kind, nominal, share));
+    }
+    bench.check("test").unwrap();
+    let mut log = record(&bench, 0).unwrap();
+    log.channels.remove(&effort_or(nominal, kind)).unwrap()
+}
+
+fn rms(a: &[f64], b: &[f64]) -> f64 {
+    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+#[test]
+fn the_catalogue_is_the_vocabulary() {
+    assert_eq!(CATALOGUE.len(), 30);
+    for kind in CATALOGUE {
+        assert!(!kind.plants.is_empty() && !kind.summary.is_empty(), "{}", kind.name);
+        for other in kind.confounded_with {
+            let other = super::kind(other).unwrap_or_else(|| panic!("{}: {other}", kind.name));
+            let mutual = other.confounded_with.contains(&kind.name);
+            assert!(mutual, "{} names {}, which does not name it", kind.name, other.name);
+        }
+        for p in kind.transmission.iter().chain(kind.axis) {
+            assert!(p.least <= p.default && p.default <= p.most, "{}.{}", kind.name, p.name);
+            assert!(p.scale > 0.0 && p.prior > 0.0, "{}.{}", kind.name, p.name);
+        }
+    }
+}
+
+#[test]
+fn an_effect_is_refused_where_it_means_nothing() {
+    for &plant_of in Plant::ALL {
+        let bench = plant(plant_of);
+        for kind in CATALOGUE {
+            let found = effect(kind, &bench, 0.5).check(&bench).map(|_| ());
+            if kind.plants.contains(&plant_of) {
+                found.unwrap();
+            } else {
+                let message = found.unwrap_err().to_string();
+                assert!(message.contains("does not act on a") && message.contains("; expected"), "{message}");
+                assert!(message.contains(kind.plants[0].words()), "{message}");
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+    /// At size 0 the resolved description is the nominal one, whatever the shapes: so is every run, bit for bit.
+    #[test]
+    fn an_effect_of_size_0_is_the_nominal_bench(share in 0.0..1.0_f64) {
+        for &plant_of in Plant::ALL {
+            let bench = plant(plant_of);
+            for kind in CATALOGUE.iter().filter(|k| k.plants.contains(&plant_of)) {
+                let mut with = bench.clone();
+                let mut none = effect(kind, &bench, 0.0);
+                for p in kind.parameters(&bench) {
+                    let value = if p.is_size { 0.0 } else { p.default + share * (p.most.min(100.0) - p.default) };
+                    none.parameters.insert(p.name.into(), value);
+                }
+                with.effects_mut().push(none);
+                with.check("test").unwrap();
+                prop_assert_eq!(with.resolved(), bench.clone(), "{}", kind.name);
+            }
+        }
+    }
+}
+
+/// Visible at a clear size, the more the larger, and gone with its size.
+#[test]
+fn every_effect_grows_with_its_size_in_the_channel_that_shows_it() {
+    for &plant_of in Plant::ALL {
+        let bench = plant(plant_of);
+        for kind in CATALOGUE.iter().filter(|k| k.plants.contains(&plant_of)) {
+            let bench = suited(kind, bench.clone());
+            let none = shown(kind, &bench, 0.0);
+            let size = none.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            let [tiny, small, large] = [1e-3, 0.3, 1.0].map(|share| rms(&shown(kind, &bench, share), &none));
+            eprintln!("{plant_of}, {}: {tiny:.3e} {small:.3e} {large:.3e} of {size:.3e}", kind.name);
+            assert!(large > small && small > tiny, "{plant_of}, {}: {tiny} {small} {large}", kind.name);
+            assert!(large > 1e-5 * size, "{plant_of}, {}: {large} of {size}", kind.name);
+            assert!(tiny < 0.1 * large, "{plant_of}, {}: {tiny} of {large}", kind.name);
+        }
+    }
+}
+
+#[test]
+fn the_energy_balance_closes_with_every_effect() {
+    let nominal = plant(Plant::Planar);
+    for kind in CATALOGUE.iter().filter(|k| k.plants.contains(&Plant::Planar) && !k.per_channel) {
+        let mut bench = nominal.clone();
+        bench.effects_mut().push(effect(kind, &nominal, 1.0));
+        let Bench::Transmission(bench) = bench.resolved() else { panic!() };
+        let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
+        let run = run_with_law(&plant, 1.0, &[], DEFAULT_TOLERANCE).unwrap();
+        eprintln!("{}: {} steps, {:.1e}", kind.name, run.steps, run.energy_residual_rel);
+        assert!(run.energy_residual_rel < 1e-7, "{}: {:?}", kind.name, run.energy);
+    }
+}
