@@ -51,6 +51,9 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
     /// A stream that has seen nothing but zeros.
     fn stream() -> Self::Stream;
 
+    /// Forgets what the stream has seen; its result is none until the next column has been run.
+    fn clear(stream: &mut Self::Stream);
+
     /// Takes the newest column.
     fn accept(stream: &mut Self::Stream, column: &[A; IN]);
 
@@ -92,9 +95,14 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
 #[derive(Clone, Debug)]
 pub struct ConvolutionStream<A, B, const IN: usize, const OUT: usize, const K: usize, R> {
     history: Ring<A, IN, K>,
-    outputs: [B; OUT],
+    outputs: Words<[B; OUT]>,
     rest: R,
 }
+
+/// Activations at the address of a word.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(4))]
+struct Words<T>(T);
 
 /// Window of a convolution's inputs and what follows it.
 #[derive(Clone, Debug)]
@@ -138,7 +146,13 @@ where
     }
 
     fn stream() -> Self::Stream {
-        ConvolutionStream { history: Ring::new(), outputs: [B::default(); OUT], rest: R::stream() }
+        ConvolutionStream { history: Ring::new(), outputs: Words([B::default(); OUT]), rest: R::stream() }
+    }
+
+    #[inline]
+    fn clear(stream: &mut Self::Stream) {
+        stream.history.clear();
+        R::clear(&mut stream.rest);
     }
 
     #[inline]
@@ -152,9 +166,9 @@ where
         let mut clipped = 0u32;
         if units.start < own {
             let here = units.start..units.end.min(own);
-            clipped = self.layer.units::<E>(here, stream.history.columns(), &mut stream.outputs);
+            clipped = self.layer.units::<E>(here, stream.history.columns(), &mut stream.outputs.0);
             if units.end >= own {
-                R::accept(&mut stream.rest, &stream.outputs);
+                R::accept(&mut stream.rest, &stream.outputs.0);
             }
         }
         if units.end > own {
@@ -239,6 +253,11 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
 
     fn stream() -> Self::Stream {
         HeadStream { history: Ring::new(), sums: [0; OUT] }
+    }
+
+    #[inline]
+    fn clear(stream: &mut Self::Stream) {
+        stream.history.clear();
     }
 
     #[inline]

@@ -48,8 +48,8 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
 
     /// Forgets the history: the next [`WINDOW`] - 1 samples are flagged [`Flags::WARMING_UP`].
     pub fn reset(&mut self) {
-        self.collision = Network::stream();
-        self.friction = Network::stream();
+        Network::<'a, B, COLLISION_INPUTS>::clear(&mut self.collision);
+        Network::<'a, B, FRICTION_INPUTS>::clear(&mut self.friction);
         self.seen = 0;
     }
 

@@ -9,10 +9,31 @@ pub(crate) struct Ring<A, const IN: usize, const N: usize> {
     oldest: usize,
 }
 
-impl<A: Copy + Default, const IN: usize, const N: usize> Ring<A, IN, N> {
+/// Copies a column; word by word where both stand at a word's address, as they do wherever a column takes whole words.
+#[inline]
+fn copy<A: bytemuck::Pod, const IN: usize>(from: &[A; IN], to: &mut [A; IN]) {
+    let words = bytemuck::try_cast_slice(from).ok().zip(bytemuck::try_cast_slice_mut(to).ok());
+    let copied = words.is_some_and(|(from, to): (&[u32], &mut [u32])| {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+        true
+    });
+    if !copied {
+        *to = *from;
+    }
+}
+
+impl<A: bytemuck::Pod + Default, const IN: usize, const N: usize> Ring<A, IN, N> {
     /// `N` columns of zeros: the causal padding.
     pub(crate) fn new() -> Self {
         Self { columns: [[[A::default(); IN]; N]; 2], oldest: 0 }
+    }
+
+    /// Forgets the columns: as [`Self::new`], but for those that no slice will show before they are written.
+    #[inline]
+    pub(crate) fn clear(&mut self) {
+        let [first, _] = &mut self.columns;
+        first.iter_mut().skip(1).for_each(|column| *column = [A::default(); IN]);
+        self.oldest = 0;
     }
 
     /// Puts a column in the place of the oldest.
@@ -20,7 +41,7 @@ impl<A: Copy + Default, const IN: usize, const N: usize> Ring<A, IN, N> {
     pub(crate) fn push(&mut self, column: &[A; IN]) {
         for half in &mut self.columns {
             if let Some(slot) = half.get_mut(self.oldest) {
-                *slot = *column;
+                copy(column, slot);
             }
         }
         let next = self.oldest.wrapping_add(1);
@@ -35,7 +56,7 @@ impl<A: Copy + Default, const IN: usize, const N: usize> Ring<A, IN, N> {
     }
 }
 
-impl<A: Copy + Default, const IN: usize, const N: usize> Default for Ring<A, IN, N> {
+impl<A: bytemuck::Pod + Default, const IN: usize, const N: usize> Default for Ring<A, IN, N> {
     fn default() -> Self {
         Self::new()
     }
@@ -44,6 +65,20 @@ impl<A: Copy + Default, const IN: usize, const N: usize> Default for Ring<A, IN,
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cleared_ring_is_a_new_one() {
+        for pushed in 0..7 {
+            let (mut cleared, mut new) = (Ring::<i16, 2, 3>::new(), Ring::<i16, 2, 3>::new());
+            (0..pushed).for_each(|_| cleared.push(&[7, 8]));
+            cleared.clear();
+            for newest in 1i16..8 {
+                cleared.push(&[newest, -newest]);
+                new.push(&[newest, -newest]);
+                assert_eq!(cleared.columns(), new.columns(), "{pushed} before, {newest} since");
+            }
+        }
+    }
 
     #[test]
     fn the_newest_columns_are_in_order() {

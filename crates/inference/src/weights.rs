@@ -3,7 +3,7 @@
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{Reader, WeightForm};
-use crate::kernel::{BLOCK, Engine, Kernel, Quad};
+use crate::kernel::{BLOCK, Blocks, Engine, Kernel, Quad, finish};
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
 use core::ops::Range;
 
@@ -23,15 +23,16 @@ pub struct Scaling<'a, const OUT: usize> {
 }
 
 impl<'a, const OUT: usize> Scaling<'a, OUT> {
-    /// Biases and multipliers of some whole blocks.
+    /// Biases of the whole blocks.
     #[inline]
-    fn blocks(
-        &self,
-        blocks: Range<usize>,
-    ) -> impl Iterator<Item = (&'a [i32; BLOCK], &'a [i32; BLOCK])> + use<'a, OUT> {
-        let biases = self.biases.as_chunks().0.get(blocks.clone()).unwrap_or_default();
-        let multipliers = self.multipliers.as_chunks().0.get(blocks).unwrap_or_default();
-        biases.iter().zip(multipliers)
+    fn block_biases(&self) -> &'a [[i32; BLOCK]] {
+        self.biases.as_chunks().0
+    }
+
+    /// Multipliers of the whole blocks.
+    #[inline]
+    fn block_multipliers(&self) -> &'a [[i32; BLOCK]] {
+        self.multipliers.as_chunks().0
     }
 
     /// Biases and multipliers of the outputs behind the blocks.
@@ -39,18 +40,6 @@ impl<'a, const OUT: usize> Scaling<'a, OUT> {
     fn left(&self) -> impl Iterator<Item = (&'a i32, &'a i32)> + use<'a, OUT> {
         self.biases.as_chunks::<BLOCK>().1.iter().zip(self.multipliers.as_chunks::<BLOCK>().1)
     }
-}
-
-/// Scales and stores sums; gives how many were clipped at full scale.
-#[inline]
-fn finish<E: Engine, B: Activation>(sums: &[i32], multipliers: &[i32], outputs: &mut [B]) -> u32 {
-    let mut clipped = 0u32;
-    for ((&sum, &multiplier), slot) in sums.iter().zip(multipliers).zip(outputs) {
-        let value = E::requantise(sum, multiplier);
-        clipped = clipped.wrapping_add(u32::from(value > B::MAX));
-        *slot = B::clip(value);
-    }
-    clipped
 }
 
 /// Weights of a layer in one form of storage: whole blocks of four outputs, then the outputs left over.
@@ -94,7 +83,7 @@ impl<'a, S: Storage> Stored<'a, S> {
         let quads = self.quads.chunks_exact(groups::<S>(K * IN));
         let outputs = first.iter_mut().zip(second);
         for ((quads, (biases, multipliers)), (first, second)) in
-            quads.zip(scaling.blocks(0..OUT / BLOCK)).zip(outputs)
+            quads.zip(scaling.block_biases().iter().zip(scaling.block_multipliers())).zip(outputs)
         {
             let mut sums = [*biases; 2];
             <E as Kernel<S>>::pair::<IN, K>(quads, columns, &mut sums);
@@ -118,17 +107,15 @@ impl<'a, S: Storage> Stored<'a, S> {
         columns: &[[S::Activation; IN]; K],
         outputs: &mut [B; OUT],
     ) -> u32 {
-        let mut clipped = 0u32;
         let groups = groups::<S>(K * IN);
         let (start, end) = (blocks.start.wrapping_mul(groups), blocks.end.wrapping_mul(groups));
-        let quads = self.quads.get(start..end).unwrap_or_default().chunks_exact(groups);
         let outputs = outputs.as_chunks_mut::<BLOCK>().0.get_mut(blocks.clone()).unwrap_or_default();
-        for ((quads, (biases, multipliers)), outputs) in quads.zip(scaling.blocks(blocks)).zip(outputs) {
-            let mut sums = *biases;
-            <E as Kernel<S>>::block::<IN, K>(quads, columns, &mut sums);
-            clipped = clipped.wrapping_add(finish::<E, B>(&sums, multipliers, outputs));
-        }
-        clipped
+        let blocks = Blocks {
+            weights: self.quads.get(start..end).unwrap_or_default(),
+            biases: scaling.block_biases().get(blocks.clone()).unwrap_or_default(),
+            multipliers: scaling.block_multipliers().get(blocks).unwrap_or_default(),
+        };
+        <E as Kernel<S>>::blocks::<B, IN, K>(&blocks, columns, outputs)
     }
 
     #[inline]

@@ -61,13 +61,9 @@ pub fn encode_estimate(estimate: &NumberedEstimate, frame: &mut [u8; ESTIMATE_FR
     // From the end: a zero becomes the distance to the next one, the delimiter being the last.
     let mut distance = 1_u32;
     for word in words.iter_mut().rev() {
-        for shift in [24, 16, 8, 0] {
-            let byte = *word >> shift & 0xFF;
-            // All ones for a zero.
-            let is_zero = (byte.wrapping_sub(1).cast_signed() >> 31).cast_unsigned();
-            *word |= (distance & is_zero) << shift;
-            distance = (distance & !is_zero).wrapping_add(1);
-        }
+        let Zeros { within, open, passed, kept } = ZEROS[zeros(*word)];
+        *word |= open.wrapping_mul(distance).wrapping_add(within);
+        distance = kept.wrapping_mul(distance).wrapping_add(passed);
     }
     let [code, payload @ .., delimiter] = frame;
     *code = distance as u8;
@@ -76,6 +72,50 @@ pub fn encode_estimate(estimate: &NumberedEstimate, frame: &mut [u8; ESTIMATE_FR
         *place = word.to_le_bytes();
     }
     *delimiter = DELIMITER;
+}
+
+/// What stuffing makes of the zeros of a word, by which of its four bytes are zeros.
+#[derive(Clone, Copy)]
+struct Zeros {
+    /// In place of each zero but the last the distance to the next one in the word, of the last one that to the word's end.
+    within: u32,
+    /// 1 in place of the last zero: times the distance from the word's end to the next zero.
+    open: u32,
+    /// Distance from the first zero to the word's start; of all four bytes without one.
+    passed: u32,
+    /// 1 without a zero: the distance goes on growing.
+    kept: u32,
+}
+
+static ZEROS: [Zeros; 16] = {
+    let mut table = [Zeros { within: 0, open: 0, passed: 0, kept: 1 }; 16];
+    let mut zeros = 0;
+    while zeros < 16 {
+        let mut entry = table[zeros];
+        let mut byte = 4;
+        while byte > 0 {
+            byte -= 1;
+            if zeros >> byte & 1 == 1 {
+                entry.within |= entry.passed << (8 * byte);
+                entry.open |= entry.kept << (8 * byte);
+                entry.passed = 0;
+                entry.kept = 0;
+            }
+            entry.passed += 1;
+        }
+        table[zeros] = entry;
+        zeros += 1;
+    }
+    table
+};
+
+/// Which bytes of a word are zeros, a bit each.
+fn zeros(word: u32) -> usize {
+    const LOW: u32 = 0x7F7F_7F7F;
+    // The highest bit of each byte: set unless all of its bits are clear.
+    let others = (word & LOW).wrapping_add(LOW) | word;
+    // Bits 7, 15, 23 and 31 side by side.
+    ((!others & !LOW).wrapping_mul(1 << 21 | 1 << 14 | 1 << 7 | 1) >> 28) as usize
 }
 
 /// COBS for payloads below 254 bytes: zeros are replaced by the distance to the next one. Returns the bytes written.

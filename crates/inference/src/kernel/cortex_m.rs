@@ -1,4 +1,5 @@
-//! The kernels with the DSP instructions of Cortex-M4, M7, M33 and M55: the only unsafe code of this crate.
+//! The kernels with the DSP instructions of Cortex-M4, M7, M33 and M55: with `layer`, which does all blocks of a layer at once, the only unsafe
+//! code of this crate.
 //!
 //! SMLAD adds two products of 16-bit halves to a sum. A pair of taps at two positions and four outputs takes 12
 //! instructions for its 16 products: eight SMLAD, two loads of activations, two LDM of two weights each. Sums, weights and
@@ -25,7 +26,10 @@
 //! compile: MOVW holds 65535, an offset of LDR 4095.
 #![allow(unsafe_code)]
 
-use super::{BLOCK, Engine, Kernel, Quad};
+mod layer;
+
+use super::{BLOCK, Blocks, Engine, Kernel, Quad};
+use crate::activation::Activation;
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
 use core::arch::{asm, naked_asm};
 
@@ -150,7 +154,7 @@ macro_rules! four_times {
 
 /// Defines the three functions of one form of storage and wraps them.
 macro_rules! kernel {
-    ($storage:ty, $taps:literal, $bytes:literal, $pair:ident: $pair_text:expr, $block:ident: $block_text:expr, $row:ident: $row_text:expr) => {
+    ($storage:ty, $taps:literal, $bytes:literal, $pair:ident: $pair_text:expr, $block:ident: $block_text:expr, $row:ident: $row_text:expr $(, $($more:tt)*)?) => {
         #[unsafe(naked)]
         unsafe extern "C" fn $pair<const IN: usize, const K: usize>(
             sums: *mut i32,
@@ -242,6 +246,8 @@ macro_rules! kernel {
                 // SAFETY: as above.
                 unsafe { $row::<IN, K>(sum, weights.as_ptr(), columns.as_ptr().cast()) }
             }
+
+            $($($more)*)?
         }
     };
 }
@@ -269,7 +275,21 @@ kernel!(Wide, 2, 2,
         ),
         "ldr r4, [r1], #4\n ldr r12, [r2], #4\n smlad r0, r4, r12, r0\n",
         ".if {rest}\n ldr r4, [r1], #4\n ldrh r12, [r2]\n smlad r0, r4, r12, r0\n .endif\n"
-    )
+    ),
+    #[inline]
+    fn blocks<B: Activation, const IN: usize, const K: usize>(
+        blocks: &Blocks<'_>,
+        columns: &[[i16; IN]; K],
+        outputs: &mut [[B; BLOCK]],
+    ) -> u32 {
+        let wide = if B::BITS == 16 { bytemuck::try_cast_slice_mut(outputs).ok() } else { None };
+        let whole = wide
+            .and_then(|outputs| layer::run(blocks.weights, blocks.biases, blocks.multipliers, columns, outputs));
+        match whole {
+            Some(clipped) => clipped,
+            None => super::blockwise::<Self, Wide, B, IN, K>(blocks, columns, outputs),
+        }
+    }
 );
 
 /// Two pairs of weights of four outputs out of packed ones (r7 to r10), with activations in r0 and r12.

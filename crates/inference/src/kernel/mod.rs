@@ -7,7 +7,8 @@
 //! [`Portable`] is safe Rust and the oracle; `Simd` runs on hosts and `CortexM` on cores with the DSP instructions. Whole numbers of 32 bits add up to the same sum in any order, and the loader has proven
 //! that none overflows ([`crate::image::prove`]): so all of them give the same bits, which tests show on every one of them.
 
-use crate::storage::{Packed8, Packed16, Storage, Wide};
+use crate::activation::Activation;
+use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
 
 #[cfg(pintle_dsp)]
 pub mod cortex_m;
@@ -22,6 +23,17 @@ pub const BLOCK: usize = 4;
 
 /// Weights of four outputs in one group of taps.
 pub type Quad = [u32; BLOCK];
+
+/// Whole blocks of a convolution's outputs: what surrounds their products, block by block.
+#[derive(Clone, Copy, Debug)]
+pub struct Blocks<'a> {
+    /// Weights, a block behind the other.
+    pub weights: &'a [Quad],
+    /// Biases.
+    pub biases: &'a [[i32; BLOCK]],
+    /// Factors to the next layer's scale, times 2^32.
+    pub multipliers: &'a [[i32; BLOCK]],
+}
 
 /// Dot products with weights of one form of storage.
 ///
@@ -48,6 +60,49 @@ pub trait Kernel<S: Storage> {
         columns: &[[S::Activation; IN]; K],
         sum: i32,
     ) -> i32;
+
+    /// The outputs of some blocks at one position, scaled, clipped and stored; gives how many were clipped.
+    #[inline]
+    fn blocks<B: Activation, const IN: usize, const K: usize>(
+        blocks: &Blocks<'_>,
+        columns: &[[S::Activation; IN]; K],
+        outputs: &mut [[B; BLOCK]],
+    ) -> u32
+    where
+        Self: Engine + Sized,
+    {
+        blockwise::<Self, S, B, IN, K>(blocks, columns, outputs)
+    }
+}
+
+/// [`Kernel::blocks`] one block after the other.
+#[inline]
+fn blockwise<E: Engine + Kernel<S>, S: Storage, B: Activation, const IN: usize, const K: usize>(
+    blocks: &Blocks<'_>,
+    columns: &[[S::Activation; IN]; K],
+    outputs: &mut [[B; BLOCK]],
+) -> u32 {
+    let mut clipped = 0u32;
+    let quads = blocks.weights.chunks_exact(groups::<S>(K * IN));
+    let scaling = blocks.biases.iter().zip(blocks.multipliers);
+    for ((quads, (biases, multipliers)), outputs) in quads.zip(scaling).zip(outputs) {
+        let mut sums = *biases;
+        <E as Kernel<S>>::block::<IN, K>(quads, columns, &mut sums);
+        clipped = clipped.wrapping_add(finish::<E, B>(&sums, multipliers, outputs));
+    }
+    clipped
+}
+
+/// Scales and stores sums; gives how many were clipped at full scale.
+#[inline]
+pub(crate) fn finish<E: Engine, B: Activation>(sums: &[i32], multipliers: &[i32], outputs: &mut [B]) -> u32 {
+    let mut clipped = 0u32;
+    for ((&sum, &multiplier), slot) in sums.iter().zip(multipliers).zip(outputs) {
+        let value = E::requantise(sum, multiplier);
+        clipped = clipped.wrapping_add(u32::from(value > B::MAX));
+        *slot = B::clip(value);
+    }
+    clipped
 }
 
 /// Kernels for every form of storage, and the step to the next layer's scale.
