@@ -53,6 +53,9 @@ pub enum CheckpointError {
         /// Check sum at the end.
         expected: u32,
     },
+    /// Its recipe is longer than any that is written.
+    #[error("float checkpoint: recipe: found {0} bytes, expected at most {RECIPE_LIMIT}")]
+    RecipeLength(usize),
     /// Its recipe cannot be read.
     #[error("float checkpoint: recipe: {0}")]
     Recipe(#[from] serde_json::Error),
@@ -97,7 +100,10 @@ impl Checkpoint {
             return Err(CheckpointError::Magic);
         }
         let recipe_length = word(12) as usize;
-        let expected = 16 + recipe_length.min(RECIPE_LIMIT) + weights + 4;
+        if recipe_length > RECIPE_LIMIT {
+            return Err(CheckpointError::RecipeLength(recipe_length));
+        }
+        let expected = 16 + recipe_length + weights + 4;
         if bytes.len() != expected {
             return Err(short(expected));
         }
@@ -162,6 +168,20 @@ mod tests {
     fn a_checkpoint_survives_its_file() {
         let bytes = sample().to_bytes().expect("bytes");
         assert_eq!(Checkpoint::from_bytes(&bytes).expect("checkpoint"), sample());
+    }
+
+    #[test]
+    fn a_recipe_beyond_the_limit_is_refused_though_length_and_check_sum_fit() {
+        let start = sample().to_bytes().expect("bytes")[..12].to_vec();
+        let weights = 8 * (shapes::collision().parameters() + shapes::friction().parameters());
+        for recipe in [RECIPE_LIMIT + 1, RECIPE_LIMIT + weights + 1, u32::MAX as usize] {
+            let mut bytes = start.clone();
+            bytes.extend((recipe as u32).to_le_bytes());
+            bytes.resize(16 + RECIPE_LIMIT + weights, b' ');
+            bytes.extend(check_sum(&bytes).to_le_bytes());
+            let refused = Checkpoint::from_bytes(&bytes).expect_err("too long");
+            assert!(matches!(refused, CheckpointError::RecipeLength(found) if found == recipe), "{refused}");
+        }
     }
 
     #[test]
