@@ -66,7 +66,7 @@ impl Series {
         Self { style, ..self }
     }
 
-    /// The least and the greatest point of every stretch, so that no peak is lost.
+    /// The least and the greatest point of every stretch, so that no peak is lost; what is no number counts as neither.
     fn thinned(&self) -> Vec<(f64, f64)> {
         if self.points.len() <= MOST_POINTS || matches!(self.style, Style::Points | Style::Both) {
             return self.points.clone();
@@ -75,7 +75,8 @@ impl Series {
         let mut out = Vec::with_capacity(MOST_POINTS);
         for chunk in self.points.chunks(stretch) {
             let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-            let (Some(low), Some(high)) = (chunk.iter().min_by(by_y), chunk.iter().max_by(by_y)) else {
+            let finite = || chunk.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+            let (Some(low), Some(high)) = (finite().min_by(by_y), finite().max_by(by_y)) else {
                 continue;
             };
             out.extend(if low.0 <= high.0 { [*low, *high] } else { [*high, *low] });
@@ -128,7 +129,8 @@ pub fn lines_log_log(chart: &Chart, series: &[Series]) -> Result<String, String>
 
 /// A map of curves with equal scales on both axes, such as an orbit; x and y in the same unit.
 pub fn map(chart: &Chart, series: &[Series]) -> Result<String, String> {
-    let most = values(series).fold(0.0_f64, |m, p| m.max(p.0.abs()).max(p.1.abs()));
+    let sizes = values(series).flat_map(|p| [p.0.abs(), p.1.abs()]).filter(|size| size.is_finite());
+    let most = sizes.fold(0.0, f64::max);
     let half = if most > 0.0 { 1.02 * most } else { 1.0 };
     let axis = Axis::linear([-half, half].into_iter());
     draw(chart, series, &axis, &axis, false)
@@ -220,6 +222,15 @@ mod tests {
         let thinned = series.thinned();
         assert!(thinned.len() <= MOST_POINTS + 2);
         assert!(thinned.iter().any(|p| p.1 == 5.0));
+    }
+
+    #[test]
+    fn what_is_no_number_hides_no_peak() {
+        let mut y = vec![0.0; 100_000];
+        (y[77_776], y[77_777], y[77_778]) = (f64::NAN, 5.0, f64::INFINITY);
+        (y[10_000], y[10_001]) = (f64::NEG_INFINITY, -3.0);
+        let thinned = Series::new("spike", (0..100_000).map(f64::from), y).thinned();
+        assert!(thinned.iter().any(|p| p.1 == 5.0) && thinned.iter().any(|p| p.1 == -3.0));
     }
 
     #[test]
