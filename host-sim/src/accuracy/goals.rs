@@ -107,7 +107,7 @@ pub fn judge(outcomes: &[Accuracy]) -> Vec<Verdict> {
 }
 
 fn standing(goal: &Goal, set: Vec<&Accuracy>) -> Standing {
-    // Negated, so that a value that is no number does not meet the goal.
+    // A value that is no number is at most nothing, and does not meet the goal.
     let within = set.iter().filter(|a| (goal.value)(a).abs() <= goal.limit).count();
     let mut sorted = set.clone();
     sorted.sort_by(|a, b| (goal.value)(a).abs().total_cmp(&(goal.value)(b).abs()));
