@@ -3,6 +3,7 @@
 use crate::controller::{Controller, ControllerError};
 use crate::error::CliError;
 use crate::force::bearing_of;
+use crate::sensing::Sampled;
 use crate::summary::{EstimatorSummary, after_start, peak, rms};
 use bench::description::TransmissionBench;
 use bench::transmission::{Snapshot, Transmission};
@@ -10,7 +11,7 @@ use contact::{Dissipation, Material, effective_modulus_pa};
 use firmware::flags::SENSOR_FAULT;
 use inference::Flags;
 use link::track::MonitorConfiguration;
-use link::{Configuration, ControllerConfiguration, Counters, EstimateFrame, SensorFrame};
+use link::{Command, Configuration, ControllerConfiguration, Counters, EstimateFrame};
 use std::time::Instant;
 
 /// Timer ticks of an instruction on the emulated controller: 64 ns an instruction at 168 MHz.
@@ -27,7 +28,22 @@ pub struct Tracked {
     pub counters: Counters,
     /// Wall time of the exchanges in s.
     pub wall_s: f64,
+    /// Frames before which the controller restarted and was configured anew, by index.
+    pub restarts: Vec<usize>,
 }
+
+/// What to do about a controller that has restarted in the middle of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum OnRestart {
+    /// End the run with an error.
+    #[default]
+    Stop,
+    /// Configure it anew and go on with the sample that it had not answered. Its history is gone, and its estimates say so.
+    Continue,
+}
+
+/// Restarts without an answered sample between them after which a run ends in any case.
+const FUTILE_RESTARTS: u32 = 3;
 
 /// The configuration of the controller for a bench: nominal values, as a user would set them.
 pub fn configuration(
@@ -83,16 +99,105 @@ pub fn controller_configuration(
     Ok(ControllerConfiguration::new(whole, monitor))
 }
 
-/// Exchanges every frame in lockstep.
-pub fn track(
+/// Exchanges every frame in lockstep with a configured controller; a restart ends the run.
+pub fn track<S: Copy + Into<Sampled>>(
     mut controller: Box<dyn Controller>,
-    frames: &[SensorFrame],
+    frames: &[S],
 ) -> Result<Tracked, ControllerError> {
-    let name = controller.name();
-    let started = Instant::now();
-    let estimates = frames.iter().map(|frame| controller.exchange(frame)).collect::<Result<_, _>>()?;
-    let wall_s = started.elapsed().as_secs_f64();
-    Ok(Tracked { controller: name, estimates, counters: controller.finish()?, wall_s })
+    let mut run = Exchange::new(frames);
+    run.go_on(&mut *controller)?;
+    run.finish(controller)
+}
+
+/// As [`track`], with a choice about restarts; `configuration` is what the controller was given.
+pub fn track_through<S: Copy + Into<Sampled>>(
+    mut controller: Box<dyn Controller>,
+    configuration: ControllerConfiguration,
+    frames: &[S],
+    on_restart: OnRestart,
+) -> Result<Tracked, ControllerError> {
+    let mut run = Exchange::new(frames);
+    let mut futile = 0;
+    loop {
+        let before = run.estimates.len();
+        match run.go_on(&mut *controller) {
+            Ok(()) => return run.finish(controller),
+            Err(ControllerError::Restarted { .. })
+                if on_restart == OnRestart::Continue && futile < FUTILE_RESTARTS =>
+            {
+                futile = if run.estimates.len() > before { 0 } else { futile + 1 };
+                run.configure_anew(&mut *controller, configuration)?;
+            }
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// What a controller would have said that restarted where another one did.
+pub fn track_restarting<S: Copy + Into<Sampled>>(
+    mut controller: Box<dyn Controller>,
+    configuration: ControllerConfiguration,
+    frames: &[S],
+    restarts: &[usize],
+) -> Result<Tracked, ControllerError> {
+    let mut run = Exchange::new(frames);
+    for &index in restarts {
+        run.go_on_to(&mut *controller, index)?;
+        run.configure_anew(&mut *controller, configuration)?;
+    }
+    run.go_on(&mut *controller)?;
+    run.finish(controller)
+}
+
+/// A run under way.
+struct Exchange<'a, S> {
+    frames: &'a [S],
+    estimates: Vec<EstimateFrame>,
+    restarts: Vec<usize>,
+    started: Instant,
+}
+
+impl<'a, S: Copy + Into<Sampled>> Exchange<'a, S> {
+    fn new(frames: &'a [S]) -> Self {
+        let estimates = Vec::with_capacity(frames.len());
+        Self { frames, estimates, restarts: Vec::new(), started: Instant::now() }
+    }
+
+    fn go_on(&mut self, controller: &mut dyn Controller) -> Result<(), ControllerError> {
+        self.go_on_to(controller, self.frames.len())
+    }
+
+    fn go_on_to(&mut self, controller: &mut dyn Controller, end: usize) -> Result<(), ControllerError> {
+        let due = self.frames.get(self.estimates.len()..end).unwrap_or_default();
+        for frame in due {
+            let last = self.estimates.last().map(|estimate| estimate.sequence);
+            let Sampled { frame, status } = (*frame).into();
+            self.estimates.push(controller.sample(&frame, status).map_err(|error| error.after(last))?);
+        }
+        Ok(())
+    }
+
+    fn configure_anew(
+        &mut self,
+        controller: &mut dyn Controller,
+        configuration: ControllerConfiguration,
+    ) -> Result<(), ControllerError> {
+        self.restarts.push(self.estimates.len());
+        let last = self.estimates.last().map(|estimate| estimate.sequence);
+        // It may restart here as well; the next look at a sample would tell nothing else.
+        match controller.order(Command::Configure(configuration)) {
+            Ok(_) | Err(ControllerError::Restarted { .. }) => Ok(()),
+            Err(error) => Err(error.after(last)),
+        }
+    }
+
+    fn finish(self, controller: Box<dyn Controller>) -> Result<Tracked, ControllerError> {
+        let wall_s = self.started.elapsed().as_secs_f64();
+        let last = self.estimates.last().map(|estimate| estimate.sequence);
+        let name = controller.name();
+        let counters = controller.finish().map_err(|error| error.after(last))?;
+        Ok(Tracked { controller: name, estimates: self.estimates, counters, wall_s, restarts: self.restarts })
+    }
 }
 
 /// Estimates that differ in any bit of any field but the tick count.
@@ -136,7 +241,9 @@ impl EstimatorSummary {
             instructions_per_tick_min: instructions(ticks().filter(|&ticks| ticks > 0).min()),
             instructions_per_tick_max: instructions(ticks().max()),
             exchanges_per_s: tracked.estimates.len() as f64 / tracked.wall_s.max(1e-9),
-            native_emulated_bit_differences: differences,
+            native_emulated_bit_differences: differences.filter(|_| tracked.controller == "emulated"),
+            native_attached_bit_differences: differences.filter(|_| tracked.controller == "attached"),
+            restarts: tracked.restarts.len() as u64,
             outside_training_share: share(Flags::OUTSIDE_TRAINING),
             suspect_share: share(SENSOR_FAULT),
         }

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use host_sim::commands::{
-    accuracy, diagnose, figures, flash, laws, link, record, run, sweep, update, validate,
+    accuracy, diagnose, figures, flash, laws, link, record, replay, run, sweep, update, validate,
 };
 use std::process::ExitCode;
 
@@ -29,6 +29,8 @@ enum Command {
     Run(run::RunArgs),
     /// Write a log of the bench as its sensors would take it.
     Record(record::RecordArgs),
+    /// Say a recorded conversation to a controller again, or give it the samples of a measured log.
+    Replay(replay::ReplayArgs),
     /// Say what a simulation gets wrong in measured logs, name the cause, measure the gain.
     Diagnose(diagnose::DiagnoseArgs),
     /// Vary clearance, load, floor of the approach speed or any parameters; judge the paper's claims.
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
         None => run::run(&run::RunArgs::default_job()),
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Record(args)) => record::run(&args),
+        Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Diagnose(args)) => diagnose::run(&args),
         Some(Command::Sweep(args)) => sweep::run(&args),
         Some(Command::Figures(args)) => figures::run(&args),

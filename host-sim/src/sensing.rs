@@ -4,13 +4,70 @@ use bench::sensor::Sensor;
 use bench::transmission::Snapshot;
 use bench::{Bench, Channel};
 use link::SensorFrame;
+use link::track::{SensorChannel, SensorStatus};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Turns a run, sampled at the controller's rate, into sensor frames. Noise, delay and the rest are those of the
-/// bench description's sensors, applied at the controller's sample rate; a load transmitter without a description is
-/// perfect.
+/// A sample as the controller gets it: the frame, and what the drivers say about it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampled {
+    /// The frame.
+    pub frame: SensorFrame,
+    /// Which channels are missing or at their rail.
+    pub status: SensorStatus,
+}
+
+impl From<SensorFrame> for Sampled {
+    fn from(frame: SensorFrame) -> Self {
+        Self { frame, status: SensorStatus::GOOD }
+    }
+}
+
+/// Readings that do not come, of every channel for itself: a loose plug, a transmitter that restarts. The last good value stands for them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DropOut {
+    /// Their share, 0 to below 1.
+    pub share: f64,
+    /// How many are lost in a row, 1 or more.
+    pub samples: f64,
+}
+
+impl DropOut {
+    /// Every reading comes.
+    pub const NONE: Self = Self { share: 0.0, samples: 1.0 };
+
+    /// Which of `count` readings are lost. Between two losses there are `samples (1/share - 1)` good ones on average.
+    fn lost(self, count: usize, rng: &mut ChaCha8Rng) -> Vec<bool> {
+        let begins = self.share / (self.share + self.samples * (1.0 - self.share));
+        let mut left = 0.0;
+        let mut next = |first: bool| {
+            if left >= 1.0 {
+                left -= 1.0;
+                return true;
+            }
+            // The very first has none before it to stand for it.
+            let lost = !first && unit(rng) < begins;
+            left = if lost { self.samples.round() - 1.0 } else { 0.0 };
+            lost
+        };
+        (0..count).map(|index| next(index == 0)).collect()
+    }
+}
+
+/// A number from 0 to below 1.
+fn unit(rng: &mut ChaCha8Rng) -> f64 {
+    (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Turns a run, sampled at the controller's rate, into sensor frames with every reading there; see [`samples`].
 pub fn frames(bench: &Bench, samples: &[Snapshot], seed: u64) -> Vec<SensorFrame> {
+    self::samples(bench, samples, seed, DropOut::NONE).iter().map(|sampled| sampled.frame).collect()
+}
+
+/// Turns a run, sampled at the controller's rate, into what the controller gets. Noise, delay and the rest are those of the
+/// bench description's sensors, applied at the controller's sample rate; a load transmitter without a description is
+/// perfect. Drop-outs come last.
+pub fn samples(bench: &Bench, samples: &[Snapshot], seed: u64, drop_out: DropOut) -> Vec<Sampled> {
     let time_s: Vec<f64> = samples.iter().map(|s| s.time_s).collect();
     let perfect = Sensor::default();
     let read = |channel: Channel, stream: u64, truth: fn(&Snapshot) -> f64| {
@@ -20,25 +77,116 @@ pub fn frames(bench: &Bench, samples: &[Snapshot], seed: u64) -> Vec<SensorFrame
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
         sensor.read(&mut signal, &mut rng);
-        signal
+        // A stream of its own: without drop-outs a seed gives the same noise as ever.
+        rng.set_stream(stream + 16);
+        let lost = if drop_out.share > 0.0 {
+            drop_out.lost(signal.len(), &mut rng)
+        } else {
+            vec![false; signal.len()]
+        };
+        let mut last = 0.0;
+        for (value, lost) in signal.iter_mut().zip(&lost) {
+            last = if *lost { last } else { *value };
+            *value = last;
+        }
+        signal.into_iter().zip(lost).collect::<Vec<_>>()
     };
     let y = read(Channel::JournalY, 1, |s| s.y_m);
     let z = read(Channel::JournalZ, 2, |s| s.z_m);
     let angle = read(Channel::ShaftAngle, 3, |s| s.angle_rad);
     let load = read(Channel::LoadForce, 4, |s| s.load_force_n);
-    // `as` saturates: a reading beyond the range stands at its end.
-    let counts = |value: f64, unit: f64| (value / unit).round() as i32;
     time_s
         .iter()
         .zip(y.iter().zip(&z).zip(angle.iter().zip(&load)))
         .enumerate()
-        .map(|(index, (t, ((y, z), (angle, load))))| SensorFrame {
-            sequence: index as u32,
-            time_us: (t * 1e6).round() as u32,
-            journal_y_nm: counts(*y, 1e-9),
-            journal_z_nm: counts(*z, 1e-9),
-            shaft_angle_nrad: counts(*angle, 1e-9),
-            load_force_mn: counts(*load, 1e-3),
+        .map(|(index, (t, ((y, z), (angle, load))))| {
+            let readings = [*y, *z, *angle, *load];
+            let missing = |status: SensorStatus, (channel, (_, lost)): (SensorChannel, &(f64, bool))| {
+                if *lost { status.missing(channel) } else { status }
+            };
+            Sampled {
+                frame: frame(index as u32, *t, readings.map(|(value, _)| value)),
+                status: SensorChannel::ALL.into_iter().zip(&readings).fold(SensorStatus::GOOD, missing),
+            }
         })
         .collect()
+}
+
+/// The frame of a sample: journal along y and z in m, shaft angle in rad, load force in N.
+///
+/// A reading beyond the range stands at its end; time and angle go round, as the controller takes their differences only.
+pub fn frame(sequence: u32, time_s: f64, [y_m, z_m, angle_rad, load_n]: [f64; 4]) -> SensorFrame {
+    // `as` saturates.
+    let counts = |value: f64, unit: f64| (value / unit).round() as i32;
+    SensorFrame {
+        sequence,
+        time_us: (time_s * 1e6).round() as i64 as u32,
+        journal_y_nm: counts(y_m, 1e-9),
+        journal_z_nm: counts(z_m, 1e-9),
+        shaft_angle_nrad: (angle_rad / 1e-9).round() as i64 as i32,
+        load_force_mn: counts(load_n, 1e-3),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_and_angle_go_round_and_the_others_stand_at_their_ends() {
+        let before = frame(0, 4294.0, [1.0, -1.0, 2.1, 3e6]);
+        let after = frame(1, 4296.0, [3.0, -3.0, 2.2, -3e6]);
+        assert_eq!(after.time_us.wrapping_sub(before.time_us), 2_000_000);
+        assert_eq!(after.shaft_angle_nrad.wrapping_sub(before.shaft_angle_nrad), 100_000_000);
+        assert_eq!((after.journal_y_nm, after.journal_z_nm), (i32::MAX, i32::MIN));
+        assert_eq!((before.load_force_mn, after.load_force_mn), (i32::MAX, i32::MIN));
+    }
+
+    fn lost(share: f64, samples: f64, seed: u64) -> Vec<bool> {
+        DropOut { share, samples }.lost(200_000, &mut ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    #[test]
+    fn drop_outs_have_their_share_and_their_length_and_repeat_by_seed() {
+        for (share, samples) in [(0.01, 1.0), (0.05, 20.0), (0.5, 3.0)] {
+            let lost = lost(share, samples, 1);
+            let found = lost.iter().filter(|lost| **lost).count() as f64 / lost.len() as f64;
+            assert!((found / share - 1.0).abs() < 0.1, "{share}, {samples}: {found}");
+            let ends = lost.windows(2).filter(|pair| pair[0] && !pair[1]).count() as f64;
+            let length = found * lost.len() as f64 / ends;
+            assert!(length >= samples * 0.99, "{share}, {samples}: {length} in a row");
+            assert!(length < samples / (1.0 - share) * 1.1, "{share}, {samples}: {length} in a row");
+        }
+        assert_eq!(lost(0.1, 2.0, 7), lost(0.1, 2.0, 7));
+        assert_ne!(lost(0.1, 2.0, 7), lost(0.1, 2.0, 8));
+        assert!(!lost(0.9, 5.0, 1)[0]);
+    }
+
+    #[test]
+    fn a_lost_reading_is_said_to_be_missing_and_the_last_good_one_stands_for_it() {
+        let bench = Bench::open("bench-b").unwrap();
+        let snapshot = |index: u32| Snapshot {
+            time_s: f64::from(index) * 1e-4,
+            y_m: f64::from(index) * 1e-6,
+            ..Snapshot::default()
+        };
+        let truth: Vec<Snapshot> = (0..2_000).map(snapshot).collect();
+        let good = samples(&bench, &truth, 3, DropOut::NONE);
+        let some = samples(&bench, &truth, 3, DropOut { share: 0.05, samples: 4.0 });
+        assert!(good.iter().all(|sampled| sampled.status == SensorStatus::GOOD));
+        let (mut last, mut missing) = (good[0].frame.journal_y_nm, 0);
+        for (good, some) in good.iter().zip(&some) {
+            if some.status.missing_bits() & 1 == 0 {
+                assert_eq!(some.frame.journal_y_nm, good.frame.journal_y_nm);
+                last = good.frame.journal_y_nm;
+            } else {
+                missing += 1;
+                assert_eq!(some.frame.journal_y_nm, last);
+            }
+        }
+        assert!((50..200).contains(&missing), "{missing}");
+        let of =
+            |channel: u8| some.iter().map(|s| s.status.missing_bits() >> channel & 1).collect::<Vec<_>>();
+        assert!((1..4).all(|channel| of(channel) != of(0) && of(channel).contains(&1)), "each for itself");
+    }
 }

@@ -128,7 +128,7 @@ impl From<&Peak> for PeakRow {
 /// How the estimator did.
 #[derive(Clone, Debug, Serialize)]
 pub struct EstimatorSummary {
-    /// Where it ran: `native` or `emulated`.
+    /// Where it ran: `native`, `emulated` or `attached`.
     pub controller: &'static str,
     /// Rms of the estimated less the true normal force, after the start.
     pub force_rms_error_n: f64,
@@ -146,6 +146,10 @@ pub struct EstimatorSummary {
     pub exchanges_per_s: f64,
     /// Fields that differ in any bit between the native and the emulated controller; null unless both ran.
     pub native_emulated_bit_differences: Option<u64>,
+    /// The same for the attached controller.
+    pub native_attached_bit_differences: Option<u64>,
+    /// Times that the controller restarted and was configured anew.
+    pub restarts: u64,
     /// Share of the ticks that carry a flag of the training range.
     pub outside_training_share: f64,
     /// Share of the ticks that carry a sensor or timing flag.

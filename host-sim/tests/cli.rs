@@ -39,6 +39,9 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
         (&["run", "--cycles", "5000"], "expected a run of at most 2000 s"),
         (&["run", "--step-us", "0"], "--step-us: found 0; expected"),
         (&["run", "--force", "wishes"], "possible values"),
+        (&["run", "--dropout-share", "1"], "--dropout-share: found 1; expected 0 to 0.9"),
+        (&["run", "--dropout-share", "-0.1"], "--dropout-share: found -0.1; expected"),
+        (&["run", "--dropout-samples", "1.5"], "--dropout-samples: found 1.5; expected a whole number"),
     ] {
         let output = host_sim(directory.path(), arguments);
         let message = text(&output.stderr);
@@ -118,6 +121,22 @@ fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
 }
 
 #[test]
+fn readings_that_do_not_come_are_told_and_cost_accuracy() {
+    let directory = tempfile::tempdir().unwrap();
+    let figures = |more: &[&str]| {
+        let arguments = [&["run", "--force", "law", "--json"], more].concat();
+        let run = json(&host_sim(directory.path(), &arguments));
+        let number = |name: &str| run.pointer(&format!("/estimator/{name}")).unwrap().as_f64().unwrap();
+        (number("suspect_share"), number("force_rms_error_n"))
+    };
+    let whole = figures(&[]);
+    let gaps = figures(&["--dropout-share", "0.02", "--dropout-samples", "5"]);
+    // Four channels of 2 % each, and what follows a gap.
+    assert!(gaps.0 > whole.0 + 0.05, "{whole:?}, {gaps:?}");
+    assert!(gaps.1 > whole.1, "{whole:?}, {gaps:?}");
+}
+
+#[test]
 fn every_known_answer_holds() {
     let directory = tempfile::tempdir().unwrap();
     let printed = json(&host_sim(directory.path(), &["validate", "--json", "--out", "v"]));
@@ -185,7 +204,7 @@ fn every_law_is_listed_with_range_and_source_and_its_name_is_one_of_a_descriptio
 #[test]
 fn every_command_has_help_with_an_example() {
     let directory = tempfile::tempdir().unwrap();
-    for command in ["run", "record", "diagnose", "sweep", "figures", "validate"] {
+    for command in ["run", "record", "replay", "diagnose", "sweep", "figures", "validate"] {
         let output = host_sim(directory.path(), &[command, "--help"]);
         let help = text(&output.stdout);
         assert!(output.status.success() && help.contains(&format!("host-sim {command}")), "{help}");

@@ -1,13 +1,13 @@
 //! `host-sim run`: the bench with the networks or the law as the bearing force, the estimator beside it.
 
-use super::{output, run_report, run_tilt, slider_crank, sweep};
-use crate::controller::{ControllerError, EmulatedController, NativeController};
+use super::{output, run_controller, run_report, run_tilt, slider_crank, sweep};
+use crate::controller::{ControllerError, Recording};
 use crate::error::CliError;
-use crate::estimator::{self, Tracked};
+use crate::estimator::{self, OnRestart, Tracked};
 use crate::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use crate::options::BenchOptions;
 use crate::progress;
-use crate::sensing;
+use crate::sensing::{self, DropOut};
 use crate::summary::{AgainstLaw, EstimatorSummary, Figures, PeakRow, Summary};
 use bench::description::TransmissionBench;
 use bench::slider_crank_description::SliderCrankBench;
@@ -25,13 +25,16 @@ pub enum ControllerChoice {
     Native,
     /// The firmware on the emulated controller, in lockstep; also natively, and the two are compared bit for bit.
     Emulated,
+    /// A board on a serial port, in lockstep; also natively, and the two are compared bit for bit.
+    Attached,
 }
 
 /// Arguments of `host-sim run`.
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Examples:\n  host-sim run\n  host-sim run --force law --bearing plastic --clearance-mm 1 --load-kn -5\n  \
-    host-sim run --controller emulated --json"
+    host-sim run --controller emulated --json\n  \
+    host-sim run --controller attached --port /dev/ttyUSB0 --on-restart continue --record out/run/link.rec"
 )]
 pub struct RunArgs {
     /// The bench.
@@ -49,9 +52,25 @@ pub struct RunArgs {
     /// Seed of the sensors' noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Share of the readings that do not reach the controller, each channel for itself; noise, delay, bandwidth, resolution, offset, drift and
+    /// limits are in the bench's description under `[sensors]`.
+    #[arg(long, default_value_t = 0.0, value_name = "SHARE", allow_negative_numbers = true)]
+    pub dropout_share: f64,
+    /// Readings that are lost in a row.
+    #[arg(long, default_value_t = 1.0, value_name = "N", allow_negative_numbers = true)]
+    pub dropout_samples: f64,
     /// Firmware for the emulated controller.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
+    /// Serial port of the attached controller.
+    #[arg(long, value_name = "PATH", required_if_eq("controller", "attached"))]
+    pub port: Option<PathBuf>,
+    /// What to do when the controller restarts in the middle of the run.
+    #[arg(long, value_enum, default_value = "stop")]
+    pub on_restart: OnRestart,
+    /// File for every frame exchanged with the controller; `host-sim replay` says them again.
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
     /// Folder for log.csv, impacts.csv, run.json and report.html; on a bench in two planes also tilt.csv.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
     pub out: PathBuf,
@@ -85,6 +104,8 @@ pub struct Finished {
     pub law: Option<ForcedRun>,
     /// What the estimator said.
     pub tracked: Option<Tracked>,
+    /// What was exchanged with the controller, if it was to be recorded.
+    pub recording: Option<Recording>,
 }
 
 /// Runs the command.
@@ -92,6 +113,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(bench) = SliderCrankBench::open(&args.bench.bench)? {
         args.bench.unchanged("slider-crank")?;
         return slider_crank::run(&bench, args);
+    }
+    if args.record.is_some() && args.controller == ControllerChoice::None {
+        return Err(CliError::Input("--record: found --controller none; expected a controller".into()));
     }
     let finished = execute(args)?;
     let json = output::json(&finished.summary)?;
@@ -102,6 +126,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if !finished.forced.tilting.is_empty() {
         let table = run_tilt::to_csv(&finished.forced.tilting, log_interval(&finished));
         output::write(&args.out, run_tilt::FILE_NAME, &table)?;
+    }
+    if let (Some(path), Some(recording)) = (&args.record, &finished.recording) {
+        recording.write(path).map_err(|e| CliError::output(path, &e))?;
     }
     output::write(&args.out, "run.json", &format!("{json}\n"))?;
     output::write(&args.out, "report.html", &page.render())?;
@@ -126,6 +153,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         )));
     };
     let step_s = sweep::step_s(args.step_us)?;
+    let drop_out = drop_out(args)?;
     let described = Bench::Transmission(bench.clone());
     let Bench::Transmission(resolved) = described.resolved() else {
         return Err(CliError::Work("plant changed".into()));
@@ -159,27 +187,36 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         summary.against_law = Some(AgainstLaw::of(&resolved, &forced.run.samples, &law.run.samples));
         Some(law)
     };
-    let tracked = if args.controller == ControllerChoice::None {
-        None
-    } else {
-        bar.set_message("estimator");
-        let frames = sensing::frames(&described, &forced.run.samples, args.seed);
-        let configuration = estimator::controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ)?;
-        let native = estimator::track(Box::new(NativeController::start(configuration)?), &frames)?;
-        let (tracked, differences) = if args.controller == ControllerChoice::Emulated {
-            let elf = args.elf.clone().unwrap_or_else(EmulatedController::default_elf);
-            let emulated =
-                estimator::track(Box::new(EmulatedController::start(configuration, &elf)?), &frames)?;
-            let differences = estimator::bit_differences(&native, &emulated);
-            (emulated, Some(differences))
-        } else {
-            (native, None)
-        };
-        summary.estimator = Some(EstimatorSummary::of(&resolved, &forced.run.samples, &tracked, differences));
-        Some(tracked)
-    };
+    bar.set_message("estimator");
+    let configuration = estimator::controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ)?;
+    let frames = sensing::samples(&described, &forced.run.samples, args.seed, drop_out);
+    let (mut tracked, mut recording) = (None, None);
+    if let Some(estimated) = run_controller::estimate(args, configuration, &frames)? {
+        summary.estimator = Some(EstimatorSummary::of(
+            &resolved,
+            &forced.run.samples,
+            &estimated.tracked,
+            estimated.differences,
+        ));
+        (tracked, recording) = (Some(estimated.tracked), estimated.recording);
+    }
     bar.finish_and_clear();
-    Ok(Finished { bench: *resolved, summary, forced, law, tracked })
+    Ok(Finished { bench: *resolved, summary, forced, law, tracked, recording })
+}
+
+/// The drop-outs asked for.
+fn drop_out(args: &RunArgs) -> Result<DropOut, CliError> {
+    let refuse = |option: &str, found: f64, expected: &str| {
+        Err(CliError::Input(format!("{option}: found {found}; expected {expected}")))
+    };
+    let (share, samples) = (args.dropout_share, args.dropout_samples);
+    if !(0.0..=0.9).contains(&share) {
+        return refuse("--dropout-share", share, "0 to 0.9");
+    }
+    if !(1.0..=1e6).contains(&samples) || samples.fract() != 0.0 {
+        return refuse("--dropout-samples", samples, "a whole number, 1 to 1000000");
+    }
+    Ok(DropOut { share, samples })
 }
 
 /// Samples of a run from one of the log to the next.
@@ -196,6 +233,9 @@ fn log_of(finished: &Finished, seed: u64) -> MeasuredLog {
 
 impl From<ControllerError> for CliError {
     fn from(error: ControllerError) -> Self {
-        Self::Work(error.to_string())
+        match error {
+            ControllerError::Port { .. } => Self::Input(error.to_string()),
+            other => Self::Work(other.to_string()),
+        }
     }
 }

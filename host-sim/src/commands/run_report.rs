@@ -68,6 +68,12 @@ pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         if let Some(differences) = e.native_emulated_bit_differences {
             rows.push(row("estimates that differ, native and emulated", differences.to_string()));
         }
+        if let Some(differences) = e.native_attached_bit_differences {
+            rows.push(row("estimates that differ, native and attached", differences.to_string()));
+        }
+        if e.restarts > 0 {
+            rows.push(row("restarts of the controller", e.restarts.to_string()));
+        }
     }
     rows
 }

@@ -2,8 +2,8 @@
 //!
 //! 8 data bits, no parity, one stop bit, raw. What the line loses is asked for again; what it damages is counted.
 
-use super::remote::{Bounds, Line, RemoteController};
-use super::{ControllerError, system};
+use super::line::{Bounds, Line};
+use super::{ControllerError, RemoteController, system};
 use rustix::fs::OFlags;
 use rustix::termios::{OptionalActions, QueueSelector, tcflush, tcgetattr, tcsetattr};
 use std::fs::{File, OpenOptions};
@@ -13,7 +13,8 @@ use std::time::{Duration, SystemTime};
 
 /// Line speed of the boards, baud.
 pub const BAUD: u32 = 500_000;
-const BOUNDS: Bounds = Bounds { answer_s: 5, again: Duration::from_millis(300) };
+/// Waits for a board at that speed.
+pub const BOUNDS: Bounds = Bounds { answer: Duration::from_secs(5), again: Duration::from_millis(300) };
 
 /// Attaches to controllers.
 #[derive(Debug)]
@@ -22,9 +23,14 @@ pub struct AttachedController;
 impl AttachedController {
     /// Opens a port and asks who is there.
     pub fn open(port: &Path) -> Result<RemoteController, ControllerError> {
+        Self::open_within(port, BOUNDS)
+    }
+
+    /// As [`Self::open`], with other waits.
+    pub fn open_within(port: &Path, bounds: Bounds) -> Result<RemoteController, ControllerError> {
         let file = raw(port).map_err(|source| ControllerError::Port { path: port.into(), source })?;
         let other = file.try_clone().map_err(system("the port's other direction"))?;
-        let line = Line::new(file, other, None, BOUNDS);
+        let line = Line::new(file, other, None, bounds);
         // Any number that the last host is not likely to have used.
         let now = SystemTime::UNIX_EPOCH.elapsed().map_or(1, |since| since.as_micros() as u32);
         RemoteController::identified("attached", line, now)

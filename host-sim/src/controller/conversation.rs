@@ -20,7 +20,7 @@ pub struct Losses {
     pub slow_missed: u32,
     /// Answers to commands sent before, or to greetings not waited for.
     pub strays: u32,
-    /// Commands and greetings that were sent again.
+    /// Commands, greetings and samples that were sent again.
     pub sent_again: u32,
     /// Damaged frames received.
     pub damaged: u32,
@@ -81,6 +81,16 @@ impl Conversation {
     pub fn again(&mut self) -> Option<ToController> {
         self.losses.sent_again = self.losses.sent_again.saturating_add(u32::from(self.on_the_way.is_some()));
         self.on_the_way
+    }
+
+    /// Counts a sample that was sent again.
+    pub(super) const fn count_repeated(&mut self) {
+        self.losses.sent_again = self.losses.sent_again.saturating_add(1);
+    }
+
+    /// Number of the last command that the controller has carried out, as far as is known.
+    pub(super) const fn last_command(&self) -> u32 {
+        self.last_command
     }
 
     /// What was lost so far.

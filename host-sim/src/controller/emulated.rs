@@ -3,8 +3,8 @@
 //! One write and one read a frame. While the controller waits for a frame its time stands still (`-icount`), so its
 //! instruction counts repeat exactly.
 
-use super::remote::{Bounds, Line, Process, RemoteController};
-use super::{ControllerError, system};
+use super::line::{Bounds, Line, Process};
+use super::{ControllerError, RemoteController, system};
 use link::ControllerConfiguration;
 use rustix::fs::{CWD, FileType, Mode, mknodat};
 use std::fs::{File, OpenOptions};
@@ -15,9 +15,9 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// Bound on the emulator's start, up to its greeting.
-const START_BOUND_S: u64 = 20;
+const START_BOUND: Duration = Duration::from_secs(20);
 /// Bound on every other answer. The pipes lose nothing: nothing is sent again before.
-const BOUNDS: Bounds = Bounds { answer_s: 5, again: Duration::from_secs(5) };
+const BOUNDS: Bounds = Bounds { answer: Duration::from_secs(5), again: Duration::from_secs(5) };
 
 const BOARD: &[&str] =
     &["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "none", "-no-reboot"];
@@ -85,7 +85,7 @@ impl EmulatedController {
             })?;
         let line = Line::new(to_controller, to_host, Some(Process { child, folder }), BOUNDS);
         let cause = "The image may not be this project's firmware, or may have crashed at its start.";
-        RemoteController::greeted("emulated", line, START_BOUND_S, cause).map_err(|error| match error {
+        RemoteController::greeted("emulated", line, START_BOUND, cause).map_err(|error| match error {
             ControllerError::Ended { status, said, .. } => ControllerError::NotFirmware {
                 path: elf.clone(),
                 found: format!("an image that ended before its greeting ({status}: {said})"),

@@ -1,5 +1,6 @@
 //! What can go wrong with a controller, and what to do about it.
 
+use link::start::{ResetReason, StartReport};
 use link::{FrameError, Refused};
 use std::path::PathBuf;
 
@@ -46,7 +47,7 @@ pub enum ControllerError {
     TimedOut {
         /// What was waited for.
         waiting_for: &'static str,
-        /// The bound in s.
+        /// The bound in s, rounded up.
         bound_s: u64,
         /// The last sample that was answered.
         last_sequence: Option<u32>,
@@ -60,7 +61,7 @@ pub enum ControllerError {
         status: String,
         /// The last sample that was answered.
         last_sequence: Option<u32>,
-        /// The first line of what the emulator said, if anything.
+        /// The first line of what the emulator said, if anything; of a port the likely cause.
         said: String,
     },
     /// It speaks another version of the protocol.
@@ -80,10 +81,34 @@ pub enum ControllerError {
     #[error("a damaged frame on the link: {0:?}")]
     Frame(FrameError),
     /// It greeted in the middle of a run.
-    #[error("the controller restarted; last sequence number answered: {last}", last = last(*last_sequence))]
+    #[error("the controller restarted ({}); last sequence number answered: {last}", started(start), last = last(*last_sequence))]
     Restarted {
         /// The last sample that was answered.
         last_sequence: Option<u32>,
+        /// What it said of its start.
+        start: Box<StartReport>,
+    },
+    /// It has taken a sample, and its estimate did not come.
+    #[error(
+        "the estimate of sample {sequence} was lost on the line ({damaged} damaged frames so far); last sequence number answered: {last}. \
+         Line speed, cable or ground may be wrong.",
+        last = last(*last_sequence)
+    )]
+    Lost {
+        /// The sample.
+        sequence: u32,
+        /// The last sample that was answered.
+        last_sequence: Option<u32>,
+        /// Damaged frames received.
+        damaged: u32,
+    },
+    /// Something else, in the middle of a run.
+    #[error("{cause}; last sequence number answered: {last}", last = last(*last_sequence))]
+    DuringRun {
+        /// The last sample that was answered.
+        last_sequence: Option<u32>,
+        /// What it was.
+        cause: Box<Self>,
     },
     /// It answered something else.
     #[error("unexpected answer {found}; expected {expected}")]
@@ -120,6 +145,41 @@ fn why(refused: &Refused) -> String {
         Refused::Running => "a run is going on; stop it first".into(),
         Refused::NotKept => "the configuration could not be kept: nowhere to, or the flash failed".into(),
         Refused::NoSensors => "it has no sensors of its own, or is not paced by its timer".into(),
+    }
+}
+
+impl ControllerError {
+    /// This error with the last sample that was answered, where it does not tell by itself.
+    #[must_use]
+    pub fn after(self, last_sequence: Option<u32>) -> Self {
+        match self {
+            Self::TimedOut { .. }
+            | Self::Ended { .. }
+            | Self::Restarted { .. }
+            | Self::Lost { .. }
+            | Self::DuringRun { .. } => self,
+            cause => Self::DuringRun { last_sequence, cause: Box::new(cause) },
+        }
+    }
+}
+
+/// Why a controller started, in words.
+fn started(start: &StartReport) -> String {
+    let reason = match start.reason {
+        ResetReason::Unknown => "it does not say why",
+        ResetReason::PowerOn => "its supply came on",
+        ResetReason::BrownOut => "its supply dipped",
+        ResetReason::Pin => "reset pin",
+        ResetReason::Software => "on command or after an update",
+        ResetReason::Watchdog => "watchdog",
+        ResetReason::WindowWatchdog => "window watchdog",
+        ResetReason::LowPower => "forbidden low-power mode",
+        ResetReason::Fault => "after a fault",
+        ResetReason::Starved => "a missed check-in",
+    };
+    match &start.fault {
+        Some(fault) => format!("{reason}: {fault}"),
+        None => reason.into(),
     }
 }
 

@@ -1,25 +1,33 @@
 //! The controller's ends: the same conversation in this process, with the emulated controller and with a board on a serial port.
 //!
 //! Lockstep: the sensor frame's time is the controller's time, and the host waits for the estimate of every frame. Every
-//! wait is bounded and names what it waited for. A restarted controller is noticed by its unasked greeting.
+//! wait is bounded and names what it waited for. A restarted controller is noticed by its unasked greeting, or, when that was lost, by
+//! the number of its last command. A [`Recorder`] hears every frame either way.
 
 mod attached;
 mod conversation;
 mod emulated;
 mod error;
+mod greeting;
+mod line;
 mod native;
+mod recorder;
+pub mod recording;
 mod remote;
+pub mod replay;
 
-pub use attached::{AttachedController, BAUD};
+pub use attached::{AttachedController, BAUD, BOUNDS};
 pub use conversation::{Conversation, Heard, Losses};
 pub use emulated::EmulatedController;
 pub use error::ControllerError;
+pub use line::Bounds;
 pub use native::NativeController;
+pub use recorder::{RecordedFrame, Recorder, Way};
+pub use recording::Recording;
 pub use remote::RemoteController;
 
-use link::{
-    Answer, Command, Counters, EstimateFrame, Hello, MAGIC, PROTOCOL_VERSION, SensorFrame, SlowFrame,
-};
+use link::track::SensorStatus;
+use link::{Answer, Command, Counters, EstimateFrame, Hello, MAX_FRAME, SensorFrame, SlowFrame, encode};
 
 /// A configured controller.
 pub trait Controller {
@@ -27,8 +35,15 @@ pub trait Controller {
     fn name(&self) -> &'static str;
     /// Who it said it is.
     fn hello(&self) -> &Hello;
-    /// Gives it a sample and takes its estimate.
-    fn exchange(&mut self, frame: &SensorFrame) -> Result<EstimateFrame, ControllerError>;
+    /// Has every frame heard from now on.
+    fn listen(&mut self, recorder: Recorder);
+    /// Gives it a sample, with what the drivers say about it, and takes its estimate.
+    fn sample(&mut self, frame: &SensorFrame, status: SensorStatus)
+    -> Result<EstimateFrame, ControllerError>;
+    /// Gives it a sample that nothing is to be said about, and takes its estimate.
+    fn exchange(&mut self, frame: &SensorFrame) -> Result<EstimateFrame, ControllerError> {
+        self.sample(frame, SensorStatus::GOOD)
+    }
     /// Ends the run and takes its counters.
     fn finish(self: Box<Self>) -> Result<Counters, ControllerError>;
     /// Gives it a command and takes the answer.
@@ -53,11 +68,10 @@ fn unexpected(found: &impl std::fmt::Debug, expected: &str) -> ControllerError {
     ControllerError::Unexpected { found: format!("{found:?}"), expected: expected.into() }
 }
 
-/// Accepts a greeting of this protocol only.
-fn greeted(hello: Hello) -> Result<Hello, ControllerError> {
-    if hello.magic == MAGIC && hello.protocol == PROTOCOL_VERSION {
-        Ok(hello)
-    } else {
-        Err(ControllerError::Version { found: hello.protocol, expected: PROTOCOL_VERSION })
-    }
+/// A message as it goes over a line.
+fn framed<'a>(
+    message: &impl serde::Serialize,
+    buffer: &'a mut [u8; MAX_FRAME],
+) -> Result<&'a [u8], ControllerError> {
+    encode(message, buffer).map_err(|error| unexpected(&error, "a message that fits a frame"))
 }

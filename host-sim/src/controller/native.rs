@@ -1,6 +1,7 @@
 //! The controller's own code in this process.
 
-use super::{Controller, ControllerError, Conversation, Heard, Losses, greeted, stopped, unexpected};
+use super::greeting::greeted;
+use super::{Controller, ControllerError, Conversation, Heard, Losses, Recorder, stopped, unexpected};
 use firmware::{Identity, NoTicks, Session};
 use link::track::SensorStatus;
 use link::{
@@ -15,25 +16,35 @@ pub struct NativeController {
     conversation: Conversation,
     hello: Hello,
     slow: Option<SlowFrame>,
+    recorder: Option<Recorder>,
 }
 
 impl NativeController {
     /// Starts and configures a session.
     pub fn start(configuration: ControllerConfiguration) -> Result<Self, ControllerError> {
+        let mut controller = Self::open()?;
+        controller.order(Command::Configure(configuration))?;
+        Ok(controller)
+    }
+
+    /// Starts a session.
+    pub fn open() -> Result<Self, ControllerError> {
         let build_id = BuildId::new(env!("CARGO_PKG_VERSION"));
         let identity = Identity { build_id, target: Target::Native, clock: ClockSource::Host, core_hz: 0 };
         let session = Session::new(identity);
         let hello = greeted(session.hello(0))?;
         let mut conversation = Conversation::default();
         conversation.hear(ToHost::Hello(hello));
-        let mut controller = Self { session, conversation, hello, slow: None };
-        controller.order(Command::Configure(configuration))?;
-        Ok(controller)
+        Ok(Self { session, conversation, hello, slow: None, recorder: None })
     }
 
-    fn exchange_message(&mut self, message: &ToController) -> Heard {
+    fn exchange_message(&mut self, message: &ToController) -> Result<Heard, ControllerError> {
         let answer = self.session.handle(message, &mut NoTicks);
-        self.conversation.hear(answer)
+        if let Some(recorder) = &self.recorder {
+            recorder.sent(message)?;
+            recorder.received(&answer)?;
+        }
+        Ok(self.conversation.hear(answer))
     }
 }
 
@@ -46,10 +57,21 @@ impl Controller for NativeController {
         &self.hello
     }
 
-    fn exchange(&mut self, frame: &SensorFrame) -> Result<EstimateFrame, ControllerError> {
-        let heard = self.exchange_message(&ToController::Sensor(*frame, SensorStatus::GOOD));
-        if let Some(ToHost::Slow(slow)) = self.session.slow() {
-            self.conversation.hear(ToHost::Slow(slow));
+    fn listen(&mut self, recorder: Recorder) {
+        self.recorder = Some(recorder);
+    }
+
+    fn sample(
+        &mut self,
+        frame: &SensorFrame,
+        status: SensorStatus,
+    ) -> Result<EstimateFrame, ControllerError> {
+        let heard = self.exchange_message(&ToController::Sensor(*frame, status))?;
+        if let Some(message @ ToHost::Slow(slow)) = self.session.slow() {
+            if let Some(recorder) = &self.recorder {
+                recorder.received(&message)?;
+            }
+            self.conversation.hear(message);
             self.slow = Some(slow);
         }
         match heard {
@@ -64,7 +86,7 @@ impl Controller for NativeController {
 
     fn order(&mut self, command: Command) -> Result<Answer, ControllerError> {
         let message = self.conversation.order(command);
-        match self.exchange_message(&message) {
+        match self.exchange_message(&message)? {
             Heard::Outcome(outcome) => outcome.map_err(ControllerError::Refused),
             other => Err(unexpected(&other, "the answer to a command")),
         }

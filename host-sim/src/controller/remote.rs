@@ -1,48 +1,19 @@
-//! A controller at the other end of two streams of bytes: pipes to the emulator, or a serial port.
+//! A controller at the other end of a line: the conversation with it.
 //!
-//! Every wait is bounded. A greeting or command that is not answered is sent again with the same number until the bound; a sample is not: its
-//! estimate would come twice.
+//! Every wait is bounded. A greeting or command that is not answered is sent again with the same number until the bound; a sample is only
+//! sent again when the controller has said that it never came, because its estimate would come twice. A controller that owes an estimate
+//! is asked how it is: that tells a restart whose greeting was lost, and an estimate that was lost, from silence.
 
-use super::{Controller, ControllerError, Conversation, Heard, Losses, greeted, stopped, unexpected};
+use super::greeting::{greeted, unknown};
+use super::line::{Line, Wait};
+use super::{Controller, ControllerError, Conversation, Heard, Losses, Recorder, stopped, unexpected};
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
-    Answer, Command, ControllerConfiguration, Counters, Decoder, EstimateFrame, Hello, MAX_FRAME, Refused,
-    SensorFrame, SlowFrame, ToController, ToHost, encode,
+    Answer, Command, ControllerConfiguration, Counters, EstimateFrame, Hello, Refused, SensorFrame,
+    SlowFrame, State, ToController, ToHost,
 };
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use std::collections::VecDeque;
-use std::fs::File;
-use std::io::{ErrorKind, Read, Write};
-use std::process::Child;
 use std::time::{Duration, Instant};
-
-/// How often a silent controller is checked for being alive.
-const CHECK: Duration = Duration::from_millis(100);
-
-/// Bounds of the waits for a kind of line.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
-    /// For an answer, s.
-    pub(super) answer_s: u64,
-    /// After which a greeting or a command is sent again.
-    pub(super) again: Duration,
-}
-
-/// A running emulator and its folder; both go when this is dropped.
-#[derive(Debug)]
-pub(super) struct Process {
-    pub(super) child: Child,
-    pub(super) folder: tempfile::TempDir,
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        // Either it has ended already, or it must.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
 
 /// A controller that has greeted.
 #[derive(Debug)]
@@ -52,45 +23,42 @@ pub struct RemoteController {
     conversation: Conversation,
     hello: Hello,
     slow: Option<SlowFrame>,
-}
-
-/// The streams and what has come through them.
-#[derive(Debug)]
-pub(super) struct Line {
-    to_controller: File,
-    to_host: File,
-    process: Option<Process>,
-    bounds: Bounds,
-    decoder: Decoder,
-    waiting: VecDeque<ToHost>,
-    damaged: u32,
-    last_sequence: Option<u32>,
+    /// Estimates that this run has brought.
+    answered: u32,
+    /// An estimate that came while an answer was waited for.
+    late: Option<EstimateFrame>,
 }
 
 impl RemoteController {
-    /// Takes the greeting that the controller sends when it starts; `bound_s` is for that, `bounds` for everything later.
+    fn new(name: &'static str, line: Line, conversation: Conversation, hello: Hello) -> Self {
+        Self { name, line, conversation, hello, slow: None, answered: 0, late: None }
+    }
+
+    /// Takes the greeting that the controller sends when it starts; `bound` is for that, the line's bounds for everything later.
     pub(super) fn greeted(
         name: &'static str,
         mut line: Line,
-        bound_s: u64,
+        bound: Duration,
         cause: &'static str,
     ) -> Result<Self, ControllerError> {
         let mut conversation = Conversation::new(0);
-        let deadline = Instant::now() + Duration::from_secs(bound_s);
-        let greeting = line.answer("its greeting", deadline, bound_s, cause)?;
+        let greeting = line.answer(&Wait::of("its greeting", bound, cause))?;
         match conversation.hear(greeting) {
-            Heard::Started(hello) => {
-                Ok(Self { name, line, conversation, hello: greeted(hello)?, slow: None })
-            }
+            Heard::Started(hello) => Ok(Self::new(name, line, conversation, greeted(hello)?)),
             other => Err(unexpected(&other, "a greeting")),
         }
     }
 
     /// Asks a controller that may have been running for long who it is. `token` tells this asking from others'.
-    pub(super) fn identified(name: &'static str, line: Line, token: u32) -> Result<Self, ControllerError> {
+    pub(super) fn identified(
+        name: &'static str,
+        mut line: Line,
+        token: u32,
+    ) -> Result<Self, ControllerError> {
+        line.begin()?;
         let mut conversation = Conversation::new(token);
         let asking = conversation.identify();
-        let mut controller = Self { name, line, conversation, hello: unknown(), slow: None };
+        let mut controller = Self::new(name, line, conversation, unknown());
         match controller.ask(&asking, "its greeting")? {
             Heard::Greeting(hello) | Heard::Started(hello) => controller.hello = greeted(hello)?,
             other => return Err(unexpected(&other, "a greeting")),
@@ -126,8 +94,10 @@ impl RemoteController {
     /// Sends raw bytes, as a disturbed line would, and returns the controller's answer.
     pub fn disturb(&mut self, bytes: &[u8]) -> Result<ToHost, ControllerError> {
         self.line.send(bytes)?;
+        let wait =
+            Wait::of("disturbed bytes", self.line.bounds.answer, "The bytes may hold no end of a frame.");
         loop {
-            match self.line.next("disturbed bytes", "The bytes may hold no end of a frame.")? {
+            match self.line.answer(&wait)? {
                 slow @ ToHost::Slow(_) => drop(self.take(slow)?),
                 answer => return Ok(answer),
             }
@@ -136,29 +106,43 @@ impl RemoteController {
 
     /// The emulator's process identifier, for tests that end it.
     pub fn process_id(&self) -> Option<u32> {
-        self.line.process.as_ref().map(|process| process.child.id())
+        self.line.process_id()
     }
 
     /// Sends a message that may be repeated and takes what answers it.
     fn ask(&mut self, message: &ToController, what: &'static str) -> Result<Heard, ControllerError> {
-        let bound_s = self.line.bounds.answer_s;
-        let deadline = Instant::now() + Duration::from_secs(bound_s);
+        let whole = Wait::of(what, self.line.bounds.answer, self.silence());
         let mut message = *message;
         loop {
             self.line.send_message(&message)?;
-            let until = (Instant::now() + self.line.bounds.again).min(deadline);
+            let wait = Wait { until: self.next_try(&whole), ..whole };
             loop {
-                match self.line.answer(what, until, bound_s, OVERLOADED) {
+                match self.line.answer(&wait) {
                     Ok(answer) => match self.take(answer)? {
-                        Some(Heard::Estimate(_) | Heard::Stray) | None => {}
+                        Some(Heard::Estimate(estimate)) => self.late = Some(estimate),
+                        Some(Heard::Stray) | None => {}
+                        // The line damaged what was sent; it is sent again.
+                        Some(Heard::Fault(link::Fault::BadFrame(_))) if !self.line.is_lossless() => break,
                         Some(heard) => return Ok(heard),
                     },
-                    Err(ControllerError::TimedOut { .. }) if until < deadline => break,
+                    Err(ControllerError::TimedOut { .. }) if wait.until < whole.until => break,
                     Err(error) => return Err(error),
                 }
+                // Whoever only talks of other things is as good as silent.
+                self.line.check(&whole)?;
             }
+            self.line.check(&whole)?;
             message = self.conversation.again().unwrap_or(message);
         }
+    }
+
+    fn next_try(&self, whole: &Wait) -> Instant {
+        (Instant::now() + self.line.bounds.again).min(whole.until)
+    }
+
+    /// Why an answer may be late.
+    const fn silence(&self) -> &'static str {
+        if self.line.is_lossless() { OVERLOADED } else { SILENT }
     }
 
     /// Sorts a message; slow telemetry is kept.
@@ -168,13 +152,82 @@ impl RemoteController {
                 self.slow = Some(slow);
                 Ok(None)
             }
-            Heard::Started(hello) if self.hello.core_hz != 0 => {
-                self.hello = hello;
-                Err(ControllerError::Restarted { last_sequence: self.line.last_sequence })
-            }
+            Heard::Started(hello) if self.hello.core_hz != 0 => Err(self.restarted(hello)),
             heard => Ok(Some(heard)),
         }
     }
+
+    fn restarted(&mut self, hello: Hello) -> ControllerError {
+        self.hello = hello;
+        ControllerError::Restarted { last_sequence: self.line.last_sequence, start: Box::new(hello.start) }
+    }
+
+    /// Waits for the estimate of a sample; none when the controller has said that the sample never came.
+    fn estimate_of(
+        &mut self,
+        frame: &SensorFrame,
+        whole: &Wait,
+    ) -> Result<Option<EstimateFrame>, ControllerError> {
+        loop {
+            let wait = Wait { until: self.next_try(whole), ..*whole };
+            match self.line.answer(&wait) {
+                Ok(message) => match self.take(message)? {
+                    Some(Heard::Estimate(estimate)) if belongs(&estimate, frame) => {
+                        return Ok(Some(estimate));
+                    }
+                    // Of the run before this one.
+                    Some(Heard::Estimate(_)) if self.answered == 0 && !self.line.is_lossless() => {}
+                    Some(Heard::Stray) | None => {}
+                    Some(Heard::Fault(link::Fault::BadFrame(_))) if !self.line.is_lossless() => {
+                        return self.settle(frame);
+                    }
+                    Some(other) => {
+                        return Err(unexpected(
+                            &other,
+                            &format!("the estimate of sample {}", frame.sequence),
+                        ));
+                    }
+                },
+                Err(ControllerError::TimedOut { .. }) if wait.until < whole.until => {
+                    return self.settle(frame);
+                }
+                Err(error) => return Err(error),
+            }
+            self.line.check(whole)?;
+        }
+    }
+
+    /// The estimate did not come. Asks whether the controller has started anew meanwhile, then whether it has taken the sample.
+    fn settle(&mut self, frame: &SensorFrame) -> Result<Option<EstimateFrame>, ControllerError> {
+        let expected = self.conversation.last_command();
+        let now = match self.identify() {
+            Err(ControllerError::TimedOut { bound_s, last_sequence, cause, .. }) => {
+                return Err(ControllerError::TimedOut { waiting_for: SAMPLE, bound_s, last_sequence, cause });
+            }
+            other => other?,
+        };
+        if now.last_command != expected || now.state == State::Waiting {
+            return Err(self.restarted(now));
+        }
+        let samples = match self.order(Command::GetCounters)? {
+            Answer::Counters(counters) => counters.samples,
+            other => return Err(unexpected(&other, "the counters")),
+        };
+        match self.late.take() {
+            Some(estimate) if belongs(&estimate, frame) => Ok(Some(estimate)),
+            _ if samples == self.answered => Ok(None),
+            _ => Err(ControllerError::Lost {
+                sequence: frame.sequence,
+                last_sequence: self.line.last_sequence,
+                damaged: self.line.damaged,
+            }),
+        }
+    }
+}
+
+/// Whether an estimate is that of a sample.
+const fn belongs(estimate: &EstimateFrame, frame: &SensorFrame) -> bool {
+    estimate.sequence == frame.sequence && estimate.time_us == frame.time_us
 }
 
 impl Controller for RemoteController {
@@ -186,20 +239,25 @@ impl Controller for RemoteController {
         &self.hello
     }
 
-    fn exchange(&mut self, frame: &SensorFrame) -> Result<EstimateFrame, ControllerError> {
-        self.line.send_message(&ToController::Sensor(*frame, SensorStatus::GOOD))?;
+    fn listen(&mut self, recorder: Recorder) {
+        self.line.recorder = Some(recorder);
+    }
+
+    fn sample(
+        &mut self,
+        frame: &SensorFrame,
+        status: SensorStatus,
+    ) -> Result<EstimateFrame, ControllerError> {
+        let whole = Wait::of(SAMPLE, self.line.bounds.answer, self.silence());
+        self.late = None;
         loop {
-            let message = self.line.next("a sample", OVERLOADED)?;
-            match self.take(message)? {
-                Some(Heard::Estimate(estimate)) if estimate.sequence == frame.sequence => {
-                    self.line.last_sequence = Some(frame.sequence);
-                    return Ok(estimate);
-                }
-                Some(other) => {
-                    return Err(unexpected(&other, &format!("the estimate of sample {}", frame.sequence)));
-                }
-                None => {}
+            self.line.send_message(&ToController::Sensor(*frame, status))?;
+            if let Some(estimate) = self.estimate_of(frame, &whole)? {
+                self.line.last_sequence = Some(frame.sequence);
+                self.answered = self.answered.saturating_add(1);
+                return Ok(estimate);
             }
+            self.conversation.count_repeated();
         }
     }
 
@@ -216,7 +274,13 @@ impl Controller for RemoteController {
                     let asking = self.conversation.identify();
                     self.ask(&asking, "its greeting")?;
                 }
-                Heard::Outcome(outcome) => return outcome.map_err(ControllerError::Refused),
+                Heard::Outcome(outcome) => {
+                    let answer = outcome.map_err(ControllerError::Refused)?;
+                    if matches!(answer, Answer::Configured(_)) {
+                        self.answered = 0;
+                    }
+                    return Ok(answer);
+                }
                 other => return Err(unexpected(&other, "the answer to a command")),
             }
         }
@@ -228,151 +292,6 @@ impl Controller for RemoteController {
     }
 }
 
-/// Why an answer may be late.
+const SAMPLE: &str = "a sample";
 const OVERLOADED: &str = "The firmware may hang, or the machine be overloaded.";
-
-/// Stands for a greeting that has not come yet.
-fn unknown() -> Hello {
-    Hello {
-        magic: [0; 4],
-        protocol: 0,
-        build_id: link::BuildId::new(""),
-        target: link::Target::Silicon,
-        clock: link::ClockSource::Internal,
-        core_hz: 0,
-        window: 0,
-        models: [link::ModelId { crc: 0, training_id: 0 }; 2],
-        token: 0,
-        last_command: 0,
-        state: link::State::Waiting,
-        configuration_crc: 0,
-        start: link::start::StartReport::default(),
-        stack: link::start::StackReport::default(),
-    }
-}
-
-impl Line {
-    pub(super) fn new(to_controller: File, to_host: File, process: Option<Process>, bounds: Bounds) -> Self {
-        let (decoder, waiting) = (Decoder::new(), VecDeque::new());
-        Self { to_controller, to_host, process, bounds, decoder, waiting, damaged: 0, last_sequence: None }
-    }
-
-    fn send_message(&mut self, message: &ToController) -> Result<(), ControllerError> {
-        let mut buffer = [0; MAX_FRAME];
-        let frame = encode(message, &mut buffer).map_err(|e| ControllerError::Unexpected {
-            found: e.to_string(),
-            expected: "a message that fits a frame".into(),
-        })?;
-        self.send(frame)
-    }
-
-    /// A pipe holds hundreds of frames and lockstep has one on the way: a full pipe means that nobody reads.
-    fn send(&mut self, bytes: &[u8]) -> Result<(), ControllerError> {
-        match self.to_controller.write_all(bytes) {
-            Ok(()) => Ok(()),
-            Err(source) if source.kind() == ErrorKind::BrokenPipe => Err(self.ended()),
-            Err(source) => Err(ControllerError::System { what: "writing to the controller", source }),
-        }
-    }
-
-    /// The next message within the bound for answers.
-    fn next(&mut self, waiting_for: &'static str, cause: &'static str) -> Result<ToHost, ControllerError> {
-        let bound_s = self.bounds.answer_s;
-        self.answer(waiting_for, Instant::now() + Duration::from_secs(bound_s), bound_s, cause)
-    }
-
-    fn answer(
-        &mut self,
-        waiting_for: &'static str,
-        deadline: Instant,
-        bound_s: u64,
-        cause: &'static str,
-    ) -> Result<ToHost, ControllerError> {
-        let mut buffer = [0; 4 * MAX_FRAME];
-        loop {
-            if let Some(message) = self.waiting.pop_front() {
-                return Ok(message);
-            }
-            match self.to_host.read(&mut buffer) {
-                Ok(0) => self.check_alive()?,
-                Ok(count) => {
-                    self.decode(buffer.get(..count).unwrap_or_default())?;
-                    continue;
-                }
-                Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                    if self.wait(deadline)? {
-                        continue;
-                    }
-                    self.check_alive()?;
-                }
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(source) => {
-                    return Err(ControllerError::System { what: "reading from the controller", source });
-                }
-            }
-            if Instant::now() >= deadline {
-                let last_sequence = self.last_sequence;
-                return Err(ControllerError::TimedOut { waiting_for, bound_s, last_sequence, cause });
-            }
-        }
-    }
-
-    /// Pipes damage nothing, so a damaged frame there is an error; on a wire it is counted.
-    fn decode(&mut self, bytes: &[u8]) -> Result<(), ControllerError> {
-        for &byte in bytes {
-            match self.decoder.push::<ToHost>(byte) {
-                None => {}
-                Some(Ok(message)) => self.waiting.push_back(message),
-                Some(Err(error @ link::FrameError::OtherVersion { .. })) => {
-                    return Err(ControllerError::Frame(error));
-                }
-                Some(Err(error)) if self.process.is_some() => return Err(ControllerError::Frame(error)),
-                Some(Err(_)) => self.damaged = self.damaged.saturating_add(1),
-            }
-        }
-        Ok(())
-    }
-
-    /// Waits a moment for bytes; false if none came.
-    fn wait(&self, deadline: Instant) -> Result<bool, ControllerError> {
-        let left = deadline.saturating_duration_since(Instant::now()).min(CHECK);
-        let moment = Timespec { tv_sec: 0, tv_nsec: left.as_nanos() as i64 };
-        let mut watched = [PollFd::new(&self.to_host, PollFlags::IN)];
-        match poll(&mut watched, Some(&moment)) {
-            Ok(ready) => Ok(ready > 0),
-            Err(rustix::io::Errno::INTR) => Ok(true),
-            Err(error) => {
-                Err(ControllerError::System { what: "waiting for the controller", source: error.into() })
-            }
-        }
-    }
-
-    /// Nobody holds the other end: either the emulator has not opened it yet, or it has gone.
-    fn check_alive(&mut self) -> Result<(), ControllerError> {
-        let gone = match &mut self.process {
-            Some(process) => !matches!(process.child.try_wait(), Ok(None)),
-            None => false,
-        };
-        if gone {
-            return Err(self.ended());
-        }
-        std::thread::sleep(Duration::from_millis(1));
-        Ok(())
-    }
-
-    fn ended(&mut self) -> ControllerError {
-        let (status, said) = match &mut self.process {
-            None => ("the port is closed".into(), String::new()),
-            Some(process) => {
-                let status = match process.child.try_wait() {
-                    Ok(Some(status)) => status.to_string(),
-                    _ => "its end of the link is closed".into(),
-                };
-                let said = std::fs::read_to_string(process.folder.path().join("said")).unwrap_or_default();
-                // After its reason the emulator may list every register.
-                (status, said.trim().lines().next().unwrap_or_default().into())
-            }
-        };
-        ControllerError::Ended { status, last_sequence: self.last_sequence, said }
-    }
-}
+const SILENT: &str = "Power, cable, port and line speed may be wrong, or the firmware hang.";

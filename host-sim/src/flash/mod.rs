@@ -3,7 +3,7 @@
 //! Everything that can be wrong with an image is found in [`Plan::of`], before a probe is touched: another core, another memory map, data outside the
 //! firmware's part of the flash, a vector table that no core would start from.
 
-#[cfg(feature = "probe")]
+#[cfg(feature = "log")]
 pub mod log;
 mod plan;
 #[cfg(feature = "probe")]

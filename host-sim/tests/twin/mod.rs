@@ -1,0 +1,243 @@
+//! A controller made of software at the other end of a pseudo-terminal: the firmware's session, served as the image serves its serial port, with
+//! whatever is to go wrong.
+#![allow(dead_code, reason = "every test file uses a part of it")]
+
+use firmware::configuration::BENCH_B;
+use firmware::{Identity, NoTicks, Session};
+use link::{
+    BuildId, ClockSource, ControllerConfiguration, Decoder, FrameError, MAX_FRAME, SensorFrame, State,
+    Target, ToController, ToHost, encode,
+};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::thread::JoinHandle;
+
+pub(crate) const CONFIGURATION: ControllerConfiguration = BENCH_B;
+
+/// What goes wrong at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Trouble {
+    /// It goes, and the port with it.
+    Dies,
+    /// It does not answer any more, whatever comes.
+    FallsSilent,
+    /// It starts anew and greets.
+    Restarts,
+    /// It goes on about other things and never answers.
+    Raves,
+    /// The sample does not arrive.
+    SampleLost,
+    /// The sample arrives damaged.
+    SampleDamaged,
+    /// The estimate does not arrive.
+    EstimateLost,
+    /// Noise on the line before the answer.
+    Noise,
+}
+
+/// When: at a sample since its start, counted from 0, after so many bytes of its answer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    pub(crate) at: u32,
+    pub(crate) bytes: usize,
+    pub(crate) trouble: Trouble,
+}
+
+/// The twin, running on a thread of its own until it is dropped.
+pub(crate) struct Twin {
+    pub(crate) port: PathBuf,
+    /// Samples that have come so far.
+    pub(crate) samples: Arc<AtomicU32>,
+    end: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Twin {
+    /// One whose every greeting comes `greetings` times, as from a controller that was slow to answer the first asking.
+    pub(crate) fn start(plan: Vec<Plan>, greetings: usize) -> Self {
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
+        grantpt(&master).unwrap();
+        unlockpt(&master).unwrap();
+        let port = PathBuf::from(ptsname(&master, Vec::new()).unwrap().into_string().unwrap());
+        // Held open, so that the master sees no end between two hosts; raw, so that nothing is echoed before the first.
+        let slave = File::options().read(true).write(true).open(&port).unwrap();
+        let mut settings = tcgetattr(&slave).unwrap();
+        settings.make_raw();
+        tcsetattr(&slave, OptionalActions::Now, &settings).unwrap();
+        let (samples, end) = (Arc::new(AtomicU32::new(0)), Arc::new(AtomicBool::new(false)));
+        let mut twin = Served {
+            line: File::from(master),
+            _slave: slave,
+            session: session(),
+            plan,
+            greetings,
+            samples: Arc::clone(&samples),
+            end: Arc::clone(&end),
+            mode: Mode::Serving,
+        };
+        let thread = Some(std::thread::spawn(move || twin.serve()));
+        Self { port, samples, end, thread }
+    }
+}
+
+impl Drop for Twin {
+    fn drop(&mut self) {
+        self.end.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
+    }
+}
+
+#[derive(PartialEq)]
+enum Mode {
+    Serving,
+    Silent,
+    Raving,
+    Dead,
+}
+
+struct Served {
+    line: File,
+    _slave: File,
+    session: Session,
+    plan: Vec<Plan>,
+    greetings: usize,
+    samples: Arc<AtomicU32>,
+    end: Arc<AtomicBool>,
+    mode: Mode,
+}
+
+fn session() -> Session {
+    let build_id = BuildId::new("twin");
+    Session::new(Identity { build_id, target: Target::Silicon, clock: ClockSource::Host, core_hz: 1 })
+}
+
+fn frame(message: &ToHost) -> Vec<u8> {
+    encode(message, &mut [0; MAX_FRAME]).unwrap().to_vec()
+}
+
+impl Served {
+    fn serve(&mut self) {
+        let mut decoder = Decoder::new();
+        let mut buffer = [0; 1024];
+        self.write(&frame(&ToHost::Hello(self.session.hello(0))));
+        while self.mode != Mode::Dead && !self.end.load(Ordering::Relaxed) {
+            let mut watched = [PollFd::new(&self.line, PollFlags::IN)];
+            let moment = Timespec { tv_sec: 0, tv_nsec: 5_000_000 };
+            let ready = poll(&mut watched, Some(&moment)).unwrap() > 0;
+            if self.mode == Mode::Raving {
+                let hello = self.session.hello(77);
+                self.write(&frame(&ToHost::Hello(hello)));
+            }
+            if !ready {
+                continue;
+            }
+            let Ok(count) = self.line.read(&mut buffer) else { continue };
+            for &byte in &buffer[..count] {
+                match decoder.push::<ToController>(byte) {
+                    None => {}
+                    _ if self.mode != Mode::Serving => {}
+                    Some(Ok(message)) => self.take(&message),
+                    Some(Err(error)) => {
+                        let fault = self.session.bad_frame(error);
+                        self.write(&frame(&fault));
+                    }
+                }
+            }
+        }
+    }
+
+    fn take(&mut self, message: &ToController) {
+        let mut plan = None;
+        if let ToController::Sensor(..) = message {
+            let index = self.samples.fetch_add(1, Ordering::Relaxed);
+            plan = self.plan.iter().find(|plan| plan.at == index).copied();
+            match plan.map(|plan| plan.trouble) {
+                Some(Trouble::SampleLost) => return,
+                Some(Trouble::SampleDamaged) => {
+                    let fault = self.session.bad_frame(FrameError::Crc);
+                    return self.write(&frame(&fault));
+                }
+                _ => {}
+            }
+            // As the image does: a sample before any configuration is answered by silence.
+            if self.session.state() == State::Waiting {
+                return;
+            }
+        }
+        let is_greeting = matches!(message, ToController::Identify { .. });
+        let answer = frame(&self.session.handle(message, &mut NoTicks));
+        let Some(plan) = plan else {
+            for _ in 0..if is_greeting { self.greetings } else { 1 } {
+                self.write(&answer);
+            }
+            if let Some(slow) = self.session.slow() {
+                self.write(&frame(&slow));
+            }
+            return;
+        };
+        let begun = &answer[..plan.bytes.min(answer.len())];
+        match plan.trouble {
+            Trouble::EstimateLost => return,
+            Trouble::Noise => {
+                self.write(&[0x55; 20][..plan.bytes.min(20)]);
+                return self.write(&[&[0], &answer[..]].concat());
+            }
+            _ => self.write(begun),
+        }
+        match plan.trouble {
+            Trouble::Dies => self.mode = Mode::Dead,
+            Trouble::FallsSilent => self.mode = Mode::Silent,
+            Trouble::Raves => self.mode = Mode::Raving,
+            _ => {
+                self.session = session();
+                let hello = self.session.hello(0);
+                self.write(&frame(&ToHost::Hello(hello)));
+            }
+        }
+    }
+
+    /// A port with nobody behind it takes what it can.
+    fn write(&mut self, bytes: &[u8]) {
+        let _ = self.line.write_all(bytes);
+    }
+}
+
+/// SplitMix64.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn below(&mut self, end: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (mixed ^ (mixed >> 31)) % end
+    }
+}
+
+/// Samples of a journal that swings along the clearance circle and in and out of contact.
+pub(crate) fn frames(count: u32, seed: u64) -> Vec<SensorFrame> {
+    let mut random = Random(seed);
+    let mut noise = move || random.below(801) as f64 - 400.0;
+    let frame = |index: u32| {
+        let t = f64::from(index) * 1e-4;
+        let distance_nm = 515_000.0 + 30_000.0 * (207.0 * t).sin();
+        let swing = (283.0 * t).sin() - 1.5;
+        SensorFrame {
+            sequence: index,
+            time_us: index * 100,
+            journal_y_nm: (distance_nm * swing.cos() + noise()) as i32,
+            journal_z_nm: (distance_nm * swing.sin() + noise()) as i32,
+            shaft_angle_nrad: (5e7 * (9.0 * t).sin() + 40.0 * noise()) as i32,
+            load_force_mn: 10_000_000,
+        }
+    };
+    (0..count).map(frame).collect()
+}
