@@ -39,6 +39,14 @@ pub enum QuantiseError {
         /// The factor.
         factor: f64,
     },
+    /// Weights over the inputs' full scale, or what comes out of a layer, are beyond f32.
+    #[error("layer {layer}: {what} beyond the range of f32, expected finite ones")]
+    Infinite {
+        /// Index of the layer.
+        layer: usize,
+        /// Weights or activations.
+        what: &'static str,
+    },
     /// A layer is larger than an image can say.
     #[error("layer {layer}: {what}: found {size}, more than the image's field holds")]
     Size {

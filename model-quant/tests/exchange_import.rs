@@ -120,6 +120,15 @@ fn what_is_no_network_of_the_family_is_refused_by_its_node() {
 }
 
 #[test]
+fn who_wrote_a_file_is_told_in_one_line_whatever_it_says() {
+    let mut model = Model::decode(&*golden("torch_hidden.onnx")).expect("model");
+    model.producer_name = "pytorch\ncompile_error!(\"a line of its own\");\r\n//! ".to_owned();
+    let found = import(&model.encode_to_vec()).expect("network");
+    assert!(!found.producer.contains(char::is_control), "{:?}", found.producer);
+    assert!(found.producer.starts_with("pytorch compile_error!"), "{:?}", found.producer);
+}
+
+#[test]
 fn files_of_another_kind_and_cut_files_are_refused() {
     assert!(import(b"").is_err());
     assert!(import(b"nothing of the kind").is_err());

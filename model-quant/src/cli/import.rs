@@ -1,21 +1,21 @@
 //! `model-quant import`: a network from an ONNX file, checked, put into whole numbers and written as Rust.
 
-use super::{CliError, checkpoint, parse_bearing, print, print_json};
+mod replace;
+
+use super::{CliError, parse_bearing, print, print_json};
 use inference::Bearing;
-use model_quant::checkpoint::Checkpoint;
 use model_quant::exchange::card::{Facts as CardFacts, card};
 use model_quant::exchange::error::OnnxError;
 use model_quant::exchange::quantised::{Cost, quantise};
-use model_quant::exchange::recognise::{Imported, import};
+use model_quant::exchange::recognise::{Imported, import, one_line};
 use model_quant::exchange::samples::{Difference, Samples, SamplesError};
 use model_quant::exchange::scaling::InputScale;
-use model_quant::exchange::source::{Facts as SourceFacts, source};
+use model_quant::exchange::source::{Facts as SourceFacts, is_module_name, source};
 use model_quant::mode::{Mode, Packing, Plan};
-use model_quant::round::weights_on_grid;
-use model_quant::shapes;
-use model_quant::train::Trained;
 use model_quant::write::write_whole;
 use serde_json::json;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Largest ONNX or safetensors file that is read, in bytes.
@@ -91,17 +91,19 @@ pub(crate) enum ImportError {
     Onnx { path: PathBuf, source: Box<OnnxError> },
     #[error("{}: {source}", path.display())]
     Samples { path: PathBuf, source: SamplesError },
-    #[error("{}: found {length} bytes, expected at most {LARGEST_FILE}", path.display())]
-    Length { path: PathBuf, length: u64 },
+    #[error("{}: found more bytes, expected at most {LARGEST_FILE}", .0.display())]
+    Length(PathBuf),
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, CliError> {
-    let failed = |source| CliError::Read { path: path.to_owned(), source };
-    let length = std::fs::metadata(path).map_err(failed)?.len();
-    if length > LARGEST_FILE {
-        return Err(ImportError::Length { path: path.to_owned(), length }.into());
+    let mut bytes = Vec::new();
+    // One byte more tells that there are too many, of a file that has no end, too.
+    let read = File::open(path).and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes));
+    match read {
+        Err(source) => Err(CliError::Read { path: path.to_owned(), source }),
+        Ok(_) if bytes.len() as u64 > LARGEST_FILE => Err(ImportError::Length(path.to_owned()).into()),
+        Ok(_) => Ok(bytes),
     }
-    std::fs::read(path).map_err(failed)
 }
 
 /// The name of the files: a Rust module's name.
@@ -111,10 +113,8 @@ fn name(arguments: &Arguments) -> Result<String, CliError> {
         .file_stem()
         .map(|stem| stem.to_string_lossy().to_lowercase().replace(['-', ' ', '.'], "_"));
     let name = arguments.name.clone().or(stem).unwrap_or_default();
-    let is_name = name.starts_with(|c: char| c.is_ascii_lowercase())
-        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
-    let expected = "a to z, digits and _, a letter first";
-    if is_name { Ok(name) } else { Err(CliError::Argument("--name", name, expected)) }
+    let expected = "a to z, digits and _, a letter first, no word of Rust's own";
+    if is_module_name(&name) { Ok(name) } else { Err(CliError::Argument("--name", name, expected)) }
 }
 
 /// The samples, and how far the network is off; refused when that is too far.
@@ -152,7 +152,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         .map_err(|source| ImportError::Onnx { path: arguments.file.clone(), source: Box::new(source) })?;
     let checked = checked(arguments, &imported)?;
     if let Some(bearing) = arguments.bearing {
-        return replace(arguments, bearing, &imported, checked.as_ref());
+        return replace::replace(arguments, bearing, &imported, checked.as_ref());
     }
     let Some((samples, difference)) = checked else { return summarise(arguments, &imported, None) };
     let inputs = imported.network.shape().inputs;
@@ -170,8 +170,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         CliError::Refused(format!("{}: {error}{hint}; nothing written", arguments.file.display()))
     })?;
     let cost = alone.cost(&imported.network, &samples);
-    let file =
-        arguments.file.file_name().map_or_else(String::new, |file| file.to_string_lossy().into_owned());
+    let file = arguments.file.file_name().map_or_else(String::new, |file| one_line(&file.to_string_lossy()));
     let text = card(&CardFacts {
         name: &name,
         file: &file,
@@ -265,61 +264,4 @@ fn summarise(arguments: &Arguments, imported: &Imported, done: Option<&Done<'_>>
     }
     let [layers, rust, card] = done.files.each_ref().map(|file| file.display().to_string());
     print(format_args!("wrote {layers} ({} bytes), {rust}, {card}", done.bytes))
-}
-
-/// Puts the network in place of the one of its shape in a float checkpoint.
-fn replace(
-    arguments: &Arguments,
-    bearing: Bearing,
-    imported: &Imported,
-    checked: Option<&(Samples, Difference)>,
-) -> Result<(), CliError> {
-    let (mut checkpoint, _) = checkpoint(arguments.checkpoint.as_deref(), bearing)?;
-    if checkpoint.bearing != bearing {
-        let found = format!("a checkpoint of {}", checkpoint.bearing.name());
-        return Err(CliError::Argument("--checkpoint", found, "one of the bearing of --bearing"));
-    }
-    let shape = imported.network.shape();
-    let replaced = if *shape == shapes::collision() {
-        "collision"
-    } else if *shape == shapes::friction() {
-        "friction"
-    } else {
-        let expected = "that of a shipped network: 8 columns of 8 (collision) or 4 values (friction), three 'valid' \
-                        convolutions of 16 channels over 3 columns, 1 output";
-        return Err(CliError::Argument(
-            "--bearing with a network of shape",
-            serde_json::to_string(shape)?,
-            expected,
-        ));
-    };
-    let trained = Trained { tuned: weights_on_grid(&imported.network), float: imported.network.clone() };
-    match replaced {
-        "collision" => checkpoint.collision = trained,
-        _ => checkpoint.friction = trained,
-    }
-    let bytes = checkpoint.to_bytes()?;
-    let file = arguments.out.join(format!("{}.float", bearing.name()));
-    write_whole(&file, &bytes)?;
-    let training_id = format!("{:016x}", Checkpoint::training_id(&bytes));
-    if arguments.json {
-        return print_json(&json!({
-            "bearing": bearing.name(),
-            "network": replaced,
-            "file": file.display().to_string(),
-            "training_id": training_id,
-            "difference": checked.map(|(_, difference)| difference),
-        }));
-    }
-    let off = checked.map_or("not checked with samples".to_owned(), |(_, difference)| {
-        format!("off the framework by {:.1e} of the largest output", difference.relative())
-    });
-    print(format_args!(
-        "wrote {}: the {replaced} network replaced, {off}; training id {training_id}",
-        file.display()
-    ))?;
-    print(format_args!(
-        "its recipe is that of the other network; nothing in it tells how the imported one was trained"
-    ))?;
-    print(format_args!("next: model-quant quantize --checkpoint {}", file.display()))
 }

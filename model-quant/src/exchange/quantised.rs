@@ -65,7 +65,7 @@ pub struct Cost {
 ///
 /// # Errors
 ///
-/// Weights that the image cannot hold, a layer whose sums could overflow.
+/// Weights that the image cannot hold, numbers beyond f32, a layer whose sums could overflow.
 pub fn quantise(
     network: &Network,
     scale: InputScale,
@@ -80,6 +80,13 @@ pub fn quantise(
         for (largest, layer) in largest.iter_mut().zip(folded.activations(&normal)) {
             *largest = layer.iter().fold(*largest, |a, &b| a.max(b));
         }
+    }
+    let is_beyond = |values: &[f32]| values.iter().any(|value| !value.is_finite());
+    if let Some(slice) = folded.slices().position(is_beyond) {
+        return Err(QuantiseError::Infinite { layer: slice / 2, what: "weights" });
+    }
+    if let Some(layer) = largest.iter().position(|value| !value.is_finite()) {
+        return Err(QuantiseError::Infinite { layer, what: "activations" });
     }
     silence(&mut folded, &largest, plan.mode);
     let quantised = layers_of(&folded, &largest, plan)?;
@@ -204,6 +211,25 @@ mod tests {
             assert!(rms(&coarse) < 3.0, "{}", rms(&coarse));
         }
         assert_eq!((fine.clipped_inputs, fine.clipped_activations), (0, 0));
+    }
+
+    #[test]
+    fn numbers_beyond_f32_are_refused_by_their_layer() {
+        let largest = InputScale::given(&[f32::MAX; 3], 3).expect("scale");
+        for (layer, factor, scale) in
+            [(0, 1e3, largest), (0, 3e38, InputScale::given(&[1.0; 3], 3).expect("scale"))]
+        {
+            let mut network = network();
+            let weights = network.slices_mut().next().expect("weights");
+            weights.iter_mut().for_each(|weight| *weight = factor * weight.signum());
+            for mode in Mode::ALL {
+                let plan = Plan { mode, packing: Packing::Speed };
+                let refused =
+                    quantise(&network, scale.clone(), &samples(&network), plan).expect_err("no numbers");
+                assert!(refused.to_string().starts_with(&format!("layer {layer}: ")), "{refused}");
+                assert!(refused.to_string().contains("beyond the range of f32"), "{refused}");
+            }
+        }
     }
 
     #[test]

@@ -53,7 +53,7 @@ pub struct Imported {
     pub network: Network,
     /// Axes of the file's input.
     pub layout: Layout,
-    /// Who wrote the file.
+    /// Who wrote the file, in one line.
     pub producer: String,
 }
 
@@ -101,8 +101,16 @@ pub fn import(bytes: &[u8]) -> Result<Imported, OnnxError> {
         });
     }
     let (network, layout) = chain.finish()?;
-    let producer = format!("{} {}", model.producer_name, model.producer_version).trim().to_owned();
+    let producer = one_line(&format!("{} {}", model.producer_name, model.producer_version));
     Ok(Imported { network, layout, producer })
+}
+
+/// A text in one line: it goes into a comment of Rust, which a new line would end.
+pub fn one_line(text: &str) -> String {
+    text.split(|c: char| c.is_control() || c.is_whitespace())
+        .filter(|word| !word.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 fn is_standard(domain: &str) -> bool {

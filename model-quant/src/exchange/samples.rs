@@ -170,8 +170,13 @@ fn values(
     };
     let values: Vec<f32> =
         view.data().as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
-    match values.iter().find(|value| !value.is_finite()) {
-        Some(value) => Err(wrong("value", value.to_string(), "finite numbers")),
+    let of_a_sample = behind.iter().product::<usize>().max(1);
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(place) => {
+            let value = values.get(place).copied().unwrap_or_default();
+            let found = format!("{value} at place {} of sample {}", place % of_a_sample, place / of_a_sample);
+            Err(wrong("value", found, "finite numbers"))
+        }
         None => Ok((count, values)),
     }
 }

@@ -13,8 +13,18 @@ const HEADROOM: f32 = 17.0 / 16.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputScale(Vec<f32>);
 
+fn factor(full_scale: f32) -> f32 {
+    f32::from(i16::MAX) / full_scale
+}
+
+/// Whether a full scale and its factor are numbers above 0.
+fn is_usable(full_scale: f32) -> bool {
+    full_scale > 0.0 && full_scale.is_finite() && factor(full_scale).is_finite()
+}
+
 impl InputScale {
-    /// The largest magnitudes of the samples, plus a sixteenth; 1 for a value that is always 0.
+    /// The largest magnitudes of the samples, plus a sixteenth, within what f32 can hold; 1 for a value that is always 0, or so near to it
+    /// that no factor reaches it.
     pub fn of(samples: &Samples, inputs: usize) -> Self {
         let mut largest = vec![0.0_f32; inputs];
         for column in samples.windows.iter().flat_map(|window| window.chunks_exact(inputs)) {
@@ -22,15 +32,13 @@ impl InputScale {
                 *largest = largest.max(value.abs());
             }
         }
-        Self(
-            largest.into_iter().map(|largest| if largest > 0.0 { largest * HEADROOM } else { 1.0 }).collect(),
-        )
+        let scales = largest.into_iter().map(|largest| (largest * HEADROOM).min(f32::MAX));
+        Self(scales.map(|scale| if is_usable(scale) { scale } else { 1.0 }).collect())
     }
 
-    /// Given full scales, if there is one above 0 for each of the `inputs`.
+    /// Given full scales, if there is one above 0 for each of the `inputs`, none so small that its factor is infinite.
     pub fn given(full_scales: &[f32], inputs: usize) -> Option<Self> {
-        let fits =
-            full_scales.len() == inputs && full_scales.iter().all(|scale| *scale > 0.0 && scale.is_finite());
+        let fits = full_scales.len() == inputs && full_scales.iter().copied().all(is_usable);
         fits.then(|| Self(full_scales.to_vec()))
     }
 
@@ -41,7 +49,7 @@ impl InputScale {
 
     /// Counts in one unit of each value, as the controller multiplies.
     pub fn factors(&self) -> Vec<f32> {
-        self.0.iter().map(|full_scale| f32::from(i16::MAX) / full_scale).collect()
+        self.0.iter().copied().map(factor).collect()
     }
 
     /// A window in counts, and how many values were clipped.
@@ -79,5 +87,16 @@ mod tests {
         assert_eq!(clipped, 2);
         assert_eq!(InputScale::given(&[1.0, 0.0], 2), None);
         assert_eq!(InputScale::given(&[1.0], 2), None);
+    }
+
+    #[test]
+    fn factors_are_numbers_however_small_or_large_the_values_are() {
+        let window = vec![1e-42, f32::MAX, 1e-45, 0.0];
+        let scale = InputScale::of(&Samples { windows: vec![window.clone()], outputs: Vec::new() }, 4);
+        assert!(scale.factors().iter().all(|factor| factor.is_finite() && *factor > 0.0), "{scale:?}");
+        assert_eq!(scale.full_scales(), [1.0, f32::MAX, 1.0, 1.0]);
+        assert_eq!(scale.counts(&window).0, [0, 32767, 0, 0]);
+        assert_eq!(InputScale::given(&[1e-42], 1), None);
+        assert_eq!(InputScale::given(&[f32::INFINITY], 1), None);
     }
 }

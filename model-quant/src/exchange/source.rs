@@ -12,6 +12,22 @@ use std::fmt::{Result, Write};
 /// Windows of the samples that the test of itself runs.
 const CHECKED: usize = 4;
 
+/// Words that no module can be called (Rust reference, keywords of the editions up to 2024).
+const KEYWORDS: [&str; 51] = [
+    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn",
+    "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop",
+    "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "self", "static",
+    "struct", "super", "trait", "true", "try", "type", "typeof", "unsafe", "unsized", "use", "virtual",
+    "where", "while", "yield",
+];
+
+/// Whether a file of this name can be a module.
+pub fn is_module_name(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+        && !KEYWORDS.contains(&name)
+}
+
 /// What a source file is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts<'a> {
@@ -166,4 +182,20 @@ fn write_checks(out: &mut String, alone: &Alone, samples: &Samples) -> Result {
         writeln!(out, "        {:?},\n    ),", alone.interpreter.run(window).sums)?;
     }
     writeln!(out, "];")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_module_s_name_is_lower_case_and_no_word_of_the_language() {
+        for name in ["network", "conv_3", "selfish", "types"] {
+            assert!(is_module_name(name), "{name}");
+        }
+        for name in ["", "3d", "_x", "Network", "a-b", "a b", "é", "match", "type", "self", "gen", "yield"] {
+            assert!(!is_module_name(name), "{name}");
+        }
+        assert!(KEYWORDS.is_sorted());
+    }
 }
