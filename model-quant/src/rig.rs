@@ -13,18 +13,18 @@
 //! The torque is judged on the test groups against what the rig's sensors would show without noise, resolution and
 //! outliers; drift stays. Measured logs have no such truth: there it is the cleaned torque.
 
-use crate::dataset::friction::{COLUMNS, FrictionSet, Group};
+use crate::dataset::friction::{FrictionSet, Group, Sample};
+use crate::dataset::friction_source::FrictionError;
 use crate::dataset::split::Split;
 use crate::draw::Draw;
 use crate::errors::Errors;
 use crate::features::FloatFeatures;
-use crate::law::normal_law;
+use crate::law::{depth_m, normal_law};
 use crate::network::Network;
 use crate::recipe::Recipe;
 use crate::shapes::friction;
 use crate::train::{Loss, Progress, Source, Training, Windows};
 use bench::{Channel, MeasuredLog};
-use core::cmp::Ordering;
 use inference::features::FRICTION_INPUTS;
 use inference::{ContactState, WINDOW};
 use rayon::prelude::*;
@@ -46,15 +46,32 @@ pub const SMOOTHING_S: f64 = 0.010;
 /// Number of the training's streams.
 const LANE: u64 = 2;
 
-/// The deformation in m at rest under which the law carries a force in N.
+/// The deformation in m at rest under which the law carries a force in N; the deepest of the range where that is not enough.
 pub fn deformation_m(features: &FloatFeatures, force_n: f64) -> f64 {
-    let law = normal_law(features.bearing, CLEARANCE_M, f64::from(features.latch_floor_m_s));
-    let (mut low, mut high) = (0.0, f64::from(features.deformation_m.high));
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if law.force_n(middle, 0.0, 0.0) < force_n { low = middle } else { high = middle }
+    let deepest_m = f64::from(features.deformation_m.high);
+    depth_m(features.bearing, CLEARANCE_M, force_n, deepest_m).unwrap_or(deepest_m)
+}
+
+/// Refuses a set with loads beyond what the law carries in the range: the collision network would tell none of them from another.
+///
+/// # Errors
+///
+/// The first group with such a load.
+pub fn check_loads(set: &FrictionSet, features: &FloatFeatures) -> Result<(), FrictionError> {
+    let deepest_m = f64::from(features.deformation_m.high);
+    for group in &set.groups {
+        let [load, ..] = &group.clean;
+        let largest_n = load.iter().fold(0.0_f64, |largest, load| largest.max(load.abs()));
+        if depth_m(features.bearing, CLEARANCE_M, largest_n, deepest_m).is_none() {
+            let most_n = normal_law(features.bearing, CLEARANCE_M, 1.0).force_n(deepest_m, 0.0, 0.0);
+            return Err(FrictionError::Content {
+                file: group.source.clone(),
+                found: format!("a load of {largest_n:.0} N"),
+                expected: format!("at most the {most_n:.0} N that the range of the rig's networks holds"),
+            });
+        }
     }
-    high
+    Ok(())
 }
 
 /// The normal force in N that a collision network gives where the law carries a load.
@@ -140,24 +157,14 @@ impl Source for Part<'_> {
 
 /// Group, sample and torque over its deviation.
 fn rows(set: &FrictionSet, split: Split) -> Vec<(usize, usize, f32)> {
-    let columns = set.columns(split);
-    let at = |name: &str| {
-        let place = COLUMNS.iter().position(|column| *column == name);
-        place.and_then(|place| columns.get(place)).map(Vec::as_slice).unwrap_or_default()
+    let [.., scale] = set.scales;
+    let row = |sample: Sample| {
+        let [.., torque] = &set.groups.get(sample.group)?.clean;
+        // As the set's files have it.
+        let torque_nm = *torque.get(sample.place)? as f32;
+        Some((sample.group, sample.place, (f64::from(torque_nm) / scale.deviation) as f32))
     };
-    let (groups, times, targets) = (at("group"), at("time_s"), at("friction_torque_nm"));
-    (groups.iter().zip(times).zip(targets))
-        .filter_map(|((&number, &time), &target)| {
-            let group = set.groups.get(number as usize)?;
-            // The set has times in f32: the sample at or next to it.
-            let after = group.time_s.partition_point(|&t| t < f64::from(time));
-            let distance = |&place: &usize| Some((group.time_s.get(place)? - f64::from(time)).abs());
-            let near = [after.saturating_sub(1), after].into_iter().filter(|place| distance(place).is_some());
-            let place =
-                near.min_by(|a, b| distance(a).partial_cmp(&distance(b)).unwrap_or(Ordering::Equal))?;
-            Some((number as usize, place, (f64::from(target) / set.scales[2].deviation) as f32))
-        })
-        .collect()
+    set.samples(split).filter_map(row).collect()
 }
 
 /// A test group over time: load in N, sliding speed in m/s, torques in N m.
@@ -263,6 +270,7 @@ pub fn train_on(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::friction_source::from_rig;
     use crate::ranges::{RangeKind, header};
     use inference::Bearing;
 
@@ -279,6 +287,20 @@ mod tests {
                 );
                 assert!((law.force_n(deformation, 0.0, 0.0) / load - 1.0).abs() < 1e-9);
             }
+        }
+    }
+
+    #[test]
+    fn loads_beyond_the_range_are_refused_and_those_of_the_published_test_are_not() {
+        for bearing in Bearing::ALL {
+            let name = format!("friction-rig-{}", bearing.name());
+            let logs = from_rig(&name, bearing, 1).unwrap();
+            let features = FloatFeatures::of(&header(bearing, RangeKind::Rig));
+            let mut set = FrictionSet::new(logs, SMOOTHING_S, 1).unwrap();
+            assert!(check_loads(&set, &features).is_ok());
+            set.groups[4].clean[0][77] = -1e6;
+            let refused = check_loads(&set, &features).unwrap_err().to_string();
+            assert!(refused.contains(&set.groups[4].source) && refused.contains("1000000 N"), "{refused}");
         }
     }
 }

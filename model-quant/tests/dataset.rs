@@ -279,3 +279,28 @@ fn whole_sets_have_help_with_examples() {
         );
     }
 }
+
+#[test]
+fn logs_with_a_gap_become_a_set_and_a_rig_of_another_bearing_does_not() {
+    let directory = tempfile::tempdir().expect("directory");
+    let mut text = String::from("t_s,load_force_n,spindle_speed_rad_s,friction_torque_nm\n");
+    for i in 0..2100 {
+        let time_s = 1.7e9 + 0.004 * f64::from(i) + if i < 20 { 0.0 } else { 1000.0 };
+        text += &format!("{time_s},100000,{},{}\n", (0.01 * f64::from(i)).sin(), 20 - i % 3);
+    }
+    let log = directory.path().join("log.csv");
+    fs::write(&log, text).unwrap();
+    let log = log.to_str().unwrap();
+    let out = directory.path().join("out");
+    let card = json(&["friction", "--json", "--logs", log, log, log], &out);
+    assert_eq!(card["measured"], true);
+    let rows = read(&out, "friction-babbitt-test.csv");
+    let times: Vec<f64> =
+        rows.lines().skip(1).map(|line| line.split(',').nth(2).unwrap().parse().unwrap()).collect();
+    assert!(times.iter().all(|time_s| (0.0..1009.0).contains(time_s)), "from the first sample on");
+    let output = dataset(&["friction", "--bench", "friction-rig-plastic"], &directory.path().join("none"));
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.contains("friction-rig-plastic: found a plastic pair, expected babbitt"), "{message}");
+    assert!(!directory.path().join("none").exists());
+}

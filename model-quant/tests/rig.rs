@@ -36,7 +36,7 @@ fn the_torque_of_groups_that_were_never_seen_is_predicted_against_the_noise_free
     let features = FloatFeatures::of(&header(bearing, RangeKind::Rig));
     let force = collision_force_n(&collision, &features, 240e3);
     assert!((force / 240e3 - 1.0).abs() < 0.2, "{force} N");
-    let set = FrictionSet::new(from_rig(name, 2).expect("groups"), 0.01, 2).expect("set");
+    let set = FrictionSet::new(from_rig(name, bearing, 2).expect("groups"), 0.01, 2).expect("set");
     let truth = truth_of_rig(name, 2).expect("truth");
     let outcome = train_on(&set, &truth, &collision, &features, &recipe, &mut |_| ());
     let found = outcome.truth.expect("a truth");

@@ -23,7 +23,8 @@ pub const SAMPLES: usize = 2048;
 pub const LEAST_GROUPS: usize = 3;
 /// Quantities of a sample, in the order of their columns.
 pub const CHANNELS: [Channel; 3] = [Channel::LoadForce, Channel::SpindleSpeed, Channel::FrictionTorque];
-/// Columns of the files: raw values are not kept; `_z` are the scaled ones.
+/// Columns of the files: raw values are not kept; time counts from the group's first sample, because f32 cannot tell apart the samples
+/// of a log whose clock began long ago; `_z` are the scaled values.
 pub const COLUMNS: [&str; 9] = [
     "group",
     "draw",
@@ -51,6 +52,17 @@ pub struct Group {
     pub clean: [Vec<f64>; 3],
     /// Outliers found in the torque.
     pub outliers: usize,
+}
+
+/// A sample that was drawn: its group, the draw and its place in the group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sample {
+    /// Number of the group.
+    pub group: usize,
+    /// Number of the draw.
+    pub draw: usize,
+    /// Place in the group.
+    pub place: usize,
 }
 
 /// Mean and standard deviation of a quantity.
@@ -93,21 +105,30 @@ impl FrictionSet {
         Ok(Self { groups, scales, seed })
     }
 
+    /// The samples of a part, draw by draw of each of its groups.
+    pub fn samples(&self, split: Split) -> impl Iterator<Item = Sample> + '_ {
+        let groups = self.groups.iter().enumerate().filter(move |(_, group)| group.split == split);
+        groups.flat_map(move |(number, group)| {
+            (0..DRAWS).flat_map(move |draw| {
+                let places = self.places(number, draw, group.time_s.len());
+                places.into_iter().map(move |place| Sample { group: number, draw, place })
+            })
+        })
+    }
+
     /// The samples of a part as columns, by [`COLUMNS`].
     pub fn columns(&self, split: Split) -> Vec<Vec<f32>> {
         let mut columns = vec![Vec::new(); COLUMNS.len()];
-        for (number, group) in self.groups.iter().enumerate().filter(|(_, group)| group.split == split) {
-            for draw in 0..DRAWS {
-                for place in self.places(number, draw, group.time_s.len()) {
-                    let at = |values: &Vec<f64>| values.get(place).copied().unwrap_or_default();
-                    let values = group.clean.each_ref().map(at);
-                    let scaled = values.into_iter().zip(&self.scales);
-                    let scaled = scaled.map(|(value, scale)| ((value - scale.mean) / scale.deviation) as f32);
-                    let start = [number as f32, draw as f32, at(&group.time_s) as f32];
-                    let all = start.into_iter().chain(values.map(|value| value as f32)).chain(scaled);
-                    super::collision::push(&mut columns, all);
-                }
-            }
+        for Sample { group: number, draw, place } in self.samples(split) {
+            let Some(group) = self.groups.get(number) else { continue };
+            let at = |values: &Vec<f64>| values.get(place).copied().unwrap_or_default();
+            let time_s = at(&group.time_s) - group.time_s.first().copied().unwrap_or_default();
+            let values = group.clean.each_ref().map(at);
+            let scaled = values.into_iter().zip(&self.scales);
+            let scaled = scaled.map(|(value, scale)| ((value - scale.mean) / scale.deviation) as f32);
+            let start = [number as f32, draw as f32, time_s as f32];
+            let all = start.into_iter().chain(values.map(|value| value as f32)).chain(scaled);
+            super::collision::push(&mut columns, all);
         }
         columns
     }
@@ -192,9 +213,11 @@ pub fn torque_errors(groups: &[Group], truth: &[MeasuredLog]) -> [f64; 2] {
 mod tests {
     use super::super::friction_source::{from_rig, truth_of_rig};
     use super::*;
+    use inference::Bearing;
 
     fn set(seed: u64) -> FrictionSet {
-        FrictionSet::new(from_rig("friction-rig-babbitt", seed).unwrap(), 0.01, seed).unwrap()
+        FrictionSet::new(from_rig("friction-rig-babbitt", Bearing::Babbitt, seed).unwrap(), 0.01, seed)
+            .unwrap()
     }
 
     #[test]
@@ -216,13 +239,27 @@ mod tests {
     }
 
     #[test]
+    fn a_clock_that_began_long_ago_changes_nothing() {
+        let logs = from_rig("friction-rig-babbitt", Bearing::Babbitt, 3).unwrap();
+        let mut late = logs.clone();
+        late.iter_mut().flat_map(|log| &mut log.time_s).for_each(|time_s| *time_s += f64::from(1 << 30));
+        let [now, late] = [logs, late].map(|logs| FrictionSet::new(logs, 0.01, 3).unwrap());
+        assert_eq!(now.samples(Split::Test).count(), 4 * DRAWS * SAMPLES);
+        let [now, late] = [now, late].map(|set| set.columns(Split::Test));
+        assert!(now[2].windows(2).filter(|pair| pair[0] == pair[1]).count() == 0 && now[2][0] < 0.1);
+        // 2^-22 s is what f64 leaves of a time of 2^30 s.
+        assert!(now[2].iter().zip(&late[2]).all(|(a, b)| (a - b).abs() < 1e-5));
+    }
+
+    #[test]
     fn cleaning_comes_nearer_to_the_truth() {
-        for name in ["friction-rig-babbitt", "friction-rig-plastic"] {
-            let set = FrictionSet::new(from_rig(name, 5).unwrap(), 0.01, 5).unwrap();
+        for bearing in Bearing::ALL {
+            let name = &format!("friction-rig-{}", bearing.name());
+            let set = FrictionSet::new(from_rig(name, bearing, 5).unwrap(), 0.01, 5).unwrap();
             let [raw, clean] = torque_errors(&set.groups, &truth_of_rig(name, 5).unwrap());
             assert!(clean < 0.25 * raw && clean < 8.0, "{name}: {raw} {clean}");
             // A long average takes more off the break-away than it takes off the noise.
-            let long = FrictionSet::new(from_rig(name, 5).unwrap(), 0.04, 5).unwrap();
+            let long = FrictionSet::new(from_rig(name, bearing, 5).unwrap(), 0.04, 5).unwrap();
             assert!(torque_errors(&long.groups, &truth_of_rig(name, 5).unwrap())[1] > 1.5 * clean);
             assert!(set.groups.iter().all(|group| (5..80).contains(&group.outliers)));
         }
@@ -230,7 +267,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_a_set_is_refused() {
-        let logs = from_rig("friction-rig-plastic", 1).unwrap();
+        let logs = from_rig("friction-rig-plastic", Bearing::Plastic, 1).unwrap();
         let refused = |logs: Vec<MeasuredLog>| FrictionSet::new(logs, 0.01, 1).unwrap_err().to_string();
         assert!(refused(logs[..2].to_vec()).contains("2 group(s), expected at least 3"));
         let mut short = logs[..3].to_vec();
@@ -242,6 +279,8 @@ mod tests {
         let mut hole = logs[..3].to_vec();
         hole[0].channels.get_mut(&Channel::LoadForce).unwrap()[6] = f64::NAN;
         assert!(refused(hole).contains("load_force_n without a value in sample 7"));
-        assert!(from_rig("bench-b", 1).unwrap_err().to_string().contains("another plant"));
+        let refused = |name| from_rig(name, Bearing::Babbitt, 1).unwrap_err().to_string();
+        assert!(refused("bench-b").contains("another plant"));
+        assert!(refused("friction-rig-plastic").contains("found a plastic pair, expected babbitt"));
     }
 }

@@ -2,6 +2,7 @@
 
 use bench::rig_groups::rig_groups;
 use bench::{Bench, DescriptionError, MeasuredLog};
+use inference::Bearing;
 use std::path::PathBuf;
 
 /// Why there is no friction set.
@@ -35,16 +36,21 @@ impl FrictionError {
     }
 }
 
-/// The groups of a rig described in a preset or file, as its sensors log them.
-pub fn from_rig(description: &str, seed: u64) -> Result<Vec<MeasuredLog>, FrictionError> {
-    let Bench::FrictionRig(rig) = Bench::open(description)? else {
-        let expected = "a friction rig, or --logs".to_owned();
-        return Err(FrictionError::Content {
-            file: description.into(),
-            found: "another plant".into(),
-            expected,
-        });
+/// The groups of a rig described in a preset or file, as its sensors log them. A rig that names its rubbing pair must have that of
+/// the bearing.
+pub fn from_rig(description: &str, bearing: Bearing, seed: u64) -> Result<Vec<MeasuredLog>, FrictionError> {
+    let refused = |found: String, expected: &str| FrictionError::Content {
+        file: description.into(),
+        found,
+        expected: expected.into(),
     };
+    let Bench::FrictionRig(rig) = Bench::open(description)? else {
+        return Err(refused("another plant".into(), "a friction rig, or --logs"));
+    };
+    let material = rig.surface.as_ref().map(|surface| surface.material.name());
+    if let Some(material) = material.filter(|material| *material != bearing.name()) {
+        return Err(refused(format!("a {material} pair"), bearing.name()));
+    }
     Ok(rig_groups(&rig, seed)?.into_iter().map(|group| group.log).collect())
 }
 

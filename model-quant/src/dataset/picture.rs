@@ -38,7 +38,8 @@ fn draw<'a>(text: &'a mut String, group: &Group) -> Result<(), Box<dyn std::erro
     let steepest = steps.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(place, _)| place);
     let middle_s = group.time_s.get(steepest).copied().unwrap_or_default();
     let part_s = (middle_s - 0.25 * PART_S).max(start_s);
-    let quarter_s = start_s + 0.25 * (end_s - start_s);
+    // By the count of samples: in a log with a gap a quarter of the time may have none.
+    let quarter_s = group.time_s.get(group.time_s.len() / 4).copied().unwrap_or(start_s);
     let title = format!("Torque as logged and cleaned, {}", group.source);
     let parts = [
         (start_s, end_s, title.as_str()),
@@ -66,8 +67,10 @@ fn panel<'a>(
     let curves = [("as logged", curve(raw)), ("outliers removed, Gaussian-weighted average", curve(clean))];
     let values = || curves.iter().flat_map(|(_, points)| points.iter().map(|p| p.1));
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    // An axis must have an end and a length that its ticks can tell apart.
+    let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
     // Room for the legend above the curves.
-    let margin = 0.05 * (high - low).max(1e-9);
+    let margin = 0.05 * (high - low).max(1e-3 * high.abs().max(low.abs())).max(1e-9);
     let mut chart = ChartBuilder::on(area)
         .caption(title, ("sans-serif", 18))
         .margin(12)
@@ -95,4 +98,34 @@ fn panel<'a>(
         .border_style(RGBColor(200, 200, 200))
         .draw()?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::split::Split;
+    use super::*;
+
+    fn group(time_s: Vec<f64>, torque_nm: fn(f64) -> f64) -> Group {
+        let columns = [0.0, 0.0].map(|value| vec![value; time_s.len()]);
+        let torque: Vec<f64> = time_s.iter().map(|&time_s| torque_nm(time_s)).collect();
+        let [load, speed] = columns;
+        let raw = [load, speed, torque];
+        Group { source: "log".into(), split: Split::Test, clean: raw.clone(), raw, time_s, outliers: 0 }
+    }
+
+    #[test]
+    fn logs_with_gaps_and_torques_that_never_change_are_drawn() {
+        let even = |from: f64| (0..2048).map(move |i| from + 0.004 * f64::from(i));
+        for gap_s in [0.0, 10.0, 1e9] {
+            for place in [3, 600, 2000] {
+                let time_s = even(0.0).zip(0..).map(|(t, i)| if i < place { t } else { t + gap_s }).collect();
+                let drawn = comparison(&group(time_s, |t| (3.0 * t).sin())).unwrap();
+                assert_eq!(drawn.matches("<svg").count(), 1, "{gap_s} s at {place}");
+            }
+        }
+        let levels: [fn(f64) -> f64; 3] = [|_| 0.0, |_| 1e9, |_| -1e-12];
+        for level in levels {
+            assert!(comparison(&group(even(1.7e9).collect(), level)).is_ok());
+        }
+    }
 }

@@ -133,7 +133,7 @@ impl RigFacts {
         let friction = network(file.shape, &file.parameters)?;
         let collision = network(collision(), &file.collision_parameters)?;
         let (preset, seed) = (format!("friction-rig-{}", bearing.name()), file.recipe.seed);
-        let set = FrictionSet::new(from_rig(&preset, seed)?, SMOOTHING_S, seed)?;
+        let set = FrictionSet::new(from_rig(&preset, bearing, seed)?, SMOOTHING_S, seed)?;
         let dealt = set.groups.iter();
         let dealt = dealt.map(|g| Dealt { source: g.source.clone(), part: g.split.name().to_owned() });
         let alike = set.scales.iter().zip(&file.scales);

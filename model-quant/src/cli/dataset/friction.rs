@@ -60,7 +60,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let (set, errors) = if measured {
         (FrictionSet::new(from_logs(description, &arguments.logs)?, smoothing_s, arguments.seed)?, None)
     } else {
-        let set = FrictionSet::new(from_rig(description, arguments.seed)?, smoothing_s, arguments.seed)?;
+        let logs = from_rig(description, arguments.bearing, arguments.seed)?;
+        let set = FrictionSet::new(logs, smoothing_s, arguments.seed)?;
         let errors = torque_errors(&set.groups, &truth_of_rig(description, arguments.seed)?);
         (set, Some(errors))
     };
