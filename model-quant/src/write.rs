@@ -1,8 +1,8 @@
 //! Files that are either whole or not there: written beside their place, then renamed.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// A file or directory that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -16,27 +16,38 @@ pub struct WriteError {
 
 /// Writes a file through a temporary one in the same directory, which is created if it is missing.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let failed = |path: &Path| {
-        let path = path.to_path_buf();
-        move |source| WriteError { path, source }
+    bench::atomic::write(path, bytes).map_err(|source| WriteError { path: path.to_path_buf(), source })
+}
+
+/// A temporary file beside a path, whose directory is created if it is missing. Only its owner can read it.
+///
+/// # Errors
+///
+/// What the system says.
+pub fn temporary(path: &Path) -> io::Result<NamedTempFile> {
+    let directory = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
     };
-    if let Some(directory) = path.parent() {
-        fs::create_dir_all(directory).map_err(failed(directory))?;
-    }
-    let mut temporary = path.as_os_str().to_owned();
-    temporary.push(format!(".{}.tmp", std::process::id()));
-    let temporary = PathBuf::from(temporary);
-    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
-    if written.is_err() {
-        // The temporary file may not exist; what matters is that none is left behind.
-        let _ = fs::remove_file(&temporary);
-    }
-    written.map_err(failed(path))
+    std::fs::create_dir_all(directory)?;
+    tempfile::Builder::new().prefix(".pintle-").suffix(".tmp").tempfile_in(directory)
+}
+
+/// Makes sure that files can be written into a directory, or into what is there of the way to it: before long work, not after it.
+///
+/// # Errors
+///
+/// What the system says.
+pub fn check_directory(directory: &Path) -> Result<(), WriteError> {
+    let there = directory.ancestors().find(|place| place.exists()).unwrap_or(Path::new("."));
+    let probe = tempfile::Builder::new().prefix(".pintle-").suffix(".tmp").tempfile_in(there);
+    probe.map(drop).map_err(|source| WriteError { path: directory.to_path_buf(), source })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_file_is_replaced_whole_and_leaves_nothing_else_behind() {
@@ -47,6 +58,13 @@ mod tests {
         assert_eq!(fs::read(&path).expect("file"), b"second");
         assert_eq!(fs::read_dir(path.parent().expect("parent")).expect("entries").count(), 1);
         assert!(write_whole(directory.path(), b"a directory is in the way").is_err());
+        assert!(check_directory(&path).is_err() && check_directory(&path.join("below")).is_err());
+        assert!(check_directory(&directory.path().join("deep")).is_ok());
+        assert!(
+            check_directory(&directory.path().join("new/new")).is_ok()
+                && check_directory(Path::new("x")).is_ok()
+        );
         assert_eq!(fs::read_dir(directory.path()).expect("entries").count(), 1);
+        assert_eq!(fs::read_dir(path.parent().expect("parent")).expect("entries").count(), 1);
     }
 }

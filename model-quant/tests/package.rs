@@ -2,7 +2,7 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 fn model_quant(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_model-quant"));
@@ -39,6 +39,32 @@ fn a_package_is_signed_for_its_key_and_the_same_bytes_every_time() {
     assert!(foreign["signed_for"].is_null(), "the development key is not the one it was signed with");
     // A key is never replaced by another one.
     assert!(refused(folder, &["key", "--out", "one.key"]).contains("one.key"));
+}
+
+#[cfg(unix)]
+#[test]
+fn of_many_at_once_one_makes_the_key_and_only_its_owner_may_read_it() {
+    use std::os::unix::fs::PermissionsExt;
+    let directory = tempfile::tempdir().expect("directory");
+    let folder = directory.path();
+    let spawn = |_| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_model-quant"));
+        command.current_dir(folder).args(["key", "--out", "one.key"]);
+        command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("model-quant")
+    };
+    let all: Vec<_> = (0..12).map(spawn).collect();
+    let outputs: Vec<Output> = all.into_iter().map(|one| one.wait_with_output().expect("end")).collect();
+    let made: Vec<&Output> = outputs.iter().filter(|output| output.status.success()).collect();
+    let shown = model_quant(folder, &["key", "--show", "one.key"]);
+    assert_eq!(made.len(), 1, "a key that was printed must be the one in the file");
+    assert_eq!(made[0].stdout, shown.stdout);
+    let mode = folder.join("one.key").metadata().expect("file").permissions().mode();
+    assert_eq!(mode & 0o777, 0o600);
+    assert_eq!(folder.read_dir().expect("folder").count(), 1, "nothing else is left behind");
+    // Nor is a link that leads nowhere taken for nothing.
+    std::os::unix::fs::symlink("nowhere", folder.join("link.key")).expect("link");
+    assert!(refused(folder, &["key", "--out", "link.key"]).contains("a file that is not there yet"));
+    assert!(folder.join("link.key").is_symlink());
 }
 
 #[test]

@@ -3,9 +3,10 @@
 use super::{CliError, print, print_json};
 use ed25519_dalek::SigningKey;
 use model_quant::key::{digits, parse, text};
-use model_quant::write::write_whole;
+use model_quant::write::{WriteError, temporary};
 use serde_json::json;
-use std::path::PathBuf;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
 
 /// Make a key that model packages are signed with
 ///
@@ -42,32 +43,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// Reads a key from a file.
-pub(super) fn read(path: &std::path::Path) -> Result<SigningKey, CliError> {
+pub(super) fn read(path: &Path) -> Result<SigningKey, CliError> {
     let content =
         std::fs::read_to_string(path).map_err(|source| CliError::Read { path: path.into(), source })?;
     parse(&content).map_err(|source| CliError::Key { path: path.into(), source })
 }
 
-fn make(path: &std::path::Path) -> Result<SigningKey, CliError> {
-    if path.exists() {
-        return Err(CliError::Argument("--out", path.display().to_string(), "a file that is not there yet"));
-    }
+/// Makes a key and its file, which nobody but its owner could read at any time and which replaces none.
+fn make(path: &Path) -> Result<SigningKey, CliError> {
     let mut secret = [0; 32];
     getrandom::fill(&mut secret).map_err(CliError::Random)?;
     let key = SigningKey::from_bytes(&secret);
-    write_whole(path, text(&key).as_bytes())?;
-    only_for_its_owner(path)?;
-    Ok(key)
-}
-
-#[cfg(unix)]
-fn only_for_its_owner(path: &std::path::Path) -> Result<(), CliError> {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o600))
-        .map_err(|source| CliError::Read { path: path.into(), source })
-}
-
-#[cfg(not(unix))]
-fn only_for_its_owner(_path: &std::path::Path) -> Result<(), CliError> {
-    Ok(())
+    let failed = |source| WriteError { path: path.to_path_buf(), source };
+    let mut file = temporary(path).map_err(failed)?;
+    file.write_all(text(&key).as_bytes()).map_err(failed)?;
+    match file.persist_noclobber(path) {
+        Ok(_) => Ok(key),
+        Err(refused) if refused.error.kind() == ErrorKind::AlreadyExists => {
+            let found = path.display().to_string();
+            Err(CliError::Argument("--out", found, "a file that is not there yet"))
+        }
+        Err(refused) => Err(failed(refused.error).into()),
+    }
 }

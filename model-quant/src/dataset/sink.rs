@@ -5,7 +5,7 @@
 //! it is written under a temporary name in its directory, and [`publish`] renames all files of a set together, so a set
 //! that failed on the way leaves none.
 
-use crate::write::WriteError;
+use crate::write::{WriteError, temporary};
 use parquet::data_type::FloatType;
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
@@ -98,7 +98,7 @@ impl Sink {
         repeating: impl Fn(usize) -> bool,
     ) -> Result<Self, WriteError> {
         let open = || -> io::Result<Form> {
-            let file = temporary(path)?;
+            let file = ordinary(path)?;
             if format == Format::Csv {
                 let mut file = BufWriter::with_capacity(1 << 20, file);
                 writeln!(file, "{}", names.join(","))?;
@@ -164,15 +164,9 @@ fn row_group(writer: &mut SerializedFileWriter<NamedTempFile>, parts: &[Part]) -
     Ok(())
 }
 
-/// A temporary file beside a path.
-fn temporary(path: &Path) -> io::Result<NamedTempFile> {
-    let directory = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    std::fs::create_dir_all(directory)?;
-    let file = tempfile::Builder::new().prefix(".pintle-").suffix(".tmp").tempfile_in(directory)?;
-    // A temporary file is private by default; what a user asked for is an ordinary file.
+/// A temporary file that everybody may read: what a user asked for is an ordinary file.
+fn ordinary(path: &Path) -> io::Result<NamedTempFile> {
+    let file = temporary(path)?;
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
