@@ -243,3 +243,51 @@ fn every_command_has_help_with_an_example() {
         assert!(help.contains("Example") && help.contains(&format!("model-quant {command}")), "{help}");
     }
 }
+
+#[test]
+fn what_a_training_would_not_heed_is_refused() {
+    let directory = tempfile::tempdir().expect("directory");
+    let out = directory.path().join("out");
+    let refused = |arguments: &[&str]| {
+        let output = model_quant(&[&["train", "--bearing", "plastic"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    let out_of = ["--out", as_str(&out)];
+    let rig = |more: &[&str]| refused(&[&["--friction", "rig"], &out_of[..], more].concat());
+    assert!(
+        rig(&["--resume"]).contains("--resume") && rig(&["--grid-epochs", "3"]).contains("--grid-epochs")
+    );
+    assert!(rig(&["--range", "bench"]).contains("--range"));
+    assert!(rig(&["--rig", "friction-rig-babbitt"]).contains("found a babbitt pair, expected plastic"));
+    let law = refused(&[&["--rig", "friction-rig-plastic"], &out_of[..]].concat());
+    assert!(law.contains("without --friction rig"), "{law}");
+    assert!(refused(&["--check", "--friction", "rig"]).contains("--check"));
+    assert!(!out.join("plastic.rig.json").exists() && !out.join("plastic.float").exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_without_an_end_is_refused() {
+    let output = model_quant(&["import", "/dev/zero"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("/dev/zero: found more bytes"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn an_image_of_another_checkpoint_is_told_from_its_own() {
+    let directory = tempfile::tempdir().expect("directory");
+    let mut image = inference::shipped(inference::Bearing::Plastic).to_vec();
+    let verify = |name: &str, image: &mut [u8]| {
+        inference::image::write::seal(image);
+        let file = directory.path().join(name);
+        std::fs::write(&file, &*image).expect("image");
+        let output = model_quant(&["verify", "--image", as_str(&file)]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout).contains("made from another checkpoint")
+    };
+    assert!(!verify("own", &mut image));
+    // A byte of the training id in the header.
+    image[16] ^= 1;
+    assert!(verify("other", &mut image));
+}

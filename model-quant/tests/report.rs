@@ -134,3 +134,44 @@ fn verify_holds_both_networks_against_their_goals_and_gives_friction_as_a_torque
     assert!(number(collision, "/held_out/image/rows") > 90_000.0);
     assert!(number(collision, "/p99_force_n") > 10_000.0);
 }
+
+#[test]
+fn where_nothing_can_be_written_no_work_is_begun() {
+    let folder = tempfile::tempdir().expect("folder");
+    let file = folder.path().join("file");
+    std::fs::write(&file, "in the way").expect("file");
+    let out = file.join("out");
+    // Each names a file that is not there, too: it would be missed first if the work were begun.
+    let report = ["report", "--rig", "no-such.json", "--out", name(&out)];
+    let train = ["train", "--friction", "rig", "--rig", "no-such.toml", "--out", name(&out)];
+    for arguments in [&report[..], &train[..]] {
+        let output = model_quant(arguments);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.contains("file") && !message.contains("no-such"), "{message}");
+    }
+}
+
+#[test]
+fn the_history_beside_a_checkpoint_may_be_named_as_well() {
+    let folder = tempfile::tempdir().expect("folder");
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("models");
+    let [checkpoint, history] = ["plastic.float", "plastic.history.json"].map(|file| {
+        let copy = folder.path().join(file);
+        std::fs::copy(models.join(file), &copy).expect("copy");
+        copy
+    });
+    // All is read and fits together when what is in the way of the output is found.
+    let out = history.join("out");
+    let output = model_quant(&[
+        "report",
+        "--checkpoint",
+        name(&checkpoint),
+        "--history",
+        name(&history),
+        "--out",
+        name(&out),
+    ]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+}

@@ -9,7 +9,7 @@ use model_quant::training_report::facts::BearingFacts;
 use model_quant::training_report::history::History;
 use model_quant::training_report::page::{Contents, goal_rows, lead, report};
 use model_quant::training_report::rig::RigFacts;
-use model_quant::write::write_whole;
+use model_quant::write::{check_directory, write_whole};
 use std::path::PathBuf;
 
 /// Write the training report: the paper's Figs. 10 to 13, errors against the goals, claims 12 to 15, quantisation loss
@@ -68,24 +68,34 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(beside) = arguments.checkpoint.as_ref().map(|path| path.with_extension("history.json"))
         && beside.exists()
     {
-        histories.push((beside.clone(), History::read(&beside)?));
+        let history = History::read(&beside)?;
+        // It may have been given, too.
+        if histories.iter().all(|(_, given)| given.training_id != history.training_id) {
+            histories.push((beside, history));
+        }
     }
     let companding: Result<Vec<_>, _> =
         arguments.companding.iter().map(|path| Comparison::read(path)).collect();
     let companding = companding?;
-    let rigs: Result<Vec<_>, _> = arguments.rig.iter().map(|path| RigFacts::read(path)).collect();
-    let rigs = rigs?;
     let chosen =
         if arguments.checkpoint.is_some() { vec![Bearing::Babbitt] } else { bearings(arguments.bearing) };
-    let mut networks = Vec::new();
+    let mut trainings = Vec::new();
     for bearing in chosen {
         let (checkpoint, training_id) = checkpoint(arguments.checkpoint.as_deref(), bearing)?;
         let history = history(&mut histories, checkpoint.bearing, training_id)?;
-        networks.push(BearingFacts::of(&checkpoint, training_id, history)?);
+        trainings.push((checkpoint, training_id, history));
     }
     if let Some((path, history)) = histories.first() {
         let found = format!("{}: training id {}", path.display(), history.training_id);
         return Err(CliError::Argument("--history", found, "the training of a checkpoint of this report"));
+    }
+    // What can be refused has been; from here on it takes its time.
+    check_directory(&arguments.out)?;
+    let rigs: Result<Vec<_>, _> = arguments.rig.iter().map(|path| RigFacts::read(path)).collect();
+    let rigs = rigs?;
+    let mut networks = Vec::new();
+    for (checkpoint, training_id, history) in trainings {
+        networks.push(BearingFacts::of(&checkpoint, training_id, history)?);
     }
     let mut claims = friction::judge(&torque::of_rigs()?);
     let trainings = networks.iter().filter_map(|facts| facts.history.as_ref());

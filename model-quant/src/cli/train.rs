@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     /// Train again, compare with the checked-in checkpoint, write nothing
-    #[arg(long, conflicts_with_all = ["range", "set", "seed", "rows", "epochs", "grid_epochs", "grid_method", "patience", "portable", "out", "resume"])]
+    #[arg(long, conflicts_with_all = ["range", "set", "seed", "rows", "epochs", "grid_epochs", "grid_method", "patience", "portable", "out", "resume", "friction", "rig", "logs"])]
     check: bool,
     /// Ranges and distributions
     #[arg(long, value_enum)]
@@ -78,7 +78,7 @@ pub(crate) struct Arguments {
     /// Where the friction network's torque comes from
     #[arg(long, value_enum, default_value_t = FrictionSource::Law)]
     friction: FrictionSource,
-    /// Friction rig: preset or file [default: friction-rig-BEARING]
+    /// Friction rig, with --friction rig: preset or file [default: friction-rig-BEARING]
     #[arg(long, value_name = "RIG")]
     rig: Option<String>,
     /// Measured logs in the rig's place, one a group, read as the rig's description says
@@ -163,6 +163,9 @@ impl Watch {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.friction == FrictionSource::Rig {
         return rig::run(arguments);
+    }
+    if let Some(rig) = &arguments.rig {
+        return Err(CliError::Argument("--rig", format!("{rig} without --friction rig"), "both or neither"));
     }
     let recipe = recipe(arguments)?;
     let keep = (!arguments.check).then(|| Keep {

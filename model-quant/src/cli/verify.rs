@@ -182,6 +182,12 @@ fn table(verdicts: &[Verdict]) -> Result<(), CliError> {
             verdict.zero_contact_output,
             if verdict.image_crc_ok { "ok" } else { "wrong" }
         ))?;
+        if !verdict.image_matches_checkpoint {
+            print(format_args!(
+                "{:8} {:9}  the image was made from another checkpoint (--checkpoint): the float networks above are not its own",
+                verdict.bearing, verdict.network
+            ))?;
+        }
     }
     print(format_args!(
         "(law and float networks: {TEST_ROWS} test rows; relative errors at 1 to 14 kN and rate ratios up to 2;"

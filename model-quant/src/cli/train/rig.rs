@@ -9,29 +9,49 @@ use model_quant::features::FloatFeatures;
 use model_quant::pipeline::Network;
 use model_quant::ranges::{RangeKind, header};
 use model_quant::recipe::Recipe;
-use model_quant::rig::{CLEARANCE_M, SMOOTHING_S, collision_force_n, train_on};
+use model_quant::rig::{CLEARANCE_M, SMOOTHING_S, check_loads, collision_force_n, train_on};
 use model_quant::shapes::collision;
 use model_quant::sources::Sources;
 use model_quant::train::{Loss, Training};
-use model_quant::write::write_whole;
+use model_quant::write::{check_directory, write_whole};
 use serde_json::json;
 
 /// Passes over the rows unless given: both networks learn little after that.
 const EPOCHS: usize = 60;
 
+/// Refuses what has no meaning here, so that nobody believes it was heeded.
+fn check(arguments: &Arguments) -> Result<(), CliError> {
+    let given = [
+        ("--range", arguments.range.is_some()),
+        ("--grid-epochs", arguments.grid_epochs.is_some()),
+        ("--grid-method", arguments.grid_method.is_some()),
+        ("--resume", arguments.resume),
+    ];
+    match given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((name, _)) => {
+            let expected = "nothing: the rig has its range, no 8-bit grid and no state that is kept";
+            Err(CliError::Argument(name, "it with --friction rig".to_owned(), expected))
+        }
+        None => Ok(()),
+    }
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    check(arguments)?;
+    check_directory(&arguments.out)?;
     let mut recipe = Recipe { range: RangeKind::Rig, grid_epochs: 0, ..recipe(arguments)? };
     recipe.epochs = arguments.epochs.unwrap_or(EPOCHS);
     let bearing = arguments.bearing;
     let preset = format!("friction-rig-{}", bearing.name());
     let description = arguments.rig.as_deref().unwrap_or(&preset);
     let (logs, truth) = if arguments.logs.is_empty() {
-        (from_rig(description, recipe.seed)?, truth_of_rig(description, recipe.seed)?)
+        (from_rig(description, bearing, recipe.seed)?, truth_of_rig(description, recipe.seed)?)
     } else {
         (from_logs(description, &arguments.logs)?, Vec::new())
     };
     let set = FrictionSet::new(logs, SMOOTHING_S, recipe.seed)?;
     let features = FloatFeatures::of(&header(bearing, recipe.range));
+    check_loads(&set, &features)?;
     let mut watch = Watch::new(&recipe);
     let sources = Sources::new(bearing, &recipe);
     let (rows, validation) = sources.of(Network::Collision);
