@@ -21,30 +21,26 @@ pub(super) fn error_rows(all: &[BearingFacts]) -> Vec<Vec<String>> {
                 "-".into()
             }
         };
-        rows.push(vec![
-            verdict.bearing.to_owned(),
-            verdict.network.to_owned(),
-            format!("test rows, {}", verdict.rows),
-            format!("{:.6}", verdict.r2_quantised),
-            format!("{:.6}", verdict.r2_float),
-            figures(verdict.mae_n),
-            torque(verdict.mae_n),
-            format!("{:.3}", 100.0 * verdict.mae_share_of_p99),
-            figures(verdict.largest_n),
-        ]);
-        if let Some(held_out) = &verdict.held_out {
-            let (image, float) = (&held_out.image, &held_out.float);
-            rows.push(vec![
+        let row = |rows: String, [r2_image, r2_float]: [f64; 2], [mae_n, share, largest_n]: [f64; 3]| {
+            vec![
                 verdict.bearing.to_owned(),
                 verdict.network.to_owned(),
-                format!("held-out bench runs, {}", held_out.runs),
-                format!("{:.6}", image.r2),
-                format!("{:.6}", float.r2),
-                figures(image.mae_n),
-                torque(image.mae_n),
-                format!("{:.3}", 100.0 * image.mae_share_of_p99),
-                figures(image.largest_n),
-            ]);
+                rows,
+                format!("{r2_image:.6}"),
+                format!("{r2_float:.6}"),
+                figures(mae_n),
+                torque(mae_n),
+                format!("{:.3}", 100.0 * share),
+                figures(largest_n),
+            ]
+        };
+        let errors = [verdict.mae_n, verdict.mae_share_of_p99, verdict.largest_n];
+        let r2 = [verdict.r2_quantised, verdict.r2_float];
+        rows.push(row(format!("test rows, {}", verdict.rows), r2, errors));
+        if let Some(held_out) = &verdict.held_out {
+            let (image, float) = (&held_out.image, &held_out.float);
+            let errors = [image.mae_n, image.mae_share_of_p99, image.largest_n];
+            rows.push(row(format!("held-out bench runs, {}", held_out.runs), [image.r2, float.r2], errors));
         }
     }
     rows

@@ -3,7 +3,7 @@
 use super::super::{CliError, parse_bearing, print, print_json};
 use super::progress::Progress;
 use inference::Bearing;
-use model_quant::dataset::bench_runs::{self, OutsideShare, bench_runs, outside};
+use model_quant::dataset::bench_runs::{self, BenchRun, OutsideShare, bench_runs, outside};
 use model_quant::dataset::collision::{COLUMNS, CollisionSet, Effects, window_names};
 use model_quant::dataset::grid::ROWS;
 use model_quant::dataset::sink::{Complete, Format, Part, Sink, publish};
@@ -90,13 +90,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
     }
     let started = Instant::now();
-    let made = match arguments.source {
-        Source::Table => from_table(arguments)?,
-        Source::Bench => from_runs(arguments)?,
-    };
-    let seconds = started.elapsed().as_secs_f64();
     let features = FloatFeatures::of(&header(arguments.bearing, arguments.range));
-    let outside = outside(&features, &bench_runs(arguments.bearing, arguments.seed)?);
+    let runs = || bench_runs(arguments.bearing, arguments.seed);
+    let (made, runs, seconds) = match arguments.source {
+        Source::Table => {
+            let made = from_table(arguments)?;
+            let seconds = started.elapsed().as_secs_f64();
+            (made, runs()?, seconds)
+        }
+        Source::Bench => {
+            let runs = runs()?;
+            let made = from_runs(arguments, &features, &runs)?;
+            (made, runs, started.elapsed().as_secs_f64())
+        }
+    };
+    let outside = outside(&features, &runs);
     let card = card(arguments, &made, &outside);
     let mut files = Vec::new();
     if let Some(directory) = &arguments.out {
@@ -172,9 +180,7 @@ fn from_table(arguments: &Arguments) -> Result<Made, CliError> {
     Ok(Made { rows, effects, files })
 }
 
-fn from_runs(arguments: &Arguments) -> Result<Made, CliError> {
-    let features = FloatFeatures::of(&header(arguments.bearing, arguments.range));
-    let runs = bench_runs(arguments.bearing, arguments.seed)?;
+fn from_runs(arguments: &Arguments, features: &FloatFeatures, runs: &[BenchRun]) -> Result<Made, CliError> {
     let start = ["run".to_owned(), "time_s".to_owned()];
     let names = if arguments.windows {
         start.into_iter().chain(window_names()).collect()
@@ -183,7 +189,7 @@ fn from_runs(arguments: &Arguments) -> Result<Made, CliError> {
     };
     let (mut effects, mut files, mut rows) = (Effects::default(), Vec::new(), [0; 3]);
     for (split, rows) in Split::ALL.into_iter().zip(&mut rows) {
-        let columns = bench_runs::columns(&features, &runs, arguments.seed, split, arguments.windows);
+        let columns = bench_runs::columns(features, runs, arguments.seed, split, arguments.windows);
         let forces = columns.last().map(Vec::as_slice).unwrap_or_default();
         *rows = forces.len() as u64;
         forces.iter().for_each(|&force| effects.force_n.add(f64::from(force)));
