@@ -34,6 +34,7 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
         (&["run", "--bench", "broken.toml"], "broken.toml"),
         (&["run", "--bench", "friction-rig"], "expected `transmission-bench`"),
         (&["run", "--bench", "slider-crank", "--load-kn", "1"], "belong to a transmission bench"),
+        (&["run", "--bench", "slider-crank", "--record", "a.rec"], "--record: found plant `slider-crank`"),
         (&["record", "--bench", "slider-crank"], "found plant `slider-crank`"),
         (&["run", "--cycles", "4000000000"], "drive.cycles is 4e9; expected 1 to 1000000"),
         (&["run", "--cycles", "5000"], "expected a run of at most 2000 s"),

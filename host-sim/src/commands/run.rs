@@ -65,7 +65,7 @@ pub struct RunArgs {
     /// Serial port of the attached controller.
     #[arg(long, value_name = "PATH", required_if_eq("controller", "attached"))]
     pub port: Option<PathBuf>,
-    /// What to do when the controller restarts in the middle of the run.
+    /// What to do when the controller restarts in the middle of the run; that of the emulator is gone then.
     #[arg(long, value_enum, default_value = "stop")]
     pub on_restart: OnRestart,
     /// File for every frame exchanged with the controller; `host-sim replay` says them again.
@@ -112,6 +112,11 @@ pub struct Finished {
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(bench) = SliderCrankBench::open(&args.bench.bench)? {
         args.bench.unchanged("slider-crank")?;
+        if args.record.is_some() {
+            let found =
+                "--record: found plant `slider-crank`; expected `transmission-bench`, which has a controller";
+            return Err(CliError::Input(found.into()));
+        }
         return slider_crank::run(&bench, args);
     }
     if args.record.is_some() && args.controller == ControllerChoice::None {

@@ -148,12 +148,11 @@ impl Answers {
                     let (kind, report) = match slow.report {
                         SlowReport::Track(report) => ("track", format!("{report:?}")),
                         SlowReport::Sensors(health) => ("sensors", format!("{health:?}")),
-                        SlowReport::Counters(counters) => ("counters", format!("{:?}", of_the_run(counters))),
-                        // Not of the run alone: absences, models, own sensors; the estimate was compared, all but its ticks.
-                        SlowReport::Supervisor(_)
-                        | SlowReport::Models(_)
-                        | SlowReport::Estimate(_)
-                        | SlowReport::Sample(_) => continue,
+                        other => {
+                            // Others are not of the run alone, or tell again what has been compared.
+                            let SlowReport::Counters(counters) = other else { continue };
+                            ("counters", format!("{:?}", of_the_run(counters)))
+                        }
                     };
                     answers.slow.insert((slow.sequence, kind), report);
                 }
