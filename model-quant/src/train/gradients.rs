@@ -1,8 +1,10 @@
 //! Gradients against finite differences in f64 and against PyTorch's.
 
+use super::lanes::Machine;
 use super::{InstructionSet, Loss, Trainer, Windows};
 use crate::draw::{Draw, Purpose};
 use crate::network::{ConvolutionShape, Layer, Network, Padding, Shape};
+use crate::round::grid;
 use serde::Deserialize;
 
 /// The mean squared error in f64, written plainly.
@@ -182,5 +184,60 @@ fn the_two_sets_agree_and_each_repeats_itself() {
     }
     for (a, b) in found[0].iter().zip(&found[found.len() - 1]) {
         assert!((a - b).abs() < 1e-4, "{a} {b}");
+    }
+}
+
+/// Parameters after some steps, half of them in whole numbers, and the errors then, all to the bit.
+fn trained(mut trainer: Trainer, windows: &Windows) -> (Vec<u32>, [u64; 2]) {
+    let (size, outputs) = (trainer.layout.window(), trainer.shape().outputs);
+    // The last chunk and its last group are not full.
+    let count = windows.targets.len() / outputs;
+    for step in 0..6 {
+        if step == 3 {
+            let network = trainer.network();
+            trainer.go_exact(&grid(&network), windows);
+        }
+        trainer.step(count, 0.5, 3e-3, |_, rows| Windows {
+            columns: windows.columns[rows.start * size..rows.end * size].to_vec(),
+            targets: windows.targets[rows.start * outputs..rows.end * outputs].to_vec(),
+        });
+    }
+    let errors = trainer.errors(windows, 0.5);
+    let parameters = trainer.parameters.iter().map(|value| value.to_bits()).collect();
+    (parameters, [errors.squared.to_bits(), errors.absolute.to_bits()])
+}
+
+#[test]
+fn wider_vectors_train_the_same_network_to_the_bit() {
+    let mut shapes = shapes();
+    let wide = [(5, 16), (5, 32), (3, 56)].map(|(kernel, outputs)| ConvolutionShape { kernel, outputs });
+    let padding = Padding::Same;
+    shapes.push(Shape { columns: 32, inputs: 6, padding, convolutions: wide.to_vec(), outputs: 1 });
+    let machines: Vec<_> = InstructionSet::Avx2Fma.machines().collect();
+    if machines.len() < 2 {
+        println!("not compared: this machine has one width of vectors only");
+    }
+    for (index, shape) in shapes.into_iter().enumerate() {
+        let mut draw = Draw::new(5, Purpose::Weights, index as u64);
+        let network = Network::start(shape.clone(), &mut draw);
+        let windows = Windows {
+            columns: (0..131 * shape.columns * shape.inputs)
+                .map(|_| draw.uniform(-1.0, 1.0) as f32)
+                .collect(),
+            // Many are clamped, so that some windows of a group do not go back.
+            targets: (0..131 * shape.outputs).map(|_| draw.normal().max(0.0) as f32).collect(),
+        };
+        let start = Trainer::new(&network, InstructionSet::Avx2Fma, Loss::Clamped);
+        let run = |machine: &Machine| {
+            let mut trainer = start.clone();
+            trainer.machine = *machine;
+            trained(trainer, &windows)
+        };
+        let found: Vec<_> = machines.iter().map(run).collect();
+        let before: Vec<u32> = start.parameters.iter().map(|value| value.to_bits()).collect();
+        for (machine, other) in machines.iter().zip(&found) {
+            assert_ne!(other.0, before, "nothing was trained");
+            assert!(*other == found[0], "{shape:?} on {machine:?} and {:?}", machines[0]);
+        }
     }
 }

@@ -59,6 +59,11 @@ impl Layout {
         Self { shape: shape.clone(), convolutions: places, head, length: start }
     }
 
+    /// Numbers in a window.
+    pub(super) fn window(&self) -> usize {
+        self.shape.columns * self.shape.inputs
+    }
+
     fn places(&self) -> impl Iterator<Item = &Place> {
         self.convolutions.iter().chain([&self.head])
     }

@@ -12,9 +12,11 @@ mod lanes;
 mod layout;
 mod optimiser;
 mod passes;
+mod room;
 mod state;
 mod trainer;
 mod training;
+mod visits;
 
 pub use lanes::InstructionSet;
 pub use optimiser::cosine_rate;

@@ -3,11 +3,12 @@
 //! A batch is cut into chunks of a fixed size; each chunk fills a gradient of its own, and the gradients are added in the
 //! order of the chunks: the same bytes on any number of threads.
 
-use super::exact::{Counts, Exact, Grids};
-use super::lanes::{InstructionSet, Lanes, Operation};
+use super::exact::{Exact, Grids};
+use super::lanes::{InstructionSet, Lanes, Machine, Operation};
 use super::layout::Layout;
 use super::optimiser::Adam;
-use super::passes::{Passes, Turned};
+use super::passes::{GROUP, Passes, Turned, backward};
+use super::room::Room;
 use crate::mode::Mode;
 use crate::network::{Network, Shape};
 use crate::parameters::Activations;
@@ -66,7 +67,7 @@ pub struct Trainer {
     pub(super) free: Option<Vec<f32>>,
     /// With these the way forward is in whole numbers.
     grids: Option<Grids>,
-    set: InstructionSet,
+    pub(super) machine: Machine,
     loss: Loss,
 }
 
@@ -75,7 +76,8 @@ impl Trainer {
     pub fn new(network: &Network, set: InstructionSet, loss: Loss) -> Self {
         let layout = Layout::new(network.shape());
         let parameters = layout.pack(network);
-        Self { adam: Adam::new(layout.length), layout, parameters, free: None, grids: None, set, loss }
+        let (adam, machine) = (Adam::new(layout.length), set.machine());
+        Self { adam, layout, parameters, free: None, grids: None, machine, loss }
     }
 
     /// The network as it is now.
@@ -155,7 +157,7 @@ impl Trainer {
                 let windows = make(chunk, chunk * CHUNK..((chunk + 1) * CHUNK).min(count));
                 let (trainer, exact) = (self, exact.as_ref());
                 let (windows, turned) = (&windows, &turned);
-                self.set.run(Descend { trainer, exact, parameters, windows, turned, unit, weight })
+                self.machine.run(Descend { trainer, exact, parameters, windows, turned, unit, weight })
             })
             .collect();
         let mut chunks = chunks.into_iter();
@@ -180,7 +182,7 @@ impl Trainer {
         let sums: Vec<Errors> = chunks
             .map(|(columns, targets)| {
                 let (trainer, exact) = (self, exact.as_ref());
-                self.set.run(Measure { trainer, exact, columns, targets, unit })
+                self.machine.run(Measure { trainer, exact, columns, targets, unit })
             })
             .collect();
         let mut errors = Errors::default();
@@ -207,26 +209,23 @@ impl Operation for Descend<'_> {
     fn run<L: Lanes>(self, lanes: L) -> Self::Output {
         let (Trainer { layout, loss, .. }, parameters) = (self.trainer, self.parameters);
         let mut gradient = vec![0.0; layout.length];
-        let (mut passes, mut counts) = (Passes::new(layout), Counts::new(layout));
-        let mut errors = Errors::default();
-        let mut slopes = vec![0.0; layout.shape.outputs];
-        let windows = self.windows.columns.chunks_exact(layout.shape.columns * layout.shape.inputs);
-        for (window, targets) in windows.zip(self.windows.targets.chunks_exact(layout.shape.outputs)) {
-            match self.exact {
-                Some(exact) => passes.forward_exact(layout, exact, window, &mut counts),
-                None => passes.forward(lanes, layout, parameters, window),
+        let (mut passes, mut errors) = (Passes::new(layout), Errors::default());
+        let windows = self.windows.columns.chunks(GROUP * layout.window());
+        let targets = self.windows.targets.chunks(GROUP * layout.shape.outputs);
+        for (windows, targets) in windows.zip(targets) {
+            let rooms = forward(lanes, (layout, self.exact), parameters, windows, &mut passes);
+            rooms.iter_mut().for_each(|room| room.goes_back = false);
+            for (room, targets) in rooms.iter_mut().zip(targets.chunks_exact(layout.shape.outputs)) {
+                let slopes = room.output_slopes.iter_mut().zip(&room.outputs);
+                for ((slope, output), target) in slopes.zip(targets) {
+                    let error = loss.residual(*output, target / self.unit);
+                    errors.squared += f64::from(error) * f64::from(error);
+                    errors.absolute += f64::from(error).abs();
+                    *slope = self.weight * error;
+                    room.goes_back |= error != 0.0;
+                }
             }
-            let mut any = false;
-            for ((slope, output), target) in slopes.iter_mut().zip(&passes.outputs).zip(targets) {
-                let error = loss.residual(*output, target / self.unit);
-                errors.squared += f64::from(error) * f64::from(error);
-                errors.absolute += f64::from(error).abs();
-                *slope = self.weight * error;
-                any |= error != 0.0;
-            }
-            if any {
-                passes.backward(lanes, (layout, self.turned), parameters, &slopes, &mut gradient);
-            }
+            backward(lanes, (layout, self.turned), parameters, rooms, &mut gradient);
         }
         (gradient, errors)
     }
@@ -247,20 +246,32 @@ impl Operation for Measure<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Errors {
         let Trainer { layout, parameters, loss, .. } = self.trainer;
-        let (mut passes, mut counts) = (Passes::new(layout), Counts::new(layout));
-        let mut errors = Errors::default();
-        let windows = self.columns.chunks_exact(layout.shape.columns * layout.shape.inputs);
-        for (window, targets) in windows.zip(self.targets.chunks_exact(layout.shape.outputs)) {
-            match self.exact {
-                Some(exact) => passes.forward_exact(layout, exact, window, &mut counts),
-                None => passes.forward(lanes, layout, parameters, window),
-            }
-            for (output, target) in passes.outputs.iter().zip(targets) {
-                let error = f64::from(loss.residual(*output, target / self.unit));
-                errors.squared += error * error;
-                errors.absolute += error.abs();
+        let (mut passes, mut errors) = (Passes::new(layout), Errors::default());
+        let windows = self.columns.chunks(GROUP * layout.window());
+        for (windows, targets) in windows.zip(self.targets.chunks(GROUP * layout.shape.outputs)) {
+            let rooms = forward(lanes, (layout, self.exact), parameters, windows, &mut passes);
+            for (room, targets) in rooms.iter().zip(targets.chunks_exact(layout.shape.outputs)) {
+                for (output, target) in room.outputs.iter().zip(targets) {
+                    let error = f64::from(loss.residual(*output, target / self.unit));
+                    errors.squared += error * error;
+                    errors.absolute += error.abs();
+                }
             }
         }
         errors
+    }
+}
+
+#[inline(always)]
+fn forward<'a, L: Lanes>(
+    lanes: L,
+    (layout, exact): (&Layout, Option<&Exact>),
+    parameters: &[f32],
+    windows: &[f32],
+    passes: &'a mut Passes,
+) -> &'a mut [Room] {
+    match exact {
+        Some(exact) => passes.forward_exact(layout, exact, windows),
+        None => passes.forward(lanes, layout, parameters, windows),
     }
 }
