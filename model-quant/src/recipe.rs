@@ -87,7 +87,7 @@ impl Recipe {
             patience: None,
             grid_epochs: 200,
             grid_method: GridMethod::Freeze,
-            learning_rate: 6e-3,
+            learning_rate: 4e-3,
             grid_learning_rate: 5e-4,
         }
     }

@@ -77,15 +77,18 @@ fn state(features: &FloatFeatures, kind: RangeKind, draw: &mut Draw) -> ContactS
         ),
         RangeKind::Bench | RangeKind::Rig => {
             let radial_clearance_m = draw.log_uniform(f64::from(clearance.low), f64::from(clearance.high));
-            let deformation_m = deformation_high * draw.unit();
+            // Half of the rows are of impacts, half of a bearing at work, whose journal hardly leaves its seat.
+            let at_work = draw.unit() < 0.5;
+            let deformation_m = deformation_high * if at_work { 0.75 } else { 1.0 } * draw.unit();
             let approach =
                 if draw.unit() < 0.5 { floor } else { draw.log_uniform(0.1 * floor, 50.0 * floor) };
             let ratio_high = f64::from(features.rate_ratio.high);
-            let ratio = if draw.unit() < 0.25 {
+            let (mean, leaving) = if at_work { (0.15, 0.5) } else { (0.8, 0.3) };
+            let ratio = if !at_work && draw.unit() < 0.25 {
                 draw.uniform(-ratio_high, ratio_high)
             } else {
-                let magnitude = (0.8 * draw.exponential()).min(ratio_high);
-                if draw.unit() < 0.3 { -magnitude } else { magnitude }
+                let magnitude = (mean * draw.exponential()).min(ratio_high);
+                if draw.unit() < leaving { -magnitude } else { magnitude }
             };
             (radial_clearance_m, deformation_m, ratio * approach.max(floor), approach)
         }

@@ -208,7 +208,8 @@ impl<'a> Training<'a> {
             _ => ((phase + 1) as f64 / (FREEZING_SHARE * phases as f64)).min(1.0),
         };
         // Every channel's largest weight lies on its grid, and stays, or the grid would be another one at the end.
-        let share = (1.0 - (1.0 - done) * (1.0 - done)).max(freezer.share_of_ends());
+        // The last weights are the dearest: fewer and fewer at a time.
+        let share = (1.0 - (1.0 - done).powi(3)).max(freezer.share_of_ends());
         freezer.freeze(&mut network, share);
         self.trainer.replace(&network);
         self.trainer.hold(Some(freezer.free()));
