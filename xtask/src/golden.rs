@@ -16,6 +16,8 @@ const END: &str = "<!-- end of instructions -->\n";
 
 /// Most instructions of the reference network: whole window, moved window, stream.
 const BUDGETS: [u64; 3] = [203_000, 75_000, 10_000];
+/// Most instructions of a controller tick, whatever the sample.
+const TICK_BUDGET: u64 = 8_000;
 
 fn path() -> PathBuf {
     root().join(FILE)
@@ -83,6 +85,14 @@ pub(crate) fn check() -> Result<(), ChoreError> {
             expected: format!("at most {BUDGETS:?}"),
         });
     }
+    let tick = found.estimator_tick_max.max(found.troubled_tick_max);
+    if tick > TICK_BUDGET {
+        return Err(ChoreError::Differs {
+            what: "most instructions of a controller tick".into(),
+            found: tick.to_string(),
+            expected: format!("at most {TICK_BUDGET}"),
+        });
+    }
     let changing = found.figures.iter().find(|(_, figure)| figure.min != figure.max);
     if let Some((name, figure)) = changing {
         return Err(ChoreError::Differs {
@@ -129,6 +139,7 @@ mod tests {
         assert_eq!(readme_with(&counts, &readme).unwrap(), readme, "cargo xtask bless writes both");
         let spent = [counts.reference_window, counts.reference_reuse, counts.reference_stream];
         assert!(spent.iter().zip(BUDGETS).all(|(&spent, budget)| spent <= budget), "{spent:?}");
+        assert!(counts.estimator_tick_max.max(counts.troubled_tick_max) <= TICK_BUDGET);
         assert!(counts.figures.values().all(|figure| figure.min == figure.max), "data-dependent counts");
     }
 }

@@ -1,5 +1,5 @@
 //! Instructions on the Cortex-M4, counted by the emulator: the reference network, the layers, the shipped pairs, and a controller
-//! tick over a cycle of bench B with either bearing.
+//! tick over a cycle of bench B with either bearing, and over troubled samples.
 
 use crate::boards::COUNTED;
 use crate::kernels::Least;
@@ -21,6 +21,8 @@ pub(crate) struct Counts {
     pub(crate) estimator_tick_min: u64,
     /// Most instructions of any controller tick.
     pub(crate) estimator_tick_max: u64,
+    /// Most instructions of a controller tick over samples with every fault there is, restarts of the history among them.
+    pub(crate) troubled_tick_max: u64,
     /// RAM of the two networks of a bearing with their history, in bytes.
     pub(crate) pair_ram_bytes: u64,
     /// Flash of the least image that estimates, model included, in bytes.
@@ -83,6 +85,7 @@ pub(crate) fn count() -> Result<Counts, ChoreError> {
         reference_reuse,
         estimator_tick_min,
         estimator_tick_max,
+        troubled_tick_max: troubled_ticks()?,
         pair_ram_bytes,
         least_flash_bytes: Least::of(COUNTED)?.flash_bytes,
         figures,
@@ -112,6 +115,23 @@ fn ticks() -> Result<(u64, u64), ChoreError> {
         most = most.max(count("instructions_per_tick_max")?);
     }
     Ok((least, most))
+}
+
+/// What the test of the emulator's ticks says of troubled samples.
+fn troubled_ticks() -> Result<u64, ChoreError> {
+    const TEST: &str = "ticks::no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data";
+    let mut command = cargo();
+    command.args(["test", "--quiet", "--package", "system-tests", "--features", "emulated"]);
+    let text = output_of(command.args(["--test", "emulator", "--", "--exact", TEST, "--nocapture"]))?;
+    let most = text.lines().find_map(|line| {
+        let (_, most) = line.split_once("troubled ticks: ")?.1.split_once(" to ")?;
+        most.strip_suffix(" instructions")?.parse().ok()
+    });
+    most.ok_or_else(|| ChoreError::Differs {
+        what: format!("what {TEST} says"),
+        found: text,
+        expected: "`troubled ticks: A to B instructions`".into(),
+    })
 }
 
 /// Counts and prints.

@@ -52,6 +52,10 @@ pub(crate) fn render(counts: &Counts) -> String {
         "| whole controller tick of bench B | {}-{} | | | |",
         counts.estimator_tick_min, counts.estimator_tick_max
     ));
+    line(format!(
+        "| the same over troubled samples (jumps, gaps, wrong times, missing values), the largest | {} | | | |",
+        counts.troubled_tick_max
+    ));
     line(String::new());
     line("| instructions per multiply-accumulate, at one / two positions | 16x8 wide | 16x8 packed | 8x8 compact |".into());
     line("|---|---|---|---|".into());

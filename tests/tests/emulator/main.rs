@@ -13,4 +13,5 @@ mod frames;
 mod image;
 mod other_core;
 mod own_sensors;
+mod ticks;
 mod update;

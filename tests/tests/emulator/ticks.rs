@@ -1,0 +1,92 @@
+//! What a tick costs, sound samples and troubled ones, with the sensors' drivers complaining now and then: below the budget, and no
+//! more than its place in the tracker's block and a restart of the history tell.
+
+use crate::batch;
+use crate::frames::{Random, configuration, troubled};
+use firmware::flags::{HELD, JUMP, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
+use firmware::tracking::{BLOCK, STRIDE};
+use host_sim::controller::EmulatedController;
+use inference::{Bearing, Flags};
+use link::track::SensorStatus;
+use link::{
+    Command, ControllerConfiguration, EstimateFrame, NumberedCommand, SensorFrame, ToController, ToHost,
+};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Most instructions of any tick: from a sample that has been read to the bytes of its estimate.
+const BUDGET: u32 = 8_000;
+/// Faults after which the history starts anew.
+const INTERRUPTIONS: Flags = Flags::from_bits(JUMP.bits() | SEQUENCE_GAP.bits() | TIME_FAULT.bits());
+/// SysTick's ticks of one emulated instruction: 64 ns at 168 MHz.
+const TICKS_PER_INSTRUCTION: f64 = 10.752;
+/// Samples of a run: two rounds of troubles, thirty-nine blocks.
+const SAMPLES: u32 = 10_000;
+/// Samples after which everything that takes turns begins again.
+const ROUND: usize = (BLOCK * STRIDE) as usize;
+
+/// Every tick with its estimate: an estimate tells of the tick before it.
+fn ticks(
+    configuration: ControllerConfiguration,
+    frames: &[(SensorFrame, SensorStatus)],
+) -> Vec<(u32, EstimateFrame)> {
+    let configure = NumberedCommand { id: 1, command: Command::Configure(configuration) };
+    let samples = frames.iter().map(|&(frame, status)| ToController::Sensor(frame, status));
+    let messages: Vec<_> = std::iter::once(ToController::Command(configure)).chain(samples).collect();
+    let (status, said) = batch::run("netduinoplus2", &EmulatedController::default_elf(), "", &[], &messages);
+    assert!(status.success(), "{status}");
+    let estimates: Vec<_> = said
+        .iter()
+        .filter_map(|message| match message {
+            ToHost::Estimate(numbered) => Some(numbered.estimate),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(estimates.len(), frames.len());
+    let instructions = |estimate: &EstimateFrame| {
+        (f64::from(estimate.instruction_ticks) / TICKS_PER_INSTRUCTION).round() as u32
+    };
+    estimates.windows(2).map(|pair| (instructions(&pair[1]), pair[0])).collect()
+}
+
+#[test]
+fn no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data() {
+    let (mut least, mut most, mut flags) = (u32::MAX, 0, 0);
+    let mut restarts = BTreeSet::new();
+    for (bearing, seed) in [(Bearing::Babbitt, 31), (Bearing::Plastic, 32)] {
+        let mut configuration = configuration(bearing);
+        configuration.limits.force_limit_n = 2_000;
+        let mut random = Random(seed);
+        let frames: Vec<_> = troubled(&configuration, SAMPLES, seed)
+            .into_iter()
+            .map(|frame| {
+                let bits = random.bits();
+                (frame, SensorStatus(if bits.is_multiple_of(16) { (bits >> 8) as u8 } else { 0 }))
+            })
+            .collect();
+        let ticks = ticks(configuration, &frames);
+
+        // By place; but for the first sample of all, which also starts the watch.
+        let mut costs = vec![BTreeMap::new(); ROUND];
+        for (index, &(cost, estimate)) in ticks.iter().enumerate().skip(1) {
+            let interrupted = Flags::from_bits(estimate.flags).intersects(INTERRUPTIONS);
+            *costs[index % ROUND].entry(cost).or_insert(true) &= interrupted;
+        }
+        for (place, costs) in costs.iter().enumerate() {
+            let goes_on = *costs.first_key_value().unwrap().0;
+            for (&cost, &interrupted) in costs.range(goes_on + 1..) {
+                assert!(interrupted, "{bearing:?}, place {place}: {goes_on}, {cost} without a reason");
+                restarts.insert(cost - goes_on);
+            }
+        }
+        least = ticks.iter().map(|(cost, _)| *cost).fold(least, u32::min);
+        most = ticks.iter().map(|(cost, _)| *cost).fold(most, u32::max);
+        flags |= ticks.iter().fold(0, |all, (_, estimate)| all | estimate.flags);
+    }
+    assert!(Flags::from_bits(flags).contains(SENSOR_FAULT | HELD | OVER_FORCE), "{flags:08x}");
+    assert_eq!(restarts.len(), 1, "a restart of the history costs the same wherever it comes: {restarts:?}");
+    // `cargo xtask insn` reads this line.
+    println!("troubled ticks: {least} to {most} instructions");
+    // Two networks of 3,700 multiply-accumulates, two a cycle at best: less is no measurement.
+    assert!(least > 1_856, "{least}");
+    assert!(most <= BUDGET, "{most}");
+}
