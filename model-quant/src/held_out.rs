@@ -1,7 +1,7 @@
 //! Runs of bench B that nothing is chosen on: clearances, loads and drive periods between and beyond the paper's.
 //!
-//! Whoever chooses a training recipe, a window or an observer looks at the paper's clearances and loads, never at these.
-//! `verify` runs the networks over their contacts, `host-sim accuracy` puts them into the loop and behind the sensors.
+//! Whoever chooses a training recipe, a window or an observer looks at the paper's clearances and loads, never at these; once they have been
+//! looked at for a choice, others take their place. `verify` runs the networks over their contacts, `host-sim accuracy` puts them into the loop and behind the sensors.
 
 use crate::checkpoint::Checkpoint;
 use crate::dataset::bench_runs::{RATE_HZ, RunError};
@@ -18,16 +18,16 @@ use serde::Serialize;
 
 /// Clearance in mm, load in kN and drive period in s.
 pub const CONDITIONS: [(f64, f64, f64); 10] = [
-    (0.17, 7.5, 1.0),
-    (0.17, -3.0, 1.0),
-    (0.35, 10.0, 0.85),
-    (0.35, -7.5, 1.0),
-    (0.35, 3.0, 1.5),
-    (0.7, 7.5, 1.0),
-    (0.7, -3.0, 0.85),
-    (0.7, 2.0, 1.0),
-    (0.85, -7.5, 1.25),
-    (1.3, 4.0, 1.0),
+    (0.14, 6.0, 1.0),
+    (0.14, -4.0, 1.2),
+    (0.22, 9.0, 0.9),
+    (0.3, -6.5, 1.0),
+    (0.3, 2.5, 1.4),
+    (0.6, 6.0, 1.1),
+    (0.6, -8.0, 0.85),
+    (0.9, -4.0, 1.0),
+    (0.9, 8.5, 1.3),
+    (1.2, 3.0, 1.0),
 ];
 
 /// Errors of the networks over the contacts of the held-out runs, at 10 kHz and without noise.
