@@ -1,12 +1,11 @@
 //! The emulated boards that the kernels run on, and running an image on one of them.
 
 use crate::compile;
-use crate::run::{ChoreError, root, run, target_folder};
+use crate::run::{ChoreError, root, run, run_for, target_folder};
 use crate::setup::{EMULATOR, TARGET, target};
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A board of the emulator.
 #[derive(Clone, Copy, Debug)]
@@ -68,25 +67,6 @@ impl Board {
             .arg(image)
             .stdin(Stdio::null())
             .stdout(Stdio::piped());
-        let failed =
-            |status: String| ChoreError::Failed { line: format!("{EMULATOR} -M {}", self.name), status };
-        let mut emulator = command.spawn().map_err(|error| failed(error.to_string()))?;
-        let start = Instant::now();
-        let status = loop {
-            match emulator.try_wait().map_err(|error| failed(error.to_string()))? {
-                Some(status) => break status,
-                None if start.elapsed() > LONGEST => {
-                    // It may have ended by itself in this moment.
-                    let _ = emulator.kill();
-                    break emulator.wait().map_err(|error| failed(error.to_string()))?;
-                }
-                None => std::thread::sleep(Duration::from_millis(10)),
-            }
-        };
-        let mut text = String::new();
-        if let Some(mut output) = emulator.stdout.take() {
-            output.read_to_string(&mut text).map_err(|error| failed(error.to_string()))?;
-        }
-        if status.success() { Ok(text) } else { Err(failed(format!("{status}; it printed: {text}"))) }
+        run_for(&mut command, LONGEST)
     }
 }

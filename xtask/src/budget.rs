@@ -4,7 +4,7 @@
 //! compiler than the pinned one only the budgets hold.
 
 use crate::firmware::{DEFAULT, OTHER_CORE};
-use crate::run::{ChoreError, root};
+use crate::run::{ChoreError, root, write_whole};
 use crate::setup::{TARGET, Way, target};
 use crate::size::{Figures, Sizes, measure};
 use std::path::PathBuf;
@@ -45,10 +45,7 @@ pub(crate) fn bless() -> Result<(), ChoreError> {
     let figures = measure()?;
     within_budgets(DEFAULT.name, &figures.sizes)?;
     let json = serde_json::to_string_pretty(&figures).unwrap_or_default() + "\n";
-    let temporary = path().with_extension("new");
-    std::fs::write(&temporary, json).and_then(|()| std::fs::rename(&temporary, path())).map_err(|error| {
-        ChoreError::File { file: path(), found: error.to_string(), expected: "a file that can be written" }
-    })
+    write_whole(path(), &json)
 }
 
 /// Measures anew and compares with budgets and golden figures; then builds the image of the other core.

@@ -3,7 +3,7 @@
 //! Counts are exact for the compiler that is pinned. With another one (Debian's), only the budgets hold.
 
 use crate::insn::{Counts, count};
-use crate::run::{ChoreError, root};
+use crate::run::{ChoreError, root, write_whole};
 use crate::setup::{TARGET, Way, target};
 use crate::table::render;
 use std::path::PathBuf;
@@ -62,14 +62,7 @@ pub(crate) fn bless() -> Result<(), ChoreError> {
     let text = readme_with(&counts, &read(readme.clone())?).ok_or_else(no_markers)?;
     let json = serde_json::to_string_pretty(&counts).unwrap_or_default() + "\n";
     for (file, text) in [(path(), json), (readme, text)] {
-        let temporary = file.with_extension("new");
-        std::fs::write(&temporary, text).and_then(|()| std::fs::rename(&temporary, &file)).map_err(
-            |error| ChoreError::File {
-                file,
-                found: error.to_string(),
-                expected: "a file that can be written",
-            },
-        )?;
+        write_whole(file, &text)?;
     }
     Ok(())
 }

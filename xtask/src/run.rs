@@ -1,8 +1,10 @@
 //! Running other programs: what is run is shown, a failure says what failed.
 
 use std::ffi::OsStr;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// Why a chore failed.
 #[derive(Debug, thiserror::Error)]
@@ -90,6 +92,51 @@ pub(crate) fn run(command: &mut Command) -> Result<(), ChoreError> {
     }
 }
 
+/// Starts a program, waits for its end and kills it when that does not come in time; takes what it printed if its output is piped.
+pub(crate) fn run_for(command: &mut Command, longest: Duration) -> Result<String, ChoreError> {
+    let line = line(command);
+    let failed = |status: String| ChoreError::Failed { line: line.clone(), status };
+    let cause = |error: std::io::Error| failed(error.to_string());
+    let mut child = command.spawn().map_err(not_started(command))?;
+    // Read while it runs: it would wait for ever with a full pipe.
+    let output = child.stdout.take().map(|mut output| {
+        std::thread::spawn(move || {
+            let mut text = String::new();
+            output.read_to_string(&mut text).map(|_| text)
+        })
+    });
+    let start = Instant::now();
+    let (status, in_time) = loop {
+        match child.try_wait().map_err(cause)? {
+            Some(status) => break (status, true),
+            None if start.elapsed() > longest => {
+                // It may have ended by itself in this moment.
+                let _ = child.kill();
+                break (child.wait().map_err(cause)?, false);
+            }
+            None => std::thread::sleep(Duration::from_millis(10)),
+        }
+    };
+    let text = output.map_or(Ok(String::new()), |output| {
+        output.join().unwrap_or_else(|_| Err(std::io::Error::other("its output could not be read")))
+    });
+    let text = text.map_err(cause)?;
+    if status.success() {
+        return Ok(text);
+    }
+    let late = if in_time { String::new() } else { format!(" after {} s", longest.as_secs()) };
+    let printed = if text.is_empty() { String::new() } else { format!("; it printed: {text}") };
+    Err(failed(format!("{status}{late}{printed}")))
+}
+
+/// Writes a file under another name and renames it: the file is whole at any time.
+pub(crate) fn write_whole(file: PathBuf, text: &str) -> Result<(), ChoreError> {
+    let temporary = file.with_extension("new");
+    std::fs::write(&temporary, text).and_then(|()| std::fs::rename(&temporary, &file)).map_err(|error| {
+        ChoreError::File { file, found: error.to_string(), expected: "a file that can be written" }
+    })
+}
+
 /// Runs a program and takes its standard output.
 pub(crate) fn output_of(command: &mut Command) -> Result<String, ChoreError> {
     let output = command.stderr(Stdio::inherit()).output().map_err(not_started(command))?;
@@ -108,4 +155,29 @@ pub(crate) fn succeeds(command: &mut Command) -> bool {
         .stderr(Stdio::null())
         .status()
         .is_ok_and(|s| s.success())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shell(script: &str, longest: Duration) -> Result<String, ChoreError> {
+        let mut command = Command::new("sh");
+        run_for(command.args(["-c", script]).stdout(Stdio::piped()), longest)
+    }
+
+    #[test]
+    fn more_than_a_pipe_holds_is_read_and_what_does_not_end_is_killed() {
+        let long = Duration::from_secs(60);
+        let text = shell(
+            "i=0; while [ $i -lt 4000 ]; do echo 0123456789012345678901234567890123456789; i=$((i+1)); done",
+            long,
+        );
+        assert_eq!(text.unwrap().len(), 4000 * 41);
+        let start = Instant::now();
+        let late = shell("exec sleep 60", Duration::from_millis(100)).unwrap_err().to_string();
+        assert!(late.contains("after 0 s") && start.elapsed() < Duration::from_secs(30), "{late}");
+        let failed = shell("echo cause; exit 3", long).unwrap_err().to_string();
+        assert!(failed.contains("3") && failed.contains("it printed: cause"), "{failed}");
+    }
 }

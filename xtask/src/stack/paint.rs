@@ -3,14 +3,14 @@
 //! The link's pipes are plain files here: every frame is written beforehand, the image reads them one by one and ends where they do, and its
 //! answers are read afterwards.
 
-use crate::run::{ChoreError, target_folder};
+use crate::run::{ChoreError, run_for, target_folder};
 use crate::setup::EMULATOR;
 use firmware::configuration::BENCH_B;
 use link::track::SensorStatus;
 use link::{Command, Decoder, MAX_FRAME, NumberedCommand, SensorFrame, ToController, ToHost, encode};
 use std::path::Path;
 use std::process::Stdio;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Samples of the run: the search for the mark goes on once in 16 frames and comes round several times.
 const SAMPLES: u32 = 12_000;
@@ -66,21 +66,7 @@ fn emulate(image: &Path, folder: &Path) -> Result<(), ChoreError> {
         .arg(image)
         .current_dir(folder)
         .stdin(Stdio::null());
-    let failed = |status: String| ChoreError::Failed { line: format!("{EMULATOR} -M netduinoplus2"), status };
-    let mut emulator = command.spawn().map_err(|error| failed(error.to_string()))?;
-    let start = Instant::now();
-    let status = loop {
-        match emulator.try_wait().map_err(|error| failed(error.to_string()))? {
-            Some(status) => break status,
-            None if start.elapsed() > LONGEST => {
-                // It may have ended by itself in this moment.
-                let _ = emulator.kill();
-                break emulator.wait().map_err(|error| failed(error.to_string()))?;
-            }
-            None => std::thread::sleep(Duration::from_millis(10)),
-        }
-    };
-    if status.success() { Ok(()) } else { Err(failed(status.to_string())) }
+    run_for(&mut command, LONGEST).map(|_| ())
 }
 
 /// The host's side of the run.
