@@ -1,5 +1,7 @@
-//! `docs/firmware.md` against the code: every flag, every reason of a start, every party and its period.
+//! `docs/firmware.md` against the code: every flag, every reason of a start, every party and its period, every field of the monitor and of the
+//! wiring, every counter.
 
+use firmware::configuration::BENCH_B;
 use firmware::flags::NAMES;
 use link::start::{PARTIES, ResetReason};
 
@@ -38,5 +40,21 @@ fn every_reason_of_a_start_is_named() {
 fn every_party_has_its_row() {
     for party in PARTIES {
         assert!(TEXT.contains(&format!("| `{party}` | ")), "{party}");
+    }
+}
+
+/// Names of a structure's fields, as its debug form has them.
+fn fields(structure: &impl core::fmt::Debug) -> Vec<String> {
+    let text = format!("{structure:#?}");
+    let names = text.lines().filter(|line| line.starts_with("    ") && !line.starts_with("     "));
+    names.filter_map(|line| line.split_once(':')).map(|(name, _)| name.trim().into()).collect()
+}
+
+#[test]
+fn every_field_of_monitor_and_wiring_and_every_counter_is_explained() {
+    let all = [fields(&BENCH_B.monitor), fields(&BENCH_B.wiring), fields(&link::Counters::default())];
+    assert_eq!(all.each_ref().map(Vec::len), [25, 11, 17]);
+    for name in all.concat() {
+        assert!(TEXT.contains(&format!("`{name}`")), "{name}");
     }
 }

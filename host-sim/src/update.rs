@@ -195,6 +195,7 @@ mod tests {
             refused: 0,
             altered: 0,
             development_key: true,
+            ..UpdateStatus::default()
         };
         Fake { package: package(), status, received: Vec::new(), loses, asked: 0, refuses: None }
     }

@@ -90,6 +90,7 @@ fn command() -> impl Strategy<Value = Command> {
         Just(Command::Keep),
         Just(Command::Stop),
         Just(Command::SampleYourself),
+        prop::sample::select(link::ReportKind::ALL.to_vec()).prop_map(Command::GetReport),
     ]
 }
 

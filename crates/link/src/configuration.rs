@@ -6,9 +6,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::track::{CHANNELS, MonitorConfiguration, MonitorField, SensorChannel};
+use crate::{Wiring, WiringField};
 
 /// Version of the layout and meaning of [`ControllerConfiguration`]; a record of another version is not read.
-pub const CONFIGURATION_VERSION: u8 = 1;
+pub const CONFIGURATION_VERSION: u8 = 2;
 
 /// The bench that the controller is beside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,10 +81,12 @@ pub struct ControllerConfiguration {
     pub monitor: MonitorConfiguration,
     /// Limits.
     pub limits: Limits,
+    /// The controller's own sensors.
+    pub wiring: Wiring,
 }
 
 impl ControllerConfiguration {
-    /// A bench with calibrated channels and the limits left as they are.
+    /// A bench with calibrated channels, the limits and the wiring left as they are.
     #[must_use]
     pub const fn new(bench: Configuration, monitor: MonitorConfiguration) -> Self {
         Self {
@@ -92,6 +95,7 @@ impl ControllerConfiguration {
             calibration: [Calibration::NONE; CHANNELS],
             monitor,
             limits: Limits::DEFAULT,
+            wiring: Wiring::NOMINAL,
         }
     }
 }
@@ -129,6 +133,8 @@ pub enum Field {
     StuckSamples,
     /// `limits.slow_every`.
     SlowEvery,
+    /// A field of `wiring`.
+    Wiring(WiringField),
 }
 
 /// A value that cannot be served.
@@ -182,59 +188,11 @@ pub struct Configured {
     pub window: u16,
 }
 
-/// Why a configuration was not accepted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Why an estimator was not made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// No bearing has this code.
-    UnknownBearing {
-        /// The code found.
-        found: u8,
-    },
-    /// The clearance is outside what can be served.
-    RadialClearance {
-        /// Found, nm.
-        found_nm: u32,
-        /// Least, nm.
-        min_nm: u32,
-        /// Most, nm.
-        max_nm: u32,
-    },
-    /// The journal radius is outside what can be served.
-    JournalRadius {
-        /// Found, nm.
-        found_nm: u32,
-        /// Least, nm.
-        min_nm: u32,
-        /// Most, nm.
-        max_nm: u32,
-    },
-    /// The sample period is not the one that the conditioning and the networks were made for.
-    SamplePeriod {
-        /// Found, us.
-        found_us: u32,
-        /// Least, us.
-        min_us: u32,
-        /// Most, us.
-        max_us: u32,
-    },
-    /// The latch floor is outside what can be served.
-    LatchFloor {
-        /// Found, um/s.
-        found_um_s: u32,
-        /// Least, um/s.
-        min_um_s: u32,
-        /// Most, um/s.
-        max_um_s: u32,
-    },
-    /// The approach speed assumed for an unseen onset is outside what can be served.
-    UnseenApproach {
-        /// Found, um/s.
-        found_um_s: u32,
-        /// Least, um/s.
-        min_um_s: u32,
-        /// Most, um/s.
-        max_um_s: u32,
-    },
+    /// The bench is outside what can be served; the first field that is.
+    OutOfRange(OutOfRange),
     /// The model image on board is damaged or not for this bearing.
     Image {
         /// Position of the cause in the inference crate's list of image errors.

@@ -35,6 +35,19 @@ pub struct Counters {
     pub refused_commands: u32,
     /// Received bytes dropped because the buffer was full.
     pub dropped_bytes: u32,
+    /// Bytes that the serial port itself received wrongly.
+    pub line_errors: LineErrors,
     /// Frames that were refused.
     pub bad_frames: crate::BadFrames,
+}
+
+/// What the serial port's hardware found wrong with what it received, each found at most once a byte.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LineErrors {
+    /// A byte came before the one before it was fetched: one of them is lost.
+    pub overruns: u32,
+    /// No stop bit where it had to be: another baud rate, a broken or unconnected line.
+    pub framing: u32,
+    /// The samples of a bit did not agree: disturbances.
+    pub noise: u32,
 }

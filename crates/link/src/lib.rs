@@ -26,21 +26,23 @@ mod sample;
 pub mod start;
 pub mod track;
 pub mod update;
+mod wiring;
 
 pub use check_sum::crc32;
 pub use configuration::{
     CONFIGURATION_VERSION, Calibration, Configuration, Configured, ControllerConfiguration, Field, Limits,
     MAX_REASONS, OutOfRange, Reasons, Refusal,
 };
-pub use counters::Counters;
+pub use counters::{Counters, LineErrors};
 pub use decode::{BadFrames, Decoder, FrameError};
 pub use encode::{ESTIMATE_FRAME, EncodeError, encode, encode_estimate};
 pub use hello::{BUILD_ID_LEN, BuildId, ClockSource, Hello, MAGIC, ModelId, PROTOCOL_VERSION, Target};
 pub use message::{
-    Acknowledgement, Answer, Command, Fault, NumberedCommand, Refused, SlowFrame, SlowReport, State,
-    ToController, ToHost,
+    Acknowledgement, Answer, Command, Fault, NumberedCommand, Refused, ReportKind, SlowFrame, SlowReport,
+    State, ToController, ToHost,
 };
 pub use sample::{EstimateFrame, EstimateLayout, NumberedEstimate, SensorFrame};
+pub use wiring::{InputRange, Wiring, WiringField};
 
 /// Longest frame on the wire, in bytes, delimiter included.
 pub const MAX_FRAME: usize = 255;

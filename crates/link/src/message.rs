@@ -9,9 +9,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::start::SupervisorReport;
 use crate::track::{SensorHealth, SensorStatus, TrackReport};
-use crate::update::{UpdateAnswer, UpdateRequest};
-use crate::{Configured, ControllerConfiguration, Counters, Hello, NumberedEstimate, Reasons, SensorFrame};
+use crate::update::{UpdateAnswer, UpdateRequest, UpdateStatus};
+use crate::{
+    Configured, ControllerConfiguration, Counters, EstimateLayout, Hello, NumberedEstimate, Reasons,
+    SensorFrame,
+};
 
 /// What the host sends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,6 +60,8 @@ pub enum Command {
     Stop,
     /// Go on with the run on samples of the controller's own sensors, one every timer tick, until it ends. The bench's sample period is 100 us then.
     SampleYourself,
+    /// Give one of the reports of slow telemetry now.
+    GetReport(ReportKind),
 }
 
 /// What the controller sends.
@@ -104,6 +110,8 @@ pub enum Answer {
         /// Samples from one sent estimate to the next.
         every: u16,
     },
+    /// To [`Command::GetReport`].
+    Report(SlowReport),
 }
 
 /// Why a command was not carried out.
@@ -158,6 +166,38 @@ pub struct SlowFrame {
     pub report: SlowReport,
 }
 
+/// The reports of slow telemetry, in the order of their turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ReportKind {
+    /// [`SlowReport::Track`]; of a run.
+    Track,
+    /// [`SlowReport::Sensors`]; of a run.
+    Sensors,
+    /// [`SlowReport::Counters`].
+    Counters,
+    /// [`SlowReport::Supervisor`].
+    Supervisor,
+    /// [`SlowReport::Models`].
+    Models,
+    /// [`SlowReport::Estimate`]; of a run.
+    Estimate,
+    /// [`SlowReport::Sample`]; of a controller with sensors.
+    Sample,
+}
+
+impl ReportKind {
+    /// Every report, in order.
+    pub const ALL: [Self; 7] = [
+        Self::Track,
+        Self::Sensors,
+        Self::Counters,
+        Self::Supervisor,
+        Self::Models,
+        Self::Estimate,
+        Self::Sample,
+    ];
+}
+
 /// A report of slow telemetry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SlowReport {
@@ -167,6 +207,14 @@ pub enum SlowReport {
     Sensors(SensorHealth),
     /// What the session counted.
     Counters(Counters),
+    /// Who has checked in, and the last fault.
+    Supervisor(SupervisorReport),
+    /// Where the networks come from, the slots, the last package refused.
+    Models(UpdateStatus),
+    /// The last estimate that was in time, without a number: a [`NumberedEstimate`] in the form that has an equality.
+    Estimate(EstimateLayout),
+    /// The last sample of the controller's own sensors, as it is before calibration.
+    Sample(SensorFrame),
 }
 
 /// Why a frame was not served.

@@ -101,6 +101,40 @@ pub struct StackReport {
     pub used_bytes: u32,
 }
 
+/// One party as the supervisor sees it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Presence {
+    /// Whether it is expected; one that rests is not.
+    pub expected: bool,
+    /// Time since its last check-in, us.
+    pub away_us: u32,
+    /// The longest such time that was seen since the start, us.
+    pub longest_us: u32,
+    /// How long it may stay away before the controller restarts, us.
+    pub period_us: u32,
+}
+
+impl Presence {
+    /// How near it came to a restart: what was left of its period at the worst moment, us.
+    #[must_use]
+    pub const fn margin_us(&self) -> u32 {
+        self.period_us.saturating_sub(self.longest_us)
+    }
+}
+
+/// What the supervisor knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SupervisorReport {
+    /// Time since the start, us, modulo 2^32.
+    pub uptime_us: u32,
+    /// In the order of [`PARTIES`].
+    pub parties: [Presence; PARTIES.len()],
+    /// Why the controller started, and the fault before that.
+    pub start: StartReport,
+    /// Use of the stack.
+    pub stack: StackReport,
+}
+
 /// What a core fault's status registers say, most telling first.
 const CAUSES: [(u32, &str); 17] = [
     (1 << 20, "stack limit"),

@@ -139,6 +139,20 @@ pub enum Wear {
     Alarm,
 }
 
+/// What is known about the friction level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FrictionState {
+    /// No limit is configured.
+    #[default]
+    NoLimit,
+    /// Not enough evidence yet.
+    Unknown,
+    /// Below the limit.
+    Below,
+    /// Above the limit with the stated confidence, and not yet back below the hysteresis.
+    Alarm,
+}
+
 /// What is tracked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TrackReport {
@@ -160,6 +174,10 @@ pub struct TrackReport {
     pub wear: Wear,
     /// Times that the wear alarm was raised, saturating.
     pub wear_alarms: u32,
+    /// Friction alarm.
+    pub friction: FrictionState,
+    /// Times that the friction alarm was raised, saturating.
+    pub friction_alarms: u32,
     /// Safe state.
     pub safe_state: SafeState,
 }
@@ -191,6 +209,8 @@ pub struct MonitorConfiguration {
     pub lever_deviation_ppht: u16,
     /// One standard deviation of either journal coordinate's offset, nm.
     pub offset_deviation_nm: u32,
+    /// One standard deviation of a journal coordinate's noise, nm: the conditioning takes no more than that for noise.
+    pub journal_noise_nm: u16,
     /// Largest short-term standard deviation of a journal coordinate, nm.
     pub journal_noise_limit_nm: u32,
     /// Largest short-term standard deviation of the shaft angle, nrad.
@@ -242,6 +262,8 @@ pub enum MonitorField {
     LeverDeviation,
     /// `offset_deviation_nm`.
     OffsetDeviation,
+    /// `journal_noise_nm`.
+    JournalNoise,
     /// `journal_noise_limit_nm`.
     JournalNoiseLimit,
     /// `angle_noise_limit_nrad`.

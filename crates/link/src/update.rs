@@ -76,9 +76,10 @@ pub enum UpdateAnswer {
 }
 
 /// Where the networks in use come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ModelSource {
     /// Built into the firmware.
+    #[default]
     BuiltIn,
     /// From a slot.
     Slot {
@@ -92,16 +93,34 @@ pub enum ModelSource {
 }
 
 /// What the packages are kept in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ModelMemory {
     /// Flash: kept without power.
     Flash,
     /// Memory that lasts until the power is switched off: the emulator, which ignores stores to flash.
+    #[default]
     Volatile,
 }
 
+/// What a slot holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SlotState {
+    /// Nothing.
+    #[default]
+    Blank,
+    /// A package that was begun and not finished.
+    Unfinished,
+    /// A whole one that passed every check.
+    Sound {
+        /// Its version.
+        version: u32,
+    },
+    /// A whole one that was refused when the controller looked for its models.
+    Refused,
+}
+
 /// How an update stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UpdateStatus {
     /// The networks in use.
     pub running: ModelSource,
@@ -117,6 +136,10 @@ pub struct UpdateStatus {
     pub altered: u16,
     /// Whether the firmware trusts the published development key: good for trying, for nothing else.
     pub development_key: bool,
+    /// The slots.
+    pub slots: [SlotState; 2],
+    /// The package refused last.
+    pub last_refusal: Option<RefusedPackage>,
 }
 
 /// An update that has begun.

@@ -1,13 +1,19 @@
 //! Properties of the wire format: what goes in comes out, and nothing else does.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use link::start::{FaultKind, FaultRecord, ResetReason, StackReport, StartReport};
+use link::start::{
+    FaultKind, FaultRecord, PARTIES, Presence, ResetReason, StackReport, StartReport, SupervisorReport,
+};
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, MonitorField, SensorHealth, SensorStatus};
+use link::update::{
+    ModelMemory, ModelSource, Receiving, RefusedPackage, SlotState, UpdateAnswer, UpdateRefusal, UpdateStatus,
+};
 use link::{
     Acknowledgement, Answer, BuildId, Calibration, ClockSource, Command, Configuration, Configured,
-    ControllerConfiguration, Counters, Decoder, EstimateFrame, Fault, Field, FrameError, Hello, Limits,
-    MAGIC, MAX_FRAME, MAX_REASONS, ModelId, NumberedCommand, NumberedEstimate, OutOfRange, PROTOCOL_VERSION,
-    Reasons, Refused, SensorFrame, SlowFrame, SlowReport, State, Target, ToController, ToHost, encode,
+    ControllerConfiguration, Counters, Decoder, EstimateFrame, Fault, Field, FrameError, Hello, InputRange,
+    Limits, MAGIC, MAX_FRAME, MAX_REASONS, ModelId, NumberedCommand, NumberedEstimate, OutOfRange,
+    PROTOCOL_VERSION, Reasons, Refused, ReportKind, SensorFrame, SlowFrame, SlowReport, State, Target,
+    ToController, ToHost, Wiring, encode,
 };
 use proptest::prelude::*;
 
@@ -41,6 +47,7 @@ fn configuration() -> impl Strategy<Value = ControllerConfiguration> {
             stuck_samples: counts[1],
             slow_every: counts[2],
         };
+        configuration.wiring = wiring(words[4], counts[2]);
         configuration
     })
 }
@@ -52,6 +59,22 @@ fn monitor(value: u32) -> MonitorConfiguration {
     postcard::take_from_bytes(bytes).unwrap().0
 }
 
+fn wiring(word: u32, half: u16) -> Wiring {
+    Wiring {
+        probe_inputs: [half as u8; 2],
+        load_input: half as u8,
+        probe_range: InputRange::Bipolar2V5,
+        load_range: InputRange::Unipolar10V,
+        probe_gain_nm_v: [word as i32, !word as i32],
+        centre_gap_um: [half; 2],
+        first_probe_centidegrees: half as i16,
+        shunt_deciohm: half,
+        transmitter_range_kpa: word,
+        piston_mm2: word,
+        sample_at_start: half.is_multiple_of(2),
+    }
+}
+
 fn command() -> impl Strategy<Value = Command> {
     prop_oneof![
         configuration().prop_map(Command::Configure),
@@ -61,6 +84,7 @@ fn command() -> impl Strategy<Value = Command> {
         Just(Command::ClearTrip),
         Just(Command::Stop),
         Just(Command::SampleYourself),
+        prop::sample::select(ReportKind::ALL.to_vec()).prop_map(Command::GetReport),
     ]
 }
 
@@ -183,6 +207,38 @@ proptest! {
     }
 }
 
+/// Every field as long as it can be.
+fn longest_monitor() -> MonitorConfiguration {
+    let (all, half) = (u32::MAX, u16::MAX);
+    MonitorConfiguration {
+        mass_g: all,
+        inertia_g_m2: all,
+        drive_lever_um: all,
+        load_lever_um: all,
+        crank_vertical_nrad: i32::MIN,
+        effective_modulus_kpa: all,
+        damping_per_mille: all,
+        stiffness_deviation_per_mille: half,
+        inertia_deviation_per_mille: half,
+        mass_deviation_per_mille: half,
+        lever_deviation_ppht: half,
+        offset_deviation_nm: all,
+        journal_noise_nm: half,
+        journal_noise_limit_nm: all,
+        angle_noise_limit_nrad: all,
+        load_noise_limit_mn: all,
+        load_stuck_samples: all,
+        journal_rail_nm: all,
+        load_rail_mn: all,
+        envelope_per_mille: all,
+        envelope_floor_mn: all,
+        recovery_samples: all,
+        lost_samples: all,
+        wear_limit_nm: all,
+        wear_hysteresis_nm: all,
+    }
+}
+
 #[test]
 fn the_longest_answers_fit_into_a_frame() {
     let all = u32::MAX;
@@ -202,6 +258,7 @@ fn the_longest_answers_fit_into_a_frame() {
         repeated_commands: all,
         refused_commands: all,
         dropped_bytes: all,
+        line_errors: link::LineErrors { overruns: all, framing: all, noise: all },
         bad_frames: link::BadFrames { cobs: all, crc: all, overlong: all, unknown: all },
     };
     let bench = Configuration {
@@ -223,7 +280,12 @@ fn the_longest_answers_fit_into_a_frame() {
     let configuration = ControllerConfiguration {
         calibration: [calibration; CHANNELS],
         limits,
-        ..ControllerConfiguration::new(bench, monitor(all))
+        wiring: Wiring {
+            probe_gain_nm_v: [i32::MIN; 2],
+            first_probe_centidegrees: i16::MIN,
+            ..wiring(all, u16::MAX)
+        },
+        ..ControllerConfiguration::new(bench, longest_monitor())
     };
     let (min, max) = (i64::from(i32::MIN), i64::from(all));
     let reason = OutOfRange { field: Field::Monitor(MonitorField::WearHysteresis), found: min, min, max };
@@ -234,6 +296,29 @@ fn the_longest_answers_fit_into_a_frame() {
     assert_eq!((usize::from(reasons.count), reasons.iter().count()), (MAX_REASONS + 3, MAX_REASONS));
     let counts = ChannelCounts { missing: all, saturated: all, stuck: all, noisy: all, jumped: all };
     let health = SensorHealth { channels: [counts; CHANNELS], ..SensorHealth::default() };
+    let presence = Presence { expected: true, away_us: all, longest_us: all, period_us: all };
+    let supervisor = SupervisorReport {
+        uptime_us: all,
+        parties: [presence; PARTIES.len()],
+        start: StartReport { reason: ResetReason::Starved, fault: Some(record()) },
+        stack: StackReport { reserved_bytes: all, used_bytes: all },
+    };
+    let models = UpdateStatus {
+        running: ModelSource::Slot { slot: 1, version: all, hash: [255; 4] },
+        memory: ModelMemory::Volatile,
+        capacity: all,
+        receiving: Some(Receiving { version: all, next_offset: all, length: all }),
+        refused: u16::MAX,
+        altered: u16::MAX,
+        development_key: true,
+        slots: [SlotState::Sound { version: all }; 2],
+        last_refusal: Some(RefusedPackage {
+            number: u16::MAX,
+            slot: Some(1),
+            version: all,
+            reason: UpdateRefusal::TooLong { found: all, most: all },
+        }),
+    };
     let slow = |report| ToHost::Slow(SlowFrame { number: all, sequence: all, state: State::Tripped, report });
     let outcomes = [
         Ok(Answer::Configured(Configured {
@@ -243,6 +328,8 @@ fn the_longest_answers_fit_into_a_frame() {
         })),
         Ok(Answer::Configuration(Some(configuration))),
         Ok(Answer::Stopped(counters)),
+        Ok(Answer::Report(SlowReport::Sensors(health))),
+        Ok(Answer::Report(SlowReport::Supervisor(supervisor))),
         Err(Refused::Configuration(reasons)),
         Err(Refused::OutOfOrder { expected: all }),
     ];
@@ -253,6 +340,15 @@ fn the_longest_answers_fit_into_a_frame() {
             ToHost::Hello(hello(PROTOCOL_VERSION)),
             slow(SlowReport::Counters(counters)),
             slow(SlowReport::Sensors(health)),
+            slow(SlowReport::Supervisor(supervisor)),
+            slow(SlowReport::Models(models)),
+            slow(SlowReport::Estimate(link::EstimateLayout([255; 3], [[255; 4]; 11]))),
+            slow(SlowReport::Sample(SensorFrame {
+                sequence: all,
+                journal_y_nm: i32::MIN,
+                ..SensorFrame::default()
+            })),
+            ToHost::Update(UpdateAnswer::Status(models)),
             ToHost::Fault(Fault::BadFrame(FrameError::OtherVersion { found: 255 })),
         ]);
     for answer in answers {
@@ -261,8 +357,6 @@ fn the_longest_answers_fit_into_a_frame() {
     let command =
         ToController::Command(NumberedCommand { id: all, command: Command::Configure(configuration) });
     assert_eq!(decode_all::<ToController>(&mut Decoder::new(), &frame(&command)), [Ok(command)]);
-    // The monitor's fields were of 3 bytes here; the longest are of 5.
-    assert!(frame(&command).len() + 2 * (size_of::<MonitorConfiguration>() / 4) <= MAX_FRAME);
 }
 
 #[test]

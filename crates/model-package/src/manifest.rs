@@ -26,6 +26,8 @@ use crate::self_test::RECORD_LENGTH;
 pub mod board {
     /// STM32F405: the boards and the emulator alike.
     pub const STM32F405: u16 = 0x0405;
+    /// Arm MPS2+ with image AN505.
+    pub const MPS2_AN505: u16 = 0x0505;
 }
 
 /// Magic of a package.

@@ -2,11 +2,12 @@
 //!
 //! | task | priority | does |
 //! |---|---|---|
-//! | `received` | 3 | the serial port: keeps the bytes that come in |
 //! | `tick` | 2 | SysTick: reviews who has checked in and kicks the watchdog; paced (10 kHz) it takes the link's next sample, or one of the board's own sensors, estimates, queues the answer |
+//! | `received` | 1 | the serial port: counts what it received wrongly; without DMA also keeps the bytes that come in |
 //! | `idle` | 0 | the link: frames in, commands, answers out; the self-test; the stack's mark |
 //!
-//! Deadline: a tick's work must end before the next tick; the session watches it.
+//! Deadline: a tick's work must end before the next tick; the session watches it. Nothing that comes in preempts it: on silicon DMA
+//! keeps the bytes, in the emulator they wait for their interrupt. What finds no room is lost and counted.
 //!
 //! In the emulator's lockstep a frame is a tick: `idle` estimates itself, with SysTick's task shut out by the session's lock, so the
 //! instruction count of a tick repeats exactly.
@@ -22,8 +23,8 @@ fn main() {
 mod app {
     use core::sync::atomic::{AtomicU32, Ordering};
     use firmware::boards::{
-        Board, Light, Link, Memory, Receiver, Sensors, Storage, Timer, Watchdog, advance_uptime, check_in,
-        give_up, leave, stack_mark, stack_used, start,
+        Board, Inbox, Light, Link, Memory, PACKAGES_FOR, Receiver, Sensors, Storage, Timer, Watchdog,
+        advance_uptime, check_in, give_up, leave, stack_mark, stack_used, start, uptime_us,
     };
     use firmware::store::{Keeper, Store, key};
     use firmware::supervisor::light::{lit, shown};
@@ -33,14 +34,13 @@ mod app {
     use firmware::{NoTicks, Session};
     use heapless::Deque;
     use heapless::spsc::{Consumer, Producer, Queue};
-    use link::start::{FaultKind, StartReport};
+    use link::start::{FaultKind, PARTIES, Presence, StartReport};
     use link::track::SensorStatus;
-    use link::update::UpdateRequest;
+    use link::update::{UpdateAnswer, UpdateRequest};
     use link::{
-        CONFIGURATION_VERSION, Decoder, ESTIMATE_FRAME, MAX_FRAME, SensorFrame, State, ToController, ToHost,
-        encode,
+        CONFIGURATION_VERSION, Decoder, ESTIMATE_FRAME, LineErrors, MAX_FRAME, SensorFrame, State,
+        ToController, ToHost, encode,
     };
-    use model_package::board::STM32F405;
 
     /// Room for received bytes: more than a tick's worth at the line speed.
     const BYTES: usize = 256;
@@ -51,6 +51,10 @@ mod app {
 
     /// Received bytes that found no room.
     static DROPPED_BYTES: AtomicU32 = AtomicU32::new(0);
+    /// What the port itself found wrong.
+    static OVERRUNS: AtomicU32 = AtomicU32::new(0);
+    static FRAMING: AtomicU32 = AtomicU32::new(0);
+    static NOISE: AtomicU32 = AtomicU32::new(0);
 
     #[shared]
     struct Shared {
@@ -58,6 +62,7 @@ mod app {
         samples: Deque<(SensorFrame, SensorStatus), SAMPLES>,
         estimates: Deque<[u8; ESTIMATE_FRAME], SAMPLES>,
         attendance: Attendance,
+        sensors: Option<Sensors>,
     }
 
     #[local]
@@ -68,9 +73,9 @@ mod app {
         receiver: Receiver,
         bytes_in: Producer<'static, u8>,
         bytes: Consumer<'static, u8>,
+        inbox: Inbox,
         watchdog: Watchdog,
         light: Light,
-        sensors: Option<Sensors>,
         start: StartReport,
         paced: bool,
         background: Background,
@@ -91,15 +96,26 @@ mod app {
 
     #[init(local = [byte_queue: Queue<u8, BYTES> = Queue::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let Board { identity, start, link, receiver, timer, watchdog, light, attendance, storage, sensors } =
-            start(cx.core, cx.device);
+        let Board {
+            identity,
+            start,
+            link,
+            receiver,
+            inbox,
+            timer,
+            watchdog,
+            light,
+            attendance,
+            storage,
+            sensors,
+        } = start(cx.core, cx.device);
         let (bytes_in, bytes) = cx.local.byte_queue.split();
         let mut session = Session::new(identity);
         session.report_start(start);
         let mut mark = stack_mark();
         session.report_stack(stack_used(&mut mark));
         let Storage { slots, places } = storage;
-        let (store, models) = Store::start(slots, STM32F405, key::KEY);
+        let (store, models) = Store::start(slots, PACKAGES_FOR, key::KEY);
         session.switch(models);
         let keeper = Keeper::start(places);
         // From here on both are expected; sampling and inference once there is something to estimate.
@@ -109,7 +125,7 @@ mod app {
         session.report_sensors(paced && sensors.is_some());
         defmt::info!("started, core at {=u32} Hz", identity.core_hz);
         (
-            Shared { session, samples: Deque::new(), estimates: Deque::new(), attendance },
+            Shared { session, samples: Deque::new(), estimates: Deque::new(), attendance, sensors },
             Local {
                 link,
                 idle_timer: timer,
@@ -117,9 +133,9 @@ mod app {
                 receiver,
                 bytes_in,
                 bytes,
+                inbox,
                 watchdog,
                 light,
-                sensors,
                 start,
                 paced,
                 background: Background { self_test: SelfTest::new(), mark },
@@ -128,18 +144,23 @@ mod app {
         )
     }
 
-    /// Keeps what the serial port received; a byte without room is lost, counted, and its frame fails its check.
-    #[task(binds = SERIAL, priority = 3, local = [receiver, bytes_in])]
+    /// Counts what the serial port received wrongly and keeps the byte, where bytes come by interrupt; one without room is lost, counted, and
+    /// its frame fails its check.
+    #[task(binds = SERIAL, priority = 1, local = [receiver, bytes_in])]
     fn received(cx: received::Context) {
-        if let Some(byte) = cx.local.receiver.fetch() {
-            if cx.local.bytes_in.enqueue(byte).is_err() {
-                DROPPED_BYTES.fetch_add(1, Ordering::Relaxed);
-            }
+        let came = cx.local.receiver.fetch();
+        if let Some(byte) = came.byte
+            && cx.local.bytes_in.enqueue(byte).is_err()
+        {
+            DROPPED_BYTES.fetch_add(1, Ordering::Relaxed);
         }
+        OVERRUNS.fetch_add(came.errors.overruns, Ordering::Relaxed);
+        FRAMING.fetch_add(came.errors.framing, Ordering::Relaxed);
+        NOISE.fetch_add(came.errors.noise, Ordering::Relaxed);
     }
 
     /// One timer tick: the supervisor's review, and on the serial link one sample period.
-    #[task(binds = SysTick, priority = 2, local = [tick_timer, watchdog, light, sensors, start, paced], shared = [session, samples, estimates, &attendance])]
+    #[task(binds = SysTick, priority = 2, local = [tick_timer, watchdog, light, start, paced], shared = [session, samples, estimates, sensors, &attendance])]
     fn tick(cx: tick::Context) {
         let now_us = advance_uptime();
         let attendance = cx.shared.attendance;
@@ -147,8 +168,8 @@ mod app {
             Verdict::Kick => cx.local.watchdog.kick(),
             Verdict::Starved { missing } => give_up(FaultKind::Starved { missing }),
         }
-        let running = (cx.shared.session, cx.shared.samples, cx.shared.estimates).lock(
-            |session, samples, estimates| {
+        let running = (cx.shared.session, cx.shared.samples, cx.shared.estimates, cx.shared.sensors).lock(
+            |session, samples, estimates, sensors| {
                 let running = session.state() == State::Running;
                 if !*cx.local.paced {
                     return running;
@@ -156,7 +177,7 @@ mod app {
                 check_in(attendance, Party::Sampling);
                 let came = samples.pop_front();
                 let timer = cx.local.tick_timer;
-                let estimate = match (cx.local.sensors, came) {
+                let estimate = match (sensors, came) {
                     (Some(sensors), came) if session.samples_itself() => {
                         if came.is_some() {
                             session.count_dropped_sample();
@@ -184,7 +205,7 @@ mod app {
     }
 
     /// The link.
-    #[idle(local = [link, idle_timer, bytes, background, kept], shared = [session, samples, estimates, &attendance])]
+    #[idle(local = [link, idle_timer, bytes, inbox, background, kept], shared = [session, samples, estimates, sensors, &attendance])]
     fn idle(mut cx: idle::Context) -> ! {
         let mut decoder = Decoder::new();
         let attendance = cx.shared.attendance;
@@ -194,6 +215,11 @@ mod app {
         // Here and not in `init`, on whose large frame it would come on top.
         if let Some(configuration) = kept.keeper.value(CONFIGURATION_VERSION.into()) {
             let _ = cx.shared.session.lock(|session| session.configure(&configuration));
+            rewire(&mut cx.shared.session, &mut cx.shared.sensors);
+            if configuration.wiring.sample_at_start {
+                // A refusal is a board without sensors, or a bench of another period.
+                let _ = cx.shared.session.lock(Session::sample_itself);
+            }
         }
         // Unasked: a host that was in the middle of a run learns of the restart.
         let hello = cx.shared.session.lock(|session| session.hello(0));
@@ -212,6 +238,7 @@ mod app {
                     if came.is_empty() {
                         leave();
                     }
+                    let parties = attendance.look(uptime_us());
                     check_in(attendance, Party::Link);
                     for &byte in came {
                         let Some(message) = decoder.push::<ToController>(byte) else { continue };
@@ -234,8 +261,12 @@ mod app {
                                 }
                             }
                             Ok(message) => {
+                                tell(&mut cx.shared.session, &mut cx.shared.sensors, parties, &kept.store);
                                 keep(&mut kept.keeper, &message, &mut cx.shared.session);
-                                Some(cx.shared.session.lock(|session| session.handle(&message, &mut NoTicks)))
+                                let answer =
+                                    cx.shared.session.lock(|session| session.handle(&message, &mut NoTicks));
+                                rewire(&mut cx.shared.session, &mut cx.shared.sensors);
+                                Some(answer)
                             }
                             Err(error) => Some(cx.shared.session.lock(|session| session.bad_frame(error))),
                         };
@@ -243,8 +274,11 @@ mod app {
                             send(&answer, |bytes| files.write(bytes));
                         }
                         replace_altered(&mut kept.store, &mut cx.shared.session);
-                        if let Some(report) = cx.shared.session.lock(Session::slow) {
-                            send(&report, |bytes| files.write(bytes));
+                        if cx.shared.session.lock(|session| session.slow_is_due()) {
+                            tell(&mut cx.shared.session, &mut cx.shared.sensors, parties, &kept.store);
+                            if let Some(report) = cx.shared.session.lock(Session::slow) {
+                                send(&report, |bytes| files.write(bytes));
+                            }
                         }
                         frames = frames.wrapping_add(1);
                         if frames % FRAMES_A_STEP == 0 {
@@ -256,10 +290,12 @@ mod app {
                 }
             }
             Link::Serial(port) => loop {
+                let parties = attendance.look(uptime_us());
                 check_in(attendance, Party::Link);
                 // A bounded number of bytes and one answer at most, so that a flood does not keep the estimates waiting.
                 for _ in 0..BYTES {
-                    let Some(byte) = cx.local.bytes.dequeue() else { break };
+                    let byte = cx.local.inbox.take().or_else(|| cx.local.bytes.dequeue());
+                    let Some(byte) = byte else { break };
                     let answer = match decoder.push::<ToController>(byte) {
                         None => continue,
                         Some(Ok(ToController::Sensor(frame, status))) => {
@@ -272,8 +308,12 @@ mod app {
                             update(&mut kept.store, &request, &mut cx.shared.session)
                         }
                         Some(Ok(command)) => {
+                            tell(&mut cx.shared.session, &mut cx.shared.sensors, parties, &kept.store);
                             keep(&mut kept.keeper, &command, &mut cx.shared.session);
-                            cx.shared.session.lock(|session| session.handle(&command, &mut NoTicks))
+                            let answer =
+                                cx.shared.session.lock(|session| session.handle(&command, &mut NoTicks));
+                            rewire(&mut cx.shared.session, &mut cx.shared.sensors);
+                            answer
                         }
                         Some(Err(error)) => cx.shared.session.lock(|session| session.bad_frame(error)),
                     };
@@ -287,18 +327,31 @@ mod app {
                         cx.shared.session.lock(Session::count_dropped_estimate);
                     }
                 }
-                let report = cx.shared.session.lock(|session| {
-                    session.dropped_bytes(DROPPED_BYTES.load(Ordering::Relaxed));
-                    session.slow()
+                let is_due = cx.shared.session.lock(|session| {
+                    let dropped = DROPPED_BYTES.load(Ordering::Relaxed);
+                    session.report_line(dropped.saturating_add(cx.local.inbox.lost()), line_errors());
+                    session.slow_is_due()
                 });
-                if let Some(report) = report
-                    && !send(&report, |bytes| port.write(bytes))
-                {
-                    cx.shared.session.lock(Session::count_dropped_answer);
+                if is_due {
+                    tell(&mut cx.shared.session, &mut cx.shared.sensors, parties, &kept.store);
+                    if let Some(report) = cx.shared.session.lock(Session::slow)
+                        && !send(&report, |bytes| port.write(bytes))
+                    {
+                        cx.shared.session.lock(Session::count_dropped_answer);
+                    }
                 }
                 replace_altered(&mut kept.store, &mut cx.shared.session);
                 go_on(background, attendance, |stack| cx.shared.session.lock(|s| s.report_stack(stack)));
             },
+        }
+    }
+
+    /// What the port found wrong so far.
+    fn line_errors() -> LineErrors {
+        LineErrors {
+            overruns: OVERRUNS.load(Ordering::Relaxed),
+            framing: FRAMING.load(Ordering::Relaxed),
+            noise: NOISE.load(Ordering::Relaxed),
         }
     }
 
@@ -323,10 +376,42 @@ mod app {
     ) -> ToHost {
         let estimating = session.lock(|session| session.state() != State::Waiting);
         let served = store.serve(request, estimating);
+        if let UpdateAnswer::Refused(_) = served.answer {
+            defmt::warn!(
+                "request about models refused; packages refused so far: {=u16}",
+                store.status().refused
+            );
+        }
         if let Some(models) = served.models {
             session.lock(|session| session.switch(models));
         }
         ToHost::Update(served.answer)
+    }
+
+    /// Gives the board's sensors the wiring of a configuration that has just been accepted.
+    fn rewire(
+        session: &mut impl rtic::Mutex<T = Session>,
+        sensors: &mut impl rtic::Mutex<T = Option<Sensors>>,
+    ) {
+        if let Some(wiring) = session.lock(Session::take_wiring) {
+            sensors.lock(|sensors| {
+                if let Some(sensors) = sensors {
+                    sensors.rewire(wiring);
+                }
+            });
+        }
+    }
+
+    /// Tells the session what it reports of others: who has checked in, how the models stand.
+    fn tell(
+        session: &mut impl rtic::Mutex<T = Session>,
+        sensors: &mut impl rtic::Mutex<T = Option<Sensors>>,
+        parties: [Presence; PARTIES.len()],
+        store: &Store<Memory>,
+    ) {
+        let models = store.status();
+        let sample = sensors.lock(|sensors| sensors.as_ref().map(Sensors::latest));
+        session.lock(|session| session.report_beside(uptime_us(), parties, models, sample));
     }
 
     /// Keeps the configuration if that is what a message wants, before the session answers it.

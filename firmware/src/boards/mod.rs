@@ -13,6 +13,7 @@
 //! silicon.
 
 pub mod pins;
+pub mod ring;
 
 macro_rules! on_target {
     ($($item:item)*) => { $(#[cfg(all(target_os = "none", feature = "board"))] $item)* };
@@ -33,9 +34,9 @@ on_target! {
     mod stm32f405;
 
     #[cfg(feature = "mps2-an505")]
-    pub use mps2_an505::{Light, Receiver, Sensors, Transmitter, Watchdog, device, start};
+    pub use mps2_an505::{Inbox, Light, PACKAGES_FOR, Receiver, Sensors, Transmitter, Watchdog, device, start};
     #[cfg(feature = "stm32f405")]
-    pub use stm32f405::{Light, Receiver, Sensors, Transmitter, Watchdog, device, start};
+    pub use stm32f405::{Inbox, Light, PACKAGES_FOR, Receiver, Sensors, Transmitter, Watchdog, device, start};
 
     #[cfg(feature = "provoke")]
     mod provoke;
@@ -81,6 +82,15 @@ on_target! {
         Serial(Transmitter),
     }
 
+    /// What the serial port's interrupt finds.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Came {
+        /// A byte, where bytes come by interrupt.
+        pub byte: Option<u8>,
+        /// Each 1 or 0.
+        pub errors: link::LineErrors,
+    }
+
     /// The started board.
     pub struct Board {
         /// What to say in the greeting.
@@ -91,6 +101,8 @@ on_target! {
         pub link: Link,
         /// The serial port's receiving half, for its interrupt.
         pub receiver: Receiver,
+        /// What comes in without interrupts, for the link's loop.
+        pub inbox: Inbox,
         /// The counter of a tick's work.
         pub timer: Timer,
         /// The hardware's watchdog, running.

@@ -8,10 +8,14 @@
 use cortex_m_rt as _;
 use link::start::ResetReason;
 use link::track::SensorStatus;
-use link::{BuildId, ClockSource, SensorFrame, Target};
+use link::{BuildId, ClockSource, LineErrors, SensorFrame, Target};
 
-use super::{BUILD_ID, Board, Files, Link, Storage, Timer, fault, guard, timer};
+use super::{BUILD_ID, Board, Came, Files, Link, Storage, Timer, fault, guard, timer};
+use crate::sensors::Wiring;
 use crate::session::Identity;
+
+/// The board that model packages must be made for.
+pub const PACKAGES_FOR: u16 = model_package::board::MPS2_AN505;
 
 /// The system clock, Hz, from which SysTick counts.
 const CORE_HZ: u32 = 20_000_000;
@@ -119,12 +123,34 @@ macro_rules! register {
 pub struct Receiver(());
 
 impl Receiver {
-    /// The byte that has come, if one has.
-    pub fn fetch(&mut self) -> Option<u8> {
+    /// What has come. This port knows of overruns only.
+    pub fn fetch(&mut self) -> Came {
         const RECEIVED: u32 = 1 << 1;
+        const OVERRUN: u32 = 1 << 3;
         write(register!(interrupt), RECEIVED);
-        let full = read(register!(state)) & RECEIVED != 0;
-        full.then(|| read(register!(data)).to_le_bytes()).map(|[byte, ..]| byte)
+        let state = read(register!(state));
+        let overruns = u32::from(state & OVERRUN != 0);
+        if overruns != 0 {
+            write(register!(state), OVERRUN);
+        }
+        let full = state & RECEIVED != 0;
+        let byte = full.then(|| read(register!(data)).to_le_bytes()).map(|[byte, ..]| byte);
+        Came { byte, errors: LineErrors { overruns, ..LineErrors::default() } }
+    }
+}
+
+/// Nothing comes in without interrupts.
+pub struct Inbox(());
+
+impl Inbox {
+    /// No byte.
+    pub fn take(&mut self) -> Option<u8> {
+        None
+    }
+
+    /// None.
+    pub fn lost(&self) -> u32 {
+        0
     }
 }
 
@@ -159,6 +185,16 @@ pub enum Sensors {}
 
 impl Sensors {
     /// Never called.
+    pub fn latest(&self) -> SensorFrame {
+        match *self {}
+    }
+
+    /// Never called.
+    pub fn rewire(&mut self, _wiring: Wiring) {
+        match *self {}
+    }
+
+    /// Never called.
     pub fn sample(&mut self, _time_us: u32) -> (SensorFrame, SensorStatus) {
         match *self {}
     }
@@ -183,7 +219,7 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
     write(register!(control), CONTROL);
     let files = Files::open();
     let paced = files.is_none();
-    let timer = Timer::start(core.SYST, core.DCB, core.DWT, CORE_HZ, paced);
+    let timer = Timer::start(core.SYST, core.DCB, core.DWT, CORE_HZ, Target::Emulator, paced);
     let identity = Identity {
         build_id: BuildId::new(BUILD_ID),
         target: Target::Emulator,
@@ -195,6 +231,7 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
         start,
         link: files.map_or(Link::Serial(Transmitter(())), Link::Files),
         receiver: Receiver(()),
+        inbox: Inbox(()),
         timer,
         watchdog: Watchdog(()),
         light: Light(()),

@@ -14,7 +14,7 @@ use stm32f4xx_hal::rcc::RccExt;
 
 pub use light::Light;
 pub use sensors::Sensors;
-pub use serial::{Receiver, Transmitter};
+pub use serial::{Inbox, Receiver, Transmitter};
 pub use watchdog::Watchdog;
 
 use super::{BOARD, BUILD_ID, Board, Files, Link, Storage, Timer, fault, guard, timer};
@@ -46,6 +46,9 @@ pub mod device {
     }
 }
 
+/// The board that model packages must be made for.
+pub const PACKAGES_FOR: u16 = model_package::board::STM32F405;
+
 /// SysTick's frequency on the emulator, Hz, whatever the clock registers say.
 const EMULATOR_HZ: u32 = 168_000_000;
 
@@ -71,6 +74,7 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
     let files = if target == Target::Emulator { Files::open() } else { None };
 
     device.RCC.apb2enr().modify(|_, w| w.usart6en().set_bit());
+    device.RCC.ahb1enr().modify(|_, w| w.dma2en().set_bit());
     device.RCC.apb1enr().modify(|_, w| w.spi2en().set_bit());
     let bus_hz = match clocks.source {
         ClockSource::PllCrystal | ClockSource::PllInternal => clocks.core_hz / 2,
@@ -94,16 +98,17 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
         (port_b.pb8.into_push_pull_output_in_state(PinState::High), Divider::Eight),
     );
     let sensors = sensors::sampler(converter, encoder);
-    serial::set_up(&device.USART6, bus_hz);
-    let (receiver, transmitter) = serial::split(device.USART6);
+    // The emulator has no DMA.
+    let (receiver, inbox, transmitter) =
+        serial::set_up(device.USART6, device.DMA2, bus_hz, target == Target::Silicon);
 
     let paced = files.is_none();
-    let timer = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, paced);
+    let timer = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, target, paced);
     let identity =
         Identity { build_id: BuildId::new(BUILD_ID), target, clock: clocks.source, core_hz: clocks.core_hz };
     let link = files.map_or(Link::Serial(transmitter), Link::Files);
     // The emulator ignores stores to flash.
     let storage = if target == Target::Silicon { Storage::in_flash() } else { Storage::in_ram() };
     let attendance = timer::attendance(paced);
-    Board { identity, start, link, receiver, timer, watchdog, light, attendance, storage, sensors }
+    Board { identity, start, link, receiver, inbox, timer, watchdog, light, attendance, storage, sensors }
 }

@@ -1,18 +1,22 @@
 //! Time: SysTick paces the loop, and something counts the work of a tick.
 //!
-//! | where | SysTick | count |
-//! |---|---|---|
-//! | silicon, or serial link | 10 kHz | the core's cycle counter |
-//! | emulator, lockstep | full 24 bits: 10 Hz | SysTick itself, wrap removed |
+//! | where | SysTick | count | from |
+//! |---|---|---|---|
+//! | silicon | 10 kHz | the core's cycle counter | the timer's tick |
+//! | emulator, serial link | 10 kHz | SysTick itself: less than a period | the timer's tick |
+//! | emulator, lockstep | full 24 bits: 10 Hz | SysTick itself, wrap removed | the begin of the work |
+//!
+//! Paced, the count begins when the tick was due, so that whatever delays it counts as its work.
 //!
 //! In lockstep nothing is paced: a frame is a tick. SysTick still runs, because the emulator stops without an active timer. With
 //! `-icount shift=6` an instruction takes 64 ns, which SysTick at 168 MHz sees as 10.752 ticks; work of up to 1.5 million instructions is
-//! counted right. The emulator has no cycle counter; there the count over the serial link is 0.
+//! counted right. The emulator has no cycle counter.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DCB, DWT, SYST};
+use link::Target;
 
 use crate::session::{OWN_PERIOD_US, TickSource};
 use crate::supervisor::{Attendance, Periods};
@@ -64,13 +68,21 @@ pub(super) const fn attendance(paced: bool) -> Attendance {
 pub enum Timer {
     /// SysTick's 24 bits, counting down.
     SysTick,
-    /// The core's cycle counter.
-    Cycles,
+    /// SysTick from where it begins to count down.
+    Due {
+        /// Where that is.
+        reload: u32,
+    },
+    /// The core's cycle counter, from where SysTick began to count down.
+    Cycles {
+        /// Where that is.
+        reload: u32,
+    },
 }
 
 impl Timer {
     /// Starts SysTick and the cycle counter.
-    pub(super) fn start(mut syst: SYST, mut dcb: DCB, mut dwt: DWT, core_hz: u32, paced: bool) -> Self {
+    pub(super) fn start(mut syst: SYST, mut dcb: DCB, mut dwt: DWT, core_hz: u32, target: Target, paced: bool) -> Self {
         let reload = if paced { (core_hz / TICKS_PER_SECOND).saturating_sub(1) } else { FULL };
         let period_us = u64::from(reload).saturating_add(1).saturating_mul(1_000_000).checked_div(core_hz.into());
         PERIOD_US.store(period_us.and_then(|us| us.try_into().ok()).unwrap_or(u32::MAX), Ordering::Relaxed);
@@ -81,7 +93,11 @@ impl Timer {
         syst.enable_interrupt();
         dcb.enable_trace();
         dwt.enable_cycle_counter();
-        if paced { Self::Cycles } else { Self::SysTick }
+        match (paced, target) {
+            (false, _) => Self::SysTick,
+            (true, Target::Silicon) => Self::Cycles { reload },
+            (true, _) => Self::Due { reload },
+        }
     }
 }
 
@@ -89,14 +105,18 @@ impl TickSource for Timer {
     fn start(&mut self) -> u32 {
         match self {
             Self::SysTick => SYST::get_current(),
-            Self::Cycles => DWT::cycle_count(),
+            Self::Due { reload } => *reload,
+            Self::Cycles { reload } => {
+                let late = reload.wrapping_sub(SYST::get_current());
+                DWT::cycle_count().wrapping_sub(late)
+            }
         }
     }
 
     fn since(&mut self, start: u32) -> u32 {
         match self {
-            Self::SysTick => start.wrapping_sub(SYST::get_current()) & FULL,
-            Self::Cycles => DWT::cycle_count().wrapping_sub(start),
+            Self::SysTick | Self::Due { .. } => start.wrapping_sub(SYST::get_current()) & FULL,
+            Self::Cycles { .. } => DWT::cycle_count().wrapping_sub(start),
         }
     }
 }

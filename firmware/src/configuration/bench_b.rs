@@ -26,6 +26,7 @@ pub const BENCH_B: ControllerConfiguration = ControllerConfiguration::new(
         inertia_deviation_per_mille: 50,
         lever_deviation_ppht: 300,
         offset_deviation_nm: 200,
+        journal_noise_nm: 200,
         journal_noise_limit_nm: 2_000,
         angle_noise_limit_nrad: 200_000,
         load_noise_limit_mn: 200_000,

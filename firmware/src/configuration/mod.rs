@@ -4,10 +4,12 @@
 mod bench_b;
 mod calibration;
 mod validate;
+mod wiring;
 
 pub use bench_b::BENCH_B;
 pub use calibration::Calibrator;
 pub use validate::validate;
+pub use wiring::wiring;
 
 use link::{ControllerConfiguration, crc32};
 

@@ -2,13 +2,11 @@
 
 use core::ops::RangeInclusive;
 
-use inference::Bearing;
 use link::track::SensorChannel;
 use link::{CONFIGURATION_VERSION, ControllerConfiguration, Field, OutOfRange, Reasons};
 
-use crate::estimator::{
-    CLEARANCE_RANGE_NM, JOURNAL_RADIUS_RANGE_NM, LATCH_FLOOR_RANGE_UM_S, SAMPLE_PERIOD_RANGE_US,
-};
+use super::wiring;
+use crate::estimator::bench_ranges;
 use crate::monitor::ranges;
 
 /// Offsets of a journal coordinate, nm: what a probe may be mounted off its place, 10 mm.
@@ -40,18 +38,11 @@ pub fn validate(configuration: &ControllerConfiguration) -> Result<(), Reasons> 
             reasons.add(OutOfRange { field, found, min: *range.start(), max: *range.end() });
         }
     };
-    let wide = |range: RangeInclusive<u32>| i64::from(*range.start())..=i64::from(*range.end());
     let version = i64::from(CONFIGURATION_VERSION);
     check(Field::Version, configuration.version.into(), version..=version);
-    let bench = &configuration.bench;
-    let bearings = Bearing::ALL.map(|bearing| i64::from(bearing.code()));
-    let last = bearings.iter().fold(0, |most, &code| if code > most { code } else { most });
-    check(Field::Bearing, bench.bearing.into(), 0..=last);
-    check(Field::RadialClearance, bench.radial_clearance_nm.into(), wide(CLEARANCE_RANGE_NM));
-    check(Field::JournalRadius, bench.journal_radius_nm.into(), wide(JOURNAL_RADIUS_RANGE_NM));
-    check(Field::SamplePeriod, bench.sample_period_us.into(), wide(SAMPLE_PERIOD_RANGE_US));
-    check(Field::LatchFloor, bench.latch_floor_um_s.into(), wide(LATCH_FLOOR_RANGE_UM_S));
-    check(Field::UnseenApproach, bench.unseen_approach_um_s.into(), wide(LATCH_FLOOR_RANGE_UM_S));
+    for (field, found, range) in bench_ranges(&configuration.bench) {
+        check(field, found, range);
+    }
     for (channel, calibration) in SensorChannel::ALL.into_iter().zip(&configuration.calibration) {
         let offsets = match channel {
             SensorChannel::JournalY | SensorChannel::JournalZ => JOURNAL_OFFSET_RANGE_NM,
@@ -74,6 +65,9 @@ pub fn validate(configuration: &ControllerConfiguration) -> Result<(), Reasons> 
     check(Field::StuckSamples, limits.stuck_samples.into(), STUCK_RANGE_SAMPLES);
     if limits.slow_every != 0 {
         check(Field::SlowEvery, limits.slow_every.into(), SLOW_EVERY_RANGE);
+    }
+    for (field, found, range) in wiring::ranges(&configuration.wiring) {
+        check(Field::Wiring(field), found, range);
     }
     if reasons.count == 0 { Ok(()) } else { Err(reasons) }
 }

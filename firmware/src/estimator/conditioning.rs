@@ -9,6 +9,9 @@ use link::track::MonitorConfiguration;
 /// Masses that can be served, g: 1 kg to 4000 t. Outside, the masses count as unknown.
 pub const MASS_RANGE_G: core::ops::RangeInclusive<u32> = 1_000..=u32::MAX;
 
+/// Noise of a journal coordinate that can be served, nm: the observer's squares stay within 32 bits.
+pub const NOISE_RANGE_NM: core::ops::RangeInclusive<i64> = 10..=8_000;
+
 /// The masses that the contact force moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Masses {
@@ -64,7 +67,7 @@ impl Conditioning {
                 0 => default.damping_per_mille,
                 given => given,
             },
-            ..default
+            noise_nm: monitor.journal_noise_nm.into(),
         }
     }
 }

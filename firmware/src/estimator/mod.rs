@@ -38,16 +38,15 @@ mod signals;
 mod whole;
 mod window;
 
-use inference::{Bearing, ContactState, Flags, Model, Pair, Sample};
+use inference::{ContactState, Flags, Model, Pair, Sample};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
-pub use conditioning::{Conditioning, MASS_RANGE_G, Masses};
+pub use conditioning::{Conditioning, MASS_RANGE_G, Masses, NOISE_RANGE_NM};
 pub use geometry::{ContactFrame, DISTANCE_STEPS_PER_NM, POSITION_LIMIT_NM};
 pub use latch::Latch;
 pub use plausibility::{Findings, Limits, MAX_DEFORMATION_NM, Plausibility, STUCK_SAMPLES, SwingLimit};
-pub use setup::{
-    CLEARANCE_RANGE_NM, JOURNAL_RADIUS_RANGE_NM, LATCH_FLOOR_RANGE_UM_S, SAMPLE_PERIOD_RANGE_US, image_cause,
-};
+pub(crate) use setup::bearing_of;
+pub use setup::bench_ranges;
 pub use signals::{DEFORMATION_WINDOW, SHAFT_WINDOW, SWING_WINDOW, WINDOW};
 pub use window::{WideWindow, Window};
 
@@ -85,8 +84,7 @@ impl Estimator {
     ///
     /// A value of the configuration is out of range, or the image is damaged or made for another bearing.
     pub fn new(image: &'static [u8], configuration: Configuration) -> Result<Self, Refusal> {
-        let bearing = Bearing::from_code(configuration.bearing)
-            .ok_or(Refusal::UnknownBearing { found: configuration.bearing })?;
+        let bearing = bearing_of(&configuration)?;
         Self::conditioned(image, configuration, &Conditioning::of_bench(bearing))
     }
 

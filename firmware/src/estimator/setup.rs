@@ -2,19 +2,43 @@
 
 use core::ops::RangeInclusive;
 
-use inference::{Bearing, ImageError, Model};
-use link::{Configuration, Refusal};
+use inference::{Bearing, Model};
+use link::{Configuration, Field, OutOfRange, Refusal};
+use model_package::WRONG_BEARING;
 
 use super::geometry::DISTANCE_STEPS_PER_NM;
 
-/// Radial clearances that can be served, nm: 1 um to 5 mm. What the networks know is narrower; they flag the rest.
-pub const CLEARANCE_RANGE_NM: RangeInclusive<u32> = 1_000..=5_000_000;
-/// Journal radii that can be served, nm: 1 mm to 1 m.
-pub const JOURNAL_RADIUS_RANGE_NM: RangeInclusive<u32> = 1_000_000..=1_000_000_000;
-/// Sample periods that can be served, us: 50 us to 1 ms. The window is chosen for 100 us.
-pub const SAMPLE_PERIOD_RANGE_US: RangeInclusive<u32> = 50..=1_000;
-/// Latch floors and assumed approach speeds that can be served, um/s: 1 um/s to 1 m/s.
-pub const LATCH_FLOOR_RANGE_UM_S: RangeInclusive<u32> = 1..=1_000_000;
+/// Every field of a bench with its value and the values that are served.
+///
+/// | field | range |
+/// |---|---|
+/// | radial clearance | 1 um to 5 mm; what the networks know is narrower, they flag the rest |
+/// | journal radius | 1 mm to 1 m |
+/// | sample period | 50 us to 1 ms; the window is chosen for 100 us |
+/// | latch floor, approach speed of an onset not seen | 1 um/s to 1 m/s |
+#[must_use]
+pub fn bench_ranges(bench: &Configuration) -> [(Field, i64, RangeInclusive<i64>); 6] {
+    let speeds = 1..=1_000_000;
+    [
+        (Field::Bearing, bench.bearing.into(), bearings()),
+        (Field::RadialClearance, bench.radial_clearance_nm.into(), 1_000..=5_000_000),
+        (Field::JournalRadius, bench.journal_radius_nm.into(), 1_000_000..=1_000_000_000),
+        (Field::SamplePeriod, bench.sample_period_us.into(), 50..=1_000),
+        (Field::LatchFloor, bench.latch_floor_um_s.into(), speeds.clone()),
+        (Field::UnseenApproach, bench.unseen_approach_um_s.into(), speeds),
+    ]
+}
+
+fn bearings() -> RangeInclusive<i64> {
+    0..=Bearing::ALL.iter().fold(0, |most, bearing| most.max(i64::from(bearing.code())))
+}
+
+/// The bearing of a bench.
+pub(crate) fn bearing_of(bench: &Configuration) -> Result<Bearing, Refusal> {
+    let (min, max) = bearings().into_inner();
+    let reason = OutOfRange { field: Field::Bearing, found: bench.bearing.into(), min, max };
+    Bearing::from_code(bench.bearing).ok_or(Refusal::OutOfRange(reason))
+}
 
 /// Factors of a tick.
 #[derive(Clone, Debug)]
@@ -34,32 +58,22 @@ impl Setup {
         image: &'static [u8],
         configuration: Configuration,
     ) -> Result<(Self, Model<'static>), Refusal> {
+        if let Some((field, found, range)) =
+            bench_ranges(&configuration).into_iter().find(|(_, found, range)| !range.contains(found))
+        {
+            let (min, max) = range.into_inner();
+            return Err(Refusal::OutOfRange(OutOfRange { field, found, min, max }));
+        }
         let Configuration {
             bearing: code,
             radial_clearance_nm,
             journal_radius_nm,
-            sample_period_us,
             latch_floor_um_s,
             unseen_approach_um_s,
+            ..
         } = configuration;
-        let bearing = Bearing::from_code(code).ok_or(Refusal::UnknownBearing { found: code })?;
-        within(&CLEARANCE_RANGE_NM, radial_clearance_nm, |found_nm, min_nm, max_nm| {
-            Refusal::RadialClearance { found_nm, min_nm, max_nm }
-        })?;
-        within(&JOURNAL_RADIUS_RANGE_NM, journal_radius_nm, |found_nm, min_nm, max_nm| {
-            Refusal::JournalRadius { found_nm, min_nm, max_nm }
-        })?;
-        within(&SAMPLE_PERIOD_RANGE_US, sample_period_us, |found_us, min_us, max_us| {
-            Refusal::SamplePeriod { found_us, min_us, max_us }
-        })?;
-        within(&LATCH_FLOOR_RANGE_UM_S, latch_floor_um_s, |found_um_s, min_um_s, max_um_s| {
-            Refusal::LatchFloor { found_um_s, min_um_s, max_um_s }
-        })?;
-        within(&LATCH_FLOOR_RANGE_UM_S, unseen_approach_um_s, |found_um_s, min_um_s, max_um_s| {
-            Refusal::UnseenApproach { found_um_s, min_um_s, max_um_s }
-        })?;
-        let model = Model::load(image).map_err(|error| Refusal::Image { cause: image_cause(&error) })?;
-        if model.header().bearing != bearing {
+        let model = Model::load(image).map_err(|error| Refusal::Image { cause: error.cause() })?;
+        if model.header().bearing.code() != code {
             return Err(Refusal::Image { cause: WRONG_BEARING });
         }
         let steps = radial_clearance_nm.wrapping_mul(DISTANCE_STEPS_PER_NM.unsigned_abs());
@@ -73,36 +87,6 @@ impl Setup {
             image_floor_nm_s: model.header().latch_floor_nm_s,
         };
         Ok((setup, model))
-    }
-}
-
-fn within(
-    range: &RangeInclusive<u32>,
-    found: u32,
-    refusal: impl Fn(u32, u32, u32) -> Refusal,
-) -> Result<(), Refusal> {
-    if range.contains(&found) { Ok(()) } else { Err(refusal(found, *range.start(), *range.end())) }
-}
-
-const WRONG_BEARING: u8 = 100;
-
-/// The cause of a refused image as one byte for the wire: the position in [`ImageError`]'s list; 100 is a sound image of
-/// another bearing.
-#[must_use]
-pub const fn image_cause(error: &ImageError) -> u8 {
-    match error {
-        ImageError::Length { .. } => 0,
-        ImageError::Magic => 1,
-        ImageError::Version { .. } => 2,
-        ImageError::TooShort => 3,
-        ImageError::Crc { .. } => 4,
-        ImageError::Bearing { .. } => 5,
-        ImageError::Shape { .. } => 6,
-        ImageError::Field { .. } => 7,
-        ImageError::Overflow { .. } => 8,
-        ImageError::Scale { .. } => 9,
-        ImageError::Alignment => 10,
-        ImageError::Trailing => 11,
     }
 }
 
@@ -132,18 +116,20 @@ mod tests {
 
     #[test]
     fn values_out_of_range_are_refused_by_name_and_limits() {
-        let clearance = Configuration { radial_clearance_nm: 999, ..GOOD };
-        let expected = Refusal::RadialClearance { found_nm: 999, min_nm: 1_000, max_nm: 5_000_000 };
-        assert_eq!(refusal(clearance), Some(expected));
-        let radius = Configuration { journal_radius_nm: 0, ..GOOD };
-        assert!(matches!(refusal(radius), Some(Refusal::JournalRadius { found_nm: 0, .. })));
+        let out_of_range = |configuration| match refusal(configuration) {
+            Some(Refusal::OutOfRange(reason)) => reason,
+            other => panic!("{other:?}"),
+        };
+        let clearance = out_of_range(Configuration { radial_clearance_nm: 999, ..GOOD });
+        let expected = OutOfRange { field: Field::RadialClearance, found: 999, min: 1_000, max: 5_000_000 };
+        assert_eq!(clearance, expected);
+        assert_eq!(out_of_range(Configuration { journal_radius_nm: 0, ..GOOD }).field, Field::JournalRadius);
         for sample_period_us in [0, 49, 1_001, u32::MAX] {
-            let period = Configuration { sample_period_us, ..GOOD };
-            assert!(matches!(refusal(period), Some(Refusal::SamplePeriod { .. })));
+            let period = out_of_range(Configuration { sample_period_us, ..GOOD });
+            assert_eq!((period.field, period.found), (Field::SamplePeriod, sample_period_us.into()));
         }
-        let floor = Configuration { latch_floor_um_s: 0, ..GOOD };
-        assert!(matches!(refusal(floor), Some(Refusal::LatchFloor { found_um_s: 0, .. })));
-        assert_eq!(refusal(Configuration { bearing: 9, ..GOOD }), Some(Refusal::UnknownBearing { found: 9 }));
+        assert_eq!(out_of_range(Configuration { latch_floor_um_s: 0, ..GOOD }).field, Field::LatchFloor);
+        assert_eq!(out_of_range(Configuration { bearing: 9, ..GOOD }).found, 9);
     }
 
     #[test]

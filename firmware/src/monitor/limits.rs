@@ -4,12 +4,14 @@ use core::ops::RangeInclusive;
 
 use link::track::{MonitorConfiguration, MonitorField};
 
+use crate::estimator::NOISE_RANGE_NM;
+
 /// A field, its value and the values that are served.
 type Ranged = (MonitorField, i64, RangeInclusive<i64>);
 
 /// Every field of a configuration with its value and range.
 #[must_use]
-pub fn ranges(monitor: &MonitorConfiguration) -> [Ranged; 23] {
+pub fn ranges(monitor: &MonitorConfiguration) -> [Ranged; 24] {
     use MonitorField as Field;
     // Half a millimetre or half of the quantity is no error any more but another bench.
     let per_mille = 0..=500;
@@ -28,6 +30,7 @@ pub fn ranges(monitor: &MonitorConfiguration) -> [Ranged; 23] {
         (Field::MassDeviation, monitor.mass_deviation_per_mille.into(), per_mille),
         (Field::LeverDeviation, monitor.lever_deviation_ppht.into(), 0..=10_000),
         (Field::OffsetDeviation, monitor.offset_deviation_nm.into(), 0..=500_000),
+        (Field::JournalNoise, monitor.journal_noise_nm.into(), NOISE_RANGE_NM),
         // Below 16 units the limit is coarser than its steps.
         (Field::JournalNoiseLimit, monitor.journal_noise_limit_nm.into(), 16..=1_000_000),
         (Field::AngleNoiseLimit, monitor.angle_noise_limit_nrad.into(), 16..=1_000_000_000),

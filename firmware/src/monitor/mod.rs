@@ -11,7 +11,7 @@ mod limits;
 mod safe_state;
 mod tally;
 
-use inference::{Bearing, Flags, Model};
+use inference::{Flags, Model};
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, SensorHealth, SensorStatus, TrackReport};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
@@ -19,7 +19,7 @@ pub use envelope::Envelope;
 pub use limits::ranges;
 
 use crate::Estimator;
-use crate::estimator::{Conditioning, Limits, SwingLimit, flags_of};
+use crate::estimator::{Conditioning, Limits, SwingLimit, bearing_of, flags_of};
 use crate::flags::{
     DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, NETWORK_OUTSIDE_LAW, SENSOR_FAULT, SEQUENCE_GAP,
     TIME_FAULT,
@@ -58,8 +58,7 @@ impl Monitor {
         monitor: &MonitorConfiguration,
         stuck_samples: u16,
     ) -> Result<Self, Refusal> {
-        let bearing = Bearing::from_code(configuration.bearing)
-            .ok_or(Refusal::UnknownBearing { found: configuration.bearing })?;
+        let bearing = bearing_of(configuration)?;
         let conditioning = Conditioning::of(bearing, monitor);
         let mut estimator = Estimator::conditioned(image, *configuration, &conditioning)?;
         estimator.plausibility_mut().set_limits(&limits_of(configuration, monitor, stuck_samples));
@@ -73,6 +72,11 @@ impl Monitor {
             outside: false,
             time_us: 0,
         })
+    }
+
+    /// Raises an alarm when the tracked friction level is above a limit, thousandths; 0 for none.
+    pub fn limit_friction(&mut self, per_mille: u32) {
+        self.tracker.limit_friction(per_mille);
     }
 
     /// Says whether a bit of the networks is known not to be what it was: from the next sample on nothing they give is trusted.

@@ -9,28 +9,15 @@
 
 use embedded_hal::spi::SpiDevice;
 
+use link::InputRange;
+
 use super::SensorFault;
 
 /// Inputs of the device.
-const INPUTS: u8 = 8;
+pub(crate) const INPUTS: u8 = 8;
 const MANUAL: u16 = 0xc000;
 const RESET: u16 = 0x8500;
 const FIRST_RANGE_REGISTER: u8 = 0x05;
-
-/// Input range of one channel, with the internal reference of 4.096 V: bits of the range-select register.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InputRange {
-    /// -10.24 to 10.24 V.
-    Bipolar10V = 0b000,
-    /// -5.12 to 5.12 V.
-    Bipolar5V = 0b001,
-    /// -2.56 to 2.56 V.
-    Bipolar2V5 = 0b010,
-    /// 0 to 10.24 V.
-    Unipolar10V = 0b101,
-    /// 0 to 5.12 V.
-    Unipolar5V = 0b110,
-}
 
 /// The converter on its bus.
 #[derive(Debug)]

@@ -24,8 +24,10 @@ mod transmitter;
 
 pub use absolute::As5047p;
 pub use angle::{Absolute, AngleSensor};
-pub use converter::{Ads8688, InputRange};
+pub use converter::Ads8688;
+pub(crate) use converter::INPUTS;
 pub use incremental::{Incremental, QuadratureCounter};
+pub use link::InputRange;
 pub use probes::{Opposite, ProbePair};
 pub use sampler::{FaultCounts, LoadInput, Probe, Sampler, Wiring};
 pub use scale::{Scale, TABLE_POINTS};

@@ -12,10 +12,9 @@
 //! A converter that has not taken its configuration is asked again instead of being read: all its channels are missing until it has.
 
 use embedded_hal::spi::SpiDevice;
-use link::SensorFrame;
 use link::track::{CHANNELS, SensorChannel, SensorStatus};
+use link::{InputRange, SensorFrame};
 
-use super::converter::InputRange;
 use super::{Ads8688, AngleSensor, FAULTS, ProbePair, Scale, SensorFault, Transmitter};
 
 /// Inputs of a sample: two probes, the third one, two transmitters.
@@ -109,6 +108,13 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
         }
     }
 
+    /// Goes on with other wiring from the next sample on, which configures the converter anew.
+    pub fn rewire(&mut self, wiring: Wiring) {
+        self.wiring = wiring;
+        self.configured = false;
+        self.in_step = false;
+    }
+
     /// Configures the converter. May be repeated whenever it does not answer.
     ///
     /// # Errors
@@ -161,6 +167,12 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
         self.frame.sequence = self.frame.sequence.wrapping_add(1);
         self.frame.time_us = time_us;
         (self.frame, status)
+    }
+
+    /// The last sample.
+    #[must_use]
+    pub const fn latest(&self) -> SensorFrame {
+        self.frame
     }
 
     /// The faults so far.

@@ -5,7 +5,7 @@ use link::{
     Refused, Target, ToController,
 };
 
-use super::run::{OWN_EVERY, Run};
+use super::run::Run;
 use super::{Session, count};
 use crate::configuration::validate;
 
@@ -67,14 +67,8 @@ impl Session {
                 self.forget_run();
                 Ok(Answer::Stopped(counters))
             }
-            Command::SampleYourself => {
-                let run = self.run.as_mut().ok_or(Refused::NotConfigured)?;
-                if !self.has_sensors {
-                    return Err(Refused::NoSensors);
-                }
-                run.sample_itself().map_err(Refused::Configuration)?;
-                Ok(Answer::Sampling { every: OWN_EVERY })
-            }
+            Command::SampleYourself => self.sample_itself().map(|every| Answer::Sampling { every }),
+            Command::GetReport(kind) => self.report(*kind).map(Answer::Report).ok_or(Refused::NotConfigured),
         }
     }
 
@@ -90,6 +84,8 @@ impl Session {
         let configured = run.configured;
         self.slow.left = configuration.limits.slow_every;
         self.configuration = Some(*configuration);
+        self.rewired = true;
+        self.hello.configuration_crc = configured.configuration_crc;
         self.run = Some(run);
         self.forget_run();
         Ok(configured)
@@ -116,13 +112,20 @@ impl Session {
     /// Counts anew what belongs to a run; what belongs to the link stays.
     fn forget_run(&mut self) {
         let Counters {
-            dropped_answers, repeated_commands, refused_commands, dropped_bytes, bad_frames, ..
+            dropped_answers,
+            repeated_commands,
+            refused_commands,
+            dropped_bytes,
+            line_errors,
+            bad_frames,
+            ..
         } = self.counters;
         self.counters = Counters {
             dropped_answers,
             repeated_commands,
             refused_commands,
             dropped_bytes,
+            line_errors,
             bad_frames,
             ..Counters::default()
         };

@@ -12,18 +12,19 @@ mod run;
 #[cfg(test)]
 mod tests;
 
-use link::start::{StackReport, StartReport};
+use link::start::{PARTIES, Presence, StackReport, StartReport, SupervisorReport};
 use link::track::SensorStatus;
-use link::update::{UpdateAnswer, UpdateRefusal};
+use link::update::{UpdateAnswer, UpdateRefusal, UpdateStatus};
 use link::{
-    BuildId, ClockSource, ControllerConfiguration, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello, MAGIC,
-    NumberedEstimate, PROTOCOL_VERSION, SensorFrame, SlowFrame, SlowReport, State, Target, ToController,
-    ToHost, encode_estimate,
+    BuildId, ClockSource, ControllerConfiguration, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello,
+    LineErrors, MAGIC, NumberedEstimate, PROTOCOL_VERSION, Refused, ReportKind, SensorFrame, SlowFrame,
+    SlowReport, State, Target, ToController, ToHost, encode_estimate,
 };
 
-use crate::configuration::check_sum;
+use crate::configuration::wiring;
 use crate::estimator::WINDOW;
 use crate::flags::{OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
+use crate::sensors::Wiring;
 use crate::store::Models;
 use commands::LastCommand;
 pub use run::{OWN_EVERY, OWN_PERIOD_US};
@@ -75,10 +76,22 @@ pub struct Session {
     kept: bool,
     /// Whether the controller has sensors of its own.
     has_sensors: bool,
+    /// Whether a configuration's wiring has not been fetched.
+    rewired: bool,
     run: Option<Run>,
     counters: Counters,
     commands: LastCommand,
     slow: Slow,
+    beside: Beside,
+}
+
+/// What others than the session know, for its reports.
+#[derive(Debug, Default)]
+struct Beside {
+    uptime_us: u32,
+    parties: [Presence; PARTIES.len()],
+    models: UpdateStatus,
+    sample: Option<SensorFrame>,
 }
 
 /// Where slow telemetry stands.
@@ -87,6 +100,8 @@ struct Slow {
     /// Samples until the next frame.
     left: u16,
     due: bool,
+    /// Position of the report whose turn it is.
+    turn: usize,
     number: u32,
     sequence: u32,
 }
@@ -118,10 +133,12 @@ impl Session {
             configuration: None,
             kept: false,
             has_sensors: false,
+            rewired: false,
             run: None,
             counters: Counters::default(),
             commands: LastCommand::default(),
             slow: Slow::default(),
+            beside: Beside::default(),
         }
     }
 
@@ -150,9 +167,46 @@ impl Session {
         self.hello.stack = stack;
     }
 
+    /// Takes who has checked in, at what time since the start, how the models on board stand and the last sample of the controller's own
+    /// sensors: to be called before a command is served and whenever [`Session::slow_is_due`].
+    pub const fn report_beside(
+        &mut self,
+        uptime_us: u32,
+        parties: [Presence; PARTIES.len()],
+        models: UpdateStatus,
+        sample: Option<SensorFrame>,
+    ) {
+        self.beside = Beside { uptime_us, parties, models, sample };
+    }
+
+    fn supervisor(&self) -> SupervisorReport {
+        let Beside { uptime_us, parties, .. } = self.beside;
+        SupervisorReport { uptime_us, parties, start: self.hello.start, stack: self.hello.stack }
+    }
+
     /// Takes whether the controller has sensors of its own, with a timer that paces it.
     pub const fn report_sensors(&mut self, has_sensors: bool) {
         self.has_sensors = has_sensors;
+    }
+
+    /// The wiring of a configuration that has been accepted since this was asked last: for the controller's own sensors.
+    pub fn take_wiring(&mut self) -> Option<Wiring> {
+        let rewired = core::mem::replace(&mut self.rewired, false);
+        self.configuration.as_ref().filter(|_| rewired).and_then(wiring)
+    }
+
+    /// Goes on with the run on the controller's own samples; returns one in how many estimates is sent.
+    ///
+    /// # Errors
+    ///
+    /// Nothing is configured, there are no sensors, or the bench's sample period is not the timer's.
+    pub fn sample_itself(&mut self) -> Result<u16, Refused> {
+        let run = self.run.as_mut().ok_or(Refused::NotConfigured)?;
+        if !self.has_sensors {
+            return Err(Refused::NoSensors);
+        }
+        run.sample_itself().map_err(Refused::Configuration)?;
+        Ok(OWN_EVERY)
     }
 
     /// Whether the run is on the controller's own samples: [`Session::own_tick`] is due every timer tick.
@@ -164,13 +218,7 @@ impl Session {
     /// The greeting; with the token of whoever asked, 0 for nobody.
     #[must_use]
     pub fn hello(&self, token: u32) -> Hello {
-        Hello {
-            token,
-            last_command: self.commands.number(),
-            state: self.state(),
-            configuration_crc: self.configuration.as_ref().map_or(0, check_sum),
-            ..self.hello
-        }
+        Hello { token, last_command: self.commands.number(), state: self.state(), ..self.hello }
     }
 
     /// What the controller is doing.
@@ -251,20 +299,45 @@ impl Session {
         ToHost::Fault(Fault::BadFrame(error))
     }
 
-    /// The frame of slow telemetry that is due, if one is. The reports take turns.
+    /// Whether a frame of slow telemetry is due.
+    #[must_use]
+    pub const fn slow_is_due(&self) -> bool {
+        self.slow.due
+    }
+
+    /// The frame of slow telemetry that is due, if one is. The reports take turns; one that there is nothing for is passed over.
     pub fn slow(&mut self) -> Option<ToHost> {
         if !core::mem::take(&mut self.slow.due) {
             return None;
         }
-        let run = self.run.as_ref()?;
-        let (number, sequence, state) = (self.slow.number, self.slow.sequence, self.state());
-        self.slow.number = number.wrapping_add(1);
-        let report = match number % 3 {
-            0 => SlowReport::Track(run.monitor.report()),
-            1 => SlowReport::Sensors(run.monitor.health()),
-            _ => SlowReport::Counters(self.counters),
-        };
-        Some(ToHost::Slow(SlowFrame { number, sequence, state, report }))
+        let (sequence, state) = (self.slow.sequence, self.state());
+        for _ in ReportKind::ALL {
+            let kind = ReportKind::ALL.get(self.slow.turn).copied().unwrap_or(ReportKind::Track);
+            self.slow.turn = if kind == ReportKind::Sample { 0 } else { self.slow.turn.saturating_add(1) };
+            if let Some(report) = self.report(kind) {
+                let number = self.slow.number;
+                self.slow.number = number.wrapping_add(1);
+                return Some(ToHost::Slow(SlowFrame { number, sequence, state, report }));
+            }
+        }
+        None
+    }
+
+    /// A report as it stands now; none of a run without a run.
+    fn report(&self, kind: ReportKind) -> Option<SlowReport> {
+        let monitor = self.run.as_ref().map(|run| &run.monitor);
+        Some(match kind {
+            ReportKind::Track => SlowReport::Track(monitor?.report()),
+            ReportKind::Sensors => SlowReport::Sensors(monitor?.health()),
+            ReportKind::Counters => SlowReport::Counters(self.counters),
+            ReportKind::Supervisor => SlowReport::Supervisor(self.supervisor()),
+            ReportKind::Models => SlowReport::Models(self.beside.models),
+            ReportKind::Estimate => {
+                let estimate = *self.run.as_ref()?.last();
+                SlowReport::Estimate(NumberedEstimate { number: 0, dropped: 0, estimate }.into())
+            }
+            ReportKind::Sample => SlowReport::Sample(self.beside.sample?),
+        })
     }
 
     /// Counts a timer tick of a configured session that found no sample waiting. In lockstep the timer paces nothing.
@@ -287,9 +360,10 @@ impl Session {
         count(&mut self.counters.dropped_answers, true);
     }
 
-    /// Takes the number of received bytes that were dropped so far.
-    pub const fn dropped_bytes(&mut self, so_far: u32) {
-        self.counters.dropped_bytes = so_far;
+    /// Takes what was lost on the way in so far: bytes that found no room, and what the port itself found wrong.
+    pub const fn report_line(&mut self, dropped_bytes: u32, line_errors: LineErrors) {
+        self.counters.dropped_bytes = dropped_bytes;
+        self.counters.line_errors = line_errors;
     }
 
     /// Estimates, watches the deadline and counts; returns the estimate and the ticks it took up to here.

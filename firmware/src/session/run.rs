@@ -54,14 +54,19 @@ impl Run {
         let bearing = Bearing::from_code(bench.bearing).ok_or(Refused::Image { cause: 0 })?;
         let &Loaded { image, .. } = models.of(bearing).ok_or(Refused::Image { cause: 4 })?;
         let limits = configuration.limits;
-        let monitor =
+        let mut monitor =
             Monitor::new(image, &bench, &configuration.monitor, limits.stuck_samples).map_err(|refusal| {
                 match refusal {
                     Refusal::Image { cause } => Refused::Image { cause },
-                    // Validated before: a component that serves less than the validation promises is to be mended.
-                    _ => Refused::NotConfigured,
+                    // Validated before, by the same ranges.
+                    Refusal::OutOfRange(reason) => {
+                        let mut reasons = Reasons::default();
+                        reasons.add(reason);
+                        Refused::Configuration(reasons)
+                    }
                 }
             })?;
+        monitor.limit_friction(limits.friction_level_limit_per_mille);
         let budget = u64::from(watched_hz).wrapping_mul(bench.sample_period_us.into()) / 1_000_000;
         let budget = u32::try_from(budget).unwrap_or(u32::MAX);
         let configured = Configured {
@@ -134,6 +139,11 @@ impl Run {
             self.number = self.number.wrapping_sub(1);
         }
         sends
+    }
+
+    /// The last estimate that was in time; all zeros before the first.
+    pub(super) const fn last(&self) -> &EstimateFrame {
+        &self.held
     }
 
     /// Goes on with other networks; without any, with the altered ones: flagged, and the last trusted estimate held.

@@ -166,7 +166,8 @@ fn the_counters_tell_what_happened() {
     session.count_dropped_sample();
     session.count_dropped_estimate();
     session.count_dropped_answer();
-    session.dropped_bytes(9);
+    let line_errors = LineErrors { overruns: 4, framing: 5, noise: 6 };
+    session.report_line(9, line_errors);
     let expected = Counters {
         samples: 6,
         flagged: 1,
@@ -178,6 +179,7 @@ fn the_counters_tell_what_happened() {
         dropped_estimates: 1,
         dropped_answers: 1,
         dropped_bytes: 9,
+        line_errors,
         bad_frames: BadFrames { crc: 1, ..BadFrames::default() },
         ..Counters::default()
     };
@@ -188,6 +190,7 @@ fn the_counters_tell_what_happened() {
     let link_only = Counters {
         dropped_answers: 1,
         dropped_bytes: 9,
+        line_errors,
         bad_frames: BadFrames { crc: 1, ..BadFrames::default() },
         ..Counters::default()
     };
@@ -296,6 +299,46 @@ fn forces_above_the_limit_are_flagged_and_counted() {
     }
     let counters = stopped(&mut session);
     assert!(counters.over_force > 20 && counters.over_force <= 60, "{counters:?}");
+}
+
+#[test]
+fn every_report_can_be_asked_for_and_takes_its_turn() {
+    let mut configuration = BENCH_B;
+    configuration.limits.slow_every = 10;
+    configuration.limits.friction_level_limit_per_mille = 1_500;
+    let mut session = configured(Target::Native, configuration);
+    let parties = [Presence { expected: true, away_us: 1, longest_us: 2, period_us: 3 }; 4];
+    let models = UpdateStatus { refused: 7, ..UpdateStatus::default() };
+    let sample = SensorFrame { journal_y_nm: 5, ..SensorFrame::default() };
+    session.report_beside(99, parties, models, Some(sample));
+    let mut turns = Vec::new();
+    for sequence in 0..70 {
+        session.handle(&pressed(sequence), &mut NoTicks);
+        assert_eq!(session.slow_is_due(), sequence % 10 == 9);
+        if let Some(ToHost::Slow(slow)) = session.slow() {
+            turns.push(slow.report);
+        }
+    }
+    assert_eq!(turns.len(), ReportKind::ALL.len());
+    for (turn, kind) in turns.iter().zip(ReportKind::ALL) {
+        let Ok(Answer::Report(asked)) = order(&mut session, Command::GetReport(kind)) else {
+            panic!("{kind:?}")
+        };
+        assert_eq!(std::mem::discriminant(&asked), std::mem::discriminant(turn));
+        match asked {
+            SlowReport::Track(track) => assert_eq!(track.friction, link::track::FrictionState::Unknown),
+            SlowReport::Sensors(_) => {}
+            SlowReport::Counters(counters) => assert_eq!(counters.samples, 70),
+            SlowReport::Supervisor(known) => assert_eq!((known.uptime_us, known.parties), (99, parties)),
+            SlowReport::Models(known) => assert_eq!(known, models),
+            SlowReport::Sample(known) => assert_eq!(known, sample),
+            SlowReport::Estimate(known) => assert_eq!(NumberedEstimate::from(known).estimate.sequence, 69),
+        }
+    }
+    stopped(&mut session);
+    let [track, _, counters, ..] = ReportKind::ALL.map(|kind| order(&mut session, Command::GetReport(kind)));
+    assert_eq!(track, Err(Refused::NotConfigured));
+    assert!(counters.is_ok());
 }
 
 #[test]

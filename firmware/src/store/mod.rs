@@ -22,7 +22,7 @@ mod refusals;
 pub mod scrub;
 mod slot;
 
-use link::update::{ModelSource, UpdateAnswer, UpdateRefusal, UpdateRequest, UpdateStatus};
+use link::update::{ModelSource, SlotState, UpdateAnswer, UpdateRefusal, UpdateRequest, UpdateStatus};
 
 pub use keeper::Keeper;
 pub use memory::SlotMemory;
@@ -47,6 +47,8 @@ pub struct Store<M> {
     least_version: u32,
     refusals: Refusals,
     altered: u16,
+    /// What the slots hold.
+    slots: [SlotState; 2],
 }
 
 /// What runs, and in which slot it lies.
@@ -76,11 +78,22 @@ impl<M: SlotMemory> Store<M> {
     pub fn start(memory: M, board: u16, key: [u8; KEY_LENGTH]) -> (Self, Models) {
         let running = Running { source: ModelSource::BuiltIn, marked: None };
         let refusals = Refusals::new();
-        let mut store =
-            Self { memory, board, key, running, reception: None, least_version: 1, refusals, altered: 0 };
+        let slots = [SlotState::Blank; 2];
+        let mut store = Self {
+            memory,
+            board,
+            key,
+            running,
+            reception: None,
+            least_version: 1,
+            refusals,
+            altered: 0,
+            slots,
+        };
         for slot in Slot::both(&store.memory) {
             if !slot.is_blank(&mut store.memory) && slot.marked(&mut store.memory).is_none() {
                 store.refuse_slot(slot, UpdateRefusal::NotMarked);
+                store.note(slot, SlotState::Unfinished);
             }
         }
         let models = store.choose();
@@ -108,16 +121,27 @@ impl<M: SlotMemory> Store<M> {
         for marked in newest_first.into_iter().flatten() {
             match marked.slot.verify(&mut self.memory, self.board, &self.key) {
                 Ok((manifest, models)) => {
+                    self.note(marked.slot, SlotState::Sound { version: manifest.version });
                     self.least_version = self.least_version.max(manifest.version.saturating_add(1));
                     if chosen.is_none() {
                         self.running = Running { source: models.source(), marked: Some(marked) };
                         chosen = Some(models);
                     }
                 }
-                Err(reason) => self.refuse_slot(marked.slot, reason),
+                Err(reason) => {
+                    self.note(marked.slot, SlotState::Refused);
+                    self.refuse_slot(marked.slot, reason);
+                }
             }
         }
         chosen.unwrap_or_else(Models::built_in)
+    }
+
+    /// Remembers what a slot holds now.
+    fn note(&mut self, slot: Slot, state: SlotState) {
+        if let Some(kept) = self.slots.get_mut(usize::from(slot.index)) {
+            *kept = state;
+        }
     }
 
     fn refuse(&mut self, slot: Option<Slot>, version: u32, reason: UpdateRefusal) -> UpdateRefusal {
@@ -164,6 +188,8 @@ impl<M: SlotMemory> Store<M> {
             refused: self.refusals.count(),
             altered: self.altered,
             development_key: self.key == key::DEVELOPMENT_KEY,
+            slots: self.slots,
+            last_refusal: self.refusals.get(0),
         }
     }
 

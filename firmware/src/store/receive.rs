@@ -1,6 +1,6 @@
 //! An update on its way into the slot that is not in use.
 
-use link::update::{CHUNK_LENGTH, Receiving, SignedManifest, UpdateChunk, UpdateRefusal};
+use link::update::{CHUNK_LENGTH, Receiving, SignedManifest, SlotState, UpdateChunk, UpdateRefusal};
 use model_package::{Manifest, authentic};
 
 use super::memory::SlotMemory;
@@ -55,6 +55,7 @@ impl<M: SlotMemory> Store<M> {
             return Err(UpdateRefusal::Estimating);
         }
         self.reception = None;
+        self.note(slot, SlotState::Unfinished);
         let next_offset = if slot.signed(&mut self.memory) == Some(*signed) {
             slot.written(&mut self.memory, found)
         } else {
@@ -100,6 +101,7 @@ impl<M: SlotMemory> Store<M> {
             .and_then(|models| reception.slot.mark(&mut self.memory, number).map(|()| models))
             .map_err(|reason| self.give_up(&reception, reason))?;
         self.reception = None;
+        self.note(reception.slot, SlotState::Sound { version: reception.manifest.version });
         let marked = Marked { slot: reception.slot, number };
         self.running = Running { source: models.source(), marked: Some(marked) };
         self.least_version = self.least_version.max(reception.manifest.version.saturating_add(1));
@@ -110,7 +112,9 @@ impl<M: SlotMemory> Store<M> {
     fn give_up(&mut self, reception: &Reception, reason: UpdateRefusal) -> UpdateRefusal {
         self.reception = None;
         // If even that fails, the next attempt meets the same failure.
-        let _ = reception.slot.erase(&mut self.memory);
+        if reception.slot.erase(&mut self.memory).is_ok() {
+            self.note(reception.slot, SlotState::Blank);
+        }
         self.refuse(Some(reception.slot), reception.manifest.version, reason)
     }
 

@@ -11,7 +11,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use link::start::{MISSING_INFERENCE, MISSING_LINK, MISSING_SAMPLING, MISSING_SELF_TEST};
+use link::start::{MISSING_INFERENCE, MISSING_LINK, MISSING_SAMPLING, MISSING_SELF_TEST, Presence};
 
 /// Longest period, us: far from where the time's wrap would hide a missing party.
 pub const LONGEST_US: u32 = 600_000_000;
@@ -76,12 +76,19 @@ struct Watch {
     period_us: u32,
     last_us: AtomicU32,
     expected: AtomicU32,
+    /// The longest absence that [`Attendance::look`] saw.
+    longest_us: AtomicU32,
 }
 
 impl Watch {
     const fn new(period_us: u32) -> Self {
         let period_us = if period_us < LONGEST_US { period_us } else { LONGEST_US };
-        Self { period_us, last_us: AtomicU32::new(0), expected: AtomicU32::new(0) }
+        Self {
+            period_us,
+            last_us: AtomicU32::new(0),
+            expected: AtomicU32::new(0),
+            longest_us: AtomicU32::new(0),
+        }
     }
 
     fn missing(&self, now_us: u32) -> bool {
@@ -89,6 +96,16 @@ impl Watch {
         let away_us = now_us.wrapping_sub(self.last_us.load(Ordering::Relaxed));
         // A check-in between the caller's look at the clock and here is from the future: not missing.
         expected && away_us > self.period_us && away_us < u32::MAX / 2
+    }
+
+    fn presence(&self, now_us: u32) -> Presence {
+        let expected = self.expected.load(Ordering::Acquire) != 0;
+        let away_us = now_us.wrapping_sub(self.last_us.load(Ordering::Relaxed));
+        // As above; and nobody who rests is away.
+        let away_us = if expected && away_us < u32::MAX / 2 { away_us } else { 0 };
+        let longest_us = self.longest_us.load(Ordering::Relaxed).max(away_us);
+        self.longest_us.store(longest_us, Ordering::Relaxed);
+        Presence { expected, away_us, longest_us, period_us: self.period_us }
     }
 }
 
@@ -134,6 +151,12 @@ impl Attendance {
     /// Expects nothing of a party until it checks in again.
     pub fn rest(&self, party: Party) {
         self.watch(party).expected.store(0, Ordering::Relaxed);
+    }
+
+    /// Everybody in the order of [`link::start::PARTIES`]. The longest absences are those seen by this: to be called by one caller, often and before
+    /// its own check-in.
+    pub fn look(&self, now_us: u32) -> [Presence; 4] {
+        Party::ALL.map(|party| self.watch(party).presence(now_us))
     }
 
     /// Whether the watchdog may be kicked.
@@ -186,6 +209,27 @@ mod tests {
         register.rest(Party::Inference);
         let missing = Party::Sampling.bit() | Party::Link.bit();
         assert_eq!(register.review(60_000), Verdict::Starved { missing });
+    }
+
+    #[test]
+    fn the_report_tells_who_is_expected_and_the_longest_absence() {
+        let register = Attendance::new(PERIODS);
+        register.check_in(Party::Link, 1_000);
+        let [sampling, _, link, _] = register.look(31_000);
+        assert_eq!(
+            (sampling, sampling.period_us),
+            (Presence { period_us: 1_000, ..Presence::default() }, 1_000)
+        );
+        assert_eq!((link.expected, link.away_us, link.longest_us), (true, 30_000, 30_000));
+        register.check_in(Party::Link, 31_000);
+        let [_, _, link, _] = register.look(31_100);
+        assert_eq!((link.away_us, link.longest_us, link.margin_us()), (100, 30_000, 20_000));
+        // The clock was read before the check-in.
+        register.check_in(Party::Link, 31_300);
+        assert_eq!(register.look(31_200)[2].away_us, 0);
+        register.rest(Party::Link);
+        let [_, _, link, _] = register.look(5_000_000);
+        assert_eq!((link.expected, link.away_us, link.longest_us), (false, 0, 30_000));
     }
 
     #[test]

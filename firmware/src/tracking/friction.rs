@@ -123,7 +123,11 @@ impl FrictionLevel {
 
     /// One standard deviation.
     pub(super) fn deviation(&self) -> f32 {
-        let considered: f32 = self.sensitivities.iter().map(|s| s * s).sum();
-        libm::sqrtf(self.variance + considered)
+        libm::sqrtf(self.whole_variance())
+    }
+
+    /// Square of [`Self::deviation`].
+    pub(super) fn whole_variance(&self) -> f32 {
+        self.variance + self.sensitivities.iter().map(|s| s * s).sum::<f32>()
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Every second sample is summed up over blocks of [`BLOCK`] ([`block`]); load, weight and inertia give the bearing's force without the contact
 //! model ([`balance`]); distance and force give the clearance ([`clearance`]) and, with the friction network, the friction level
-//! ([`friction`]); the clearance is held against the wear limit ([`wear`]). A block with a sensor fault in it, or without a force that
+//! ([`friction`]); both are held against their limits ([`limit`]). A block with a sensor fault in it, or without a force that
 //! presses the journal to the bearing, counts for nothing.
 //!
 //! What a block says is worked out during the next one, a step in every fourth sample, so that no tick has to bear all of it: what a
@@ -13,21 +13,21 @@ mod balance;
 mod block;
 mod clearance;
 mod friction;
+mod limit;
 mod order;
-mod wear;
 
 use link::track::{MonitorConfiguration, SafeState, TrackReport};
 use link::{Configuration, EstimateFrame, SensorFrame};
 
 pub use block::{BLOCK, STRIDE};
-pub use wear::{CONFIDENCE, CONFIRM, ENOUGH};
+pub use limit::{CONFIDENCE, CONFIRM, ENOUGH};
 
 use balance::{Balance, Levers};
 use block::{Block, Means, Sums, Taken};
 use clearance::{Clearance, ROUNDS};
 use friction::{FrictionLevel, Measured};
+use limit::Alarm;
 pub(crate) use order::{at_least, at_most};
-use wear::WearAlarm;
 
 /// Samples after which everything comes again: sums in the first and third, a step of working out in the last.
 const PHASES: u32 = 4;
@@ -37,6 +37,7 @@ const TAKEN: u32 = ROUNDED + 1;
 const WORN: u32 = ROUNDED + 2;
 const RUBBED: u32 = ROUNDED + 3;
 const COUNTED: u32 = ROUNDED + 4;
+const HELD_AGAINST: u32 = ROUNDED + 5;
 const LAST: u32 = BLOCK / STRIDE - 1;
 /// Normal force below which a block tells nothing, N.
 const LEAST_NORMAL_N: f32 = 50.0;
@@ -54,7 +55,8 @@ pub struct Tracker {
     place: u32,
     clearance: Clearance,
     friction: FrictionLevel,
-    wear: WearAlarm,
+    wear: Alarm,
+    friction_alarm: Alarm,
     sound: bool,
     closed: Closed,
     blocks: u32,
@@ -71,6 +73,8 @@ struct Closed {
     friction: Measured,
     /// No fault in it; from the second step on also: the journal was pressed to the bearing and steady.
     counts: bool,
+    /// From the friction's step on: it slid, so that the friction level rests on it.
+    slides: bool,
 }
 
 impl Tracker {
@@ -85,12 +89,18 @@ impl Tracker {
             place: 0,
             clearance: Clearance::new(configuration, monitor),
             friction: FrictionLevel::new(configuration, monitor),
-            wear: WearAlarm::new(monitor.wear_limit_nm, monitor.wear_hysteresis_nm),
+            wear: Alarm::of_wear(monitor.wear_limit_nm, monitor.wear_hysteresis_nm),
+            friction_alarm: Alarm::of_friction(0),
             sound: true,
             closed: Closed::default(),
             blocks: 0,
             friction_blocks: 0,
         }
+    }
+
+    /// Raises an alarm when the friction level is above a limit, thousandths; 0 for none.
+    pub(crate) fn limit_friction(&mut self, per_mille: u32) {
+        self.friction_alarm = Alarm::of_friction(per_mille);
     }
 
     /// Takes a sample with its estimate; `sound` is false when a sensor fault was found in it.
@@ -145,9 +155,16 @@ impl Tracker {
             COUNTED => {
                 self.friction.take(&closed.friction, closed.counts);
                 let Measured { expected_n, variance_n2, .. } = closed.friction;
-                let slides = expected_n * expected_n > variance_n2;
+                closed.slides = closed.counts & (expected_n * expected_n > variance_n2);
                 self.blocks = self.blocks.saturating_add(u32::from(closed.counts));
-                self.friction_blocks = self.friction_blocks.saturating_add(u32::from(closed.counts & slides));
+                self.friction_blocks = self.friction_blocks.saturating_add(u32::from(closed.slides));
+            }
+            HELD_AGAINST => {
+                self.friction_alarm.update(
+                    self.friction.value(),
+                    self.friction.whole_variance(),
+                    closed.slides,
+                );
             }
             LAST => {
                 closed.sums = self.block.close();
@@ -169,8 +186,10 @@ impl Tracker {
             friction_level_deviation_per_mille: known(self.friction_blocks, self.friction.deviation() * 1e3),
             clearance_blocks: self.blocks,
             friction_blocks: self.friction_blocks,
-            wear: self.wear.state(self.blocks),
+            wear: self.wear.wear(self.blocks),
             wear_alarms: self.wear.times(),
+            friction: self.friction_alarm.friction(self.friction_blocks),
+            friction_alarms: self.friction_alarm.times(),
             safe_state: SafeState::Starting,
         }
     }

@@ -96,6 +96,7 @@ fn the_ends_of_every_field_s_range_are_served() {
         mass_deviation_per_mille: 0,
         lever_deviation_ppht: 0,
         offset_deviation_nm: 0,
+        journal_noise_nm: 10,
         journal_noise_limit_nm: 16,
         angle_noise_limit_nrad: 16,
         load_noise_limit_mn: 16,

@@ -2,7 +2,7 @@
 
 use crate::run::{Truth, follow, monitor};
 use inference::Bearing;
-use link::track::Wear;
+use link::track::{FrictionState, Wear};
 
 /// Benches per bearing whose uncertain parameters are drawn, each with another clearance and friction level.
 const SEEDS: u64 = 32;
@@ -101,6 +101,47 @@ fn without_wear_there_is_no_alarm() {
             let truth = Truth { clearance_m: 0.5e-3 - below_m, ..Truth::drawn(bearing, seed) };
             follow(&mut monitor, &truth.frames(seed, 0).0);
             assert_eq!(monitor.report().wear, Wear::Below, "{bearing:?}, {seed}");
+        }
+    }
+}
+
+#[test]
+fn friction_that_grows_is_alarmed_when_it_is_above_the_limit_and_the_alarm_ends_when_it_falls() {
+    const LIMIT: f64 = 1.4;
+    for bearing in Bearing::ALL {
+        let mut monitor = monitor(bearing, |_| {});
+        monitor.limit_friction((LIMIT * 1e3) as u32);
+        let mut raised_at = None;
+        for cycle in 0..24_u32 {
+            // Up to 2.15, then as it was.
+            let friction_level = if cycle < 20 { 1.0 + 0.06 * f64::from(cycle) } else { 1.0 };
+            let truth = Truth { friction_level, ..Truth::drawn(bearing, 5) };
+            follow(&mut monitor, &truth.frames(u64::from(cycle), cycle * 10_000).0);
+            let report = monitor.report();
+            let deviation = f64::from(report.friction_level_deviation_per_mille) * 1e-3;
+            println!("{bearing:?} {friction_level:.2}: {report:?}");
+            if report.friction == FrictionState::Alarm && raised_at.is_none() {
+                raised_at = Some(friction_level);
+                assert!(friction_level > LIMIT - deviation, "{bearing:?}: early, {friction_level}");
+            }
+            if friction_level > LIMIT + 4.0 * deviation + 0.12 {
+                assert_eq!(report.friction, FrictionState::Alarm, "{bearing:?}: late, {friction_level}");
+            }
+        }
+        assert!(raised_at.is_some(), "{bearing:?}: never");
+        assert_eq!(monitor.report().friction_alarms, 1, "{bearing:?}");
+    }
+}
+
+#[test]
+fn friction_as_trained_raises_no_alarm() {
+    for bearing in Bearing::ALL {
+        for seed in 200..210 {
+            let mut monitor = monitor(bearing, |_| {});
+            monitor.limit_friction(1_200);
+            let truth = Truth::drawn(bearing, seed);
+            follow(&mut monitor, &truth.frames(seed, 0).0);
+            assert_eq!(monitor.report().friction, FrictionState::Below, "{bearing:?}, {seed}");
         }
     }
 }

@@ -1,9 +1,12 @@
 //! What the controller says, in words.
 
-use inference::Bearing;
-use link::start::{FaultKind, ResetReason};
-use link::update::{ModelMemory, ModelSource, UpdateStatus};
-use link::{ClockSource, ControllerConfiguration, Counters, Hello, State, Target};
+use inference::{Bearing, Flags};
+use link::start::{FaultKind, PARTIES, ResetReason, SupervisorReport};
+use link::track::{FrictionState, SafeState, TrackReport, Wear};
+use link::update::{ModelMemory, ModelSource, SlotState, UpdateStatus};
+use link::{
+    ClockSource, ControllerConfiguration, Counters, EstimateFrame, Hello, SensorFrame, State, Target,
+};
 
 pub(super) fn target(target: Target) -> &'static str {
     match target {
@@ -114,6 +117,129 @@ fn source(models: &UpdateStatus) -> String {
     text
 }
 
+/// The slots and the package refused last, a line each.
+pub(super) fn slots(models: &UpdateStatus) -> Vec<(&'static str, String)> {
+    let mut lines: Vec<_> = models
+        .slots
+        .iter()
+        .zip(["slot 0", "slot 1"])
+        .map(|(slot, name)| {
+            let text = match slot {
+                SlotState::Blank => "blank".into(),
+                SlotState::Unfinished => "a package that was begun and not finished".into(),
+                SlotState::Sound { version } => format!("version {version}, sound"),
+                SlotState::Refused => "a package that is refused".into(),
+            };
+            (name, text)
+        })
+        .collect();
+    if let Some(refused) = models.last_refusal {
+        lines.push(("last refusal", format!("version {}: {}", refused.version, refused.reason)));
+    }
+    lines
+}
+
+/// What the supervisor knows, a line each.
+pub(super) fn supervisor(known: &SupervisorReport) -> Vec<(&'static str, String)> {
+    let mut lines = vec![("running for", format!("{:.1} s (of 4295 s)", seconds(known.uptime_us)))];
+    for (party, name) in known.parties.iter().zip(PARTIES) {
+        let text = if party.expected {
+            format!(
+                "checked in {:.4} s ago; {:.4} s at most, {:.4} s are allowed: {:.4} s of margin",
+                seconds(party.away_us),
+                seconds(party.longest_us),
+                seconds(party.period_us),
+                seconds(party.margin_us())
+            )
+        } else {
+            "not expected".into()
+        };
+        lines.push((name, text));
+    }
+    lines
+}
+
+fn seconds(us: u32) -> f64 {
+    f64::from(us) * 1e-6
+}
+
+/// What is tracked, a line each.
+pub(super) fn track(track: &TrackReport) -> Vec<(&'static str, String)> {
+    let times = |times: u32| if times == 0 { String::new() } else { format!(", raised {times} times") };
+    let clearance = match track.radial_clearance_deviation_nm {
+        u32::MAX => "no evidence yet".into(),
+        deviation => format!(
+            "{:.4} mm, deviation {:.4} mm",
+            f64::from(track.radial_clearance_nm) * 1e-6,
+            f64::from(deviation) * 1e-6
+        ),
+    };
+    let friction = match track.friction_level_deviation_per_mille {
+        u32::MAX => "no evidence yet".into(),
+        deviation => format!(
+            "{:.3}, deviation {:.3}",
+            f64::from(track.friction_level_per_mille) * 1e-3,
+            f64::from(deviation) * 1e-3
+        ),
+    };
+    let wear = match track.wear {
+        Wear::Unknown => "not enough evidence",
+        Wear::Below => "below the limit",
+        Wear::Alarm => "ALARM: above the limit",
+    };
+    let friction_alarm = match track.friction {
+        FrictionState::NoLimit => "no limit",
+        FrictionState::Unknown => "not enough evidence",
+        FrictionState::Below => "below the limit",
+        FrictionState::Alarm => "ALARM: above the limit",
+    };
+    let safe = match track.safe_state {
+        SafeState::Starting => "nothing has been trusted yet",
+        SafeState::Live => "live",
+        SafeState::Held => "held: the last trusted estimate is repeated",
+        SafeState::Lost => "lost: held for too long, the forces are 0",
+    };
+    vec![
+        ("estimates", safe.into()),
+        ("clearance", clearance),
+        ("wear", format!("{wear}{}", times(track.wear_alarms))),
+        ("friction level", friction),
+        ("friction", format!("{friction_alarm}{}", times(track.friction_alarms))),
+    ]
+}
+
+/// Names of an estimate's flags.
+pub(super) fn flags(estimate: &EstimateFrame) -> Vec<&'static str> {
+    let flags = Flags::from_bits(estimate.flags);
+    firmware::flags::NAMES.iter().filter(|(flag, _)| flags.contains(*flag)).map(|(_, name)| *name).collect()
+}
+
+/// A sample of the controller's own sensors, in a line.
+pub(super) fn sample(sample: &SensorFrame) -> String {
+    format!(
+        "before calibration: y {} nm, z {} nm, angle {} nrad, load {} mN",
+        sample.journal_y_nm, sample.journal_z_nm, sample.shaft_angle_nrad, sample.load_force_mn
+    )
+}
+
+/// How a run goes, in a line.
+pub(super) fn live(estimate: &EstimateFrame, counters: &Counters, track: Option<&TrackReport>) -> String {
+    let alarm = |raised: bool, name| if raised { name } else { "" };
+    format!(
+        "{:>9.3} s  {:>9} samples  {:>9.1} N  {:>8.2} N m  {:>8.3} um  late {}  lost {}{}{}  {}",
+        seconds(estimate.time_us),
+        counters.samples,
+        estimate.normal_force_n,
+        estimate.friction_torque_nm,
+        f64::from(estimate.deformation_m) * 1e6,
+        counters.deadline_overruns,
+        counters.dropped_samples.saturating_add(counters.dropped_estimates),
+        alarm(track.is_some_and(|track| track.wear == Wear::Alarm), "  WEAR ALARM"),
+        alarm(track.is_some_and(|track| track.friction == FrictionState::Alarm), "  FRICTION ALARM"),
+        flags(estimate).join(" ")
+    )
+}
+
 /// The configuration in a line.
 pub(super) fn configuration(configuration: Option<&ControllerConfiguration>) -> String {
     let Some(ControllerConfiguration { bench, limits, monitor, .. }) = configuration else {
@@ -122,19 +248,20 @@ pub(super) fn configuration(configuration: Option<&ControllerConfiguration>) -> 
     let bearing = Bearing::from_code(bench.bearing).map_or("unknown", Bearing::name);
     let or_none = |value: u32, unit: &str| if value == 0 { "none".into() } else { format!("{value} {unit}") };
     format!(
-        "{bearing}, radial clearance {} mm, every {} us; force limit {}, wear alarm at {} mm, trip after {}, slow telemetry every {}",
+        "{bearing}, radial clearance {} mm, every {} us; force limit {}, wear alarm at {} mm, friction alarm at {}, trip after {}, slow telemetry every {}",
         f64::from(bench.radial_clearance_nm) * 1e-6,
         bench.sample_period_us,
         or_none(limits.force_limit_n, "N"),
         f64::from(monitor.wear_limit_nm) * 1e-6,
+        or_none(limits.friction_level_limit_per_mille, "thousandths of the trained friction"),
         or_none(limits.deadline_trip_count.into(), "late estimates"),
         or_none(limits.slow_every.into(), "samples"),
     )
 }
 
 /// Every count with what it means.
-pub(super) fn counters(counters: &Counters) -> [(&'static str, u32); 19] {
-    let bad = counters.bad_frames;
+pub(super) fn counters(counters: &Counters) -> [(&'static str, u32); 22] {
+    let (bad, line) = (counters.bad_frames, counters.line_errors);
     [
         ("samples served", counters.samples),
         ("with a doubt about a sensor", counters.flagged),
@@ -149,6 +276,9 @@ pub(super) fn counters(counters: &Counters) -> [(&'static str, u32); 19] {
         ("estimates dropped", counters.dropped_estimates),
         ("other answers dropped", counters.dropped_answers),
         ("received bytes dropped, buffer full", counters.dropped_bytes),
+        ("received bytes lost by the port", line.overruns),
+        ("bytes without their stop bit", line.framing),
+        ("disturbed bytes", line.noise),
         ("commands repeated and answered again", counters.repeated_commands),
         ("commands refused", counters.refused_commands),
         ("frames with broken stuffing", bad.cobs),
@@ -156,4 +286,53 @@ pub(super) fn counters(counters: &Counters) -> [(&'static str, u32); 19] {
         ("frames too long", bad.overlong),
         ("sound frames without a known message", bad.unknown),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use link::start::Presence;
+    use link::update::{RefusedPackage, UpdateRefusal};
+
+    #[test]
+    fn alarms_stand_in_what_is_tracked_and_in_every_line_of_a_run() {
+        let report = TrackReport {
+            friction_level_per_mille: 1_820,
+            friction_level_deviation_per_mille: 60,
+            friction: FrictionState::Alarm,
+            friction_alarms: 2,
+            wear: Wear::Below,
+            ..TrackReport::default()
+        };
+        let lines = track(&report);
+        assert!(lines.contains(&("friction", "ALARM: above the limit, raised 2 times".into())), "{lines:?}");
+        assert!(lines.contains(&("friction level", "1.820, deviation 0.060".into())), "{lines:?}");
+        let line = live(&EstimateFrame::default(), &Counters::default(), Some(&report));
+        assert!(line.contains("FRICTION ALARM") && !line.contains("WEAR"), "{line}");
+    }
+
+    #[test]
+    fn a_party_is_shown_with_what_was_left_of_its_time() {
+        let link = Presence { expected: true, away_us: 100, longest_us: 400_000, period_us: 500_000 };
+        let known = SupervisorReport {
+            parties: [Presence::default(), Presence::default(), link, Presence::default()],
+            ..SupervisorReport::default()
+        };
+        let lines = supervisor(&known);
+        assert_eq!(lines[1], ("sampling", "not expected".into()));
+        assert!(lines[3].0 == "link" && lines[3].1.ends_with("0.1000 s of margin"), "{lines:?}");
+    }
+
+    #[test]
+    fn slots_and_the_last_refusal_are_shown() {
+        let reason = UpdateRefusal::Board { found: 0x405, expected: 0x505 };
+        let models = UpdateStatus {
+            slots: [SlotState::Sound { version: 7 }, SlotState::Unfinished],
+            last_refusal: Some(RefusedPackage { number: 0, slot: None, version: 9, reason }),
+            ..UpdateStatus::default()
+        };
+        let lines = slots(&models);
+        assert_eq!(lines[0].1, "version 7, sound");
+        assert_eq!(lines[2].1, "version 9: made for board 0x0405, this is board 0x0505");
+    }
 }

@@ -55,12 +55,15 @@ enum Board {
     /// STM32F405: every board with it, and the emulator
     #[default]
     Stm32f405,
+    /// Arm MPS2+ with image AN505
+    Mps2An505,
 }
 
 impl Board {
     const fn code(self) -> u16 {
         match self {
             Self::Stm32f405 => model_package::board::STM32F405,
+            Self::Mps2An505 => model_package::board::MPS2_AN505,
         }
     }
 }

@@ -9,7 +9,7 @@ use link::{BadFrames, Counters, Decoder, EstimateFrame, Fault, ToController, ToH
 const SAMPLES: u32 = 2_000;
 
 /// Bytes that end as one refused frame: any but zeros, of any length up to twice a frame's, then the delimiter.
-fn garbage(index: u32) -> Vec<u8> {
+pub(crate) fn garbage(index: u32) -> Vec<u8> {
     let mut state = index.wrapping_mul(0x9E37_79B9) | 1;
     let mut byte = || {
         state ^= state << 13;

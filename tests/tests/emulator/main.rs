@@ -6,6 +6,7 @@
 
 mod agreement;
 mod batch;
+mod board;
 mod failures;
 mod faults;
 mod flood;
@@ -13,5 +14,6 @@ mod frames;
 mod image;
 mod other_core;
 mod own_sensors;
+mod serial_flood;
 mod ticks;
 mod update;

@@ -2,10 +2,13 @@
 
 use crate::batch;
 use crate::frames::{configuration, troubled};
+use crate::update::package_for;
 use firmware::{Identity, NoTicks, Session};
 use host_sim::controller::EmulatedController;
 use inference::Bearing;
+use model_package::board;
 use link::track::SensorStatus;
+use link::update::{SlotState, UpdateAnswer, UpdateRefusal, UpdateRequest};
 use link::{BuildId, ClockSource, Command, EstimateFrame, NumberedCommand, Target, ToController, ToHost};
 use object::{Object, ObjectSymbol};
 use std::path::PathBuf;
@@ -48,6 +51,30 @@ fn another_core_estimates_the_same_bits() {
         }
         assert!(on_host.iter().filter(|estimate| estimate.normal_force_n > 0.0).count() > 500, "{bearing:?}");
     }
+}
+
+#[test]
+fn it_takes_packages_of_its_own_and_refuses_and_records_another_board_s() {
+    let [other, own] = [board::STM32F405, board::MPS2_AN505].map(|board| package_for(board, 3, Bearing::Plastic));
+    let requests = [
+        UpdateRequest::Begin(other.signed),
+        UpdateRequest::Refusals { index: 0 },
+        UpdateRequest::Begin(own.signed),
+    ];
+    let (status, said) = batch::run("mps2-an505", &image(), "", &[], &requests.map(ToController::Update));
+    assert!(status.success(), "{status}");
+    let answers = said.iter().filter_map(|message| match message {
+        ToHost::Update(answer) => Some(*answer),
+        _ => None,
+    });
+    let answers: Vec<_> = answers.collect();
+    let reason = UpdateRefusal::Board { found: board::STM32F405, expected: board::MPS2_AN505 };
+    assert_eq!(answers[0], UpdateAnswer::Refused(reason));
+    let UpdateAnswer::Record(Some(record)) = answers[1] else { panic!("{answers:?}") };
+    assert_eq!((record.version, record.reason), (3, reason));
+    let UpdateAnswer::Status(begun) = answers[2] else { panic!("{answers:?}") };
+    assert_eq!((begun.refused, begun.last_refusal), (1, Some(record)));
+    assert!(begun.receiving.is_some() && begun.slots == [SlotState::Unfinished, SlotState::Blank], "{begun:?}");
 }
 
 #[test]

@@ -3,112 +3,16 @@
 //! The emulator's SPI port has nothing on it and reads zeros. No channel may make a value of that: every estimate says that sensors are missing,
 //! and the counts by channel say the same.
 
+use crate::board::Board;
 use crate::frames::configuration;
 use firmware::flags::SENSOR_MISSING;
 use firmware::session::{OWN_EVERY, OWN_PERIOD_US};
-use host_sim::controller::EmulatedController;
 use inference::{Bearing, Flags};
 use link::track::SensorHealth;
 use link::{
-    Acknowledgement, Answer, Command, ControllerConfiguration, Counters, Decoder, EstimateFrame, Field,
-    MAX_FRAME, NumberedCommand, NumberedEstimate, Refused, SensorFrame, SlowReport, ToController, ToHost,
-    encode,
+    Answer, Command, EstimateFrame, Field, NumberedEstimate, Refused, SensorFrame, SlowReport, ToController,
+    ToHost,
 };
-use std::io::{Read, Write};
-use std::process::{Child, Command as Process, Stdio};
-use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
-
-/// The image on the emulator, with USART6 on pipes. An instruction takes 4 ns, so that a tick's work takes a third of its period.
-struct Board {
-    emulator: Child,
-    said: Receiver<ToHost>,
-    commands: u32,
-    /// What came while an answer was waited for.
-    estimates: Vec<NumberedEstimate>,
-    _folder: tempfile::TempDir,
-}
-
-impl Drop for Board {
-    fn drop(&mut self) {
-        let _ = self.emulator.kill();
-        let _ = self.emulator.wait();
-    }
-}
-
-impl Board {
-    fn start() -> Self {
-        // Without the link's pipes in its folder the image takes the serial port.
-        let folder = tempfile::tempdir().unwrap();
-        let elf = std::path::absolute(EmulatedController::default_elf()).unwrap();
-        let mut emulator = Process::new("qemu-system-arm")
-            .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-no-reboot"])
-            .args(["-serial", "null"].repeat(5))
-            .args(["-serial", "stdio", "-icount", "shift=2,sleep=off"])
-            .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
-            .arg(elf)
-            .current_dir(folder.path())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut out = emulator.stdout.take().unwrap();
-        let (sender, said) = channel();
-        std::thread::spawn(move || {
-            let mut decoder = Decoder::new();
-            let mut buffer = [0; 4096];
-            while let Ok(count @ 1..) = out.read(&mut buffer) {
-                for &byte in &buffer[..count] {
-                    if let Some(Ok(message)) = decoder.push::<ToHost>(byte) {
-                        let _ = sender.send(message);
-                    }
-                }
-            }
-        });
-        let board = Self { emulator, said, commands: 0, estimates: vec![], _folder: folder };
-        assert!(matches!(board.next(), ToHost::Hello(_)));
-        board
-    }
-
-    fn next(&self) -> ToHost {
-        self.said.recv_timeout(Duration::from_secs(30)).unwrap()
-    }
-
-    fn send(&mut self, message: &ToController) {
-        let mut buffer = [0; MAX_FRAME];
-        let frame = encode(message, &mut buffer).unwrap();
-        let input = self.emulator.stdin.as_mut().unwrap();
-        input.write_all(frame).and_then(|()| input.flush()).unwrap();
-    }
-
-    fn order(&mut self, command: Command) -> Result<Answer, Refused> {
-        self.commands += 1;
-        let id = self.commands;
-        self.send(&ToController::Command(NumberedCommand { id, command }));
-        loop {
-            match self.next() {
-                ToHost::Acknowledged(Acknowledgement { id: answered, outcome }) if answered == id => {
-                    return outcome;
-                }
-                ToHost::Estimate(estimate) => self.estimates.push(estimate),
-                _ => {}
-            }
-        }
-    }
-
-    fn configured(configuration: ControllerConfiguration) -> Self {
-        let mut board = Self::start();
-        assert!(matches!(board.order(Command::Configure(configuration)), Ok(Answer::Configured(_))));
-        board
-    }
-
-    fn counters(&mut self) -> Counters {
-        match self.order(Command::GetCounters) {
-            Ok(Answer::Counters(counters)) => counters,
-            other => panic!("{other:?}"),
-        }
-    }
-}
 
 fn is_missing(estimate: &EstimateFrame) -> bool {
     Flags::from_bits(estimate.flags).contains(SENSOR_MISSING)

@@ -30,8 +30,12 @@ fn development_key() -> SigningKey {
     model_quant::key::parse(model_quant::key::DEVELOPMENT).unwrap()
 }
 
-fn package(version: u32, bearing: Bearing) -> Package {
-    let purpose = Purpose { board: BOARD, version, may_be_older: false };
+pub(crate) fn package(version: u32, bearing: Bearing) -> Package {
+    package_for(BOARD, version, bearing)
+}
+
+pub(crate) fn package_for(board: u16, version: u32, bearing: Bearing) -> Package {
+    let purpose = Purpose { board, version, may_be_older: false };
     Package::new(purpose, &[other_image(bearing)], &development_key()).unwrap()
 }
 

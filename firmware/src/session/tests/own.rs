@@ -71,6 +71,18 @@ fn the_time_to_take_the_sample_is_part_of_the_deadline() {
 }
 
 #[test]
+fn the_wiring_of_a_configuration_is_told_once() {
+    let mut configuration = BENCH_B;
+    configuration.wiring.load_input = 5;
+    let mut session = configured(Target::Silicon, configuration);
+    assert_eq!(session.take_wiring().map(|wiring| wiring.load.input), Some(5));
+    assert!(session.take_wiring().is_none());
+    configuration.wiring.load_input = 0;
+    assert!(order(&mut session, Command::Configure(configuration)).is_err());
+    assert!(session.take_wiring().is_none(), "refused, it changes nothing");
+}
+
+#[test]
 fn a_stop_a_new_configuration_and_another_period_end_it() {
     let mut session = sampling();
     stopped(&mut session);

@@ -1,0 +1,119 @@
+//! The image on the emulator behind its serial port, paced by its timer.
+
+use host_sim::controller::EmulatedController;
+use link::{
+    Acknowledgement, Answer, Command, ControllerConfiguration, Counters, Decoder, MAX_FRAME, NumberedCommand,
+    NumberedEstimate, Refused, ToController, ToHost, encode,
+};
+use std::io::{Read, Write};
+use std::process::{Child, Command as Process, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+/// The image on the emulator, with USART6 on pipes. An instruction takes 4 ns, so that a tick's work takes a third of its period.
+pub(crate) struct Board {
+    emulator: Child,
+    said: Receiver<ToHost>,
+    commands: u32,
+    /// What came while an answer was waited for.
+    pub(crate) estimates: Vec<NumberedEstimate>,
+    _folder: tempfile::TempDir,
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        let _ = self.emulator.kill();
+        let _ = self.emulator.wait();
+    }
+}
+
+impl Board {
+    pub(crate) fn start() -> Self {
+        // Without the link's pipes in its folder the image takes the serial port.
+        let folder = tempfile::tempdir().unwrap();
+        let elf = std::path::absolute(EmulatedController::default_elf()).unwrap();
+        let mut emulator = Process::new("qemu-system-arm")
+            .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-no-reboot"])
+            .args(["-serial", "null"].repeat(5))
+            .args(["-serial", "stdio", "-icount", "shift=2,sleep=off"])
+            .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+            .arg(elf)
+            .current_dir(folder.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut out = emulator.stdout.take().unwrap();
+        let (sender, said) = channel();
+        std::thread::spawn(move || {
+            let mut decoder = Decoder::new();
+            let mut buffer = [0; 4096];
+            while let Ok(count @ 1..) = out.read(&mut buffer) {
+                for &byte in &buffer[..count] {
+                    if let Some(Ok(message)) = decoder.push::<ToHost>(byte) {
+                        let _ = sender.send(message);
+                    }
+                }
+            }
+        });
+        let board = Self { emulator, said, commands: 0, estimates: vec![], _folder: folder };
+        assert!(matches!(board.next(), ToHost::Hello(_)));
+        board
+    }
+
+    pub(crate) fn next(&self) -> ToHost {
+        self.said.recv_timeout(Duration::from_secs(30)).unwrap()
+    }
+
+    pub(crate) fn send(&mut self, message: &ToController) {
+        let mut buffer = [0; MAX_FRAME];
+        self.send_bytes(encode(message, &mut buffer).unwrap());
+    }
+
+    pub(crate) fn send_bytes(&mut self, bytes: &[u8]) {
+        let input = self.emulator.stdin.as_mut().unwrap();
+        input.write_all(bytes).and_then(|()| input.flush()).unwrap();
+    }
+
+    /// The next estimate.
+    pub(crate) fn estimate(&mut self) -> NumberedEstimate {
+        if !self.estimates.is_empty() {
+            return self.estimates.remove(0);
+        }
+        loop {
+            match self.next() {
+                ToHost::Estimate(estimate) => return estimate,
+                ToHost::Hello(hello) => panic!("restarted: {:?}", hello.start),
+                _ => {}
+            }
+        }
+    }
+
+    pub(crate) fn order(&mut self, command: Command) -> Result<Answer, Refused> {
+        self.commands += 1;
+        let id = self.commands;
+        self.send(&ToController::Command(NumberedCommand { id, command }));
+        loop {
+            match self.next() {
+                ToHost::Acknowledged(Acknowledgement { id: answered, outcome }) if answered == id => {
+                    return outcome;
+                }
+                ToHost::Estimate(estimate) => self.estimates.push(estimate),
+                _ => {}
+            }
+        }
+    }
+
+    pub(crate) fn configured(configuration: ControllerConfiguration) -> Self {
+        let mut board = Self::start();
+        assert!(matches!(board.order(Command::Configure(configuration)), Ok(Answer::Configured(_))));
+        board
+    }
+
+    pub(crate) fn counters(&mut self) -> Counters {
+        match self.order(Command::GetCounters) {
+            Ok(Answer::Counters(counters)) => counters,
+            other => panic!("{other:?}"),
+        }
+    }
+}
