@@ -14,6 +14,7 @@ use model_quant::rows::{Row, rows};
 use model_quant::shapes::collision;
 use model_quant::train::{InstructionSet, Loss, Source, Training, Windows};
 use model_quant::window::history;
+use std::process::ExitCode;
 
 const BANDS_N: [f64; 5] = [100.0, 1000.0, 5000.0, 14_000.0, 40_000.0];
 
@@ -67,10 +68,33 @@ impl Source for Part<'_> {
     }
 }
 
-fn main() {
-    let mut arguments = std::env::args().skip(1);
-    let bearing = arguments.next().and_then(|name| bearing_named(&name)).unwrap_or(Bearing::Babbitt);
-    let epochs = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(60);
+/// Bearing and epochs, of what was typed or by default.
+fn arguments() -> Result<(Bearing, usize), String> {
+    let mut words = std::env::args().skip(1);
+    let bearing = words.next().map_or(Ok(Bearing::Babbitt), |name| {
+        bearing_named(&name).ok_or(format!("found `{name}`, expected `babbitt` or `plastic`"))
+    })?;
+    let epochs = words.next().map_or(Ok(60), |text| {
+        let epochs = text.parse().ok().filter(|epochs| (1..=100_000).contains(epochs));
+        epochs.ok_or(format!("found `{text}`, expected 1 to 100000 epochs"))
+    })?;
+    Ok((bearing, epochs))
+}
+
+fn main() -> ExitCode {
+    match arguments() {
+        Ok((bearing, epochs)) => {
+            compare(bearing, epochs);
+            ExitCode::SUCCESS
+        }
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn compare(bearing: Bearing, epochs: usize) {
     let features = FloatFeatures::of(&header(bearing, RangeKind::Bench));
     let recipe = Recipe {
         epochs,
