@@ -33,7 +33,7 @@ pub(crate) fn estimates(end: &End) -> Vec<Cause> {
 
 pub(crate) fn calibrated(end: &End) -> Vec<Calibrated> {
     let uncertain =
-        end.model.parameters.iter().zip(&end.z).zip(&end.deviations).filter(|((p, _), _)| p.has_prior());
+        end.model.parameters.iter().zip(&end.z).zip(&end.deviations).filter(|((p, _), _)| p.is_nominal());
     uncertain
         .map(|((p, &z), d)| Calibrated {
             name: p.name().into(),

@@ -61,7 +61,7 @@ pub(crate) fn propose(
         let jacobian = sensitivities(&planned, noise, &own, best.1, &here, &all).ok()?;
         let mut information = gram(&jacobian);
         for (i, p) in own.parameters.iter().enumerate() {
-            information[(i, i)] += f64::from(u8::from(p.has_prior()));
+            information[(i, i)] += p.precision;
         }
         let information = factor(&information)?;
         let mut least = f64::INFINITY;

@@ -94,9 +94,7 @@ impl Fit {
 
 fn with_priors(model: &Model, mut information: DMatrix<f64>) -> DMatrix<f64> {
     for (i, p) in model.parameters.iter().enumerate() {
-        if p.has_prior() {
-            information[(i, i)] += 1.0;
-        }
+        information[(i, i)] += p.precision;
     }
     information
 }
@@ -104,9 +102,7 @@ fn with_priors(model: &Model, mut information: DMatrix<f64>) -> DMatrix<f64> {
 fn gradient(model: &Model, jacobian: &[Vec<f64>], residual: &[f64], z: &[f64]) -> DVector<f64> {
     let mut g = project(jacobian, residual);
     for (i, p) in model.parameters.iter().enumerate() {
-        if p.has_prior() {
-            g[i] -= z[i];
-        }
+        g[i] -= p.precision * z[i];
     }
     g
 }
@@ -284,5 +280,5 @@ fn update(jacobian: &mut [Vec<f64>], before: &[f64], after: &[f64], step: &DVect
 }
 
 fn prior(model: &Model, z: &[f64]) -> f64 {
-    z.iter().zip(&model.parameters).filter(|(_, p)| p.has_prior()).map(|(z, _)| z * z).sum()
+    z.iter().zip(&model.parameters).map(|(z, p)| p.precision * z * z).sum()
 }

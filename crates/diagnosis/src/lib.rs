@@ -10,8 +10,8 @@
 //! * `unknown`: structure repeats in the residual, and no effect explains most of it.
 //!
 //! The steps, one file each: `session` (logs prepared, samples split into fitted and held out), `noise` (level and
-//! correlation of the sensors' noise), `model` and `fit` (parameters, least squares with priors), `rank` (score test and
-//! refits), `select` (forward selection), `leftover` (structure in the last residual), `gain` (held-out error),
+//! correlation of the sensors' noise), `model` and `fit` (parameters, least squares with priors), `guess` (first guesses of
+//! shapes), `rank` (score test and refits), `select` (forward selection), `leftover` (structure in the last residual), `gain` (held-out error),
 //! `experiment` (what to measure next), `verdict` (the rules).
 //!
 //! What this does not protect from: a cause outside the catalogue that a catalogued one imitates on the given
@@ -23,6 +23,7 @@ mod cycles;
 mod experiment;
 mod fit;
 mod gain;
+mod guess;
 mod leftover;
 mod linear;
 mod model;

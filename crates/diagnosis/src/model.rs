@@ -1,11 +1,11 @@
 //! The parameters of a fit: what the description declares uncertain, and what the chosen effects add.
 //!
 //! Every parameter is scaled: an uncertain one by its standard deviation, so that its prior is `z^2`, an effect's by a
-//! size that is visible but small.
+//! size that is visible but small; the catalogue's prior of it is then weak. A shape that a guess gave has none.
 
 use crate::noise::NoiseModel;
 use bench::description::AxisKind;
-use bench::effects::{Effect, EffectKind};
+use bench::effects::{Effect, EffectKind, Guess};
 use bench::{Bench, Channel};
 use std::collections::BTreeMap;
 
@@ -19,11 +19,27 @@ const ABSENT_SHARE: f64 = 0.02;
 const NOMINAL_STEP: f64 = 0.03;
 const EFFECT_STEP: f64 = 0.1;
 
+/// A first guess of a parameter, with a step that is small against its sharpness.
+#[derive(Clone, Copy)]
+pub(crate) struct Guessed {
+    pub(crate) value: f64,
+    pub(crate) step: f64,
+}
+
 /// An effect of the catalogue on a sensor or on the plant.
 #[derive(Clone, Copy)]
 pub(crate) struct Candidate {
     pub(crate) kind: &'static EffectKind,
     pub(crate) channel: Option<Channel>,
+    /// Of its shape, or of its size where the catalogue says so.
+    pub(crate) guess: Option<Guessed>,
+}
+
+impl Candidate {
+    /// Whether the guess is one of the size.
+    pub(crate) fn guesses_size(&self) -> bool {
+        self.kind.guess == Guess::LargestReading
+    }
 }
 
 impl PartialEq for Candidate {
@@ -35,7 +51,7 @@ impl PartialEq for Candidate {
 #[derive(Clone)]
 enum Place {
     Nominal(String),
-    Effect { index: usize, name: &'static str },
+    Effect { index: usize, name: &'static str, is_size: bool },
 }
 
 /// A parameter of a fit.
@@ -47,6 +63,8 @@ pub(crate) struct Parameter {
     pub(crate) scale: f64,
     least: f64,
     most: f64,
+    /// Precision of its prior in scaled units.
+    pub(crate) precision: f64,
 }
 
 impl Parameter {
@@ -57,15 +75,20 @@ impl Parameter {
         }
     }
 
-    /// Whether a prior holds it.
-    pub(crate) fn has_prior(&self) -> bool {
+    /// Whether the description declares it uncertain.
+    pub(crate) fn is_nominal(&self) -> bool {
         matches!(self.place, Place::Nominal(_))
+    }
+
+    /// Whether an effect is gone at its 0.
+    pub(crate) fn is_size(&self) -> bool {
+        matches!(self.place, Place::Effect { is_size: true, .. })
     }
 
     /// Step of a finite difference in scaled units: large against the integrator's error, which moves the journal by
     /// nanometres, small against what bends the response.
     pub(crate) fn step(&self) -> f64 {
-        if self.has_prior() { NOMINAL_STEP } else { EFFECT_STEP }
+        if self.is_nominal() { NOMINAL_STEP } else { EFFECT_STEP }
     }
 
     /// Value at a scaled one, within its bounds.
@@ -109,6 +132,7 @@ impl Model {
                     scale,
                     least,
                     most: centre + MOST_DEVIATIONS * scale,
+                    precision: 1.0,
                 });
             }
         }
@@ -130,13 +154,21 @@ impl Model {
                 Some(channel) if p.unit.starts_with("channel") => noise.of(channel).floor,
                 _ => 1.0,
             };
+            let guess = candidate.guess.filter(|_| candidate.guesses_size() == p.is_size);
+            // One parameter of a kind with a guess has it; further shapes there are none.
+            let (centre, scale, precision) = match guess {
+                Some(g) if p.is_size => (0.0, g.step, 0.0),
+                Some(g) => (g.value, g.step, 0.0),
+                None => (p.default, p.scale * unit_scale, (p.scale / p.prior).powi(2)),
+            };
             model.parameters.push(Parameter {
-                place: Place::Effect { index, name: p.name },
+                place: Place::Effect { index, name: p.name, is_size: p.is_size },
                 unit: unit(p.unit, candidate.channel, &self.bench),
-                centre: p.default,
-                scale: p.scale * unit_scale,
+                centre,
+                scale,
                 least: p.least,
                 most: p.most,
+                precision,
             });
         }
         model.chosen.push(candidate);
@@ -154,7 +186,7 @@ impl Model {
                         *place = value;
                     }
                 }
-                Place::Effect { index, name } => {
+                Place::Effect { index, name, .. } => {
                     if let Some(effect) = bench.effects_mut().get_mut(*index) {
                         effect.parameters.insert((*name).into(), value);
                     }
@@ -167,7 +199,7 @@ impl Model {
     /// The uncertain parameter that moves the very number which the effect parameter `i` moves, with the ratio of their
     /// sensitivities.
     pub(crate) fn alias(&self, z: &[f64], i: usize) -> Option<(usize, f64)> {
-        if self.parameters[i].has_prior() {
+        if self.parameters[i].is_nominal() {
             return None;
         }
         let moved = |i: usize| {
@@ -207,8 +239,8 @@ impl Model {
 
 /// The unit for people: of the channel, of the axis' effort.
 fn unit(unit: &str, channel: Option<Channel>, bench: &Bench) -> String {
-    if let (Some(rest), Some(channel)) = (unit.strip_prefix("channel"), channel) {
-        return format!("{}{rest}", channel.unit());
+    if let (Some((before, after)), Some(channel)) = (unit.split_once("channel"), channel) {
+        return format!("{before}{}{after}", channel.unit());
     }
     match (bench, unit.split_once(" or ")) {
         (Bench::FrictionRig(rig), Some((linear, rotary))) => match rig.axis.kind {

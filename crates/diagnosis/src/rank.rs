@@ -5,8 +5,9 @@
 //! with `M = C'C - (J'C)' A^-1 (J'C)`, `g = C'r - (J'C)' A^-1 (J'r - P z)`, `A = J'J + P`.
 
 use crate::fit::{Effort, Fit, Simulation, fit, fit_from, sensitivities, simulate};
+use crate::guess;
 use crate::linear::{dot, factor, gram, project};
-use crate::model::Candidate;
+use crate::model::{Candidate, Guessed, Model, Parameter};
 use crate::noise::NoiseModel;
 use crate::session::Data;
 use bench::Bench;
@@ -39,9 +40,9 @@ pub(crate) fn candidates(bench: &Bench, data: &Data, excluded: &[String]) -> Vec
             continue;
         }
         if kind.per_channel {
-            out.extend(data.channels.iter().map(|&c| Candidate { kind, channel: Some(c) }));
+            out.extend(data.channels.iter().map(|&c| Candidate { kind, channel: Some(c), guess: None }));
         } else {
-            out.push(Candidate { kind, channel: None });
+            out.push(Candidate { kind, channel: None, guess: None });
         }
     }
     out
@@ -59,10 +60,15 @@ pub(crate) fn scores(
     let nominal = base.model.parameters.len();
     let score = |candidate: &Candidate| -> Result<Option<Score>, RespondError> {
         let model = base.model.with(*candidate, noise);
-        let which: Vec<usize> = (nominal..model.parameters.len()).collect();
+        // At size 0 shapes show nothing.
+        let sized = |i: &usize| model.parameters.get(*i).is_some_and(Parameter::is_size);
+        let which: Vec<usize> = (nominal..model.parameters.len()).filter(sized).collect();
         let mut z = base.z.clone();
         z.resize(model.parameters.len(), 0.0);
-        let columns = sensitivities(data, noise, &model, &z, &base.simulation, &which)?;
+        let columns = match candidate.guess.filter(|_| candidate.guesses_size()) {
+            Some(guess) => vec![secant(data, noise, base, &model, guess)?],
+            None => sensitivities(data, noise, &model, &z, &base.simulation, &which)?,
+        };
         let shadows: Vec<DVector<f64>> = columns.iter().map(|c| project(&base.jacobian, c)).collect();
         let whole = gram(&columns);
         let mut survived = whole.clone();
@@ -85,18 +91,35 @@ pub(crate) fn scores(
         let signature = combine(&columns, &estimate);
         let shadow =
             shadows.iter().zip(estimate.iter()).fold(DVector::zeros(nominal), |sum, (s, &b)| sum + s * b);
-        Ok(Some(Score {
-            candidate: *candidate,
-            evidence,
-            estimate: estimate.iter().copied().collect(),
-            signature,
-            shadow,
-        }))
+        let mut own = vec![0.0; model.parameters.len() - nominal];
+        for (&i, &b) in which.iter().zip(estimate.iter()) {
+            own[i - nominal] = b;
+        }
+        Ok(Some(Score { candidate: *candidate, evidence, estimate: own, signature, shadow }))
     };
-    let found: Result<Vec<_>, RespondError> = candidates.par_iter().map(score).collect();
+    let guessed: Vec<Candidate> = guess::guessed(data, noise, base, candidates)?;
+    let found: Result<Vec<_>, RespondError> = guessed.par_iter().map(score).collect();
     let mut scores: Vec<Score> = found?.into_iter().flatten().collect();
     scores.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     Ok(scores)
+}
+
+/// The change of the response from no effect to its guessed size, per scaled unit: where a derivative at 0 is blind.
+fn secant(
+    data: &Data,
+    noise: &NoiseModel,
+    base: &Fit,
+    model: &Model,
+    guess: Guessed,
+) -> Result<Vec<f64>, RespondError> {
+    let mut z = base.z.clone();
+    let size = guess.value / guess.step;
+    z.resize(model.parameters.len(), size);
+    let mut change = simulate(data, &model.at(&z), Some(&base.simulation))?.columns;
+    for (there, here) in change.iter_mut().zip(&base.simulation.columns) {
+        there.iter_mut().zip(here).for_each(|(t, h)| *t = (*t - h) / size);
+    }
+    Ok(noise.stack(data, &change))
 }
 
 fn combine(columns: &[Vec<f64>], factors: &DVector<f64>) -> Vec<f64> {
@@ -143,7 +166,7 @@ impl<'a> Origin<'a> {
             .z
             .iter()
             .zip(&base.model.parameters)
-            .map(|(z, p)| if p.has_prior() { 0.0 } else { *z })
+            .map(|(z, p)| if p.is_nominal() { 0.0 } else { *z })
             .collect();
         let simulation = simulate(data, &base.model.at(&z), None)?;
         let all: Vec<usize> = (0..z.len()).collect();
@@ -155,13 +178,23 @@ impl<'a> Origin<'a> {
     pub(crate) fn search(&self, base: &Fit, score: &Score) -> Result<(Vec<f64>, f64), RespondError> {
         let model = base.model.with(score.candidate, self.noise);
         let added = self.z.len()..model.parameters.len();
+        let largest = score.estimate.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
+        let sizes =
+            score.candidate.kind.parameters(&base.model.at(&base.z)).iter().filter(|p| p.is_size).count();
+        // Of several sizes the score says how they go together.
+        let direction = |k: usize| match score.estimate.get(k) {
+            Some(b) if sizes > 1 && largest > 0.0 => b / largest,
+            _ => 1.0,
+        };
         let at = |size: f64| {
             let mut z = self.z.clone();
-            z.resize(model.parameters.len(), size);
-            let inside = added.clone().all(|i| {
+            z.resize(model.parameters.len(), 0.0);
+            let mut inside = true;
+            for (k, i) in added.clone().enumerate().filter(|(_, i)| model.parameters[*i].is_size()) {
+                z[i] = size * direction(k);
                 let (least, most) = model.parameters[i].bounds();
-                (least..=most).contains(&size)
-            });
+                inside &= (least..=most).contains(&z[i]);
+            }
             let simulation =
                 simulate(self.data, &model.at(&z), Some(&self.simulation)).ok().filter(|_| inside)?;
             let residual = self.noise.stack(self.data, &self.data.residual(&simulation.columns));

@@ -31,6 +31,12 @@ const CLOSE: usize = 4;
 const LIKELY: usize = 5;
 /// Least score that is worth a refit.
 const WORTH: f64 = 4.0;
+/// Near the optimum scores hold: a candidate is out of the race below this share of the best one's, less a margin.
+const SHARE: f64 = 0.4;
+const MARGIN: f64 = 30.0;
+/// Score below which nothing will be accepted, and how many are refitted then.
+const SLIGHT: f64 = 12.0;
+const FEW: usize = 2;
 /// Change of a noise weight that calls for another round.
 const SETTLED: f64 = 1.15;
 const MOST_ROUNDS: usize = 4;
@@ -176,7 +182,9 @@ type Contest = (Vec<Fit>, Vec<(Candidate, f64)>);
 fn contend(views: &Views, noise: &NoiseModel, base: &Fit, scored: &[Score]) -> Result<Contest, RespondError> {
     let data = &views.fitted;
     if !far_off(base) {
-        let group: Vec<&Score> = scored.iter().filter(|s| s.evidence > WORTH).take(GROUP).collect();
+        let best = scored.first().map_or(0.0, |s| s.evidence);
+        let (least, most) = ((SHARE * best - MARGIN).max(WORTH), if best < SLIGHT { FEW } else { GROUP });
+        let group: Vec<&Score> = scored.iter().filter(|s| s.evidence > least).take(most).collect();
         let fits: Result<Vec<Fit>, RespondError> =
             group.par_iter().map(|s| refit(data, noise, base, s)).collect();
         return Ok((fits?, Vec::new()));
@@ -241,6 +249,7 @@ pub(crate) fn loss_without_first(data: &Data, stage: &Stage, nominal: &Model) ->
 fn refines(name: &str) -> Option<&'static str> {
     match name {
         "load-dependent-friction" | "coulomb-asymmetry" => Some("coulomb-level"),
+        "viscous-asymmetry" => Some("viscous-friction"),
         _ => None,
     }
 }

@@ -157,6 +157,18 @@ impl Data {
         &self.sessions[block.session].uses
     }
 
+    /// Something about each fitted sample, in the order in which [`crate::noise::NoiseModel::stack`] stacks them, with the
+    /// number of its block.
+    pub(crate) fn stacked(&self, read: impl Fn(&Session, usize) -> f64) -> Vec<(usize, f64)> {
+        let mut out = Vec::new();
+        for (number, block) in self.blocks.iter().enumerate() {
+            let session = &self.sessions[block.session];
+            let fitted = (0..block.measured.len()).filter(|&i| session.uses.get(i) == Some(&Use::Fit));
+            out.extend(fitted.map(|i| (number, read(session, i))));
+        }
+        out
+    }
+
     /// Samples of a channel that are used so.
     pub(crate) fn count(&self, channel: Channel, wanted: Use) -> usize {
         let of = |b: &Block| self.uses(b).iter().filter(|u| **u == wanted).count();

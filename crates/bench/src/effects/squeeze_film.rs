@@ -3,7 +3,7 @@
 //! Force `-C a'` along the normal, in the gap and in contact, with
 //! `C = 12 pi eta L (R/D)^3 / (1 - e^2)^(3/2)`, `e = a/D`: the long journal bearing without cavitation in pure squeeze (Pinkus and
 //! Sternlicht, Theory of Hydrodynamic Lubrication, 1961). Roughness keeps a film: `1 - e^2` is not less than `2 h/D`. Parameters:
-//! `viscosity_pa_s`, 0 to 0.1, prior 1e-3; shape `least_film_m`, 1e-6 to 1e-3, 20 um unless given, prior 10 um. The formula overstates a
+//! `viscosity_pa_s`, 0 to 0.1, prior 1e-3; shape `least_film_m`, 5e-6 to 1e-3, 20 um unless given, prior 10 um. The formula overstates a
 //! bearing as short as this one; the viscosity found is an effective one.
 //! In a log: less swinging in `journal_y_m`, `journal_z_m`, a softer landing at the start; the film's force is part of the
 //! bearing force.
@@ -20,7 +20,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     plants: &[Plant::Planar],
     transmission: &[
         EffectParameter::size("viscosity_pa_s", "Pa s", 1e-4, [0.0, 0.1], 1e-3),
-        EffectParameter::shape("least_film_m", "m", 2e-5, [1e-6, 1e-3], 1e-5),
+        EffectParameter::shape("least_film_m", "m", 2e-5, [5e-6, 1e-3], 1e-5),
     ],
     axis: &[],
     shows_in: Some(Channel::JournalZ),

@@ -1,0 +1,187 @@
+//! First guesses of what a derivative at size 0 does not show: when a step came, at which frequency or wavelength something
+//! repeats, where a reading ends. They come from the residual of the fitted base alone, without a simulation of their own
+//! (but two for the effect that a step is a step of).
+
+use crate::fit::{Fit, sensitivities};
+use crate::linear::factor;
+use crate::model::{Candidate, Guessed};
+use crate::noise::NoiseModel;
+use crate::session::Data;
+use bench::Bench;
+use bench::effects::{Guess, kind};
+use bench::respond::RespondError;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Times at which a step may begin.
+const ONSETS: usize = 96;
+/// Seconds of a log that a first periodogram looks at, and its highest frequency in Hz.
+const COARSE_S: f64 = 8.0;
+const MOST_HZ: f64 = 200.0;
+/// Samples of each channel that a periodogram over position looks at, and its most waves over the motion's range.
+const SAMPLES: usize = 8000;
+const MOST_WAVES: f64 = 100.0;
+/// Waves over the whole range below which a ripple cannot be told from a trend or the motion itself.
+const LEAST_WAVES: f64 = 1.5;
+/// Steps of a periodogram in units of its resolution.
+const FINENESS: f64 = 0.25;
+/// Step of a guessed reading limit as a share of it.
+const LIMIT_STEP: f64 = 0.02;
+/// Step of a guessed onset in s.
+const ONSET_STEP_S: f64 = 0.02;
+
+/// The candidates with their guesses; those that need one and have none are left out.
+pub(crate) fn guessed(
+    data: &Data,
+    noise: &NoiseModel,
+    base: &Fit,
+    candidates: &[Candidate],
+) -> Result<Vec<Candidate>, RespondError> {
+    let mut out = Vec::with_capacity(candidates.len());
+    for candidate in candidates {
+        let guess = match candidate.kind.guess {
+            Guess::Defaults => {
+                out.push(*candidate);
+                continue;
+            }
+            Guess::Onset(reference) => onset(data, noise, base, reference)?,
+            Guess::Frequency => frequency(data, base),
+            Guess::Wavelength => wavelength(data, base),
+            Guess::LargestReading => largest_reading(data, candidate),
+        };
+        out.extend(guess.map(|g| Candidate { guess: Some(g), ..*candidate }));
+    }
+    Ok(out)
+}
+
+fn largest_reading(data: &Data, candidate: &Candidate) -> Option<Guessed> {
+    let blocks = data.blocks.iter().filter(|b| Some(b.channel) == candidate.channel);
+    let largest = blocks.flat_map(|b| &b.measured).fold(0.0_f64, |m, v| m.max(v.abs()));
+    (largest > 0.0).then(|| Guessed { value: 1.0 / largest, step: LIMIT_STEP / largest })
+}
+
+/// When a lasting change of the size of `reference` explains most: its sensitivity, cut off before the onset, in the score
+/// test of [`crate::rank`]. The sums over bins of time make every onset as cheap as one.
+fn onset(
+    data: &Data,
+    noise: &NoiseModel,
+    base: &Fit,
+    reference: &str,
+) -> Result<Option<Guessed>, RespondError> {
+    let Some(kind) = kind(reference) else { return Ok(None) };
+    let model = base.model.with(Candidate { kind, channel: None, guess: None }, noise);
+    let place = base.model.parameters.len();
+    if model.parameters.len() != place + 1 {
+        return Ok(None);
+    }
+    let mut z = base.z.clone();
+    z.push(0.0);
+    let columns = sensitivities(data, noise, &model, &z, &base.simulation, &[place])?;
+    let (Some(column), Some(information)) = (columns.first(), factor(&base.information())) else {
+        return Ok(None);
+    };
+    let times = data.stacked(|s, i| s.inputs.time_s().get(i).copied().unwrap_or_default());
+    let (first, last) = range(times.iter().map(|t| t.1));
+    let width = (last - first) / ONSETS as f64;
+    if width.is_nan() || width <= 0.0 {
+        return Ok(None);
+    }
+    // Of each bin: c'c, c'r, J'c.
+    let mut sums = vec![(0.0, 0.0, DVector::<f64>::zeros(place)); ONSETS];
+    for (i, ((_, t), c)) in times.iter().zip(column).enumerate() {
+        let bin = (((t - first) / width) as usize).min(ONSETS - 1);
+        let (cc, cr, jc) = &mut sums[bin];
+        *cc += c * c;
+        *cr += c * base.residual[i];
+        jc.iter_mut().zip(&base.jacobian).for_each(|(sum, j)| *sum += j[i] * c);
+    }
+    let left = base.gradient();
+    let (mut cc, mut cr, mut jc) = (0.0, 0.0, DVector::<f64>::zeros(place));
+    let mut best: Option<(f64, f64)> = None;
+    for (bin, sum) in sums.iter().enumerate().skip(1).rev() {
+        cc += sum.0;
+        cr += sum.1;
+        jc += &sum.2;
+        let absorbed = information.solve(&jc);
+        let (survived, g) = (cc - absorbed.dot(&jc), cr - absorbed.dot(&left));
+        let evidence = g * g / survived;
+        if survived > 1e-9 * cc && best.is_none_or(|b| evidence > b.0) {
+            best = Some((evidence, first + width * bin as f64));
+        }
+    }
+    Ok(best.map(|(_, value)| Guessed { value, step: ONSET_STEP_S.max(0.2 * width) }))
+}
+
+/// The frequency of the highest peak of the residual's periodogram over time, first on the beginning of the log, then around
+/// that peak on all of it.
+fn frequency(data: &Data, base: &Fit) -> Option<Guessed> {
+    let times = data.stacked(|s, i| s.inputs.time_s().get(i).copied().unwrap_or_default());
+    let (first, last) = range(times.iter().map(|t| t.1));
+    let span = last - first;
+    let rate = times.len() as f64 / data.blocks.len().max(1) as f64 / span;
+    let most = MOST_HZ.min(0.45 * rate);
+    let coarse_s = COARSE_S.min(span);
+    let begin = |t: f64| t < first + coarse_s;
+    let coarse = peak(base, &times, begin, LEAST_WAVES / coarse_s, most, FINENESS / coarse_s)?;
+    let (low, high) = (coarse - 1.0 / coarse_s, coarse + 1.0 / coarse_s);
+    let value = peak(base, &times, |_| true, low.max(LEAST_WAVES / span), high, FINENESS / span)?;
+    Some(Guessed { value, step: 0.1 / span })
+}
+
+/// The wavelength of the highest peak of the residual's periodogram over position: the crank's angle, or the axis' own.
+fn wavelength(data: &Data, base: &Fit) -> Option<Guessed> {
+    let lever = match base.model.at(&base.z) {
+        Bench::Transmission(bench) => Some(bench.geometry.drive_lever_radius_m),
+        Bench::FrictionRig(_) => None,
+    };
+    let at = |x: f64| lever.map_or(x, |r| (x / r).clamp(-1.0, 1.0).asin());
+    let positions =
+        data.stacked(
+            |s, i| {
+                if i < SAMPLES { at(s.position.get(i).copied().unwrap_or_default()) } else { f64::NAN }
+            },
+        );
+    let (low, high) = range(positions.iter().map(|p| p.1).filter(|p| p.is_finite()));
+    let span = high - low;
+    let waves =
+        peak(base, &positions, f64::is_finite, LEAST_WAVES / span, MOST_WAVES / span, FINENESS / span)?;
+    Some(Guessed { value: 1.0 / waves, step: 0.1 / (span * waves * waves) })
+}
+
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// Waves per unit of the coordinate at which the base's residual has most power, all channels together.
+fn peak(
+    base: &Fit,
+    coordinates: &[(usize, f64)],
+    used: impl Fn(f64) -> bool + Sync,
+    from: f64,
+    to: f64,
+    step: f64,
+) -> Option<f64> {
+    let count = ((to - from) / step).ceil();
+    if !(count >= 1.0 && count < 1e6) {
+        return None;
+    }
+    let power = |k: usize| {
+        let waves = from + step * k as f64;
+        let mut power = 0.0;
+        for block in coordinates.chunk_by(|a, b| a.0 == b.0).scan(0, |start, block| {
+            let from = *start;
+            *start += block.len();
+            Some((from, block))
+        }) {
+            let (mut c, mut s) = (0.0, 0.0);
+            for ((_, x), r) in block.1.iter().zip(&base.residual[block.0..]).filter(|((_, x), _)| used(*x)) {
+                let (sin, cos) = (std::f64::consts::TAU * waves * x).sin_cos();
+                c += r * cos;
+                s += r * sin;
+            }
+            power += c * c + s * s;
+        }
+        (power, waves)
+    };
+    (0..count as usize).into_par_iter().map(power).max_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
+}
