@@ -42,8 +42,10 @@ mod app {
         ToController, ToHost, encode,
     };
 
-    /// Room for received bytes: more than a tick's worth at the line speed.
-    const BYTES: usize = 256;
+    /// Room for bytes received by interrupt: as much as DMA's buffer has.
+    const BYTES: usize = 1024;
+    /// Received bytes that one pass of the link's loop looks at.
+    const BYTES_A_PASS: usize = 256;
     /// Room for samples and for answers: the host of a lockstep has one on the way.
     const SAMPLES: usize = 8;
     /// In lockstep the self-test goes on once in so many frames, so that it does not slow the exchange down.
@@ -293,7 +295,7 @@ mod app {
                 let parties = attendance.look(uptime_us());
                 check_in(attendance, Party::Link);
                 // A bounded number of bytes and one answer at most, so that a flood does not keep the estimates waiting.
-                for _ in 0..BYTES {
+                for _ in 0..BYTES_A_PASS {
                     let byte = cx.local.inbox.take().or_else(|| cx.local.bytes.dequeue());
                     let Some(byte) = byte else { break };
                     let answer = match decoder.push::<ToController>(byte) {
