@@ -162,7 +162,7 @@ fn peak(
     step: f64,
 ) -> Option<f64> {
     let count = ((to - from) / step).ceil();
-    if !(count >= 1.0 && count < 1e6) {
+    if !(1.0..1e6).contains(&count) {
         return None;
     }
     let power = |k: usize| {
