@@ -123,7 +123,7 @@ hidden! {
     hydraulic_compliance: bench_b(), "hydraulic-compliance", None, [("compliance_m_n", 2e-8)];
     #[ignore = "some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     drive_lag: bench_b(), "drive-lag", None, [("lag_s", 1e-3)];
-    #[ignore = "some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "fails: a base that is far off bends the residual, and the guessed frequency is not the ripple's"]
     load_ripple: bench_b(), "load-ripple", None, [("cos_force_n", 60.0), ("sin_force_n", 80.0), ("frequency_hz", 23.4)];
     #[ignore = "some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     fork_backlash: bench_b(), "fork-backlash", None, [("backlash_m", 1e-4)];
