@@ -1,0 +1,118 @@
+//! The emulated board on a pseudo-terminal, with the emulator's monitor beside it.
+
+use firmware::configuration::BENCH_B;
+use host_sim::controller::{
+    AttachedController, Bounds, Controller, EmulatedController, NativeController, RemoteController,
+};
+use host_sim::estimator::{Tracked, track};
+use link::{Command as LinkCommand, SensorFrame};
+use rustix::process::{Pid, Signal, kill_process};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Patience for a busy machine.
+pub(crate) const PATIENT: Bounds = Bounds { answer: Duration::from_secs(40), again: Duration::from_secs(4) };
+
+/// A running board.
+pub(crate) struct Board {
+    pub(crate) port: PathBuf,
+    pub(crate) folder: tempfile::TempDir,
+    emulator: Child,
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        let _ = self.emulator.kill();
+        let _ = self.emulator.wait();
+    }
+}
+
+impl Board {
+    /// An instruction takes 4 ns, so that a tick's work takes a third of its period.
+    pub(crate) fn start() -> Self {
+        // Without the link's pipes in its folder the image takes the serial port.
+        let folder = tempfile::tempdir().unwrap();
+        let mut emulator = Command::new("qemu-system-arm")
+            .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "unix:monitor,server=on,wait=off"])
+            .args(["-serial", "null"].repeat(5))
+            .args(["-serial", "pty", "-icount", "shift=2,sleep=off"])
+            .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+            .arg(std::path::absolute(EmulatedController::default_elf()).unwrap())
+            .current_dir(folder.path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // "char device redirected to /dev/pts/3 (label serial5)"
+        let mut said = String::new();
+        BufReader::new(emulator.stdout.take().unwrap()).read_line(&mut said).unwrap();
+        let port = said.split_whitespace().find(|word| word.starts_with("/dev/")).unwrap().into();
+        Self { port, folder, emulator }
+    }
+
+    pub(crate) fn signal(&self, signal: Signal) {
+        kill_process(Pid::from_child(&self.emulator), signal).unwrap();
+    }
+
+    /// Has the emulator's monitor do something, and waits until it has.
+    pub(crate) fn monitor(&self, command: &str) {
+        let mut monitor = UnixStream::connect(self.folder.path().join("monitor")).unwrap();
+        monitor.set_read_timeout(Some(Duration::from_millis(50))).unwrap();
+        writeln!(monitor, "{command}").unwrap();
+        // Its prompt comes once on connecting and once after the command.
+        let (mut said, mut buffer, deadline) =
+            (Vec::new(), [0; 1024], Instant::now() + Duration::from_secs(10));
+        while said.windows(6).filter(|window| window == b"(qemu)").count() < 2 {
+            assert!(Instant::now() < deadline, "{}", String::from_utf8_lossy(&said));
+            if let Ok(count) = monitor.read(&mut buffer) {
+                said.extend(&buffer[..count]);
+            }
+        }
+    }
+
+    /// The host's end, configured. For every byte the emulator changes from one of its threads to another, which takes long on a busy machine.
+    pub(crate) fn attached(&self) -> RemoteController {
+        self.attached_within(PATIENT)
+    }
+
+    /// The same with other waits.
+    pub(crate) fn attached_within(&self, bounds: Bounds) -> RemoteController {
+        let mut controller = AttachedController::open_within(&self.port, bounds).unwrap();
+        controller.order(LinkCommand::Configure(BENCH_B)).unwrap();
+        controller
+    }
+}
+
+pub(crate) fn native(frames: &[SensorFrame]) -> Tracked {
+    track(Box::new(NativeController::start(BENCH_B).unwrap()), frames).unwrap()
+}
+
+/// Samples of a journal that swings along the clearance circle and in and out of contact; a jump and a lost sample now and then.
+pub(crate) fn frames(count: u32, seed: u32) -> Vec<SensorFrame> {
+    let mut state = seed.wrapping_mul(0x9E37_79B9) | 1;
+    let mut noise = move || {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        f64::from(state % 801) - 400.0
+    };
+    let frame = |index: u32| {
+        let sequence = index + index / 700;
+        let t = f64::from(sequence) * 1e-4;
+        let distance_nm = 515_000.0 + 30_000.0 * (207.0 * t).sin();
+        let swing = (283.0 * t).sin() - 1.5;
+        SensorFrame {
+            sequence,
+            time_us: sequence * 100,
+            journal_y_nm: (distance_nm * swing.cos() + noise()) as i32
+                + if index % 900 == 899 { 200_000 } else { 0 },
+            journal_z_nm: (distance_nm * swing.sin() + noise()) as i32,
+            shaft_angle_nrad: (5e7 * (9.0 * t).sin() + 40.0 * noise()) as i32,
+            load_force_mn: 10_000_000,
+        }
+    };
+    (0..count).map(frame).collect()
+}
