@@ -72,6 +72,8 @@ impl Board {
         let mut command = crate::compile::build(&way, self.target, root())?;
         command.args(["--profile", "firmware", "--package", "firmware", "--bin", "estimator", "--features"]);
         command.arg([&[self.feature], more].concat().join(","));
+        // Without it defmt leaves every line but errors out of the image.
+        command.env("DEFMT_LOG", "info");
         command.env("PINTLE_BOARD", self.name).envs(variables.iter().copied());
         run(&mut command)?;
         Ok(target_folder().join(self.target).join("firmware/estimator"))
