@@ -6,10 +6,10 @@ use crate::update::package_for;
 use firmware::{Identity, NoTicks, Session};
 use host_sim::controller::EmulatedController;
 use inference::Bearing;
-use model_package::board;
 use link::track::SensorStatus;
 use link::update::{SlotState, UpdateAnswer, UpdateRefusal, UpdateRequest};
 use link::{BuildId, ClockSource, Command, EstimateFrame, NumberedCommand, Target, ToController, ToHost};
+use model_package::board;
 use object::{Object, ObjectSymbol};
 use std::path::PathBuf;
 
@@ -55,7 +55,8 @@ fn another_core_estimates_the_same_bits() {
 
 #[test]
 fn it_takes_packages_of_its_own_and_refuses_and_records_another_board_s() {
-    let [other, own] = [board::STM32F405, board::MPS2_AN505].map(|board| package_for(board, 3, Bearing::Plastic));
+    let [other, own] =
+        [board::STM32F405, board::MPS2_AN505].map(|board| package_for(board, 3, Bearing::Plastic));
     let requests = [
         UpdateRequest::Begin(other.signed),
         UpdateRequest::Refusals { index: 0 },
@@ -74,7 +75,10 @@ fn it_takes_packages_of_its_own_and_refuses_and_records_another_board_s() {
     assert_eq!((record.version, record.reason), (3, reason));
     let UpdateAnswer::Status(begun) = answers[2] else { panic!("{answers:?}") };
     assert_eq!((begun.refused, begun.last_refusal), (1, Some(record)));
-    assert!(begun.receiving.is_some() && begun.slots == [SlotState::Unfinished, SlotState::Blank], "{begun:?}");
+    assert!(
+        begun.receiving.is_some() && begun.slots == [SlotState::Unfinished, SlotState::Blank],
+        "{begun:?}"
+    );
 }
 
 #[test]
