@@ -8,7 +8,7 @@ use host_sim::controller::{Conversation, Heard};
 use link::track::SensorStatus;
 use link::{
     Answer, BuildId, ClockSource, Command, ControllerConfiguration, Decoder, MAX_FRAME, Refused, SensorFrame,
-    State, Target, ToController, ToHost, encode,
+    SlowReport, State, Target, ToController, ToHost, encode,
 };
 use proptest::prelude::*;
 use std::collections::VecDeque;
@@ -199,7 +199,12 @@ impl World {
 
 /// An outcome without what a bad line makes it count.
 fn of_the_run(mut outcome: Result<Answer, Refused>) -> Result<Answer, Refused> {
-    if let Ok(Answer::Counters(counters) | Answer::Stopped(counters)) = &mut outcome {
+    if let Ok(
+        Answer::Counters(counters)
+        | Answer::Stopped(counters)
+        | Answer::Report(SlowReport::Counters(counters)),
+    ) = &mut outcome
+    {
         counters.bad_frames = link::BadFrames::default();
         (counters.repeated_commands, counters.refused_commands) = (0, 0);
     }
