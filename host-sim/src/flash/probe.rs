@@ -1,22 +1,25 @@
 //! Writing through a debug probe, and reading the controller's log through it: probe-rs does both.
 //!
 //! Probes over USB bulk transfers: ST-Link, CMSIS-DAP version 2, J-Link and others. CMSIS-DAP version 1 (HID) is left out, because it wants a C
-//! library of the system. Built, but not yet tried: no probe was at hand.
+//! library of the system. Following the log is tested through the library's fake of a probe; writing has not yet been tried, as no probe was at hand
+//! and the fake executes nothing.
 
 use super::log::Texts;
 use super::{FlashError, Plan};
 use probe_rs::flashing::{DownloadOptions, ElfLoader, ElfOptions, download_file_with_options};
 use probe_rs::probe::list::Lister;
 use probe_rs::probe::{DebugProbeSelector, Probe};
-use probe_rs::rtt::Rtt;
-use probe_rs::{Permissions, Session};
+use probe_rs::rtt::{Rtt, find_rtt_control_block_in_raw_file};
+use probe_rs::{Core, Permissions, Session};
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Core that everything runs on.
 const CORE: usize = 0;
 /// Pause between two looks at the log.
 const PAUSE: Duration = Duration::from_millis(20);
+/// Longest time from reset to a log that is set up.
+const START: Duration = Duration::from_secs(2);
 
 fn failed<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> FlashError {
     move |cause| FlashError::Probe { what, cause: cause.to_string() }
@@ -76,9 +79,13 @@ pub fn follow(session: &mut Session, image: &Path, mut show: impl FnMut(&str)) -
     let elf = std::fs::read(image).map_err(|source| FlashError::Unreadable { path: image.into(), source })?;
     let texts = Texts::of(&elf)?;
     let mut log = texts.decoder();
+    // Where the image says, and not wherever its mark is found: RAM may still hold another image's.
+    let block = find_rtt_control_block_in_raw_file(&elf)
+        .map_err(failed(FINDING))?
+        .ok_or_else(|| failed(FINDING)("the image has none"))?;
     let mut core = session.core(CORE).map_err(failed("the core"))?;
-    let mut rtt = Rtt::attach(&mut core).map_err(failed("finding the log"))?;
-    let channel = rtt.up_channel(0).ok_or_else(|| failed("finding the log")("no channel 0"))?;
+    let mut rtt = attach(&mut core, block)?;
+    let channel = rtt.up_channel(0).ok_or_else(|| failed(FINDING)("no channel 0"))?;
     let mut buffer = [0; 1024];
     loop {
         let count = channel.read(&mut core, &mut buffer).map_err(failed("reading the log"))?;
@@ -90,3 +97,17 @@ pub fn follow(session: &mut Session, image: &Path, mut show: impl FnMut(&str)) -
         }
     }
 }
+
+/// The log, once the controller has come as far as to set it up.
+fn attach(core: &mut Core, block: u64) -> Result<Rtt, FlashError> {
+    let deadline = Instant::now() + START;
+    loop {
+        match Rtt::attach_at(core, block) {
+            Ok(rtt) => return Ok(rtt),
+            Err(_) if Instant::now() < deadline => std::thread::sleep(PAUSE),
+            Err(error) => return Err(failed(FINDING)(error)),
+        }
+    }
+}
+
+const FINDING: &str = "finding the log";

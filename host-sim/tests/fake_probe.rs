@@ -1,0 +1,94 @@
+//! The controller's log through a debug probe: the library's fake of one, over the memory of the image as it stands in the emulator after its start.
+//!
+//! Needs qemu-system-arm and the image (`cargo xtask firmware`). What the fake cannot do: execute, so no flash is written, and change, so the log
+//! is read once.
+#![cfg(feature = "fake-probe")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use host_sim::controller::EmulatedController;
+use host_sim::flash::probe::follow;
+use host_sim::flash::{Plan, board};
+use object::{Object, ObjectSymbol};
+use probe_rs::Permissions;
+use probe_rs::probe::fake_probe::FakeProbe;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+const RAM: u32 = 0x2000_0000;
+const RAM_BYTES: u32 = 128 * 1024;
+
+/// The RAM of the image some time after its start.
+fn memory(folder: &Path) -> Vec<u8> {
+    let mut emulator = Command::new("qemu-system-arm")
+        .args(["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "stdio"])
+        .args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=2,sleep=off", "-kernel"])
+        .arg(std::path::absolute(EmulatedController::default_elf()).unwrap())
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    let mut monitor = emulator.stdin.take().unwrap();
+    write!(monitor, "pmemsave {RAM:#x} {RAM_BYTES:#x} memory\nquit\n").unwrap();
+    drop(monitor);
+    emulator.wait().unwrap();
+    std::fs::read(folder.join("memory")).unwrap()
+}
+
+/// An ELF file with one segment and one section of it: what the fake takes its memory from.
+fn as_elf(folder: &Path, memory: &[u8]) -> PathBuf {
+    let length = memory.len() as u32;
+    let mut bytes = b"\x7fELF\x01\x01\x01".to_vec();
+    bytes.resize(16, 0);
+    bytes.extend([2, 0, 40, 0, 1, 0, 0, 0]);
+    // Entry, program headers, section headers behind the data, flags.
+    bytes.extend([0, 52, 84 + length, 0x0500_0000].map(u32::to_le_bytes).as_flattened());
+    bytes.extend([52_u16, 32, 1, 40, 3, 2].map(u16::to_le_bytes).as_flattened());
+    bytes.extend([1, 84, RAM, RAM, length, length, 6, 4].map(u32::to_le_bytes).as_flattened());
+    bytes.extend(memory);
+    bytes.extend([0; 40]);
+    // The memory, and the sections' names, of which all are empty.
+    bytes.extend([0, 1, 3, RAM, 84, length, 0, 0, 4, 0].map(u32::to_le_bytes).as_flattened());
+    bytes.extend([0, 3, 0, 0, 84 + length, 1, 0, 0, 1, 0].map(u32::to_le_bytes).as_flattened());
+    let path = folder.join("memory.elf");
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+/// The lines that come from such a memory, and the error that ends them.
+fn followed(folder: &Path, memory: &[u8]) -> (Vec<String>, String) {
+    let image = EmulatedController::default_elf();
+    let plan = Plan::of(board("stm32f405").unwrap(), &image).unwrap();
+    let probe = FakeProbe::with_mocked_core_and_binary(&as_elf(folder, memory)).into_probe();
+    let mut session = probe.attach(plan.chip, Permissions::default()).unwrap();
+    let mut lines = Vec::new();
+    let error = follow(&mut session, &image, |line| lines.push(line.to_owned())).unwrap_err();
+    (lines, error.to_string())
+}
+
+#[test]
+fn the_log_is_found_where_the_image_says_and_reads_as_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut memory = memory(folder.path());
+    let bytes = std::fs::read(EmulatedController::default_elf()).unwrap();
+    let image = object::File::parse(&*bytes).unwrap();
+    let block = image.symbols().find(|symbol| symbol.name() == Ok("_SEGGER_RTT")).unwrap();
+    let block = (block.address() - u64::from(RAM)) as usize;
+    // The mark of an image that was there before.
+    let stale = memory.len() - 4096;
+    memory.copy_within(block..block + 16, stale);
+    let (lines, error) = followed(folder.path(), &memory);
+    let [line] = &lines[..] else { panic!("{lines:?}, {error}") };
+    assert!(line.ends_with("started, core at 168000000 Hz"), "{line}");
+    // The fake does not take the new reading position.
+    assert!(error.starts_with("reading the log: "), "{error}");
+
+    memory[block] = 0;
+    let started = Instant::now();
+    let (lines, error) = followed(folder.path(), &memory);
+    assert!(lines.is_empty() && error.starts_with("finding the log: "), "{lines:?}, {error}");
+    assert!(started.elapsed() < Duration::from_secs(20), "{:?}", started.elapsed());
+}
