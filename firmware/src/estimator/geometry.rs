@@ -166,8 +166,9 @@ mod tests {
             let expected = turning * turning / a / 1024.0;
             prop_assume!(expected < 2e9);
             let centripetal = f64::from(frame.centripetal(found));
-            // The speed in steps of 256 nm/s, its square in steps of 2^30 nm2/s2.
-            let off = 2.0 * 256.0 * turning.abs() / a / 1024.0 + 1.1e9 / a / 1024.0 + 2.0;
+            // The speed to 20 nm/s (above) and in steps of 256, its square in steps of 2^30 nm2/s2, the distance to a step.
+            let distance = expected / (a * f64::from(DISTANCE_STEPS_PER_NM));
+            let off = 2.0 * (256.0 + 20.0) * turning.abs() / a / 1024.0 + 1.1e9 / a / 1024.0 + distance + 2.0;
             prop_assert!((centripetal - expected).abs() <= off, "{} {} {}", centripetal, expected, off);
         }
 
