@@ -11,16 +11,21 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Patience for a busy machine.
 pub(crate) const PATIENT: Bounds = Bounds { answer: Duration::from_secs(40), again: Duration::from_secs(4) };
+
+/// An emulator keeps a core busy whatever it waits for, so there is one board at a time.
+static ALONE: Mutex<()> = Mutex::new(());
 
 /// A running board.
 pub(crate) struct Board {
     pub(crate) port: PathBuf,
     pub(crate) folder: tempfile::TempDir,
     emulator: Child,
+    _alone: MutexGuard<'static, ()>,
 }
 
 impl Drop for Board {
@@ -33,6 +38,7 @@ impl Drop for Board {
 impl Board {
     /// An instruction takes 4 ns, so that a tick's work takes a third of its period.
     pub(crate) fn start() -> Self {
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         // Without the link's pipes in its folder the image takes the serial port.
         let folder = tempfile::tempdir().unwrap();
         let mut emulator = Command::new("qemu-system-arm")
@@ -50,7 +56,7 @@ impl Board {
         let mut said = String::new();
         BufReader::new(emulator.stdout.take().unwrap()).read_line(&mut said).unwrap();
         let port = said.split_whitespace().find(|word| word.starts_with("/dev/")).unwrap().into();
-        Self { port, folder, emulator }
+        Self { port, folder, emulator, _alone: alone }
     }
 
     pub(crate) fn signal(&self, signal: Signal) {
