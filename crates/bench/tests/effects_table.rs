@@ -31,7 +31,7 @@ delay_s = 4e-4
 * **Confounded with**: what looks alike on some trajectories, so that a diagnosis may name several.
 
 What a bench cannot show at all: `misalignment` needs the bench in two planes and there a `support_stiffness_nm_rad`, for a shaft that nothing
-else holds follows its bearing; `load-dependent-friction` and `seal-friction` of an axis need a load that varies to be told from
+else holds follows its bearing; `load-dependent-friction` of an axis needs a load that varies to be told from
 `coulomb-level`; `breakaway` needs rests; `fork-backlash` a load that lets the fork change sides; `thermal-friction-drift` a log about as
 long as the time constant; `sensor-saturation` readings beyond the limit.
 

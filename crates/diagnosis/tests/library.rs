@@ -147,8 +147,24 @@ hidden! {
     rig_ripple: rig(), "position-ripple", None, [("cos_effort", 15.0), ("sin_effort", 10.0), ("period", 0.11)];
     #[ignore = "not run yet since its sizes changed: cargo test -p diagnosis --test library -- --ignored"]
     linear_saturation: linear(), "sensor-saturation", Some(Channel::DriveForce), [("inverse_limit", 1.67e-2)];
-    linear_seal_friction: linear(), "seal-friction", None, [("preload_effort", 8.0), ("pressure_share", 0.04)];
+    linear_load_dependent_friction: linear(), "load-dependent-friction", None, [("load_coefficient", 0.04)];
     linear_load_ripple: linear(), "load-ripple", None, [("cos_force_n", 2.0), ("sin_force_n", 1.0), ("frequency_hz", 3.7)];
     linear_inertia: linear(), "inertia-mismatch", None, [("inertia_change", 20.0)];
     linear_lag: linear(), "drive-lag", None, [("lag_s", 0.02)];
+}
+
+/// What the seal of a cylinder adds to an axis has two parts, which have two names.
+#[test]
+fn a_seal_on_an_axis_is_a_level_and_a_share_of_the_load() {
+    let (mut bench, nominal) = (linear(), linear());
+    for (name, parameter, value) in
+        [("coulomb-level", "coulomb_effort", 8.0), ("load-dependent-friction", "load_coefficient", 0.04)]
+    {
+        let parameters = [(parameter.to_owned(), value)].into();
+        bench.effects_mut().push(Effect { name: name.into(), channel: None, parameters });
+    }
+    let d = diagnose(&nominal, &[record(&bench, 7).unwrap()], &[], &Options::default()).unwrap();
+    let mut causes: Vec<_> = d.causes.iter().map(|cause| cause.effect.as_str()).collect();
+    causes.sort_unstable();
+    assert_eq!(causes, ["coulomb-level", "load-dependent-friction"]);
 }
