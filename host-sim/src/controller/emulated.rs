@@ -4,6 +4,7 @@
 //! instruction counts repeat exactly.
 
 use super::line::{Bounds, Line, Process};
+use super::one_core::OneCore;
 use super::{ControllerError, RemoteController, system};
 use link::ControllerConfiguration;
 use rustix::fs::{CWD, FileType, Mode, mknodat};
@@ -69,6 +70,8 @@ impl EmulatedController {
             options.write(true).open(&to_controller).map_err(system("the pipe to the controller"))?;
         let said =
             File::create(folder.path().join("said")).map_err(system("a file for the emulator's messages"))?;
+        // The emulator inherits it.
+        let core = OneCore::stay();
         let child = Command::new("qemu-system-arm")
             .args(BOARD)
             .args(COUNTING)
@@ -83,7 +86,7 @@ impl EmulatedController {
                 ErrorKind::NotFound => ControllerError::EmulatorMissing,
                 _ => ControllerError::System { what: "qemu-system-arm", source },
             })?;
-        let line = Line::new(to_controller, to_host, Some(Process { child, folder }), BOUNDS);
+        let line = Line::new(to_controller, to_host, Some(Process { child, folder, _core: core }), BOUNDS);
         let cause = "The image may not be this project's firmware, or may have crashed at its start.";
         RemoteController::greeted("emulated", line, START_BOUND, cause).map_err(|error| match error {
             ControllerError::Ended { status, said, .. } => ControllerError::NotFirmware {

@@ -2,6 +2,7 @@
 //!
 //! Every wait is bounded, writing included, and an error says what the last sample was that the controller answered.
 
+use super::one_core::OneCore;
 use super::{ControllerError, Recorder, framed};
 use link::{DELIMITER, Decoder, MAX_FRAME, ToController, ToHost};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -28,6 +29,7 @@ pub struct Bounds {
 pub(super) struct Process {
     pub(super) child: Child,
     pub(super) folder: tempfile::TempDir,
+    pub(super) _core: Option<OneCore>,
 }
 
 impl Drop for Process {

@@ -11,6 +11,7 @@ mod error;
 mod greeting;
 mod line;
 mod native;
+mod one_core;
 mod recorder;
 pub mod recording;
 mod remote;
