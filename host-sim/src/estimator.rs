@@ -1,10 +1,11 @@
 //! The estimator following a run: frames out, estimates back, and what they are worth.
 
-use crate::controller::{Controller, ControllerError};
+use crate::controller::{Controller, ControllerError, Losses};
 use crate::error::CliError;
 use crate::force::bearing_of;
+use crate::same_signals::OnSignals;
 use crate::sensing::Sampled;
-use crate::summary::{EstimatorSummary, after_start, peak, rms};
+use crate::summary::{Differences, EstimatorSummary, after_start, peak};
 use bench::description::TransmissionBench;
 use bench::transmission::{Snapshot, Transmission};
 use contact::{Dissipation, Material, effective_modulus_pa};
@@ -26,6 +27,8 @@ pub struct Tracked {
     pub estimates: Vec<EstimateFrame>,
     /// The controller's counters at the end.
     pub counters: Counters,
+    /// What the line lost.
+    pub losses: Losses,
     /// Wall time of the exchanges in s.
     pub wall_s: f64,
     /// Frames before which the controller restarted and was configured anew, by index.
@@ -195,8 +198,10 @@ impl<'a, S: Copy + Into<Sampled>> Exchange<'a, S> {
         let wall_s = self.started.elapsed().as_secs_f64();
         let last = self.estimates.last().map(|estimate| estimate.sequence);
         let name = controller.name();
+        let (_, losses) = controller.heard();
         let counters = controller.finish().map_err(|error| error.after(last))?;
-        Ok(Tracked { controller: name, estimates: self.estimates, counters, wall_s, restarts: self.restarts })
+        let (estimates, restarts) = (self.estimates, self.restarts);
+        Ok(Tracked { controller: name, estimates, counters, losses, wall_s, restarts })
     }
 }
 
@@ -207,21 +212,22 @@ pub fn bit_differences(a: &Tracked, b: &Tracked) -> u64 {
 }
 
 impl EstimatorSummary {
-    /// Holds the estimates against the true forces at the same samples.
+    /// Holds the estimates against the true forces at the same samples, and against what else could be made of the signals.
     pub fn of(
         bench: &TransmissionBench,
         truth: &[Snapshot],
         tracked: &Tracked,
+        same_signals: &[OnSignals],
         differences: Option<u64>,
     ) -> Self {
         let counted = after_start(bench, truth);
         let skipped = truth.len() - counted.len();
-        let errors = tracked
-            .estimates
-            .iter()
-            .skip(skipped)
-            .zip(counted)
-            .map(|(e, s)| f64::from(e.normal_force_n) - s.forces.normal_n);
+        let estimates = tracked.estimates.iter().skip(skipped);
+        let estimates = estimates.map(|e| [f64::from(e.normal_force_n), f64::from(e.friction_torque_nm)]);
+        let on_signals = same_signals.iter().skip(skipped);
+        let against_truth = Differences::of(
+            estimates.clone().zip(counted).map(|(e, s)| [e, [s.forces.normal_n, s.friction_torque_nm]]),
+        );
         let share = |flags: Flags| {
             let hits =
                 tracked.estimates.iter().filter(|e| Flags::from_bits(e.flags).intersects(flags)).count();
@@ -233,12 +239,13 @@ impl EstimatorSummary {
         let ticks = || tracked.estimates.iter().map(|e| e.instruction_ticks);
         Self {
             controller: tracked.controller,
-            force_rms_error_n: rms(errors),
+            force_rms_error_n: against_truth.force_rms_n,
             force_full_scale_n: peak(counted, |s| s.forces.normal_n),
             ticks: tracked.estimates.len() as u64,
             deadline_misses: u64::from(tracked.counters.deadline_overruns),
             // The first estimate tells of no tick before it.
             instructions_per_tick_min: instructions(ticks().filter(|&ticks| ticks > 0).min()),
+            instructions_per_tick_mean: mean_instructions(&tracked.estimates),
             instructions_per_tick_max: instructions(ticks().max()),
             exchanges_per_s: tracked.estimates.len() as f64 / tracked.wall_s.max(1e-9),
             native_emulated_bit_differences: differences.filter(|_| tracked.controller == "emulated"),
@@ -246,6 +253,20 @@ impl EstimatorSummary {
             restarts: tracked.restarts.len() as u64,
             outside_training_share: share(Flags::OUTSIDE_TRAINING),
             suspect_share: share(SENSOR_FAULT),
+            against_truth,
+            against_float: Differences::of(
+                estimates.clone().zip(on_signals.clone()).map(|(e, on)| [e, on.float_network]),
+            ),
+            against_law: Differences::of(estimates.zip(on_signals).map(|(e, on)| [e, on.law])),
+            counters: tracked.counters,
+            losses: tracked.losses,
         }
     }
+}
+
+/// Mean instructions of the ticks that estimates tell of; none where nothing counts them.
+fn mean_instructions(estimates: &[EstimateFrame]) -> Option<f64> {
+    let counted = || estimates.iter().map(|e| f64::from(e.instruction_ticks)).filter(|&ticks| ticks > 0.0);
+    let count = counted().count();
+    (count > 0).then(|| counted().sum::<f64>() / count as f64 / TICKS_PER_INSTRUCTION)
 }

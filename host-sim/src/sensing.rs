@@ -66,7 +66,7 @@ pub fn frames(bench: &Bench, samples: &[Snapshot], seed: u64) -> Vec<SensorFrame
 
 /// Turns a run, sampled at the controller's rate, into what the controller gets. Noise, delay and the rest are those of the
 /// bench description's sensors, applied at the controller's sample rate; a load transmitter without a description is
-/// perfect. Drop-outs come last.
+/// perfect. Drop-outs come last. A reading at the end of its sensor's range is said to be at the rail.
 pub fn samples(bench: &Bench, samples: &[Snapshot], seed: u64, drop_out: DropOut) -> Vec<Sampled> {
     let time_s: Vec<f64> = samples.iter().map(|s| s.time_s).collect();
     let perfect = Sensor::default();
@@ -89,27 +89,35 @@ pub fn samples(bench: &Bench, samples: &[Snapshot], seed: u64, drop_out: DropOut
             last = if *lost { last } else { *value };
             *value = last;
         }
-        signal.into_iter().zip(lost).collect::<Vec<_>>()
+        let at_limit: Vec<bool> = signal.iter().map(|value| sensor.is_at_limit(*value)).collect();
+        Readings { signal, lost, at_limit }
     };
     let y = read(Channel::JournalY, 1, |s| s.y_m);
     let z = read(Channel::JournalZ, 2, |s| s.z_m);
     let angle = read(Channel::ShaftAngle, 3, |s| s.angle_rad);
     let load = read(Channel::LoadForce, 4, |s| s.load_force_n);
-    time_s
-        .iter()
-        .zip(y.iter().zip(&z).zip(angle.iter().zip(&load)))
-        .enumerate()
-        .map(|(index, (t, ((y, z), (angle, load))))| {
-            let readings = [*y, *z, *angle, *load];
-            let missing = |status: SensorStatus, (channel, (_, lost)): (SensorChannel, &(f64, bool))| {
-                if *lost { status.missing(channel) } else { status }
-            };
-            Sampled {
-                frame: frame(index as u32, *t, readings.map(|(value, _)| value)),
-                status: SensorChannel::ALL.into_iter().zip(&readings).fold(SensorStatus::GOOD, missing),
-            }
-        })
-        .collect()
+    let channels = [y, z, angle, load];
+    let sampled = |(index, time_s): (usize, &f64)| {
+        let status = SensorChannel::ALL.into_iter().zip(&channels).fold(
+            SensorStatus::GOOD,
+            |status, (channel, readings)| match (readings.lost[index], readings.at_limit[index]) {
+                (true, _) => status.missing(channel),
+                (false, true) => status.at_rail(channel),
+                (false, false) => status,
+            },
+        );
+        Sampled { frame: frame(index as u32, *time_s, channels.each_ref().map(|c| c.signal[index])), status }
+    };
+    time_s.iter().enumerate().map(sampled).collect()
+}
+
+/// One channel, reading by reading.
+struct Readings {
+    signal: Vec<f64>,
+    /// Whether it did not come.
+    lost: Vec<bool>,
+    /// Whether it is the end of the sensor's range.
+    at_limit: Vec<bool>,
 }
 
 /// The frame of a sample: journal along y and z in m, shaft angle in rad, load force in N.
@@ -188,5 +196,26 @@ mod tests {
         let of =
             |channel: u8| some.iter().map(|s| s.status.missing_bits() >> channel & 1).collect::<Vec<_>>();
         assert!((1..4).all(|channel| of(channel) != of(0) && of(channel).contains(&1)), "each for itself");
+    }
+
+    #[test]
+    fn a_reading_at_the_end_of_its_range_is_said_to_be_at_the_rail() {
+        let mut bench = Bench::open("bench-b").unwrap();
+        let Bench::Transmission(described) = &mut bench else { panic!("bench-b") };
+        let sensor = Sensor { inverse_limit: 1.0 / 1.003e-4, resolution: 5e-7, ..Sensor::default() };
+        described.sensors.insert(Channel::JournalZ, sensor);
+        let z_m = |index: u32| (f64::from(index) - 200.0) * 1e-6;
+        let snapshot =
+            |index: u32| Snapshot { time_s: f64::from(index) * 1e-4, z_m: z_m(index), ..Snapshot::default() };
+        let truth: Vec<Snapshot> = (0..400).map(snapshot).collect();
+        let found = samples(&bench, &truth, 3, DropOut::NONE);
+        for (sampled, truth) in found.iter().zip(&truth) {
+            let rail = SensorStatus::GOOD.at_rail(SensorChannel::JournalZ);
+            match truth.z_m.abs() {
+                beyond if beyond > 1.01e-4 => assert_eq!(sampled.status, rail, "{beyond}"),
+                within if within < 0.99e-4 => assert_eq!(sampled.status, SensorStatus::GOOD, "{within}"),
+                _ => {}
+            }
+        }
     }
 }

@@ -1,10 +1,13 @@
 //! The figures of a run, with the stable names of the machine-readable output.
 
+use crate::controller::Losses;
 use crate::force::{ForceSource, ForcedRun, Tilt};
+use crate::same_signals::Forces;
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::peaks::Peak;
 use bench::transmission::Snapshot;
+use link::Counters;
 use serde::{Deserialize, Serialize};
 
 /// Window of the moving mean that the oscillation is measured against.
@@ -140,6 +143,8 @@ pub struct EstimatorSummary {
     pub deadline_misses: u64,
     /// Fewest instructions of a tick, where the controller counts them.
     pub instructions_per_tick_min: Option<u64>,
+    /// Mean instructions of a tick, where the controller counts them.
+    pub instructions_per_tick_mean: Option<f64>,
     /// Most instructions of a tick, where the controller counts them.
     pub instructions_per_tick_max: Option<u64>,
     /// Frames there and back a second.
@@ -154,6 +159,43 @@ pub struct EstimatorSummary {
     pub outside_training_share: f64,
     /// Share of the ticks that carry a sensor or timing flag.
     pub suspect_share: f64,
+    /// The estimates against the bench, after the start.
+    pub against_truth: Differences,
+    /// The estimates against the float networks on the same signals, after the start: what quantisation costs.
+    pub against_float: Differences,
+    /// The estimates against the analytic law on the same signals, after the start: what the networks cost.
+    pub against_law: Differences,
+    /// What the controller counted.
+    pub counters: Counters,
+    /// What the line lost, as the host saw it.
+    pub losses: Losses,
+}
+
+/// Differences of the normal force and the friction torque.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Differences {
+    /// Rms of the force's.
+    pub force_rms_n: f64,
+    /// The largest of the force's.
+    pub force_max_n: f64,
+    /// Rms of the torque's.
+    pub torque_rms_nm: f64,
+    /// The largest of the torque's.
+    pub torque_max_nm: f64,
+}
+
+impl Differences {
+    /// Sums up pairs of a normal force in N and a friction torque in N m.
+    pub fn of(pairs: impl Iterator<Item = [Forces; 2]> + Clone) -> Self {
+        let apart = |i: usize| pairs.clone().map(move |[a, b]| a[i] - b[i]);
+        let most = |i: usize| apart(i).fold(0.0, |most: f64, value| most.max(value.abs()));
+        Self {
+            force_rms_n: rms(apart(0)),
+            force_max_n: most(0),
+            torque_rms_nm: rms(apart(1)),
+            torque_max_nm: most(1),
+        }
+    }
 }
 
 /// Distance of a run with networks from the run with the analytic law.

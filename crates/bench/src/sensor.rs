@@ -108,6 +108,12 @@ impl Sensor {
         }
     }
 
+    /// Whether a reading is the largest that the sensor gives, of either sign.
+    pub fn is_at_limit(&self, reading: f64) -> bool {
+        // Rounding to the resolution may have moved it by half a step.
+        self.inverse_limit > 0.0 && reading.abs() >= 1.0 / self.inverse_limit - 0.5 * self.resolution
+    }
+
     fn limited(&self, value: f64) -> f64 {
         if self.inverse_limit > 0.0 {
             value.clamp(-1.0 / self.inverse_limit, 1.0 / self.inverse_limit)

@@ -7,20 +7,16 @@
 
 use super::conditions::{Condition, LawRun};
 use crate::error::CliError;
-use crate::estimator::configuration;
-use crate::force::{SAMPLE_RATE_HZ, bearing_of};
+use crate::estimator::controller_configuration;
+use crate::force::SAMPLE_RATE_HZ;
+use crate::same_signals::{self, Forces};
 use crate::sensing;
 use crate::summary::{peak, rms};
 use bench::Bench;
-use bench::transmission::{ContactView, Snapshot, Transmission};
-use firmware::Estimator;
+use bench::transmission::{Snapshot, Transmission};
 use firmware::flags::SENSOR_FAULT;
-use inference::{ContactState, Flags, shipped};
-use model_quant::float_pair::FloatPair;
+use inference::Flags;
 use serde::Serialize;
-
-/// Normal force in N and friction torque in N m.
-pub type Forces = [f64; 2];
 
 /// One tick of the estimator beside the truth.
 #[derive(Clone, Copy, Debug)]
@@ -81,39 +77,19 @@ pub fn follow(condition: &Condition, law: &LawRun, seed: Option<u64>) -> Result<
     }
     let samples = &law.forced.run.samples;
     let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
-    let configuration = configuration(&plant, &bench, SAMPLE_RATE_HZ)?;
-    let bearing = bearing_of(condition.bearing);
-    let refused = |e: &dyn std::fmt::Debug| CliError::Work(format!("{}: {e:?}", condition.name()));
-    let mut estimator = Estimator::new(shipped(bearing), configuration).map_err(|e| refused(&e))?;
-    let mut float = FloatPair::new(bearing).map_err(|e| refused(&e))?;
+    let configuration = controller_configuration(&plant, &bench, SAMPLE_RATE_HZ)?;
     let seed = seed.unwrap_or_default().wrapping_add(condition.index);
     let start_s = bench.load.ramp_s;
-    let frames = sensing::frames(&Bench::Transmission(Box::new(bench)), samples, seed);
-    let ticks = frames.iter().zip(samples).map(|(frame, truth)| {
-        let estimate = estimator.step(frame);
-        let state = estimator.state();
-        let float = float.push(&state);
-        let on_law = plant.law(&view(&state));
-        let radius_m = plant.journal_radius_m();
-        Tick {
-            truth: *truth,
-            network: [f64::from(estimate.normal_force_n), f64::from(estimate.friction_torque_nm)],
-            float_network: [f64::from(float.normal_force_n), f64::from(float.friction_force_n) * radius_m],
-            law: [on_law.normal_n, on_law.friction_n * radius_m],
-            flags: Flags::from_bits(estimate.flags),
-        }
+    let frames = sensing::frames(&Bench::Transmission(Box::new(bench.clone())), samples, seed);
+    let followed = same_signals::follow(&bench, &configuration, frames.into_iter())?;
+    let ticks = followed.into_iter().zip(samples).map(|(on, truth)| Tick {
+        truth: *truth,
+        network: [f64::from(on.estimate.normal_force_n), f64::from(on.estimate.friction_torque_nm)],
+        float_network: on.float_network,
+        law: on.law,
+        flags: Flags::from_bits(on.estimate.flags),
     });
     Ok(ticks.filter(|tick| tick.truth.time_s >= start_s).collect())
-}
-
-fn view(state: &ContactState) -> ContactView {
-    ContactView {
-        radial_clearance_m: f64::from(state.radial_clearance_m),
-        deformation_m: f64::from(state.deformation_m),
-        rate_m_s: f64::from(state.deformation_rate_m_s),
-        latched_m_s: f64::from(state.approach_speed_m_s),
-        sliding_speed_m_s: f64::from(state.sliding_speed_m_s),
-    }
 }
 
 impl EstimateAccuracy {

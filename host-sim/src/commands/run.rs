@@ -7,6 +7,7 @@ use crate::estimator::{self, OnRestart, Tracked};
 use crate::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use crate::options::BenchOptions;
 use crate::progress;
+use crate::same_signals;
 use crate::sensing::{self, DropOut};
 use crate::summary::{AgainstLaw, EstimatorSummary, Figures, PeakRow, Summary};
 use bench::description::TransmissionBench;
@@ -197,10 +198,12 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     let frames = sensing::samples(&described, &forced.run.samples, args.seed, drop_out);
     let (mut tracked, mut recording) = (None, None);
     if let Some(estimated) = run_controller::estimate(args, configuration, &frames)? {
+        let seen = frames.iter().map(|sampled| sampled.frame);
         summary.estimator = Some(EstimatorSummary::of(
             &resolved,
             &forced.run.samples,
             &estimated.tracked,
+            &same_signals::follow(&resolved, &configuration, seen)?,
             estimated.differences,
         ));
         (tracked, recording) = (Some(estimated.tracked), estimated.recording);

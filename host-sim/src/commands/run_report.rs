@@ -4,7 +4,7 @@ use super::run::Finished;
 use super::{limits, run_tilt};
 use crate::figure::{Chart, Series, Style, lines, map};
 use crate::page::Page;
-use crate::summary::{PeakRow, Summary};
+use crate::summary::{Differences, EstimatorSummary, PeakRow, Summary};
 use bench::integrate::Impact;
 use bench::transmission::Snapshot;
 
@@ -61,8 +61,10 @@ pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         rows.push(row("estimator, suspect sensors or timing", format!("{:.2} %", 100.0 * e.suspect_share)));
         rows.push(row("estimator, ticks", e.ticks.to_string()));
         rows.push(row("estimator, deadline misses", e.deadline_misses.to_string()));
-        if let Some(most) = e.instructions_per_tick_max {
-            rows.push(row("estimator, most instructions a tick", most.to_string()));
+        if let (Some(least), Some(mean), Some(most)) =
+            (e.instructions_per_tick_min, e.instructions_per_tick_mean, e.instructions_per_tick_max)
+        {
+            rows.push(row("estimator, instructions a tick", format!("{least} / {mean:.0} / {most}")));
         }
         rows.push(row("exchanges per second", format!("{:.0}", e.exchanges_per_s)));
         if let Some(differences) = e.native_emulated_bit_differences {
@@ -76,6 +78,44 @@ pub(super) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         }
     }
     rows
+}
+
+const EQUIVALENCE_HEADER: [&str; 5] =
+    ["estimates against", "force, rms, N", "force, most, N", "torque, rms, N m", "torque, most, N m"];
+
+/// The estimates against everything that they can be held against.
+fn equivalence_rows(e: &EstimatorSummary) -> Vec<Vec<String>> {
+    let row = |name: &str, d: &Differences| {
+        let figures = [d.force_rms_n, d.force_max_n, d.torque_rms_nm, d.torque_max_nm];
+        std::iter::once(name.to_owned()).chain(figures.map(number)).collect()
+    };
+    vec![
+        row("the bench", &e.against_truth),
+        row("the analytic law, same signals", &e.against_law),
+        row("the float networks, same signals", &e.against_float),
+    ]
+}
+
+/// What controller and line counted, without what never happened.
+fn counted_rows(e: &EstimatorSummary) -> Vec<Vec<String>> {
+    let of = |counts: serde_json::Result<serde_json::Value>, prefix: &str| -> Vec<Vec<String>> {
+        let mut rows = Vec::new();
+        flatten(prefix, &counts.unwrap_or_default(), &mut rows);
+        rows
+    };
+    [of(serde_json::to_value(e.counters), "controller"), of(serde_json::to_value(e.losses), "line")].concat()
+}
+
+fn flatten(name: &str, value: &serde_json::Value, rows: &mut Vec<Vec<String>>) {
+    match value {
+        serde_json::Value::Object(fields) => {
+            fields.iter().for_each(|(field, value)| {
+                flatten(&format!("{name}, {}", field.replace('_', " ")), value, rows)
+            });
+        }
+        value if value.as_u64() != Some(0) => rows.push(vec![name.into(), value.to_string()]),
+        _ => {}
+    }
 }
 
 /// Contacts that are listed one by one.
@@ -154,6 +194,10 @@ pub(super) fn print_audit(finished: &Finished) {
         say!("{}", line(&header.iter().map(|h| (*h).to_owned()).collect::<Vec<_>>()));
         rows.iter().for_each(|row| say!("{}", line(row)));
     };
+    if let Some(estimator) = &finished.summary.estimator {
+        table("estimates", &EQUIVALENCE_HEADER, equivalence_rows(estimator));
+        table("counted", &["what", "count"], counted_rows(estimator));
+    }
     table("energy", &["term", "value"], energy_rows(finished));
     table("contacts (all in impacts.csv)", &impact_header(finished), impact_rows(finished));
     table("peaks", &PEAK_HEADER, peak_rows(&finished.summary));
@@ -256,6 +300,15 @@ pub(super) fn page(finished: &Finished) -> Result<Page, String> {
     ]);
     if !finished.forced.tilting.is_empty() {
         run_tilt::section(&mut page, &finished.bench, &finished.forced.tilting)?;
+    }
+    if let Some(estimator) = &summary.estimator {
+        page.section("The controller").table(&EQUIVALENCE_HEADER, &equivalence_rows(estimator));
+        page.note(
+            "Against the bench: sensors, conditioning and networks together. Against the law and the float networks on the very \
+             signals that the controller had: what the networks and their quantisation cost. From the end of the load's ramp on.",
+        );
+        page.table(&["counted", "times"], &counted_rows(estimator));
+        page.note("What never happened is left out: deadline overruns, refused frames, losses on either side of the line.");
     }
     page.section("Peaks").table(&PEAK_HEADER, &peak_rows(summary));
     page.note(
