@@ -1,4 +1,5 @@
 //! What the system tests share.
 
+pub mod faults;
 pub mod generator;
-pub mod generator_noise;
+pub mod soak;

@@ -6,8 +6,76 @@
 //! smoothed sign of friction is the described curve in another form: another curve of the same width would move the
 //! journal by a micrometre, five times its sensor's noise, and be a true finding. Nothing here uses the `bench` crate's plant; a hidden effect is a field of [`Hidden`], not a catalogue entry.
 
-use crate::generator_noise::Noise;
+use super::hidden::{HiddenEffect, total};
+use super::noise::Noise;
+use super::sensing::Signals;
+use super::session::Session;
 use std::fmt::Write as _;
+
+/// Channel, noise and resolution of every sensor.
+pub const SENSORS: &[(&str, f64, f64)] = &[
+    ("drive_displacement_m", 0.0, 1e-8),
+    ("drive_velocity_m_s", 0.0, 1e-6),
+    ("load_force_n", 0.5, 0.1),
+    ("shaft_angle_rad", 20e-6, 5e-6),
+    ("shaft_speed_rad_s", 2e-3, 5e-4),
+    ("journal_y_m", 0.2e-6, 0.05e-6),
+    ("journal_z_m", 0.2e-6, 0.05e-6),
+    ("bearing_force_y_n", 15.0, 4.0),
+    ("bearing_force_z_n", 15.0, 4.0),
+    ("friction_torque_nm", 0.4, 0.1),
+    ("drive_force_n", 20.0, 5.0),
+];
+
+/// Names of the outputs, in the order of [`SENSORS`].
+pub const OUTPUTS: &[&str] = &[
+    "shaft_angle_rad",
+    "shaft_speed_rad_s",
+    "journal_y_m",
+    "journal_z_m",
+    "bearing_force_y_n",
+    "bearing_force_z_n",
+    "friction_torque_nm",
+    "drive_force_n",
+];
+
+/// Steps of the integrator per step of the signals.
+const KEPT: usize = 20;
+
+/// True signals of a session of bench B; `off` in SI: drive crank, load crank, mass, inertia, clearance, modulus, friction.
+pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
+    let by = |i: usize| off.get(i).copied().unwrap_or_default();
+    let real = RealBench {
+        levers_m: (0.30 + by(0), 0.36 + by(1)),
+        inertia: (150.0 + by(2), 60.0 + by(3)),
+        clearance_m: 0.5e-3 + by(4),
+        modulus_pa: 50e9 + by(5),
+        friction: 1.0 + by(6),
+        load_n: 10e3 * session.point.load,
+        cycles: session.cycles as usize,
+        noise_colour: 0.0,
+    };
+    let known = Hidden {
+        clearance_m: total(hidden, "clearance-wear", "clearance_increase_m"),
+        friction: total(hidden, "coulomb-level", "relative_change"),
+        viscous_n_s_m: total(hidden, "viscous-friction", "viscous_n_s_m"),
+        compliance_m_n: total(hidden, "hydraulic-compliance", "compliance_m_n"),
+        ..Hidden::default()
+    };
+    let rows = real.run(&known);
+    let kept = || rows.iter().step_by(KEPT);
+    let inputs: [fn(&Row) -> f64; 3] = [|r| r.drive.0, |r| r.drive.1, |r| r.load];
+    let names = SENSORS.iter().map(|s| s.0);
+    Signals {
+        step_s: KEPT as f64 * STEP_S,
+        inputs: names.zip(inputs).map(|(n, read)| (n, kept().map(read).collect())).collect(),
+        outputs: OUTPUTS
+            .iter()
+            .enumerate()
+            .map(|(i, n)| (*n, kept().map(|r| r.outputs[i]).collect()))
+            .collect(),
+    }
+}
 
 /// Step in s. The contact's damping sets the limit, some 20 us.
 const STEP_S: f64 = 5e-6;

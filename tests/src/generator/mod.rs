@@ -1,0 +1,19 @@
+//! Benches that are not the engine's: the source of "measured" logs for the tests of the diagnosis.
+//!
+//! [`axis`] is the friction rig and the linear axis, [`planar`] the transmission bench, both written from their equations alone, with
+//! other integrators and steps than the engine's; [`session`] puts one to an operating point with nuisances of its own,
+//! [`sensing`] makes readings of it, [`hidden`] says what a log hides and [`vocabulary`] draws it, [`size`] measures how large that is.
+//! Nothing here uses the `bench` or `diagnosis` crate.
+
+pub mod axis;
+pub mod bench_vocabulary;
+pub mod hidden;
+pub mod motion;
+pub mod noise;
+pub mod planar;
+pub mod sensing;
+pub mod session;
+pub mod size;
+pub mod vocabulary;
+
+pub use planar::{Hidden, RealBench};

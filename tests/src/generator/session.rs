@@ -1,0 +1,227 @@
+//! A session: a plant that is close to its description, at some operating point, with a logger and nuisances of its own.
+//!
+//! What is declared uncertain is off by a draw; time stamps begin anywhere, the log anywhere in the motion; readings have an
+//! offset within their resolution; what drifts with temperature starts warm. All of it comes from the session's seed.
+
+use super::axis::{RealAxis, Run};
+use super::hidden::HiddenEffect;
+use super::motion::{Load, Motion};
+use super::noise::Noise;
+use super::planar;
+use super::sensing::{Logger, Reading, Signals, log, readings};
+
+/// What is simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Plant {
+    /// Friction rig with torque and friction torque.
+    Rotary,
+    /// Cylinder with its force alone.
+    Linear,
+    /// Transmission bench B.
+    Bench,
+}
+
+impl Plant {
+    /// Its name in the figures.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rotary => "rotary",
+            Self::Linear => "linear",
+            Self::Bench => "bench",
+        }
+    }
+
+    /// The description that a user has: TOML.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Rotary => include_str!("rotary.toml"),
+            Self::Linear => include_str!("linear.toml"),
+            Self::Bench => include_str!("../../../crates/bench/presets/bench-b.toml"),
+        }
+    }
+
+    /// Declared standard deviations of what calibration may move, in the order of [`Session::off`].
+    pub const fn deviations(self) -> &'static [f64] {
+        match self {
+            Self::Rotary => &[0.2, 0.2, 0.5, 3e-4],
+            Self::Linear => &[2.0, 0.6, 3.0, 6e-4, 6e-4],
+            Self::Bench => &[0.9e-3, 1.08e-3, 3.0, 3.0, 10e-6, 2.5e9, 0.03],
+        }
+    }
+
+    /// Sensors of inputs and outputs.
+    pub fn sensors(self) -> Vec<Reading> {
+        let of = |&(channel, noise, resolution): &(&'static str, f64, f64)| Reading { channel, noise, resolution };
+        let rows: &[(&str, f64, f64)] = match self {
+            Self::Rotary => &[
+                ("spindle_angle_rad", 2e-6, 1e-6),
+                ("spindle_speed_rad_s", 5e-5, 1e-5),
+                ("load_force_n", 5.0, 1.0),
+                ("drive_torque_nm", 1.0, 0.5),
+                ("friction_torque_nm", 1.0, 0.5),
+            ],
+            Self::Linear => &[
+                ("position_m", 5e-7, 2e-7),
+                ("velocity_m_s", 1e-5, 2e-6),
+                ("load_force_n", 0.5, 0.2),
+                ("drive_force_n", 3.0, 1.0),
+            ],
+            Self::Bench => planar::SENSORS,
+        };
+        rows.iter().map(of).collect()
+    }
+
+    /// Names of the outputs.
+    pub const fn outputs(self) -> &'static [&'static str] {
+        match self {
+            Self::Rotary => &["drive_torque_nm", "friction_torque_nm"],
+            Self::Linear => &["drive_force_n"],
+            Self::Bench => planar::OUTPUTS,
+        }
+    }
+}
+
+/// Factors on the described operating point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Of the speed.
+    pub speed: f64,
+    /// Of the load; negative: reversed.
+    pub load: f64,
+    /// Of the stroke.
+    pub stroke: f64,
+    /// Rests between strokes.
+    pub rests: bool,
+    /// One sine under a constant load: little to tell effects apart by.
+    pub plain: bool,
+}
+
+impl Default for Point {
+    fn default() -> Self {
+        Self { speed: 1.0, load: 1.0, stroke: 1.0, rests: true, plain: false }
+    }
+}
+
+/// One session.
+#[derive(Clone, Debug)]
+pub struct Session {
+    /// The plant.
+    pub plant: Plant,
+    /// By how many declared deviations each uncertain number is off.
+    pub off: Vec<f64>,
+    /// Operating point.
+    pub point: Point,
+    /// Cycles of the log.
+    pub cycles: f64,
+    /// Logger.
+    pub logger: Logger,
+    /// Where in the motion the log begins, in cycles.
+    pub phase: f64,
+    load_phase_rad: f64,
+    warm: f64,
+    /// Offsets of the readings in resolutions.
+    offsets: Vec<f64>,
+}
+
+impl Session {
+    /// Draws a session: uncertain numbers off by up to `spread` deviations, either way alike.
+    pub fn draw(plant: Plant, spread: f64, point: Point, noise: &mut Noise) -> Self {
+        let off = plant.deviations().iter().map(|_| spread * (2.0 * noise.uniform() - 1.0)).collect();
+        let bench = plant == Plant::Bench;
+        let rate_hz = if bench { 1000.0 } else { 200.0 };
+        let start_s = if bench { 0.0 } else { (noise.uniform() * 1e4).round() / 10.0 };
+        Self {
+            plant,
+            off,
+            point,
+            cycles: if bench { 2.0 } else { 4.0 },
+            logger: Logger { rate_hz, colour: 0.0, lost: 0.004, start_s },
+            phase: noise.uniform(),
+            load_phase_rad: std::f64::consts::TAU * noise.uniform(),
+            warm: noise.uniform(),
+            offsets: plant.outputs().iter().map(|_| noise.uniform() - 0.5).collect(),
+        }
+    }
+
+    /// Another session of the same plant: what is off stays off, everything else is drawn anew.
+    pub fn again(&self, point: Point, noise: &mut Noise) -> Self {
+        let logger = Logger { colour: self.logger.colour, lost: self.logger.lost, ..self.logger };
+        Self { off: self.off.clone(), logger, ..Self::draw(self.plant, 0.0, point, noise) }
+    }
+
+    /// Length of the log in s.
+    pub fn length_s(&self) -> f64 {
+        let cycle_s = if self.plant == Plant::Bench { 1.0 } else { 4.5 };
+        self.cycles * cycle_s / self.point.speed
+    }
+
+    /// True signals with uncertain numbers off by `off` deviations.
+    pub fn signals(&self, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
+        let by = |i: usize| {
+            off.get(i).copied().unwrap_or_default() * self.plant.deviations().get(i).copied().unwrap_or_default()
+        };
+        let point = self.point;
+        let (axis, amplitude, load_n) = match self.plant {
+            Plant::Bench => return planar::signals(self, &(0..7).map(by).collect::<Vec<_>>(), hidden),
+            Plant::Rotary => {
+                let axis = RealAxis {
+                    rotary: true,
+                    inertia: 10.0 + by(0),
+                    coulomb: 30.0 + by(1),
+                    viscous: 20.0 + by(2),
+                    load_coefficient: 0.08 + by(3),
+                    load_gain: 0.0,
+                    radius_m: 0.07,
+                    sign_width_m_s: 1e-3,
+                    warm: self.warm,
+                };
+                (axis, 0.4, 20e3)
+            }
+            Plant::Linear => {
+                let axis = RealAxis {
+                    rotary: false,
+                    inertia: 80.0 + by(0),
+                    coulomb: 120.0 + by(1),
+                    viscous: 300.0 + by(2),
+                    load_coefficient: 0.05 + by(3),
+                    load_gain: 1.0 + by(4),
+                    radius_m: 1.0,
+                    sign_width_m_s: 2e-3,
+                    warm: self.warm,
+                };
+                (axis, 0.15, 1000.0)
+            }
+        };
+        let cycle_s = 4.5 / point.speed;
+        let rest = if point.rests { 0.08 } else { 0.0 };
+        let motion = Motion { amplitude: amplitude * point.stroke, cycle_s, rest, plain: point.plain };
+        let swing = if point.plain { 0.0 } else { 0.35 };
+        let load =
+            Load { mean_n: load_n * point.load, swing, period_s: 7.3, phase_rad: self.load_phase_rad };
+        let run = Run {
+            motion,
+            load,
+            phase_s: 2.0 * self.phase * cycle_s,
+            length_s: self.length_s(),
+            start_s: self.logger.start_s,
+        };
+        axis.run(&run, hidden)
+    }
+
+    /// Readings without noise, by output.
+    pub fn readings(&self, off: &[f64], hidden: &[HiddenEffect]) -> Vec<Vec<f64>> {
+        readings(&self.signals(off, hidden), self.logger.rate_hz, hidden)
+    }
+
+    /// The log as CSV text.
+    pub fn log(&self, hidden: &[HiddenEffect], noise: &mut Noise) -> String {
+        let sensors = self.plant.sensors();
+        let resolution = |c: &str| sensors.iter().find(|s| s.channel == c).map_or(0.0, |s| s.resolution);
+        let nuisance = self.plant.outputs().iter().zip(&self.offsets).map(|(channel, share)| {
+            HiddenEffect::of_sensor("sensor-offset", channel, "offset", share * resolution(channel))
+        });
+        let all: Vec<HiddenEffect> = hidden.iter().cloned().chain(nuisance).collect();
+        log(&self.signals(&self.off, &all), &sensors, &self.logger, &all, noise)
+    }
+}

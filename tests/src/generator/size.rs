@@ -1,0 +1,190 @@
+//! How large a hidden effect is, on a scale that holds for every effect and plant.
+//!
+//! Size = rms of the part of the effect that calibration cannot absorb / rms of the noise floor. The generator runs a
+//! session with and without the effect, without noise, on the same nuisances. Every reading counts in units of its own
+//! sensor's floor (noise and resolution), and the rms goes over all samples of all channels, so an effect on one of
+//! `k` channels is larger by the root of `k` there. What calibration can absorb is what the
+//! declared-uncertain numbers can imitate, linearly, each within [`MOST_DEVIATIONS`] of its declared deviations.
+
+use super::hidden::HiddenEffect;
+use super::session::Session;
+
+/// Deviations that calibration may move a number by. Farther out it is a finding.
+pub const MOST_DEVIATIONS: f64 = 4.0;
+/// Step of the finite differences in deviations.
+const STEP: f64 = 0.5;
+const SWEEPS: usize = 400;
+
+/// A session without effects, with what calibration can do there.
+pub struct Scale<'a> {
+    session: &'a Session,
+    base: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+impl<'a> Scale<'a> {
+    /// Runs the session without effects and with each uncertain number moved.
+    pub fn new(session: &'a Session) -> Self {
+        let base = stacked(session, &session.off, &[]);
+        let moved = |i: usize| {
+            let mut off = session.off.clone();
+            off[i] += STEP;
+            difference(&stacked(session, &off, &[]), &base).iter().map(|d| d / STEP).collect()
+        };
+        let columns = (0..session.off.len()).map(moved).collect();
+        Self { session, base, columns }
+    }
+
+    /// Readings by channel without effects and noise, in units of the floors.
+    pub fn base(&self) -> &[f64] {
+        &self.base
+    }
+
+    /// What effects add to the readings, in units of the floors.
+    pub fn added(&self, hidden: &[HiddenEffect]) -> Vec<f64> {
+        difference(&stacked(self.session, &self.session.off, hidden), &self.base)
+    }
+
+    /// The part of `added` that calibration, and free factors on `others`, leave.
+    pub fn left(&self, added: &[f64], others: &[Vec<f64>]) -> Vec<f64> {
+        let columns: Vec<&Vec<f64>> = self.columns.iter().chain(others).collect();
+        let bound = |i: usize| if i < self.columns.len() { MOST_DEVIATIONS } else { f64::INFINITY };
+        let gram: Vec<Vec<f64>> =
+            columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
+        let right: Vec<f64> = columns.iter().map(|c| dot(c, added)).collect();
+        let mut z = vec![0.0; columns.len()];
+        for _ in 0..SWEEPS {
+            for i in 0..z.len() {
+                if gram[i][i] > 0.0 {
+                    let rest = right[i] - dot(&gram[i], &z) + gram[i][i] * z[i];
+                    z[i] = (rest / gram[i][i]).clamp(-bound(i), bound(i));
+                }
+            }
+        }
+        let mut left = added.to_vec();
+        for (column, z) in columns.iter().zip(&z) {
+            left.iter_mut().zip(column.iter()).for_each(|(l, c)| *l -= z * c);
+        }
+        left
+    }
+
+    /// The size of effects.
+    pub fn size(&self, hidden: &[HiddenEffect]) -> f64 {
+        let left = self.left(&self.added(hidden), &[]);
+        (dot(&left, &left) / left.len().max(1) as f64).sqrt()
+    }
+
+    /// The factor on a magnitude at which `effect` has the wanted size, from a first guess; `None` where the plant cannot show
+    /// it as large within `most`.
+    pub fn magnitude(
+        &self,
+        effect: impl Fn(f64) -> HiddenEffect,
+        guess: f64,
+        most: f64,
+        wanted: f64,
+    ) -> Option<f64> {
+        if wanted <= 0.0 {
+            return Some(0.0);
+        }
+        let over = |m: f64| self.size(&[effect(m)]).max(1e-6 * wanted).ln() - wanted.ln();
+        // Bracket in steps of a factor, then the secant with halved weights (Illinois) on logarithms.
+        let (mut low, mut high) = (guess, guess);
+        let (mut under, mut above) = (over(guess), f64::NAN);
+        if under > 0.0 {
+            (above, high) = (under, guess);
+            for _ in 0..40 {
+                low *= 0.5;
+                under = over(low);
+                if under <= 0.0 {
+                    break;
+                }
+                (above, high) = (under, low);
+            }
+        } else {
+            for _ in 0..40 {
+                high = (high * 2.0).min(most);
+                above = over(high);
+                if above >= 0.0 || high >= most {
+                    break;
+                }
+                (under, low) = (above, high);
+            }
+        }
+        if !(under <= 0.0 && above >= 0.0) {
+            return None;
+        }
+        let mut last = 0;
+        for _ in 0..40 {
+            let at = (low.ln() - under * (high.ln() - low.ln()) / (above - under)).exp();
+            let here = over(at);
+            if here.abs() < 2e-3 {
+                return Some(at);
+            }
+            if here < 0.0 {
+                (low, under) = (at, here);
+                above *= if last < 0 { 0.5 } else { 1.0 };
+                last = -1;
+            } else {
+                (high, above) = (at, here);
+                under *= if last > 0 { 0.5 } else { 1.0 };
+                last = 1;
+            }
+        }
+        None
+    }
+}
+
+fn stacked(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Vec<f64> {
+    let sensors = session.plant.sensors();
+    let floor = |c: &str| sensors.iter().find(|s| s.channel == c).map_or(1.0, |s| s.floor());
+    let floors = session.plant.outputs().iter().map(|c| floor(c));
+    session.readings(off, hidden).iter().zip(floors).flat_map(|(v, f)| v.iter().map(move |v| v / f)).collect()
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generator::noise::Noise;
+    use crate::generator::session::{Plant, Point};
+
+    fn session() -> Session {
+        Session::draw(Plant::Linear, 0.8, Point::default(), &mut Noise::new(7))
+    }
+
+    #[test]
+    fn an_offset_has_the_size_that_is_left_of_it() {
+        let session = session();
+        let scale = Scale::new(&session);
+        let floor = (9.0_f64 + 1.0 / 12.0).sqrt();
+        let offset = |m: f64| HiddenEffect::of_sensor("sensor-offset", "drive_force_n", "offset", m);
+        let size = scale.size(&[offset(10.0 * floor)]);
+        // The load's gain takes a little of it: at most 4 deviations of .6 N each.
+        assert!(size < 10.0 && size > 9.0, "{size}");
+        let found = scale.magnitude(offset, 1.0, 1e9, 2.0).unwrap();
+        assert!((scale.size(&[offset(found)]) - 2.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn what_calibration_may_move_has_no_size() {
+        let session = session();
+        let scale = Scale::new(&session);
+        let coulomb = |m: f64| HiddenEffect::new("coulomb-level", &[("coulomb_effort", m)]);
+        assert!(scale.size(&[coulomb(3.9 * 0.6)]) < 1e-3);
+        assert!(scale.size(&[coulomb(8.0 * 0.6)]) > 0.1);
+    }
+
+    #[test]
+    fn a_size_out_of_reach_is_none() {
+        let session = session();
+        let coulomb = |m: f64| HiddenEffect::new("coulomb-level", &[("coulomb_effort", m)]);
+        assert_eq!(Scale::new(&session).magnitude(coulomb, 1.0, 2.0, 1.0), None);
+    }
+}
