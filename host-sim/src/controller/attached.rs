@@ -3,6 +3,7 @@
 //! 8 data bits, no parity, one stop bit, raw. What the line loses is asked for again; what it damages is counted.
 
 use super::line::{Bounds, Line};
+use super::stream::Stream;
 use super::{ControllerError, RemoteController, system};
 use rustix::fs::OFlags;
 use rustix::termios::{OptionalActions, QueueSelector, tcflush, tcgetattr, tcsetattr};
@@ -30,11 +31,14 @@ impl AttachedController {
     pub fn open_within(port: &Path, bounds: Bounds) -> Result<RemoteController, ControllerError> {
         let file = raw(port).map_err(|source| ControllerError::Port { path: port.into(), source })?;
         let other = file.try_clone().map_err(system("the port's other direction"))?;
-        let line = Line::new(file, other, None, bounds);
-        // Any number that the last host is not likely to have used.
-        let now = SystemTime::UNIX_EPOCH.elapsed().map_or(1, |since| since.as_micros() as u32);
-        RemoteController::identified("attached", line, now)
+        let line = Line::new(Stream::Files { to_controller: file, to_host: other }, None, bounds);
+        RemoteController::identified("attached", line, token())
     }
+}
+
+/// Any number that the last host is not likely to have used.
+pub(super) fn token() -> u32 {
+    SystemTime::UNIX_EPOCH.elapsed().map_or(1, |since| since.as_micros() as u32)
 }
 
 /// Opens a port for bytes as they are, without waiting for a carrier.

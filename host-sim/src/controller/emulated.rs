@@ -5,6 +5,7 @@
 
 use super::line::{Bounds, Line, Process};
 use super::one_core::OneCore;
+use super::stream::Stream;
 use super::{ControllerError, RemoteController, system};
 use link::ControllerConfiguration;
 use rustix::fs::{CWD, FileType, Mode, mknodat};
@@ -86,7 +87,8 @@ impl EmulatedController {
                 ErrorKind::NotFound => ControllerError::EmulatorMissing,
                 _ => ControllerError::System { what: "qemu-system-arm", source },
             })?;
-        let line = Line::new(to_controller, to_host, Some(Process { child, folder, _core: core }), BOUNDS);
+        let stream = Stream::Files { to_controller, to_host };
+        let line = Line::new(stream, Some(Process { child, folder, _core: core }), BOUNDS);
         let cause = "The image may not be this project's firmware, or may have crashed at its start.";
         RemoteController::greeted("emulated", line, START_BOUND, cause).map_err(|error| match error {
             ControllerError::Ended { status, said, .. } => ControllerError::NotFirmware {

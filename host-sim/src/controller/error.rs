@@ -42,6 +42,24 @@ pub enum ControllerError {
         /// The system's answer.
         source: std::io::Error,
     },
+    /// The probe did not do what it should.
+    #[cfg(feature = "probe")]
+    #[error(transparent)]
+    Probe(#[from] crate::flash::FlashError),
+    /// The board runs something else.
+    #[cfg(feature = "probe")]
+    #[error(
+        "{path}: found build {found} on the board; expected {expected}, that of this image: flash it, or name with --elf what is on board",
+        path = path.display()
+    )]
+    OtherImage {
+        /// The image.
+        path: PathBuf,
+        /// The build on the board.
+        found: String,
+        /// That of the image.
+        expected: String,
+    },
     /// No answer within the bound.
     #[error("no answer to {waiting_for} within {bound_s} s; last sequence number answered: {last}. {cause}", last = last(*last_sequence))]
     TimedOut {

@@ -1,14 +1,14 @@
-//! Two streams of bytes with a controller at the other end: pipes to the emulator, or a serial port.
+//! A stream of bytes with a controller at the other end: pipes to the emulator, a serial port, or a debug probe.
 //!
 //! Every wait is bounded, writing included, and an error says what the last sample was that the controller answered.
 
 use super::one_core::OneCore;
-use super::{ControllerError, Recorder, framed};
+use super::stream::Stream;
+use super::{ControllerError, Recorder, framed, system};
 use link::{DELIMITER, Decoder, MAX_FRAME, ToController, ToHost};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::event::PollFlags;
 use std::collections::VecDeque;
-use std::fs::File;
-use std::io::{Error, ErrorKind, Read, Write};
+use std::io::{Error, ErrorKind};
 use std::process::Child;
 use std::time::{Duration, Instant};
 
@@ -56,11 +56,10 @@ impl Wait {
     }
 }
 
-/// The streams and what has come through them.
+/// The stream and what has come through it.
 #[derive(Debug)]
 pub(super) struct Line {
-    to_controller: File,
-    to_host: File,
+    stream: Stream,
     process: Option<Process>,
     decoder: Decoder,
     waiting: VecDeque<ToHost>,
@@ -72,10 +71,9 @@ pub(super) struct Line {
 }
 
 impl Line {
-    pub(super) fn new(to_controller: File, to_host: File, process: Option<Process>, bounds: Bounds) -> Self {
+    pub(super) fn new(stream: Stream, process: Option<Process>, bounds: Bounds) -> Self {
         Self {
-            to_controller,
-            to_host,
+            stream,
             process,
             decoder: Decoder::new(),
             waiting: VecDeque::new(),
@@ -110,13 +108,13 @@ impl Line {
 
     /// Lockstep has one frame on the way, and a pipe or a port holds many: a full one means that nobody reads.
     pub(super) fn send(&mut self, mut bytes: &[u8]) -> Result<(), ControllerError> {
-        let wait = Wait::of("bytes that the line should take", self.bounds.answer, NOT_READING);
+        let wait = Wait::of("bytes that the line should take", self.bounds.answer, self.stream.words().full);
         while !bytes.is_empty() {
-            match self.to_controller.write(bytes) {
+            match self.stream.write(bytes) {
                 Ok(count) => bytes = bytes.get(count..).unwrap_or_default(),
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                    self.poll(&self.to_controller, PollFlags::OUT, wait.until)?;
+                    self.poll(PollFlags::OUT, wait.until)?;
                     self.check_process()?;
                     self.check(&wait)?;
                 }
@@ -137,7 +135,7 @@ impl Line {
                 }
                 return Ok(message);
             }
-            match self.to_host.read(&mut buffer) {
+            match self.stream.read(&mut buffer) {
                 // Nobody holds the other end of a pipe: the emulator has not opened it yet, or has gone.
                 Ok(0) if self.is_lossless() => {
                     self.check_process()?;
@@ -149,7 +147,7 @@ impl Line {
                     continue;
                 }
                 Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                    if self.poll(&self.to_host, PollFlags::IN, wait.until)? {
+                    if self.poll(PollFlags::IN, wait.until)? {
                         continue;
                     }
                     self.check_process()?;
@@ -190,18 +188,15 @@ impl Line {
         Ok(())
     }
 
-    /// Waits a moment for a stream to be ready; false if it is not.
-    fn poll(&self, stream: &File, for_what: PollFlags, until: Instant) -> Result<bool, ControllerError> {
+    /// Waits a moment for the stream to be ready; false if it is not.
+    fn poll(&self, for_what: PollFlags, until: Instant) -> Result<bool, ControllerError> {
         let left = until.saturating_duration_since(Instant::now()).min(CHECK);
-        let moment = Timespec { tv_sec: 0, tv_nsec: left.as_nanos() as i64 };
-        let mut watched = [PollFd::new(stream, for_what)];
-        match poll(&mut watched, Some(&moment)) {
-            Ok(ready) => Ok(ready > 0),
-            Err(rustix::io::Errno::INTR) => Ok(true),
-            Err(error) => {
-                Err(ControllerError::System { what: "waiting for the controller", source: error.into() })
-            }
-        }
+        self.stream.ready(for_what, left).map_err(system("waiting for the controller"))
+    }
+
+    /// Why an answer may be late.
+    pub(super) const fn silence(&self) -> &'static str {
+        if self.is_lossless() { OVERLOADED } else { self.stream.words().silent }
     }
 
     fn check_process(&mut self) -> Result<(), ControllerError> {
@@ -221,7 +216,8 @@ impl Line {
         let (status, said) = match &mut self.process {
             None => {
                 let told = error.map(|error| format!(": {error}")).unwrap_or_default();
-                (format!("the port is closed{told}"), UNPLUGGED.into())
+                let words = self.stream.words();
+                (format!("{}{told}", words.end), words.gone.into())
             }
             Some(process) => {
                 let status = match process.child.try_wait() {
@@ -237,5 +233,4 @@ impl Line {
     }
 }
 
-const NOT_READING: &str = "The controller does not read; it may hang, or hold the line by flow control.";
-const UNPLUGGED: &str = "The adapter may have been unplugged, or whoever served the port has gone.";
+const OVERLOADED: &str = "The firmware may hang, or the machine be overloaded.";

@@ -1,4 +1,5 @@
-//! The controller's ends: the same conversation in this process, with the emulated controller and with a board on a serial port.
+//! The controller's ends: the same conversation in this process, with the emulated controller, with a board on a serial port and
+//! with a board at a debug probe.
 //!
 //! Lockstep: the sensor frame's time is the controller's time, and the host waits for the estimate of every frame. Every
 //! wait is bounded and names what it waited for. A restarted controller is noticed by its unasked greeting, or, when that was lost, by
@@ -12,10 +13,13 @@ mod greeting;
 mod line;
 mod native;
 mod one_core;
+#[cfg(feature = "probe")]
+mod probe;
 mod recorder;
 pub mod recording;
 mod remote;
 pub mod replay;
+mod stream;
 
 pub use attached::{AttachedController, BAUD, BOUNDS};
 pub use conversation::{Conversation, Heard, Losses};
@@ -23,6 +27,8 @@ pub use emulated::EmulatedController;
 pub use error::ControllerError;
 pub use line::Bounds;
 pub use native::NativeController;
+#[cfg(feature = "probe")]
+pub use probe::ProbedController;
 pub use recorder::{RecordedFrame, Recorder, Way};
 pub use recording::Recording;
 pub use remote::RemoteController;

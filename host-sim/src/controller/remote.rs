@@ -111,7 +111,7 @@ impl RemoteController {
 
     /// Sends a message that may be repeated and takes what answers it.
     fn ask(&mut self, message: &ToController, what: &'static str) -> Result<Heard, ControllerError> {
-        let whole = Wait::of(what, self.line.bounds.answer, self.silence());
+        let whole = Wait::of(what, self.line.bounds.answer, self.line.silence());
         let mut message = *message;
         loop {
             self.line.send_message(&message)?;
@@ -138,11 +138,6 @@ impl RemoteController {
 
     fn next_try(&self, whole: &Wait) -> Instant {
         (Instant::now() + self.line.bounds.again).min(whole.until)
-    }
-
-    /// Why an answer may be late.
-    const fn silence(&self) -> &'static str {
-        if self.line.is_lossless() { OVERLOADED } else { SILENT }
     }
 
     /// Sorts a message; slow telemetry is kept.
@@ -248,7 +243,7 @@ impl Controller for RemoteController {
         frame: &SensorFrame,
         status: SensorStatus,
     ) -> Result<EstimateFrame, ControllerError> {
-        let whole = Wait::of(SAMPLE, self.line.bounds.answer, self.silence());
+        let whole = Wait::of(SAMPLE, self.line.bounds.answer, self.line.silence());
         self.late = None;
         loop {
             self.line.send_message(&ToController::Sensor(*frame, status))?;
@@ -293,5 +288,3 @@ impl Controller for RemoteController {
 }
 
 const SAMPLE: &str = "a sample";
-const OVERLOADED: &str = "The firmware may hang, or the machine be overloaded.";
-const SILENT: &str = "Power, cable, port and line speed may be wrong, or the firmware hang.";

@@ -15,26 +15,27 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Core that everything runs on.
-const CORE: usize = 0;
+pub(crate) const CORE: usize = 0;
 /// Pause between two looks at the log.
 const PAUSE: Duration = Duration::from_millis(20);
 /// Longest time from reset to a log that is set up.
 const START: Duration = Duration::from_secs(2);
 
-fn failed<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> FlashError {
+/// An error that names what was tried.
+pub(crate) fn failed<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> FlashError {
     move |cause| FlashError::Probe { what, cause: cause.to_string() }
 }
 
 /// Opens the probe: the one selected, or the only one.
-fn open(selector: Option<&str>) -> Result<Probe, FlashError> {
+pub(crate) fn open(selector: Option<&str>) -> Result<Probe, FlashError> {
     let lister = Lister::new();
     if let Some(selector) = selector {
         let selector: DebugProbeSelector = selector.parse().map_err(failed("--probe"))?;
-        return lister.open(selector).map_err(failed("opening the probe"));
+        return lister.open(selector).map_err(failed(OPENING));
     }
     let probes = lister.list_all();
     match probes.as_slice() {
-        [probe] => probe.open().map_err(failed("opening the probe")),
+        [probe] => probe.open().map_err(failed(OPENING)),
         [] => Err(failed("looking for probes")("found none, expected one on USB")),
         several => {
             let names: Vec<_> = several.iter().map(ToString::to_string).collect();
@@ -84,7 +85,7 @@ pub fn follow(session: &mut Session, image: &Path, mut show: impl FnMut(&str)) -
         .map_err(failed(FINDING))?
         .ok_or_else(|| failed(FINDING)("the image has none"))?;
     let mut core = session.core(CORE).map_err(failed("the core"))?;
-    let mut rtt = attach(&mut core, block)?;
+    let mut rtt = attach(&mut core, block, FINDING)?;
     let channel = rtt.up_channel(0).ok_or_else(|| failed(FINDING)("no channel 0"))?;
     let mut buffer = [0; 1024];
     loop {
@@ -98,16 +99,17 @@ pub fn follow(session: &mut Session, image: &Path, mut show: impl FnMut(&str)) -
     }
 }
 
-/// The log, once the controller has come as far as to set it up.
-fn attach(core: &mut Core, block: u64) -> Result<Rtt, FlashError> {
+/// The buffers, once the controller has come as far as to set them up.
+pub(crate) fn attach(core: &mut Core, block: u64, what: &'static str) -> Result<Rtt, FlashError> {
     let deadline = Instant::now() + START;
     loop {
         match Rtt::attach_at(core, block) {
             Ok(rtt) => return Ok(rtt),
             Err(_) if Instant::now() < deadline => std::thread::sleep(PAUSE),
-            Err(error) => return Err(failed(FINDING)(error)),
+            Err(error) => return Err(failed(what)(error)),
         }
     }
 }
 
 const FINDING: &str = "finding the log";
+const OPENING: &str = "opening the probe (another program may hold it, or the rights to it be missing)";

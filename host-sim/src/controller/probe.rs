@@ -1,0 +1,206 @@
+//! A controller at a debug probe: the link through two ring buffers in its memory (RTT), beside those of its log.
+//!
+//! The probe reads and writes memory while the core runs; the controller neither waits for it nor notices. Where the buffers are the image
+//! says, so the image on board must be the one that is named: the name of its build is compared first. A controller that has started anew
+//! is found again by itself, and its greeting tells of the restart.
+//!
+//! The waits are those of a line, and on top of each the time in which the probe's library gives a transfer up. Attaching and leaving, the
+//! library stops the core for a moment to take its breakpoints back; the controller counts the ticks that come late by that.
+
+use super::line::{Bounds, Line};
+use super::stream::Stream;
+use super::{ControllerError, RemoteController, attached};
+use crate::flash::probe::{CORE, attach, failed, open};
+use crate::flash::{Board, FlashError};
+use object::{Object, ObjectSection, ObjectSymbol};
+use probe_rs::probe::Probe;
+use probe_rs::rtt::{DownChannel, Error as RttError, Rtt, UpChannel};
+use probe_rs::{Core, MemoryInterface, Permissions, Session};
+use std::io::{Error, ErrorKind, Result as Outcome};
+use std::path::Path;
+use std::time::Duration;
+
+/// Pause between two looks at a buffer: below the time that a look takes over USB.
+pub(super) const PAUSE: Duration = Duration::from_micros(100);
+/// Name of the link's channels.
+const LINK: &str = "link";
+/// Looks that empty a buffer: more than a controller that goes on sending could fill meanwhile.
+const EMPTYING: usize = 64;
+
+/// Attaches to controllers at debug probes.
+#[derive(Debug)]
+pub struct ProbedController;
+
+impl ProbedController {
+    /// Opens a probe (`VID:PID` or `VID:PID:SERIAL`; none for the only one there is) and asks the board at it who it is. `image` is what runs there.
+    pub fn open(
+        selector: Option<&str>,
+        board: Board,
+        image: &Path,
+    ) -> Result<RemoteController, ControllerError> {
+        // The image first: without it nothing can be found on the board.
+        let marks = Marks::of(image)?;
+        Self::with(open(selector)?, board, &marks, image, attached::BOUNDS)
+    }
+
+    /// As [`Self::open`], through a probe that is open and with other waits.
+    pub fn through(
+        probe: Probe,
+        board: Board,
+        image: &Path,
+        bounds: Bounds,
+    ) -> Result<RemoteController, ControllerError> {
+        Self::with(probe, board, &Marks::of(image)?, image, bounds)
+    }
+
+    fn with(
+        probe: Probe,
+        board: Board,
+        marks: &Marks,
+        image: &Path,
+        bounds: Bounds,
+    ) -> Result<RemoteController, ControllerError> {
+        let chip = board.chip.ok_or_else(|| {
+            FlashError::Board(format!("{}: a board of the emulator; no probe reaches it", board.name))
+        })?;
+        let mut session = probe.attach(chip, Permissions::default()).map_err(failed(ATTACHING))?;
+        let mut core = session.core(CORE).map_err(failed(ATTACHING))?;
+        if core.core_halted().map_err(failed(ATTACHING))? {
+            let halted = "found the core halted, expected it to run; another debugger may have stopped it, or it is locked up";
+            return Err(failed(FINDING)(halted).into());
+        }
+        marks.compare(&mut core, image)?;
+        let rtt = attach(&mut core, marks.block, FINDING)?;
+        let mut open =
+            channels(rtt).ok_or_else(|| failed(FINDING)("no channel `link` in both directions"))?;
+        let mut left = [0; 1024];
+        for _ in 0..EMPTYING {
+            if open.0.read(&mut core, &mut left).map_err(failed(FINDING))? == 0 {
+                break;
+            }
+        }
+        drop(core);
+        let channels = Channels { session, block: marks.block, open: Some(open) };
+        let line = Line::new(Stream::Probe(Box::new(channels)), None, bounds);
+        RemoteController::identified("attached", line, attached::token())
+    }
+}
+
+/// Where things are in the memory of a controller with an image.
+struct Marks {
+    /// The buffers' control block.
+    block: u64,
+    /// The name of the build.
+    build_at: u64,
+    build: Vec<u8>,
+}
+
+impl Marks {
+    /// Finds them in an ELF image.
+    fn of(path: &Path) -> Result<Self, ControllerError> {
+        let bytes =
+            std::fs::read(path).map_err(|_| ControllerError::FirmwareMissing { path: path.into() })?;
+        let not = |found: &str| ControllerError::NotFirmware { path: path.into(), found: found.into() };
+        let file = object::File::parse(&*bytes).map_err(|_| not("no ELF image"))?;
+        let named = |name: &str| {
+            file.symbols().find(|symbol| symbol.name() == Ok(name) && symbol.section_index().is_some())
+        };
+        let block = named("_SEGGER_RTT").ok_or_else(|| not("an image without buffers for a probe"))?;
+        let build = named("PINTLE_BUILD_ID").and_then(|symbol| {
+            let section = file.section_by_index(symbol.section_index()?).ok()?;
+            section
+                .data_range(symbol.address(), link::BUILD_ID_LEN as u64)
+                .ok()
+                .flatten()
+                .map(|bytes| (symbol.address(), bytes.to_vec()))
+        });
+        let (build_at, build) = build.ok_or_else(|| not("an image without a link over a probe"))?;
+        Ok(Self { block: block.address(), build_at, build })
+    }
+
+    /// Whether the controller runs this image.
+    fn compare(&self, core: &mut Core, path: &Path) -> Result<(), ControllerError> {
+        let mut found = vec![0; self.build.len()];
+        core.read(self.build_at, &mut found).map_err(failed("reading the name of the build on board"))?;
+        if found == self.build {
+            return Ok(());
+        }
+        Err(ControllerError::OtherImage {
+            path: path.into(),
+            found: build_name(&found),
+            expected: build_name(&self.build),
+        })
+    }
+}
+
+/// A build's name in words; what is none has none.
+fn build_name(bytes: &[u8]) -> String {
+    let name = bytes.split(|byte| *byte == 0).next().and_then(|name| std::str::from_utf8(name).ok());
+    match name {
+        Some(name) if !name.is_empty() && name.chars().all(|c| c.is_ascii_graphic()) => name.into(),
+        _ => "without a name".into(),
+    }
+}
+
+/// The link's channels.
+fn channels(rtt: Rtt) -> Option<(UpChannel, DownChannel)> {
+    let up = rtt.up_channels.into_iter().find(|channel| channel.name() == Some(LINK))?;
+    let down = rtt.down_channels.into_iter().find(|channel| channel.name() == Some(LINK))?;
+    Some((up, down))
+}
+
+/// The two buffers.
+#[derive(Debug)]
+pub(super) struct Channels {
+    session: Session,
+    block: u64,
+    /// None while the controller starts anew.
+    open: Option<(UpChannel, DownChannel)>,
+}
+
+impl Channels {
+    /// Takes what has come up.
+    pub(super) fn read(&mut self, buffer: &mut [u8]) -> Outcome<usize> {
+        self.with(|core, (up, _)| up.read(core, buffer))
+    }
+
+    /// Hands down as much as there is room for.
+    pub(super) fn write(&mut self, bytes: &[u8]) -> Outcome<usize> {
+        self.with(|core, (_, down)| down.write(core, bytes))
+    }
+
+    fn with(
+        &mut self,
+        transfer: impl FnOnce(&mut Core, &mut (UpChannel, DownChannel)) -> Result<usize, RttError>,
+    ) -> Outcome<usize> {
+        let mut core = self.session.core(CORE).map_err(|error| Error::other(told(&error)))?;
+        let moved = match &mut self.open {
+            Some(open) => transfer(&mut core, open),
+            // In the next round there may be something to transfer.
+            None => Rtt::attach_at(&mut core, self.block).map(|rtt| {
+                self.open = channels(rtt);
+                0
+            }),
+        };
+        match moved {
+            Ok(0) => Err(ErrorKind::WouldBlock.into()),
+            Ok(count) => Ok(count),
+            Err(error @ (RttError::Probe(_) | RttError::MemoryRead(_))) => Err(Error::other(told(&error))),
+            // The controller has started anew, or is about to: its buffers are elsewhere than they were, or nowhere yet.
+            Err(_) => {
+                self.open = None;
+                Err(ErrorKind::WouldBlock.into())
+            }
+        }
+    }
+}
+
+/// An error with its causes.
+fn told(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(error.source(), |cause| cause.source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}
+
+const ATTACHING: &str =
+    "attaching to the chip (it may have no power, its wires be loose, or it may be another than the board's)";
+const FINDING: &str = "finding the link";
