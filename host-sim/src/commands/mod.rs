@@ -27,5 +27,6 @@ mod sweep_file;
 mod sweep_latch;
 mod sweep_paper;
 mod sweep_paper_pictures;
+mod sweep_step;
 pub mod update;
 pub mod validate;

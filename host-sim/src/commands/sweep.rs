@@ -1,6 +1,6 @@
-//! `host-sim sweep`: the paper's clearances or loads, floors of the latched approach speed, or a file's parameters.
+//! `host-sim sweep`: the paper's clearances or loads, floors of the latched approach speed, communication steps, or a file's parameters.
 
-use super::{sweep_file, sweep_latch, sweep_paper};
+use super::{sweep_file, sweep_latch, sweep_paper, sweep_step};
 use crate::error::CliError;
 use crate::force::{DEFAULT_STEP_S, ForceSource};
 use crate::paper::Series;
@@ -16,13 +16,14 @@ const STEP_RANGE_S: (f64, f64) = (1e-7, 1e-3);
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Examples:\n  host-sim sweep clearance\n  host-sim sweep load --force law --out out/load\n  \
-    host-sim sweep latch\n  host-sim sweep examples/sweep-clearance-mass.toml --threads 4 --json\n\n\
+    host-sim sweep latch\n  host-sim sweep step\n  host-sim sweep examples/sweep-clearance-mass.toml --threads 4 --json\n\n\
     A sweep from a file resumes after a kill: run the same command again."
 )]
 pub struct SweepArgs {
     /// `clearance`: .1, .25, .5 and 1 mm at +10 kN (Figs. 16-18). `load`: +10 to -10 kN at 1 mm (Figs. 19, 20).
-    /// `latch`: forms of the damping and their speeds, 1 to 200 mm/s. Or a file: parameters and their ranges.
-    #[arg(value_name = "clearance|load|latch|FILE")]
+    /// `latch`: forms of the damping and their speeds, 1 to 200 mm/s. `step`: communication steps of a held force, 1 to 200 us. Or a file:
+    /// parameters and their ranges.
+    #[arg(value_name = "clearance|load|latch|step|FILE")]
     pub what: String,
     /// How the runs are done.
     #[command(flatten)]
@@ -88,6 +89,7 @@ pub fn run(args: &SweepArgs) -> Result<(), CliError> {
         "clearance" => sweep_paper::run(&args.runs, &[Series::Clearance], &folder("clearance"), args.json),
         "load" => sweep_paper::run(&args.runs, &[Series::Load], &folder("load"), args.json),
         "latch" => sweep_latch::run(&args.runs, &folder("latch"), args.json),
+        "step" => sweep_step::run(&args.runs, &folder("step"), args.json),
         file => {
             let stem = Path::new(file).file_stem().map_or_else(|| "file".into(), |s| s.to_string_lossy());
             let name = stem.strip_prefix("sweep-").unwrap_or(&stem).to_owned();
