@@ -1,0 +1,231 @@
+//! MAT-files of version 5 to 7 (`save -v6`, `-v7`; Octave and SciPy write them too), in either order of bytes.
+//!
+//! Listed are numeric and logical arrays: vectors by the name of their variable (`qm`), fields of a struct with a point
+//! (`data.qm`, also deeper), the columns of a matrix with their number (`data(:,2)`). Everything else (text, cells, arrays
+//! of structs, sparse or complex arrays) keeps its name and is refused where it is asked for.
+//!
+//! Own code because the published readers know no structs, take `int32` for `uint32`, or panic on a damaged file. Layout:
+//! "MAT-File Format", MathWorks, chapter 1, "Level 5 MAT-File Format". An element is a tag (type, bytes) and data padded
+//! to 8 bytes; up to 4 bytes of data share the first 8 with their tag; a compressed element is zlib around another one.
+
+use super::{LogError, MOST_ROWS};
+use std::io::Read;
+
+const HEADER_BYTES: usize = 128;
+/// Structs inside structs that are followed.
+const MOST_DEPTH: usize = 8;
+/// Columns of a matrix that are listed.
+const MOST_COLUMNS: usize = 1000;
+/// Variables and fields that are listed.
+const MOST_NAMES: usize = 100_000;
+/// Bytes that a compressed element may hold: a log of the most rows in doubles.
+const MOST_BYTES: u64 = 8 * MOST_ROWS as u64;
+
+const INT32: u32 = 5;
+const UINT32: u32 = 6;
+const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+
+const STRUCT: u8 = 2;
+const NUMERIC: std::ops::RangeInclusive<u8> = 6..=15;
+const COMPLEX: u8 = 0x08;
+
+const WHOLE: &str = "a whole MAT-file of version 5 to 7";
+
+/// The numeric arrays of a file.
+pub(super) struct Variables {
+    pub(super) names: Vec<String>,
+    contents: Vec<Content>,
+}
+
+/// Numbers, or what stands there instead of them.
+type Content = Result<Vec<f64>, &'static str>;
+
+impl Variables {
+    pub(super) fn open(file: &str, bytes: &[u8]) -> Result<Self, LogError> {
+        let mut out = Self { names: Vec::new(), contents: Vec::new() };
+        let damaged = |at: &str| LogError::content(file, format!("damage {at}"), WHOLE);
+        let (big, mut rest) = match (bytes.get(126..HEADER_BYTES), bytes.get(HEADER_BYTES..)) {
+            (Some(b"IM"), Some(rest)) => (false, rest),
+            (Some(b"MI"), Some(rest)) => (true, rest),
+            _ => return Err(damaged("in the header")),
+        };
+        let cut = Cut { big };
+        while !rest.is_empty() {
+            let at = format!("after variable {}", out.names.len());
+            let (kind, data, after) = cut.element(rest).ok_or_else(|| damaged(&at))?;
+            rest = after;
+            if kind == COMPRESSED {
+                let inflated = inflate(data).ok_or_else(|| damaged(&at))?;
+                let (kind, data, _) = cut.element(&inflated).ok_or_else(|| damaged(&at))?;
+                if kind == MATRIX {
+                    out.add(cut, data, None, 0).ok_or_else(|| damaged(&at))?;
+                }
+            } else if kind == MATRIX {
+                out.add(cut, data, None, 0).ok_or_else(|| damaged(&at))?;
+            }
+        }
+        if out.names.is_empty() {
+            return Err(LogError::content(file, "no variables", "a variable for each signal"));
+        }
+        Ok(out)
+    }
+
+    pub(super) fn values(&self, file: &str, index: usize, wanted: &str) -> Result<Vec<f64>, LogError> {
+        let name = self.names.get(index).cloned().unwrap_or_else(|| index.to_string());
+        let refuse = |found: &str| {
+            let found = format!("variable `{name}` for {wanted}: {found}");
+            LogError::content(file, found, "a real numeric vector")
+        };
+        match self.contents.get(index) {
+            Some(Ok(values)) => Ok(values.clone()),
+            Some(Err(found)) => Err(refuse(found)),
+            None => Err(refuse(&format!("only {} variables", self.names.len()))),
+        }
+    }
+
+    fn push(&mut self, name: String, content: Content) -> Option<()> {
+        self.names.push(name);
+        self.contents.push(content);
+        (self.names.len() <= MOST_NAMES).then_some(())
+    }
+
+    /// Adds an array with all that is in it; `None`: the bytes make no sense.
+    fn add(&mut self, cut: Cut, data: &[u8], name: Option<String>, depth: usize) -> Option<()> {
+        if data.is_empty() {
+            // An empty array inside a struct may be written without anything.
+            return self.push(name?, Err("an empty array"));
+        }
+        let (kind, flags, rest) = cut.element(data)?;
+        if kind != UINT32 {
+            return None;
+        }
+        let flags = cut.u32(flags)?;
+        let (class, flags) = (flags as u8, (flags >> 8) as u8);
+        let (kind, dimensions, rest) = cut.element(rest)?;
+        if kind != INT32 {
+            return None;
+        }
+        let dimensions: Vec<usize> =
+            dimensions.chunks_exact(4).map(|d| cut.u32(d).map(|d| d as usize)).collect::<Option<_>>()?;
+        let count = dimensions.iter().try_fold(1usize, |n, &d| n.checked_mul(d))?;
+        let (_, own_name, rest) = cut.element(rest)?;
+        let name = name.unwrap_or_else(|| String::from_utf8_lossy(own_name).into_owned());
+        match class {
+            STRUCT if count == 1 && depth < MOST_DEPTH => self.fields(cut, rest, &name, depth),
+            STRUCT => self.push(name, Err("an array of structs, or structs too deep in each other")),
+            class if NUMERIC.contains(&class) && flags & COMPLEX != 0 => {
+                self.push(name, Err("complex numbers"))
+            }
+            class if NUMERIC.contains(&class) => {
+                let (kind, data, _) = cut.element(rest)?;
+                let values = cut.numbers(kind, data)?;
+                if values.len() != count {
+                    return None;
+                }
+                self.columns(name, &dimensions, values)
+            }
+            _ => self.push(name, Err("no numbers (text, a cell, an object or a sparse array)")),
+        }
+    }
+
+    /// A vector under its name, a matrix as its columns.
+    fn columns(&mut self, name: String, dimensions: &[usize], values: Vec<f64>) -> Option<()> {
+        match dimensions {
+            [] => None,
+            [rows, columns] if *rows > 1 && *columns > 1 => {
+                if *columns > MOST_COLUMNS {
+                    return self.push(name, Err("a matrix with too many columns"));
+                }
+                for (i, column) in values.chunks_exact(*rows).enumerate() {
+                    self.push(format!("{name}(:,{})", i + 1), Ok(column.to_vec()))?;
+                }
+                Some(())
+            }
+            _ if dimensions.iter().filter(|d| **d != 1).count() <= 1 => {
+                let content = if values.is_empty() { Err("an empty array") } else { Ok(values) };
+                self.push(name, content)
+            }
+            _ => self.push(name, Err("an array of more than two dimensions")),
+        }
+    }
+
+    /// The fields of a struct.
+    fn fields(&mut self, cut: Cut, data: &[u8], name: &str, depth: usize) -> Option<()> {
+        let (_, length, rest) = cut.element(data)?;
+        let length = cut.u32(length)? as usize;
+        let (_, names, mut rest) = cut.element(rest)?;
+        if length == 0 {
+            return None;
+        }
+        for field in names.chunks_exact(length) {
+            let field = field.split(|&b| b == 0).next().unwrap_or_default();
+            let (kind, data, after) = cut.element(rest)?;
+            if kind != MATRIX {
+                return None;
+            }
+            rest = after;
+            self.add(cut, data, Some(format!("{name}.{}", String::from_utf8_lossy(field))), depth + 1)?;
+        }
+        Some(())
+    }
+}
+
+/// Cuts bytes into elements and numbers.
+#[derive(Clone, Copy)]
+struct Cut {
+    big: bool,
+}
+
+impl Cut {
+    fn u32(self, bytes: &[u8]) -> Option<u32> {
+        let bytes: [u8; 4] = bytes.get(..4)?.try_into().ok()?;
+        Some(if self.big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    /// The first element: type, data, what comes after.
+    fn element(self, bytes: &[u8]) -> Option<(u32, &[u8], &[u8])> {
+        let first = self.u32(bytes)?;
+        let (kind, small) = (first & 0xffff, (first >> 16) as usize);
+        if small > 0 {
+            return (small <= 4).then_some((kind, bytes.get(4..4 + small)?, bytes.get(8..)?));
+        }
+        let length = self.u32(bytes.get(4..)?)? as usize;
+        let data = bytes.get(8..)?;
+        // Compressed elements are not padded, and the last one of a file need not be.
+        let padded = if kind == COMPRESSED { length } else { length.checked_next_multiple_of(8)? };
+        Some((kind, data.get(..length)?, data.get(padded..).unwrap_or_default()))
+    }
+
+    /// Numbers of a storage type, which may be smaller than the array's class.
+    fn numbers(self, kind: u32, data: &[u8]) -> Option<Vec<f64>> {
+        macro_rules! read {
+            ($type:ty) => {
+                data.chunks_exact(size_of::<$type>())
+                    .filter_map(|c| c.try_into().ok())
+                    .map(|c| if self.big { <$type>::from_be_bytes(c) } else { <$type>::from_le_bytes(c) } as f64)
+                    .collect()
+            };
+        }
+        Some(match kind {
+            1 => read!(i8),
+            2 => read!(u8),
+            3 => read!(i16),
+            4 => read!(u16),
+            INT32 => read!(i32),
+            UINT32 => read!(u32),
+            7 => read!(f32),
+            9 => read!(f64),
+            12 => read!(i64),
+            13 => read!(u64),
+            _ => return None,
+        })
+    }
+}
+
+/// Inflates a compressed element; `None`: damaged, or too large.
+fn inflate(data: &[u8]) -> Option<Vec<u8>> {
+    let mut out = Vec::new();
+    flate2::read::ZlibDecoder::new(data).take(MOST_BYTES).read_to_end(&mut out).ok()?;
+    (out.len() < MOST_BYTES as usize).then_some(out)
+}

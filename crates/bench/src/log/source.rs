@@ -1,0 +1,106 @@
+//! A log's file, taken apart into columns by name. The format is told by the first bytes, never by the name alone.
+
+use super::LogError;
+use super::mat::Variables;
+use super::parquet::Table;
+use super::text::Text;
+use crate::log_format::{Column, ColumnId, TextFormat};
+
+/// First bytes of a Parquet file.
+const PARQUET: &[u8] = b"PAR1";
+/// First bytes of a MAT-file of version 5, 6 or 7, and of one of version 7.3.
+const MAT_5: &[u8] = b"MATLAB 5.0 MAT-file";
+const MAT_73: &[u8] = b"MATLAB 7.3 MAT-file";
+/// First bytes of an HDF5 file.
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+/// Bytes looked through for a zero, which no text has.
+const LOOKED_THROUGH: usize = 4096;
+
+/// A log's file.
+pub(super) enum Source {
+    Text(Text),
+    Parquet(Table),
+    Mat(Variables),
+}
+
+impl Source {
+    /// Takes a file apart.
+    pub(super) fn open(file: &str, bytes: Vec<u8>, format: &TextFormat) -> Result<Self, LogError> {
+        if bytes.starts_with(PARQUET) {
+            return Table::open(file, bytes).map(Self::Parquet);
+        }
+        if bytes.starts_with(MAT_73) || bytes.starts_with(HDF5) {
+            return Err(LogError::content(
+                file,
+                "a MAT-file of version 7.3, which is HDF5",
+                "version 5 to 7: in MATLAB, save(\"log.mat\", \"-v7\"); or CSV, or Parquet",
+            ));
+        }
+        // Other writers put their own text first; the version and the order of bytes stand at its end.
+        let marked = matches!(bytes.get(124..128), Some([0, 1, b'I', b'M'] | [1, 0, b'M', b'I']));
+        if marked || bytes.starts_with(MAT_5) {
+            return Variables::open(file, &bytes).map(Self::Mat);
+        }
+        if bytes.iter().take(LOOKED_THROUGH).any(|&b| b == 0) {
+            return Err(LogError::content(
+                file,
+                "an unknown binary file",
+                "CSV text in UTF-8, Parquet, or a MAT-file of version 5 to 7",
+            ));
+        }
+        Text::open(file, &String::from_utf8_lossy(&bytes), format).map(Self::Text)
+    }
+
+    /// Names of the columns; none in a text without a header.
+    pub(super) fn names(&self) -> &[String] {
+        match self {
+            Self::Text(text) => &text.header,
+            Self::Parquet(table) => &table.names,
+            Self::Mat(variables) => &variables.names,
+        }
+    }
+
+    /// Where a column stands.
+    pub(super) fn locate(&self, file: &str, column: &Column) -> Result<usize, LogError> {
+        match &column.from {
+            ColumnId::Index(index) => Ok(*index),
+            ColumnId::Name(name) => self.names().iter().position(|n| n == name).ok_or_else(|| {
+                LogError::content(
+                    file,
+                    format!("no column `{name}` among `{}`", self.names().join("`, `")),
+                    match self {
+                        Self::Text(_) => format!("a header with `{name}`"),
+                        Self::Parquet(_) => format!("a column `{name}`"),
+                        Self::Mat(_) => {
+                            format!("a variable `{name}` (a field of a struct is `data.{name}`, a column `{name}(:,1)`)")
+                        }
+                    },
+                )
+            }),
+        }
+    }
+
+    /// The values of a column, a missing one as NaN; `wanted` names it in messages.
+    pub(super) fn values(
+        &self,
+        file: &str,
+        index: usize,
+        wanted: &str,
+        strict: bool,
+    ) -> Result<Vec<f64>, LogError> {
+        match self {
+            Self::Text(text) => text.values(file, index, wanted, strict),
+            Self::Parquet(table) => table.values(file, index, wanted),
+            Self::Mat(variables) => variables.values(file, index, wanted),
+        }
+    }
+
+    /// A row in words: what a reader of the file would count.
+    pub(super) fn place(&self, row: usize) -> String {
+        match self {
+            Self::Text(text) => format!("line {}", text.line(row)),
+            Self::Parquet(_) => format!("row {}", row + 1),
+            Self::Mat(_) => format!("element {}", row + 1),
+        }
+    }
+}

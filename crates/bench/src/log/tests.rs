@@ -1,0 +1,213 @@
+use super::*;
+use crate::log_format::{Separator, TextFormat};
+use proptest::prelude::*;
+
+fn own() -> LogFormat {
+    LogFormat::default()
+}
+
+#[test]
+fn refusals_name_file_line_and_column() {
+    for (text, expected) in [
+        ("", "an empty file"),
+        ("t_s,journal_y_m\n0,1\n", "1 data rows"),
+        ("t_s,journal_y_m\n0,1\n0,2\n", "line 3, t_s: found 0 after 0"),
+        ("t_s,journal_y_m\n0,1\n1,x\n", "line 3, journal_y_m: found `x`"),
+        ("t_s,journal_y_m\n0,1\n1,nan\n", "line 3, journal_y_m: found `nan`"),
+        ("t_s,journal_y_m\n0,1\n1\n", "only 1 fields"),
+        ("time,journal_y_m\n0,1\n1,2\n", "no column `t_s`"),
+        ("t_s,apples\n0,1\n1,2\n", "no known channel"),
+        ("t_s,journal_y_m,journal_y_m\n0,1,1\n1,2,2\n", "twice"),
+    ] {
+        let error = MeasuredLog::parse("a.csv", text, &own()).unwrap_err().to_string();
+        assert!(error.starts_with("a.csv") && error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn a_foreign_log_is_mapped_scaled_and_shifted() {
+    let columns = toml::from_str(
+        "t_s = { from = 0, scale = 1e-3 }\nposition_m = { from = 2, scale = 1e-3, offset = 1.0 }\n",
+    )
+    .unwrap();
+    let text = TextFormat { separator: Separator::Whitespace, header: false };
+    let format = LogFormat { text, columns };
+    let log = MeasuredLog::parse("x", "0.0\t7 5.0\r\n10.0  7 6.0\r\n", &format).unwrap();
+    assert_eq!(log.time_s, [0.0, 0.01]);
+    assert_eq!(log.channels[&Channel::Position], [1.005, 1.006]);
+}
+
+proptest! {
+    #[test]
+    fn csv_reads_back_exactly(values in proptest::collection::vec(-1e9..1e9_f64, 2..50)) {
+        let log = MeasuredLog {
+            source: "x".into(),
+            time_s: (0..values.len()).map(|i| i as f64 * 1e-3).collect(),
+            channels: BTreeMap::from([(Channel::JournalY, values)]),
+        };
+        prop_assert_eq!(MeasuredLog::parse("x", &log.to_csv(), &own()).unwrap(), log);
+    }
+
+    #[test]
+    fn garbage_is_refused_without_panic(text in "\\PC{0,200}") {
+        let _ = MeasuredLog::parse("x", &text, &own());
+    }
+}
+
+/// A log that other programs wrote; see `write.py` beside them.
+fn foreign(name: &str, columns: &str) -> Result<MeasuredLog, LogError> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign-logs").join(name);
+    let columns = toml::from_str(columns).unwrap();
+    MeasuredLog::read_as_found(&path, &LogFormat { columns, ..LogFormat::default() })
+}
+
+#[test]
+fn mat_files_of_another_writer_are_read() {
+    for name in ["v6.mat", "v7.mat"] {
+        let log = foreign(
+            name,
+            "t_s = { from = \"data.t\" }\nspindle_angle_rad = { from = \"data.qm\", scale = 0.01 }\n\
+             drive_torque_nm = { from = \"data.motor.torque\" }\nspindle_speed_rad_s = { from = \"table(:,2)\" }\n",
+        )
+        .unwrap();
+        assert_eq!(log.time_s.len(), 20);
+        assert!((log.time_s[3] - 0.03).abs() < 1e-15);
+        assert_eq!(log.channels[&Channel::SpindleAngle][4], -0.1);
+        assert_eq!(log.channels[&Channel::DriveTorque][5], 2.5);
+        assert_eq!(log.channels[&Channel::SpindleSpeed][6], 10.0);
+    }
+}
+
+#[test]
+fn what_is_no_real_vector_is_refused_by_name() {
+    let time = "t_s = { from = \"data.t\" }\n";
+    for (from, expected) in [
+        ("phasor", "variable `phasor` for position_m: complex numbers"),
+        ("note", "variable `note` for position_m: no numbers"),
+        ("cell", "variable `cell` for position_m: no numbers"),
+        ("missing", "no column `missing` among `data.t`"),
+    ] {
+        let error = foreign("v7.mat", &format!("{time}position_m = {{ from = \"{from}\" }}")).unwrap_err();
+        assert!(error.to_string().contains(expected), "{error}");
+    }
+    let log = foreign("v7.mat", &format!("{time}position_m = {{ from = \"valid\" }}")).unwrap();
+    assert_eq!(log.channels[&Channel::Position][3..5], [0.0, 1.0]);
+}
+
+#[test]
+fn parquet_of_another_writer_is_read_with_its_gaps() {
+    let columns = "t_s = { from = \"t\" }\nspindle_angle_rad = { from = \"qm\", scale = 0.01 }\n\
+                   drive_torque_nm = { from = \"motor.torque\" }\nspindle_speed_rad_s = { from = \"torque\" }\n";
+    for name in ["none.parquet", "snappy.parquet", "gzip.parquet", "lz4.parquet"] {
+        let log = foreign(name, columns).unwrap();
+        let angle = &log.channels[&Channel::SpindleAngle];
+        assert_eq!((log.time_s.len(), angle[6], angle[8]), (20, 0.1, 0.3), "{name}");
+        assert!(angle[7].is_nan());
+        assert_eq!(log.channels[&Channel::DriveTorque], log.channels[&Channel::SpindleSpeed]);
+    }
+    let columns: crate::log_format::Columns = toml::from_str(columns).unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign-logs/snappy.parquet");
+    let strict = MeasuredLog::read(&path, &LogFormat { columns, ..LogFormat::default() }).unwrap_err();
+    assert!(
+        strict.to_string().ends_with("row 8, spindle_angle_rad: found NaN; expected a finite number"),
+        "{strict}"
+    );
+    for (name, from, expected) in [
+        ("snappy.parquet", "label", "column `label` for position_m: BYTE_ARRAY values"),
+        ("snappy.parquet", "raw.list.element", "a list in each row"),
+        ("zstd.parquet", "qm", "expected whole Parquet with plain, Snappy, gzip or LZ4 pages"),
+    ] {
+        let columns = format!("t_s = {{ from = \"t\" }}\nposition_m = {{ from = \"{from}\" }}");
+        let error = foreign(name, &columns).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn hdf5_and_unknown_files_are_refused_with_a_way_out() {
+    let mut new = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".to_vec();
+    new.resize(512, b' ');
+    new.extend(b"\x89HDF\r\n\x1a\n");
+    for (bytes, expected) in [
+        (new, "save(\"log.mat\", \"-v7\")"),
+        (b"\x89HDF\r\n\x1a\n\0\0".to_vec(), "save(\"log.mat\", \"-v7\")"),
+        (vec![0; 100], "an unknown binary file"),
+        (b"PAR1PAR1".to_vec(), "expected whole Parquet"),
+        (b"MATLAB 5.0 MAT-file".to_vec(), "damage in the header"),
+    ] {
+        let error = MeasuredLog::of_bytes("a.csv", bytes, &own(), false).unwrap_err().to_string();
+        assert!(error.starts_with("a.csv") && error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn as_found_a_text_keeps_its_gaps_and_its_times() {
+    let text = "t_s,journal_y_m\n0,1\n0,\n-1,NaN\n2,4\n3\n";
+    let log = MeasuredLog::of_bytes("a.csv", text.as_bytes().to_vec(), &own(), false).unwrap();
+    assert_eq!(log.time_s, [0.0, 0.0, -1.0, 2.0, 3.0]);
+    let finite: Vec<bool> = log.channels[&Channel::JournalY].iter().map(|v| v.is_finite()).collect();
+    assert_eq!(finite, [true, false, false, true, false]);
+    let bad = MeasuredLog::of_bytes("a.csv", b"t_s,journal_y_m\n0,1\n1,x\n".to_vec(), &own(), false);
+    assert!(bad.unwrap_err().to_string().contains("line 3, journal_y_m: found `x`"));
+}
+
+fn small(values: Vec<f64>) -> MeasuredLog {
+    MeasuredLog {
+        source: "x".into(),
+        time_s: (0..values.len()).map(|i| i as f64 * 1e-3).collect(),
+        channels: BTreeMap::from([
+            (Channel::LoadForce, values.iter().map(|v| 0.3 * v).collect()),
+            (Channel::JournalY, values),
+        ]),
+    }
+}
+
+#[test]
+fn damaged_binary_files_are_refused_or_read_and_never_panic() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign-logs");
+    let columns = "t_s = { from = \"t\" }\nspindle_angle_rad = { from = \"qm\" }\nposition_m = { from = \"motor.torque\" }";
+    let parquet: crate::log_format::Columns = toml::from_str(columns).unwrap();
+    let mat: crate::log_format::Columns = toml::from_str(&columns.replace("= \"", "= \"data.")).unwrap();
+    let mut state = 1_u64;
+    let mut random = move |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for (name, columns) in [
+        ("v6.mat", &mat),
+        ("v7.mat", &mat),
+        ("none.parquet", &parquet),
+        ("gzip.parquet", &parquet),
+        ("lz4.parquet", &parquet),
+    ] {
+        let whole = std::fs::read(folder.join(name)).unwrap();
+        let format = LogFormat { columns: columns.clone(), ..LogFormat::default() };
+        for length in (0..whole.len()).step_by(7) {
+            let cut = whole[..length].to_vec();
+            let _ = MeasuredLog::of_bytes(name, cut, &format, false);
+        }
+        for _ in 0..3000 {
+            let mut bytes = whole.clone();
+            for _ in 0..=random(4) {
+                let at = random(bytes.len());
+                bytes[at] = if random(4) == 0 { 0xff } else { random(256) as u8 };
+            }
+            let _ = MeasuredLog::of_bytes(name, bytes, &format, false);
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn every_format_reads_back_exactly(values in proptest::collection::vec(-1e9..1e9_f64, 2..50)) {
+        let log = small(values);
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.csv", "a.parquet", "a.mat"] {
+            let path = folder.path().join(name);
+            log.write(&path).unwrap();
+            let mut read = MeasuredLog::read(&path, &own()).unwrap();
+            read.source = "x".into();
+            prop_assert_eq!(&read, &log, "{}", name);
+        }
+    }
+}
