@@ -7,9 +7,6 @@ use crate::motion::Profile;
 use crate::peaks::Extremes;
 use crate::transmission::{BearingForces, ContactView, OnShaft, STATES, Snapshot, State, Transmission};
 use crate::two_plane::{TwoPlane, run_two_plane};
-use differential_equations::ode::OrdinaryNumericalMethod;
-use differential_equations::prelude::{ExplicitRungeKutta, ODE};
-use std::cell::Cell;
 
 /// Relative tolerance of a run unless stated otherwise.
 pub const DEFAULT_TOLERANCE: f64 = 1e-7;
@@ -111,15 +108,29 @@ pub fn snapshots(
     Ok(run_with_law(&Transmission::new(bench, drive, load), end_s, samples_s, tolerance)?.samples)
 }
 
-struct Held<'a> {
-    plant: &'a Transmission,
-    bearing: Cell<OnShaft>,
-}
-
-impl ODE<f64, State> for Held<'_> {
-    fn diff(&self, time_s: f64, state: &State, derivative: &mut State) {
-        self.plant.dynamics(time_s, state, &self.bearing.get(), derivative);
-    }
+/// One step of the classical fourth-order Runge-Kutta method under a held bearing force. Every communication step begins with another force, so
+/// there is nothing to carry over, and a library's stepper would be set up anew each time. Returns the state and its rates under that force.
+fn held_step(
+    plant: &Transmission,
+    bearing: &OnShaft,
+    time_s: f64,
+    state: &State,
+    step_s: f64,
+) -> (State, State) {
+    let rates = |time_s: f64, state: &State| {
+        let mut rates = [0.0; STATES];
+        plant.dynamics(time_s, state, bearing, &mut rates);
+        rates
+    };
+    let half = 0.5 * step_s;
+    let along = |rates: &State, by: f64| -> State { std::array::from_fn(|i| state[i] + by * rates[i]) };
+    let first = rates(time_s, state);
+    let second = rates(time_s + half, &along(&first, half));
+    let third = rates(time_s + half, &along(&second, half));
+    let fourth = rates(time_s + step_s, &along(&third, step_s));
+    let sum = |i: usize| first[i] + 2.0 * (second[i] + third[i]) + fourth[i];
+    // The last stage's rates are those of the end up to the method's own order.
+    (std::array::from_fn(|i| state[i] + step_s / 6.0 * sum(i)), fourth)
 }
 
 /// Integrates the plant with a bearing force from outside, held over a communication step of `step_s`.
@@ -138,7 +149,8 @@ pub fn run_with_held_force(
     let count = (end_s / step_s).round() as usize;
     let initial = plant.initial_state(0.0);
     let mut state = initial;
-    let system = Held { plant, bearing: Cell::new(OnShaft::default()) };
+    let mut rates = [0.0; STATES];
+    plant.dynamics(0.0, &state, &OnShaft::default(), &mut rates);
     let mut samples = Vec::with_capacity(samples_s.len());
     let mut next_sample = 0;
     let mut impacts: Vec<Impact> = Vec::new();
@@ -146,11 +158,10 @@ pub fn run_with_held_force(
     let (mut contact, mut latched) = (false, 0.0);
     for step in 0..count {
         let time_s = step as f64 * step_s;
-        let mut rates = [0.0; STATES];
-        plant.dynamics(time_s, &state, &system.bearing.get(), &mut rates);
         let half = 0.5 * step_s;
         let middle: State = std::array::from_fn(|i| state[i] + half * rates[i]);
-        let mut view = plant.contact_view(time_s + half, &middle, latched);
+        let geometry = plant.geometry(time_s + half, &middle);
+        let mut view = plant.view(&geometry, latched);
         let touching = view.deformation_m > 0.0;
         if touching && !contact {
             latched = view.rate_m_s.max(0.0);
@@ -193,13 +204,8 @@ pub fn run_with_held_force(
             samples.push(snapshot);
             next_sample += 1;
         }
-        system.bearing.set(plant.on_shaft(time_s + half, &middle, &forces));
-        let mut method = ExplicitRungeKutta::rk4(step_s);
-        // The end only bounds the step, and rounding must not make it the smaller of the two.
-        let stopped = |e| IntegrationError::Stopped { time_s, reason: format!("{e:?}") };
-        method.init(&system, time_s, time_s + 2.0 * step_s, &state).map_err(stopped)?;
-        method.step(&system).map_err(stopped)?;
-        state = *method.y();
+        let bearing = plant.on_shaft_at(&geometry, &forces);
+        (state, rates) = held_step(plant, &bearing, time_s, &state, step_s);
         if !state.iter().all(|v| v.is_finite()) {
             return Err(IntegrationError::Stopped { time_s, reason: "the state is no longer finite".into() });
         }

@@ -62,12 +62,8 @@ impl Transmission {
         BearingForces { friction_n, ..forces }
     }
 
-    /// What given forces and the film do to the shaft at a state.
-    pub(crate) fn on_shaft(&self, time_s: f64, s: &State, forces: &BearingForces) -> OnShaft {
-        self.on_shaft_at(&self.geometry(time_s, s), forces)
-    }
-
-    pub(super) fn on_shaft_at(&self, g: &Geometry, forces: &BearingForces) -> OnShaft {
+    /// What given forces and the film do to the shaft.
+    pub(crate) fn on_shaft_at(&self, g: &Geometry, forces: &BearingForces) -> OnShaft {
         let (normal, friction) = (forces.normal_n, forces.friction_n);
         let mut force_y_n = -normal * g.ny + friction * g.nz;
         let mut force_z_n = -normal * g.nz - friction * g.ny;

@@ -8,7 +8,7 @@ pub(crate) const LARGEST_SINE: f64 = 0.9999;
 
 /// Where things are at one state; computed once and used by laws and equations.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Geometry {
+pub(crate) struct Geometry {
     /// Normal of the contact.
     pub(super) ny: f64,
     pub(super) nz: f64,
@@ -44,7 +44,7 @@ impl Transmission {
         self.drive.at(time_s - self.extension.drive_lag_s)
     }
 
-    pub(super) fn geometry(&self, time_s: f64, s: &State) -> Geometry {
+    pub(crate) fn geometry(&self, time_s: f64, s: &State) -> Geometry {
         let drive = self.drive_motion(time_s);
         let (sin, cos, speed_rad_s) = if self.compliance.is_some() {
             let (sin, cos) = s[4].sin_cos();
@@ -88,7 +88,7 @@ impl Transmission {
         self.view(&self.geometry(time_s, s), latched_m_s)
     }
 
-    pub(super) fn view(&self, g: &Geometry, latched_m_s: f64) -> ContactView {
+    pub(crate) fn view(&self, g: &Geometry, latched_m_s: f64) -> ContactView {
         ContactView {
             radial_clearance_m: self.radial_clearance_m,
             deformation_m: g.depth_m,
