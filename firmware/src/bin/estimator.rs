@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `tick` | 2 | SysTick: reviews who has checked in and kicks the watchdog; paced (10 kHz) it takes the link's next sample, or one of the board's own sensors, estimates, queues the answer |
 //! | `received` | 1 | the serial port: counts what it received wrongly; without DMA also keeps the bytes that come in |
-//! | `idle` | 0 | the link: frames in, commands, answers out; the self-test; the stack's mark |
+//! | `idle` | 0 | the link, over the serial port and a debug probe: frames in, commands, answers out; the self-test; the stack's mark |
 //!
 //! Deadline: a tick's work must end before the next tick; the session watches it. Nothing that comes in preempts it: on silicon DMA
 //! keeps the bytes, in the emulator they wait for their interrupt. What finds no room is lost and counted.
@@ -38,7 +38,7 @@ mod app {
     use link::track::SensorStatus;
     use link::update::{UpdateAnswer, UpdateRequest};
     use link::{
-        CONFIGURATION_VERSION, Decoder, ESTIMATE_FRAME, LineErrors, MAX_FRAME, SensorFrame, State,
+        CONFIGURATION_VERSION, DELIMITER, Decoder, ESTIMATE_FRAME, LineErrors, MAX_FRAME, SensorFrame, State,
         ToController, ToHost, encode,
     };
 
@@ -123,7 +123,7 @@ mod app {
         // From here on both are expected; sampling and inference once there is something to estimate.
         check_in(&attendance, Party::Link);
         check_in(&attendance, Party::SelfTest);
-        let paced = matches!(link, Link::Serial(_));
+        let paced = matches!(link, Link::Serial(..));
         session.report_sensors(paced && sensors.is_some());
         defmt::info!("started, core at {=u32} Hz", identity.core_hz);
         (
@@ -210,6 +210,9 @@ mod app {
     #[idle(local = [link, idle_timer, bytes, inbox, background, kept], shared = [session, samples, estimates, sensors, &attendance])]
     fn idle(mut cx: idle::Context) -> ! {
         let mut decoder = Decoder::new();
+        // What a probe brings is apart from what the port does. Where the last sound frame came from, estimates and telemetry go.
+        let mut at_probe = Decoder::new();
+        let mut to_probe = false;
         let attendance = cx.shared.attendance;
         let background = cx.local.background;
         let kept = cx.local.kept;
@@ -227,7 +230,14 @@ mod app {
         let hello = cx.shared.session.lock(|session| session.hello(0));
         match cx.local.link {
             Link::Files(files) => send(&ToHost::Hello(hello), |bytes| files.write(bytes)),
-            Link::Serial(port) => send(&ToHost::Hello(hello), |bytes| port.write(bytes)),
+            Link::Serial(port, probe) => {
+                // A reset may have cut a frame short: what has come of it must not swallow the greeting.
+                let by_port =
+                    port.write(&[DELIMITER]) && send(&ToHost::Hello(hello), |bytes| port.write(bytes));
+                let by_probe =
+                    probe.write(&[DELIMITER]) && send(&ToHost::Hello(hello), |bytes| probe.write(bytes));
+                by_port && by_probe
+            }
         };
         #[cfg(feature = "provoke")]
         firmware::boards::provoke(&hello.start, attendance);
@@ -291,25 +301,30 @@ mod app {
                     }
                 }
             }
-            Link::Serial(port) => loop {
+            Link::Serial(port, probe) => loop {
                 let parties = attendance.look(uptime_us());
                 check_in(attendance, Party::Link);
                 // A bounded number of bytes and one answer at most, so that a flood does not keep the estimates waiting.
                 for _ in 0..BYTES_A_PASS {
-                    let byte = cx.local.inbox.take().or_else(|| cx.local.bytes.dequeue());
-                    let Some(byte) = byte else { break };
-                    let answer = match decoder.push::<ToController>(byte) {
-                        None => continue,
-                        Some(Ok(ToController::Sensor(frame, status))) => {
+                    let by_port = cx.local.inbox.take().or_else(|| cx.local.bytes.dequeue());
+                    let by_probe = by_port.is_none();
+                    let Some(byte) = by_port.or_else(|| probe.take()) else { break };
+                    let decoder = if by_probe { &mut at_probe } else { &mut decoder };
+                    let Some(message) = decoder.push::<ToController>(byte) else { continue };
+                    if message.is_ok() {
+                        to_probe = by_probe;
+                    }
+                    let answer = match message {
+                        Ok(ToController::Sensor(frame, status)) => {
                             if cx.shared.samples.lock(|samples| samples.push_back((frame, status))).is_err() {
                                 cx.shared.session.lock(Session::count_dropped_sample);
                             }
                             continue;
                         }
-                        Some(Ok(ToController::Update(request))) => {
+                        Ok(ToController::Update(request)) => {
                             update(&mut kept.store, &request, &mut cx.shared.session)
                         }
-                        Some(Ok(command)) => {
+                        Ok(command) => {
                             tell(&mut cx.shared.session, &mut cx.shared.sensors, parties, &kept.store);
                             keep(&mut kept.keeper, &command, &mut cx.shared.session);
                             let answer =
@@ -317,15 +332,15 @@ mod app {
                             rewire(&mut cx.shared.session, &mut cx.shared.sensors);
                             answer
                         }
-                        Some(Err(error)) => cx.shared.session.lock(|session| session.bad_frame(error)),
+                        Err(error) => cx.shared.session.lock(|session| session.bad_frame(error)),
                     };
-                    if !send(&answer, |bytes| port.write(bytes)) {
+                    if !send(&answer, |bytes| if by_probe { probe.write(bytes) } else { port.write(bytes) }) {
                         cx.shared.session.lock(Session::count_dropped_answer);
                     }
                     break;
                 }
                 while let Some(estimate) = cx.shared.estimates.lock(Deque::pop_front) {
-                    if !port.write(&estimate) {
+                    if !(if to_probe { probe.tell(&estimate) } else { port.write(&estimate) }) {
                         cx.shared.session.lock(Session::count_dropped_estimate);
                     }
                 }
@@ -337,7 +352,10 @@ mod app {
                 if is_due {
                     tell(&mut cx.shared.session, &mut cx.shared.sensors, parties, &kept.store);
                     if let Some(report) = cx.shared.session.lock(Session::slow)
-                        && !send(&report, |bytes| port.write(bytes))
+                        && !send(
+                            &report,
+                            |bytes| if to_probe { probe.tell(bytes) } else { port.write(bytes) },
+                        )
                     {
                         cx.shared.session.lock(Session::count_dropped_answer);
                     }

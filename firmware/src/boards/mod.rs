@@ -8,10 +8,12 @@
 //!   is, it finds out when it starts.
 //! * `mps2_an505.rs`: Cortex-M33, Arm's prototyping board with the image AN505, as the emulator's `mps2-an505`.
 //!
-//! The link goes over semihosting files where the emulator offers them, else over the serial port. The serial path has been tried on
+//! The link goes over semihosting files where the emulator offers them, else over the serial port or a debug probe, whichever the host
+//! last spoke through. The serial path has been tried on
 //! the emulator's ports only, which know neither baud rate nor line errors; clock bring-up, pins and baud rate are still to be seen on
 //! silicon.
 
+pub mod channel;
 pub mod pins;
 pub mod ring;
 
@@ -25,6 +27,7 @@ on_target! {
     mod log;
     mod memory;
     mod model_memory;
+    mod rtt;
     mod semihosting;
     mod timer;
 
@@ -55,6 +58,7 @@ on_target! {
     pub use fault::give_up;
     pub use memory::{stack_mark, stack_used};
     pub use model_memory::{Memory, Storage};
+    pub use rtt::Probe;
     pub use semihosting::{Files, leave};
     pub use timer::{TICKS_PER_SECOND, Timer, advance_uptime, uptime_us};
 
@@ -78,8 +82,8 @@ on_target! {
     pub enum Link {
         /// Files of the host: lockstep, a frame is a tick.
         Files(Files),
-        /// The serial port: SysTick paces.
-        Serial(Transmitter),
+        /// The serial port and, beside it, a debug probe: SysTick paces.
+        Serial(Transmitter, Probe),
     }
 
     /// What the serial port's interrupt finds.

@@ -10,7 +10,7 @@ use link::start::ResetReason;
 use link::track::SensorStatus;
 use link::{BuildId, ClockSource, LineErrors, SensorFrame, Target};
 
-use super::{BUILD_ID, Board, Came, Files, Link, Storage, Timer, fault, guard, timer};
+use super::{BUILD_ID, Board, Came, Files, Link, Probe, Storage, Timer, fault, guard, timer};
 use crate::sensors::Wiring;
 use crate::session::Identity;
 
@@ -229,7 +229,7 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
     Board {
         identity,
         start,
-        link: files.map_or(Link::Serial(Transmitter(())), Link::Files),
+        link: files.map_or(Link::Serial(Transmitter(()), Probe::new()), Link::Files),
         receiver: Receiver(()),
         inbox: Inbox(()),
         timer,

@@ -17,13 +17,13 @@ pub use sensors::Sensors;
 pub use serial::{Inbox, Receiver, Transmitter};
 pub use watchdog::Watchdog;
 
-use super::{BOARD, BUILD_ID, Board, Files, Link, Storage, Timer, fault, guard, timer};
+use super::{BOARD, BUILD_ID, Board, Files, Link, Probe, Storage, Timer, fault, guard, timer};
 use crate::clock::{Clocks, INTERNAL_HZ, bring_up};
 use crate::session::Identity;
 use crate::supervisor::start::reason_of_flags;
 use clock_tree::ClockTree;
-use spi::Divider;
 pub(super) use sectors::Sectors;
+use spi::Divider;
 
 /// The device as the task framework wants it.
 pub mod device {
@@ -106,7 +106,7 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
     let timer = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, target, paced);
     let identity =
         Identity { build_id: BuildId::new(BUILD_ID), target, clock: clocks.source, core_hz: clocks.core_hz };
-    let link = files.map_or(Link::Serial(transmitter), Link::Files);
+    let link = files.map_or(Link::Serial(transmitter, Probe::new()), Link::Files);
     // The emulator ignores stores to flash.
     let storage = if target == Target::Silicon { Storage::in_flash() } else { Storage::in_ram() };
     let attendance = timer::attendance(paced);

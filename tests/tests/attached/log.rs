@@ -31,7 +31,7 @@ fn log_of(board: &Board) -> (Vec<u8>, Vec<u8>) {
     let block = file.symbol_by_name("_SEGGER_RTT").unwrap().address() as usize;
     let memory = Memory::of(board);
     assert_eq!(memory.bytes(block, 16), b"SEGGER RTT\0\0\0\0\0\0");
-    assert_eq!((memory.word(block + 16), memory.word(block + 20)), (1, 0), "channels up and down");
+    assert_eq!((memory.word(block + 16), memory.word(block + 20)), (2, 1), "channels up and down");
     let [buffer, size, written, read] = [28, 32, 36, 40].map(|offset| memory.word(block + offset));
     assert_eq!(read, 0, "nobody has read");
     assert!(written > 0 && written < size, "{written} of {size}");
