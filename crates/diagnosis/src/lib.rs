@@ -9,7 +9,7 @@
 //! * `ambiguous`: as `named`, but another effect fits as well on these logs; `next_experiment` tells them apart;
 //! * `unknown`: structure repeats in the residual, and no effect explains most of it.
 //!
-//! The steps, one file each: `session` (logs prepared, samples split into fitted and held out), `noise` (level and
+//! The steps, one file each: `check` (logs read as found: what cannot be right is named and mended or left out), `session` (logs prepared, samples split into fitted and held out), `noise` (level and
 //! correlation of the sensors' noise), `model` and `fit` (parameters, least squares with priors), `guess` (first guesses of
 //! shapes), `rank` (score test and refits), `select` (forward selection), `leftover` (structure in the last residual), `gain` (held-out error),
 //! `experiment` (what to measure next), `verdict` (the rules).
@@ -19,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 mod answer;
+mod check;
 mod cycles;
 mod experiment;
 mod fit;
@@ -36,6 +37,7 @@ mod step;
 mod structure;
 mod verdict;
 
+pub use check::{Finding, Severity};
 pub use result::{
     Ambiguous, Calibrated, Cause, Diagnosis, Gain, Noise, ParameterEstimate, Ranked, Series, Signature,
     Verdict,

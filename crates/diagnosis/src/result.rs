@@ -1,5 +1,6 @@
 //! What a diagnosis says, as it is written to `diagnosis.json`.
 
+use crate::check::Finding;
 use bench::{Bench, Channel};
 use serde::Serialize;
 
@@ -173,6 +174,8 @@ pub struct Series {
 /// The result.
 #[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
+    /// What reading and checking the logs found, the gravest first, and what was done to the data.
+    pub checks: Vec<Finding>,
     /// The answer.
     pub verdict: Verdict,
     /// Causes, the main one first.

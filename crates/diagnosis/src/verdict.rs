@@ -10,6 +10,7 @@
 //!    little is more often an imitation than a part.
 
 use crate::answer::{calibrated, estimates, noises, ranking, series};
+use crate::check::check;
 use crate::experiment::propose;
 use crate::fit::{Fit, fit, simulate};
 use crate::gain::gains;
@@ -53,7 +54,7 @@ pub enum DiagnosisError {
     NoLog,
 }
 
-/// Diagnoses logs of one bench. Without `held_out` a part of each log is held out.
+/// Diagnoses logs of one bench, which may have been read as found. Without `held_out` a part of each log is held out.
 pub fn diagnose(
     bench: &Bench,
     logs: &[MeasuredLog],
@@ -68,8 +69,10 @@ pub fn diagnose(
             progress(share, words);
         }
     };
-    say(0.0, "reading the motion");
-    let whole = Data::new(bench, logs, held_out)?;
+    say(0.0, "checking the logs");
+    let checked = check(bench, logs, held_out)?;
+    say(0.02, "reading the motion");
+    let whole = Data::new(bench, &checked.logs, &checked.held_out)?;
     let described = simulate(&whole, bench, None)?;
     let floors = NoiseModel::floors(bench, &whole, &whole.residual(&described.columns));
     let fitted = whole.fitted();
@@ -89,7 +92,7 @@ pub fn diagnose(
     say(0.9, "testing what is left");
     let judged = judge(bench, &views, &floors, &nominal, &stages)?;
     say(1.0, "done");
-    Ok(judged)
+    Ok(Diagnosis { checks: checked.findings, ..judged })
 }
 
 /// The model that some accepted stages end with.
@@ -205,6 +208,7 @@ fn judge(
     };
     let first = stages.first().ok_or(DiagnosisError::NoLog)?;
     Ok(Diagnosis {
+        checks: Vec::new(),
         verdict,
         causes: estimates(shown),
         ambiguous_with: equals

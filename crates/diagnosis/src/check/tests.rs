@@ -1,0 +1,358 @@
+//! Each fault is hidden in a recorded log and has to be found by name; honest logs give nothing wrong.
+
+use super::*;
+use bench::effects::Effect;
+use bench::log_format::LogFormat;
+use bench::record::record;
+use std::collections::BTreeMap;
+
+/// The real bench is not quite the described one.
+fn real(seed: u64) -> Bench {
+    let mut bench = Bench::open("bench-b").unwrap();
+    bench.set_cycles(2);
+    let sign = |shift: u64| if (seed >> shift) & 1 == 1 { 1.0 } else { -1.0 };
+    for (i, (name, deviation)) in bench.uncertain().clone().into_iter().enumerate() {
+        *bench.parameter_mut(&name).unwrap() += 1.5 * sign(i as u64) * deviation;
+    }
+    bench
+}
+
+fn found(log: &MeasuredLog) -> (MeasuredLog, Vec<Finding>) {
+    let bench = Bench::open("bench-b").unwrap();
+    let mut checked = check(&bench, std::slice::from_ref(log), &[]).unwrap();
+    (checked.logs.remove(0), checked.findings)
+}
+
+fn graves(findings: &[Finding]) -> Vec<(&str, &'static str)> {
+    findings.iter().filter(|f| f.severity == Severity::Wrong).map(|f| (f.channel.as_str(), f.kind)).collect()
+}
+
+/// Hides a fault in a log; exactly this has to be found, and after the correction nothing.
+fn hidden(change: impl Fn(&mut MeasuredLog), channel: &str, kind: &'static str) -> Finding {
+    let mut log = record(&real(5), 5).unwrap();
+    change(&mut log);
+    let (mended, findings) = found(&log);
+    assert_eq!(graves(&findings), [(channel, kind)], "{findings:#?}");
+    assert_eq!(graves(&found(&mended).1), [], "after the correction");
+    findings.into_iter().find(|f| f.severity == Severity::Wrong).unwrap()
+}
+
+fn times(channel: Channel, factor: f64) -> impl Fn(&mut MeasuredLog) {
+    move |log| multiply(log, channel, factor)
+}
+
+#[test]
+fn units_are_named_and_corrected() {
+    for (channel, factor, words) in [
+        (Channel::BearingForceY, 1e-3, "kN"),
+        (Channel::BearingForceZ, 1e3, "mN"),
+        (Channel::DriveForce, 1.0 / 9.806_65, "kgf"),
+        (Channel::JournalY, 1e6, "um"),
+        (Channel::JournalZ, 1e3, "mm"),
+        (Channel::ShaftAngle, 57.295_779_5, "degrees"),
+        (Channel::ShaftSpeed, 9.549_297, "revolutions"),
+        (Channel::FrictionTorque, 1e3, "N mm"),
+        (Channel::DriveDisplacement, 1e3, "mm"),
+        (Channel::DriveVelocity, 1e3, "mm/s"),
+        (Channel::LoadForce, 1e-3, "kN"),
+    ] {
+        let finding = hidden(times(channel, factor), channel.name(), "unit");
+        assert!(finding.cause.contains(words), "{finding:?}");
+        let mend: bench::log_format::Columns = toml::from_str(finding.mend.as_deref().unwrap()).unwrap();
+        let scale = mend.get(channel.name()).unwrap().scale;
+        assert!((scale * factor - 1.0).abs() < 1e-6, "{finding:?}");
+    }
+}
+
+#[test]
+fn signs_are_named_and_corrected() {
+    for channel in [
+        Channel::BearingForceY,
+        Channel::BearingForceZ,
+        Channel::DriveForce,
+        Channel::JournalY,
+        Channel::JournalZ,
+        Channel::ShaftAngle,
+        Channel::ShaftSpeed,
+        Channel::FrictionTorque,
+        Channel::DriveDisplacement,
+        Channel::DriveVelocity,
+        Channel::LoadForce,
+    ] {
+        let finding = hidden(times(channel, -1.0), channel.name(), "sign");
+        assert!(finding.done.is_some() && finding.mend.unwrap().contains("scale = -1.0"));
+    }
+}
+
+#[test]
+fn swapped_axes_are_named_and_exchanged() {
+    for (y, z) in [(Channel::JournalY, Channel::JournalZ), (Channel::BearingForceY, Channel::BearingForceZ)] {
+        let log = record(&real(6), 6).unwrap();
+        let mut swapped = log.clone();
+        swapped.channels.insert(y, log.channels[&z].clone());
+        swapped.channels.insert(z, log.channels[&y].clone());
+        let (mended, findings) = found(&swapped);
+        assert_eq!(
+            graves(&findings),
+            [(y.name(), "swapped-axes"), (z.name(), "swapped-axes")],
+            "{findings:#?}"
+        );
+        assert_eq!(mended, found(&log).0);
+        assert!(findings[0].mend.as_deref().unwrap().starts_with(&format!("{z} = {{ from = \"{y}\"")));
+        let mut alone = log.clone();
+        alone.channels.insert(y, log.channels[&z].clone());
+        alone.channels.remove(&z);
+        assert_eq!(graves(&found(&alone).1), [(y.name(), "swapped-axes")]);
+    }
+}
+
+#[test]
+fn factors_of_the_geometry_are_named_where_only_the_sensor_can_have_made_them() {
+    for (channel, factor) in [
+        (Channel::BearingForceY, 1.2),
+        (Channel::DriveForce, 1.0 / 1.2),
+        (Channel::JournalY, 2.0),
+        (Channel::ShaftAngle, 1.2),
+        (Channel::ShaftSpeed, 0.5),
+        (Channel::DriveVelocity, 2.0),
+        (Channel::LoadForce, 4.0),
+        (Channel::LoadForce, 1.2),
+        (Channel::FrictionTorque, 2.0),
+    ] {
+        let finding = hidden(times(channel, factor), channel.name(), "gain");
+        assert!((finding.evidence["factor"] / factor - 1.0).abs() < 1e-6, "{finding:?}");
+    }
+}
+
+#[test]
+fn inputs_that_contradict_each_other_are_named() {
+    hidden(times(Channel::DriveVelocity, 1.4), "drive_velocity_m_s", "contradiction");
+    let late = |log: &mut MeasuredLog| {
+        let v = log.channels.get_mut(&Channel::DriveVelocity).unwrap();
+        v.rotate_right(10);
+        v[..10].fill(0.0);
+    };
+    let finding = hidden(late, "drive_velocity_m_s", "delay");
+    assert!((finding.evidence["ahead_s"] - 0.010).abs() < 1e-3, "{finding:?}");
+    let other = |log: &mut MeasuredLog| {
+        for (i, v) in log.channels.get_mut(&Channel::DriveVelocity).unwrap().iter_mut().enumerate() {
+            *v = (0.05 * i as f64).sin();
+        }
+    };
+    hidden(other, "drive_velocity_m_s", "contradiction");
+}
+
+#[test]
+fn outputs_that_contradict_each_other_are_told() {
+    let mut log = record(&real(5), 5).unwrap();
+    multiply(&mut log, Channel::ShaftSpeed, 1.4);
+    let (_, findings) = found(&log);
+    let told = findings.iter().find(|f| f.kind == "contradiction").unwrap();
+    assert_eq!((told.channel.as_str(), told.severity), ("shaft_speed_rad_s", Severity::Doubtful));
+}
+
+#[test]
+fn a_clock_in_other_units_is_named_and_corrected() {
+    for factor in [1e3, 1e6] {
+        let change = |log: &mut MeasuredLog| log.time_s.iter_mut().for_each(|t| *t *= factor);
+        let finding = hidden(change, "t_s", "clock-unit");
+        assert!(finding.mend.unwrap().starts_with("t_s = { from = \"t_s\", scale = "));
+    }
+    // Another rate is no wrong clock.
+    let mut fast = real(3);
+    if let Bench::Transmission(b) = &mut fast {
+        b.logging.sample_rate_hz = 100.0;
+        b.drive.period_s = 3.0;
+    }
+    assert_eq!(graves(&found(&record(&fast, 3).unwrap()).1), []);
+}
+
+#[test]
+fn dead_and_stuck_channels_are_left_out_and_named() {
+    let constant = |log: &mut MeasuredLog| log.channels.get_mut(&Channel::JournalY).unwrap().fill(1e-4);
+    hidden(constant, "journal_y_m", "constant");
+    let stuck = |log: &mut MeasuredLog| {
+        let force = log.channels.get_mut(&Channel::BearingForceZ).unwrap();
+        let value = force[700];
+        force[700..1400].fill(value);
+    };
+    hidden(stuck, "bearing_force_z_n", "stuck");
+    let missing = |log: &mut MeasuredLog| {
+        log.channels.get_mut(&Channel::DriveForce).unwrap()[..1000].fill(f64::NAN);
+    };
+    hidden(missing, "drive_force_n", "missing-values");
+}
+
+#[test]
+fn a_rail_is_told_and_left_to_the_diagnosis() {
+    let mut log = record(&real(4), 4).unwrap();
+    let mut sizes: Vec<f64> = log.channels[&Channel::BearingForceY].iter().map(|v| v.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let limit = sizes[sizes.len() * 8 / 10];
+    for v in log.channels.get_mut(&Channel::BearingForceY).unwrap() {
+        *v = v.clamp(-limit, limit);
+    }
+    let (after, findings) = found(&log);
+    assert!(
+        findings.iter().any(|f| f.kind == "saturated" && f.channel == "bearing_force_y_n"),
+        "{findings:#?}"
+    );
+    assert_eq!((graves(&findings), after), (vec![], log));
+}
+
+#[test]
+fn outliers_are_left_out_with_their_count() {
+    let clean = record(&real(7), 7).unwrap();
+    let mut log = clean.clone();
+    let rows: Vec<usize> = (0..20).map(|i| 150 + 87 * i + i * i % 7).collect();
+    for (i, &row) in rows.iter().enumerate() {
+        log.channels.get_mut(&Channel::JournalY).unwrap()[row] += if i % 2 == 0 { 5e-5 } else { -2e-4 };
+    }
+    let (after, findings) = found(&log);
+    let finding = findings.iter().find(|f| f.kind == "outliers").unwrap();
+    assert_eq!((finding.channel.as_str(), finding.evidence["outliers"]), ("journal_y_m", 20.0));
+    let mut keep = vec![true; clean.time_s.len()];
+    rows.iter().for_each(|&row| keep[row] = false);
+    let mut expected = clean;
+    keep_rows(&mut expected, &keep);
+    assert_eq!(after, expected);
+}
+
+#[test]
+fn times_in_disorder_and_missing_rows_are_mended() {
+    let clean = record(&real(8), 8).unwrap();
+    let mut log = clean.clone();
+    let repeat = |v: &mut Vec<f64>| v.insert(501, v[500]);
+    repeat(&mut log.time_s);
+    log.channels.values_mut().for_each(repeat);
+    log.time_s[900] = log.time_s[800];
+    log.channels.get_mut(&Channel::ShaftAngle).unwrap()[1200] = f64::NAN;
+    let (after, findings) = found(&log);
+    let kinds: Vec<&str> = findings.iter().map(|f| f.kind).collect();
+    for kind in ["duplicate-time", "backward-time", "missing-values", "sampling"] {
+        assert!(kinds.contains(&kind), "{kinds:?}");
+    }
+    assert_eq!(after.time_s.len(), clean.time_s.len() - 2);
+    assert_eq!(graves(&findings), []);
+    // Every row twice changes nothing.
+    let mut twice = clean.clone();
+    let double = |v: &mut Vec<f64>| *v = v.iter().flat_map(|x| [*x, *x]).collect();
+    double(&mut twice.time_s);
+    twice.channels.values_mut().for_each(double);
+    assert_eq!(found(&twice).0, found(&clean).0);
+    // Every time for three rows is no log.
+    let mut coarse = clean;
+    coarse.time_s.iter_mut().for_each(|t| *t = (*t * 300.0).floor() / 300.0);
+    let refused = check(&Bench::open("bench-b").unwrap(), &[coarse], &[]).err().unwrap().to_string();
+    assert!(refused.contains("times that ascend strictly"), "{refused}");
+}
+
+#[test]
+fn gaps_jitter_and_steps_are_told() {
+    let mut log = record(&real(9), 9).unwrap();
+    let mut keep = vec![true; log.time_s.len()];
+    keep[600..640].fill(false);
+    keep_rows(&mut log, &keep);
+    for v in log.channels.get_mut(&Channel::FrictionTorque).unwrap() {
+        *v = (*v / 2.5).round() * 2.5;
+    }
+    let (_, findings) = found(&log);
+    let of = |kind: &str| findings.iter().find(|f| f.kind == kind).unwrap();
+    assert!((of("gap").evidence["lost_s"] - 0.040).abs() < 1e-6);
+    assert!((of("quantised").evidence["step"] - 2.5).abs() < 1e-9);
+    assert!((of("sampling").evidence["rate_hz"] - 1000.0).abs() < 1e-3);
+    assert_eq!(graves(&findings), []);
+}
+
+#[test]
+fn honest_logs_have_nothing_wrong() {
+    let effect = |name: &str, channel: Option<Channel>, parameters: &[(&str, f64)]| Effect {
+        name: name.into(),
+        channel,
+        parameters: parameters.iter().map(|(n, v)| ((*n).to_owned(), *v)).collect::<BTreeMap<_, _>>(),
+    };
+    // Every effect of the catalogue at several times its scale, and by hand those that the sizes in use exceed.
+    let mut effects: Vec<Effect> = Vec::new();
+    for kind in bench::effects::CATALOGUE {
+        let bench = Bench::open("bench-b").unwrap();
+        let channel = kind.name.starts_with("sensor-").then_some(Channel::BearingForceY);
+        let parameters = kind
+            .parameters(&bench)
+            .into_iter()
+            .map(|p| {
+                let unit = if p.unit.starts_with("channel") { 15.0 } else { 1.0 };
+                let value = if p.is_size { 3.0 * p.scale * unit } else { p.default };
+                (p.name.to_owned(), value.clamp(p.least, p.most))
+            })
+            .collect();
+        // Its scale is one of an inverse in the reading's unit: this one cuts off the peaks.
+        let parameters = if kind.name == "sensor-saturation" {
+            BTreeMap::from([("inverse_limit".to_owned(), 1.0 / 4000.0)])
+        } else {
+            parameters
+        };
+        effects.push(Effect { name: kind.name.into(), channel, parameters });
+    }
+    effects.push(effect("sensor-gain", Some(Channel::JournalY), &[("relative_change", 0.05)]));
+    effects.push(effect("sensor-delay", Some(Channel::ShaftSpeed), &[("delay_s", 1e-3)]));
+    for (seed, effect) in effects.iter().enumerate() {
+        let mut bench = real(seed as u64);
+        bench.effects_mut().push(effect.clone());
+        let Ok(log) = record(&bench, seed as u64) else { continue };
+        let (after, findings) = found(&log);
+        assert_eq!(graves(&findings), [], "{effect:?} {findings:#?}");
+        assert!(after.time_s.len() + 4 >= log.time_s.len(), "{effect:?} {findings:#?}");
+    }
+}
+
+#[test]
+fn clean_logs_at_other_operating_points_have_nothing_but_notes() {
+    for seed in 0..24 {
+        let mut bench = real(seed);
+        if let Bench::Transmission(b) = &mut bench {
+            b.load.force_n = [10e3, 6e3, 1e3, -5e3, 0.0, -10e3][seed as usize % 6];
+            b.drive.period_s = [1.0, 0.7, 3.0][seed as usize % 3];
+        }
+        let (_, findings) = found(&record(&bench, seed).unwrap());
+        // A turn of the friction within one sample is as sudden as an outlier: a row or two go with it.
+        let few = |f: &Finding| f.kind == "outliers" && f.evidence["outliers"] <= 2.0;
+        assert!(findings.iter().all(|f| f.severity == Severity::Note || few(f)), "{seed} {findings:#?}");
+    }
+    for name in ["friction-rig", "friction-rig-babbitt", "friction-rig-plastic"] {
+        let bench = Bench::open(name).unwrap();
+        let log = record(&bench, 1).unwrap();
+        let checked = check(&bench, std::slice::from_ref(&log), &[]).unwrap();
+        assert_eq!(graves(&checked.findings), [], "{name} {:#?}", checked.findings);
+    }
+}
+
+#[test]
+fn faults_of_a_friction_rig_are_named_too() {
+    let bench = Bench::open("friction-rig").unwrap();
+    let clean = record(&bench, 2).unwrap();
+    for (channel, factor, kind) in [
+        (Channel::DriveTorque, -1.0, "sign"),
+        (Channel::DriveTorque, 1e-3, "unit"),
+        (Channel::SpindleAngle, 57.295_779_5, "unit"),
+        (Channel::SpindleSpeed, 57.295_779_5, "unit"),
+        (Channel::LoadForce, 1e-3, "unit"),
+    ] {
+        let mut log = clean.clone();
+        multiply(&mut log, channel, factor);
+        let findings = check(&bench, &[log], &[]).unwrap().findings;
+        assert_eq!(graves(&findings), [(channel.name(), kind)], "{findings:#?}");
+    }
+}
+
+#[test]
+fn a_mend_keeps_what_the_description_says_already() {
+    let mut bench = Bench::open("bench-b").unwrap();
+    let columns: bench::log_format::Columns =
+        toml::from_str("journal_y_m = { from = \"Y\", scale = 1e-3, offset = 2e-5 }").unwrap();
+    if let Bench::Transmission(b) = &mut bench {
+        b.columns = columns;
+    }
+    let text = mend::scaled(&bench, "journal_y_m", -1.0);
+    assert_eq!(text, "journal_y_m = { from = \"Y\", scale = -0.001, offset = -2e-5 }");
+    let _: LogFormat = bench.log_format();
+}
