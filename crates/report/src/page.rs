@@ -12,8 +12,11 @@ h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;bor
 p.lead{font-size:1.1rem}p.note{color:#56636f;font-size:.92rem}\
 .table{overflow-x:auto}table{border-collapse:collapse;margin:.8rem 0}th,td{padding:.25rem .8rem;border-bottom:1px solid #e3e8ec;text-align:left}\
 td{vertical-align:top}td.n{text-align:right;font-variant-numeric:tabular-nums}th{background:#f2f5f7}\
-figure{margin:1rem 0}figcaption{color:#56636f;font-size:.9rem}svg{max-width:100%;height:auto}\
+figure{margin:1rem 0;overflow-x:auto}figcaption{color:#56636f;font-size:.9rem}svg{max-width:100%;height:auto}\
 .pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}";
+
+/// Most words of a cell that is a number: `1.5 to 2.5 N m`.
+const NUMBER_WORDS: usize = 5;
 
 impl Page {
     /// An empty page.
@@ -47,7 +50,7 @@ impl Page {
         self.push(&format!("<ul>\n{items}</ul>\n"))
     }
 
-    /// A table; cells that begin with a number are set as numbers.
+    /// A table; cells that are a number, with a unit or an interval at most, are set as numbers.
     pub fn table<S: AsRef<str>>(&mut self, header: &[&str], rows: &[Vec<S>]) -> &mut Self {
         let mut out = String::from("<div class=\"table\"><table><tr>");
         for cell in header {
@@ -58,7 +61,8 @@ impl Page {
             out.push_str("<tr>");
             for cell in row {
                 let text = cell.as_ref();
-                let number = text.split(' ').next().is_some_and(|word| word.parse::<f64>().is_ok());
+                let number = text.split(' ').next().is_some_and(|word| word.parse::<f64>().is_ok())
+                    && text.split(' ').count() <= NUMBER_WORDS;
                 out.push_str(&format!(
                     "<td{}>{}</td>",
                     if number { " class=\"n\"" } else { "" },
@@ -116,5 +120,17 @@ mod tests {
         let html = page.render();
         assert!(html.contains("a &lt; b") && html.contains("x &amp; y") && html.contains("&lt;script&gt;"));
         assert!(!html.contains("http"), "a page must not reach outside");
+    }
+
+    #[test]
+    fn a_number_is_set_as_one_and_a_sentence_that_begins_with_one_is_not() {
+        let mut page = Page::new("numbers");
+        page.table(
+            &["a", "b", "c"],
+            &[vec!["1.5 to 2.5 N", "35 isolated readings, a loose contact at least", "x"]],
+        );
+        let html = page.render();
+        assert!(html.contains("<td class=\"n\">1.5 to 2.5 N</td>"));
+        assert!(html.contains("<td>35 isolated") && html.contains("<td>x"));
     }
 }
