@@ -1,6 +1,7 @@
 //! The parts of the result, from the model that the selection ended with.
 
 use crate::noise::NoiseModel;
+use crate::repeats::repeats;
 use crate::result::{Calibrated, Cause, Noise, ParameterEstimate, Ranked, Series};
 use crate::select::{Contender, Stage};
 use crate::session::{Block, Columns, Data, Use};
@@ -9,7 +10,8 @@ use crate::verdict::End;
 /// Factor of a standard deviation to a 95 % interval.
 const NINETY_FIVE: f64 = 1.96;
 
-pub(crate) fn estimates(end: &End) -> Vec<Cause> {
+/// The causes; `known` is the share of all that is not unknown.
+pub(crate) fn estimates(end: &End, known: f64) -> Vec<Cause> {
     let cause = |which: usize| {
         let (candidate, probability) = end.causes[which];
         let parameters = end.model.of_effect(which).into_iter().map(|i| {
@@ -24,7 +26,7 @@ pub(crate) fn estimates(end: &End) -> Vec<Cause> {
         Cause {
             effect: candidate.kind.name.into(),
             channel: candidate.channel,
-            probability,
+            probability: known * probability,
             parameters: parameters.collect(),
         }
     };
@@ -45,13 +47,20 @@ pub(crate) fn calibrated(end: &End) -> Vec<Calibrated> {
         .collect()
 }
 
-pub(crate) fn noises(data: &Data, noise: &NoiseModel) -> Vec<Noise> {
+pub(crate) fn noises(data: &Data, noise: &NoiseModel, before: &Columns) -> Vec<Noise> {
     let of = |&channel: &bench::Channel| {
         let n = noise.of(channel);
+        let repeated = repeats(data, before, channel);
         Noise {
             channel,
             floor: n.floor,
             declared: n.declared,
+            source: n.source.name(),
+            declared_floor: (n.stated > 0.0).then_some(n.stated),
+            measured_floor: n.seen,
+            repeats: repeated.map_or(0, |r| r.cycles),
+            repeatable_share: repeated.map(|r| r.repeatable_share),
+            finding: n.finding(channel),
             excess: n.excess,
             correlation_samples: n.correlation,
         }
@@ -59,12 +68,13 @@ pub(crate) fn noises(data: &Data, noise: &NoiseModel) -> Vec<Noise> {
     data.channels.iter().map(of).collect()
 }
 
-pub(crate) fn ranking(stage: &Stage) -> Vec<Ranked> {
+/// The candidates of a stage; `known` is the share of all that is not unknown.
+pub(crate) fn ranking(stage: &Stage, known: f64) -> Vec<Ranked> {
     let refitted = stage.contenders.iter().map(|c: &Contender| Ranked {
         effect: c.candidate.kind.name.into(),
         channel: c.candidate.channel,
         evidence: c.evidence,
-        probability: c.probability,
+        probability: known * c.probability,
         refitted: true,
     });
     let searched = stage.others.iter().map(|(candidate, evidence)| Ranked {
@@ -88,6 +98,7 @@ pub(crate) fn series(data: &Data, before: &Columns, after: &Columns) -> Vec<Seri
             channel: block.channel,
             time_s: kept(&session.uses, session.inputs.time_s()),
             phase: session.phase.as_ref().map(|p| kept(&session.uses, p)),
+            measured: kept(&session.uses, &block.measured),
             before: kept(&session.uses, before),
             after: kept(&session.uses, after),
             held_out: session.uses.iter().filter(|u| **u != Use::Skip).map(|u| *u == Use::Held).collect(),

@@ -70,12 +70,19 @@ pub(crate) struct Fit {
     pub(crate) jacobian: Vec<Vec<f64>>,
     /// Chi-square of data and priors.
     pub(crate) objective: f64,
+    /// Whether it was taken to the optimum, with sensitivities that hold there.
+    pub(crate) settled: bool,
 }
 
 impl Fit {
+    /// `J'J`: what the data say.
+    pub(crate) fn fisher(&self) -> DMatrix<f64> {
+        gram(&self.jacobian)
+    }
+
     /// `J'J` plus the priors' unit rows.
     pub(crate) fn information(&self) -> DMatrix<f64> {
-        with_priors(&self.model, gram(&self.jacobian))
+        with_priors(&self.model, self.fisher())
     }
 
     /// Gradient that is left, 0 at the optimum.
@@ -247,6 +254,10 @@ pub(crate) fn fit_from(
                 // Fresh sensitivities promise nothing more, or have just been followed.
                 break;
             }
+            if promised < enough && effort.jacobians <= 1 {
+                // Good enough to see whether it leads anywhere.
+                break;
+            }
             if fresh >= effort.jacobians {
                 if promised < enough {
                     break;
@@ -261,7 +272,7 @@ pub(crate) fn fit_from(
     if stale && effort.jacobians > 1 {
         jacobian = sensitivities(data, noise, &model, &z, &simulation, &all)?;
     }
-    Ok(Fit { model, z, simulation, residual, jacobian, objective })
+    Ok(Fit { model, z, simulation, residual, jacobian, objective, settled: effort.jacobians > 1 })
 }
 
 /// Broyden's update: the least change of the sensitivities that explains the last step.

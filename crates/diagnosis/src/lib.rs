@@ -20,16 +20,22 @@
 
 mod answer;
 mod check;
+mod contend;
 mod cycles;
 mod experiment;
 mod fit;
 mod gain;
 mod guess;
+mod identifiability;
 mod leftover;
 mod linear;
+mod menu;
 mod model;
 mod noise;
+mod places;
+mod probability;
 mod rank;
+mod repeats;
 mod result;
 mod select;
 mod session;
@@ -38,8 +44,9 @@ mod structure;
 mod verdict;
 
 pub use check::{Finding, Severity};
+pub use places::{Place, PlaceBin};
 pub use result::{
-    Ambiguous, Calibrated, Cause, Diagnosis, Gain, Noise, ParameterEstimate, Ranked, Series, Signature,
-    Verdict,
+    Ambiguous, Calibrated, Cause, Diagnosis, Experiment, Gain, Hypothesis, Identifiability, Member, Noise,
+    ParameterEstimate, Ranked, Recording, Separation, Series, Signature, Verdict,
 };
 pub use verdict::{DiagnosisError, Options, Progress, diagnose};

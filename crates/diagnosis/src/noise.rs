@@ -1,20 +1,47 @@
 //! Level and correlation of the noise on each channel.
 //!
-//! The level is the sensor's declared floor, or, where none is declared or the log shows more, what the residual's
-//! fourth differences show (they see white noise and hardly any structure). Two inflations follow once a model has been
+//! The level is the sensor's declared floor, or, where none is declared or the log shows more, what repeated cycles show
+//! ([`crate::repeats`]), or in a log of fewer than three what the residual's fourth differences show (they see white noise
+//! and hardly any structure). Two inflations follow once a model has been
 //! fitted: `excess`, the rms of its residual over the floor, and `correlation`, the integrated autocorrelation time in
 //! samples, so that `n/correlation` samples count as independent. A residual that is white at the declared floor has
 //! both at 1. They are taken from the best model at hand, not from the nominal one: noise that is fitted on the suspect
 //! residual eats slow effects completely.
 
+use crate::repeats::{Repeats, repeats};
 use crate::session::{Columns, Data, Use};
 use bench::{Bench, Channel};
 use std::collections::BTreeMap;
 
 /// Observed over declared noise from which the declaration is not believed.
 const DISBELIEF: f64 = 1.15;
+/// Noise of a log over its declaration between which the declaration stands.
+const LEAST_RATIO: f64 = 0.5;
+const MOST_RATIO: f64 = 1.5;
 /// Most lags of the autocorrelation, as a share of a stretch.
 const LAG_SHARE: f64 = 0.25;
+
+/// Where a floor comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// The description.
+    Declared,
+    /// What does not repeat from cycle to cycle.
+    Repeats,
+    /// Fourth differences.
+    Differences,
+}
+
+impl Source {
+    /// The word in JSON.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Declared => "declared",
+            Self::Repeats => "repeats",
+            Self::Differences => "differences",
+        }
+    }
+}
 
 /// Noise of one channel.
 #[derive(Clone, Copy, Debug)]
@@ -22,10 +49,36 @@ pub(crate) struct ChannelNoise {
     /// White noise, one standard deviation; above 0.
     pub(crate) floor: f64,
     pub(crate) declared: bool,
+    pub(crate) source: Source,
+    /// What the description says; 0 where it says nothing.
+    pub(crate) stated: f64,
+    /// What the log itself shows, and how.
+    pub(crate) seen: f64,
+    pub(crate) seen_by: Source,
     /// Rms over the floor, 1 or more.
     pub(crate) excess: f64,
     /// Samples that count as one, 1 or more.
     pub(crate) correlation: f64,
+}
+
+impl ChannelNoise {
+    /// In words, where the declaration is far from what the log shows.
+    pub(crate) fn finding(&self, channel: Channel) -> Option<String> {
+        let ratio = self.seen / self.stated;
+        if self.stated <= 0.0 || (LEAST_RATIO..=MOST_RATIO).contains(&ratio) {
+            return None;
+        }
+        let how = match self.seen_by {
+            Source::Repeats => "what does not repeat from cycle to cycle",
+            _ => "what neighbouring samples show",
+        };
+        Some(format!(
+            "noise of {channel} is declared as {:.3e} {unit}; {how} is {:.3e} {unit}",
+            self.stated,
+            self.seen,
+            unit = channel.unit()
+        ))
+    }
 }
 
 /// Noise of every channel.
@@ -37,14 +90,27 @@ impl NoiseModel {
     pub(crate) fn floors(bench: &Bench, data: &Data, residual: &Columns) -> Self {
         let of = |&channel: &Channel| {
             let declared = bench.sensors().get(&channel).map_or(0.0, bench::sensor::Sensor::floor);
-            let seen = differences(data, residual, channel);
-            let believed = declared > 0.0 && seen <= DISBELIEF * declared;
-            let floor = if believed { declared } else { seen };
+            let white = differences(data, residual, channel);
+            let repeated = repeats(data, residual, channel).map(|r: Repeats| r.deviation);
+            // Only white noise speaks against a declaration: what else does not repeat may be the effect that is sought.
+            let believed = declared > 0.0 && white <= DISBELIEF * declared;
+            let (floor, source) = match repeated {
+                _ if believed => (declared, Source::Declared),
+                Some(deviation) => (deviation, Source::Repeats),
+                None => (white, Source::Differences),
+            };
             let least = 1e-9 * size(data, channel).max(f64::MIN_POSITIVE);
-            (
-                channel,
-                ChannelNoise { floor: floor.max(least), declared: believed, excess: 1.0, correlation: 1.0 },
-            )
+            let noise = ChannelNoise {
+                floor: floor.max(least),
+                declared: believed,
+                source,
+                stated: declared,
+                seen: repeated.unwrap_or(white),
+                seen_by: if repeated.is_some() { Source::Repeats } else { Source::Differences },
+                excess: 1.0,
+                correlation: 1.0,
+            };
+            (channel, noise)
         };
         Self(data.channels.iter().map(of).collect())
     }
@@ -64,7 +130,16 @@ impl NoiseModel {
 
     /// Noise of a channel.
     pub(crate) fn of(&self, channel: Channel) -> ChannelNoise {
-        let none = ChannelNoise { floor: 1.0, declared: false, excess: 1.0, correlation: 1.0 };
+        let none = ChannelNoise {
+            floor: 1.0,
+            declared: false,
+            source: Source::Differences,
+            stated: 0.0,
+            seen: 0.0,
+            seen_by: Source::Differences,
+            excess: 1.0,
+            correlation: 1.0,
+        };
         self.0.get(&channel).copied().unwrap_or(none)
     }
 

@@ -140,11 +140,24 @@ pub(crate) fn correlation(base: &Fit, a: &Score, b: &Score) -> f64 {
     if norm > 0.0 { (inner(a, b).abs() / norm).min(1.0) } else { 0.0 }
 }
 
-/// Refits a candidate together with everything that `base` moves.
+/// Refits a candidate together with everything that `base` moves, from the base's own sensitivities: to see what it can take
+/// off. [`crate::select`] takes the likely ones to their optimum.
 pub(crate) fn refit(data: &Data, noise: &NoiseModel, base: &Fit, score: &Score) -> Result<Fit, RespondError> {
+    let model = base.model.with(score.candidate, noise);
     let mut z = base.z.clone();
     z.extend(&score.estimate);
-    fit(data, noise, base.model.with(score.candidate, noise), z)
+    for (z, p) in z.iter_mut().zip(&model.parameters) {
+        let (least, most) = p.bounds();
+        *z = z.clamp(least, most);
+    }
+    // A size that the plant cannot take is no start.
+    let Ok(simulation) = simulate(data, &model.at(&z), Some(&base.simulation)) else {
+        return fit(data, noise, model, z);
+    };
+    let added: Vec<usize> = (base.z.len()..z.len()).collect();
+    let mut jacobian = base.jacobian.clone();
+    jacobian.extend(sensitivities(data, noise, &model, &z, &simulation, &added)?);
+    fit_from(data, noise, model, z, Some(jacobian), Effort::GLANCE)
 }
 
 /// Sizes of an effect, in multiples of its scale, that a search tries.

@@ -1,6 +1,7 @@
 //! What a diagnosis says, as it is written to `diagnosis.json`.
 
 use crate::check::Finding;
+use crate::places::Place;
 use bench::{Bench, Channel};
 use serde::Serialize;
 
@@ -51,7 +52,7 @@ pub struct Cause {
     /// Sensor, for sensor effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
-    /// Posterior share among the refitted effects of its step.
+    /// Posterior share: that it is a cause, whatever else is.
     pub probability: f64,
     /// Its parameters.
     pub parameters: Vec<ParameterEstimate>,
@@ -106,6 +107,71 @@ pub struct Gain {
     pub explained_share_ci95: Option<[f64; 2]>,
 }
 
+/// How far an experiment sets an effect apart from the cause.
+#[derive(Clone, Debug, Serialize)]
+pub struct Separation {
+    /// Effect in kebab-case.
+    pub effect: String,
+    /// Sensor, for sensor effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+    /// Chi-square that is left after the cause has adjusted everything it may to imitate the effect.
+    pub chi_square: f64,
+}
+
+/// A recording of an experiment.
+#[derive(Clone, Debug, Serialize)]
+pub struct Recording {
+    /// Lines of TOML that change the description, such as `drive.period_s = 0.5`.
+    pub changes: Vec<String>,
+    /// The whole changed description, to record with.
+    pub bench: String,
+}
+
+/// What to measure next; its recordings are diagnosed together.
+#[derive(Clone, Debug, Serialize)]
+pub struct Experiment {
+    /// In words.
+    pub words: String,
+    /// What to record.
+    pub recordings: Vec<Recording>,
+    /// How far it sets apart each effect that fits as well as the cause.
+    pub separation: Vec<Separation>,
+}
+
+/// An effect of a hypothesis.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Member {
+    /// Effect in kebab-case.
+    pub effect: String,
+    /// Sensor, for sensor effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+}
+
+/// A set of causes that was fitted.
+#[derive(Clone, Debug, Serialize)]
+pub struct Hypothesis {
+    /// One cause, or two together.
+    pub causes: Vec<Member>,
+    /// Posterior share.
+    pub probability: f64,
+}
+
+/// Something that the logs do not tell of the last model's parameters.
+#[derive(Clone, Debug, Serialize)]
+pub struct Identifiability {
+    /// `dead`, `at-bound`, `not-pinned`, `correlated` or `flat-direction`.
+    pub kind: &'static str,
+    /// The parameters concerned.
+    pub parameters: Vec<String>,
+    /// Change of chi-square over one prior standard deviation (dead), the bound, the share of the prior's standard
+    /// deviation (not pinned), the correlation, the eigenvalue (flat direction).
+    pub value: f64,
+    /// In words.
+    pub words: String,
+}
+
 /// A calibrated parameter of the nominal bench.
 #[derive(Clone, Debug, Serialize)]
 pub struct Calibrated {
@@ -128,8 +194,20 @@ pub struct Noise {
     pub channel: Channel,
     /// White noise, one standard deviation.
     pub floor: f64,
-    /// Whether the floor was declared; otherwise it comes from the residual's own differences.
+    /// Whether the floor was declared; otherwise it comes from the log.
     pub declared: bool,
+    /// `declared`, `repeats` (what does not repeat from cycle to cycle) or `differences` (of neighbouring samples).
+    pub source: &'static str,
+    /// What the description declares.
+    pub declared_floor: Option<f64>,
+    /// What the log shows: from repeats where it has three cycles, else from differences.
+    pub measured_floor: f64,
+    /// Whole cycles that were compared, 0 where there are fewer than three.
+    pub repeats: usize,
+    /// Share of the power of the calibrated nominal bench's residual that repeats: model error, not noise.
+    pub repeatable_share: Option<f64>,
+    /// In words, where the declared floor is far from the measured one.
+    pub finding: Option<String>,
     /// Rms of the last residual over the floor, where above 1.
     pub excess: f64,
     /// Samples that count as one because the residual is correlated.
@@ -163,6 +241,8 @@ pub struct Series {
     pub time_s: Vec<f64>,
     /// Phase in cycles, where the motion repeats.
     pub phase: Option<Vec<f64>>,
+    /// Measured.
+    pub measured: Vec<f64>,
     /// Measured less simulated with the calibrated nominal bench.
     pub before: Vec<f64>,
     /// Measured less simulated with the extended bench.
@@ -180,24 +260,36 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Causes, the main one first.
     pub causes: Vec<Cause>,
+    /// Posterior share of: nothing is wrong.
+    pub probability_none: f64,
+    /// Posterior share of: something is wrong that no effect explains.
+    pub probability_unknown: f64,
+    /// Sets of causes that were fitted, most likely first; with the two shares above they add up to 1.
+    pub hypotheses: Vec<Hypothesis>,
     /// Effects that fit as well as the causes.
     pub ambiguous_with: Vec<Ambiguous>,
     /// Structure that is left.
     pub signature: Option<Signature>,
+    /// Where the residual lives, before and after.
+    pub places: Vec<Place>,
     /// Error before and after, by channel.
     pub gain: Vec<Gain>,
     /// Share of the repeatable residual over all channels, in units of their noise, that the extension explains.
     pub explained_share: Option<f64>,
     /// 95 % interval of that share.
     pub explained_share_ci95: Option<[f64; 2]>,
-    /// What to measure next.
+    /// What to measure next, in words.
     pub next_experiment: Option<String>,
+    /// The same with what to record, and how far it would set the effects apart.
+    pub experiment: Option<Experiment>,
     /// Path of the extended bench, once it is written.
     pub extended_bench: Option<String>,
     /// Parameters that calibration moved.
     pub calibrated: Vec<Calibrated>,
     /// Noise by channel.
     pub noise: Vec<Noise>,
+    /// What the logs do not tell of the last model's parameters; empty where they tell everything.
+    pub identifiability: Vec<Identifiability>,
     /// Candidates of the first step, most evidence first.
     pub ranking: Vec<Ranked>,
     /// Evidence that a cause had to pass.

@@ -5,38 +5,18 @@
 //! counts in units of the noise of the best model at hand, its excess and correlation included, so that structure which
 //! no candidate explains makes the test harder rather than every candidate significant.
 
-use crate::fit::{Effort, Fit, fit, fit_from, simulate};
+use crate::contend::{contend, far_off};
+use crate::fit::{Effort, Fit, fit, fit_from};
 use crate::gain;
-use crate::linear::dot;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
-use crate::rank::{Origin, Score, correlation, refit, scores};
+use crate::rank::{Score, correlation, scores};
 use crate::session::Data;
 use bench::respond::RespondError;
-use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Chance that a clean log names anything.
 const FAMILY_ERROR: f64 = 0.002;
-/// Candidates that are refitted.
-const GROUP: usize = 8;
-/// Chi-square over samples from which a base counts as far off.
-const FAR: f64 = 1.5;
-/// Distance of objectives on the first cycle, absolute and relative, within which a candidate is fitted on everything,
-/// and most of those.
-const NEAR: f64 = 400.0;
-const NEAR_SHARE: f64 = 1.0;
-const CLOSE: usize = 4;
-/// Most candidates that a search takes to the optimum on the first cycle.
-const LIKELY: usize = 5;
-/// Least score that is worth a refit.
-const WORTH: f64 = 4.0;
-/// Near the optimum scores hold: a candidate is out of the race below this share of the best one's, less a margin.
-const SHARE: f64 = 0.4;
-const MARGIN: f64 = 30.0;
-/// Score below which nothing will be accepted, and how many are refitted then.
-const SLIGHT: f64 = 12.0;
-const FEW: usize = 2;
 /// Change of a noise weight that calls for another round.
 const SETTLED: f64 = 1.15;
 const MOST_ROUNDS: usize = 4;
@@ -130,7 +110,8 @@ pub(crate) fn stage(
         // Where the best candidate ended may be a better start for the base: evidence must not be a fit that stuck.
         if round < MOST_ROUNDS && best.model.chosen.len() > model.chosen.len() {
             let again = best.z.iter().take(base.z.len()).copied().collect();
-            let again = fit(data, &noise, model.clone(), again)?;
+            let near = best.jacobian.iter().take(base.z.len()).cloned().collect();
+            let again = fit_from(data, &noise, model.clone(), again, Some(near), Effort::GLANCE)?;
             // A base that stays far off lacks an effect for certain, and a better imitation of it changes nothing.
             if again.objective < base.objective - STUCK && !far_off(&again) {
                 start = again.z;
@@ -148,7 +129,9 @@ pub(crate) fn stage(
             contenders.first().map_or(1, |c| c.fit.model.parameters.len() - base.model.parameters.len());
         let threshold = threshold(added, free.len()).max(added as f64 * samples.ln());
         main_effect_first(&mut contenders, threshold);
-        weigh(&mut contenders, base.objective);
+        settle_first(data, &noise, &mut contenders)?;
+        let charged = added as f64 * samples.ln();
+        weigh(&mut contenders, base.objective, threshold - charged);
         relate(&mut contenders, &base, &scored);
         let accepted = match contenders.first() {
             Some(c) if c.evidence > threshold && stands_out(&c.fit, threshold) => {
@@ -160,9 +143,17 @@ pub(crate) fn stage(
     }
 }
 
-/// Whether a fit is so far from the noise that its sensitivities mean little.
-fn far_off(fit: &Fit) -> bool {
-    fit.objective > FAR * fit.residual.len() as f64
+/// Takes the first contender to its optimum, where the order has brought one to the front that was fitted roughly.
+fn settle_first(data: &Data, noise: &NoiseModel, contenders: &mut [Contender]) -> Result<(), RespondError> {
+    if let Some(first) = contenders.first_mut().filter(|c| !c.fit.settled) {
+        let (model, z) = (first.fit.model.clone(), first.fit.z.clone());
+        let settled = fit_from(data, noise, model, z, Some(first.fit.jacobian.clone()), Effort::FULL)?;
+        let fall = first.fit.objective - settled.objective;
+        first.evidence += fall;
+        first.criterion -= fall;
+        first.fit = settled;
+    }
+    Ok(())
 }
 
 /// Whether the last effect of a fit is as far from 0 as its evidence says, in its own standard deviations.
@@ -172,54 +163,12 @@ fn stands_out(fit: &Fit, threshold: f64) -> bool {
     own.iter().map(|&i| (fit.z[i] / deviations[i]).powi(2)).fold(0.0, f64::max) > threshold
 }
 
-/// Fitted candidates, and the others with their evidence.
-type Contest = (Vec<Fit>, Vec<(Candidate, f64)>);
-
-/// Fits the likely candidates; the others with their evidence from the first cycle.
-///
-/// Near the optimum the scores say which: sensitivities hold. A base that is far off has bent its parameters to imitate
-/// what it lacks, and scores there mean little; then every effect of the plant is searched for on the first cycle.
-fn contend(views: &Views, noise: &NoiseModel, base: &Fit, scored: &[Score]) -> Result<Contest, RespondError> {
-    let data = &views.fitted;
-    if !far_off(base) {
-        let best = scored.first().map_or(0.0, |s| s.evidence);
-        let (least, most) = ((SHARE * best - MARGIN).max(WORTH), if best < SLIGHT { FEW } else { GROUP });
-        let group: Vec<&Score> = scored.iter().filter(|s| s.evidence > least).take(most).collect();
-        let fits: Result<Vec<Fit>, RespondError> =
-            group.par_iter().map(|s| refit(data, noise, base, s)).collect();
-        return Ok((fits?, Vec::new()));
-    }
-    let sensors = scored.iter().filter(|s| s.candidate.channel.is_some()).take(GROUP);
-    let group: Vec<&Score> = scored.iter().filter(|s| s.candidate.channel.is_none()).chain(sensors).collect();
-    let coarse = views.coarse.as_ref().unwrap_or(data);
-    let origin = Origin::new(coarse, noise, base)?;
-    let glance = |s: &&Score| Ok((s.candidate, origin.search(base, s)?));
-    let found: Result<Vec<_>, RespondError> = group.par_iter().map(glance).collect();
-    let mut found = found?;
-    found.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
-    found.truncate(LIKELY);
-    // To the optimum on the first cycle, then on everything for those that come near the best.
-    let settle = |(candidate, (z, _)): (Candidate, (Vec<f64>, f64))| {
-        fit_from(coarse, noise, base.model.with(candidate, noise), z, None, Effort::FAIR)
-    };
-    let settled: Result<Vec<Fit>, RespondError> = found.into_par_iter().map(settle).collect();
-    let mut settled = settled?;
-    settled.sort_by(|a, b| a.objective.total_cmp(&b.objective));
-    let best = settled.first().map_or(0.0, |f| f.objective);
-    let near = NEAR.max(NEAR_SHARE * best);
-    let close = settled.iter().take(CLOSE).take_while(|f| f.objective < best + near).count();
-    let far = settled.split_off(close);
-    let imitation = simulate(coarse, &base.model.at(&base.z), None)?;
-    let imitation = noise.stack(coarse, &coarse.residual(&imitation.columns));
-    let taken = |f: &Fit| Some((*f.model.chosen.last()?, dot(&imitation, &imitation) - f.objective));
-    let others = far.iter().filter_map(taken).collect();
-    let fits: Result<Vec<Fit>, RespondError> =
-        settled.into_par_iter().map(|f| fit(data, noise, f.model, f.z)).collect();
-    Ok((fits?, others))
-}
-
 /// Posterior shares from the criterion, the model without any candidate included.
-fn weigh(contenders: &mut [Contender], base: f64) {
+///
+/// A candidate of a large library has to be as likely as its threshold says: what that asks beyond the criterion's own
+/// charge counts against it.
+fn weigh(contenders: &mut [Contender], base: f64, multiplicity: f64) {
+    let base = base - multiplicity;
     let least = contenders.iter().map(|c| c.criterion).fold(base, f64::min);
     let weight = |criterion: f64| (-0.5 * (criterion - least)).exp();
     let sum = contenders.iter().fold(weight(base), |sum, c| sum + weight(c.criterion));

@@ -14,9 +14,12 @@ use crate::check::check;
 use crate::experiment::propose;
 use crate::fit::{Fit, fit, simulate};
 use crate::gain::gains;
+use crate::identifiability::identifiability;
 use crate::leftover;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
+use crate::places::places;
+use crate::probability::shares;
 use crate::rank::candidates;
 use crate::result::{Ambiguous, Diagnosis, Signature, Verdict};
 use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, stage};
@@ -24,9 +27,10 @@ use crate::session::{Columns, Data};
 use bench::log::LogError;
 use bench::respond::RespondError;
 use bench::{Bench, MeasuredLog};
+use nalgebra::DMatrix;
 
 /// Share of the repeatable held-out residual that causes have to explain where structure is left.
-const MAIN_SHARE: f64 = 0.75;
+pub(crate) const MAIN_SHARE: f64 = 0.75;
 
 /// What is told of the progress: the share done, and what comes next.
 pub type Progress = dyn Fn(f64, &str) + Sync;
@@ -103,6 +107,8 @@ pub(crate) struct End {
     pub(crate) z: Vec<f64>,
     /// Standard deviations in scaled units.
     pub(crate) deviations: Vec<f64>,
+    /// What the data say of the scaled parameters, without priors.
+    pub(crate) fisher: DMatrix<f64>,
     /// Residual of all samples.
     pub(crate) residual: Columns,
     pub(crate) noise: NoiseModel,
@@ -120,8 +126,9 @@ impl End {
         let residual = data.residual(&simulate(data, &fit.model.at(&fit.z), None)?.columns);
         let noise = floors.inflated(data, &residual);
         let left = leftover::find(data, &noise, &residual);
-        let deviations = fit.deviations();
-        Ok(Self { causes, model: fit.model.clone(), z: fit.z.clone(), deviations, residual, noise, left })
+        let (deviations, fisher) = (fit.deviations(), fit.fisher());
+        let (model, z) = (fit.model.clone(), fit.z.clone());
+        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left })
     }
 }
 
@@ -191,6 +198,8 @@ fn judge(
     let standing = standing(data, &ends);
     let (before, shown) = (&ends[0], &ends[standing]);
     let (gain, (share, interval)) = gains(data, &shown.noise, &before.residual, &shown.residual);
+    let shares = shares(data, stages, standing, shown, share);
+    let known = 1.0 - shares.unknown;
     let deciding = standing.checked_sub(1).and_then(|i| stages.get(i));
     let equals: Vec<&Contender> = deciding.map_or_else(Vec::new, |s| s.equals().collect());
     let verdict = match (standing, shown.left.is_some()) {
@@ -199,7 +208,7 @@ fn judge(
         _ if equals.is_empty() => Verdict::Named,
         _ => Verdict::Ambiguous,
     };
-    let next_experiment = match (equals.is_empty(), shown.causes.as_slice()) {
+    let experiment = match (equals.is_empty(), shown.causes.as_slice()) {
         (false, [(only, _)]) => {
             let others: Vec<_> = equals.iter().map(|c| (c.candidate, c.fit.z.as_slice())).collect();
             propose(bench, data, floors, (*only, &shown.z), &others)
@@ -210,13 +219,16 @@ fn judge(
     Ok(Diagnosis {
         checks: Vec::new(),
         verdict,
-        causes: estimates(shown),
+        causes: estimates(shown, known),
+        probability_none: shares.none,
+        probability_unknown: shares.unknown,
+        hypotheses: shares.hypotheses,
         ambiguous_with: equals
             .iter()
             .map(|c| Ambiguous {
                 effect: c.candidate.kind.name.into(),
                 channel: c.candidate.channel,
-                probability: c.probability,
+                probability: known * c.probability,
                 correlation: c.correlation,
             })
             .collect(),
@@ -224,13 +236,16 @@ fn judge(
         gain,
         explained_share: share,
         explained_share_ci95: interval,
-        next_experiment,
+        next_experiment: experiment.as_ref().map(|e| e.words.clone()),
+        experiment,
         extended_bench: None,
         calibrated: calibrated(shown),
-        noise: noises(data, &shown.noise),
-        ranking: ranking(first),
+        noise: noises(data, &shown.noise, &before.residual),
+        identifiability: identifiability(shown),
+        ranking: ranking(first, known),
         threshold: first.threshold,
         extended: Some(shown.model.at(&shown.z)),
+        places: places(data, &before.residual, &shown.residual),
         series: series(data, &before.residual, &shown.residual),
     })
 }

@@ -1,0 +1,120 @@
+//! What the logs tell of the parameters of the last model, and what they do not.
+//!
+//! From `F = J'J` of the weighted sensitivities and the priors' precisions `P`, all in scaled parameters:
+//!
+//! * `dead`: one prior standard deviation of the parameter changes chi-square by less than [`DEAD`]: the logs do not show it;
+//! * `at-bound`: the estimate lies on a bound of its range, so its interval means little;
+//! * `not-pinned`: its standard deviation is above [`PRIOR_SHARE`] of its prior's: the number is the prior's, not the logs';
+//! * `correlated`: the estimates of a pair correlate by more than [`CORRELATED`]: only a combination of the two is known;
+//! * `flat-direction`: an eigenvector of `P^-1/2 F P^-1/2` whose eigenvalue is below [`FLAT`], with several parameters in it: moving
+//!   them together by their prior's size changes nothing that was measured.
+//!
+//! A shape that a guess gave has no prior; its own step stands for one. Linear at the optimum: a valley that bends is only
+//! seen where it starts.
+
+use crate::linear::factor;
+use crate::model::Parameter;
+use crate::result::Identifiability;
+use crate::verdict::End;
+use nalgebra::{DMatrix, SymmetricEigen};
+
+const DEAD: f64 = 0.01;
+const PRIOR_SHARE: f64 = 0.9;
+const CORRELATED: f64 = 0.95;
+const FLAT: f64 = 0.1;
+/// Components of a unit vector that are named.
+const NAMED: f64 = 0.25;
+/// Distance from a bound in scaled units that counts as on it.
+const ON_BOUND: f64 = 1e-6;
+
+/// Everything that is not well known, plain things first.
+pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
+    let parameters = &end.model.parameters;
+    let names: Vec<String> = parameters.iter().map(|p| p.name().to_owned()).collect();
+    // A nominal parameter's scale is its prior; an effect's prior is in its precision.
+    let priors: Vec<f64> =
+        parameters.iter().map(|p| if p.precision > 0.0 { p.precision.sqrt().recip() } else { 1.0 }).collect();
+    let n = parameters.len();
+    if n == 0 || end.fisher.nrows() != n {
+        return Vec::new();
+    }
+    let scaled = DMatrix::from_fn(n, n, |i, j| priors[i] * priors[j] * end.fisher[(i, j)]);
+    let mut out = Vec::new();
+    let dead: Vec<bool> = (0..n).map(|i| scaled[(i, i)] < DEAD).collect();
+    let mut say = |kind: &'static str, which: &[usize], value: f64, words: String| {
+        let parameters = which.iter().filter_map(|&i| names.get(i).cloned()).collect();
+        out.push(Identifiability { kind, parameters, value, words });
+    };
+    for i in (0..n).filter(|&i| dead[i]) {
+        let words = format!("the logs do not show {}: what is reported is its prior", names[i]);
+        say("dead", &[i], scaled[(i, i)], words);
+    }
+    for (i, p) in parameters.iter().enumerate() {
+        if let Some(bound) = bound(p, end.z.get(i).copied().unwrap_or_default()) {
+            let words = format!("{} ended at the bound {bound:.4e} of its range", names[i]);
+            say("at-bound", &[i], bound, words);
+        }
+    }
+    for i in (0..n).filter(|&i| !dead[i] && parameters[i].precision > 0.0) {
+        let share = end.deviations.get(i).copied().unwrap_or(f64::INFINITY) / priors[i];
+        if share > PRIOR_SHARE {
+            let words = format!(
+                "{} is not pinned by the logs: its standard deviation is {:.0} % of its prior's",
+                names[i],
+                100.0 * share.min(1.0)
+            );
+            say("not-pinned", &[i], share, words);
+        }
+    }
+    let mut precise = scaled.clone();
+    for i in 0..n {
+        precise[(i, i)] += if parameters[i].precision > 0.0 { 1.0 } else { 0.0 };
+    }
+    if let Some(covariance) = factor(&precise).map(|c| c.inverse()) {
+        for i in 0..n {
+            for j in i + 1..n {
+                let norm = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+                let rho = covariance[(i, j)] / norm;
+                if rho.abs() > CORRELATED && !dead[i] && !dead[j] {
+                    let words = format!(
+                        "{} and {} correlate by {rho:+.3}: the logs tell a combination of the two",
+                        names[i], names[j]
+                    );
+                    say("correlated", &[i, j], rho, words);
+                }
+            }
+        }
+    }
+    // Of what is dead any combination is flat.
+    let live: Vec<usize> = (0..n).filter(|&i| !dead[i]).collect();
+    if live.is_empty() {
+        return out;
+    }
+    let eigen = SymmetricEigen::new(scaled.select_rows(&live).select_columns(&live));
+    for (k, &value) in eigen.eigenvalues.iter().enumerate().filter(|(_, v)| **v < FLAT) {
+        let part = |(place, &i): (usize, &usize)| (i, eigen.eigenvectors[(place, k)]);
+        let parts: Vec<(usize, f64)> =
+            live.iter().enumerate().map(part).filter(|(_, c)| c.abs() > NAMED).collect();
+        if parts.len() < 2 {
+            continue;
+        }
+        let sign = parts.first().map_or(1.0, |p| p.1.signum());
+        let sum: Vec<String> = parts.iter().map(|(i, c)| format!("{:+.2} {}", sign * c, names[*i])).collect();
+        let which: Vec<usize> = parts.iter().map(|p| p.0).collect();
+        let words = format!("no measured channel tells {} (in prior standard deviations)", sum.join(" "));
+        say("flat-direction", &which, value.max(0.0), words);
+    }
+    out
+}
+
+/// The bound that an estimate lies on.
+fn bound(parameter: &Parameter, z: f64) -> Option<f64> {
+    let (least, most) = parameter.bounds();
+    if z >= most - ON_BOUND {
+        Some(parameter.value(most))
+    } else if z <= least + ON_BOUND {
+        Some(parameter.value(least))
+    } else {
+        None
+    }
+}

@@ -1,0 +1,48 @@
+//! The noise floor from repeated cycles, beside the declared one.
+
+use super::{axis, diagnosed, effect, logged, with};
+use bench::{Bench, Channel};
+
+/// The axis with the noise of its sensor declared as so much; none where 0.
+fn declared(noise: f64) -> Bench {
+    let mut bench = axis(6);
+    if let Bench::FrictionRig(rig) = &mut bench {
+        match rig.sensors.get_mut(&Channel::DriveForce) {
+            Some(sensor) if noise > 0.0 => sensor.noise = noise,
+            _ => rig.sensors.clear(),
+        }
+    }
+    bench
+}
+
+#[test]
+fn undeclared_noise_comes_from_repeats_and_model_error_is_not_in_it() {
+    let truth = with(&axis(6), effect("coulomb-level", None, "coulomb_effort", 20.0));
+    let d = diagnosed(&declared(0.0), &[logged(&truth, 5)], &["coulomb-level"]);
+    let noise = &d.noise[0];
+    assert_eq!((noise.source, noise.declared, noise.declared_floor), ("repeats", false, None));
+    assert!((noise.floor - 1.0).abs() < 0.1, "{noise:?}");
+    // 20 N of friction over 1 N of noise repeat.
+    assert!(noise.repeats >= 5 && noise.repeatable_share.is_some_and(|s| s > 0.98), "{noise:?}");
+    assert_eq!(d.causes[0].effect, "coulomb-level");
+}
+
+#[test]
+fn a_declaration_far_from_the_log_is_a_finding() {
+    let log = logged(&axis(6), 5);
+    for (noise, source, found) in [(1.0, "declared", false), (0.3, "repeats", true), (3.0, "declared", true)]
+    {
+        let d = diagnosed(&declared(noise), std::slice::from_ref(&log), &["coulomb-level"]);
+        let n = &d.noise[0];
+        assert_eq!((n.source, n.finding.is_some()), (source, found), "{noise}: {n:?}");
+        assert!((n.measured_floor - 1.0).abs() < 0.1 && n.declared_floor == Some(noise), "{n:?}");
+    }
+}
+
+#[test]
+fn two_cycles_leave_differences() {
+    let d = diagnosed(&declared(0.0), &[logged(&axis(2), 5)], &["coulomb-level"]);
+    let noise = &d.noise[0];
+    assert_eq!((noise.source, noise.repeats, noise.repeatable_share), ("differences", 0, None));
+    assert!((noise.floor - 1.0).abs() < 0.2, "{noise:?}");
+}
