@@ -16,6 +16,7 @@
 mod clock;
 mod factors;
 mod finding;
+mod gain;
 mod mend;
 mod pairs;
 mod reading;
@@ -64,7 +65,7 @@ fn one(bench: &Bench, log: &MeasuredLog, findings: &mut Vec<Finding>) -> Result<
     if let Some(simulated) = simulated::load(bench, &mut log, findings) {
         simulated::swapped(bench, &mut log, &simulated, findings);
         simulated::units(bench, &mut log, &simulated, findings);
-        simulated::geometry(bench, &mut log, &simulated, findings);
+        gain::check(bench, &mut log, &simulated, findings);
         let moving = stuck::check(bench, &mut log, &simulated, findings);
         let inlying = reading::outliers(bench, &log, Role::Output, |c| simulated.of(c), findings);
         let keep: Vec<bool> = moving.into_iter().zip(inlying).map(|(a, b)| a && b).collect();
@@ -94,5 +95,7 @@ fn multiply(log: &mut MeasuredLog, channel: Channel, factor: f64) {
     }
 }
 
+#[cfg(test)]
+mod honest;
 #[cfg(test)]
 mod tests;
