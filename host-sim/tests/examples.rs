@@ -1,0 +1,75 @@
+//! Every file in `examples/` does what its head says.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples")
+}
+
+fn host_sim(directory: &Path, arguments: &[&str]) -> Value {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_host-sim")).current_dir(directory).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The benches among the examples.
+fn benches() -> Vec<(String, String)> {
+    let mut out: Vec<(String, String)> = std::fs::read_dir(examples())
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .map(|path| (path.display().to_string(), std::fs::read_to_string(&path).unwrap()))
+        .filter(|(_, text)| text.lines().any(|line| line.starts_with("plant = ")))
+        .collect();
+    out.sort();
+    assert!(out.len() >= 6, "{} benches among the examples", out.len());
+    out
+}
+
+#[test]
+fn every_bench_runs_or_is_recorded() {
+    let directory = tempfile::tempdir().unwrap();
+    for (path, text) in benches() {
+        if text.contains("plant = \"transmission-bench\"") {
+            let run = host_sim(
+                directory.path(),
+                &["run", "--bench", &path, "--force", "law", "--controller", "none", "--json"],
+            );
+            assert!(run["peak_contact_force_n"].as_f64().is_some_and(|f| f > 1e3), "{path}");
+        }
+        for name in ["log.csv", "log.parquet", "log.mat"] {
+            let written = host_sim(directory.path(), &["record", "--bench", &path, "--out", name, "--json"]);
+            assert!(written["samples"].as_u64().is_some_and(|n| n >= 100), "{path} {name}");
+        }
+    }
+}
+
+#[test]
+fn the_servo_axis_is_diagnosed_from_a_mat_file_and_from_parquet() {
+    let directory = tempfile::tempdir().unwrap();
+    let bench = examples().join("servo-axis.toml").display().to_string();
+    for log in ["logs/servo-axis.mat", "logs/servo-axis.parquet"] {
+        let log = examples().join(log).display().to_string();
+        let said = host_sim(directory.path(), &["diagnose", &log, "--bench", &bench, "--json"]);
+        assert_eq!(said["verdict"], "named", "{said}");
+        assert_eq!(said["causes"][0]["effect"], "viscous-friction");
+        let value = said["causes"][0]["parameters"][0]["value"].as_f64().unwrap();
+        assert!((value / 2.0 - 1.0).abs() < 0.1, "{value}");
+        assert!(said["checks"].as_array().unwrap().iter().all(|f| f["severity"] != "wrong"), "{said}");
+    }
+}
+
+#[test]
+fn the_sticking_rig_is_recorded_and_diagnosed() {
+    let directory = tempfile::tempdir().unwrap();
+    let bench = examples().join("sticking-rig.toml").display().to_string();
+    host_sim(directory.path(), &["record", "--bench", &bench, "--seed", "3", "--out", "log.mat", "--json"]);
+    let said = host_sim(directory.path(), &["diagnose", "log.mat", "--bench", "friction-rig", "--json"]);
+    let causes: Vec<&str> =
+        said["causes"].as_array().unwrap().iter().filter_map(|c| c["effect"].as_str()).collect();
+    assert!(causes.contains(&"stribeck-friction"), "{said}");
+}
