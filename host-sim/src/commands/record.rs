@@ -13,7 +13,8 @@ const DEFAULT_NAME: &str = "log.csv";
 /// Arguments of `host-sim record`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  host-sim record --cycles 5 --seed 7 --out log.csv\n  \
-    host-sim record --bench worn-bench.toml --cycles 5 --seed 7 --out out/record")]
+    host-sim record --bench worn-bench.toml --cycles 5 --seed 7 --out out/record\n  \
+    host-sim record --cycles 5 --out log.parquet")]
 pub struct RecordArgs {
     /// The bench.
     #[command(flatten)]
@@ -21,7 +22,7 @@ pub struct RecordArgs {
     /// Seed of the sensors' noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Log file, or a folder that gets log.csv.
+    /// Log file (.parquet: Parquet, .mat: MAT-file of version 5, else CSV), or a folder that gets log.csv.
     #[arg(long, default_value = "out/record", value_name = "FILE|DIR")]
     pub out: PathBuf,
     /// Print what was written as JSON.
