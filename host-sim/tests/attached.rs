@@ -89,19 +89,34 @@ fn a_controller_that_speaks_of_other_things_only_is_given_up_at_the_bound() {
 #[test]
 fn a_restart_ends_the_run_or_is_gone_on_from_as_asked() {
     let frames = frames(400, 6);
-    // The greeting of the first comes whole, that of the second behind the beginning of an estimate.
-    let plan = [(100, 0), (250, 20)].map(|(at, bytes)| Plan { at, bytes, trouble: Trouble::Restarts });
+    // The greeting of the first comes by itself, that of the second behind the beginning of an estimate, that of the third not at all.
+    let mut plan =
+        [(100, 0), (250, 20), (350, 20)].map(|(at, bytes)| Plan { at, bytes, trouble: Trouble::Restarts });
+    plan[2].trouble = Trouble::RestartsUnheard;
     let error = troubled(&frames, plan.to_vec(), 1).unwrap_err();
     assert!(matches!(error, ControllerError::Restarted { last_sequence: Some(99), .. }), "{error:?}");
 
     let twin = Twin::start(plan.to_vec(), 1);
     let controller = Box::new(attached(&twin.port));
     let there = track_through(controller, CONFIGURATION, &frames, OnRestart::Continue).unwrap();
-    // The sample on the way at the second restart comes to the twin twice.
-    assert_eq!(there.restarts, [100, 249]);
+    // The samples on the way at the first two come to the twin twice.
+    assert_eq!(there.restarts, [100, 249, 348]);
     let here = Box::new(NativeController::start(CONFIGURATION).unwrap());
     let here = track_restarting(here, CONFIGURATION, &frames, &there.restarts).unwrap();
     assert_same(&there, &here);
+}
+
+#[test]
+fn a_greeting_behind_half_a_frame_is_heard_at_once() {
+    let plan = vec![Plan { at: 30, bytes: 20, trouble: Trouble::Restarts }];
+    let twin = Twin::start(plan, 1);
+    let unhurried = Bounds { answer: Duration::from_secs(30), again: Duration::from_secs(20) };
+    let mut controller = AttachedController::open_within(&twin.port, unhurried).unwrap();
+    controller.configure(CONFIGURATION).unwrap();
+    let started = Instant::now();
+    let error = track(Box::new(controller), &frames(100, 10)).unwrap_err();
+    assert!(matches!(error, ControllerError::Restarted { last_sequence: Some(29), .. }), "{error:?}");
+    assert!(started.elapsed() < unhurried.again, "{:?}", started.elapsed());
 }
 
 #[test]

@@ -42,6 +42,11 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
         (&["run", "--force", "wishes"], "possible values"),
         (&["run", "--dropout-share", "1"], "--dropout-share: found 1; expected 0 to 0.9"),
         (&["run", "--dropout-share", "-0.1"], "--dropout-share: found -0.1; expected"),
+        (&["run", "--controller", "attached"], "--port <PATH>|--probe [<PROBE>]"),
+        (&["link", "--controller", "attached"], "--port <PATH>|--probe [<PROBE>]"),
+        (&["link", "--controller", "attached", "--port", "a", "--probe"], "cannot be used with"),
+        (&["link", "--controller", "attached", "--probe", "st-link"], "expected VID:PID or VID:PID:SERIAL"),
+        (&["link", "--controller", "attached", "--probe", "--board", "a"], "expected one of stm32f405"),
         (&["run", "--dropout-samples", "1.5"], "--dropout-samples: found 1.5; expected a whole number"),
     ] {
         let output = host_sim(directory.path(), arguments);
@@ -49,6 +54,24 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(expected), "{arguments:?}: {message}");
         assert!(!directory.path().join("out").exists(), "{arguments:?} left something behind");
+    }
+}
+
+#[test]
+#[cfg(not(feature = "probe"))]
+fn a_build_without_probes_says_how_to_make_one_with_them() {
+    let directory = tempfile::tempdir().unwrap();
+    for arguments in [
+        &["link", "--controller", "attached", "--probe"][..],
+        &["update", "--status", "--controller", "attached", "--probe"],
+    ] {
+        let output = host_sim(directory.path(), arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(
+            message.contains("no support for probes") && message.contains("--features probe"),
+            "{message}"
+        );
     }
 }
 

@@ -1,9 +1,12 @@
 //! Which controller a command talks to, and opening it.
 
 use crate::controller::{
-    AttachedController, Controller, ControllerError, EmulatedController, NativeController,
+    AttachedController, Controller, EmulatedController, NativeController, RemoteController,
 };
-use std::path::Path;
+use crate::error::CliError;
+use crate::flash::{BOARDS, Board, board};
+use clap::Args;
+use std::path::{Path, PathBuf};
 
 /// A controller's end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -12,22 +15,119 @@ pub enum End {
     Native,
     /// The firmware's image in the emulator.
     Emulated,
-    /// A board on a serial port.
+    /// A board on a serial port or at a debug probe.
     Attached,
 }
 
-/// Opens an end, not yet configured. An attached one without a port has been refused by the command line.
+/// The debug probe of an attached controller.
+#[derive(Args, Clone, Debug, Default)]
+pub struct ProbeOptions {
+    /// Reach the attached controller through a debug probe: VID:PID or VID:PID:SERIAL in hexadecimal; without a value the only one there is.
+    /// --elf is then the image that the board runs.
+    #[arg(long, value_name = "PROBE", num_args = 0..=1, default_missing_value = "", value_parser = selector, group = "way")]
+    pub probe: Option<String>,
+    /// The board at the probe; by default stm32f405, which is any board with that microcontroller.
+    #[arg(long, value_parser = board, requires = "probe")]
+    pub board: Option<Board>,
+}
+
+/// A probe's name, or none.
+fn selector(text: &str) -> Result<String, String> {
+    let mut parts = text.splitn(3, ':');
+    let mut number = || parts.next().is_some_and(|part| u16::from_str_radix(part, 16).is_ok());
+    if text.is_empty() || number() && number() {
+        return Ok(text.into());
+    }
+    Err("expected VID:PID or VID:PID:SERIAL in hexadecimal".into())
+}
+
+/// Opens an end, not yet configured.
 pub(super) fn open(
     end: End,
     elf: Option<&Path>,
     port: Option<&Path>,
-) -> Result<Box<dyn Controller>, ControllerError> {
+    probe: &ProbeOptions,
+) -> Result<Box<dyn Controller>, CliError> {
     Ok(match end {
         End::Native => Box::new(NativeController::open()?),
-        End::Emulated => {
-            let default = EmulatedController::default_elf();
-            Box::new(EmulatedController::open(elf.unwrap_or(&default))?)
-        }
-        End::Attached => Box::new(AttachedController::open(port.unwrap_or(Path::new("")))?),
+        End::Emulated => Box::new(emulated(elf)?),
+        End::Attached => Box::new(attached(elf, port, probe)?),
     })
+}
+
+/// Starts the emulator.
+pub(super) fn emulated(elf: Option<&Path>) -> Result<RemoteController, CliError> {
+    let default = EmulatedController::default_elf();
+    Ok(EmulatedController::open(elf.unwrap_or(&default))?)
+}
+
+/// Opens a board.
+pub(super) fn attached(
+    elf: Option<&Path>,
+    port: Option<&Path>,
+    probe: &ProbeOptions,
+) -> Result<RemoteController, CliError> {
+    match (port, &probe.probe) {
+        (Some(port), _) => Ok(AttachedController::open(port)?),
+        (None, Some(selector)) => {
+            let [any, ..] = BOARDS;
+            let board = probe.board.unwrap_or(any);
+            let selector = (!selector.is_empty()).then_some(selector.as_str());
+            at_probe(selector, board, &image_for(board, elf))
+        }
+        (None, None) => Err(CliError::Input(
+            "--controller attached: found neither --port nor --probe; expected a serial port or a debug probe".into(),
+        )),
+    }
+}
+
+#[cfg(feature = "probe")]
+fn at_probe(selector: Option<&str>, board: Board, image: &Path) -> Result<RemoteController, CliError> {
+    Ok(crate::controller::ProbedController::open(selector, board, image)?)
+}
+
+#[cfg(not(feature = "probe"))]
+fn at_probe(_: Option<&str>, _: Board, _: &Path) -> Result<RemoteController, CliError> {
+    Err(without_probes("run --controller attached --probe ..."))
+}
+
+/// What a build says that has no probes, to a command that wants one.
+#[cfg(not(feature = "probe"))]
+pub(super) fn without_probes(command: &str) -> CliError {
+    CliError::Input(format!(
+        "this build has no support for probes; found no feature `probe`, expected it: \
+         cargo run --release -p host-sim --features probe -- {command}"
+    ))
+}
+
+/// The image of a board: the one named, or the one that `cargo xtask firmware --board` built for it.
+pub(super) fn image_for(board: Board, elf: Option<&Path>) -> PathBuf {
+    let default = EmulatedController::default_elf();
+    match elf {
+        Some(elf) => elf.into(),
+        None if board.name == "stm32f405" => default,
+        None => default.with_file_name(format!("estimator-{}", board.name)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_probe_is_named_by_two_numbers_and_perhaps_its_serial_or_not_at_all() {
+        for good in ["", "0483:374b", "0483:374B:066BFF:12", "1:2:"] {
+            assert_eq!(selector(good).as_deref(), Ok(good));
+        }
+        for bad in ["0483", "0483:", "st-link", "12345:1", ":1", "link.rec"] {
+            assert!(selector(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn an_attached_controller_without_a_way_to_it_is_the_users_error() {
+        let error = attached(None, None, &ProbeOptions::default()).err().expect("an error");
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().contains("neither --port nor --probe"), "{error}");
+    }
 }

@@ -1,6 +1,6 @@
 //! `host-sim flash`: the firmware's image onto a board, or with `--dry-run` only what would be written.
 
-use crate::controller::EmulatedController;
+use super::end;
 use crate::error::CliError;
 use crate::flash::{Board, FlashError, Plan, board};
 use clap::Args;
@@ -43,14 +43,7 @@ impl From<FlashError> for CliError {
 
 /// Plans, and writes unless only the plan was asked for.
 pub fn run(args: &FlashArgs) -> Result<(), CliError> {
-    let image = args.elf.clone().unwrap_or_else(|| {
-        let default = EmulatedController::default_elf();
-        if args.board.name == "stm32f405" {
-            default
-        } else {
-            default.with_file_name(format!("estimator-{}", args.board.name))
-        }
-    });
+    let image = end::image_for(args.board, args.elf.as_deref());
     let plan = Plan::of(args.board, &image)?;
     if args.json {
         println!("{}", serde_json::json!(plan));
@@ -79,9 +72,5 @@ fn write(args: &FlashArgs, plan: &Plan, image: &std::path::Path) -> Result<(), C
 
 #[cfg(not(feature = "probe"))]
 fn write(_: &FlashArgs, _: &Plan, _: &std::path::Path) -> Result<(), CliError> {
-    Err(CliError::Input(
-        "this build has no support for probes; found no feature `probe`, expected it: \
-         cargo run --release -p host-sim --features probe -- flash ..., or --dry-run"
-            .into(),
-    ))
+    Err(end::without_probes("flash ..., or --dry-run"))
 }

@@ -1,11 +1,10 @@
 //! `host-sim link`: who the controller is, how it started, what it counted; and the few things it can be told.
 
+use super::end::{self, ProbeOptions};
 use super::link_words as words;
 use super::output;
 use super::update::Place;
-use crate::controller::{
-    AttachedController, Controller, ControllerError, EmulatedController, Losses, RemoteController,
-};
+use crate::controller::{Controller, ControllerError, Losses, RemoteController};
 use crate::error::CliError;
 use crate::estimator;
 use crate::force::SAMPLE_RATE_HZ;
@@ -29,17 +28,21 @@ use std::time::Duration;
 #[command(
     after_help = "Examples:\n  host-sim link\n  host-sim link --controller attached --port /dev/ttyUSB0 --json\n  \
     host-sim link --controller attached --port /dev/ttyUSB0 --configure --bench bench-b --keep\n  \
-    host-sim link --controller attached --port /dev/ttyUSB0 --sample --follow 60\n\n\
+    host-sim link --controller attached --port /dev/ttyUSB0 --sample --follow 60\n  \
+    host-sim link --controller attached --probe --board feather-stm32f405\n\n\
     The emulated controller is started anew each time, forgets everything at its end, and has no sensors. \
     `--json` prints the configuration in the form that --configuration takes."
 )]
 pub struct LinkArgs {
     /// Where the controller is.
-    #[arg(long, value_enum, default_value = "emulated")]
+    #[arg(long, value_enum, default_value = "emulated", requires_if("attached", "way"))]
     pub controller: Place,
     /// Serial port of the attached controller.
-    #[arg(long, value_name = "PATH", required_if_eq("controller", "attached"))]
+    #[arg(long, value_name = "PATH", group = "way")]
     pub port: Option<PathBuf>,
+    /// Its debug probe.
+    #[command(flatten)]
+    pub probe: ProbeOptions,
     /// Image for the emulated controller; by default the one that `cargo xtask firmware` builds.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
@@ -92,9 +95,10 @@ pub fn run(args: &LinkArgs) -> Result<(), CliError> {
         Some(file) => Some(read(file)?),
         None => args.configure.then(|| configuration(&args.bench)).transpose()?,
     };
-    let mut controller = match (args.controller, &args.port) {
-        (Place::Attached, Some(port)) => AttachedController::open(port)?,
-        _ => EmulatedController::open(&args.elf.clone().unwrap_or_else(EmulatedController::default_elf))?,
+    let elf = args.elf.as_deref();
+    let mut controller = match args.controller {
+        Place::Attached => end::attached(elf, args.port.as_deref(), &args.probe)?,
+        Place::Emulated => end::emulated(elf)?,
     };
     if args.clear_trip {
         controller.order(Command::ClearTrip)?;

@@ -1,6 +1,6 @@
 //! `host-sim replay`: a recorded conversation, or a measured log, through a controller.
 
-use super::end::{self, End};
+use super::end::{self, End, ProbeOptions};
 use super::{output, replay_log};
 use crate::controller::recording::MAGIC;
 use crate::controller::replay::{Difference, replay};
@@ -30,11 +30,14 @@ pub struct ReplayArgs {
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// The controller.
-    #[arg(long, value_enum, default_value = "native")]
+    #[arg(long, value_enum, default_value = "native", requires_if("attached", "way"))]
     pub controller: End,
     /// Serial port of the attached controller.
-    #[arg(long, value_name = "PATH", required_if_eq("controller", "attached"))]
+    #[arg(long, value_name = "PATH", group = "way")]
     pub port: Option<PathBuf>,
+    /// Its debug probe.
+    #[command(flatten)]
+    pub probe: ProbeOptions,
     /// Image for the emulated controller; by default the one that `cargo xtask firmware` builds.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
@@ -58,7 +61,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     }
     let wrong = |error: &dyn std::fmt::Display| CliError::Input(format!("{}: {error}", args.file.display()));
     let recording = Recording::of(&bytes).map_err(|error| wrong(&error))?;
-    let mut controller = end::open(args.controller, args.elf.as_deref(), args.port.as_deref())?;
+    let mut controller = end::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
     let name = controller.name();
     let replayed = replay(&recording, &mut *controller)?;
     if let Some(out) = &args.out {

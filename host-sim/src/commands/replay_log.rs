@@ -34,7 +34,7 @@ pub(super) fn run(args: &ReplayArgs) -> Result<(), CliError> {
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
     let rate_hz = 1.0 / period_s(&log)?;
     let configuration = estimator::controller_configuration(&plant, &resolved, rate_hz)?;
-    let mut controller = end::open(args.controller, args.elf.as_deref(), args.port.as_deref())?;
+    let mut controller = end::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
     controller.order(Command::Configure(configuration))?;
     let tracked = estimator::track(controller, &frames)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(OUT));

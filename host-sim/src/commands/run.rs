@@ -1,5 +1,6 @@
 //! `host-sim run`: the bench with the networks or the law as the bearing force, the estimator beside it.
 
+use super::end::ProbeOptions;
 use super::{output, run_controller, run_report, run_tilt, slider_crank, sweep};
 use crate::controller::{ControllerError, Recording};
 use crate::error::CliError;
@@ -26,7 +27,7 @@ pub enum ControllerChoice {
     Native,
     /// The firmware on the emulated controller, in lockstep; also natively, and the two are compared bit for bit.
     Emulated,
-    /// A board on a serial port, in lockstep; also natively, and the two are compared bit for bit.
+    /// A board on a serial port or at a debug probe, in lockstep; also natively, and the two are compared bit for bit.
     Attached,
 }
 
@@ -45,7 +46,7 @@ pub struct RunArgs {
     #[arg(long, value_enum, default_value = "quantised-net")]
     pub force: ForceSource,
     /// Where the estimator runs.
-    #[arg(long, value_enum, default_value = "native")]
+    #[arg(long, value_enum, default_value = "native", requires_if("attached", "way"))]
     pub controller: ControllerChoice,
     /// Communication step of the networks in microseconds: their force is held that long.
     #[arg(long, default_value_t = 10.0, value_name = "US", allow_negative_numbers = true)]
@@ -64,8 +65,11 @@ pub struct RunArgs {
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
     /// Serial port of the attached controller.
-    #[arg(long, value_name = "PATH", required_if_eq("controller", "attached"))]
+    #[arg(long, value_name = "PATH", group = "way")]
     pub port: Option<PathBuf>,
+    /// Its debug probe.
+    #[command(flatten)]
+    pub probe: ProbeOptions,
     /// What to do when the controller restarts in the middle of the run; that of the emulator is gone then.
     #[arg(long, value_enum, default_value = "stop")]
     pub on_restart: OnRestart,
@@ -243,6 +247,8 @@ impl From<ControllerError> for CliError {
     fn from(error: ControllerError) -> Self {
         match error {
             ControllerError::Port { .. } => Self::Input(error.to_string()),
+            #[cfg(feature = "probe")]
+            ControllerError::Probe(error) => error.into(),
             other => Self::Work(other.to_string()),
         }
     }

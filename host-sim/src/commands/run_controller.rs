@@ -29,7 +29,7 @@ pub(super) fn estimate(
         ControllerChoice::Emulated => End::Emulated,
         ControllerChoice::Attached => End::Attached,
     };
-    let mut controller = end::open(end, args.elf.as_deref(), args.port.as_deref())?;
+    let mut controller = end::open(end, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
     let recorder = Recorder::default();
     if args.record.is_some() {
         controller.listen(recorder.clone());

@@ -1,9 +1,8 @@
 //! `host-sim update`: a model package brought to a controller.
 
+use super::end::{self, ProbeOptions};
 use super::output;
-use crate::controller::{
-    AttachedController, Controller, ControllerError, EmulatedController, RemoteController,
-};
+use crate::controller::{Controller, RemoteController};
 use crate::error::CliError;
 use crate::progress;
 use crate::update::{Ask, UpdateError, Updated, refusals, update};
@@ -19,7 +18,7 @@ use std::path::PathBuf;
 pub enum Place {
     /// The firmware's image in the emulator: a rehearsal, forgotten when it ends.
     Emulated,
-    /// A board on a serial port.
+    /// A board on a serial port or at a debug probe.
     Attached,
 }
 
@@ -36,11 +35,14 @@ pub struct UpdateArgs {
     #[arg(required_unless_present = "status", value_name = "PACKAGE")]
     pub package: Option<PathBuf>,
     /// Where the controller is.
-    #[arg(long, value_enum, default_value = "emulated")]
+    #[arg(long, value_enum, default_value = "emulated", requires_if("attached", "way"))]
     pub controller: Place,
     /// Serial port of the attached controller.
-    #[arg(long, value_name = "PATH", required_if_eq("controller", "attached"))]
+    #[arg(long, value_name = "PATH", group = "way")]
     pub port: Option<PathBuf>,
+    /// Its debug probe.
+    #[command(flatten)]
+    pub probe: ProbeOptions,
     /// Image for the emulated controller; by default the one that `cargo xtask firmware` builds.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
@@ -91,10 +93,11 @@ fn read(path: &std::path::Path) -> Result<Package, CliError> {
         .map_err(|error| CliError::Input(format!("{}: not a model package: {error}", path.display())))
 }
 
-fn open(args: &UpdateArgs) -> Result<RemoteController, ControllerError> {
-    match (args.controller, &args.port) {
-        (Place::Attached, Some(port)) => AttachedController::open(port),
-        _ => EmulatedController::open(&args.elf.clone().unwrap_or_else(EmulatedController::default_elf)),
+fn open(args: &UpdateArgs) -> Result<RemoteController, CliError> {
+    let elf = args.elf.as_deref();
+    match args.controller {
+        Place::Attached => end::attached(elf, args.port.as_deref(), &args.probe),
+        Place::Emulated => end::emulated(elf),
     }
 }
 

@@ -10,7 +10,7 @@
 use super::line::{Bounds, Line};
 use super::stream::Stream;
 use super::{ControllerError, RemoteController, attached};
-use crate::flash::probe::{CORE, attach, failed, open};
+use crate::flash::probe::{CORE, attach, failed, found, open, told};
 use crate::flash::{Board, FlashError};
 use object::{Object, ObjectSection, ObjectSymbol};
 use probe_rs::probe::Probe;
@@ -67,12 +67,11 @@ impl ProbedController {
         let mut core = session.core(CORE).map_err(failed(ATTACHING))?;
         if core.core_halted().map_err(failed(ATTACHING))? {
             let halted = "found the core halted, expected it to run; another debugger may have stopped it, or it is locked up";
-            return Err(failed(FINDING)(halted).into());
+            return Err(found(FINDING, halted).into());
         }
         marks.compare(&mut core, image)?;
         let rtt = attach(&mut core, marks.block, FINDING)?;
-        let mut open =
-            channels(rtt).ok_or_else(|| failed(FINDING)("no channel `link` in both directions"))?;
+        let mut open = channels(rtt).ok_or_else(|| found(FINDING, "no channel `link` in both directions"))?;
         let mut left = [0; 1024];
         for _ in 0..EMPTYING {
             if open.0.read(&mut core, &mut left).map_err(failed(FINDING))? == 0 {
@@ -193,12 +192,6 @@ impl Channels {
             }
         }
     }
-}
-
-/// An error with its causes.
-fn told(error: &dyn std::error::Error) -> String {
-    let causes = std::iter::successors(error.source(), |cause| cause.source());
-    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }
 
 const ATTACHING: &str =

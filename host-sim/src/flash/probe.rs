@@ -21,9 +21,20 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// Longest time from reset to a log that is set up.
 const START: Duration = Duration::from_secs(2);
 
-/// An error that names what was tried.
-pub(crate) fn failed<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> FlashError {
-    move |cause| FlashError::Probe { what, cause: cause.to_string() }
+/// An error that names what was tried and tells its causes.
+pub(crate) fn failed<E: std::error::Error>(what: &'static str) -> impl Fn(E) -> FlashError {
+    move |error| FlashError::Probe { what, cause: told(&error) }
+}
+
+/// An error of ours.
+pub(crate) fn found(what: &'static str, cause: impl Into<String>) -> FlashError {
+    FlashError::Probe { what, cause: cause.into() }
+}
+
+/// An error with its causes.
+pub(crate) fn told(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(error.source(), |cause| cause.source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }
 
 /// Opens the probe: the one selected, or the only one.
@@ -36,10 +47,10 @@ pub(crate) fn open(selector: Option<&str>) -> Result<Probe, FlashError> {
     let probes = lister.list_all();
     match probes.as_slice() {
         [probe] => probe.open().map_err(failed(OPENING)),
-        [] => Err(failed("looking for probes")("found none, expected one on USB")),
+        [] => Err(found(LOOKING, "found none, expected one on USB")),
         several => {
             let names: Vec<_> = several.iter().map(ToString::to_string).collect();
-            Err(failed("looking for probes")(format!("found {}; name one with --probe", names.join(", "))))
+            Err(found(LOOKING, format!("found {}; name one with --probe", names.join(", "))))
         }
     }
 }
@@ -83,10 +94,10 @@ pub fn follow(session: &mut Session, image: &Path, mut show: impl FnMut(&str)) -
     // Where the image says, and not wherever its mark is found: RAM may still hold another image's.
     let block = find_rtt_control_block_in_raw_file(&elf)
         .map_err(failed(FINDING))?
-        .ok_or_else(|| failed(FINDING)("the image has none"))?;
+        .ok_or_else(|| found(FINDING, "the image has none"))?;
     let mut core = session.core(CORE).map_err(failed("the core"))?;
     let mut rtt = attach(&mut core, block, FINDING)?;
-    let channel = rtt.up_channel(0).ok_or_else(|| failed(FINDING)("no channel 0"))?;
+    let channel = rtt.up_channel(0).ok_or_else(|| found(FINDING, "no channel 0"))?;
     let mut buffer = [0; 1024];
     loop {
         let count = channel.read(&mut core, &mut buffer).map_err(failed("reading the log"))?;
@@ -111,5 +122,6 @@ pub(crate) fn attach(core: &mut Core, block: u64, what: &'static str) -> Result<
     }
 }
 
+const LOOKING: &str = "looking for probes";
 const FINDING: &str = "finding the log";
 const OPENING: &str = "opening the probe (another program may hold it, or the rights to it be missing)";

@@ -1,5 +1,5 @@
-//! A controller made of software at the other end of a pseudo-terminal: the firmware's session, served as the image serves its serial port, with
-//! whatever is to go wrong.
+//! A controller made of software at the other end of a pseudo-terminal, or of any other [`Port`]: the firmware's session, served as the image
+//! serves its serial port, with whatever is to go wrong.
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
 use firmware::configuration::BENCH_B;
@@ -12,11 +12,12 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 use std::fs::File;
-use std::io::{Read, Write};
+use std::io::{Read, Result, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 pub(crate) const CONFIGURATION: ControllerConfiguration = BENCH_B;
 
@@ -29,6 +30,8 @@ pub(crate) enum Trouble {
     FallsSilent,
     /// It starts anew and greets.
     Restarts,
+    /// It starts anew, and its greeting does not arrive.
+    RestartsUnheard,
     /// It goes on about other things and never answers.
     Raves,
     /// The sample does not arrive.
@@ -49,8 +52,41 @@ pub(crate) struct Plan {
     pub(crate) trouble: Trouble,
 }
 
+/// What the twin's bytes go through.
+pub(crate) trait Port: Send {
+    /// Waits a moment for bytes; whether there are any.
+    fn wait(&mut self, moment: Duration) -> bool;
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize>;
+    /// With nobody behind it, it takes what it can.
+    fn write(&mut self, bytes: &[u8]);
+    /// What a reset of the controller does to it.
+    fn restart(&mut self) {}
+}
+
+/// A pseudo-terminal. Its other end is held open, so that the master sees no end between two hosts.
+struct Terminal {
+    line: File,
+    _slave: File,
+}
+
+impl Port for Terminal {
+    fn wait(&mut self, moment: Duration) -> bool {
+        let moment = Timespec { tv_sec: 0, tv_nsec: moment.as_nanos() as i64 };
+        poll(&mut [PollFd::new(&self.line, PollFlags::IN)], Some(&moment)).unwrap() > 0
+    }
+
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        self.line.read(buffer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        let _ = self.line.write_all(bytes);
+    }
+}
+
 /// The twin, running on a thread of its own until it is dropped.
 pub(crate) struct Twin {
+    /// The pseudo-terminal, if it is at one.
     pub(crate) port: PathBuf,
     /// Samples that have come so far.
     pub(crate) samples: Arc<AtomicU32>,
@@ -65,15 +101,22 @@ impl Twin {
         grantpt(&master).unwrap();
         unlockpt(&master).unwrap();
         let port = PathBuf::from(ptsname(&master, Vec::new()).unwrap().into_string().unwrap());
-        // Held open, so that the master sees no end between two hosts; raw, so that nothing is echoed before the first.
+        // Raw, so that nothing is echoed before the first host.
         let slave = File::options().read(true).write(true).open(&port).unwrap();
         let mut settings = tcgetattr(&slave).unwrap();
         settings.make_raw();
         tcsetattr(&slave, OptionalActions::Now, &settings).unwrap();
+        let terminal = Terminal { line: File::from(master), _slave: slave };
+        let mut twin = Self::at(terminal, plan, greetings);
+        twin.port = port;
+        twin
+    }
+
+    /// The same at another port.
+    pub(crate) fn at(port: impl Port + 'static, plan: Vec<Plan>, greetings: usize) -> Self {
         let (samples, end) = (Arc::new(AtomicU32::new(0)), Arc::new(AtomicBool::new(false)));
         let mut twin = Served {
-            line: File::from(master),
-            _slave: slave,
+            port: Box::new(port),
             session: session(),
             plan,
             greetings,
@@ -82,7 +125,7 @@ impl Twin {
             mode: Mode::Serving,
         };
         let thread = Some(std::thread::spawn(move || twin.serve()));
-        Self { port, samples, end, thread }
+        Self { port: PathBuf::new(), samples, end, thread }
     }
 }
 
@@ -104,8 +147,7 @@ enum Mode {
 }
 
 struct Served {
-    line: File,
-    _slave: File,
+    port: Box<dyn Port>,
     session: Session,
     plan: Vec<Plan>,
     greetings: usize,
@@ -127,11 +169,9 @@ impl Served {
     fn serve(&mut self) {
         let mut decoder = Decoder::new();
         let mut buffer = [0; 1024];
-        self.write(&frame(&ToHost::Hello(self.session.hello(0))));
+        self.greet();
         while self.mode != Mode::Dead && !self.end.load(Ordering::Relaxed) {
-            let mut watched = [PollFd::new(&self.line, PollFlags::IN)];
-            let moment = Timespec { tv_sec: 0, tv_nsec: 5_000_000 };
-            let ready = poll(&mut watched, Some(&moment)).unwrap() > 0;
+            let ready = self.port.wait(Duration::from_millis(5));
             if self.mode == Mode::Raving {
                 let hello = self.session.hello(77);
                 self.write(&frame(&ToHost::Hello(hello)));
@@ -139,7 +179,7 @@ impl Served {
             if !ready {
                 continue;
             }
-            let Ok(count) = self.line.read(&mut buffer) else { continue };
+            let Ok(count) = self.port.read(&mut buffer) else { continue };
             for &byte in &buffer[..count] {
                 match decoder.push::<ToController>(byte) {
                     None => {}
@@ -196,17 +236,25 @@ impl Served {
             Trouble::Dies => self.mode = Mode::Dead,
             Trouble::FallsSilent => self.mode = Mode::Silent,
             Trouble::Raves => self.mode = Mode::Raving,
-            _ => {
+            trouble => {
                 self.session = session();
-                let hello = self.session.hello(0);
-                self.write(&frame(&ToHost::Hello(hello)));
+                self.port.restart();
+                if trouble == Trouble::Restarts {
+                    self.greet();
+                }
             }
         }
     }
 
-    /// A port with nobody behind it takes what it can.
+    /// As the image does at its start: behind a delimiter.
+    fn greet(&mut self) {
+        let hello = self.session.hello(0);
+        self.write(&[0]);
+        self.write(&frame(&ToHost::Hello(hello)));
+    }
+
     fn write(&mut self, bytes: &[u8]) {
-        let _ = self.line.write_all(bytes);
+        self.port.write(bytes);
     }
 }
 

@@ -208,6 +208,7 @@ fn the_command_makes_a_package_s_model_run() {
         package: Some(file.into()),
         controller: host_sim::commands::update::Place::Emulated,
         port: None,
+        probe: host_sim::commands::end::ProbeOptions::default(),
         elf: None,
         stop_run: false,
         status: false,

@@ -1,9 +1,6 @@
 //! The controller's log through a debug probe: the library's fake of one, over the memory of the image as it stands in the emulator after its start.
 //!
-//! Needs qemu-system-arm and the image (`cargo xtask firmware`). What the fake cannot do: execute, so no flash is written, and change, so the log
-//! is read once.
-#![cfg(feature = "fake-probe")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+//! What that fake cannot do: execute, so no flash is written, and change, so the log is read once.
 
 use host_sim::controller::EmulatedController;
 use host_sim::flash::probe::follow;
