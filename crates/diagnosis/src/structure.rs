@@ -6,14 +6,14 @@ use bench::Channel;
 /// Share of the best quantity's explained power at which a plainer one is preferred.
 const PLAINER: f64 = 0.85;
 
-struct Feature {
-    name: &'static str,
+pub(crate) struct Feature {
+    pub(crate) name: &'static str,
     bins: usize,
     read: fn(&Session, usize) -> Option<f64>,
 }
 
 /// Plain ones first.
-const FEATURES: &[Feature] = &[
+pub(crate) const FEATURES: &[Feature] = &[
     Feature { name: "direction", bins: 2, read: |s, i| Some(s.speed[i].signum()) },
     Feature { name: "load", bins: 4, read: |s, i| Some(s.load[i]) },
     Feature { name: "load times direction", bins: 8, read: |s, i| Some(s.load[i] * s.speed[i].signum()) },
@@ -55,11 +55,11 @@ pub(crate) fn describe(data: &Data, residual: &Columns, channel: Channel) -> (&'
     (feature.name, words)
 }
 
-struct Bin {
-    from: f64,
-    to: f64,
-    mean: f64,
-    count: f64,
+pub(crate) struct Bin {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) mean: f64,
+    pub(crate) count: f64,
 }
 
 impl Bin {
@@ -73,7 +73,7 @@ impl Bin {
 }
 
 /// Bins of equal counts, so that no bin is a few outliers.
-fn bins(data: &Data, residual: &Columns, channel: Channel, feature: &Feature) -> Option<Vec<Bin>> {
+pub(crate) fn bins(data: &Data, residual: &Columns, channel: Channel, feature: &Feature) -> Option<Vec<Bin>> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     for (block, values) in data.blocks.iter().zip(residual).filter(|(b, _)| b.channel == channel) {
         let session = &data.sessions[block.session];

@@ -1,6 +1,6 @@
 //! `host-sim diagnose`: what a simulation gets wrong in measured logs, the cause by name, the gain.
 
-use super::diagnose_report;
+use super::{diagnose_report, diagnose_text};
 use crate::error::CliError;
 use crate::options::BenchOptions;
 use crate::progress;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
     host-sim diagnose stroke*.csv --bench examples/seal-friction.toml --json\n\n\
     Any verdict exits 0.")]
 pub struct DiagnoseArgs {
-    /// Measured logs (CSV) of one bench.
+    /// Measured logs of one bench: CSV, Parquet or MAT-files (version 5 to 7).
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
     /// Logs that are only compared; without them a part of each log is held out.
@@ -51,7 +51,7 @@ pub fn run(args: &DiagnoseArgs) -> Result<(), CliError> {
     if args.json {
         say!("{}", json(&diagnosis)?);
     } else {
-        say!("{}", diagnose_report::text(&diagnosis).trim_end());
+        say!("{}", diagnose_text::text(&diagnosis).trim_end());
         say!("\nreport: {}", args.out.join("report.html").display());
     }
     Ok(())
@@ -59,7 +59,7 @@ pub fn run(args: &DiagnoseArgs) -> Result<(), CliError> {
 
 fn read(paths: &[PathBuf], bench: &Bench) -> Result<Vec<MeasuredLog>, CliError> {
     let format = bench.log_format();
-    paths.iter().map(|path| Ok(MeasuredLog::read(path, &format)?)).collect()
+    paths.iter().map(|path| Ok(MeasuredLog::read_as_found(path, &format)?)).collect()
 }
 
 fn json(diagnosis: &Diagnosis) -> Result<String, CliError> {

@@ -1,7 +1,7 @@
-//! The pictures of a diagnosis: the ranking as bars, residuals over time and over the cycle.
+//! The pictures of a diagnosis: measured against simulated, where the residual sits, ranking and shares as bars, residuals.
 
-use super::diagnose_report::{channelled, number};
-use crate::figure::{Chart, Series, lines};
+use super::diagnose_words::{channelled, number};
+use crate::figure::{Chart, Series, Style, lines};
 use crate::page::Page;
 use bench::Channel;
 use diagnosis::{Diagnosis, Series as Residual};
@@ -13,14 +13,87 @@ const HALF: (u32, u32) = (512, 300);
 const BINS: usize = 96;
 /// Pictures over time a report shows; more logs than that would hide the others.
 const MOST_PICTURES: usize = 12;
+/// Quantities over which a channel's residual is shown.
+const MOST_PLACES: usize = 4;
 
-pub(super) fn pictures(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), String> {
-    page.section("Residual before and after");
-    let y = |c: Channel| format!("measured - simulated, {}", c.unit());
+/// The channels with a residual, the one whose error is furthest above its noise first.
+fn channels(diagnosis: &Diagnosis) -> Vec<Channel> {
+    let far = |channel: &Channel| {
+        let gain = diagnosis.gain.iter().find(|g| g.channel == *channel);
+        gain.map_or(0.0, |g| g.baseline_rms / g.noise_rms.max(f64::MIN_POSITIVE))
+    };
     let mut channels: Vec<Channel> = diagnosis.series.iter().map(|s| s.channel).collect();
     channels.sort();
     channels.dedup();
-    for channel in channels {
+    channels.sort_by(|a, b| far(b).total_cmp(&far(a)));
+    channels
+}
+
+/// The last cycle of the first log that holds one out: measured, simulated before and after.
+pub(super) fn measured_and_simulated(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), String> {
+    let mut pictures = Vec::new();
+    for channel in channels(diagnosis) {
+        let own = || diagnosis.series.iter().filter(|s| s.channel == channel);
+        let Some(series) = own().find(|s| s.held_out.contains(&true)).or_else(|| own().next()) else {
+            continue;
+        };
+        let last = series.phase.as_ref().and_then(|phase| phase.last()).map(|last| last - 1.0);
+        let shown: Vec<usize> = (0..series.time_s.len())
+            .filter(|&i| match (&series.phase, last) {
+                (Some(phase), Some(last)) => phase[i] >= last,
+                _ => true,
+            })
+            .collect();
+        let line = |name: &str, read: &dyn Fn(usize) -> f64| {
+            Series::through(name, shown.iter().map(|&i| (series.time_s[i], read(i))).collect())
+        };
+        let title = format!("{channel}, {}", short(&series.source));
+        let chart = Chart { title: &title, x: "time, s", y: channel.unit(), size: HALF };
+        let drawn = lines(
+            &chart,
+            &[
+                line("measured", &|i| series.measured[i]).styled(Style::Wide),
+                line("simulated before", &|i| series.measured[i] - series.before[i]),
+                line("after", &|i| series.measured[i] - series.after[i]),
+            ],
+        )?;
+        pictures.push((drawn, "The last cycle; of a log without cycles all of it."));
+    }
+    page.figures(&pictures);
+    Ok(())
+}
+
+/// The mean residual over the quantities that make up most of it.
+pub(super) fn places(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), String> {
+    let worst = channels(diagnosis);
+    for channel in worst.iter().take(2) {
+        let mut pictures = Vec::new();
+        let mut shares = Vec::new();
+        for place in diagnosis.places.iter().filter(|p| p.channel == *channel).take(MOST_PLACES) {
+            shares.push(format!("{} {:.0} %", place.quantity, 100.0 * place.share));
+            let title = format!("{channel} over {}", place.quantity);
+            let y = format!("mean of measured - simulated, {}", channel.unit());
+            let chart = Chart { title: &title, x: place.quantity, y: &y, size: HALF };
+            let line = |name: &str, read: fn(&diagnosis::PlaceBin) -> f64| {
+                let points = place.bins.iter().map(|b| (0.5 * (b.from + b.to), read(b))).collect();
+                Series::through(name, points).styled(Style::Both)
+            };
+            let drawn = lines(&chart, &[line("before", |b| b.before), line("after", |b| b.after)])?;
+            pictures.push((drawn, "Bins of equal counts; SI units."));
+        }
+        page.figures(&pictures);
+        page.note(&format!(
+            "Of the power of the error of {channel} before, the means over these make up: {}.",
+            shares.join(", ")
+        ));
+    }
+    Ok(())
+}
+
+/// The residual before and after, over the cycle and over time.
+pub(super) fn residuals(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), String> {
+    let y = |c: Channel| format!("measured - simulated, {}", c.unit());
+    for channel in channels(diagnosis) {
         let of: Vec<&Residual> = diagnosis.series.iter().filter(|s| s.channel == channel).collect();
         let title = format!("{channel} over the cycle, mean");
         let by_phase = by_phase(&of);
@@ -77,49 +150,100 @@ fn by_phase(residuals: &[&Residual]) -> Vec<Series> {
     ]
 }
 
-/// The ranking as bars on a logarithmic scale.
-pub(super) fn bars(diagnosis: &Diagnosis) -> String {
-    const ROW: f64 = 24.0;
-    const LEFT: f64 = 300.0;
-    const RIGHT: f64 = 90.0;
-    const WIDTH: f64 = 1040.0;
-    let most = diagnosis.ranking.iter().map(|r| r.evidence).fold(10.0 * diagnosis.threshold, f64::max);
-    let x = |v: f64| LEFT + (WIDTH - LEFT - RIGHT) * (v.max(1.0).ln() / most.ln()).clamp(0.0, 1.0);
-    let height = ROW * (diagnosis.ranking.len() as f64 + 1.0);
+/// A bar with its name and the number at its end.
+struct Bar {
+    name: String,
+    /// Length as a share of the whole width.
+    share: f64,
+    value: String,
+    colour: &'static str,
+}
+
+const CHOSEN: &str = "#d55e00";
+const OTHER: &str = "#0072b2";
+const PALE: &str = "#9ec4dc";
+
+const ROW: f64 = 24.0;
+const LEFT: f64 = 300.0;
+const RIGHT: f64 = 90.0;
+const WIDTH: f64 = 1040.0;
+
+/// Bars below each other, with room for a line of text under them.
+fn bars(bars: &[Bar], below: &str) -> String {
+    let height = ROW * (bars.len() as f64 + 1.0);
     let mut svg = format!(
-        "<svg width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"13\">"
+        "<svg style=\"min-width:640px\" width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"13\">"
     );
-    for (i, r) in diagnosis.ranking.iter().enumerate() {
-        let y = ROW * i as f64;
-        let chosen = diagnosis.causes.iter().any(|c| c.effect == r.effect && c.channel == r.channel);
-        let colour = match (chosen, r.refitted) {
-            (true, _) => "#d55e00",
-            (false, true) => "#0072b2",
-            (false, false) => "#9ec4dc",
-        };
+    for (i, bar) in bars.iter().enumerate() {
+        let (y, length) = (ROW * i as f64, ((WIDTH - LEFT - RIGHT) * bar.share.clamp(0.0, 1.0)).max(1.0));
         let _ = write!(
             svg,
-            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text><rect x=\"{LEFT}\" y=\"{:.1}\" width=\"{:.1}\" \
-             height=\"{:.1}\" fill=\"{colour}\"/><text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text><rect x=\"{LEFT}\" y=\"{:.1}\" width=\"{length:.1}\" \
+             height=\"{:.1}\" fill=\"{}\"/><text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
             LEFT - 8.0,
             y + 17.0,
-            channelled(&r.effect, r.channel),
+            bar.name,
             y + 4.0,
-            (x(r.evidence) - LEFT).max(1.0),
             ROW - 8.0,
-            x(r.evidence) + 6.0,
+            bar.colour,
+            LEFT + length + 6.0,
             y + 17.0,
-            number(r.evidence),
+            bar.value,
         );
     }
-    let at = x(diagnosis.threshold);
-    let _ = write!(
-        svg,
-        "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"0\" y2=\"{:.1}\" stroke=\"#333\" stroke-dasharray=\"4 3\"/>\
-         <text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.1}</text></svg>",
-        height - ROW,
-        height - 7.0,
+    svg + below + "</svg>"
+}
+
+/// The ranking on a logarithmic scale, with the threshold.
+pub(super) fn ranking(diagnosis: &Diagnosis) -> String {
+    let most = diagnosis.ranking.iter().map(|r| r.evidence).fold(10.0 * diagnosis.threshold, f64::max);
+    let share = |value: f64| value.max(1.0).ln() / most.ln();
+    let rows: Vec<Bar> = diagnosis
+        .ranking
+        .iter()
+        .map(|r| {
+            let chosen = diagnosis.causes.iter().any(|c| c.effect == r.effect && c.channel == r.channel);
+            let colour = match (chosen, r.refitted) {
+                (true, _) => CHOSEN,
+                (false, true) => OTHER,
+                (false, false) => PALE,
+            };
+            Bar {
+                name: channelled(&r.effect, r.channel),
+                share: share(r.evidence),
+                value: number(r.evidence),
+                colour,
+            }
+        })
+        .collect();
+    let (at, height) = (LEFT + (WIDTH - LEFT - RIGHT) * share(diagnosis.threshold), ROW * rows.len() as f64);
+    let line = format!(
+        "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"0\" y2=\"{height:.1}\" stroke=\"#333\" stroke-dasharray=\"4 3\"/>\
+         <text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.1}</text>",
+        height + 17.0,
         diagnosis.threshold,
     );
-    svg
+    bars(&rows, &line)
+}
+
+/// Shares below which a hypothesis has no bar.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// Posterior shares of the hypotheses, `none` and `unknown` among them.
+pub(super) fn shares(diagnosis: &Diagnosis) -> String {
+    let chosen: Vec<String> = diagnosis.causes.iter().map(|c| channelled(&c.effect, c.channel)).collect();
+    let fitted = diagnosis.hypotheses.iter().filter(|h| h.probability >= LEAST_SHARE).map(|h| {
+        let names: Vec<String> = h.causes.iter().map(|m| channelled(&m.effect, m.channel)).collect();
+        let colour = if names == chosen { CHOSEN } else { OTHER };
+        (names.join(" + "), h.probability, colour)
+    });
+    let others = [("none", diagnosis.probability_none), ("unknown", diagnosis.probability_unknown)];
+    let others = others.map(|(name, share)| (name.to_owned(), share, PALE));
+    let bar = |(name, share, colour): (String, f64, &'static str)| Bar {
+        name,
+        share,
+        value: format!("{:.1} %", 100.0 * share),
+        colour,
+    };
+    bars(&fitted.chain(others).map(bar).collect::<Vec<_>>(), "")
 }

@@ -1,0 +1,123 @@
+//! The tables of a diagnosis, for the terminal and the page alike.
+
+use super::diagnose_words::{channelled, interval, number, percent, with_unit};
+use diagnosis::{Diagnosis, Finding, Gain};
+
+/// A table with its header; empty where there is nothing to tell.
+pub(super) struct Table {
+    pub(super) header: &'static [&'static str],
+    pub(super) rows: Vec<Vec<String>>,
+}
+
+/// Every parameter of every cause.
+pub(super) fn causes(diagnosis: &Diagnosis) -> Table {
+    let rows = diagnosis.causes.iter().flat_map(|cause| {
+        cause.parameters.iter().map(|p| {
+            vec![
+                channelled(&cause.effect, cause.channel),
+                format!("{:.1} %", 100.0 * cause.probability),
+                p.name.clone(),
+                with_unit(number(p.value), &p.unit),
+                format!("{} to {}", number(p.ci95[0]), number(p.ci95[1])),
+            ]
+        })
+    });
+    Table { header: &["cause", "probability", "parameter", "value", "95 % interval"], rows: rows.collect() }
+}
+
+/// Error before and after by channel.
+pub(super) fn gains(diagnosis: &Diagnosis) -> Table {
+    let row = |gain: &Gain| {
+        vec![
+            gain.channel.name().into(),
+            number(gain.baseline_rms),
+            number(gain.extended_rms),
+            number(gain.noise_rms),
+            percent(gain.explained_share),
+            interval(gain.explained_share_ci95),
+        ]
+    };
+    Table {
+        header: &["held-out error of", "before", "after", "noise", "explained", "95 % interval"],
+        rows: diagnosis.gain.iter().map(row).collect(),
+    }
+}
+
+/// What the logs look like and what was done to them. Notes are left out where there is something graver, unless asked for.
+pub(super) fn checks(diagnosis: &Diagnosis) -> Table {
+    let row = |f: &Finding| {
+        let short = f.log.rsplit(['/', '\\']).next().unwrap_or(&f.log);
+        let done = f.done.clone().unwrap_or_else(|| "-".into());
+        let mend = f.mend.clone().unwrap_or_else(|| "-".into());
+        let words = if f.cause.is_empty() { f.found.clone() } else { format!("{}: {}", f.found, f.cause) };
+        vec![f.severity.name().into(), short.into(), f.channel.clone(), f.kind.into(), words, done, mend]
+    };
+    Table {
+        header: &[
+            "finding",
+            "log",
+            "channel",
+            "kind",
+            "what was found",
+            "what was done",
+            "line that mends it",
+        ],
+        rows: diagnosis.checks.iter().map(row).collect(),
+    }
+}
+
+/// What was calibrated within the declared uncertainty.
+pub(super) fn calibrated(diagnosis: &Diagnosis) -> Table {
+    let row = |c: &diagnosis::Calibrated| {
+        vec![
+            c.name.clone(),
+            number(c.described),
+            number(c.declared_deviation),
+            number(c.value),
+            number(c.deviation),
+        ]
+    };
+    Table {
+        header: &["parameter", "described", "declared deviation", "calibrated", "deviation left"],
+        rows: diagnosis.calibrated.iter().map(row).collect(),
+    }
+}
+
+/// The noise that everything is measured against.
+pub(super) fn noise(diagnosis: &Diagnosis) -> Table {
+    let row = |n: &diagnosis::Noise| {
+        vec![
+            n.channel.name().into(),
+            number(n.floor),
+            n.source.into(),
+            number(n.measured_floor),
+            n.repeats.to_string(),
+            percent(n.repeatable_share),
+            format!("{:.2}", n.excess),
+            format!("{:.1}", n.correlation_samples),
+        ]
+    };
+    Table {
+        header: &[
+            "channel",
+            "floor",
+            "known from",
+            "as the log shows it",
+            "cycles compared",
+            "of the error repeats",
+            "residual/floor",
+            "correlation, samples",
+        ],
+        rows: diagnosis.noise.iter().map(row).collect(),
+    }
+}
+
+/// What the proposed experiment would tell apart.
+pub(super) fn separation(diagnosis: &Diagnosis) -> Table {
+    let rows = diagnosis
+        .experiment
+        .iter()
+        .flat_map(|e| &e.separation)
+        .map(|s| vec![channelled(&s.effect, s.channel), format!("{:.0}", s.chi_square)]);
+    Table { header: &["set apart from", "chi-square"], rows: rows.collect() }
+}

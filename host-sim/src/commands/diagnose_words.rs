@@ -1,0 +1,130 @@
+//! A diagnosis in words: numbers, causes, the verdict as a sentence that somebody at the bench understands.
+
+use bench::Channel;
+use bench::effects::kind;
+use diagnosis::{Cause, Diagnosis, Gain, Signature, Verdict};
+
+/// An effect with its channel, if it has one.
+pub(super) fn channelled(effect: &str, channel: Option<Channel>) -> String {
+    channel.map_or_else(|| effect.to_owned(), |c| format!("{effect} of {c}"))
+}
+
+/// A number with its unit.
+pub(super) fn with_unit(text: String, unit: &str) -> String {
+    if unit == "1" { text } else { format!("{text} {unit}") }
+}
+
+/// Four significant digits.
+pub(super) fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let exponent = value.abs().log10().floor();
+    if (-3.0..5.0).contains(&exponent) {
+        format!("{value:.*}", (3.0 - exponent).max(0.0) as usize)
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+/// A share in per cent.
+pub(super) fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| "-".into(), |s| format!("{:.1} %", 100.0 * s))
+}
+
+/// An interval of shares in per cent.
+pub(super) fn interval(share: Option<[f64; 2]>) -> String {
+    share.map_or_else(|| "-".into(), |[a, b]| format!("{:.1} to {:.1} %", 100.0 * a, 100.0 * b))
+}
+
+/// What an effect is, as a clause: the catalogue's sentence without its full stop.
+fn meaning(effect: &str) -> &str {
+    kind(effect).map_or(effect, |known| known.summary.trim_end_matches('.'))
+}
+
+fn cause_words(cause: &Cause) -> String {
+    let parameters: Vec<String> = cause
+        .parameters
+        .iter()
+        .map(|p| format!("{} = {}", p.name, with_unit(number(p.value), &p.unit)))
+        .collect();
+    format!(
+        "{} ({}: {})",
+        meaning(&cause.effect),
+        channelled(&cause.effect, cause.channel),
+        parameters.join(", ")
+    )
+}
+
+/// A sentence as it goes on after another.
+fn lower(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+/// The channel whose error falls by the largest factor, in words.
+fn gain_words(diagnosis: &Diagnosis) -> String {
+    let factor = |g: &&Gain| g.baseline_rms / g.extended_rms.max(f64::MIN_POSITIVE);
+    let best = diagnosis.gain.iter().max_by(|a, b| factor(a).total_cmp(&factor(b)));
+    let (Some(best), Some(share)) = (best, diagnosis.explained_share) else { return String::new() };
+    format!(
+        " With that the error of {} on data that was not fitted falls from {} to {} (noise {}), and {:.1} % of what repeats in the \
+         error of all channels is explained.",
+        best.channel,
+        number(best.baseline_rms),
+        with_unit(number(best.extended_rms), best.channel.unit()),
+        with_unit(number(best.noise_rms), best.channel.unit()),
+        100.0 * share
+    )
+}
+
+/// The verdict in a sentence or two.
+pub(super) fn sentence(diagnosis: &Diagnosis) -> String {
+    let causes: Vec<String> = diagnosis.causes.iter().map(cause_words).collect();
+    let causes = match causes.split_first() {
+        Some((first, others)) => {
+            others.iter().fold(first.clone(), |all, next| format!("{all}; and {}", lower(next)))
+        }
+        None => String::new(),
+    };
+    let gain = gain_words(diagnosis);
+    let others: Vec<String> =
+        diagnosis.ambiguous_with.iter().map(|a| channelled(&a.effect, a.channel)).collect();
+    match diagnosis.verdict {
+        Verdict::None => {
+            "Nothing is wrong: within what the description declares uncertain the simulation agrees with the logs.".into()
+        }
+        Verdict::Named => format!("{causes}.{gain}"),
+        Verdict::Ambiguous => {
+            format!("{causes}; but on these logs {} would fit as well.{gain}", others.join(" or "))
+        }
+        Verdict::Unknown => {
+            let place = diagnosis.signature.as_ref().map_or_else(String::new, |left| format!(" {}", left_words(left)));
+            format!("Something is wrong that no known effect explains.{place}")
+        }
+    }
+}
+
+/// What is left, and where, as a sentence.
+pub(super) fn left_words(left: &Signature) -> String {
+    format!(
+        "{} {}; {} rms, {:.1} times the sensor's noise.",
+        left.channel,
+        left.place,
+        with_unit(number(left.rms), left.channel.unit()),
+        left.rms_over_noise
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_has_a_meaning_that_reads_as_a_clause() {
+        for known in bench::effects::CATALOGUE {
+            let words = meaning(known.name);
+            assert!(words != known.name && !words.ends_with('.') && words.contains(' '), "{words}");
+        }
+    }
+}
