@@ -1,0 +1,131 @@
+//! The fault campaign from the command line; `cargo xtask faults` builds the image and runs it.
+
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use system_tests::faults::CampaignError;
+use system_tests::faults::campaign::Campaign;
+use system_tests::faults::judge::{Class, Outcome};
+use system_tests::faults::table::{Counts, Table};
+
+/// Seeded faults on the emulated controller, each classed by what the host gets to hear.
+#[derive(Parser)]
+#[command(
+    after_help = "Examples:\n  cargo xtask faults\n  cargo xtask faults --count 10000 --record out/faults.jsonl\n  \
+    cargo xtask faults --only 4711 --json\n\n\
+    Exit codes: 0 no fault was silent, 1 some were or the work failed, 2 the arguments are wrong."
+)]
+struct Cli {
+    /// How many faults.
+    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    count: u64,
+    /// Number of the first fault.
+    #[arg(long, default_value_t = 0)]
+    first: u64,
+    /// Only the fault of this number.
+    #[arg(long, conflicts_with_all = ["count", "first"])]
+    only: Option<u64>,
+    /// Seed of the campaign.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// File for the outcomes, one a line; what is in it is not done again.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// The firmware's image.
+    #[arg(long, value_name = "FILE")]
+    elf: Option<PathBuf>,
+    /// Faults at the same time; 0 takes one a core.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    threads: usize,
+    /// Write the counts to tests/golden/faults.json: those of the default count and seed.
+    #[arg(long, conflicts_with_all = ["count", "first", "only", "seed"])]
+    bless: bool,
+    /// Print the table as JSON; with --only the outcome.
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> ExitCode {
+    match run(&Cli::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(match error {
+                CampaignError::Image { .. } | CampaignError::File { .. } => 2,
+                _ => 1,
+            })
+        }
+    }
+}
+
+/// Runs the campaign; whether no fault was silent.
+fn run(cli: &Cli) -> Result<bool, CampaignError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build_global();
+    pool.map_err(|error| CampaignError::Unexpected { found: error.to_string(), expected: "threads" })?;
+    let elf = cli.elf.clone().unwrap_or_else(host_sim::controller::EmulatedController::default_elf);
+    let campaign = Campaign::prepare(&elf, cli.seed)?;
+    if let Some(number) = cli.only {
+        let outcome = campaign.fault(number)?;
+        let text = serde_json::to_string_pretty(&outcome).unwrap_or_default();
+        if cli.json {
+            println!("{text}")
+        } else {
+            print!("{}{}", line(&outcome), Table::of(&[outcome.clone()]).render())
+        }
+        return Ok(outcome.class != Class::Silent);
+    }
+    let bar = if cli.json { ProgressBar::hidden() } else { ProgressBar::new(cli.count) };
+    if let Ok(style) = ProgressStyle::with_template("{pos}/{len} {bar:40} {elapsed} eta {eta} {msg}") {
+        bar.set_style(style);
+    }
+    let silent = std::sync::atomic::AtomicU64::new(0);
+    let outcomes =
+        campaign.run(cli.first..cli.first.saturating_add(cli.count), cli.record.as_deref(), |outcome| {
+            bar.inc(1);
+            if outcome.class == Class::Silent {
+                let count = silent.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+                bar.set_message(format!("{count} silent"));
+            }
+        })?;
+    bar.finish_and_clear();
+    let table = Table::of(&outcomes);
+    if cli.bless {
+        bless(&Counts::of(&table))?;
+    }
+    if cli.json {
+        println!("{}", serde_json::to_string_pretty(&table).unwrap_or_default());
+    } else {
+        let (instructions, addresses) = campaign.traced();
+        println!("a sample: {instructions} instructions at {addresses} addresses\n\n{}", table.render());
+        for outcome in outcomes.iter().filter(|outcome| outcome.class == Class::Silent) {
+            print!("{}", line(outcome));
+        }
+    }
+    Ok(table.all.silent == 0)
+}
+
+/// Writes the counts that the short campaign is held against.
+fn bless(counts: &Counts) -> Result<(), CampaignError> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden/faults.json");
+    let text = serde_json::to_string_pretty(counts).unwrap_or_default() + "\n";
+    bench::atomic::write(&path, text.as_bytes()).map_err(|error| CampaignError::File {
+        path,
+        found: error.to_string(),
+        expected: "a file that can be written",
+    })
+}
+
+/// An outcome on a line.
+fn line(outcome: &Outcome) -> String {
+    format!(
+        "{} {}: {}; {:?}, {} unmarked estimates wrong, error up to {:.1} % of full scale\n",
+        outcome.number,
+        outcome.kind.name(),
+        outcome.what,
+        outcome.class,
+        outcome.wrong,
+        100.0 * outcome.error_share
+    )
+}

@@ -1,0 +1,127 @@
+//! Faults of samples and of frames: what the controller gets in place of the sound stream.
+
+use super::plan::{Fault, Kind};
+use super::{CampaignError, Random};
+use link::track::{SensorChannel, SensorStatus};
+use link::{MAX_FRAME, SensorFrame, ToController, encode};
+
+/// Samples that a fault of a sensor lasts, at most.
+const LONGEST: u32 = 400;
+
+/// The samples with the fault in them.
+#[must_use]
+pub fn disturbed(fault: &Fault, frames: &[SensorFrame]) -> Vec<(SensorFrame, SensorStatus)> {
+    let mut random = fault.random.clone();
+    let mut samples: Vec<_> = frames.iter().map(|frame| (*frame, SensorStatus::GOOD)).collect();
+    let begin = fault.sample;
+    let channel = channel_of(fault.kind, &mut random);
+    let last = frames.get(begin.saturating_sub(1)).map_or(0, |frame| value(frame, channel));
+    let sign = if random.bits().is_multiple_of(2) { 1.0 } else { -1.0 };
+    let lasting = 1 + random.below(LONGEST) as usize;
+    // In nm, nrad or mN, from the least to the most of a kind.
+    let mut between = |least: f64, most: f64| sign * least * (most / least).powf(random.unit());
+    let amount = match (fault.kind, channel) {
+        (Kind::SensorJump | Kind::SensorSpike, SensorChannel::ShaftAngle) => between(12e6, 1e9),
+        (Kind::SensorJump | Kind::SensorSpike, _) => between(60e3, 1e6),
+        // Below that it is within what the checks allow for noise; see `docs/firmware.md`.
+        (Kind::SensorOffset, _) => between(12e3, 50e3),
+        // A second's worth.
+        (Kind::SensorDrift, _) => between(100e3, 1e6),
+        (Kind::SensorNoise, SensorChannel::ShaftAngle) => between(1e6, 20e6),
+        (Kind::SensorNoise, _) => between(5e3, 50e3),
+        (Kind::SensorSaturated, SensorChannel::LoadForce) => sign * f64::from(i32::MAX),
+        (Kind::SensorSaturated, _) => sign * 2.1e6,
+        _ => 0.0,
+    };
+    for (after, (frame, status)) in samples.iter_mut().skip(begin).enumerate() {
+        let lasts = after < lasting;
+        let to = value_mut(frame, channel);
+        let off = |error: f64| to.wrapping_add(error.round() as i64 as i32);
+        match fault.kind {
+            Kind::SensorStuck => *to = last,
+            Kind::SensorJump | Kind::SensorOffset => *to = off(amount),
+            Kind::SensorSpike if after == 0 => *to = off(amount),
+            Kind::SensorMissing if lasts => *to = i32::MIN,
+            Kind::SensorDrift => *to = off(amount * after as f64 / 10_000.0),
+            Kind::SensorNoise => *to = off(amount * random.normal()),
+            Kind::SensorSaturated if lasts => *to = amount as i32,
+            Kind::SensorDropOut if lasts => {
+                *to = last;
+                *status = status.missing(channel);
+            }
+            _ => {}
+        }
+    }
+    samples
+}
+
+/// The bytes of each sample's frame with the fault of a line in them; one entry a frame that is sent.
+pub fn framed(fault: &Fault, samples: &[(SensorFrame, SensorStatus)]) -> Result<Vec<Vec<u8>>, CampaignError> {
+    let mut random = fault.random.clone();
+    let mut frames = samples.iter().map(|(frame, status)| bytes(&ToController::Sensor(*frame, *status)));
+    let mut frames = frames.by_ref().collect::<Result<Vec<_>, _>>()?;
+    let at = fault.sample;
+    match fault.kind {
+        Kind::FrameCorrupted => {
+            for _ in 0..1 + random.below(8) {
+                if let Some(frame) = frames.get_mut(at) {
+                    let place = random.below(frame.len() as u32) as usize;
+                    let bit = random.below(8);
+                    if let Some(byte) = frame.get_mut(place) {
+                        *byte ^= 1 << bit;
+                    }
+                }
+            }
+        }
+        Kind::FrameDropped => {
+            frames.drain(at..at + 1 + random.below(5) as usize);
+        }
+        Kind::FrameRepeated => {
+            let again = frames.get(at).cloned().unwrap_or_default();
+            frames.insert(at, again);
+        }
+        Kind::FrameDelayed => {
+            let late = frames.remove(at);
+            frames.insert(at + 2 + random.below(50) as usize, late);
+        }
+        Kind::FramesReordered => frames.swap(at, at + 1),
+        _ => {}
+    }
+    Ok(frames)
+}
+
+/// A message as it goes on the line.
+pub fn bytes(message: &ToController) -> Result<Vec<u8>, CampaignError> {
+    let mut buffer = [0; MAX_FRAME];
+    encode(message, &mut buffer).map(<[u8]>::to_vec).map_err(|error| CampaignError::Unexpected {
+        found: error.to_string(),
+        expected: "a message that fits a frame",
+    })
+}
+
+/// The channel that goes wrong. An offset or a drift of the angle changes nothing that is estimated, one of the load nothing at all.
+fn channel_of(kind: Kind, random: &mut Random) -> SensorChannel {
+    let journal = [SensorChannel::JournalY, SensorChannel::JournalZ];
+    let channels: &[SensorChannel] = match kind {
+        Kind::SensorOffset | Kind::SensorDrift => &journal,
+        Kind::SensorStuck | Kind::SensorJump | Kind::SensorSpike | Kind::SensorNoise => {
+            &[SensorChannel::JournalY, SensorChannel::JournalZ, SensorChannel::ShaftAngle]
+        }
+        _ => &SensorChannel::ALL,
+    };
+    let place = random.below(channels.len() as u32) as usize;
+    channels.get(place).copied().unwrap_or(SensorChannel::JournalY)
+}
+
+fn value(frame: &SensorFrame, channel: SensorChannel) -> i32 {
+    *value_mut(&mut frame.clone(), channel)
+}
+
+const fn value_mut(frame: &mut SensorFrame, channel: SensorChannel) -> &mut i32 {
+    match channel {
+        SensorChannel::JournalY => &mut frame.journal_y_nm,
+        SensorChannel::JournalZ => &mut frame.journal_z_nm,
+        SensorChannel::ShaftAngle => &mut frame.shaft_angle_nrad,
+        SensorChannel::LoadForce => &mut frame.load_force_mn,
+    }
+}
