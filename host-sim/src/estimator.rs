@@ -12,8 +12,9 @@ use contact::{Dissipation, Material, effective_modulus_pa};
 use firmware::flags::SENSOR_FAULT;
 use inference::Flags;
 use link::track::MonitorConfiguration;
-use link::{Command, Configuration, ControllerConfiguration, Counters, EstimateFrame};
-use std::time::Instant;
+use link::{Command, Configuration, ControllerConfiguration, Counters, EstimateFrame, SensorFrame};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 /// Timer ticks of an instruction on the emulated controller: 64 ns an instruction at 168 MHz.
 const TICKS_PER_INSTRUCTION: f64 = 10.752;
@@ -112,14 +113,28 @@ pub fn track<S: Copy + Into<Sampled>>(
     run.finish(controller)
 }
 
+/// Sees every sample with its estimate as they come; its time does not count as the exchange's. Break ends the run.
+pub type See<'a> = dyn FnMut(&SensorFrame, &EstimateFrame) -> ControlFlow<()> + 'a;
+
 /// As [`track`], with a choice about restarts; `configuration` is what the controller was given.
 pub fn track_through<S: Copy + Into<Sampled>>(
-    mut controller: Box<dyn Controller>,
+    controller: Box<dyn Controller>,
     configuration: ControllerConfiguration,
     frames: &[S],
     on_restart: OnRestart,
 ) -> Result<Tracked, ControllerError> {
-    let mut run = Exchange::new(frames);
+    track_seen(controller, configuration, frames, on_restart, None)
+}
+
+/// As [`track_through`], with somebody who watches.
+pub fn track_seen<S: Copy + Into<Sampled>>(
+    mut controller: Box<dyn Controller>,
+    configuration: ControllerConfiguration,
+    frames: &[S],
+    on_restart: OnRestart,
+    see: Option<&mut See<'_>>,
+) -> Result<Tracked, ControllerError> {
+    let mut run = Exchange { see, ..Exchange::new(frames) };
     let mut futile = 0;
     loop {
         let before = run.estimates.len();
@@ -153,17 +168,20 @@ pub fn track_restarting<S: Copy + Into<Sampled>>(
 }
 
 /// A run under way.
-struct Exchange<'a, S> {
+struct Exchange<'a, 'b, S> {
     frames: &'a [S],
+    see: Option<&'a mut See<'b>>,
+    seen: Duration,
     estimates: Vec<EstimateFrame>,
     restarts: Vec<usize>,
     started: Instant,
 }
 
-impl<'a, S: Copy + Into<Sampled>> Exchange<'a, S> {
+impl<'a, S: Copy + Into<Sampled>> Exchange<'a, '_, S> {
     fn new(frames: &'a [S]) -> Self {
         let estimates = Vec::with_capacity(frames.len());
-        Self { frames, estimates, restarts: Vec::new(), started: Instant::now() }
+        let (restarts, started) = (Vec::new(), Instant::now());
+        Self { frames, see: None, seen: Duration::ZERO, estimates, restarts, started }
     }
 
     fn go_on(&mut self, controller: &mut dyn Controller) -> Result<(), ControllerError> {
@@ -175,7 +193,15 @@ impl<'a, S: Copy + Into<Sampled>> Exchange<'a, S> {
         for frame in due {
             let last = self.estimates.last().map(|estimate| estimate.sequence);
             let Sampled { frame, status } = (*frame).into();
-            self.estimates.push(controller.sample(&frame, status).map_err(|error| error.after(last))?);
+            let estimate = controller.sample(&frame, status).map_err(|error| error.after(last))?;
+            self.estimates.push(estimate);
+            if let Some(see) = &mut self.see {
+                let began = Instant::now();
+                if see(&frame, &estimate).is_break() {
+                    return Err(ControllerError::Interrupted { last_sequence: frame.sequence });
+                }
+                self.seen += began.elapsed();
+            }
         }
         Ok(())
     }
@@ -195,7 +221,7 @@ impl<'a, S: Copy + Into<Sampled>> Exchange<'a, S> {
     }
 
     fn finish(self, controller: Box<dyn Controller>) -> Result<Tracked, ControllerError> {
-        let wall_s = self.started.elapsed().as_secs_f64();
+        let wall_s = self.started.elapsed().saturating_sub(self.seen).as_secs_f64();
         let last = self.estimates.last().map(|estimate| estimate.sequence);
         let name = controller.name();
         let (_, losses) = controller.heard();

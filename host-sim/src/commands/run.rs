@@ -4,13 +4,15 @@ use super::end::ProbeOptions;
 use super::{output, run_controller, run_report, run_tilt, slider_crank, sweep};
 use crate::controller::{ControllerError, Recording};
 use crate::error::CliError;
-use crate::estimator::{self, OnRestart, Tracked};
+use crate::estimator::{self, OnRestart, See, Tracked};
 use crate::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use crate::options::BenchOptions;
 use crate::progress;
 use crate::same_signals;
 use crate::sensing::{self, DropOut};
 use crate::summary::{AgainstLaw, EstimatorSummary, Figures, PeakRow, Summary};
+use crate::watch::Watch;
+use crate::watch::scene::Scene;
 use bench::description::TransmissionBench;
 use bench::slider_crank_description::SliderCrankBench;
 use bench::transmission::Transmission;
@@ -35,7 +37,7 @@ pub enum ControllerChoice {
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Examples:\n  host-sim run\n  host-sim run --force law --bearing plastic --clearance-mm 1 --load-kn -5\n  \
-    host-sim run --controller emulated --json\n  \
+    host-sim run --controller emulated --json\n  host-sim run --controller emulated --watch --watch-speed 0.2\n  \
     host-sim run --controller attached --port /dev/ttyUSB0 --on-restart continue --record out/run/link.rec"
 )]
 pub struct RunArgs {
@@ -76,6 +78,18 @@ pub struct RunArgs {
     /// File for every frame exchanged with the controller; `host-sim replay` says them again.
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Draw force, orbit and flags in the terminal while the estimator runs, at the bench's own pace; q closes the view.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
+    /// Simulated seconds a second of the live view.
+    #[arg(
+        long,
+        default_value_t = 1.0,
+        value_name = "FACTOR",
+        requires = "watch",
+        allow_negative_numbers = true
+    )]
+    pub watch_speed: f64,
     /// Folder for log.csv, impacts.csv, run.json and report.html; on a bench in two planes also tilt.csv.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
     pub out: PathBuf,
@@ -117,15 +131,17 @@ pub struct Finished {
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(bench) = SliderCrankBench::open(&args.bench.bench)? {
         args.bench.unchanged("slider-crank")?;
-        if args.record.is_some() {
-            let found =
-                "--record: found plant `slider-crank`; expected `transmission-bench`, which has a controller";
-            return Err(CliError::Input(found.into()));
+        if args.record.is_some() || args.watch {
+            let option = if args.watch { "--watch" } else { "--record" };
+            return Err(CliError::Input(format!(
+                "{option}: found plant `slider-crank`; expected `transmission-bench`, which has a controller"
+            )));
         }
         return slider_crank::run(&bench, args);
     }
-    if args.record.is_some() && args.controller == ControllerChoice::None {
-        return Err(CliError::Input("--record: found --controller none; expected a controller".into()));
+    if args.controller == ControllerChoice::None && (args.record.is_some() || args.watch) {
+        let option = if args.watch { "--watch" } else { "--record" };
+        return Err(CliError::Input(format!("{option}: found --controller none; expected a controller")));
     }
     let finished = execute(args)?;
     let json = output::json(&finished.summary)?;
@@ -201,7 +217,17 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     let configuration = estimator::controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ)?;
     let frames = sensing::samples(&described, &forced.run.samples, args.seed, drop_out);
     let (mut tracked, mut recording) = (None, None);
-    if let Some(estimated) = run_controller::estimate(args, configuration, &frames)? {
+    let mut watch = if args.watch {
+        bar.finish_and_clear();
+        Some(Watch::open(scene(&resolved, &forced, args), args.watch_speed)?)
+    } else {
+        None
+    };
+    let mut see = watch.as_mut().map(|watch| |sample: &_, estimate: &_| watch.see(sample, estimate));
+    let see = see.as_mut().map(|see| see as &mut See<'_>);
+    let estimated = run_controller::estimate(args, configuration, &frames, see)?;
+    drop(watch);
+    if let Some(estimated) = estimated {
         let seen = frames.iter().map(|sampled| sampled.frame);
         summary.estimator = Some(EstimatorSummary::of(
             &resolved,
@@ -214,6 +240,19 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     }
     bar.finish_and_clear();
     Ok(Finished { bench: *resolved, summary, forced, law, tracked, recording })
+}
+
+/// The live view of a run that is about to be estimated.
+fn scene(bench: &TransmissionBench, forced: &ForcedRun, args: &RunArgs) -> Scene {
+    let title = format!(
+        "{}, {:.2} mm, {:+.1} kN, {:?}",
+        bench.bearing.material.name(),
+        bench.bearing.radial_clearance_m * 1e3,
+        bench.load.force_n * 1e-3,
+        args.controller,
+    );
+    let truth = forced.run.samples.iter().map(|s| (s.time_s, s.forces.normal_n));
+    Scene::new(title.to_lowercase(), bench.duration_s(), bench.bearing.radial_clearance_m, truth)
 }
 
 /// The drop-outs asked for.

@@ -4,7 +4,7 @@ use super::end::{self, End};
 use super::run::{ControllerChoice, RunArgs};
 use crate::controller::{NativeController, Recorder, Recording};
 use crate::error::CliError;
-use crate::estimator::{self, Tracked};
+use crate::estimator::{self, See, Tracked};
 use crate::sensing::Sampled;
 use link::{Command, ControllerConfiguration};
 
@@ -22,6 +22,7 @@ pub(super) fn estimate(
     args: &RunArgs,
     configuration: ControllerConfiguration,
     frames: &[Sampled],
+    see: Option<&mut See<'_>>,
 ) -> Result<Option<Estimated>, CliError> {
     let end = match args.controller {
         ControllerChoice::None => return Ok(None),
@@ -36,7 +37,7 @@ pub(super) fn estimate(
     }
     let build_id = controller.hello().build_id;
     controller.order(Command::Configure(configuration))?;
-    let tracked = estimator::track_through(controller, configuration, frames, args.on_restart)?;
+    let tracked = estimator::track_seen(controller, configuration, frames, args.on_restart, see)?;
     let differences = if end == End::Native {
         None
     } else {

@@ -106,6 +106,12 @@ pub enum ControllerError {
         /// What it said of its start.
         start: Box<StartReport>,
     },
+    /// Whoever watched the run ended it.
+    #[error("stopped by control-C after sample {last_sequence}")]
+    Interrupted {
+        /// The last sample that was answered.
+        last_sequence: u32,
+    },
     /// It has taken a sample, and its estimate did not come.
     #[error(
         "the estimate of sample {sequence} was lost on the line ({damaged} damaged frames so far); last sequence number answered: {last}. \

@@ -1,0 +1,108 @@
+//! The live view of `host-sim run --watch`: the estimates as they come, drawn in the terminal and paced to the bench's own time.
+//!
+//! [`scene`] is what is known so far and what it looks like, without a terminal; this file has the terminal, the keys and the clock. `q` or
+//! escape closes the view and the run goes on without it; control-C ends the run.
+
+pub mod scene;
+
+use crate::error::CliError;
+use link::{EstimateFrame, SensorFrame};
+use ratatui::DefaultTerminal;
+use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
+use scene::Scene;
+use std::io::{IsTerminal, stdout};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// Time from one picture to the next.
+const PICTURE: Duration = Duration::from_millis(40);
+
+/// A view under way.
+pub struct Watch {
+    terminal: Option<DefaultTerminal>,
+    scene: Scene,
+    /// Simulated seconds a second.
+    speed: f64,
+    started: Instant,
+    drawn: Option<Instant>,
+}
+
+impl Watch {
+    /// Takes the terminal. `speed` is in simulated seconds a second.
+    ///
+    /// # Errors
+    ///
+    /// The output is no terminal, or the speed is out of range.
+    pub fn open(scene: Scene, speed: f64) -> Result<Self, CliError> {
+        if !(1e-3..=1e3).contains(&speed) {
+            return Err(CliError::Input(format!("--watch-speed: found {speed}; expected 0.001 to 1000")));
+        }
+        if !stdout().is_terminal() {
+            return Err(CliError::Input("--watch: found an output that is no terminal; expected one".into()));
+        }
+        let terminal = ratatui::try_init().map_err(|e| CliError::Work(format!("terminal: {e}")))?;
+        Ok(Self { terminal: Some(terminal), scene, speed, started: Instant::now(), drawn: None })
+    }
+
+    /// Takes a sample and its estimate, waits until the sample's time has come, and draws now and then. Break: the run shall end.
+    pub fn see(&mut self, sample: &SensorFrame, estimate: &EstimateFrame) -> ControlFlow<()> {
+        self.scene.see(sample, estimate);
+        let Some(terminal) = &mut self.terminal else { return ControlFlow::Continue(()) };
+        let due = self.started + Duration::from_secs_f64(self.scene.time_s() / self.speed);
+        loop {
+            let now = Instant::now();
+            if self.drawn.is_none_or(|drawn| now >= drawn + PICTURE) {
+                self.drawn = Some(now);
+                let drawn = terminal.draw(|frame| self.scene.draw(frame));
+                match (drawn, key()) {
+                    (Ok(_), Key::None) => {}
+                    // A terminal that has gone is no reason to lose the run.
+                    (Err(_), _) | (_, Key::Close) => {
+                        self.close();
+                        return ControlFlow::Continue(());
+                    }
+                    (_, Key::End) => {
+                        self.close();
+                        return ControlFlow::Break(());
+                    }
+                }
+            }
+            if now >= due {
+                return ControlFlow::Continue(());
+            }
+            std::thread::sleep((due - now).min(PICTURE));
+        }
+    }
+
+    /// Gives the terminal back.
+    fn close(&mut self) {
+        if self.terminal.take().is_some() {
+            ratatui::restore();
+        }
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+enum Key {
+    None,
+    Close,
+    End,
+}
+
+/// The key that has been pressed, if it means anything.
+fn key() -> Key {
+    match event::poll(Duration::ZERO).and_then(|ready| if ready { event::read().map(Some) } else { Ok(None) })
+    {
+        Ok(Some(Event::Key(key))) if key.kind == KeyEventKind::Press => match key.code {
+            KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Key::End,
+            KeyCode::Char('q') | KeyCode::Esc => Key::Close,
+            _ => Key::None,
+        },
+        _ => Key::None,
+    }
+}
