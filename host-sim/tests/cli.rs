@@ -79,10 +79,18 @@ fn a_build_without_probes_says_how_to_make_one_with_them() {
 fn an_output_that_cannot_be_written_exits_with_1() {
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(directory.path().join("taken"), "a file, not a folder").unwrap();
-    let output =
-        host_sim(directory.path(), &["run", "--force", "law", "--controller", "none", "--out", "taken"]);
-    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("taken"), "{}", text(&output.stderr));
+    // The long ones say so before their work, or this test would take minutes.
+    for arguments in [
+        &["run", "--force", "law", "--controller", "none", "--out", "taken"][..],
+        &["accuracy", "--out", "taken"],
+        &["figures", "--out", "taken"],
+        &["sweep", "latch", "--out", "taken"],
+        &["sweep", "step", "--out", "taken"],
+    ] {
+        let output = host_sim(directory.path(), arguments);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("taken"), "{arguments:?}: {}", text(&output.stderr));
+    }
 }
 
 #[test]

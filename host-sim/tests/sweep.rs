@@ -162,7 +162,7 @@ fn wrong_input_exits_with_2_and_names_the_field() {
             "rig.toml: bench: found plant `friction-rig`; expected `transmission-bench`",
         ),
         (&["sweep", "base.toml"], "missing.toml (neither a preset"),
-        (&["sweep", "no-such.toml"], "no-such.toml (neither clearance, load, latch nor a file)"),
+        (&["sweep", "no-such.toml"], "no-such.toml (neither clearance, load, latch, step nor a file)"),
         (&["sweep", "path.toml", "--bench", "bench-a"], "--bench: found bench-a; expected none"),
         (&["sweep", "clearance", "--step-us", "0"], "--step-us: found 0; expected 0.1 to 1000"),
         (&["sweep", "clearance", "--bench", "friction-rig"], "expected `transmission-bench`"),

@@ -59,6 +59,7 @@ pub(super) struct Outcome {
 pub fn run(args: &AccuracyArgs) -> Result<(), CliError> {
     // Doubled once for the comparison, and once more for that one's own error bar.
     let settings = Settings { step_s: step_s(args.step_us)?, seed: args.seed, threads: args.threads };
+    output::ready(&args.out)?;
     let bearing = args.bearing.map(BearingMaterial::from);
     let chosen: Vec<Condition> =
         conditions::all().into_iter().filter(|c| bearing.is_none_or(|b| c.bearing == b)).collect();

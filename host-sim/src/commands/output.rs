@@ -13,6 +13,12 @@ pub(super) fn write(folder: &Path, name: &str, text: &str) -> Result<(), CliErro
     atomic::write(&path, text.as_bytes()).map_err(|e| CliError::output(&path, &e))
 }
 
+/// Makes the folder and sees that it can be written to, before the work and not after it.
+pub(super) fn ready(folder: &Path) -> Result<(), CliError> {
+    let tried = std::fs::create_dir_all(folder).and_then(|()| tempfile::tempfile_in(folder));
+    tried.map(drop).map_err(|e| CliError::output(folder, &e))
+}
+
 /// A value as indented JSON.
 pub(super) fn json(value: &impl Serialize) -> Result<String, CliError> {
     serde_json::to_string_pretty(value).map_err(|e| CliError::Work(e.to_string()))

@@ -32,7 +32,9 @@ struct Outcome<'a> {
 pub(super) fn run(file: &str, options: &RunOptions, folder: &Path, json: bool) -> Result<(), CliError> {
     let step_s = options.step_s()?;
     let text = std::fs::read_to_string(file).map_err(|e| {
-        CliError::Input(format!("{file} (neither clearance, load, latch nor a file): cannot be read: {e}"))
+        CliError::Input(format!(
+            "{file} (neither clearance, load, latch, step nor a file): cannot be read: {e}"
+        ))
     })?;
     let mut specification = Specification::parse(file, &text)?;
     specification.force = options.force.unwrap_or(specification.force);

@@ -60,6 +60,7 @@ pub(super) fn run(options: &RunOptions, folder: &Path, json: bool) -> Result<(),
     }
     let base = options.base()?;
     options.step_s()?;
+    output::ready(folder)?;
     let mut cases = Vec::new();
     for bearing in BEARINGS {
         for clearance in CLEARANCES_MM {

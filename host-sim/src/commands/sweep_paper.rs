@@ -32,6 +32,7 @@ pub(super) fn run(
 ) -> Result<(), CliError> {
     let source = options.force.unwrap_or(ForceSource::QuantisedNet);
     let (base, step_s) = (options.base()?, options.step_s()?);
+    output::ready(folder)?;
     let bar = progress::bar(json, PaperRuns::COUNT + 1);
     bar.set_message(format!("runs with {}", source.name()));
     let runs = PaperRuns::execute(&base, source, step_s, options.threads, || bar.inc(1))?;

@@ -83,6 +83,7 @@ pub(super) fn run(options: &RunOptions, folder: &Path, json: bool) -> Result<(),
             "[two_plane]: found; expected a planar bench: nothing is held on the other".into(),
         ));
     }
+    output::ready(folder)?;
     let benches = BEARINGS.map(|bearing| {
         resolved(variant(&base, bearing, base.bearing.radial_clearance_m * 1e3, base.load.force_n * 1e-3))
     });

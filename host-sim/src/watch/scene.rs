@@ -192,7 +192,8 @@ mod tests {
                 journal_z_nm: (400_000.0 * angle.sin()) as i32,
                 ..SensorFrame::default()
             };
-            let estimate = EstimateFrame { normal_force_n: 0.3 * index as f32, flags, ..EstimateFrame::default() };
+            let estimate =
+                EstimateFrame { normal_force_n: 0.3 * index as f32, flags, ..EstimateFrame::default() };
             scene.see(&sample, &estimate);
         }
     }
