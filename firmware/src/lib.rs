@@ -16,6 +16,7 @@
 pub mod boards;
 pub mod clock;
 pub mod configuration;
+mod constants;
 pub mod estimator;
 pub mod flags;
 pub mod monitor;

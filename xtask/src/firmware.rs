@@ -63,8 +63,7 @@ impl Board {
         self.compile(
             &[],
             &[("RUSTC_BOOTSTRAP", "1"), ("RUSTFLAGS", "-Zemit-stack-sizes"), ("CARGO_TARGET_DIR", &folder)],
-        )?;
-        Ok(target_folder().join("stack").join(self.target).join("firmware/estimator"))
+        )
     }
 
     fn compile(&self, more: &[&str], variables: &[(&str, &str)]) -> Result<PathBuf, ChoreError> {
@@ -76,7 +75,11 @@ impl Board {
         command.env("DEFMT_LOG", "info");
         command.env("PINTLE_BOARD", self.name).envs(variables.iter().copied());
         run(&mut command)?;
-        Ok(target_folder().join(self.target).join("firmware/estimator"))
+        let folder = variables.iter().find(|(name, _)| *name == "CARGO_TARGET_DIR");
+        let folder = folder.map_or_else(target_folder, |(_, folder)| PathBuf::from(folder));
+        let image = folder.join(self.target).join("firmware/estimator");
+        crate::seal::seal(&image)?;
+        Ok(image)
     }
 
     /// Cargo's next build writes over an image: a copy stays.

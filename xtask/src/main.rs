@@ -2,14 +2,17 @@
 
 mod boards;
 mod budget;
+mod campaigns;
 mod compile;
 mod firmware;
 mod flash;
 mod golden;
+mod hidden_effects;
 mod insn;
 mod kernels;
 mod miri;
 mod run;
+mod seal;
 mod setup;
 mod size;
 mod stack;
@@ -18,6 +21,7 @@ mod test;
 mod verify;
 
 use clap::{Parser, Subcommand};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Chores of the Pintle workspace.
@@ -54,6 +58,13 @@ enum Command {
     Verify,
     /// Count anew and write the golden figures and the README's tables.
     Bless,
+    /// Hide effects in logs of independent generators and tell how well the diagnosis finds them (`-- --help` for more).
+    #[command(disable_help_flag = true)]
+    HiddenEffects {
+        /// Options of the program: --seeds, --plant, --sizes, --arms, --out, --json, --bless and others.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Instructions of the reference network, the layers and a controller tick, from the emulator.
     Insn {
         /// Print as JSON.
@@ -67,6 +78,20 @@ enum Command {
         /// Print as JSON.
         #[arg(long)]
         json: bool,
+    },
+    /// Disturb the emulated controller with seeded faults and class what the host gets to hear (its own `--help` tells more).
+    #[command(disable_help_flag = true)]
+    Faults {
+        /// As `cargo xtask faults --help` says.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
+    },
+    /// Run the emulated controller beside the host's for many samples and compare every bit.
+    #[command(disable_help_flag = true)]
+    Soak {
+        /// As `cargo xtask soak --help` says.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
     },
     /// Flash, RAM and stack of the image, and whether it contains a reachable panic.
     Size {
@@ -86,13 +111,21 @@ fn main() -> ExitCode {
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
         Command::Bless => golden::bless().and_then(|()| budget::bless()),
+        Command::HiddenEffects { arguments } => hidden_effects::hidden_effects(&arguments),
         Command::Insn { json } => insn::insn(json),
         Command::Flash(args) => flash::flash(&args),
         Command::Stack { json } => stack::stack(json),
         Command::Size { json } => size::size(json),
+        Command::Faults { arguments } => return exit(campaigns::campaign("faults", &arguments)),
+        Command::Soak { arguments } => return exit(campaigns::campaign("soak", &arguments)),
     };
+    exit(result.map(|()| ExitCode::SUCCESS))
+}
+
+/// The exit code of a chore; what failed is told.
+fn exit(result: Result<ExitCode, run::ChoreError>) -> ExitCode {
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::FAILURE

@@ -24,17 +24,18 @@ mod app {
     use core::sync::atomic::{AtomicU32, Ordering};
     use firmware::boards::{
         Board, Inbox, Light, Link, Memory, PACKAGES_FOR, Receiver, Sensors, Storage, Timer, Watchdog,
-        advance_uptime, check_in, give_up, leave, stack_mark, stack_used, start, uptime_us,
+        advance_uptime, check_in, code_check, code_word, give_up, leave, stack_mark, stack_used, start,
+        uptime_us,
     };
     use firmware::store::{Keeper, Store, key};
     use firmware::supervisor::light::{lit, shown};
     use firmware::supervisor::paint::Mark;
     use firmware::supervisor::self_test::Progress;
-    use firmware::supervisor::{Attendance, Party, SelfTest, Verdict};
+    use firmware::supervisor::{Attendance, CodeCheck, Party, SelfTest, Verdict};
     use firmware::{NoTicks, Session};
     use heapless::Deque;
     use heapless::spsc::{Consumer, Producer, Queue};
-    use link::start::{FaultKind, PARTIES, Presence, StartReport};
+    use link::start::{FaultKind, MISSING_SELF_TEST, PARTIES, Presence, StartReport};
     use link::track::SensorStatus;
     use link::update::{UpdateAnswer, UpdateRequest};
     use link::{
@@ -50,6 +51,8 @@ mod app {
     const SAMPLES: usize = 8;
     /// In lockstep the self-test goes on once in so many frames, so that it does not slow the exchange down.
     const FRAMES_A_STEP: u32 = 16;
+    /// Words of code that one pass of the link's loop looks at, or one frame of a lockstep.
+    const CODE_WORDS_A_PASS: usize = 64;
 
     /// Received bytes that found no room.
     static DROPPED_BYTES: AtomicU32 = AtomicU32::new(0);
@@ -93,6 +96,8 @@ mod app {
     /// What is done beside the link.
     pub struct Background {
         self_test: SelfTest,
+        /// Nothing if the code was altered from the start: then every run is refused.
+        code: Option<CodeCheck>,
         mark: Mark,
     }
 
@@ -119,6 +124,13 @@ mod app {
         let Storage { slots, places } = storage;
         let (store, models) = Store::start(slots, PACKAGES_FOR, key::KEY);
         session.switch(models);
+        let mut code = code_check();
+        let code = if code.pass(code_word) {
+            session.distrust_code();
+            None
+        } else {
+            Some(code)
+        };
         let keeper = Keeper::start(places);
         // From here on both are expected; sampling and inference once there is something to estimate.
         check_in(&attendance, Party::Link);
@@ -140,7 +152,7 @@ mod app {
                 light,
                 start,
                 paced,
-                background: Background { self_test: SelfTest::new(), mark },
+                background: Background { self_test: SelfTest::new(), code, mark },
                 kept: Kept { store, keeper },
             },
         )
@@ -292,6 +304,7 @@ mod app {
                                 send(&report, |bytes| files.write(bytes));
                             }
                         }
+                        look_at_constants(background, &mut cx.shared.session);
                         frames = frames.wrapping_add(1);
                         if frames % FRAMES_A_STEP == 0 {
                             go_on(background, attendance, |stack| {
@@ -361,6 +374,7 @@ mod app {
                     }
                 }
                 replace_altered(&mut kept.store, &mut cx.shared.session);
+                look_at_constants(background, &mut cx.shared.session);
                 go_on(background, attendance, |stack| cx.shared.session.lock(|s| s.report_stack(stack)));
             },
         }
@@ -372,6 +386,15 @@ mod app {
             overruns: OVERRUNS.load(Ordering::Relaxed),
             framing: FRAMING.load(Ordering::Relaxed),
             noise: NOISE.load(Ordering::Relaxed),
+        }
+    }
+
+    /// Goes on with the check of the code, and looks at what the run must not change. Neither may go on altered; the next start finds the code so, too,
+    /// and refuses every run.
+    fn look_at_constants(background: &mut Background, session: &mut impl rtic::Mutex<T = Session>) {
+        let hold = session.lock(Session::constants_hold);
+        if !hold || background.code.as_mut().is_some_and(|code| code.step(CODE_WORDS_A_PASS, code_word)) {
+            give_up(FaultKind::Starved { missing: MISSING_SELF_TEST });
         }
     }
 

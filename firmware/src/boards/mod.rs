@@ -22,6 +22,7 @@ macro_rules! on_target {
 }
 
 on_target! {
+    mod code;
     mod fault;
     mod guard;
     mod log;
@@ -55,6 +56,7 @@ on_target! {
         attendance.check_in(party, uptime_us());
     }
 
+    pub use code::{code_check, code_word};
     pub use fault::give_up;
     pub use memory::{stack_mark, stack_used};
     pub use model_memory::{Memory, Storage};

@@ -4,6 +4,9 @@
 //! code as it is. Results beyond an i32 stop at its ends. The shaft angle is known modulo 2^32 nrad, which a gain would not
 //! survive: its steps are multiplied and added up, so that nothing jumps when the code wraps around.
 
+use core::hash::Hash;
+
+use crate::constants::Sum;
 use link::track::CHANNELS;
 use link::{Calibration, SensorFrame};
 
@@ -22,6 +25,10 @@ pub struct Calibrator {
 }
 
 impl Calibrator {
+    pub(crate) fn constants(&self, sum: &mut Sum) {
+        (self.offsets, self.gains).hash(sum);
+    }
+
     /// Takes the channels' calibration.
     #[must_use]
     pub fn new(calibration: &[Calibration; CHANNELS]) -> Self {

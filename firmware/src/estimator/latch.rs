@@ -3,9 +3,12 @@
 //! A contact begins when the deformation goes from below 0 to 0 or above, with the rate of that sample (not below the
 //! floor), and ends when it falls below 0. A contact whose onset was not seen, because the samples began or were
 //! interrupted in it or because the rate was not yet known, has the approach speed that the configuration states for that case, and is flagged: no sensor can tell
-//! afterwards, and in sustained contact the damping is inversely proportional to it. Whole numbers, nm/s; no branch on data.
+//! afterwards, and in sustained contact the damping is inversely proportional to it. A latched speed of which a bit has flipped is an onset not seen. Whole numbers, nm/s; no branch on data.
+
+use core::hash::Hash;
 
 use super::whole::select;
+use crate::constants::Sum;
 
 /// Onset latch.
 #[derive(Clone, Debug)]
@@ -18,6 +21,8 @@ pub struct Latch {
     seen: bool,
     /// Speed of the contact, where there is one.
     speed_nm_s: i32,
+    /// Its complement: the speed stays for as long as the contact does, and so would a flipped bit.
+    complement: i32,
 }
 
 impl Latch {
@@ -25,7 +30,18 @@ impl Latch {
     #[must_use]
     pub fn new(floor_nm_s: i32, unseen_nm_s: i32) -> Self {
         let unseen_nm_s = unseen_nm_s.max(floor_nm_s);
-        Self { floor_nm_s, unseen_nm_s, open: false, seen: false, speed_nm_s: unseen_nm_s }
+        Self {
+            floor_nm_s,
+            unseen_nm_s,
+            open: false,
+            seen: false,
+            speed_nm_s: unseen_nm_s,
+            complement: !unseen_nm_s,
+        }
+    }
+
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        (self.floor_nm_s, self.unseen_nm_s).hash(sum);
     }
 
     /// Forgets what was seen: the next sample may be in the middle of a contact.
@@ -33,6 +49,7 @@ impl Latch {
         self.open = false;
         self.seen = false;
         self.speed_nm_s = self.unseen_nm_s;
+        self.complement = !self.unseen_nm_s;
     }
 
     /// Takes a sample, its deformation in any unit and its rate if it is known; returns the approach speed in nm/s and whether the contact's
@@ -42,8 +59,10 @@ impl Latch {
         let open = deformation < 0;
         let onset = self.open & !open;
         let latched = select(rate_known, rate_nm_s.max(self.floor_nm_s), self.unseen_nm_s);
-        self.seen = (onset & rate_known) | (!onset & !open & self.seen);
-        self.speed_nm_s = select(onset, latched, self.speed_nm_s);
+        let whole = self.speed_nm_s == !self.complement;
+        self.seen = (onset & rate_known) | (!onset & !open & self.seen & whole);
+        self.speed_nm_s = select(onset, latched, select(whole, self.speed_nm_s, self.unseen_nm_s));
+        self.complement = !self.speed_nm_s;
         self.open = open;
         (select(open, self.floor_nm_s, self.speed_nm_s).cast_unsigned(), self.seen | open)
     }
@@ -65,6 +84,20 @@ mod tests {
         assert_eq!(latch.update(3000, -100_000_000, true), (150_000_000, true));
         assert_eq!(latch.update(-1000, -50_000_000, true), (1_000_000, true));
         assert_eq!(latch.update(100, 50_000_000, true), (50_000_000, true));
+    }
+
+    #[test]
+    fn a_flipped_bit_of_the_latched_speed_is_an_onset_not_seen() {
+        for bit in 0..32 {
+            let mut latch = Latch::new(FLOOR, UNSEEN);
+            latch.update(-1000, 0, true);
+            latch.update(1000, 150_000_000, true);
+            latch.speed_nm_s ^= 1 << bit;
+            assert_eq!(latch.update(1000, 0, true), (UNSEEN as u32, false), "bit {bit}");
+            assert_eq!(latch.update(1000, 0, true), (UNSEEN as u32, false), "it stays told");
+            latch.update(-1000, 0, true);
+            assert_eq!(latch.update(1000, 150_000_000, true), (150_000_000, true), "until the next onset");
+        }
     }
 
     #[test]

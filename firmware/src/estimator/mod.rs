@@ -38,6 +38,8 @@ mod signals;
 mod whole;
 mod window;
 
+use core::hash::Hash;
+
 use inference::{ContactState, Flags, Model, Pair, Sample};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
@@ -50,6 +52,7 @@ pub use setup::bench_ranges;
 pub use signals::{DEFORMATION_WINDOW, SHAFT_WINDOW, SWING_WINDOW, WINDOW};
 pub use window::{WideWindow, Window};
 
+use crate::constants::Sum;
 use crate::flags::{ONSET_NOT_SEEN, WINDOW_FILLING};
 use geometry::cut;
 use newton::{Newton, Told};
@@ -111,6 +114,19 @@ impl Estimator {
             sample: Sample::default(),
             setup,
         })
+    }
+
+    /// What the configuration and the image set.
+    pub(crate) fn constants(&self, sum: &mut Sum) {
+        self.setup.constants(sum);
+        self.plausibility.constants(sum);
+        self.signals.constants(sum);
+        self.newton.constants(sum);
+        self.observer.constants(sum);
+        self.latch.constants(sum);
+        for scale in [self.pair.model().collision().scale(), self.pair.model().friction().scale()] {
+            (scale.multiplier, scale.shift).hash(sum);
+        }
     }
 
     /// The watch over the samples: what was found in the last one.

@@ -20,9 +20,12 @@
 //! What is wrong with this rate, and slow, the [`super::observer`] takes out by the measured position; what is wrong and fast it
 //! notices. Whole numbers: nm/s, mN, accelerations in units of 1024 nm/s2; no branch on data.
 
+use core::hash::Hash;
+
 use super::conditioning::{Conditioning, MASS_RANGE_G};
 use super::geometry::ContactFrame;
 use super::whole::{Factor, product, saturated, saturated_unsigned, select, within};
+use crate::constants::Sum;
 use inference::fixed::fraction;
 
 /// Unit of accelerations, nm/s2.
@@ -70,6 +73,10 @@ pub(super) struct Told {
 }
 
 impl Newton {
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        (self.per_mass_y, self.per_mass_z, self.per_damping, self.per_tick).hash(sum);
+    }
+
     /// Prepares the law; without masses it has nothing to say.
     pub(super) fn new(conditioning: &Conditioning, period_us: u32) -> Self {
         let per_mass = |mass_g: u32| {

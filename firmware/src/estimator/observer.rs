@@ -12,8 +12,11 @@
 //!
 //! Whole numbers: positions in nm/16 outside and nm/2^24 inside, rates in nm/s outside and nm/s over 2^16 inside. No branch on data.
 
+use core::hash::Hash;
+
 use super::geometry::DISTANCE_STEPS_PER_NM;
 use super::whole::{Factor, product, saturated, select, select_wide, within};
+use crate::constants::Sum;
 
 /// Share of a difference that the position takes over, over 2^20.
 pub(super) const POSITION_GAIN: i32 = 99_775;
@@ -64,6 +67,10 @@ pub(super) struct Radial {
 }
 
 impl Observer {
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        (self.noise_square, self.per_range, self.always_window, self.per_sample, self.rate_gain).hash(sum);
+    }
+
     /// An observer for a sample period and a standard deviation of the position's noise. Without predictions it is the window that counts, always.
     pub(super) fn new(period_us: u32, noise_nm: u32, with_predictions: bool) -> Self {
         let noise_nm = noise_nm.max(NOISE_RANGE_NM.0).min(NOISE_RANGE_NM.1);

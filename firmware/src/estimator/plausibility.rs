@@ -5,7 +5,7 @@
 //! | missing | its driver says so ([`SensorStatus`]), or its value is `i32::MIN` |
 //! | saturated | its driver says so, or the value is at or beyond the rail |
 //! | stuck | so many samples of one code |
-//! | jumped | it moved further since the last sample than the machine can |
+//! | jumped | it moved further since the last sample than the machine can, or a journal coordinate's step differs from the one before by more than [`BENDS`] times its noise limit |
 //! | noisy | mean square of the second difference above 6 times the square of the limit; each channel is looked at in every eighth sample, the mean is over 64 of those; motion leaves 0.7 um there at most |
 //!
 //! and for the sample as a whole: the sequence does not follow, the time did not advance by the period, the journal is farther out than
@@ -19,10 +19,13 @@
 
 mod swing;
 
+use core::hash::Hash;
+
 use inference::Flags;
 use link::SensorFrame;
 use link::track::{CHANNELS, SensorStatus};
 
+use crate::constants::Sum;
 use crate::flags::{
     IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, JUMP, NOISY, SENSOR_MISSING, SENSOR_SATURATED, SEQUENCE_GAP,
     STUCK, TIME_FAULT,
@@ -39,6 +42,8 @@ const MAX_JOURNAL_SPEED_NM_US: u32 = 500;
 const JOURNAL_ALLOWANCE_NM: u32 = 5_000;
 /// Shaft speed that the machine cannot exceed, nrad/us: 100 rad/s.
 const MAX_SHAFT_SPEED_NRAD_US: u32 = 100_000;
+/// A journal coordinate's step may differ from the one before by so many times its limit of noise: 10 um for 2 um. Motion leaves 0.7 um.
+const BENDS: u32 = 5;
 /// Allowance on an angle step for noise, nrad.
 const ANGLE_ALLOWANCE_NRAD: u32 = 500_000;
 /// Load rate that the machine cannot exceed, mN/us: 2 MN/s.
@@ -117,10 +122,14 @@ pub struct Plausibility {
     period_us: u32,
     farthest_squared: u64,
     channels: [Channel; CHANNELS],
+    /// Largest differences of two steps of the journal.
+    bend_limits: [u32; 2],
     swing: swing::Swing,
     previous: SensorFrame,
     /// Steps of the channels from the sample before the previous one to it.
     steps: [i32; CHANNELS],
+    /// All ones if those are the steps of a sample that followed the one before it; 0 if they say nothing about the next.
+    followed: u32,
     /// Twice the channel whose noise is looked at, and whether the sample is one for looking.
     turn: usize,
     /// The channels that were too noisy when they were looked at last.
@@ -152,9 +161,11 @@ impl Plausibility {
             period_us,
             farthest_squared: farthest_nm.saturating_mul(farthest_nm),
             channels: [Channel::default(); CHANNELS],
+            bend_limits: [LARGEST; 2],
             swing: swing::Swing::default(),
             previous: SensorFrame::default(),
             steps: [0; CHANNELS],
+            followed: 0,
             turn: 0,
             loud: 0,
             seen: false,
@@ -176,6 +187,8 @@ impl Plausibility {
             self.period_us.saturating_mul(MAX_LOAD_RATE_MN_US).saturating_add(load_noise.saturating_mul(10));
         let sensors = limits.rail.iter().zip(limits.stuck_samples).zip(limits.noise);
         let steps = [journal_nm, journal_nm, angle_nrad, load_mn];
+        let [y_noise, z_noise, ..] = limits.noise;
+        self.bend_limits = [y_noise, z_noise].map(|noise| noise.saturating_mul(BENDS).min(LARGEST));
         for (channel, (step_limit, ((rail, stuck), noise))) in
             self.channels.iter_mut().zip(steps.into_iter().zip(sensors))
         {
@@ -200,6 +213,16 @@ impl Plausibility {
         self.swing = swing::Swing::new(&limits.swing, self.period_us);
     }
 
+    /// What the configuration set.
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        (self.period_us, self.farthest_squared, self.bend_limits).hash(sum);
+        for channel in &self.channels {
+            (channel.below_rail, channel.step_limit, channel.stuck_samples).hash(sum);
+            (channel.noise_shift, channel.noise_clip, channel.noise_threshold).hash(sum);
+        }
+        self.swing.constants(sum);
+    }
+
     /// What the drivers say of the next sample.
     pub const fn take_status(&mut self, status: SensorStatus) {
         self.status = status;
@@ -214,7 +237,8 @@ impl Plausibility {
     /// Takes a sample and returns the doubts about it, as far as they concern the motion: what is wrong with the load is among
     /// the [`Self::findings`] only, as no estimate rests on it.
     pub fn check(&mut self, frame: &SensorFrame) -> Flags {
-        if !self.seen {
+        let first = !self.seen;
+        if first {
             // Before the first sample the machine stood as it does in it.
             self.seen = true;
             self.previous = SensorFrame {
@@ -250,6 +274,11 @@ impl Plausibility {
             events |= u32::from(channel.unchanged >= channel.stuck_samples) << (STILL + index);
         }
         let before = core::mem::replace(&mut self.steps, steps);
+        let ([y, z, ..], [y_before, z_before, ..]) = (steps, before);
+        let [y_limit, z_limit] = self.bend_limits;
+        let bends = u32::from(is_beyond(y.wrapping_sub(y_before), y_limit))
+            | u32::from(is_beyond(z.wrapping_sub(z_before), z_limit)) << 1;
+        events |= (bends & self.followed) << FAR;
         self.turn = self.turn.wrapping_add(1) % (2 * CHANNELS);
         if self.turn.is_multiple_of(2) {
             self.listen(self.turn / 2, &steps, &before);
@@ -259,6 +288,8 @@ impl Plausibility {
         let elapsed_us = frame.time_us.wrapping_sub(previous.time_us);
         let gap = frame.sequence.wrapping_sub(previous.sequence) != 1;
         let late = elapsed_us.abs_diff(self.period_us) > self.period_us / 2;
+        let jumped = events & MOTION & 0xf << FAR != 0;
+        self.followed = u32::from(!(gap | late | jumped | first)).wrapping_neg();
         let sample = IMPLAUSIBLE_POSITION.when(self.is_too_far(frame))
             | SEQUENCE_GAP.when(gap)
             | TIME_FAULT.when(late)

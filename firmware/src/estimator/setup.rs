@@ -1,5 +1,6 @@
 //! The configuration, checked and turned into the factors that a tick needs.
 
+use core::hash::Hash;
 use core::ops::RangeInclusive;
 
 use inference::{Bearing, Model};
@@ -7,6 +8,7 @@ use link::{Configuration, Field, OutOfRange, Refusal};
 use model_package::WRONG_BEARING;
 
 use super::geometry::DISTANCE_STEPS_PER_NM;
+use crate::constants::Sum;
 
 /// Every field of a bench with its value and the values that are served.
 ///
@@ -54,6 +56,12 @@ pub(super) struct Setup {
 }
 
 impl Setup {
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        (self.radial_clearance_nm, self.radial_clearance, self.image_floor_nm_s).hash(sum);
+        (self.latch_floor_nm_s, self.unseen_approach_nm_s).hash(sum);
+        sum.float(self.journal_radius_m);
+    }
+
     pub(super) fn new(
         image: &'static [u8],
         configuration: Configuration,

@@ -41,7 +41,7 @@ pub(super) fn select_wide(condition: bool, yes: i64, no: i64) -> i64 {
 }
 
 /// A constant factor, prepared once: `multiplier / 2^shift`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Factor {
     multiplier: i32,
     /// At most 31.

@@ -17,6 +17,7 @@
 use inference::{ContactState, Flags};
 use link::track::MonitorConfiguration;
 
+use crate::constants::Sum;
 use crate::flags::WINDOW_FILLING;
 use crate::tracking::{at_least, at_most};
 
@@ -54,6 +55,10 @@ impl Envelope {
             floor_n: monitor.envelope_floor_mn as f32 * 1e-3,
             root: libm::sqrtf(radial_clearance_nm as f32 * 1e-9),
         }
+    }
+
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        sum.floats(&[self.modulus_factor, self.damping, self.share, self.floor_n]);
     }
 
     /// Whether a normal force is outside the envelope of the law at a contact.

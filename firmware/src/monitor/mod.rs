@@ -19,6 +19,7 @@ pub use envelope::Envelope;
 pub use limits::ranges;
 
 use crate::Estimator;
+use crate::constants::Sum;
 use crate::estimator::{Conditioning, Limits, SwingLimit, bearing_of, flags_of};
 use crate::flags::{
     DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, NETWORK_OUTSIDE_LAW, SENSOR_FAULT, SEQUENCE_GAP,
@@ -77,6 +78,14 @@ impl Monitor {
     /// Raises an alarm when the tracked friction level is above a limit, thousandths; 0 for none.
     pub fn limit_friction(&mut self, per_mille: u32) {
         self.tracker.limit_friction(per_mille);
+    }
+
+    /// What the configuration and the image set.
+    pub(crate) fn constants(&self, sum: &mut Sum) {
+        self.estimator.constants(sum);
+        self.envelope.constants(sum);
+        self.tracker.constants(sum);
+        self.holding.constants(sum);
     }
 
     /// Says whether a bit of the networks is known not to be what it was: from the next sample on nothing they give is trusted.

@@ -10,9 +10,12 @@
 //! A hold ends by itself after so many samples without distrust; the recovery time covers the windows of conditioning and networks, so the
 //! first live estimate rests on nothing from before. One that should end the machine's motion is for whoever reads the flags to decide.
 
+use core::hash::Hash;
+
 use link::EstimateFrame;
 use link::track::SafeState;
 
+use crate::constants::Sum;
 use crate::flags::HELD;
 
 /// The estimate's numbers that are held: four forces and torques, then deformation and angle.
@@ -33,6 +36,10 @@ pub(super) struct Holding {
 impl Holding {
     pub(super) const fn new(recovery_samples: u32, lost_samples: u32) -> Self {
         Self { recovery_samples, lost_samples, trusted: [0; 6], clean: 0, held: 0, started: 0 }
+    }
+
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        (self.recovery_samples, self.lost_samples).hash(sum);
     }
 
     /// Turns a live estimate, which may be distrusted, into what goes out; returns whether a hold lasts and whether it has begun.

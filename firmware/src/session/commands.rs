@@ -9,6 +9,9 @@ use super::run::Run;
 use super::{Session, count};
 use crate::configuration::validate;
 
+/// Position of the check sum's cause in the list of image errors.
+const CHECK_SUM: u8 = 4;
+
 /// The last command that was carried out, with its answer.
 #[derive(Debug, Default)]
 pub(super) struct LastCommand(Option<(NumberedCommand, Result<Answer, Refused>)>);
@@ -78,6 +81,9 @@ impl Session {
     ///
     /// Fields are out of range, or there is no model for the bearing.
     pub fn configure(&mut self, configuration: &ControllerConfiguration) -> Result<Configured, Refused> {
+        if self.code_altered {
+            return Err(Refused::Image { cause: CHECK_SUM });
+        }
         validate(configuration).map_err(Refused::Configuration)?;
         let is_timed = self.hello.target != Target::Emulator;
         let run = Run::new(*configuration, &self.models, if is_timed { self.hello.core_hz } else { 0 })?;
@@ -87,6 +93,7 @@ impl Session {
         self.rewired = true;
         self.hello.configuration_crc = configured.configuration_crc;
         self.run = Some(run);
+        self.constants = None;
         self.forget_run();
         Ok(configured)
     }

@@ -5,6 +5,10 @@
 //!
 //! A budget of 0 means that nothing is watched: natively there is no counter, and the emulator's lockstep has no time.
 
+use core::hash::Hash;
+
+use crate::constants::Sum;
+
 /// Watches one run.
 #[derive(Clone, Debug)]
 pub(super) struct Deadline {
@@ -20,6 +24,10 @@ pub(super) struct Deadline {
 impl Deadline {
     pub(super) const fn new(budget_ticks: u32, trip_count: u16) -> Self {
         Self { budget_ticks, trip_count, in_a_row: 0, frame_ticks: 0, whole_ticks: 0, tripped: false }
+    }
+
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        (self.budget_ticks, self.trip_count).hash(sum);
     }
 
     /// Takes the ticks that a sample took up to its frame; returns whether it is late.

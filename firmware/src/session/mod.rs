@@ -17,8 +17,8 @@ use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRefusal, UpdateStatus};
 use link::{
     BuildId, ClockSource, ControllerConfiguration, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello,
-    LineErrors, MAGIC, NumberedEstimate, PROTOCOL_VERSION, Refused, ReportKind, SensorFrame, SlowFrame,
-    SlowReport, State, Target, ToController, ToHost, encode_estimate,
+    LineErrors, MAGIC, ModelId, NumberedEstimate, PROTOCOL_VERSION, Refused, ReportKind, SensorFrame,
+    SlowFrame, SlowReport, State, Target, ToController, ToHost, encode_estimate,
 };
 
 use crate::configuration::wiring;
@@ -78,6 +78,10 @@ pub struct Session {
     has_sensors: bool,
     /// Whether a configuration's wiring has not been fetched.
     rewired: bool,
+    /// Whether the code in flash was found altered at the start.
+    code_altered: bool,
+    /// Sum of the run's constants, once it has been asked for.
+    constants: Option<u32>,
     run: Option<Run>,
     counters: Counters,
     commands: LastCommand,
@@ -134,6 +138,8 @@ impl Session {
             kept: false,
             has_sensors: false,
             rewired: false,
+            code_altered: false,
+            constants: None,
             run: None,
             counters: Counters::default(),
             commands: LastCommand::default(),
@@ -146,6 +152,7 @@ impl Session {
     pub fn switch(&mut self, models: Models) {
         self.hello.models = models.ids();
         self.models = models;
+        self.constants = None;
         if let Some(run) = &mut self.run {
             run.switch(&self.models);
         }
@@ -155,6 +162,20 @@ impl Session {
     /// sound one is switched to, every estimate is flagged so.
     pub fn take_altered(&mut self) -> bool {
         self.run.as_mut().is_some_and(Run::take_altered)
+    }
+
+    /// Whether what the configuration set is still what it was when this was asked first since the run began or its models were switched.
+    /// To be asked often, the first time at once.
+    pub fn constants_hold(&mut self) -> bool {
+        let Some(run) = &self.run else { return true };
+        let sum = run.constants();
+        *self.constants.get_or_insert(sum) == sum
+    }
+
+    /// Takes that the code in flash is not what was built: every configuration is refused, and the greeting names no model.
+    pub fn distrust_code(&mut self) {
+        self.code_altered = true;
+        self.hello.models = [ModelId { crc: 0, training_id: 0 }; 2];
     }
 
     /// Takes what the greeting is to say of the start.
@@ -206,6 +227,7 @@ impl Session {
             return Err(Refused::NoSensors);
         }
         run.sample_itself().map_err(Refused::Configuration)?;
+        self.constants = None;
         Ok(OWN_EVERY)
     }
 

@@ -1,5 +1,7 @@
 //! One run: the estimator with its configuration, its deadline and its place in the stream of estimates.
 
+use core::hash::Hash;
+
 use inference::{Bearing, Flags};
 use link::track::SensorStatus;
 use link::{
@@ -10,6 +12,7 @@ use link::{
 use super::deadline::Deadline;
 use crate::Monitor;
 use crate::configuration::{Calibrator, check_sum};
+use crate::constants::Sum;
 use crate::estimator::WINDOW;
 use crate::flags::{OVER_FORCE, STALE, TRIPPED};
 use crate::store::{Loaded, Models, Scrubber};
@@ -94,6 +97,17 @@ impl Run {
             withheld: 0,
             held: EstimateFrame::default(),
         })
+    }
+
+    /// Sum of what must stay as long as the run.
+    pub(super) fn constants(&self) -> u32 {
+        let mut sum = Sum::new();
+        self.monitor.constants(&mut sum);
+        self.calibrator.constants(&mut sum);
+        self.deadline.constants(&mut sum);
+        (self.bearing.code(), self.samples_itself, self.configuration.limits.slow_every).hash(&mut sum);
+        sum.float(self.force_limit_n);
+        sum.sum()
     }
 
     /// Estimates. Tripped, the last estimate that was in time stands for the new one, so that the link has time to be served.

@@ -360,3 +360,14 @@ fn slow_telemetry_comes_every_n_samples_and_what_is_not_fetched_is_counted() {
     }
     assert_eq!(session.counters().dropped_answers, 2);
 }
+
+#[test]
+fn altered_code_names_no_model_and_takes_no_configuration() {
+    let mut session = session(Target::Silicon);
+    session.distrust_code();
+    assert!(session.hello(0).models.iter().all(|model| model.crc == 0));
+    let refused = order(&mut session, Command::Configure(BENCH_B));
+    assert_eq!(refused, Err(Refused::Image { cause: 4 }));
+    assert_eq!(session.state(), State::Waiting);
+    assert!(session.configure(&BENCH_B).is_err(), "nor one that was kept");
+}

@@ -5,6 +5,7 @@
 //! [`record`] into RAM that no start-up clears, the core resets, the next start reads it once ([`start::report`]) and the greeting carries it.
 
 pub mod attendance;
+pub mod code;
 pub mod light;
 pub mod paint;
 pub mod record;
@@ -12,4 +13,5 @@ pub mod self_test;
 pub mod start;
 
 pub use attendance::{Attendance, Party, Periods, Verdict};
+pub use code::CodeCheck;
 pub use self_test::SelfTest;

@@ -16,6 +16,7 @@
 //! Limits: fork without play, load on its lever without friction of the cylinder, planar motion; a compliant drive does not matter, as the
 //! fork's force is eliminated, not assumed.
 
+use crate::constants::Sum;
 use link::Configuration;
 use link::track::MonitorConfiguration;
 
@@ -60,6 +61,11 @@ pub(super) struct Balance {
 }
 
 impl Levers {
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        sum.floats(&[self.mass_kg, self.weight_n, self.inertia_kg_m2, self.drive_lever_m, self.lever_ratio]);
+        sum.floats(&[self.journal_radius_m, self.crank_vertical_rad, self.per_period_squared]);
+    }
+
     pub(super) fn new(configuration: &Configuration, monitor: &MonitorConfiguration) -> Self {
         let mass_kg = monitor.mass_g as f32 * 1e-3;
         let frequency_hz = 1e6 / (STRIDE as f32 * configuration.sample_period_us as f32);

@@ -18,6 +18,7 @@
 //! difference of the two deformations as an error); the approach speed of the configuration, as half of the damping's
 //! share is taken as its deviation.
 
+use crate::constants::Sum;
 use link::Configuration;
 use link::track::MonitorConfiguration;
 
@@ -80,6 +81,11 @@ pub(super) struct Measured {
 }
 
 impl Clearance {
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        sum.floats(&[self.modulus_factor, self.damping_per_slope]);
+        sum.floats(&self.deviations);
+    }
+
     pub(super) fn new(configuration: &Configuration, monitor: &MonitorConfiguration) -> Self {
         let start_m = configuration.radial_clearance_nm as f32 * 1e-9;
         let approach_um_s = configuration.unseen_approach_um_s.max(configuration.latch_floor_um_s) as f32;

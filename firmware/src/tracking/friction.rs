@@ -13,6 +13,7 @@
 //! No drive force is needed: the fork's force is eliminated by the crank's equation ([`super::balance`]). Limits: the network's shape
 //! over speed is taken as right; friction elsewhere in the drive (seals, load cylinder) is taken for the bearing's.
 
+use crate::constants::Sum;
 use link::Configuration;
 use link::track::MonitorConfiguration;
 
@@ -56,6 +57,11 @@ pub(super) struct Measured {
 }
 
 impl FrictionLevel {
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        sum.float(self.per_journal_radius);
+        sum.floats(&self.deviations);
+    }
+
     pub(super) fn new(configuration: &Configuration, monitor: &MonitorConfiguration) -> Self {
         let per_mille = |value: u16| f32::from(value) * 1e-3;
         let offset_m = monitor.offset_deviation_nm as f32 * 1e-9;

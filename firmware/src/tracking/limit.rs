@@ -10,6 +10,7 @@
 //! | radial clearance | `monitor.wear_limit_nm` | less `monitor.wear_hysteresis_nm` |
 //! | friction level | `limits.friction_level_limit_per_mille`; 0 is none | a twentieth below it |
 
+use crate::constants::Sum;
 use link::track::{FrictionState, Wear};
 
 /// Standard deviations that the quantity must be beyond a limit.
@@ -32,6 +33,10 @@ pub(super) struct Alarm {
 }
 
 impl Alarm {
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        sum.floats(&[self.limit, self.end]);
+    }
+
     /// For the clearance, m.
     pub(super) fn of_wear(limit_nm: u32, hysteresis_nm: u32) -> Self {
         let end_nm = limit_nm.saturating_sub(hysteresis_nm);

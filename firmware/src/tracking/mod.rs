@@ -22,6 +22,7 @@ use link::{Configuration, EstimateFrame, SensorFrame};
 pub use block::{BLOCK, STRIDE};
 pub use limit::{CONFIDENCE, CONFIRM, ENOUGH};
 
+use crate::constants::Sum;
 use balance::{Balance, Levers};
 use block::{Block, Means, Sums, Taken};
 use clearance::{Clearance, ROUNDS};
@@ -101,6 +102,16 @@ impl Tracker {
     /// Raises an alarm when the friction level is above a limit, thousandths; 0 for none.
     pub(crate) fn limit_friction(&mut self, per_mille: u32) {
         self.friction_alarm = Alarm::of_friction(per_mille);
+    }
+
+    /// What the configuration set.
+    pub(crate) fn constants(&self, sum: &mut Sum) {
+        self.levers.constants(sum);
+        sum.float(self.nominal_clearance_nm);
+        self.clearance.constants(sum);
+        self.friction.constants(sum);
+        self.wear.constants(sum);
+        self.friction_alarm.constants(sum);
     }
 
     /// Takes a sample with its estimate; `sound` is false when a sensor fault was found in it.

@@ -6,6 +6,7 @@
 //! displacement over [`SPAN`] samples is held against it, so that noise and single samples do not count; those are the jump's. A longer span
 //! would let a journal that circles come back to where it was.
 
+use crate::constants::Sum;
 use link::SensorFrame;
 
 /// Samples over which the displacement is taken.
@@ -48,6 +49,10 @@ pub(super) struct Swing {
 }
 
 impl Swing {
+    pub(super) fn constants(&self, sum: &mut Sum) {
+        sum.floats(&[self.base_nm2, self.per_load_nm2, self.per_angle]);
+    }
+
     pub(super) fn new(limit: &SwingLimit, period_us: u32) -> Self {
         let span_s = SPAN as f32 * period_us as f32 * 1e-6;
         // Squared displacement in nm2 per m/s2.

@@ -190,3 +190,30 @@ fn beyond_a_limit_is_farther_from_zero_either_way() {
         }
     }
 }
+
+#[test]
+fn a_step_that_the_journal_cannot_bend_into_is_a_jump_once() {
+    for (step_nm, expected) in [(12_000, JUMP), (-12_000, JUMP), (7_000, Flags::NONE)] {
+        let mut watch = Plausibility::new(500_000, 100);
+        watch.set_limits(&Limits { noise: [2_000, 2_000, u32::MAX, u32::MAX], ..Limits::NONE });
+        // A swing of 0.1 m/s from the first sample on.
+        let at = |index: u32, off_nm: i32| SensorFrame {
+            sequence: index,
+            time_us: 100 * index,
+            journal_y_nm: 10_000 * index as i32 - 300_000 + off_nm,
+            journal_z_nm: -400_000 - index as i32,
+            shaft_angle_nrad: index as i32,
+            load_force_mn: 0,
+        };
+        for index in 0..20 {
+            assert_eq!(watch.check(&at(index, 0)), Flags::NONE, "{index}");
+        }
+        assert_eq!(watch.check(&at(20, step_nm)), expected);
+        for index in 21..40 {
+            assert_eq!(watch.check(&at(index, step_nm)), Flags::NONE, "{index}: it stays");
+        }
+        // Behind lost samples the swing's own step is no bend.
+        assert!(watch.check(&at(41, step_nm)).contains(SEQUENCE_GAP));
+        assert_eq!(watch.check(&at(42, step_nm)), Flags::NONE);
+    }
+}
