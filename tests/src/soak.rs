@@ -13,6 +13,7 @@ use crate::faults::emulator::{Emulator, Pumped};
 use crate::faults::streams::bytes;
 use bench::Bench;
 use bench::transmission::{Snapshot, Transmission};
+use firmware::flags::ONSET_NOT_SEEN;
 use host_sim::controller::{Controller, NativeController};
 use host_sim::estimator::controller_configuration;
 use host_sim::force::{DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ, run_bench};
@@ -66,7 +67,7 @@ pub struct Soaked {
     pub instructions_per_tick_min: u64,
     /// Most.
     pub instructions_per_tick_max: u64,
-    /// Estimates with any remark.
+    /// Estimates with any remark but that the onset of the contact was not seen: bench B stands on its bearing from the start.
     pub marked: u64,
     /// Whether counters and tracked quantities were the same at the end.
     pub same_reports: bool,
@@ -215,7 +216,7 @@ impl Soaked {
     fn take(&mut self, same: bool, flags: u32, timer_ticks: u32) {
         let instructions = f64::from(timer_ticks) / TICKS_PER_INSTRUCTION;
         self.bit_differences += u64::from(!same);
-        self.marked += u64::from(flags != 0);
+        self.marked += u64::from(flags & !ONSET_NOT_SEEN.bits() != 0);
         self.deadline_misses += u64::from(instructions > PERIOD_INSTRUCTIONS);
         self.instructions_per_tick_max = self.instructions_per_tick_max.max(instructions.round() as u64);
         // The first estimate tells of no tick before it.

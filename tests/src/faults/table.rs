@@ -111,7 +111,7 @@ impl Table {
     #[must_use]
     pub fn render(&self) -> String {
         let mut text = String::from(
-            "kind               faults  detected   late  harmless  silent  alive   median  longest  late by\n",
+            "kind               faults  detected  again   late  harmless  silent  alive   median  longest  late by\n",
         );
         let rows = self.kinds.iter().map(|(name, row)| (name.as_str(), row)).chain([("all", &self.all)]);
         let number = |value: Option<u32>| value.map_or_else(|| "-".into(), |value| value.to_string());
@@ -119,9 +119,10 @@ impl Table {
             // Into a string: cannot fail.
             let _ = writeln!(
                 text,
-                "{name:18} {:6} {:9} {:6} {:9} {:7} {:6} {:>8} {:>8} {:>8}",
+                "{name:18} {:6} {:9} {:6} {:6} {:9} {:7} {:6} {:>8} {:>8} {:>8}",
                 row.faults,
                 row.detected,
+                row.wrong_after,
                 row.detected_late,
                 row.harmless,
                 row.silent,

@@ -7,6 +7,7 @@
 mod agreement;
 mod batch;
 mod board;
+mod campaign;
 mod failures;
 mod faults;
 mod flood;

@@ -1,0 +1,46 @@
+//! The short fault campaign and the short soak; the long ones are `cargo xtask faults` and `cargo xtask soak`.
+
+use host_sim::controller::EmulatedController;
+use std::collections::BTreeSet;
+use std::path::Path;
+use system_tests::faults::campaign::Campaign;
+use system_tests::faults::judge::Class;
+use system_tests::faults::table::{Counts, Table};
+use system_tests::soak::{Plan, soak};
+
+/// Faults of the short campaign.
+const FAULTS: u64 = 300;
+/// Its seed.
+const SEED: u64 = 1;
+
+#[test]
+fn no_fault_of_the_short_campaign_is_silent_and_the_counts_are_those_checked_in() {
+    let campaign = Campaign::prepare(&EmulatedController::default_elf(), SEED).unwrap();
+    let outcomes = campaign.run(0..FAULTS, None, |_| {}).unwrap();
+    let table = Table::of(&outcomes);
+    println!("{}", table.render());
+    let silent: Vec<_> = outcomes.iter().filter(|outcome| outcome.class == Class::Silent).collect();
+    assert!(silent.is_empty(), "{silent:#?}");
+    // Every kind came, most of what lives was noticed, and a fault repeats itself.
+    assert_eq!(table.kinds.len(), system_tests::faults::plan::Kind::ALL.len());
+    let told: BTreeSet<_> = outcomes.iter().filter_map(|outcome| outcome.told.as_deref()).collect();
+    assert!(told.len() > 10, "{told:?}");
+    for number in [1, 2, 3, 5, 8] {
+        assert_eq!(campaign.fault(number).unwrap(), outcomes[number as usize]);
+    }
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/faults.json");
+    let golden: Counts = serde_json::from_str(&std::fs::read_to_string(golden).unwrap()).unwrap();
+    let found = Counts::of(&table);
+    assert_eq!(found, golden, "if the change is meant: cargo xtask faults --bless");
+}
+
+#[test]
+fn a_short_soak_over_the_ends_of_sequence_and_time_differs_in_no_bit() {
+    let plan = Plan { ticks: 40_000, seed: 5, sequence: u32::MAX - 9_000, time_us: u32::MAX - 1_500_000 };
+    let soaked = soak(&EmulatedController::default_elf().canonicalize().unwrap(), &plan, |_| {}).unwrap();
+    println!("{soaked:?}");
+    assert!(soaked.is_sound(), "{soaked:?}");
+    assert_eq!((soaked.sequence_wraps, soaked.time_wraps), (1, 1));
+    // Going round is no gap and no leap in time: what is marked is the begin and the seams of the repeated cycle.
+    assert!(soaked.marked < soaked.ticks / 5, "{soaked:?}");
+}
