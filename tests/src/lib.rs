@@ -3,3 +3,4 @@
 pub mod faults;
 pub mod generator;
 pub mod soak;
+pub mod hidden_effects;

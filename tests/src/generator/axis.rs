@@ -2,7 +2,7 @@
 //!
 //! From the balance of an axis, `effort = gain F + m a + friction + ripple`, and the documented meaning of each effect
 //! (`docs/effects.md`, the heads of `bench::effects`). What friction remembers (the turned sign, a rest, a temperature) is a set of
-//! linear equations, stepped by the trapezoidal rule at a quarter of a millisecond; the sign of the speed is a logistic
+//! linear equations, stepped by an implicit second-order rule at a quarter of a millisecond; the sign of the speed is a logistic
 //! function, a step of friction a ramp of 10 ms. Sensors are in `sensing`. Units: SI, efforts in N or N m.
 
 use super::hidden::{HiddenEffect, total};
@@ -62,9 +62,10 @@ struct Memory {
 }
 
 impl Memory {
+    /// `1/(1 + x + x^2/2)` in place of the exponential: stable however fast the memory is.
     fn step(&mut self, rate: f64, target: f64) {
-        let half = 0.5 * rate * STEP_S;
-        self.state = (self.state * (1.0 - half) + 2.0 * half * target) / (1.0 + half);
+        let x = rate * STEP_S;
+        self.state = target + (self.state - target) / (1.0 + x * (1.0 + 0.5 * x));
     }
 }
 
@@ -124,14 +125,18 @@ impl RealAxis {
         let before = (BEFORE_S / STEP_S).round() as usize;
         let count = (run.length_s / STEP_S).round() as usize;
         let names = if self.rotary {
-            (["spindle_angle_rad", "spindle_speed_rad_s", "load_force_n"], ["drive_torque_nm", "friction_torque_nm"])
+            (
+                ["spindle_angle_rad", "spindle_speed_rad_s", "load_force_n"],
+                ["drive_torque_nm", "friction_torque_nm"],
+            )
         } else {
             (["position_m", "velocity_m_s", "load_force_n"], ["drive_force_n", ""])
         };
         let mut inputs = names.0.map(|n| (n, Vec::with_capacity(count)));
         let mut outputs = names.1.map(|n| (n, Vec::with_capacity(count)));
         let (mut turned, mut rest, mut warmth) = (Memory::default(), Memory::default(), Memory::default());
-        warmth.state = self.warm * added.thermal.map_or(0.0, |t| t.1 * self.coulomb * run.motion.amplitude / t.2);
+        warmth.state =
+            self.warm * added.thermal.map_or(0.0, |t| t.1 * self.coulomb * run.motion.amplitude / t.2);
         for i in 0..before + count {
             let t = (i as f64 - before as f64) * STEP_S;
             let logged = run.motion.at(run.phase_s + t);
@@ -199,6 +204,7 @@ impl RealAxis {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::generator::motion::Course;
 
     const AXIS: RealAxis = RealAxis {
         rotary: true,
@@ -213,7 +219,7 @@ mod tests {
     };
 
     fn run(hidden: &[HiddenEffect]) -> Signals {
-        let motion = Motion { amplitude: 0.4, cycle_s: 4.5, rest: 0.08, plain: false };
+        let motion = Motion { amplitude: 0.4, cycle_s: 4.5, course: Course::Strokes };
         let load = Load { mean_n: 20e3, swing: 0.0, period_s: 7.0, phase_rad: 0.0 };
         AXIS.run(&Run { motion, load, phase_s: 0.0, length_s: 9.0, start_s: 0.0 }, hidden)
     }
@@ -238,7 +244,8 @@ mod tests {
         // From rest at angle -0.4 rad the sign comes as `1 - exp(-x/d)` of the way.
         let (angle, with) = (&signals.inputs[0].1, &signals.outputs[1].1);
         let i = angle.iter().position(|x| (x + 0.4) * 0.07 > 2.0 * distance).unwrap();
-        let share = (with[i] + 20.0 * signals.inputs[1].1[i]) / (plain.outputs[1].1[i] + 20.0 * signals.inputs[1].1[i]);
+        let share = (with[i] + 20.0 * signals.inputs[1].1[i])
+            / (plain.outputs[1].1[i] + 20.0 * signals.inputs[1].1[i]);
         assert!((share - (1.0 - (-2.0_f64).exp())).abs() < 0.01, "{share}");
     }
 }

@@ -1,21 +1,101 @@
 //! How the effects of the transmission bench are drawn. See [`super::vocabulary`].
+//!
+//! The planar generator does not show `breakaway`, `presliding-hysteresis`, `thermal-friction-drift` (no memory in its friction; the axes
+//! hide these), `journal-out-of-round`, `shaft-flexibility`, `fork-backlash` and `squeeze-film`.
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
-use super::vocabulary::Drawn;
+use super::vocabulary::{Draw, Drawn};
 
-/// Effects of the plant that the planar bench can show; those of its sensors come on top.
-pub const EFFECTS: &[&str] =
-    &["clearance-wear", "coulomb-level", "viscous-friction", "hydraulic-compliance"];
+/// Effects of the plant that the planar generator can show; those of its sensors come on top.
+pub const EFFECTS: &[&str] = &[
+    "clearance-wear",
+    "contact-stiffness",
+    "restitution",
+    "inertia-mismatch",
+    "lever-ratio",
+    "stribeck-friction",
+    "coulomb-level",
+    "viscous-friction",
+    "viscous-asymmetry",
+    "coulomb-asymmetry",
+    "load-dependent-friction",
+    "friction-step",
+    "seal-friction",
+    "position-ripple",
+    "hydraulic-compliance",
+    "drive-lag",
+    "load-ripple",
+];
 
 /// Draws an effect of the bench.
-pub fn draw(effect: &str, sign: f64, _phase: f64, _noise: &mut Noise) -> Option<Drawn> {
-    let (sizes, guess, most, shapes): (Vec<(&'static str, f64)>, f64, f64, Vec<(&str, f64)>) = match effect {
-        "clearance-wear" => (vec![("clearance_increase_m", sign)], 5e-5, 4e-4, vec![]),
-        "coulomb-level" => (vec![("relative_change", sign)], 0.2, 2.0, vec![]),
-        "viscous-friction" => (vec![("viscous_n_s_m", sign)], 200.0, 1e5, vec![]),
+pub fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Drawn> {
+    let mut between = |low: f64, high: f64| low * (high / low).powf(noise.uniform());
+    let one =
+        |name: &'static str, guess: f64, most: f64| -> Draw { (vec![(name, sign)], guess, most, vec![]) };
+    let (sizes, guess, most, shapes): Draw = match effect {
+        "clearance-wear" => one("clearance_increase_m", 5e-5, 3e-4),
+        "contact-stiffness" => one("relative_change", 0.2, 0.7),
+        "restitution" => one("restitution_change", 0.1, 0.3),
+        "inertia-mismatch" => one("relative_change", 0.3, 0.7),
+        "lever-ratio" => one("relative_change", 0.015, 0.25),
+        "coulomb-level" => one("relative_change", 0.2, 0.9),
+        "viscous-friction" => one("viscous_n_s_m", 200.0, 1e5),
+        "viscous-asymmetry" => one("asymmetry_n_s_m", 200.0, 1e5),
+        "coulomb-asymmetry" => one("asymmetry", 0.05, 0.9),
+        "load-dependent-friction" => one("load_exponent", 0.1, 0.9),
+        "stribeck-friction" => {
+            (vec![("coefficient_rise", sign)], 0.03, 0.13, vec![("speed_m_s", between(0.005, 0.03))])
+        }
+        "friction-step" => {
+            (vec![("relative_change", sign)], 0.1, 0.9, vec![("time_s", 0.2 + 1.6 * noise.uniform())])
+        }
+        "seal-friction" => (vec![("seal_force_n", 1.0)], 50.0, 1e5, vec![]),
+        "position-ripple" => (
+            vec![("cos_torque_nm", phase.cos()), ("sin_torque_nm", phase.sin())],
+            10.0,
+            1e4,
+            vec![("period_rad", between(0.05, 0.3))],
+        ),
         "hydraulic-compliance" => (vec![("compliance_m_n", 1.0)], 1e-8, 1e-6, vec![]),
+        "drive-lag" => (vec![("lag_s", 1.0)], 2e-4, 0.05, vec![]),
+        "load-ripple" => (
+            vec![("cos_force_n", phase.cos()), ("sin_force_n", phase.sin())],
+            30.0,
+            1e4,
+            vec![("frequency_hz", between(5.0, 100.0))],
+        ),
         _ => return None,
     };
     Some(Drawn { effect: HiddenEffect::new(effect, &shapes), sizes, guess, most })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generator::session::{Plant, Point, Session};
+
+    #[test]
+    fn every_effect_changes_the_log_by_more_than_its_noise() {
+        let mut noise = Noise::new(4);
+        let mut session = Session::draw(Plant::Bench, 0.8, Point::default(), &mut noise);
+        session.cycles = 1.0;
+        let base = session.readings(&session.off, &[]);
+        let sensors = Plant::Bench.sensors();
+        for effect in EFFECTS {
+            let drawn = draw(effect, 1.0, 0.7, &mut noise).unwrap();
+            let mut hidden = drawn.at(drawn.guess);
+            if *effect == "friction-step" {
+                hidden.parameters.insert("time_s".into(), 0.5);
+            }
+            let with = session.readings(&session.off, &[hidden]);
+            let most = with.iter().zip(&base).zip(Plant::Bench.outputs()).map(|((w, b), channel)| {
+                let floor = sensors.iter().find(|s| s.channel == *channel).unwrap().floor();
+                // Beyond the landing at the start.
+                w.iter().zip(b).skip(60).map(|(w, b)| (w - b).abs() / floor).fold(0.0, f64::max)
+            });
+            let most = most.fold(0.0, f64::max);
+            assert!(most > 1.0 && most.is_finite(), "{effect}: {most}");
+        }
+    }
 }

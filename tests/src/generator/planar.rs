@@ -6,8 +6,9 @@
 //! smoothed sign of friction is the described curve in another form: another curve of the same width would move the
 //! journal by a micrometre, five times its sensor's noise, and be a true finding. Nothing here uses the `bench` crate's plant; a hidden effect is a field of [`Hidden`], not a catalogue entry.
 
-use super::hidden::{HiddenEffect, total};
+use super::hidden::HiddenEffect;
 use super::noise::Noise;
+use super::planar_plant::Plant;
 use super::sensing::Signals;
 use super::session::Session;
 use std::fmt::Write as _;
@@ -55,14 +56,7 @@ pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signa
         cycles: session.cycles as usize,
         noise_colour: 0.0,
     };
-    let known = Hidden {
-        clearance_m: total(hidden, "clearance-wear", "clearance_increase_m"),
-        friction: total(hidden, "coulomb-level", "relative_change"),
-        viscous_n_s_m: total(hidden, "viscous-friction", "viscous_n_s_m"),
-        compliance_m_n: total(hidden, "hydraulic-compliance", "compliance_m_n"),
-        ..Hidden::default()
-    };
-    let rows = real.run(&known);
+    let rows = real.run(&Hidden::default(), hidden);
     let kept = || rows.iter().step_by(KEPT);
     let inputs: [fn(&Row) -> f64; 3] = [|r| r.drive.0, |r| r.drive.1, |r| r.load];
     let names = SENSORS.iter().map(|s| s.0);
@@ -79,7 +73,6 @@ pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signa
 
 /// Step in s. The contact's damping sets the limit, some 20 us.
 const STEP_S: f64 = 5e-6;
-const GRAVITY: f64 = 9.81;
 const RATE_HZ: f64 = 1000.0;
 /// Share of samples that get lost.
 const LOST: f64 = 0.004;
@@ -142,7 +135,7 @@ impl RealBench {
 
     /// Runs the bench and returns the log as CSV text.
     pub fn log(&self, hidden: &Hidden, noise: &mut Noise) -> String {
-        let rows = self.run(hidden);
+        let rows = self.run(hidden, &[]);
         let (angle, speed) = (Sensor::new(20e-6, 5e-6), Sensor::new(2e-3, 5e-4));
         let (journal, force) = (Sensor::new(0.2e-6, 0.05e-6), Sensor::new(15.0, 4.0));
         let (torque, drive) = (Sensor::new(0.4, 0.1), Sensor::new(20.0, 5.0));
@@ -182,8 +175,8 @@ impl RealBench {
         text
     }
 
-    fn run(&self, hidden: &Hidden) -> Vec<Row> {
-        let plant = Plant::new(self, hidden);
+    fn run(&self, hidden: &Hidden, effects: &[HiddenEffect]) -> Vec<Row> {
+        let plant = Plant::new(self, hidden, effects);
         let (x, v, _) = plant.drive(0.0);
         let mut state = [0.0, -0.999 * plant.clearance_m, 0.0, 0.0, (x / plant.drive_lever_m).asin(), v];
         let steps = (self.cycles as f64 / STEP_S).round() as usize;
@@ -231,135 +224,16 @@ fn round(value: f64, resolution: f64) -> f64 {
 }
 
 /// y, z, y', z', th, th' (the last two serve a compliant drive only).
-type State = [f64; 6];
+pub(super) type State = [f64; 6];
 
 fn add(a: &State, b: &State, h: f64) -> State {
     std::array::from_fn(|i| a[i] + h * b[i])
 }
 
-struct Row {
-    drive: (f64, f64),
-    load: f64,
+/// What happens at a step.
+pub(super) struct Row {
+    pub(super) drive: (f64, f64),
+    pub(super) load: f64,
     /// Angle, speed, y, z, F_cy, F_cz, T_f, fork force.
-    outputs: [f64; 8],
-}
-
-struct Plant {
-    drive_lever_m: f64,
-    load_lever_m: f64,
-    mass: f64,
-    inertia: f64,
-    clearance_m: f64,
-    journal_radius_m: f64,
-    effective_modulus: f64,
-    damping_factor: f64,
-    friction: f64,
-    viscous: f64,
-    load_n: f64,
-    third_harmonic_n: f64,
-    column: Option<(f64, f64)>,
-}
-
-impl Plant {
-    fn new(real: &RealBench, hidden: &Hidden) -> Self {
-        let clearance_m = real.clearance_m + hidden.clearance_m;
-        let compliance = |modulus: f64, poisson: f64| (1.0 - poisson * poisson) / modulus;
-        let restitution: f64 = 0.4;
-        let column = (hidden.compliance_m_n > 0.0).then(|| {
-            let stiffness = 1.0 / hidden.compliance_m_n;
-            let reduced = real.inertia.1 / real.levers_m.0.powi(2);
-            (stiffness, 0.2 * (stiffness * reduced).sqrt())
-        });
-        Self {
-            drive_lever_m: real.levers_m.0,
-            load_lever_m: real.levers_m.1,
-            mass: real.inertia.0,
-            inertia: real.inertia.1,
-            clearance_m,
-            journal_radius_m: 0.070 - clearance_m,
-            effective_modulus: 1.0 / (compliance(real.modulus_pa, 0.3) + compliance(206e9, 0.3)),
-            damping_factor: 0.75 * (1.0 - restitution * restitution) * (2.0 * (1.0 - restitution)).exp(),
-            friction: real.friction * (1.0 + hidden.friction),
-            viscous: hidden.viscous_n_s_m,
-            load_n: real.load_n,
-            third_harmonic_n: hidden.third_harmonic_n,
-            column,
-        }
-    }
-
-    fn drive(&self, t: f64) -> (f64, f64, f64) {
-        let (half, w) = (0.086, std::f64::consts::TAU);
-        (half * (1.0 - (w * t).cos()), half * w * (w * t).sin(), half * w * w * (w * t).cos())
-    }
-
-    fn load(&self, t: f64) -> f64 {
-        if t < 0.05 {
-            0.5 * self.load_n * (1.0 - (std::f64::consts::PI * t / 0.05).cos())
-        } else {
-            self.load_n
-        }
-    }
-
-    /// F_cy, F_cz, T_f.
-    fn bearing(&self, s: &State, speed: f64, latched: f64) -> (f64, f64, f64) {
-        let distance = s[0].hypot(s[1]);
-        let depth = distance - self.clearance_m;
-        if depth <= 0.0 {
-            return (0.0, 0.0, 0.0);
-        }
-        let (ny, nz) = (s[0] / distance, s[1] / distance);
-        let gap = self.clearance_m;
-        let stiffness = std::f64::consts::PI / 8.0
-            * self.effective_modulus
-            * (2.0 * depth * (3.0 * gap + 2.0 * depth).powi(2) / (gap + depth).powi(3)).sqrt();
-        let rate = ny * s[2] + nz * s[3];
-        let normal = stiffness * depth.powf(1.5) * (1.0 + self.damping_factor * rate / latched.max(1e-3));
-        let normal = normal.max(0.0);
-        let slide = speed * self.journal_radius_m + nz * s[2] - ny * s[3];
-        let sign = 1.0 - 2.0 / (1.0 + (2.0 * slide / 1e-3).exp());
-        let coefficient = self.friction * (0.14 + 0.08 * (-slide.abs() / 0.02).exp());
-        let friction = -coefficient * normal * sign - self.viscous * slide;
-        (-normal * ny + friction * nz, -normal * nz - friction * ny, friction * self.journal_radius_m)
-    }
-
-    /// Derivative and everything a row needs.
-    fn derivative(&self, t: f64, s: &State, latched: f64) -> (State, Row) {
-        let (x, v, a) = self.drive(t);
-        let load = self.load(t);
-        let (sine, speed) = match self.column {
-            Some(_) => (s[4].sin(), s[5]),
-            None => {
-                let sine = (x - s[0]) / self.drive_lever_m;
-                (sine, (v - s[2]) / (self.drive_lever_m * (1.0 - sine * sine).sqrt()))
-            }
-        };
-        let cosine = (1.0 - sine * sine).sqrt();
-        let lever = self.drive_lever_m * cosine;
-        let (fy, fz, torque) = self.bearing(s, speed, latched);
-        let extra = self.third_harmonic_n * (3.0 * std::f64::consts::TAU * t).sin();
-        let vertical = (fz + extra) / self.mass - GRAVITY;
-        let (fork, lateral, angular) = match self.column {
-            Some((stiffness, damping)) => {
-                let fork =
-                    stiffness * (x - s[0] - self.drive_lever_m * sine) + damping * (v - s[2] - lever * speed);
-                let angular = (fork * lever + load * self.load_lever_m * cosine + torque) / self.inertia;
-                (fork, (fork + load + fy) / self.mass, angular)
-            }
-            None => {
-                let reduced = self.inertia / (lever * lever);
-                let given = a + self.drive_lever_m * sine * speed * speed;
-                let lateral = (reduced * given + load * (1.0 - self.load_lever_m / self.drive_lever_m) + fy
-                    - torque / lever)
-                    / (self.mass + reduced);
-                (self.mass * lateral - load - fy, lateral, 0.0)
-            }
-        };
-        let row =
-            Row { drive: (x, v), load, outputs: [sine.asin(), speed, s[0], s[1], fy, fz, torque, fork] };
-        ([s[2], s[3], lateral, vertical, speed, angular], row)
-    }
-
-    fn row(&self, t: f64, s: &State, latched: f64) -> Row {
-        self.derivative(t, s, latched).1
-    }
+    pub(super) outputs: [f64; 8],
 }

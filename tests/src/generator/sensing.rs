@@ -51,6 +51,16 @@ pub struct Logger {
 
 /// Output readings without noise at the logger's times, by channel: what a size is measured on.
 pub fn readings(signals: &Signals, rate_hz: f64, hidden: &[HiddenEffect]) -> Vec<Vec<f64>> {
+    let mut all = unlimited(signals, rate_hz, hidden);
+    for (values, (channel, _)) in all.iter_mut().zip(&signals.outputs) {
+        let most = limit(channel, hidden);
+        values.iter_mut().for_each(|v| *v = v.clamp(-most, most));
+    }
+    all
+}
+
+/// The same before a limit, which holds for signal and noise together.
+fn unlimited(signals: &Signals, rate_hz: f64, hidden: &[HiddenEffect]) -> Vec<Vec<f64>> {
     let count = signals.outputs.first().map_or(0, |o| (o.1.len() as f64 * signals.step_s * rate_hz) as usize);
     let one = |(channel, values): &(&'static str, Vec<f64>)| {
         let of = |effect: &str, parameter: &str| -> f64 {
@@ -59,9 +69,8 @@ pub fn readings(signals: &Signals, rate_hz: f64, hidden: &[HiddenEffect]) -> Vec
         };
         let (late, gain) = (of("sensor-delay", "delay_s"), 1.0 + of("sensor-gain", "relative_change"));
         let (offset, drift) = (of("sensor-offset", "offset"), of("sensor-drift", "drift_per_s"));
-        let most = limit(channel, hidden);
         let read = |t: f64| gain * between(values, (t - late) / signals.step_s) + offset + drift * t;
-        (0..count).map(|i| read(i as f64 / rate_hz).clamp(-most, most)).collect()
+        (0..count).map(|i| read(i as f64 / rate_hz)).collect()
     };
     signals.outputs.iter().map(one).collect()
 }
@@ -94,7 +103,7 @@ pub fn log(
     hidden: &[HiddenEffect],
     noise: &mut Noise,
 ) -> String {
-    let outputs = readings(signals, logger.rate_hz, hidden);
+    let outputs = unlimited(signals, logger.rate_hz, hidden);
     let count = outputs.first().map_or(0, Vec::len);
     let of = |channel: &str| sensors.iter().find(|s| s.channel == channel).copied();
     let names: Vec<&str> = signals.inputs.iter().chain(&signals.outputs).map(|s| s.0).collect();
@@ -155,7 +164,8 @@ mod tests {
         let logger = Logger { rate_hz: 1000.0, colour: 0.6, lost: 0.0, start_s: 0.0 };
         let mut noise = Noise::new(5);
         let text = log(&flat, &sensors, &logger, &[], &mut noise);
-        let values: Vec<f64> = text.lines().skip(1).map(|l| l.split_once(',').unwrap().1.parse().unwrap()).collect();
+        let values: Vec<f64> =
+            text.lines().skip(1).map(|l| l.split_once(',').unwrap().1.parse().unwrap()).collect();
         assert_eq!(values.len(), 400_000);
         let power = values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64;
         let shifted = values.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / values.len() as f64;
@@ -169,7 +179,8 @@ mod tests {
         let sensors = [Reading { channel: "drive_force_n", noise: 0.5, resolution: 0.01 }];
         let logger = Logger { rate_hz: 100.0, colour: 0.0, lost: 0.1, start_s: 0.0 };
         let text = log(&ramp(), &sensors, &logger, &hidden, &mut Noise::new(1));
-        let values: Vec<f64> = text.lines().skip(1).map(|l| l.split_once(',').unwrap().1.parse().unwrap()).collect();
+        let values: Vec<f64> =
+            text.lines().skip(1).map(|l| l.split_once(',').unwrap().1.parse().unwrap()).collect();
         assert!(values.len() < 950 && values.len() > 850);
         assert!(values.iter().all(|v| v.abs() <= 5.0 + 1e-9));
         assert!(values.iter().filter(|v| **v > 4.99).count() > 400);

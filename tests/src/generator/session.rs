@@ -5,10 +5,13 @@
 
 use super::axis::{RealAxis, Run};
 use super::hidden::HiddenEffect;
-use super::motion::{Load, Motion};
+use super::motion::{Course, Load, Motion};
 use super::noise::Noise;
 use super::planar;
 use super::sensing::{Logger, Reading, Signals, log, readings};
+
+/// Length of a cycle of an axis, s.
+const CYCLE_S: f64 = 4.0;
 
 /// What is simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
@@ -52,20 +55,21 @@ impl Plant {
 
     /// Sensors of inputs and outputs.
     pub fn sensors(self) -> Vec<Reading> {
-        let of = |&(channel, noise, resolution): &(&'static str, f64, f64)| Reading { channel, noise, resolution };
+        let of =
+            |&(channel, noise, resolution): &(&'static str, f64, f64)| Reading { channel, noise, resolution };
         let rows: &[(&str, f64, f64)] = match self {
             Self::Rotary => &[
                 ("spindle_angle_rad", 2e-6, 1e-6),
                 ("spindle_speed_rad_s", 5e-5, 1e-5),
                 ("load_force_n", 5.0, 1.0),
-                ("drive_torque_nm", 1.0, 0.5),
-                ("friction_torque_nm", 1.0, 0.5),
+                ("drive_torque_nm", 1.0, 0.1),
+                ("friction_torque_nm", 1.0, 0.1),
             ],
             Self::Linear => &[
                 ("position_m", 5e-7, 2e-7),
                 ("velocity_m_s", 1e-5, 2e-6),
-                ("load_force_n", 0.5, 0.2),
-                ("drive_force_n", 3.0, 1.0),
+                ("load_force_n", 0.1, 0.05),
+                ("drive_force_n", 3.0, 0.3),
             ],
             Self::Bench => planar::SENSORS,
         };
@@ -91,15 +95,13 @@ pub struct Point {
     pub load: f64,
     /// Of the stroke.
     pub stroke: f64,
-    /// Rests between strokes.
-    pub rests: bool,
-    /// One sine under a constant load: little to tell effects apart by.
-    pub plain: bool,
+    /// Course of an axis' motion; a plain one has a constant load, too.
+    pub course: Course,
 }
 
 impl Default for Point {
     fn default() -> Self {
-        Self { speed: 1.0, load: 1.0, stroke: 1.0, rests: true, plain: false }
+        Self { speed: 1.0, load: 1.0, stroke: 1.0, course: Course::Swing }
     }
 }
 
@@ -129,7 +131,7 @@ impl Session {
     pub fn draw(plant: Plant, spread: f64, point: Point, noise: &mut Noise) -> Self {
         let off = plant.deviations().iter().map(|_| spread * (2.0 * noise.uniform() - 1.0)).collect();
         let bench = plant == Plant::Bench;
-        let rate_hz = if bench { 1000.0 } else { 200.0 };
+        let rate_hz = if bench { 1000.0 } else { 250.0 };
         let start_s = if bench { 0.0 } else { (noise.uniform() * 1e4).round() / 10.0 };
         Self {
             plant,
@@ -152,14 +154,15 @@ impl Session {
 
     /// Length of the log in s.
     pub fn length_s(&self) -> f64 {
-        let cycle_s = if self.plant == Plant::Bench { 1.0 } else { 4.5 };
+        let cycle_s = if self.plant == Plant::Bench { 1.0 } else { CYCLE_S };
         self.cycles * cycle_s / self.point.speed
     }
 
     /// True signals with uncertain numbers off by `off` deviations.
     pub fn signals(&self, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
         let by = |i: usize| {
-            off.get(i).copied().unwrap_or_default() * self.plant.deviations().get(i).copied().unwrap_or_default()
+            off.get(i).copied().unwrap_or_default()
+                * self.plant.deviations().get(i).copied().unwrap_or_default()
         };
         let point = self.point;
         let (axis, amplitude, load_n) = match self.plant {
@@ -173,7 +176,7 @@ impl Session {
                     load_coefficient: 0.08 + by(3),
                     load_gain: 0.0,
                     radius_m: 0.07,
-                    sign_width_m_s: 1e-3,
+                    sign_width_m_s: 6e-3,
                     warm: self.warm,
                 };
                 (axis, 0.4, 20e3)
@@ -187,18 +190,16 @@ impl Session {
                     load_coefficient: 0.05 + by(3),
                     load_gain: 1.0 + by(4),
                     radius_m: 1.0,
-                    sign_width_m_s: 2e-3,
+                    sign_width_m_s: 12e-3,
                     warm: self.warm,
                 };
                 (axis, 0.15, 1000.0)
             }
         };
-        let cycle_s = 4.5 / point.speed;
-        let rest = if point.rests { 0.08 } else { 0.0 };
-        let motion = Motion { amplitude: amplitude * point.stroke, cycle_s, rest, plain: point.plain };
-        let swing = if point.plain { 0.0 } else { 0.35 };
-        let load =
-            Load { mean_n: load_n * point.load, swing, period_s: 7.3, phase_rad: self.load_phase_rad };
+        let cycle_s = CYCLE_S / point.speed;
+        let motion = Motion { amplitude: amplitude * point.stroke, cycle_s, course: point.course };
+        let swing = if point.course == Course::Plain { 0.0 } else { 0.35 };
+        let load = Load { mean_n: load_n * point.load, swing, period_s: 7.3, phase_rad: self.load_phase_rad };
         let run = Run {
             motion,
             load,

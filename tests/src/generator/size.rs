@@ -163,7 +163,7 @@ mod tests {
     fn an_offset_has_the_size_that_is_left_of_it() {
         let session = session();
         let scale = Scale::new(&session);
-        let floor = (9.0_f64 + 1.0 / 12.0).sqrt();
+        let floor = (9.0_f64 + 0.09 / 12.0).sqrt();
         let offset = |m: f64| HiddenEffect::of_sensor("sensor-offset", "drive_force_n", "offset", m);
         let size = scale.size(&[offset(10.0 * floor)]);
         // The load's gain takes a little of it: at most 4 deviations of .6 N each.

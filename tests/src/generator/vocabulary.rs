@@ -64,7 +64,8 @@ pub fn size_parameters(effect: &str) -> &'static [&'static str] {
     }
 }
 
-const SENSOR: [&str; 5] = ["sensor-offset", "sensor-gain", "sensor-delay", "sensor-drift", "sensor-saturation"];
+const SENSOR: [&str; 5] =
+    ["sensor-offset", "sensor-gain", "sensor-delay", "sensor-drift", "sensor-saturation"];
 const ROTARY: [&str; 13] = [
     "inertia-mismatch",
     "stribeck-friction",
@@ -89,6 +90,9 @@ pub fn effects(plant: Plant) -> Vec<&'static str> {
         Plant::Bench => [super::bench_vocabulary::EFFECTS, &SENSOR].concat(),
     }
 }
+
+/// Shares of the size parameters, an easily seen magnitude, the largest one, shapes.
+pub(super) type Draw = (Vec<(&'static str, f64)>, f64, f64, Vec<(&'static str, f64)>);
 
 /// Draws an effect for a session; `None` where its plant does not know it.
 pub fn draw(effect: &str, session: &Session, base: &[Vec<f64>], noise: &mut Noise) -> Option<Drawn> {
@@ -129,7 +133,7 @@ fn of_axis(effect: &str, session: &Session, sign: f64, phase: f64, noise: &mut N
     let (floor, radius, stroke, speed) = if rotary { (1.0, 0.07, 0.8, 0.6) } else { (3.0, 1.0, 0.3, 0.2) };
     let mut between = |low: f64, high: f64| low * (high / low).powf(noise.uniform());
     let slide = radius * speed;
-    let (sizes, guess, most, shapes): (Vec<(&'static str, f64)>, f64, f64, Vec<(&str, f64)>) = match effect {
+    let (sizes, guess, most, shapes): Draw = match effect {
         "inertia-mismatch" => (vec![("inertia_change", sign)], 2.0 * floor, 1e4, vec![]),
         "stribeck-friction" => {
             (vec![("effort_rise", sign)], 4.0 * floor, 1e4, vec![("speed_m_s", slide * between(0.1, 0.4))])
@@ -142,8 +146,10 @@ fn of_axis(effect: &str, session: &Session, sign: f64, phase: f64, noise: &mut N
             (vec![("load_coefficient", sign)], if rotary { 0.002 } else { 0.01 }, 1.0, vec![])
         }
         "breakaway" => {
-            let shapes =
-                vec![("rest_time_s", between(0.1, 0.5)), ("distance_m", radius * stroke * between(0.02, 0.08))];
+            let shapes = vec![
+                ("rest_time_s", between(0.1, 0.5)),
+                ("distance_m", radius * stroke * between(0.02, 0.08)),
+            ];
             (vec![("excess_effort", 1.0)], 10.0 * floor, 1e4, shapes)
         }
         "presliding-hysteresis" => (vec![("distance_m", 1.0)], 1e-4, 5e-3, vec![]),

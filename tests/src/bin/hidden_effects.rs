@@ -1,0 +1,173 @@
+//! The full matrix of hidden effects: `cargo xtask hidden-effects`.
+//!
+//! Runs cells in parallel, keeps every outcome in a journal (a killed campaign goes on where it was), prints the
+//! figures beside the goals, and on demand writes the published ones.
+
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use system_tests::generator::session::Plant;
+use system_tests::hidden_effects::CampaignError;
+use system_tests::hidden_effects::cell::{Arm, Campaign};
+use system_tests::hidden_effects::compare::Outcome;
+use system_tests::hidden_effects::journal::Journal;
+use system_tests::hidden_effects::page::{page, summary};
+use system_tests::hidden_effects::run::run;
+use system_tests::hidden_effects::score::{Figures, figures};
+
+/// Hide effects in logs of independent generators, have the diagnosis find them, and print how well it does.
+#[derive(Parser)]
+#[command(
+    name = "hidden-effects",
+    after_help = "Example:\n  cargo xtask hidden-effects --seeds 100 --out out/hidden-effects\n\n\
+    A campaign that was killed goes on where it was when started again with the same options.\n\
+    Exit codes: 0 done, 1 the work failed, 2 the arguments are wrong."
+)]
+struct Cli {
+    /// Seeds of every cell on the axes.
+    #[arg(long, default_value_t = 100)]
+    seeds: u64,
+    /// Seeds of every cell on the transmission bench.
+    #[arg(long, default_value_t = 5)]
+    bench_seeds: u64,
+    /// Plants.
+    #[arg(long, value_delimiter = ',', default_value = "rotary,linear,bench", value_parser = plant)]
+    plant: Vec<Plant>,
+    /// Sizes of single effects, rms over the noise.
+    #[arg(long, value_delimiter = ',', default_value = "0.1,0.2,0.3,0.5,1,2,5")]
+    sizes: Vec<f64>,
+    /// Questions: clean, single, deleted, two, pair, changed.
+    #[arg(long, value_delimiter = ',', default_value = "clean,single,deleted,two,pair,changed")]
+    arms: Vec<Arm>,
+    /// Cells at once; 0: one a core.
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Print the figures as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Folder of the journal and the figures.
+    #[arg(long, default_value = "out/hidden-effects")]
+    out: PathBuf,
+    /// Stop after so many minutes; what is finished counts.
+    #[arg(long)]
+    minutes: Option<f64>,
+    /// Day to print with the figures; today unless given.
+    #[arg(long)]
+    date: Option<String>,
+    /// The part that runs with every change, whatever the other options say.
+    #[arg(long)]
+    quick: bool,
+    /// Write tests/golden/hidden-effects.json and docs/hidden-effects.md; with --quick its own golden figures.
+    #[arg(long)]
+    bless: bool,
+}
+
+fn plant(text: &str) -> Result<Plant, String> {
+    [Plant::Rotary, Plant::Linear, Plant::Bench]
+        .into_iter()
+        .find(|p| p.name() == text)
+        .ok_or_else(|| format!("found `{text}`; expected rotary, linear or bench"))
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    if let Some(size) = cli.sizes.iter().find(|s| !(0.0..=100.0).contains(*s)) {
+        eprintln!("error: --sizes: found {size}; expected 0 to 100");
+        return ExitCode::from(2);
+    }
+    match campaign(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn campaign(cli: &Cli) -> Result<(), CampaignError> {
+    let chosen = || Campaign {
+        seeds: cli.seeds,
+        bench_seeds: cli.bench_seeds,
+        plants: cli.plant.clone(),
+        sizes: cli.sizes.clone(),
+        arms: cli.arms.clone(),
+    };
+    let campaign = if cli.quick { Campaign::quick() } else { chosen() };
+    let (journal, mut finished) = Journal::open(&cli.out, &campaign)?;
+    let cells = campaign.cells();
+    let open: Vec<_> = cells.iter().filter(|c| !finished.contains_key(&c.index)).collect();
+    let bar = if cli.json { ProgressBar::hidden() } else { ProgressBar::new(cells.len() as u64) };
+    if let Ok(style) = ProgressStyle::with_template("hidden effects {bar:40} {pos}/{len} {elapsed} eta {eta}")
+    {
+        bar.set_style(style);
+    }
+    bar.set_position(finished.len() as u64);
+    let start = std::time::Instant::now();
+    let late = || cli.minutes.is_some_and(|m| start.elapsed().as_secs_f64() > 60.0 * m);
+    let journal = Mutex::new(journal);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build().map_err(|e| {
+        CampaignError::File { file: "threads".into(), found: e.to_string(), expected: "a pool of threads" }
+    })?;
+    let one = |cell: &&_| -> Option<Result<Outcome, CampaignError>> {
+        if late() {
+            return None;
+        }
+        let outcome = run(&cli.out, cell).and_then(|outcome| {
+            journal.lock().unwrap_or_else(std::sync::PoisonError::into_inner).line(&outcome)?;
+            Ok(outcome)
+        });
+        bar.inc(1);
+        Some(outcome)
+    };
+    let new: Result<Vec<Outcome>, _> =
+        pool.install(|| open.par_iter().with_max_len(1).filter_map(one).collect());
+    bar.finish_and_clear();
+    finished.extend(new?.into_iter().map(|o| (o.cell.index, o)));
+    let outcomes: Vec<Outcome> = finished.into_values().collect();
+    let figures = figures(&cli.date.clone().unwrap_or_else(today), &campaign, &outcomes);
+    let json = serde_json::to_string_pretty(&figures).unwrap_or_default() + "\n";
+    write(&cli.out.join("figures.json"), &json)?;
+    write(&cli.out.join("hidden-effects.md"), &page(&figures))?;
+    if cli.json {
+        print!("{json}");
+    } else {
+        print!("{}", summary(&figures));
+    }
+    if cli.bless {
+        bless(&figures, &json, cli.quick)?;
+    }
+    Ok(())
+}
+
+fn bless(figures: &Figures, json: &str, quick: bool) -> Result<(), CampaignError> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
+    if quick {
+        return write(&root.join("tests/golden/hidden-effects-quick.json"), json);
+    }
+    write(&root.join("tests/golden/hidden-effects.json"), json)?;
+    write(&root.join("docs/hidden-effects.md"), &page(figures))
+}
+
+fn write(file: &std::path::Path, text: &str) -> Result<(), CampaignError> {
+    bench::atomic::write(file, text.as_bytes()).map_err(|e| CampaignError::File {
+        file: file.display().to_string(),
+        found: e.to_string(),
+        expected: "a file that can be written",
+    })
+}
+
+/// The day by the system's clock, UTC: days since 1970 as a date of the Gregorian calendar.
+fn today() -> String {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    let days = (since.as_secs() / 86_400) as i64 + 719_468;
+    let era = days.div_euclid(146_097);
+    let day = days.rem_euclid(146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let rest = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * rest + 2) / 153;
+    let (d, m) = (rest - (153 * month + 2) / 5 + 1, if month < 10 { month + 3 } else { month - 9 });
+    format!("{:04}-{m:02}-{d:02}", year + era * 400 + i64::from(m <= 2))
+}

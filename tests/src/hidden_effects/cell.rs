@@ -1,0 +1,166 @@
+//! The cells of the matrix: what is hidden, how large, on which plant, with which seed.
+
+use super::pairs::PAIRS;
+use crate::generator::session::Plant;
+use crate::generator::vocabulary::effects;
+use serde::{Deserialize, Serialize};
+
+/// What a cell asks.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Arm {
+    /// No effect: coloured noise, another operating point, numbers off by up to two deviations.
+    Clean,
+    /// One effect.
+    Single,
+    /// One effect that the engine's library lacks.
+    Deleted,
+    /// Two effects at once.
+    Two,
+    /// An effect that looks like another one on this motion.
+    Pair,
+    /// The same question asked in another way.
+    Changed,
+}
+
+impl Arm {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Clean, Self::Single, Self::Deleted, Self::Two, Self::Pair, Self::Changed];
+}
+
+/// One cell with one seed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Number in its campaign.
+    pub index: usize,
+    /// What it asks.
+    pub arm: Arm,
+    /// Plant.
+    pub plant: Plant,
+    /// Effects; of a pair the hidden one first.
+    pub effects: Vec<String>,
+    /// Wanted sizes of the hidden effects.
+    pub sizes: Vec<f64>,
+    /// Which way a question is asked again.
+    pub variant: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Cell {
+    /// What the cell is, in words; the same for every seed.
+    pub fn words(&self) -> String {
+        format!(
+            "{:?} {} {} {:?} {}",
+            self.arm,
+            self.plant.name(),
+            self.effects.join("+"),
+            self.sizes,
+            self.variant
+        )
+    }
+
+    /// The seed of its random draws.
+    pub fn stream(&self) -> u64 {
+        let name = super::seal::name_of(&self.words(), self.seed);
+        u64::from_str_radix(name.get(..16).unwrap_or("0"), 16).unwrap_or(self.seed)
+    }
+}
+
+/// A campaign: which cells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Campaign {
+    /// Seeds of every cell on an axis.
+    pub seeds: u64,
+    /// Seeds of every cell on the transmission bench.
+    pub bench_seeds: u64,
+    /// Plants.
+    pub plants: Vec<Plant>,
+    /// Sizes of single effects.
+    pub sizes: Vec<f64>,
+    /// Arms.
+    pub arms: Vec<Arm>,
+}
+
+/// Sizes of two effects at once: alike, and three to one.
+const TWO: [[f64; 2]; 2] = [[1.0, 1.0], [1.5, 0.5]];
+/// Size at which a cause is deleted, and of one of a pair.
+const CLEAR: f64 = 1.0;
+/// Clean logs per seed.
+const CLEAN: usize = 10;
+
+impl Campaign {
+    /// The part that runs with every change: each effect of the axes once, and each question.
+    pub fn quick() -> Self {
+        Self {
+            seeds: 1,
+            bench_seeds: 0,
+            plants: vec![Plant::Rotary, Plant::Linear],
+            sizes: vec![1.0],
+            arms: Arm::ALL.to_vec(),
+        }
+    }
+
+    /// The cells, seed by seed and shuffled within one, so that a campaign that is cut short is a fair sample.
+    pub fn cells(&self) -> Vec<Cell> {
+        let mut cells = Vec::new();
+        for seed in 1..=self.seeds.max(self.bench_seeds) {
+            for &plant in &self.plants {
+                let seeds = if plant == Plant::Bench { self.bench_seeds } else { self.seeds };
+                for &arm in self.arms.iter().filter(|_| seed <= seeds) {
+                    self.arm(&mut cells, arm, plant, seed);
+                }
+            }
+        }
+        cells.sort_by_cached_key(|c| (c.seed, super::seal::name_of(&c.words(), c.seed)));
+        cells.iter_mut().enumerate().for_each(|(i, c)| c.index = i);
+        cells
+    }
+
+    fn arm(&self, cells: &mut Vec<Cell>, arm: Arm, plant: Plant, seed: u64) {
+        let mut add = |effects: &[&str], sizes: &[f64], variant: usize| {
+            let effects = effects.iter().map(|e| (*e).to_owned()).collect();
+            cells.push(Cell { index: 0, arm, plant, effects, sizes: sizes.into(), variant, seed });
+        };
+        let all = effects(plant);
+        match arm {
+            Arm::Clean => (0..CLEAN).for_each(|variant| add(&[], &[], variant)),
+            Arm::Single => {
+                for effect in &all {
+                    self.sizes.iter().filter(|s| **s > 0.0).for_each(|size| add(&[effect], &[*size], 0));
+                }
+            }
+            Arm::Deleted => all.iter().for_each(|effect| add(&[effect], &[CLEAR], 0)),
+            Arm::Two => {
+                // Each effect with a partner that moves on by one from seed to seed.
+                for (i, effect) in all.iter().enumerate() {
+                    let partner = all[(i + seed as usize) % all.len()];
+                    if partner != *effect {
+                        let sizes = TWO[(i + seed as usize / all.len()) % TWO.len()];
+                        add(&[effect, partner], &sizes, 0);
+                    }
+                }
+            }
+            Arm::Pair => {
+                for pair in PAIRS.iter().filter(|p| p.0 == plant) {
+                    add(&[pair.1, pair.2], &[CLEAR], 0);
+                    add(&[pair.2, pair.1], &[CLEAR], 0);
+                }
+            }
+            Arm::Changed => {
+                if plant != Plant::Bench {
+                    (0..super::changed::CHANGES.len()).for_each(|variant| {
+                        let effect =
+                            ["viscous-friction", "sensor-delay", "coulomb-asymmetry", "position-ripple"]
+                                [(seed as usize + variant) % 4];
+                        let size = if super::changed::CHANGES[variant] == "shuffled" { 0.3 } else { CLEAR };
+                        add(&[effect], &[size], variant);
+                    });
+                }
+            }
+        }
+    }
+}

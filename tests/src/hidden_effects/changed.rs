@@ -1,0 +1,197 @@
+//! The same question asked in another way: the answer has to stay.
+//!
+//! Foreign names, units and signs; other time stamps; other order of the columns; the log twice; a second session (intervals
+//! shrink by about the root of two); the residual shuffled (nothing is left to find); a counter beside the signals, which is no
+//! cause.
+
+use super::CampaignError;
+use super::compare::Outcome;
+use super::run::{Desk, hide};
+use super::seal::{Answer, Label, Sealed, name_of};
+use crate::generator::noise::Noise;
+use crate::generator::session::{Plant, Point, Session};
+use crate::generator::size::Scale;
+use crate::generator::vocabulary::size_parameters;
+use bench::{Bench, MeasuredLog};
+use diagnosis::{Diagnosis, Verdict};
+use std::fmt::Write as _;
+use std::time::Instant;
+
+/// The changes, in the order of a cell's variants.
+pub const CHANGES: [&str; 7] = ["units", "time", "order", "twice", "more", "shuffled", "counter"];
+
+/// Foreign columns: names, factors from SI to what the log says, by plant.
+fn foreign(plant: Plant) -> &'static [(&'static str, &'static str, f64)] {
+    match plant {
+        Plant::Linear => &[
+            ("position_m", "pos [mm]", 1e3),
+            ("velocity_m_s", "v", -100.0),
+            ("drive_force_n", "F [kN]", -1e-3),
+        ],
+        _ => &[
+            ("spindle_angle_rad", "angle [deg]", 57.29577951308232),
+            ("drive_torque_nm", "T", -1e3),
+            ("friction_torque_nm", "R", 2.0),
+        ],
+    }
+}
+
+/// Rows of numbers under names.
+fn table(text: &str) -> (Vec<String>, Vec<Vec<f64>>) {
+    let mut lines = text.lines();
+    let names = lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
+    (names, lines.map(|l| l.split(',').filter_map(|f| f.parse().ok()).collect()).collect())
+}
+
+fn csv(names: &[String], rows: &[Vec<f64>]) -> String {
+    let mut text = names.join(",") + "\n";
+    for row in rows {
+        let fields: Vec<String> = row.iter().map(|v| format!("{v:.12e}")).collect();
+        let _ = writeln!(text, "{}", fields.join(","));
+    }
+    text
+}
+
+/// The log with another clock, another order or a counter.
+fn rewritten(change: &str, text: &str) -> String {
+    let (mut names, mut rows) = table(text);
+    match change {
+        "time" => rows.iter_mut().filter_map(|r| r.first_mut()).for_each(|t| *t += 4321.5),
+        "order" => {
+            names.reverse();
+            rows.iter_mut().for_each(|r| r.reverse());
+        }
+        _ => {
+            names.push("counter".into());
+            rows.iter_mut().enumerate().for_each(|(i, r)| r.push(i as f64));
+        }
+    }
+    csv(&names, &rows)
+}
+
+/// The log in foreign units and signs, with the tables that say so.
+fn translated(plant: Plant, text: &str) -> (String, String) {
+    let (mut names, mut rows) = table(text);
+    let mut tables = String::from("\n[columns]\n");
+    for (name, other, factor) in foreign(plant) {
+        let Some(i) = names.iter().position(|n| n == name) else { continue };
+        names[i] = (*other).into();
+        rows.iter_mut().filter_map(|r| r.get_mut(i)).for_each(|v| *v *= factor);
+        let _ = writeln!(tables, "{name} = {{ from = \"{other}\", scale = {:e} }}", 1.0 / factor);
+    }
+    (csv(&names, &rows), tables)
+}
+
+/// The log with the residual of the calibrated bench shuffled over the samples of its channel.
+fn shuffled(log: &MeasuredLog, answer: &Diagnosis, noise: &mut Noise) -> MeasuredLog {
+    let mut log = log.clone();
+    for series in &answer.series {
+        let mut order: Vec<usize> = (0..series.before.len()).collect();
+        for i in (1..order.len()).rev() {
+            order.swap(i, (noise.uniform() * (i + 1) as f64) as usize);
+        }
+        if let Some(values) = log.channels.get_mut(&series.channel) {
+            for ((value, own), from) in values.iter_mut().zip(&series.before).zip(order) {
+                *value += series.before[from] - own;
+            }
+        }
+    }
+    log
+}
+
+/// Width of the interval of the size's first parameter.
+fn width(answer: &Diagnosis) -> Option<f64> {
+    let cause = answer.causes.first()?;
+    let names = size_parameters(&cause.effect);
+    let parameter = cause.parameters.iter().find(|p| names.contains(&p.name.as_str()))?;
+    Some(parameter.ci95[1] - parameter.ci95[0])
+}
+
+fn same(a: &Diagnosis, b: &Diagnosis) -> bool {
+    let names = |d: &Diagnosis| d.causes.iter().map(|c| (c.effect.clone(), c.channel)).collect::<Vec<_>>();
+    a.verdict == b.verdict && names(a) == names(b)
+}
+
+pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
+    let cell = desk.cell;
+    let change = CHANGES.get(cell.variant).copied().unwrap_or_default();
+    let mut noise = Noise::new(cell.stream());
+    let session = Session::draw(cell.plant, 0.8, Point::default(), &mut noise);
+    let scale = Scale::new(&session);
+    let mut outcome = Outcome::new(cell);
+    let Some(effects) = hide(cell, &scale, &session, &mut noise) else { return Ok(outcome) };
+    let bench = desk.bench()?;
+    let name = name_of(&cell.words(), cell.seed);
+    let text = session.log(&effects, &mut noise);
+    let log = desk.log(&name, &text, &bench)?;
+    let sealed = Sealed::close(
+        desk.folder,
+        &name,
+        cell.stream(),
+        &Label { effects: effects.clone(), sizes: cell.sizes.clone() },
+    )?;
+    let start = Instant::now();
+    let answer = desk.ask(&bench, std::slice::from_ref(&log), &[])?;
+    outcome.engine_s = start.elapsed().as_secs_f64();
+    let again = match change {
+        "units" => {
+            let (text, tables) = translated(cell.plant, &text);
+            let description = format!("{}{tables}", cell.plant.description());
+            let bench = Bench::parse("foreign.toml", &description).map_err(|e| desk.failed(&e))?;
+            let log = desk.log("foreign", &text, &bench)?;
+            desk.ask(&bench, &[log], &[])?
+        }
+        "twice" => desk.ask(&bench, &[log.clone(), log], &[])?,
+        "more" => {
+            let second = session.again(Point::default(), &mut noise).log(&effects, &mut noise);
+            let second = desk.log("second", &second, &bench)?;
+            desk.ask(&bench, &[log, second], &[])?
+        }
+        "shuffled" => desk.ask(&bench, &[shuffled(&log, &answer, &mut noise)], &[])?,
+        _ => desk.ask(&bench, &[desk.log("changed", &rewritten(change, &text), &bench)?], &[])?,
+    };
+    let label = sealed.open(&Answer::write(desk.folder, &name, &(&answer, &again))?)?;
+    outcome.judge(&answer, &label);
+    outcome.settled = Some(match change {
+        "shuffled" => again.verdict == Verdict::None,
+        _ => same(&answer, &again),
+    });
+    if matches!(change, "twice" | "more") && same(&answer, &again) {
+        outcome.ratio = width(&answer).zip(width(&again)).map(|(one, two)| one / two);
+    }
+    Ok(outcome)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_foreign_log_is_read_back_as_the_same_numbers() {
+        let mut noise = Noise::new(8);
+        let session = Session::draw(Plant::Linear, 0.8, Point::default(), &mut noise);
+        let text = session.log(&[], &mut noise);
+        let (foreign, tables) = translated(Plant::Linear, &text);
+        assert!(foreign.starts_with("t_s,pos [mm],v,"), "{}", &foreign[..40]);
+        let bench = Bench::parse("a", &format!("{}{tables}", Plant::Linear.description())).unwrap();
+        let plain = Bench::parse("b", Plant::Linear.description()).unwrap();
+        let one = MeasuredLog::parse("a.csv", &foreign, &bench.log_format()).unwrap();
+        let two = MeasuredLog::parse("b.csv", &text, &plain.log_format()).unwrap();
+        assert_eq!(one.time_s.len(), two.time_s.len());
+        for (channel, values) in &two.channels {
+            let other = &one.channels[channel];
+            assert!(
+                values.iter().zip(other).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs().max(1e-3)),
+                "{channel}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_changed_log_holds_the_same_samples() {
+        let text = "t_s,a,b\n1,2,3\n4,5,6\n";
+        assert_eq!(table(&rewritten("order", text)).1, [vec![3.0, 2.0, 1.0], vec![6.0, 5.0, 4.0]]);
+        assert_eq!(table(&rewritten("time", text)).1[0], [4322.5, 2.0, 3.0]);
+        assert_eq!(table(&rewritten("counter", text)).1[1], [4.0, 5.0, 6.0, 1.0]);
+    }
+}

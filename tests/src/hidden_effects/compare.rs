@@ -1,0 +1,181 @@
+//! An opened label against an answer.
+//!
+//! An effect counts by its name, a sensor's by its channel too. A named cause is *equivalent* to the hidden one where the
+//! generator itself, with the cause as the engine found it, a free factor on it and whatever calibration may move, imitates the
+//! hidden effect but for a rest of size [`ALIKE`], the smallest that is asked about.
+
+use super::cell::Cell;
+use super::seal::Label;
+use crate::generator::hidden::HiddenEffect;
+use crate::generator::size::Scale;
+use crate::generator::vocabulary::size_parameters;
+use diagnosis::{Cause, Diagnosis, Verdict};
+use serde::{Deserialize, Serialize};
+
+/// Size of the rest up to which two effects are the same thing on a log.
+const ALIKE: f64 = 0.1;
+
+/// An effect in an answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Named {
+    /// Name.
+    pub effect: String,
+    /// Sensor.
+    pub channel: Option<String>,
+    /// Stated probability.
+    pub probability: f64,
+}
+
+/// What became of a cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// The cell.
+    pub cell: Cell,
+    /// What was hidden, as the opened label says; empty where the plant cannot show the wanted size.
+    pub hidden: Vec<HiddenEffect>,
+    /// The verdict.
+    pub verdict: String,
+    /// Causes, the main one first.
+    pub causes: Vec<Named>,
+    /// Effects said to fit as well.
+    pub ambiguous_with: Vec<Named>,
+    /// Whether the first cause is the (first) hidden effect.
+    pub first: bool,
+    /// Hidden effects among causes and equals.
+    pub in_group: usize,
+    /// Whether a cause that is not hidden is equivalent to the hidden one.
+    pub equivalent: bool,
+    /// Relative error of the size's parameter, where the first cause is right.
+    pub parameter_error: Option<f64>,
+    /// Whether its 95 % interval holds the hidden value.
+    pub covered: Option<bool>,
+    /// Share of the repeatable residual that the engine says its extension explains.
+    pub predicted: Option<f64>,
+    /// That share on another session that the engine never saw.
+    pub realised: Option<f64>,
+    /// The experiment that the engine proposed.
+    pub proposed: Option<String>,
+    /// Whether it settled the question, of a pair; whether the changed question had the same answer, of a change.
+    pub settled: Option<bool>,
+    /// Ratio of interval widths, where that is the question.
+    pub ratio: Option<f64>,
+    /// Wall time of the engine in s.
+    pub engine_s: f64,
+}
+
+impl Outcome {
+    /// A cell without an answer yet.
+    pub fn new(cell: &Cell) -> Self {
+        Self {
+            cell: cell.clone(),
+            hidden: Vec::new(),
+            verdict: String::new(),
+            causes: Vec::new(),
+            ambiguous_with: Vec::new(),
+            first: false,
+            in_group: 0,
+            equivalent: false,
+            parameter_error: None,
+            covered: None,
+            predicted: None,
+            realised: None,
+            proposed: None,
+            settled: None,
+            ratio: None,
+            engine_s: 0.0,
+        }
+    }
+
+    /// Whether the plant could show what was to be hidden.
+    pub fn shown(&self) -> bool {
+        !self.verdict.is_empty()
+    }
+
+    /// Whether the engine saw anything.
+    pub fn detected(&self) -> bool {
+        self.verdict != Verdict::None.name()
+    }
+
+    /// Whether the engine names causes and none of the group is hidden or equivalent.
+    pub fn wrong(&self) -> bool {
+        !self.causes.is_empty() && self.in_group == 0 && !self.equivalent
+    }
+
+    /// Number of effects in the answer.
+    pub fn group(&self) -> usize {
+        self.causes.len() + self.ambiguous_with.len()
+    }
+
+    /// Takes an answer and what the label says in.
+    pub fn judge(&mut self, answer: &Diagnosis, label: &Label) {
+        self.verdict = answer.verdict.name().into();
+        self.hidden.clone_from(&label.effects);
+        let channel = |c: Option<bench::Channel>| c.map(|c| c.name().to_owned());
+        if matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous) {
+            self.causes = answer
+                .causes
+                .iter()
+                .map(|c| Named {
+                    effect: c.effect.clone(),
+                    channel: channel(c.channel),
+                    probability: c.probability,
+                })
+                .collect();
+            self.ambiguous_with = answer
+                .ambiguous_with
+                .iter()
+                .map(|c| Named {
+                    effect: c.effect.clone(),
+                    channel: channel(c.channel),
+                    probability: c.probability,
+                })
+                .collect();
+        }
+        let is = |n: &Named, h: &HiddenEffect| n.effect == h.effect && n.channel == h.channel;
+        let group: Vec<&Named> = self.causes.iter().chain(&self.ambiguous_with).collect();
+        self.in_group = label.effects.iter().filter(|h| group.iter().any(|n| is(n, h))).count();
+        let hit = self.causes.first().zip(label.effects.first()).is_some_and(|(n, h)| is(n, h));
+        self.first = hit;
+        if let (true, Some(cause), [hidden]) = (hit, answer.causes.first(), label.effects.as_slice()) {
+            let (error, covered) = parameters(cause, hidden);
+            (self.parameter_error, self.covered) = (error, covered);
+        }
+        self.predicted = answer.explained_share.filter(|_| !self.causes.is_empty());
+        self.proposed.clone_from(&answer.next_experiment);
+    }
+
+    /// Whether the causes are the hidden effects under other names.
+    pub fn judge_equivalence(&mut self, scale: &Scale<'_>, answer: &Diagnosis) {
+        if self.causes.is_empty() || self.in_group > 0 || self.hidden.is_empty() {
+            return;
+        }
+        let named: Vec<Vec<f64>> = answer.causes.iter().map(|c| scale.added(&[as_hidden(c)])).collect();
+        let left = scale.left(&scale.added(&self.hidden), &named);
+        let power = left.iter().map(|v| v * v).sum::<f64>() / left.len().max(1) as f64;
+        self.equivalent = power.sqrt() < ALIKE;
+    }
+}
+
+/// A cause as the generator would hide it.
+fn as_hidden(cause: &Cause) -> HiddenEffect {
+    HiddenEffect {
+        effect: cause.effect.clone(),
+        channel: cause.channel.map(|c| c.name().to_owned()),
+        parameters: cause.parameters.iter().map(|p| (p.name.clone(), p.value)).collect(),
+    }
+}
+
+/// Relative error of the size and whether the interval of its largest parameter holds the truth.
+fn parameters(cause: &Cause, hidden: &HiddenEffect) -> (Option<f64>, Option<bool>) {
+    let names = size_parameters(&hidden.effect);
+    let found = || cause.parameters.iter().filter(|p| names.contains(&p.name.as_str()));
+    let norm = |v: f64| v * v;
+    let truth: f64 = found().map(|p| norm(hidden.get(&p.name))).sum();
+    // Of a phase the amplitude counts: its error is the length of the difference's radial part.
+    let size: f64 = found().map(|p| norm(p.value)).sum();
+    let sign = found().map(|p| p.value * hidden.get(&p.name)).sum::<f64>().signum();
+    let error = (truth > 0.0).then(|| (sign * (size / truth).sqrt() - 1.0).abs());
+    let largest = found().max_by(|a, b| hidden.get(&a.name).abs().total_cmp(&hidden.get(&b.name).abs()));
+    let covered = largest.map(|p| (p.ci95[0]..=p.ci95[1]).contains(&hidden.get(&p.name)));
+    (error, covered)
+}

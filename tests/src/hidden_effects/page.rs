@@ -1,0 +1,159 @@
+//! What is published: a table of goals and figures for the terminal, and `docs/hidden-effects.md`.
+
+use super::score::{Figures, Goal, Shares};
+use std::fmt::Write as _;
+
+const HEAD: &str = "# Hidden effects: what the diagnosis finds
+
+Logs come from generators that share no code with the engine (`tests/src/generator`), hide an effect of the vocabulary or none, and
+the engine answers from the log alone; labels are sealed until it has. This page is written by
+`cargo xtask hidden-effects --bless` from `tests/golden/hidden-effects.json`, its figures are those of the run named below.
+
+Size is the rms of the part of the effect that calibration cannot absorb over the rms of the noise floor, over all samples of all
+channels, each in units of its own noise; calibration may move what is declared uncertain by four declared deviations. A share counts the
+cells in which the plant can show the wanted size at all. An equivalent cause is one that imitates the hidden effect
+on that log but for a rest of size .1.
+
+Plants: `rotary`, a friction rig with drive torque and friction torque; `linear`, a cylinder of which only the force is
+measured; `bench`, transmission bench B. `misalignment` needs the bearing in two planes and is not among the cells.
+";
+
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".into(), |v| format!("{v:.3}"))
+}
+
+fn row(page: &mut String, cells: &[&str]) {
+    let _ = writeln!(page, "| {} |", cells.join(" | "));
+}
+
+fn head(page: &mut String, title: &str, cells: &[&str]) {
+    let _ = writeln!(page, "\n## {title}\n");
+    row(page, cells);
+    row(page, &vec!["---"; cells.len()]);
+}
+
+const SHARES: [&str; 8] =
+    ["cells", "detected", "first name", "in group", "group size", "unknown", "equivalent", "wrong"];
+
+fn shares(page: &mut String, title: &str, first: &str, rows: impl Iterator<Item = (String, Shares)>) {
+    let names: Vec<&str> = std::iter::once(first).chain(SHARES).collect();
+    head(page, title, &names);
+    for (name, s) in rows {
+        let values = [s.detected, s.first, s.in_group, s.group, s.unknown, s.equivalent, s.wrong];
+        let values: Vec<String> = values.iter().map(|v| format!("{v:.2}")).collect();
+        let count = s.cells.to_string();
+        let cells: Vec<&str> =
+            [name.as_str(), &count].into_iter().chain(values.iter().map(String::as_str)).collect();
+        row(page, &cells);
+    }
+}
+
+fn wanted(goal: &Goal) -> String {
+    match goal.wanted {
+        (least, 1.0) => format!(">= {least}"),
+        (0.0, most) => format!("<= {most}"),
+        (least, most) => format!("{least} to {most}"),
+    }
+}
+
+fn mark(goal: &Goal) -> &'static str {
+    match goal.missed_by() {
+        None => "not asked",
+        Some(0.0) => "reached",
+        Some(_) => "missed",
+    }
+}
+
+/// The goals beside what was found, as text.
+pub fn summary(figures: &Figures) -> String {
+    let mut text = String::new();
+    for goal in figures.goals() {
+        let _ = writeln!(
+            text,
+            "{:52} {:12} {:>8}  {}",
+            goal.name,
+            wanted(&goal),
+            number(goal.found),
+            mark(&goal)
+        );
+    }
+    text
+}
+
+/// The page.
+pub fn page(figures: &Figures) -> String {
+    let mut page = String::from(HEAD);
+    let ran: Vec<String> = figures.ran.iter().map(|(plant, n)| format!("{n} cells of `{plant}`")).collect();
+    let seeds = figures.campaign.as_ref().map_or((0, 0), |c| (c.seeds, c.bench_seeds));
+    let _ = writeln!(
+        page,
+        "\nRun of {}: up to {} seeds a cell on the axes, {} on the bench; {}.",
+        figures.date,
+        seeds.0,
+        seeds.1,
+        ran.join(", ")
+    );
+    head(&mut page, "Goals", &["figure", "goal", "found", ""]);
+    for goal in figures.goals() {
+        row(&mut page, &[goal.name, &wanted(&goal), &number(goal.found), mark(&goal)]);
+    }
+    let of_map = |map: &std::collections::BTreeMap<String, Shares>| map.clone().into_iter();
+    shares(&mut page, "Single effects by size", "size", of_map(&figures.by_size));
+    shares(&mut page, "Single effects of size .5 and more", "plant, effect", of_map(&figures.by_effect));
+    shares(
+        &mut page,
+        "Outside the library: the hidden cause is deleted, size 1",
+        "",
+        std::iter::once((String::new(), figures.deleted.clone())),
+    );
+    head(&mut page, "Clean logs, two effects, pairs, changed questions", &["question", "cells", "share"]);
+    for (plant, s) in &figures.false_alarms {
+        let name = format!("clean log of `{plant}`: any answer but none");
+        row(&mut page, &[&name, &s.cells.to_string(), &format!("{:.3}", s.share)]);
+    }
+    let rows = [
+        ("clean log: a cause named", &figures.false_names),
+        ("two effects: both in the group", &figures.both),
+        ("two effects: a third cause", &figures.third),
+        ("inseparable pair: both named", &figures.pair_named),
+        ("of those, settled by the proposed experiment", &figures.pair_settled),
+        ("95 % intervals that hold the truth", &figures.covered),
+        ("realised gain within 20 % of the predicted", &figures.gain_within),
+    ];
+    for (name, s) in rows {
+        row(&mut page, &[name, &s.cells.to_string(), &format!("{:.3}", s.share)]);
+    }
+    for (change, s) in &figures.changed {
+        row(
+            &mut page,
+            &[&format!("same answer, changed: {change}"), &s.cells.to_string(), &format!("{:.3}", s.share)],
+        );
+    }
+    let _ = writeln!(
+        page,
+        "\nA second session shrinks intervals by a factor of {} (root of two: 1.414).",
+        number(figures.shrink)
+    );
+    head(
+        &mut page,
+        "Stated probability of the first cause",
+        &["cells", "mean stated", "right or equivalent"],
+    );
+    for (n, stated, hit) in &figures.calibration {
+        row(&mut page, &[&n.to_string(), &format!("{stated:.3}"), &format!("{hit:.3}")]);
+    }
+    head(&mut page, "First names at size .5 and more", &["hidden", "named (cells)"]);
+    for (hidden, names) in &figures.confusion {
+        let mut names: Vec<(&String, &usize)> = names.iter().collect();
+        names.sort_by(|a, b| b.1.cmp(a.1));
+        let names: Vec<String> = names.iter().map(|(name, n)| format!("{name} ({n})")).collect();
+        row(&mut page, &[hidden, &names.join(", ")]);
+    }
+    if !figures.out_of_reach.is_empty() {
+        head(&mut page, "Sizes out of the plant's reach", &["plant, effect", "cells"]);
+        for (name, n) in &figures.out_of_reach {
+            row(&mut page, &[name, &n.to_string()]);
+        }
+    }
+    page
+}

@@ -1,0 +1,169 @@
+//! One cell: hide, seal, ask, open, judge.
+
+use super::cell::{Arm, Cell};
+use super::compare::Outcome;
+use super::seal::{Answer, Label, Sealed, name_of};
+use super::{CampaignError, changed, pairs};
+use crate::generator::hidden::HiddenEffect;
+use crate::generator::motion::Course;
+use crate::generator::noise::Noise;
+use crate::generator::session::{Plant, Point, Session};
+use crate::generator::size::Scale;
+use crate::generator::vocabulary::draw;
+use bench::effects::CATALOGUE;
+use bench::respond::{Inputs, respond};
+use bench::{Bench, MeasuredLog};
+use diagnosis::{Diagnosis, Options, diagnose};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Deviations of the real plant from its description beside a hidden effect, in declared standard deviations.
+const SPREAD: f64 = 0.8;
+/// The same in clean logs.
+const CLEAN_SPREAD: f64 = 2.0;
+/// Least size at which a held-out gain is compared with its prediction.
+const GAIN_SIZE: f64 = 0.5;
+
+/// Where a cell's files lie, and its number.
+pub(super) struct Desk<'a> {
+    pub(super) folder: &'a Path,
+    pub(super) cell: &'a Cell,
+}
+
+impl Desk<'_> {
+    pub(super) fn failed(&self, error: &dyn std::fmt::Display) -> CampaignError {
+        CampaignError::Engine { cell: self.cell.index, found: error.to_string() }
+    }
+
+    /// The user's description of the plant.
+    pub(super) fn bench(&self) -> Result<Bench, CampaignError> {
+        Bench::parse("bench.toml", self.cell.plant.description()).map_err(|e| self.failed(&e))
+    }
+
+    /// Writes a log under a name and reads it back as the engine's user would.
+    pub(super) fn log(&self, name: &str, text: &str, bench: &Bench) -> Result<MeasuredLog, CampaignError> {
+        let file: PathBuf = self.folder.join(format!("{name}.csv"));
+        bench::atomic::write(&file, text.as_bytes()).map_err(|e| self.failed(&e))?;
+        let text = std::fs::read_to_string(&file).map_err(|e| self.failed(&e))?;
+        MeasuredLog::parse(&format!("{name}.csv"), &text, &bench.log_format()).map_err(|e| self.failed(&e))
+    }
+
+    /// The engine's answer to logs.
+    pub(super) fn ask(
+        &self,
+        bench: &Bench,
+        logs: &[MeasuredLog],
+        exclude: &[String],
+    ) -> Result<Diagnosis, CampaignError> {
+        diagnose(bench, logs, &[], &Options { exclude, ..Options::default() }).map_err(|e| self.failed(&e))
+    }
+}
+
+/// Draws the effects of a cell at their sizes; `None` where the plant cannot show one of them as large.
+pub(super) fn hide(
+    cell: &Cell,
+    scale: &Scale<'_>,
+    session: &Session,
+    noise: &mut Noise,
+) -> Option<Vec<HiddenEffect>> {
+    let base = session.readings(&session.off, &[]);
+    let one = |(effect, size): (&String, &f64)| {
+        let drawn = draw(effect, session, &base, noise)?;
+        let magnitude = scale.magnitude(|m| drawn.at(m), drawn.guess, drawn.most, *size)?;
+        Some(drawn.at(magnitude))
+    };
+    cell.effects.iter().zip(&cell.sizes).map(one).collect()
+}
+
+/// A clean session: coloured noise, another operating point, more samples lost.
+fn clean(cell: &Cell, noise: &mut Noise) -> Session {
+    let any = |noise: &mut Noise, choices: &[f64]| choices[(noise.uniform() * choices.len() as f64) as usize];
+    let point = Point {
+        speed: if cell.plant == Plant::Bench { 1.0 } else { any(noise, &[0.7, 1.0, 1.3]) },
+        load: any(noise, &[0.3, 0.6, 1.0]),
+        stroke: if cell.plant == Plant::Bench { 1.0 } else { any(noise, &[0.6, 1.0]) },
+        course: if noise.uniform() < 0.2 { Course::Plain } else { Course::Swing },
+    };
+    let mut session = Session::draw(cell.plant, CLEAN_SPREAD, point, noise);
+    session.logger.colour = any(noise, &[0.0, 0.3, 0.6]);
+    session.logger.lost = any(noise, &[0.0, 0.004, 0.03]);
+    session
+}
+
+/// Runs a cell in a folder; its log, label and answer are removed again.
+pub fn run(folder: &Path, cell: &Cell) -> Result<Outcome, CampaignError> {
+    let place = tempfile::tempdir_in(folder).map_err(|e| CampaignError::File {
+        file: folder.display().to_string(),
+        found: e.to_string(),
+        expected: "a folder that can be written",
+    })?;
+    let desk = Desk { folder: place.path(), cell };
+    match cell.arm {
+        Arm::Pair => pairs::run(&desk),
+        Arm::Changed => changed::run(&desk),
+        _ => plain(&desk),
+    }
+}
+
+fn plain(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
+    let cell = desk.cell;
+    let mut noise = Noise::new(cell.stream());
+    let session = match cell.arm {
+        Arm::Clean => clean(cell, &mut noise),
+        _ => Session::draw(cell.plant, SPREAD, Point::default(), &mut noise),
+    };
+    let mut outcome = Outcome::new(cell);
+    let scale = Scale::new(&session);
+    let Some(effects) = hide(cell, &scale, &session, &mut noise) else { return Ok(outcome) };
+    let bench = desk.bench()?;
+    let name = name_of(&cell.words(), cell.seed);
+    let log = desk.log(&name, &session.log(&effects, &mut noise), &bench)?;
+    let label = Label { effects, sizes: cell.sizes.clone() };
+    let sealed = Sealed::close(desk.folder, &name, cell.stream(), &label)?;
+    drop(label);
+    let exclude = if cell.arm == Arm::Deleted { cell.effects.clone() } else { Vec::new() };
+    let start = Instant::now();
+    let answer = desk.ask(&bench, std::slice::from_ref(&log), &exclude)?;
+    outcome.engine_s = start.elapsed().as_secs_f64();
+    let label = sealed.open(&Answer::write(desk.folder, &name, &answer)?)?;
+    outcome.judge(&answer, &label);
+    outcome.judge_equivalence(&scale, &answer);
+    if cell.arm == Arm::Single && outcome.first && cell.sizes.iter().all(|s| *s >= GAIN_SIZE) {
+        let text = session.again(Point::default(), &mut noise).log(&label.effects, &mut noise);
+        outcome.realised = realised(desk, &bench, &log, &text, &answer)?;
+    }
+    Ok(outcome)
+}
+
+/// The share of what the calibrated nominal bench leaves above the noise, on a session that the engine never saw, that the
+/// extended bench takes away.
+fn realised(
+    desk: &Desk<'_>,
+    bench: &Bench,
+    seen: &MeasuredLog,
+    text: &str,
+    answer: &Diagnosis,
+) -> Result<Option<f64>, CampaignError> {
+    let fresh = desk.log("fresh", text, bench)?;
+    let nothing: Vec<String> = CATALOGUE.iter().map(|k| k.name.to_owned()).collect();
+    let nominal = desk.ask(bench, std::slice::from_ref(seen), &nothing)?;
+    let (Some(before), Some(after)) = (&nominal.extended, &answer.extended) else { return Ok(None) };
+    let sensors = desk.cell.plant.sensors();
+    let left = |bench: &Bench| -> Result<f64, CampaignError> {
+        let inputs = Inputs::new(bench, &fresh).map_err(|e| desk.failed(&e))?;
+        let response = respond(bench, &inputs).map_err(|e| desk.failed(&e))?;
+        let power = |(channel, simulated): (&bench::Channel, &Vec<f64>)| {
+            let floor = sensors.iter().find(|s| s.channel == channel.name()).map_or(1.0, |s| s.floor());
+            let measured = fresh.channels.get(channel).map_or(&[][..], Vec::as_slice);
+            // The journal's landing at the start of the transmission bench is nobody's model error.
+            let used = fresh.time_s.iter().map(|t| desk.cell.plant != Plant::Bench || *t > 0.06);
+            let pairs = measured.iter().zip(simulated).zip(used).filter(|(_, used)| *used);
+            let (sum, count) = pairs
+                .fold((0.0, 0.0_f64), |(sum, n), ((m, s), _)| (sum + ((m - s) / floor).powi(2), n + 1.0));
+            sum / count.max(1.0) - 1.0
+        };
+        Ok(response.iter().map(power).sum())
+    };
+    let (before, after) = (left(before)?, left(after)?);
+    Ok((before > 0.0).then(|| 1.0 - after / before))
+}
