@@ -1,21 +1,29 @@
-//! The long campaigns on the emulated controller: `faults` and `soak`, programs of the package `system-tests`.
-//!
-//! Here the image is built; the arguments are the program's own, and so is the exit code.
+//! The campaigns: programs of the package `system-tests`. The arguments are the program's own, and so is the exit code.
 
 use crate::run::{ChoreError, cargo};
 use crate::{firmware, setup};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Builds the image and the program and runs it.
-pub(crate) fn campaign(program: &'static str, arguments: &[OsString]) -> Result<ExitCode, ChoreError> {
+/// Builds the controller's image and runs a program that has it emulated.
+pub(crate) fn emulated(program: &'static str, arguments: &[OsString]) -> Result<ExitCode, ChoreError> {
     // Help needs no image.
     if !arguments.iter().any(|argument| argument == "--help" || argument == "-h") {
         setup::setup()?;
         firmware::DEFAULT.build()?;
     }
+    run(program, &[], arguments)
+}
+
+/// Runs a program that only computes, built for speed.
+pub(crate) fn computed(program: &'static str, arguments: &[OsString]) -> Result<ExitCode, ChoreError> {
+    run(program, &["--release"], arguments)
+}
+
+fn run(program: &'static str, profile: &[&str], arguments: &[OsString]) -> Result<ExitCode, ChoreError> {
     let mut command = cargo();
-    command.args(["run", "--quiet", "--package", "system-tests", "--bin", program, "--"]).args(arguments);
+    command.args(["run", "--quiet"]).args(profile);
+    command.args(["--package", "system-tests", "--bin", program, "--"]).args(arguments);
     let status =
         command.status().map_err(|source| ChoreError::NotStarted { program: program.into(), source })?;
     let code = status.code().and_then(|code| u8::try_from(code).ok());

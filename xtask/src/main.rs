@@ -7,7 +7,6 @@ mod compile;
 mod firmware;
 mod flash;
 mod golden;
-mod hidden_effects;
 mod insn;
 mod kernels;
 mod miri;
@@ -58,12 +57,19 @@ enum Command {
     Verify,
     /// Count anew and write the golden figures and the README's tables.
     Bless,
-    /// Hide effects in logs of independent generators and tell how well the diagnosis finds them (`-- --help` for more).
+    /// Hide effects in logs of independent generators and tell how well the diagnosis finds them (its own `--help` tells more).
     #[command(disable_help_flag = true)]
     HiddenEffects {
-        /// Options of the program: --seeds, --plant, --sizes, --arms, --out, --json, --bless and others.
+        /// As `cargo xtask hidden-effects --help` says.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-        arguments: Vec<String>,
+        arguments: Vec<OsString>,
+    },
+    /// Deal a log that hides an effect, for you to find, and open its label afterwards (its own `--help` tells more).
+    #[command(disable_help_flag = true)]
+    Mystery {
+        /// As `cargo xtask mystery --help` says.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
     },
     /// Instructions of the reference network, the layers and a controller tick, from the emulator.
     Insn {
@@ -111,13 +117,16 @@ fn main() -> ExitCode {
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
         Command::Bless => golden::bless().and_then(|()| budget::bless()),
-        Command::HiddenEffects { arguments } => hidden_effects::hidden_effects(&arguments),
         Command::Insn { json } => insn::insn(json),
         Command::Flash(args) => flash::flash(&args),
         Command::Stack { json } => stack::stack(json),
         Command::Size { json } => size::size(json),
-        Command::Faults { arguments } => return exit(campaigns::campaign("faults", &arguments)),
-        Command::Soak { arguments } => return exit(campaigns::campaign("soak", &arguments)),
+        Command::Faults { arguments } => return exit(campaigns::emulated("faults", &arguments)),
+        Command::Soak { arguments } => return exit(campaigns::emulated("soak", &arguments)),
+        Command::HiddenEffects { arguments } => {
+            return exit(campaigns::computed("hidden_effects", &arguments));
+        }
+        Command::Mystery { arguments } => return exit(campaigns::computed("mystery", &arguments)),
     };
     exit(result.map(|()| ExitCode::SUCCESS))
 }

@@ -1,0 +1,89 @@
+//! Deals a log that hides an effect, for somebody to diagnose, and opens its label afterwards: `cargo xtask mystery`.
+
+use clap::{Parser, ValueEnum};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use system_tests::generator::session::Plant;
+use system_tests::hidden_effects::CampaignError;
+use system_tests::hidden_effects::mystery::{BENCH, LOG, deal, reveal};
+
+/// What the log is of.
+#[derive(Clone, Copy, ValueEnum)]
+enum PlantChoice {
+    /// A cylinder with its force.
+    Linear,
+    /// A friction rig with its torques.
+    Rotary,
+    /// The transmission bench.
+    Bench,
+}
+
+/// Deal a log that hides an effect, or open the label of one that has been diagnosed.
+#[derive(Parser)]
+#[command(
+    name = "mystery",
+    after_help = "Examples:\n  cargo xtask mystery --seed 7 --out out/mystery\n  \
+    cargo run --release -p host-sim -- diagnose out/mystery/log.csv --bench out/mystery/bench.toml --out out/mystery\n  \
+    cargo xtask mystery --reveal out/mystery\n\n\
+    Exit codes: 0 done, 1 the work failed, 2 the arguments are wrong."
+)]
+struct Cli {
+    /// What the log is of.
+    #[arg(long, value_enum, default_value = "linear")]
+    plant: PlantChoice,
+    /// Which of them.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// How large the effect is: rms of what calibration cannot absorb over the rms of the noise.
+    #[arg(long, default_value_t = 1.0)]
+    size: f64,
+    /// Folder of the log, the description and the sealed label.
+    #[arg(long, default_value = "out/mystery")]
+    out: PathBuf,
+    /// Open the label of a folder that has a diagnosis.
+    #[arg(long, value_name = "DIR")]
+    reveal: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    if !(0.01..=100.0).contains(&cli.size) {
+        eprintln!("error: --size: found {}; expected 0.01 to 100", cli.size);
+        return ExitCode::from(2);
+    }
+    match run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error @ CampaignError::Sealed { .. }) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(cli: &Cli) -> Result<(), CampaignError> {
+    if let Some(folder) = &cli.reveal {
+        let label = reveal(folder)?;
+        if label.effects.is_empty() {
+            println!("the log hides nothing");
+        }
+        for (effect, size) in label.effects.iter().zip(&label.sizes) {
+            let of = effect.channel.as_ref().map_or_else(String::new, |channel| format!(" of {channel}"));
+            println!("the log hides {}{of}, size {size}:", effect.effect);
+            effect.parameters.iter().for_each(|(name, value)| println!("  {name} = {value:.4e}"));
+        }
+        return Ok(());
+    }
+    let plant = match cli.plant {
+        PlantChoice::Linear => Plant::Linear,
+        PlantChoice::Rotary => Plant::Rotary,
+        PlantChoice::Bench => Plant::Bench,
+    };
+    deal(&cli.out, plant, cli.size, cli.seed)?;
+    println!("{}", cli.out.join(LOG).display());
+    println!("{}", cli.out.join(BENCH).display());
+    Ok(())
+}
