@@ -62,7 +62,7 @@ impl Campaign {
         }
         known.retain(|number, _| numbers.contains(number));
         known.values().for_each(&done);
-        let file = record.map(open).transpose()?.map(Mutex::new);
+        let file = record.map(reopen).transpose()?.map(Mutex::new);
         let left: Vec<u64> = numbers.filter(|number| !known.contains_key(number)).collect();
         let outcomes = left.into_par_iter().map(|number| {
             let outcome = self.fault(number)?;
@@ -82,8 +82,14 @@ fn cannot(path: &Path, found: String) -> CampaignError {
     CampaignError::File { path: path.into(), found, expected: "a file of outcomes, one a line" }
 }
 
-fn open(path: &Path) -> Result<File, CampaignError> {
-    OpenOptions::new().append(true).create(true).open(path).map_err(|error| cannot(path, error.to_string()))
+/// Opens a file of outcomes behind its last whole line.
+fn reopen(path: &Path) -> Result<File, CampaignError> {
+    let failed = |error: std::io::Error| cannot(path, error.to_string());
+    let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
+    let text = std::fs::read(path).map_err(failed)?;
+    let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+    file.set_len(whole as u64).map_err(failed)?;
+    Ok(file)
 }
 
 fn append(file: &Mutex<File>, path: &Path, outcome: &Outcome) -> Result<(), CampaignError> {
@@ -104,4 +110,39 @@ fn recorded(path: &Path) -> Result<Vec<Outcome>, CampaignError> {
         serde_json::from_str(line).map_err(|error| cannot(path, format!("line {}: {error}", index + 1)))
     };
     whole.lines().enumerate().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::faults::judge::Class;
+    use crate::faults::plan::Kind;
+
+    #[test]
+    fn a_campaign_goes_on_behind_its_last_whole_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("outcomes");
+        assert_eq!(recorded(&path).unwrap(), []);
+        let outcome = Outcome {
+            number: 7,
+            kind: Kind::Code,
+            what: "bit 3".into(),
+            class: Class::DetectedLate,
+            told: Some("stuck".into()),
+            latency: Some(4),
+            late: Some(3),
+            error_share: f64::MAX,
+            wrong: 3,
+            alive: true,
+        };
+        let file = Mutex::new(reopen(&path).unwrap());
+        append(&file, &path, &outcome).unwrap();
+        append(&file, &path, &outcome).unwrap();
+        file.lock().unwrap().write_all(b"{\"number\":8,\"ki").unwrap();
+        assert_eq!(recorded(&path).unwrap(), [outcome.clone(), outcome.clone()]);
+        append(&Mutex::new(reopen(&path).unwrap()), &path, &outcome).unwrap();
+        assert_eq!(recorded(&path).unwrap().len(), 3, "the half line is gone");
+        std::fs::write(&path, "no outcome\n").unwrap();
+        assert!(recorded(&path).unwrap_err().to_string().contains("line 1"));
+    }
 }

@@ -210,3 +210,6 @@ fn conclude(fault: &Fault, hearing: Hearing) -> Outcome {
         alive,
     }
 }
+
+#[cfg(test)]
+mod tests;

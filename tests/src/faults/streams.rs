@@ -125,3 +125,65 @@ const fn value_mut(frame: &mut SensorFrame, channel: SensorChannel) -> &mut i32 
         SensorChannel::LoadForce => &mut frame.load_force_mn,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::faults::plan::Action;
+
+    fn fault(kind: Kind, number: u64) -> Fault {
+        Fault { number, kind, sample: 20, action: Action::Stream, random: Random::new(3, number) }
+    }
+
+    fn frames() -> Vec<SensorFrame> {
+        (0..500)
+            .map(|sequence| SensorFrame {
+                sequence,
+                time_us: 100 * sequence,
+                journal_y_nm: 7 * sequence as i32,
+                journal_z_nm: -500_000 + 3 * sequence as i32,
+                shaft_angle_nrad: 1_000 * sequence as i32,
+                load_force_mn: 10_000_000 + sequence as i32,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_fault_changes_something_from_its_sample_on_and_nothing_before() {
+        let frames = frames();
+        let sound: Vec<_> = frames.iter().map(|frame| (*frame, SensorStatus::GOOD)).collect();
+        let plain: Vec<_> = sound
+            .iter()
+            .map(|(frame, status)| bytes(&ToController::Sensor(*frame, *status)).unwrap())
+            .collect();
+        let streams = Kind::ALL
+            .into_iter()
+            .filter(|kind| kind.name().contains("frame") || kind.name().contains("sensor"));
+        for kind in streams {
+            for number in 0..20 {
+                let fault = fault(kind, number);
+                let disturbed = framed(&fault, &disturbed(&fault, &frames)).unwrap();
+                assert_eq!(disturbed[..20], plain[..20], "{kind:?}");
+                // An even number of flips of one bit is none: rare, and harmless.
+                assert!(disturbed != plain || kind == Kind::FrameCorrupted, "{kind:?} {number}");
+                assert_eq!(
+                    disturbed,
+                    framed(&fault, &super::disturbed(&fault, &frames)).unwrap(),
+                    "it repeats"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn frames_are_lost_repeated_and_moved() {
+        let frames = frames();
+        let count = |kind| {
+            let fault = fault(kind, 5);
+            framed(&fault, &disturbed(&fault, &frames)).unwrap().len()
+        };
+        assert!((495..500).contains(&count(Kind::FrameDropped)));
+        assert_eq!(count(Kind::FrameRepeated), 501);
+        assert_eq!([Kind::FrameDelayed, Kind::FramesReordered, Kind::FrameCorrupted].map(count), [500; 3]);
+    }
+}
