@@ -109,7 +109,7 @@ fn whatever_the_host_would_stumble_over_is_told() {
     let refused = Ok(ToHost::Fault(Refusal::NotConfigured { sequence: 5 }));
     assert_eq!(with(5, refused).1, Some("fault answer".into()));
     let mut missing = said(|_| {});
-    drop(missing.remove(5));
+    let _ = missing.remove(5);
     assert_eq!(classed(&missing, Pumped::Come).1, Some("missing estimate".into()));
     assert_eq!(classed(&said(|_| {}), Pumped::Silent).1, Some("time-out".into()));
     assert_eq!(classed(&said(|_| {}), Pumped::Ended).1, Some("end".into()));
