@@ -18,6 +18,9 @@ const GAIN: f64 = 0.1;
 const GAIN_DOUBTFUL: f64 = 0.03;
 /// Tolerance on a factor that has a name.
 const NAMED: f64 = 0.03;
+/// Factor from the described stroke within which a stroke may be, and the one from which on its unit is looked at.
+const STROKE: f64 = 4.0;
+const UNLIKE_STROKE: f64 = 12.0;
 /// Delay, in samples and in s, from which on two inputs contradict each other.
 const DELAY_SAMPLES: f64 = 2.0;
 const DELAY_S: f64 = 2e-3;
@@ -103,6 +106,9 @@ fn relation(time_s: &[f64], value: &[f64], rate: &[f64]) -> Option<Relation> {
 /// Inputs that contradict each other: which one is off, by what, and what becomes of it.
 pub(super) fn inputs(bench: &Bench, log: &mut MeasuredLog, interval_s: f64, findings: &mut Vec<Finding>) {
     let (value, rate) = drive(bench);
+    if !log.channels.contains_key(&rate) {
+        alone(bench, log, value, findings);
+    }
     let (Some(x), Some(v)) = (log.channels.get(&value), log.channels.get(&rate)) else { return };
     let Some(fit) = relation(&log.time_s, x, v) else { return };
     let source = log.source.clone();
@@ -186,12 +192,42 @@ pub(super) fn inputs(bench: &Bench, log: &mut MeasuredLog, interval_s: f64, find
     }
 }
 
+/// A position without a velocity beside it, against the described stroke: only a unit's factor is told from another stroke.
+fn alone(bench: &Bench, log: &mut MeasuredLog, value: Channel, findings: &mut Vec<Finding>) {
+    let Some(stroke) = log.channels.get(&value).map(|x| range(x)).filter(|r| *r > 0.0) else { return };
+    let described = described_stroke(bench);
+    let off = |factor: f64| (stroke / factor / described).ln().abs();
+    let units =
+        factors::units(bench, value).into_iter().filter(|(f, _)| f.ln() > 0.0 && off(*f) < STROKE.ln());
+    let best = units.min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
+    let Some((factor, cause)) = best.filter(|_| off(1.0) > UNLIKE_STROKE.ln()) else { return };
+    let found = format!("its stroke is {stroke:.4}, the described one {described:.4} {}", value.unit());
+    findings.push(
+        Finding::new(Severity::Wrong, &log.source, value.name(), "unit", found)
+            .cause(cause)
+            .evidence("factor", factor)
+            .evidence("stroke", stroke)
+            .evidence("described_stroke", described)
+            .mend(scaled(bench, value.name(), 1.0 / factor))
+            .done(format!("divided by {factor:.6}")),
+    );
+    super::multiply(log, value, 1.0 / factor);
+}
+
+fn described_stroke(bench: &Bench) -> f64 {
+    match bench {
+        Bench::Transmission(b) => b.drive.stroke_m,
+        Bench::FrictionRig(r) => 2.0 * r.axis.amplitude,
+    }
+}
+
 /// How far a candidate's channel would be from the described motion, as a logarithm.
 fn misfit(bench: &Bench, log: &MeasuredLog, (channel, factor, _): &(Channel, f64, String)) -> f64 {
     let (value, rate) = drive(bench);
-    let (stroke, period_s) = match bench {
-        Bench::Transmission(b) => (b.drive.stroke_m, b.drive.period_s),
-        Bench::FrictionRig(r) => (2.0 * r.axis.amplitude, r.axis.period_s),
+    let stroke = described_stroke(bench);
+    let period_s = match bench {
+        Bench::Transmission(b) => b.drive.period_s,
+        Bench::FrictionRig(r) => r.axis.period_s,
     };
     let of = |c: Channel, described: f64| {
         let range = log.channels.get(&c).map_or(0.0, |x| range(x));

@@ -63,6 +63,15 @@ fn units_are_named_and_corrected() {
 }
 
 #[test]
+fn a_drive_without_a_velocity_is_measured_by_its_stroke() {
+    let change = |log: &mut MeasuredLog| {
+        log.channels.remove(&Channel::DriveVelocity);
+        multiply(log, Channel::DriveDisplacement, 1e3);
+    };
+    assert!(hidden(change, "drive_displacement_m", "unit").cause.contains("mm"));
+}
+
+#[test]
 fn signs_are_named_and_corrected() {
     for channel in [
         Channel::BearingForceY,
