@@ -18,6 +18,8 @@ const MOST_DEPTH: usize = 8;
 const MOST_COLUMNS: usize = 1000;
 /// Variables and fields that are listed.
 const MOST_NAMES: usize = 100_000;
+/// Numbers that a file may hold in all: a small file of compressed zeros could fill any memory.
+const MOST_VALUES: usize = 10 * MOST_ROWS;
 /// Bytes that a compressed element may hold: a log of the most rows in doubles.
 const MOST_BYTES: u64 = 8 * MOST_ROWS as u64;
 
@@ -36,6 +38,7 @@ const WHOLE: &str = "a whole MAT-file of version 5 to 7";
 pub(super) struct Variables {
     pub(super) names: Vec<String>,
     contents: Vec<Content>,
+    values: usize,
 }
 
 /// Numbers, or what stands there instead of them.
@@ -43,7 +46,7 @@ type Content = Result<Vec<f64>, &'static str>;
 
 impl Variables {
     pub(super) fn open(file: &str, bytes: &[u8]) -> Result<Self, LogError> {
-        let mut out = Self { names: Vec::new(), contents: Vec::new() };
+        let mut out = Self { names: Vec::new(), contents: Vec::new(), values: 0 };
         let damaged = |at: &str| LogError::content(file, format!("damage {at}"), WHOLE);
         let (big, mut rest) = match (bytes.get(126..HEADER_BYTES), bytes.get(HEADER_BYTES..)) {
             (Some(b"IM"), Some(rest)) => (false, rest),
@@ -120,7 +123,8 @@ impl Variables {
             class if NUMERIC.contains(&class) => {
                 let (kind, data, _) = cut.element(rest)?;
                 let values = cut.numbers(kind, data)?;
-                if values.len() != count {
+                self.values += values.len();
+                if values.len() != count || self.values > MOST_VALUES {
                     return None;
                 }
                 self.columns(name, &dimensions, values)
