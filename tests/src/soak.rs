@@ -10,6 +10,7 @@
 use crate::faults::CampaignError;
 use crate::faults::attempt::BOUND;
 use crate::faults::emulator::{Emulator, Pumped};
+use crate::faults::image::Image;
 use crate::faults::streams::bytes;
 use bench::Bench;
 use bench::transmission::{Snapshot, Transmission};
@@ -152,6 +153,8 @@ impl Iterator for Samples {
 
 /// Runs a soak; `done` hears how many samples every batch had.
 pub fn soak(elf: &Path, plan: &Plan, mut done: impl FnMut(u64)) -> Result<Soaked, CampaignError> {
+    // Anything else would be silent for long before it is told.
+    Image::read(elf)?;
     let (configuration, mut samples) = Samples::new(plan)?;
     let mut native = NativeController::start(configuration)?;
     let mut emulator = Emulator::start(elf, false, &["-no-reboot"])?;
