@@ -157,14 +157,13 @@ fn hear(hearing: &mut Hearing, place: usize, stage: &Stage, sound: &EstimateFram
     }
     let share = error_share(stage, sound, estimate);
     hearing.error_share = hearing.error_share.max(share);
-    // A comparison that also holds for what is no number.
-    if !(share <= BOUND_SHARE) {
+    if share > BOUND_SHARE {
         hearing.wrong += 1;
         hearing.first_wrong.get_or_insert(place);
     }
 }
 
-/// Largest error of an estimate as a share of full scale; infinite for what is no number.
+/// Largest error of an estimate as a share of full scale; the largest number for what is none.
 fn error_share(stage: &Stage, sound: &EstimateFrame, estimate: &EstimateFrame) -> f64 {
     let force = |read: fn(&EstimateFrame) -> f32| {
         f64::from(read(estimate) - read(sound)).abs() / stage.force_full_scale_n

@@ -100,7 +100,7 @@ impl Random {
 
     /// Below a number; 0 below 0.
     pub const fn below(&mut self, end: u32) -> u32 {
-        ((self.bits() >> 32) * end as u64 >> 32) as u32
+        (((self.bits() >> 32) * end as u64) >> 32) as u32
     }
 
     /// Uniform in 0..1.
