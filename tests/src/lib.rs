@@ -2,5 +2,5 @@
 
 pub mod faults;
 pub mod generator;
-pub mod soak;
 pub mod hidden_effects;
+pub mod soak;

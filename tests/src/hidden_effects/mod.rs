@@ -2,12 +2,13 @@
 //!
 //! A [`cell`] says what is hidden where; [`run`] has the generator write a log, seals the label ([`seal`]), has the engine
 //! answer from the log alone and only then opens the label; [`compare`] judges the answer, [`pairs`] and [`changed`] are the cells
-//! that ask more than one question; [`score`] sums up over cells, [`journal`] keeps them over a kill, [`page`] writes what is published. [`mystery`] deals a log
+//! that ask more than one question; [`score`] sums up over cells, [`goals`] are beside it, [`journal`] keeps them over a kill, [`page`] writes what is published. [`mystery`] deals a log
 //! to people.
 
 pub mod cell;
 pub mod changed;
 pub mod compare;
+pub mod goals;
 pub mod journal;
 pub mod mystery;
 pub mod page;

@@ -1,6 +1,7 @@
 //! What is published: a table of goals and figures for the terminal, and `docs/hidden-effects.md`.
 
-use super::score::{Figures, Goal, Shares};
+use super::goals::Goal;
+use super::score::{Figures, Shares};
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Hidden effects: what the diagnosis finds
@@ -85,12 +86,17 @@ pub fn page(figures: &Figures) -> String {
     let mut page = String::from(HEAD);
     let ran: Vec<String> = figures.ran.iter().map(|(plant, n)| format!("{n} cells of `{plant}`")).collect();
     let seeds = figures.campaign.as_ref().map_or((0, 0), |c| (c.seeds, c.bench_seeds));
+    let planned = figures.campaign.as_ref().map_or(0, |c| c.cells().len());
+    let count: usize = figures.ran.values().sum::<usize>() + figures.out_of_reach.values().sum::<usize>();
     let _ = writeln!(
         page,
-        "\nRun of {}: up to {} seeds a cell on the axes, {} on the bench; {}.",
+        "\nRun of {}: {} seeds a cell on the axes, {} on the bench, {} of {} cells; with an answer: {}. Cells run in a shuffled \
+         order, so a run that is cut short is a sample of them.",
         figures.date,
         seeds.0,
         seeds.1,
+        count,
+        planned,
         ran.join(", ")
     );
     head(&mut page, "Goals", &["figure", "goal", "found", ""]);

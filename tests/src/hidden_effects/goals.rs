@@ -1,0 +1,140 @@
+//! The goals beside which the figures stand, and whether figures are worse than those that are checked in.
+
+use super::score::{Figures, Share, Shares};
+
+/// One goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// What.
+    pub name: &'static str,
+    /// What is wanted, both ends included.
+    pub wanted: (f64, f64),
+    /// What was found, if it was asked.
+    pub found: Option<f64>,
+}
+
+impl Goal {
+    /// How far the finding is outside of what is wanted.
+    pub fn missed_by(&self) -> Option<f64> {
+        let (least, most) = self.wanted;
+        self.found.map(|v| (least - v).max(v - most).max(0.0))
+    }
+}
+
+impl Figures {
+    /// The goals with what was found.
+    pub fn goals(&self) -> Vec<Goal> {
+        let at = |size: &str, read: fn(&Shares) -> f64| self.by_size.get(size).map(read);
+        let (hits, clean) = self
+            .false_alarms
+            .values()
+            .fold((0.0, 0.0), |(hits, n), s| (hits + s.share * s.cells as f64, n + s.cells as f64));
+        let of = |s: &Share| (s.cells > 0).then_some(s.share);
+        let deleted = |v: f64| (self.deleted.cells > 0).then_some(v);
+        let known = self.deleted.unknown + self.deleted.equivalent;
+        let most = |name, most: f64, found| Goal { name, wanted: (0.0, most), found };
+        let least = |name, least: f64, found| Goal { name, wanted: (least, 1.0), found };
+        vec![
+            most("false alarms", 0.01, (clean > 0.0).then(|| hits / clean)),
+            least("detected at size .5", 0.97, at("0.5", |s| s.detected)),
+            least("first name at size .5", 0.90, at("0.5", |s| s.first)),
+            least("first name at size 1", 0.97, at("1", |s| s.first)),
+            least("truth in the group at size 1", 0.97, at("1", |s| s.in_group)),
+            most("mean group size at size 1", 2.0, at("1", |s| s.group)),
+            least("deleted cause unknown or equivalent", 0.90, deleted(known)),
+            most("deleted cause wrongly named", 0.05, deleted(self.deleted.wrong)),
+            least("two effects, both in the group", 0.85, of(&self.both)),
+            least("inseparable pair, both named", 0.95, of(&self.pair_named)),
+            least("pair settled by the proposed experiment", 0.90, of(&self.pair_settled)),
+            most("parameter error at size 1, median", 0.10, self.parameter_error),
+            most("calibration error", 0.05, self.calibration_error),
+            Goal {
+                name: "95 % intervals that hold the truth",
+                wanted: (0.92, 0.98),
+                found: of(&self.covered),
+            },
+            most("realised against predicted gain, median difference", 0.20, self.gain_error),
+            most("longest wall time of the engine, s", 60.0, Some(self.engine_s.0)),
+        ]
+    }
+
+    /// Goals that are missed by more than they were in `golden`, and changes of what was asked; wall times are left out.
+    pub fn worse_than(&self, golden: &Self) -> Vec<String> {
+        let mut worse = Vec::new();
+        if self.ran != golden.ran {
+            worse.push(format!("cells that ran: found {:?}, expected {:?}", self.ran, golden.ran));
+        }
+        for (found, before) in self.goals().iter().zip(golden.goals()) {
+            let allowed = before.missed_by().map_or(0.0, |m| m + 1e-9);
+            if !found.name.contains("wall time") && found.missed_by().is_some_and(|m| m > allowed) {
+                worse.push(format!("{}: found {:?}, golden {:?}", found.name, found.found, before.found));
+            }
+        }
+        let kept = |f: &Self| f.changed.values().map(|s| s.share * s.cells as f64).sum::<f64>();
+        if kept(self) < kept(golden) - 1e-9 {
+            worse.push(format!("changed questions: found {:?}, golden {:?}", self.changed, golden.changed));
+        }
+        worse
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generator::session::Plant;
+    use crate::hidden_effects::cell::{Arm, Campaign};
+    use crate::hidden_effects::compare::Outcome;
+    use crate::hidden_effects::score::figures;
+    use std::collections::BTreeMap;
+
+    fn campaign() -> Campaign {
+        Campaign {
+            seeds: 1,
+            bench_seeds: 0,
+            plants: vec![Plant::Linear],
+            sizes: vec![0.5],
+            arms: vec![Arm::Clean, Arm::Single, Arm::Deleted],
+        }
+    }
+
+    /// Outcomes in which the first `hits` of every arm's cells have the answer that is wanted.
+    fn outcomes(hits: usize) -> Vec<Outcome> {
+        let mut seen: BTreeMap<Arm, usize> = BTreeMap::new();
+        let one = |cell: &crate::hidden_effects::cell::Cell| {
+            let place = seen.entry(cell.arm).or_default();
+            *place += 1;
+            let hit = *place <= hits;
+            let mut outcome = Outcome::new(cell);
+            outcome.verdict = match (cell.arm, hit) {
+                (Arm::Clean, true) => "none",
+                (Arm::Single, true) => "named",
+                _ => "unknown",
+            }
+            .into();
+            outcome.first = cell.arm == Arm::Single && hit;
+            outcome
+        };
+        campaign().cells().iter().map(one).collect()
+    }
+
+    #[test]
+    fn shares_are_hits_over_cells() {
+        let found = figures("2026-01-01", &campaign(), &outcomes(8));
+        assert_eq!(found.false_alarms["linear"], Share { cells: 10, share: 0.2 });
+        let singles = &found.by_size["0.5"];
+        assert_eq!((singles.cells, singles.detected), (19, 1.0));
+        assert!((singles.first - 8.0 / 19.0).abs() < 1e-12);
+        assert_eq!(found.deleted.unknown, 1.0);
+    }
+
+    #[test]
+    fn fewer_hits_are_worse_and_more_are_not() {
+        let of = |hits| figures("2026-01-01", &campaign(), &outcomes(hits));
+        assert!(of(9).worse_than(&of(9)).is_empty() && of(10).worse_than(&of(9)).is_empty());
+        let worse = of(8).worse_than(&of(9));
+        assert!(worse.iter().any(|w| w.starts_with("false alarms")), "{worse:?}");
+        assert!(worse.iter().any(|w| w.starts_with("first name at size .5")), "{worse:?}");
+        let fewer = figures("2026-01-01", &campaign(), &outcomes(9)[..30]);
+        assert!(fewer.worse_than(&of(9))[0].starts_with("cells that ran"));
+    }
+}
