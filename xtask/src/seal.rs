@@ -46,8 +46,9 @@ fn word(bytes: &[u8]) -> Result<(usize, u32), String> {
     };
     let sections = [section(".vector_table")?, section(".text")?, section(".rodata")?];
     let symbol = |part: &str| {
-        let found = file.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains(part)));
-        let symbol = found.ok_or_else(|| format!("no symbol {part}"))?;
+        // Of a name that is both a reference's and that of what it refers to, the latter.
+        let found = file.symbols().filter(|symbol| symbol.name().is_ok_and(|name| name.contains(part)));
+        let symbol = found.max_by_key(|symbol| symbol.size()).ok_or_else(|| format!("no symbol {part}"))?;
         Ok::<_, String>(symbol.address()..symbol.address() + symbol.size())
     };
     let seal = symbol(SEAL)?.start;
@@ -56,16 +57,14 @@ fn word(bytes: &[u8]) -> Result<(usize, u32), String> {
         let section = sections.iter().find(|section| section.addresses.contains(&address))?;
         usize::try_from(section.file + (address - section.addresses.start)).ok()
     };
-    let word_at = |address: u64| {
-        let place = place(address)?;
-        bytes.get(place..place + 4)?.try_into().ok().map(u32::from_le_bytes)
-    };
     let [vectors, code, constants] = &sections;
-    if vectors.addresses.end != code.addresses.start {
-        return Err("a gap between vector table and code".into());
-    }
-    let addresses =
-        [vectors, code, constants].into_iter().flat_map(|section| section.addresses.clone().step_by(4));
+    let word_at = |address: u64| match place(address) {
+        Some(place) => bytes.get(place..place + 4)?.try_into().ok().map(u32::from_le_bytes),
+        // Code is aligned to more than the vector table may be long: what is loaded between them is nothing.
+        None => (vectors.addresses.end..code.addresses.start).contains(&address).then_some(0),
+    };
+    let code = vectors.addresses.start..code.addresses.end;
+    let addresses = [code, constants.addresses.clone()].into_iter().flat_map(|range| range.step_by(4));
     let covered = addresses.filter(|address| !networks.iter().any(|network| network.contains(address)));
     let covered: Vec<u64> = covered.collect();
     let words = |of: &[u64]| {

@@ -50,8 +50,11 @@ impl Image {
                 Some((symbol.name().ok()?.to_owned(), begin..begin.saturating_add(symbol.size() as u32)))
             })
             .collect();
-        let find =
-            |part: &str| symbols.iter().find(|(name, _)| name.contains(part)).map(|(_, range)| range.clone());
+        // Of a name that is both a reference's and that of what it refers to, the latter.
+        let find = |part: &str| {
+            let named = symbols.iter().filter(|(name, _)| name.contains(part));
+            named.max_by_key(|(_, range)| range.len()).map(|(_, range)| range.clone())
+        };
         let section = |name: &str| {
             file.section_by_name(name).map(|s| s.address() as u32..(s.address() + s.size()) as u32)
         };
