@@ -22,6 +22,8 @@ const PLAINER: f64 = 0.8;
 /// look wrong.
 const MOST_TROUBLE: f64 = 1.3;
 const ENOUGH: f64 = 30.0;
+/// Separation below which an experiment would leave the answer as it is.
+const LEAST_SEPARATION: f64 = 12.0;
 
 /// A candidate with its fitted scaled parameters, the uncertain ones first.
 pub(crate) type Fitted<'a> = (Candidate, &'a [f64]);
@@ -47,15 +49,19 @@ pub(crate) fn propose(
     let sound = |trouble: f64| !clear || trouble <= MOST_TROUBLE;
     let most = tried.iter().filter(|t| sound(t.4)).map(|t| t.3).fold(0.0, f64::max);
     let (words, plan, separations, least, _) =
-        tried.into_iter().find(|t| sound(t.4) && most > 0.0 && t.3 >= PLAINER * most)?;
-    let names: Vec<&str> = others.iter().map(|(c, _)| c.kind.name).collect();
+        tried.into_iter().find(|t| sound(t.4) && t.3 >= PLAINER * most)?;
+    let names = others.iter().map(|(c, _)| c.kind.name).collect::<Vec<_>>().join(", ");
+    let best = best.0.kind.name;
+    let (words, plan) = if least > LEAST_SEPARATION {
+        let gain = format!("that would set {best} apart from {names} by a chi-square of {least:.0}");
+        (format!("record two cycles {words}: {gain}"), plan)
+    } else {
+        let tried = MENU.len();
+        (format!("none of {tried} experiments with this bench sets {best} apart from {names}"), Vec::new())
+    };
     let recording = |p: Planned| Recording { changes: p.changes, bench: p.description };
     Some(Experiment {
-        words: format!(
-            "record two cycles {words}: that would set {} apart from {} by a chi-square of {least:.0}",
-            best.0.kind.name,
-            names.join(", "),
-        ),
+        words,
         recordings: plan.into_iter().map(recording).collect(),
         separation: others
             .iter()
@@ -86,7 +92,7 @@ fn separations(
     let logs: Vec<MeasuredLog> = plan.iter().map(log).collect();
     let planned = Data::new(bench, &logs, &[]).ok()?;
     let trouble = trouble(bench, noise, &planned)?;
-    let model = |c: &Candidate| Model::nominal(bench).with(*c, noise);
+    let model = |c: &Candidate| Model::nominal(bench, &data.channels).with(*c, noise);
     let own = model(&best.0);
     let here = simulate(&planned, &own.at(best.1), None).ok()?;
     let all: Vec<usize> = (0..own.parameters.len()).collect();

@@ -25,6 +25,8 @@ const MOST_WAVES: f64 = 100.0;
 const LEAST_WAVES: f64 = 1.5;
 /// Steps of a periodogram in units of its resolution.
 const FINENESS: f64 = 0.25;
+/// Step of a last look at a frequency.
+const FINEST: f64 = 0.005;
 /// Step of a guessed reading limit as a share of it.
 const LIMIT_STEP: f64 = 0.02;
 /// Step of a guessed onset in s.
@@ -125,7 +127,11 @@ fn frequency(data: &Data, base: &Fit) -> Option<Guessed> {
     let coarse = peak(base, &times, begin, LEAST_WAVES / coarse_s, most, FINENESS / coarse_s)?;
     let (low, high) = (coarse - 1.0 / coarse_s, coarse + 1.0 / coarse_s);
     let value = peak(base, &times, |_| true, low.max(LEAST_WAVES / span), high, FINENESS / span)?;
-    Some(Guessed { value, step: 0.1 / span })
+    // The phase counts from the time 0 of the log's clock, which may be far from the log: a frequency that is off by a little
+    // would turn the whole ripple round.
+    let (low, high) = (value - FINENESS / span, value + FINENESS / span);
+    let value = peak(base, &times, |_| true, low, high, FINEST / span).unwrap_or(value);
+    Some(Guessed { value, step: 0.1 / span.max(first.abs()).max(last.abs()) })
 }
 
 /// The wavelength of the highest peak of the residual's periodogram over position: the crank's angle, or the axis' own.

@@ -9,7 +9,7 @@
 //! * `flat-direction`: an eigenvector of `P^-1/2 F P^-1/2` whose eigenvalue is below [`FLAT`], with several parameters in it: moving
 //!   them together by their prior's size changes nothing that was measured.
 //!
-//! A shape that a guess gave has no prior; its own step stands for one. Linear at the optimum: a valley that bends is only
+//! A size that a guess gave has no prior; its own step stands for one. Linear at the optimum: a valley that bends is only
 //! seen where it starts.
 
 use crate::linear::factor;

@@ -1,7 +1,7 @@
 //! The parameters of a fit: what the description declares uncertain, and what the chosen effects add.
 //!
 //! Every parameter is scaled: an uncertain one by its standard deviation, so that its prior is `z^2`, an effect's by a
-//! size that is visible but small; the catalogue's prior of it is then weak. A shape that a guess gave has none.
+//! size that is visible but small; the catalogue's prior of it is then weak. A shape that a guess gave has a weaker one.
 
 use crate::noise::NoiseModel;
 use bench::description::AxisKind;
@@ -13,6 +13,11 @@ use std::collections::BTreeMap;
 const LEAST_SHARE: f64 = 0.1;
 /// Standard deviations that calibration may move a parameter: what lies farther out is a finding.
 const MOST_DEVIATIONS: f64 = 4.0;
+/// Standard deviation of an offset in units of the sensor's resolution: it may lie anywhere within one of them.
+const OFFSET_SHARE: f64 = 0.577;
+/// Precision of a guessed shape's prior in its own steps: a hundred of them. Without one a step between two samples, which
+/// nothing moves while it stays between them, would have no place at all.
+const GUESS_PRECISION: f64 = 1e-4;
 /// Share of its scale below which a one-sided effect counts as absent: a column that stiff would only slow the run.
 const ABSENT_SHARE: f64 = 0.02;
 /// Steps of finite differences in scaled units.
@@ -117,14 +122,23 @@ pub(crate) struct Model {
 }
 
 impl Model {
-    /// The described bench: only what is uncertain moves.
-    pub(crate) fn nominal(bench: &Bench) -> Self {
+    /// The described bench: only what is uncertain moves, and the offset of each sensor of `channels` within its resolution.
+    pub(crate) fn nominal(bench: &Bench, channels: &[Channel]) -> Self {
+        let mut uncertain = bench.uncertain().clone();
+        for (channel, sensor) in bench.sensors().iter().filter(|(c, _)| channels.contains(c)) {
+            if sensor.resolution > 0.0 {
+                uncertain
+                    .entry(format!("sensors.{channel}.offset"))
+                    .or_insert(OFFSET_SHARE * sensor.resolution);
+            }
+        }
         let mut probe = bench.clone();
         let mut parameters = Vec::new();
-        for (name, &scale) in bench.uncertain() {
+        for (name, &scale) in &uncertain {
             if let Some(&mut centre) = probe.parameter_mut(name) {
                 let least = centre - MOST_DEVIATIONS * scale;
-                let least = if centre > 0.0 { least.max(LEAST_SHARE * centre) } else { least };
+                let positive = centre > 0.0 && !name.ends_with(".offset");
+                let least = if positive { least.max(LEAST_SHARE * centre) } else { least };
                 parameters.push(Parameter {
                     place: Place::Nominal(name.clone()),
                     unit: String::new(),
@@ -158,7 +172,7 @@ impl Model {
             // One parameter of a kind with a guess has it; further shapes there are none.
             let (centre, scale, precision) = match guess {
                 Some(g) if p.is_size => (0.0, g.step, 0.0),
-                Some(g) => (g.value, g.step, 0.0),
+                Some(g) => (g.value, g.step, GUESS_PRECISION),
                 None => (p.default, p.scale * unit_scale, (p.scale / p.prior).powi(2)),
             };
             model.parameters.push(Parameter {

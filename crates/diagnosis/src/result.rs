@@ -133,7 +133,7 @@ pub struct Recording {
 pub struct Experiment {
     /// In words.
     pub words: String,
-    /// What to record.
+    /// What to record; empty where nothing on the menu would tell.
     pub recordings: Vec<Recording>,
     /// How far it sets apart each effect that fits as well as the cause.
     pub separation: Vec<Separation>,

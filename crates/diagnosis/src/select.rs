@@ -8,11 +8,13 @@
 use crate::contend::{contend, far_off};
 use crate::fit::{Effort, Fit, fit, fit_from};
 use crate::gain;
+use crate::linear::factor;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
 use crate::rank::{Score, correlation, scores};
 use crate::session::Data;
 use bench::respond::RespondError;
+use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Chance that a clean log names anything.
@@ -156,11 +158,18 @@ fn settle_first(data: &Data, noise: &NoiseModel, contenders: &mut [Contender]) -
     Ok(())
 }
 
-/// Whether the last effect of a fit is as far from 0 as its evidence says, in its own standard deviations.
+/// Whether the last effect of a fit is as far from nothing as its evidence says, in its own covariance: one of its parameters,
+/// or its sizes together (of a ripple cosine and sine may each be unknown, and its amplitude is not).
 fn stands_out(fit: &Fit, threshold: f64) -> bool {
-    let deviations = fit.deviations();
     let own = fit.model.of_effect(fit.model.chosen.len() - 1);
-    own.iter().map(|&i| (fit.z[i] / deviations[i]).powi(2)).fold(0.0, f64::max) > threshold
+    let Some(covariance) = factor(&fit.information()).map(|c| c.inverse()) else { return false };
+    if own.iter().any(|&i| fit.z[i].powi(2) > threshold * covariance[(i, i)].max(0.0)) {
+        return true;
+    }
+    let sizes: Vec<usize> = own.into_iter().filter(|&i| fit.model.parameters[i].is_size()).collect();
+    let z = DVector::from_iterator(sizes.len(), sizes.iter().map(|&i| fit.z[i]));
+    let block = covariance.select_rows(&sizes).select_columns(&sizes);
+    factor(&block).is_some_and(|c| c.solve(&z).dot(&z) > threshold)
 }
 
 /// Posterior shares from the criterion, the model without any candidate included.

@@ -81,7 +81,7 @@ pub fn diagnose(
     let floors = NoiseModel::floors(bench, &whole, &whole.residual(&described.columns));
     let fitted = whole.fitted();
     let views = Views { coarse: fitted.coarse(), fitted, whole };
-    let nominal = Model::nominal(bench);
+    let nominal = Model::nominal(bench, &views.whole.channels);
     let all = candidates(bench, &views.whole, options.exclude);
     say(0.1, "calibrating, ranking the effects");
     let zero = vec![0.0; nominal.parameters.len()];

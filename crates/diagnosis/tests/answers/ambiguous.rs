@@ -85,3 +85,17 @@ fn friction_that_differs_between_directions_or_an_offset() {
         resolved(&bench, &truth, pair, &["coulomb-asymmetry", "sensor-offset", "viscous-friction"]);
     }
 }
+
+#[test]
+fn where_no_experiment_tells_none_is_proposed() {
+    // Nothing but inertia is felt: a factor of the sensor and one of the mass are the same at every motion.
+    let mut bench = certain(|axis| (axis.coulomb_effort, axis.viscous_effort) = (0.0, 0.0));
+    if let Bench::FrictionRig(rig) = &mut bench {
+        rig.load.force_n = 0.0;
+    }
+    let truth = effect("inertia-mismatch", None, "inertia_change", 4.0);
+    let d = diagnosed(&bench, &[logged(&with(&bench, truth), 5)], &["inertia-mismatch", "sensor-gain"]);
+    assert_eq!((d.verdict, group(&d)), (Verdict::Ambiguous, vec!["inertia-mismatch", "sensor-gain"]));
+    assert!(d.experiment.as_ref().unwrap().recordings.is_empty(), "{:?}", d.next_experiment);
+    assert!(d.next_experiment.unwrap().starts_with("none of"));
+}

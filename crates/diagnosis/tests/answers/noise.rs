@@ -1,6 +1,7 @@
 //! The noise floor from repeated cycles, beside the declared one.
 
 use super::{axis, diagnosed, effect, logged, with};
+use bench::effects::Effect;
 use bench::{Bench, Channel};
 
 /// The axis with the noise of its sensor declared as so much; none where 0.
@@ -45,4 +46,46 @@ fn two_cycles_leave_differences() {
     let noise = &d.noise[0];
     assert_eq!((noise.source, noise.repeats, noise.repeatable_share), ("differences", 0, None));
     assert!((noise.floor - 1.0).abs() < 0.2, "{noise:?}");
+}
+
+#[test]
+fn an_offset_within_the_resolution_is_no_finding_and_one_beyond_it_is() {
+    let mut bench = axis(6);
+    if let Bench::FrictionRig(rig) = &mut bench
+        && let Some(sensor) = rig.sensors.get_mut(&Channel::DriveForce)
+    {
+        (sensor.noise, sensor.resolution) = (0.9, 1.0);
+    }
+    let library = ["sensor-offset", "coulomb-asymmetry"];
+    for (offset, found) in [(0.5, false), (-0.8, false), (6.0, true)] {
+        let truth = with(&bench, effect("sensor-offset", Some(Channel::DriveForce), "offset", offset));
+        let d = diagnosed(&bench, &[logged(&truth, 5)], &library);
+        assert_eq!(!d.causes.is_empty(), found, "{offset}: {:?} {:?}", d.verdict, d.ranking);
+        let calibrated = d.calibrated.iter().find(|c| c.name == "sensors.drive_force_n.offset").unwrap();
+        assert!(found || (calibrated.value - offset).abs() < 0.15, "{calibrated:?}");
+    }
+}
+
+#[test]
+fn a_ripple_is_found_on_a_clock_that_began_long_before_the_log() {
+    let bench = axis(6);
+    let ripple = Effect {
+        name: "load-ripple".into(),
+        channel: None,
+        parameters: [("cos_force_n", 2.0), ("sin_force_n", 1.0), ("frequency_hz", 5.03)]
+            .map(|(name, value)| (name.to_owned(), value))
+            .into(),
+    };
+    let mut log = logged(&with(&bench, ripple), 5);
+    log.time_s.iter_mut().for_each(|t| *t += 537.0);
+    let d = diagnosed(&bench, &[log], &["load-ripple", "coulomb-level"]);
+    assert_eq!(
+        d.causes.first().map(|c| c.effect.as_str()),
+        Some("load-ripple"),
+        "{:?} {:?}",
+        d.verdict,
+        d.ranking
+    );
+    let frequency = &d.causes[0].parameters[2];
+    assert!((frequency.value - 5.03).abs() < 0.02, "{frequency:?}");
 }
