@@ -57,6 +57,9 @@ struct Cli {
     /// Day to print with the figures; today unless given.
     #[arg(long)]
     date: Option<String>,
+    /// What to know about the run, for the page; may be given several times.
+    #[arg(long)]
+    note: Vec<String>,
     /// The part that runs with every change, whatever the other options say.
     #[arg(long)]
     quick: bool,
@@ -127,7 +130,8 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
     bar.finish_and_clear();
     finished.extend(new?.into_iter().map(|o| (o.cell.index, o)));
     let outcomes: Vec<Outcome> = finished.into_values().collect();
-    let figures = figures(&cli.date.clone().unwrap_or_else(today), &campaign, &outcomes);
+    let mut figures = figures(&cli.date.clone().unwrap_or_else(today), &campaign, &outcomes);
+    figures.notes.clone_from(&cli.note);
     let json = serde_json::to_string_pretty(&figures).unwrap_or_default() + "\n";
     write(&cli.out.join("figures.json"), &json)?;
     write(&cli.out.join("hidden-effects.md"), &page(&figures))?;

@@ -90,7 +90,7 @@ pub fn page(figures: &Figures) -> String {
     let count: usize = figures.ran.values().sum::<usize>() + figures.out_of_reach.values().sum::<usize>();
     let _ = writeln!(
         page,
-        "\nRun of {}: {} seeds a cell on the axes, {} on the bench, {} of {} cells; with an answer: {}. Cells run in a shuffled \
+        "\nRun of {}: seeds per cell {} (axes) and {} (bench), {} of {} cells; with an answer: {}. Cells run in a shuffled \
          order, so a run that is cut short is a sample of them.",
         figures.date,
         seeds.0,
@@ -99,9 +99,13 @@ pub fn page(figures: &Figures) -> String {
         planned,
         ran.join(", ")
     );
-    head(&mut page, "Goals", &["figure", "goal", "found", ""]);
+    for note in &figures.notes {
+        let _ = writeln!(page, "\n{note}");
+    }
+    head(&mut page, "Goals", &["figure", "goal", "found", "cells", ""]);
     for goal in figures.goals() {
-        row(&mut page, &[goal.name, &wanted(&goal), &number(goal.found), mark(&goal)]);
+        let cells = goal.cells.to_string();
+        row(&mut page, &[goal.name, &wanted(&goal), &number(goal.found), &cells, mark(&goal)]);
     }
     let of_map = |map: &std::collections::BTreeMap<String, Shares>| map.clone().into_iter();
     shares(&mut page, "Single effects by size", "size", of_map(&figures.by_size));

@@ -45,6 +45,9 @@ pub struct Share {
 pub struct Figures {
     /// Day of the run.
     pub date: String,
+    /// What to know about the run, in words.
+    #[serde(default)]
+    pub notes: Vec<String>,
     /// Which cells were asked for.
     pub campaign: Option<Campaign>,
     /// Cells that ran, by plant.
@@ -158,6 +161,7 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
     times.sort_by(f64::total_cmp);
     Figures {
         date: date.into(),
+        notes: Vec::new(),
         campaign: Some(campaign.clone()),
         ran: groups(&shown, |o| o.cell.plant.name().to_owned())
             .into_iter()

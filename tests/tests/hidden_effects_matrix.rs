@@ -1,0 +1,32 @@
+//! The quick matrix: every effect of the axes hidden once, clean logs, deleted causes, two effects, pairs, changed questions.
+//!
+//! Its figures must not miss a goal by more than those that are checked in (`tests/golden/hidden-effects-quick.json`, written by
+//! `cargo xtask hidden-effects --quick --bless`). The full matrix is a campaign of its own: `docs/hidden-effects.md`.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use rayon::prelude::*;
+use system_tests::hidden_effects::cell::Campaign;
+use system_tests::hidden_effects::compare::Outcome;
+use system_tests::hidden_effects::page::{page, summary};
+use system_tests::hidden_effects::run::run;
+use system_tests::hidden_effects::score::{Figures, figures};
+
+#[test]
+fn the_quick_matrix_is_no_worse_than_its_golden_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = Campaign::quick();
+    let outcomes: Vec<Outcome> =
+        campaign.cells().par_iter().with_max_len(1).map(|cell| run(folder.path(), cell).unwrap()).collect();
+    let golden: Figures = serde_json::from_str(include_str!("../golden/hidden-effects-quick.json")).unwrap();
+    let found = figures(&golden.date, &campaign, &outcomes);
+    eprint!("{}", summary(&found));
+    let worse = found.worse_than(&golden);
+    assert!(worse.is_empty(), "{worse:#?}");
+}
+
+#[test]
+fn the_published_page_shows_the_golden_figures() {
+    let golden: Figures = serde_json::from_str(include_str!("../golden/hidden-effects.json")).unwrap();
+    let published = include_str!("../../docs/hidden-effects.md");
+    assert_eq!(page(&golden), published, "cargo xtask hidden-effects --bless writes both");
+}
