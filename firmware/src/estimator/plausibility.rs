@@ -5,7 +5,7 @@
 //! | missing | its driver says so ([`SensorStatus`]), or its value is `i32::MIN` |
 //! | saturated | its driver says so, or the value is at or beyond the rail |
 //! | stuck | so many samples of one code |
-//! | jumped | it moved further since the last sample than the machine can, or a journal coordinate's step differs from the one before by more than [`BENDS`] times its noise limit |
+//! | jumped | it moved further since the last sample than the machine can, or a journal coordinate's step differs from the one before by more than [`BENDS`] times its noise limit and an acceleration of 200 m/s2 allow |
 //! | noisy | mean square of the second difference above 6 times the square of the limit; each channel is looked at in every eighth sample, the mean is over 64 of those; motion leaves 0.7 um there at most |
 //!
 //! and for the sample as a whole: the sequence does not follow, the time did not advance by the period, the journal is farther out than
@@ -42,8 +42,11 @@ const MAX_JOURNAL_SPEED_NM_US: u32 = 500;
 const JOURNAL_ALLOWANCE_NM: u32 = 5_000;
 /// Shaft speed that the machine cannot exceed, nrad/us: 100 rad/s.
 const MAX_SHAFT_SPEED_NRAD_US: u32 = 100_000;
-/// A journal coordinate's step may differ from the one before by so many times its limit of noise: 10 um for 2 um. Motion leaves 0.7 um.
+/// A journal coordinate's step may differ from the one before by so many times its limit of noise, 10 um for 2 um, and by what the journal's acceleration
+/// makes of a period.
 const BENDS: u32 = 5;
+/// Acceleration that the journal cannot exceed: 200 m/s2, 30 kN on 150 kg, is 1 nm in so many us2.
+const US2_PER_NM: u32 = 5;
 /// Allowance on an angle step for noise, nrad.
 const ANGLE_ALLOWANCE_NRAD: u32 = 500_000;
 /// Load rate that the machine cannot exceed, mN/us: 2 MN/s.
@@ -188,7 +191,9 @@ impl Plausibility {
         let sensors = limits.rail.iter().zip(limits.stuck_samples).zip(limits.noise);
         let steps = [journal_nm, journal_nm, angle_nrad, load_mn];
         let [y_noise, z_noise, ..] = limits.noise;
-        self.bend_limits = [y_noise, z_noise].map(|noise| noise.saturating_mul(BENDS).min(LARGEST));
+        let bend_nm = self.period_us.saturating_mul(self.period_us) / US2_PER_NM;
+        self.bend_limits =
+            [y_noise, z_noise].map(|noise| noise.saturating_mul(BENDS).saturating_add(bend_nm).min(LARGEST));
         for (channel, (step_limit, ((rail, stuck), noise))) in
             self.channels.iter_mut().zip(steps.into_iter().zip(sensors))
         {

@@ -24,7 +24,7 @@ pub fn disturbed(fault: &Fault, frames: &[SensorFrame]) -> Vec<(SensorFrame, Sen
         (Kind::SensorJump | Kind::SensorSpike, SensorChannel::ShaftAngle) => between(12e6, 1e9),
         (Kind::SensorJump | Kind::SensorSpike, _) => between(60e3, 1e6),
         // Below that it is within what the checks allow for noise; see `docs/firmware.md`.
-        (Kind::SensorOffset, _) => between(12e3, 50e3),
+        (Kind::SensorOffset, _) => between(15e3, 50e3),
         // A second's worth.
         (Kind::SensorDrift, _) => between(100e3, 1e6),
         (Kind::SensorNoise, SensorChannel::ShaftAngle) => between(1e6, 20e6),

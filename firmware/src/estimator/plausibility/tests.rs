@@ -193,7 +193,7 @@ fn beyond_a_limit_is_farther_from_zero_either_way() {
 
 #[test]
 fn a_step_that_the_journal_cannot_bend_into_is_a_jump_once() {
-    for (step_nm, expected) in [(12_000, JUMP), (-12_000, JUMP), (7_000, Flags::NONE)] {
+    for (step_nm, expected) in [(13_000, JUMP), (-13_000, JUMP), (11_000, Flags::NONE)] {
         let mut watch = Plausibility::new(500_000, 100);
         watch.set_limits(&Limits { noise: [2_000, 2_000, u32::MAX, u32::MAX], ..Limits::NONE });
         // A swing of 0.1 m/s from the first sample on.
@@ -215,5 +215,23 @@ fn a_step_that_the_journal_cannot_bend_into_is_a_jump_once() {
         // Behind lost samples the swing's own step is no bend.
         assert!(watch.check(&at(41, step_nm)).contains(SEQUENCE_GAP));
         assert_eq!(watch.check(&at(42, step_nm)), Flags::NONE);
+    }
+}
+
+#[test]
+fn a_long_period_leaves_the_journal_more_to_bend() {
+    let mut watch = Plausibility::new(500_000, 1_000);
+    watch.set_limits(&Limits { noise: [2_000, 2_000, u32::MAX, u32::MAX], ..Limits::NONE });
+    // 150 m/s2 for 40 samples of 1 ms, there and back: 0.15 mm a sample squared.
+    for index in 0..40_u32 {
+        let frame = SensorFrame {
+            sequence: index,
+            time_us: 1_000 * index,
+            journal_y_nm: 75_000 * (index % 2) as i32,
+            journal_z_nm: -400_000 - index as i32,
+            shaft_angle_nrad: index as i32,
+            load_force_mn: 0,
+        };
+        assert!(!watch.check(&frame).contains(JUMP), "{index}");
     }
 }
