@@ -11,8 +11,8 @@
 //!
 //! The steps, one file each: `check` (logs read as found: what cannot be right is named and mended or left out), `session` (logs prepared, samples split into fitted and held out), `noise` (level and
 //! correlation of the sensors' noise), `model` and `fit` (parameters, least squares with priors), `guess` (first guesses of
-//! shapes), `rank` (score test and refits), `select` (forward selection), `leftover` (structure in the last residual), `gain` (held-out error),
-//! `experiment` (what to measure next), `verdict` (the rules).
+//! shapes), `repeats` (what repeats from cycle to cycle), `rank` (score test and refits), `contend` (who is refitted, and how far), `select` (forward selection), `leftover` (structure in the last residual), `gain` (held-out error),
+//! `experiment` and `menu` (what to measure next), `probability` (shares of all answers), `identifiability` (what the logs do not tell), `verdict` (the rules).
 //!
 //! What this does not protect from: a cause outside the catalogue that a catalogued one imitates on the given
 //! trajectory; inputs (drive, load) that are themselves measured wrongly; a declared uncertainty that is too wide.
