@@ -71,5 +71,7 @@ fn the_sticking_rig_is_recorded_and_diagnosed() {
     let said = host_sim(directory.path(), &["diagnose", "log.mat", "--bench", "friction-rig", "--json"]);
     let causes: Vec<&str> =
         said["causes"].as_array().unwrap().iter().filter_map(|c| c["effect"].as_str()).collect();
-    assert!(causes.contains(&"stribeck-friction"), "{said}");
+    assert!(causes.contains(&"position-ripple"), "{said}");
+    // On a sine of one speed the catalogue calls these two confounded: friction falls after each reversal either way.
+    assert!(causes.contains(&"stribeck-friction") || causes.contains(&"breakaway"), "{said}");
 }
