@@ -18,6 +18,8 @@ const DISBELIEF: f64 = 1.15;
 /// Noise of a log over its declaration between which the declaration stands.
 const LEAST_RATIO: f64 = 0.5;
 const MOST_RATIO: f64 = 1.5;
+/// Longest correlation of a sensor's own noise, samples.
+const LONGEST_CORRELATION: f64 = 16.0;
 /// Most lags of the autocorrelation, as a share of a stretch.
 const LAG_SHARE: f64 = 0.25;
 
@@ -120,8 +122,10 @@ impl NoiseModel {
         let of = |(&channel, noise): (&Channel, &ChannelNoise)| {
             let (rms, correlation, count) = correlation(data, residual, channel);
             let excess = rms / noise.floor;
-            // An rms scatters by 1/sqrt(2 n): less than three of that is no excess.
-            let scatter = 3.0 * (correlation / (2.0 * count.max(1.0))).sqrt();
+            // An rms scatters by 1/sqrt(2 n): less than three of that is no excess. What is correlated longer than a sensor's noise is structure,
+            // and structure must not excuse itself.
+            let of_noise = correlation.min(LONGEST_CORRELATION);
+            let scatter = 3.0 * (of_noise / (2.0 * count.max(1.0))).sqrt();
             let excess = if excess > 1.0 + scatter { excess } else { 1.0 };
             (channel, ChannelNoise { excess, correlation, ..*noise })
         };

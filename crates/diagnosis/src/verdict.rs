@@ -2,8 +2,9 @@
 //!
 //! 1. A first cause is accepted by [`crate::select`], and a second one on top of it; the first one goes if the second
 //!    makes it needless.
-//! 2. No cause: `none` where [`crate::leftover`] finds nothing, else `unknown`.
-//! 3. Causes and nothing left over: `named`; `ambiguous` where another candidate fits equally.
+//! 2. No cause: `none` where [`crate::leftover`] finds nothing and calibration stays within its bounds, else `unknown`.
+//! 3. Causes and nothing left over: `named`; `ambiguous` where another candidate fits equally. Where nothing is left they have to explain everything:
+//!    with the upper end of the share's interval below [`WHOLE_SHARE`] something was overlooked, and the answer is `unknown`.
 //! 4. Causes and something left over: they still count where they explain at least [`MAIN_SHARE`] of the repeatable
 //!    residual on held-out samples (the second one: of what the first leaves), with a lower bound of the interval above 0: a real bench always has structure beyond any
 //!    library. What is left stands in the signature. Below that share the answer is `unknown`: a cause that explains
@@ -30,7 +31,9 @@ use bench::{Bench, MeasuredLog};
 use nalgebra::DMatrix;
 
 /// Share of the repeatable held-out residual that causes have to explain where structure is left.
-pub(crate) const MAIN_SHARE: f64 = 0.75;
+pub(crate) const MAIN_SHARE: f64 = 0.9;
+/// Share that the upper end of the interval has to reach where nothing is left.
+const WHOLE_SHARE: f64 = 0.95;
 
 /// What is told of the progress: the share done, and what comes next.
 pub type Progress = dyn Fn(f64, &str) + Sync;
@@ -171,11 +174,29 @@ fn explains_most(data: &Data, before: &End, after: &End) -> bool {
     share.is_some_and(|s| s >= MAIN_SHARE) && interval.is_some_and(|[low, _]| low > 0.0)
 }
 
+/// Whether `after` may explain all that `before` leaves on held-out samples. A share that is lost in the noise contradicts nothing.
+fn explains_all(data: &Data, before: &End, after: &End) -> bool {
+    let (_, (_, interval)) = gains(data, &after.noise, &before.residual, &after.residual);
+    interval.is_none_or(|[_, high]| high >= WHOLE_SHARE)
+}
+
+/// Whether calibration has gone as far as it may: what lies beyond is a finding.
+fn at_bound(end: &End) -> bool {
+    let stops = |(p, z): (&crate::model::Parameter, &f64)| {
+        let (least, most) = p.bounds();
+        p.is_nominal() && (*z <= least || *z >= most)
+    };
+    end.model.parameters.iter().zip(&end.z).any(stops)
+}
+
 /// The number of stages that stand: see the rules above.
 fn standing(data: &Data, ends: &[End]) -> usize {
     let most = ends.len() - 1;
-    if most == 0 || ends[most].left.is_none() {
-        return most;
+    if most == 0 {
+        return 0;
+    }
+    if ends[most].left.is_none() {
+        return if explains_all(data, &ends[0], &ends[most]) { most } else { 0 };
     }
     if most == 2
         && (ends[1].left.is_none() || explains_most(data, &ends[0], &ends[1]))
@@ -203,7 +224,7 @@ fn judge(
     let deciding = standing.checked_sub(1).and_then(|i| stages.get(i));
     let equals: Vec<&Contender> = deciding.map_or_else(Vec::new, |s| s.equals().collect());
     let verdict = match (standing, shown.left.is_some()) {
-        (0, false) if ends.len() == 1 => Verdict::None,
+        (0, false) if ends.len() == 1 && !at_bound(before) => Verdict::None,
         (0, _) => Verdict::Unknown,
         _ if equals.is_empty() => Verdict::Named,
         _ => Verdict::Ambiguous,
