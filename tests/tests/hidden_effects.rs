@@ -7,8 +7,8 @@
 
 use bench::{Bench, MeasuredLog};
 use diagnosis::{Diagnosis, Options, Verdict, diagnose};
-use system_tests::generator::{Hidden, RealBench};
 use system_tests::generator::noise::Noise;
+use system_tests::generator::{Hidden, RealBench};
 
 /// Deviations of the real bench from its description in the hidden-effect arm, in declared standard deviations.
 const DEVIATIONS: f64 = 0.8;

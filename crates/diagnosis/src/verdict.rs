@@ -6,7 +6,7 @@
 //! 3. Causes and nothing left over: `named`; `ambiguous` where another candidate fits equally. Where nothing is left they have to explain everything:
 //!    with the upper end of the share's interval below [`WHOLE_SHARE`] something was overlooked, and the answer is `unknown`.
 //! 4. Causes and something left over: they still count where they explain at least [`MAIN_SHARE`] of the repeatable
-//!    residual on held-out samples (the second one: of what the first leaves), with a lower bound of the interval above 0: a real bench always has structure beyond any
+//!    residual on held-out samples (the second one: of what the first leaves), with the interval above 0 and up to [`WHOLE_SHARE`]: a real bench always has structure beyond any
 //!    library. What is left stands in the signature. Below that share the answer is `unknown`: a cause that explains
 //!    little is more often an imitation than a part.
 
@@ -31,9 +31,9 @@ use bench::{Bench, MeasuredLog};
 use nalgebra::DMatrix;
 
 /// Share of the repeatable held-out residual that causes have to explain where structure is left.
-pub(crate) const MAIN_SHARE: f64 = 0.9;
-/// Share that the upper end of the interval has to reach where nothing is left.
-const WHOLE_SHARE: f64 = 0.95;
+pub(crate) const MAIN_SHARE: f64 = 0.75;
+/// Share that the upper end of its interval has to reach.
+const WHOLE_SHARE: f64 = 0.9;
 
 /// What is told of the progress: the share done, and what comes next.
 pub type Progress = dyn Fn(f64, &str) + Sync;
@@ -171,7 +171,8 @@ fn ends(
 /// Whether `after` explains most of what `before` leaves, on held-out samples and beyond doubt.
 fn explains_most(data: &Data, before: &End, after: &End) -> bool {
     let (_, (share, interval)) = gains(data, &after.noise, &before.residual, &after.residual);
-    share.is_some_and(|s| s >= MAIN_SHARE) && interval.is_some_and(|[low, _]| low > 0.0)
+    share.is_some_and(|s| s >= MAIN_SHARE)
+        && interval.is_some_and(|[low, high]| low > 0.0 && high >= WHOLE_SHARE)
 }
 
 /// Whether `after` may explain all that `before` leaves on held-out samples. A share that is lost in the noise contradicts nothing.

@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn an_attached_controller_without_a_way_to_it_is_the_users_error() {
-        let error = attached(None, None, &ProbeOptions::default()).err().expect("an error");
+        let error = attached(None, None, &ProbeOptions::default()).expect_err("an error");
         assert_eq!(error.exit_code(), 2);
         assert!(error.to_string().contains("neither --port nor --probe"), "{error}");
     }

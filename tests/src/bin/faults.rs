@@ -72,7 +72,7 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
         if cli.json {
             println!("{text}")
         } else {
-            print!("{}{}", line(&outcome), Table::of(&[outcome.clone()]).render())
+            print!("{}{}", line(&outcome), Table::of(std::slice::from_ref(&outcome)).render())
         }
         return Ok(outcome.class != Class::Silent);
     }
