@@ -178,7 +178,7 @@ impl Fault {
                 // Half of them in the frames of the functions that are at work.
                 let top =
                     if executed { image.stack_top.min(bottom.saturating_add(512)) } else { image.stack_top };
-                flip(within(&[bottom..top]), step)
+                flip(within(std::slice::from_ref(&(bottom..top))), step)
             }
             Kind::Reset => Action::Reset,
             _ => Action::Stream,
