@@ -26,7 +26,7 @@ const SHOWN: usize = 20;
     would have given, from journal_y_m, journal_z_m, shaft_angle_rad and load_force_n at 50 to 1000 us from sample to sample."
 )]
 pub struct ReplayArgs {
-    /// A recording of `host-sim run --record`, or a measured log (CSV).
+    /// A recording of `host-sim run --record`, or a measured log (CSV, Parquet or MAT-file).
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// The controller.
