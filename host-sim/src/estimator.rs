@@ -296,3 +296,36 @@ fn mean_instructions(estimates: &[EstimateFrame]) -> Option<f64> {
     let count = counted().count();
     (count > 0).then(|| counted().sum::<f64>() / count as f64 / TICKS_PER_INSTRUCTION)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controller::NativeController;
+    use firmware::configuration::BENCH_B;
+
+    fn frames(count: u32) -> Vec<SensorFrame> {
+        let frame = |sequence: u32| SensorFrame {
+            sequence,
+            time_us: sequence * BENCH_B.bench.sample_period_us,
+            journal_z_nm: -510_000,
+            ..SensorFrame::default()
+        };
+        (0..count).map(frame).collect()
+    }
+
+    #[test]
+    fn whoever_watches_sees_every_sample_and_may_end_the_run() {
+        let start = || Box::new(NativeController::start(BENCH_B).unwrap());
+        let mut seen = Vec::new();
+        let mut see = |sample: &SensorFrame, estimate: &EstimateFrame| {
+            seen.push((sample.sequence, estimate.sequence));
+            if sample.sequence == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let whole = track_seen(start(), BENCH_B, &frames(5), OnRestart::Stop, Some(&mut see)).unwrap();
+        assert_eq!(whole.estimates.len(), 5);
+        let ended = track_seen(start(), BENCH_B, &frames(20), OnRestart::Stop, Some(&mut see)).unwrap_err();
+        assert!(matches!(ended, ControllerError::Interrupted { last_sequence: 7 }), "{ended}");
+        let expected: Vec<(u32, u32)> = (0..5).chain(0..8).map(|sequence| (sequence, sequence)).collect();
+        assert_eq!(seen, expected);
+    }
+}

@@ -333,6 +333,15 @@ mod tests {
     use bench::Bench;
 
     #[test]
+    fn differences_are_those_of_force_and_torque() {
+        let pairs = [[[10.0, 1.0], [7.0, 1.5]], [[0.0, -2.0], [4.0, -2.0]]];
+        let found = Differences::of(pairs.into_iter());
+        assert_eq!((found.force_max_n, found.torque_max_nm), (4.0, 0.5));
+        assert!((found.force_rms_n - 12.5_f64.sqrt()).abs() < 1e-12);
+        assert!((found.torque_rms_nm - 0.125_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_run_is_held_against_the_law_sample_by_sample_whatever_its_step() {
         let Bench::Transmission(bench) = Bench::open("bench-b").unwrap() else { panic!("bench-b") };
         let law = run_bench(&bench, ForceSource::Law, 1e-5, || {}).unwrap();

@@ -3,37 +3,43 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
+#[path = "twin/trial.rs"]
+mod trial;
 mod twin;
 
-use host_sim::controller::{AttachedController, Bounds, Controller, ControllerError, NativeController};
-use host_sim::estimator::{OnRestart, bit_differences, track, track_restarting, track_through};
+use host_sim::controller::{
+    AttachedController, Bounds, Controller, ControllerError, NativeController, RemoteController,
+};
+use host_sim::estimator::{bit_differences, track};
 use rustix::process::{Pid, Signal, kill_process};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
+use trial::{SAMPLES, gone_on, stopped};
 use twin::{CONFIGURATION, Plan, Random, Trouble, Twin, frames};
 
 const SEEDS: u64 = 200;
 /// Seeds at once; most of a trial is waiting.
 const AT_ONCE: u64 = 10;
-const SAMPLES: u32 = 120;
 /// Long enough for a twin on a busy machine.
 const BOUNDS: Bounds = Bounds { answer: Duration::from_millis(1_500), again: Duration::from_millis(100) };
-/// A sample's wait, the question after it, and room for a busy machine.
-const MOST: Duration = Duration::from_secs(6);
+/// Likely causes that the errors name.
+const UNPLUGGED: &str = "may have been unplugged";
+const SILENT: &str = "may be wrong, or the firmware hang";
+const RESTARTED: &str = "it does not say why";
 
 #[test]
 fn whoever_goes_at_whatever_moment_nothing_hangs_and_the_error_says_where_and_why() {
     std::thread::scope(|scope| {
         for first in 0..AT_ONCE {
-            scope.spawn(move || (first..SEEDS).step_by(AT_ONCE as usize).for_each(trial));
+            scope.spawn(move || (first..SEEDS).step_by(AT_ONCE as usize).for_each(try_seed));
         }
     });
 }
 
-fn trial(seed: u64) {
+fn try_seed(seed: u64) {
     let mut random = Random(seed);
     // The samples after the trouble too: an answer of 54 bytes, so many of which still come.
     let plan = |random: &mut Random, trouble| Plan {
@@ -44,63 +50,31 @@ fn trial(seed: u64) {
     match random.below(4) {
         0 => {
             let plan = plan(&mut random, Trouble::Dies);
-            stopped(seed, plan, |error| matches!(error, ControllerError::Ended { .. }));
+            let (controller, _twin) = started(plan);
+            stopped(controller, seed, plan, |e| matches!(e, ControllerError::Ended { .. }), UNPLUGGED);
         }
         1 => {
             let plan = plan(&mut random, Trouble::FallsSilent);
-            stopped(seed, plan, |error| matches!(error, ControllerError::TimedOut { .. }));
+            let (controller, _twin) = started(plan);
+            stopped(controller, seed, plan, |e| matches!(e, ControllerError::TimedOut { .. }), SILENT);
         }
         2 => {
             let plan = plan(&mut random, Trouble::Restarts);
-            stopped(seed, plan, |error| matches!(error, ControllerError::Restarted { .. }));
-            gone_on(seed, plan);
+            let (controller, _twin) = started(plan);
+            stopped(controller, seed, plan, |e| matches!(e, ControllerError::Restarted { .. }), RESTARTED);
+            let (controller, _twin) = started(plan);
+            gone_on(controller, seed, plan);
         }
         _ => host_gone(seed, random.below(u64::from(SAMPLES)) as usize, random.below(40) as usize),
     }
 }
 
-/// The controller's trouble ends the run with the right error.
-fn stopped(seed: u64, plan: Plan, is_expected: fn(&ControllerError) -> bool) {
+/// A twin with a plan, and the controller configured at it.
+fn started(plan: Plan) -> (RemoteController, Twin) {
     let twin = Twin::start(vec![plan], 1);
     let mut controller = AttachedController::open_within(&twin.port, BOUNDS).unwrap();
     controller.configure(CONFIGURATION).unwrap();
-    let (mut last, mut failure) = (None, None);
-    for frame in frames(SAMPLES + 1, seed) {
-        let started = Instant::now();
-        match controller.exchange(&frame) {
-            Ok(estimate) => last = Some(estimate.sequence),
-            Err(error) => {
-                failure = Some((error, started.elapsed()));
-                break;
-            }
-        }
-    }
-    let Some((error, took)) = failure else { panic!("seed {seed}, {plan:?}: no error") };
-    assert!(took < MOST, "seed {seed}, {plan:?}: {took:?}");
-    assert!(is_expected(&error), "seed {seed}, {plan:?}: {error:?}");
-    let text = error.to_string();
-    let told = last.map_or_else(|| "none".into(), |last| last.to_string());
-    assert!(text.contains(&format!("last sequence number answered: {told}")), "seed {seed}: {text}");
-    // The likely cause.
-    assert!(
-        ["may have been unplugged", "may be wrong, or the firmware hang", "it does not say why"]
-            .iter()
-            .any(|cause| text.contains(cause)),
-        "seed {seed}: {text}"
-    );
-}
-
-/// Asked to, the run goes on behind a restart, with the estimates of a controller configured anew there.
-fn gone_on(seed: u64, plan: Plan) {
-    let frames = frames(SAMPLES + 1, seed);
-    let twin = Twin::start(vec![plan], 1);
-    let mut controller = AttachedController::open_within(&twin.port, BOUNDS).unwrap();
-    controller.configure(CONFIGURATION).unwrap();
-    let there = track_through(Box::new(controller), CONFIGURATION, &frames, OnRestart::Continue).unwrap();
-    assert_eq!(there.restarts.len(), 1, "seed {seed}, {plan:?}");
-    let here = Box::new(NativeController::start(CONFIGURATION).unwrap());
-    let here = track_restarting(here, CONFIGURATION, &frames, &there.restarts).unwrap();
-    assert_eq!(bit_differences(&there, &here), 0, "seed {seed}, {plan:?}");
+    (controller, twin)
 }
 
 /// The host goes after some samples and some bytes of the next; the next host's run is as any other.

@@ -1,6 +1,6 @@
 //! Host and session over a line that loses, damages, repeats and reorders frames in both directions: every command is carried out once, in
 //! order, and both ends agree on where they are.
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use firmware::configuration::BENCH_B;
 use firmware::{Identity, NoTicks, Session};

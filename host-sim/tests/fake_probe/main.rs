@@ -9,5 +9,7 @@ mod log;
 mod memory;
 mod rings;
 mod software;
+#[path = "../twin/trial.rs"]
+mod trial;
 #[path = "../twin/mod.rs"]
 mod twin;

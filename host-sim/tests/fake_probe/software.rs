@@ -3,6 +3,7 @@
 
 use crate::memory::probe_at;
 use crate::rings::{Board, Rings};
+use crate::trial::{MOST, SAMPLES, gone_on, stopped};
 use crate::twin::{CONFIGURATION, Plan, Random, Trouble, Twin, frames};
 use host_sim::controller::{
     Bounds, Controller, ControllerError, EmulatedController, NativeController, ProbedController,
@@ -18,9 +19,10 @@ use std::time::{Duration, Instant};
 /// Long enough for a twin on a busy machine.
 pub(crate) const BOUNDS: Bounds =
     Bounds { answer: Duration::from_millis(1_500), again: Duration::from_millis(100) };
-/// A sample's wait, the question after it, and room for a busy machine.
-const MOST: Duration = Duration::from_secs(6);
-const SAMPLES: u32 = 120;
+/// Likely causes that the errors name.
+const UNPLUGGED: &str = "may have been unplugged";
+const HALTED: &str = "may be halted";
+const RESTARTED: &str = "it does not say why";
 const SEEDS: u64 = 80;
 const AT_ONCE: u64 = 8;
 
@@ -71,12 +73,12 @@ fn a_lost_or_damaged_sample_is_sent_again_and_changes_nothing() {
 fn whoever_goes_at_whatever_moment_nothing_hangs_and_the_error_says_where_and_why() {
     std::thread::scope(|scope| {
         for first in 0..AT_ONCE {
-            scope.spawn(move || (first..SEEDS).step_by(AT_ONCE as usize).for_each(trial));
+            scope.spawn(move || (first..SEEDS).step_by(AT_ONCE as usize).for_each(try_seed));
         }
     });
 }
 
-fn trial(seed: u64) {
+fn try_seed(seed: u64) {
     let mut random = Random(seed);
     let mut plan = |trouble| Plan {
         at: random.below(u64::from(SAMPLES)) as u32,
@@ -84,56 +86,46 @@ fn trial(seed: u64) {
         trouble,
     };
     match seed % 4 {
-        0 => stopped(seed, plan(Trouble::Dies), "may have been unplugged", |error| {
-            matches!(error, ControllerError::Ended { .. })
-        }),
-        1 => stopped(seed, plan(Trouble::FallsSilent), "may be halted", |error| {
-            matches!(error, ControllerError::TimedOut { .. })
-        }),
+        0 => {
+            let plan = plan(Trouble::Dies);
+            let (board, _twin) = started(vec![plan]);
+            stopped(
+                configured(&board),
+                seed,
+                plan,
+                |e| matches!(e, ControllerError::Ended { .. }),
+                UNPLUGGED,
+            );
+        }
+        1 => {
+            let plan = plan(Trouble::FallsSilent);
+            let (board, _twin) = started(vec![plan]);
+            stopped(
+                configured(&board),
+                seed,
+                plan,
+                |e| matches!(e, ControllerError::TimedOut { .. }),
+                HALTED,
+            );
+        }
         2 => {
             let plan = plan(Trouble::Restarts);
-            stopped(seed, plan, "it does not say why", |e| matches!(e, ControllerError::Restarted { .. }));
-            gone_on(seed, plan);
+            let (board, _twin) = started(vec![plan]);
+            stopped(
+                configured(&board),
+                seed,
+                plan,
+                |e| matches!(e, ControllerError::Restarted { .. }),
+                RESTARTED,
+            );
+            let (board, _twin) = started(vec![plan]);
+            gone_on(configured(&board), seed, plan);
         }
         _ => {
             let Plan { at, bytes, .. } = plan(Trouble::Dies);
             host_gone(seed, at as usize, bytes);
         }
     }
-}
-
-fn stopped(seed: u64, plan: Plan, cause: &str, is_expected: fn(&ControllerError) -> bool) {
-    let (board, _twin) = started(vec![plan]);
-    let mut controller = configured(&board);
-    let (mut last, mut failure) = (None, None);
-    for frame in frames(SAMPLES + 1, seed) {
-        let started = Instant::now();
-        match controller.exchange(&frame) {
-            Ok(estimate) => last = Some(estimate.sequence),
-            Err(error) => {
-                failure = Some((error, started.elapsed()));
-                break;
-            }
-        }
-    }
-    let Some((error, took)) = failure else { panic!("seed {seed}, {plan:?}: no error") };
-    assert!(took < MOST, "seed {seed}, {plan:?}: {took:?}");
-    assert!(is_expected(&error), "seed {seed}, {plan:?}: {error:?}");
-    let text = error.to_string();
-    let told = last.map_or_else(|| "none".into(), |last: u32| last.to_string());
-    assert!(text.contains(&format!("last sequence number answered: {told}")), "seed {seed}: {text}");
-    assert!(text.contains(cause), "seed {seed}: {text}");
-}
-
-fn gone_on(seed: u64, plan: Plan) {
-    let frames = frames(SAMPLES + 1, seed);
-    let (board, _twin) = started(vec![plan]);
-    let controller = Box::new(configured(&board));
-    let there = track_through(controller, CONFIGURATION, &frames, OnRestart::Continue).unwrap();
-    assert_eq!(there.restarts.len(), 1, "seed {seed}, {plan:?}");
-    let here = Box::new(NativeController::start(CONFIGURATION).unwrap());
-    let here = track_restarting(here, CONFIGURATION, &frames, &there.restarts).unwrap();
-    assert_eq!(bit_differences(&there, &here), 0, "seed {seed}, {plan:?}");
 }
 
 fn host_gone(seed: u64, samples: usize, bytes: usize) {

@@ -4,10 +4,10 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use system_tests::faults::CampaignError;
 use system_tests::faults::campaign::Campaign;
 use system_tests::faults::judge::{Class, Outcome};
 use system_tests::faults::table::{Counts, Table};
+use system_tests::faults::{CampaignError, exit};
 
 /// Seeded faults on the emulated controller, each classed by what the host gets to hear.
 #[derive(Parser)]
@@ -47,17 +47,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    match run(&Cli::parse()) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(match error {
-                CampaignError::Image { .. } | CampaignError::File { .. } => 2,
-                _ => 1,
-            })
-        }
-    }
+    exit(run(&Cli::parse()))
 }
 
 /// Runs the campaign; whether no fault was silent.

@@ -4,7 +4,7 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use system_tests::faults::CampaignError;
+use system_tests::faults::{CampaignError, exit};
 use system_tests::soak::{Plan, Soaked, soak};
 
 /// The emulated controller beside this process's for many samples: the same bits, in time, in flat memory.
@@ -34,14 +34,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    match run(&Cli::parse()) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(if matches!(error, CampaignError::Image { .. }) { 2 } else { 1 })
-        }
-    }
+    exit(run(&Cli::parse()))
 }
 
 /// Runs the soak; whether it was sound.

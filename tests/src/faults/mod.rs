@@ -24,6 +24,7 @@ pub mod table;
 pub mod trace;
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 /// Why the campaign could not go on.
 #[derive(Debug, thiserror::Error)]
@@ -76,6 +77,21 @@ pub enum CampaignError {
     /// The controller in this process.
     #[error(transparent)]
     Controller(#[from] host_sim::controller::ControllerError),
+}
+
+/// The exit code of a campaign's program: 0 sound, 1 not or the work failed, 2 the input is wrong. What failed is told.
+pub fn exit(result: Result<bool, CampaignError>) -> ExitCode {
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(match error {
+                CampaignError::Image { .. } | CampaignError::File { .. } => 2,
+                _ => 1,
+            })
+        }
+    }
 }
 
 /// SplitMix64: small, and the same everywhere.

@@ -110,26 +110,15 @@ impl Outcome {
     pub fn judge(&mut self, answer: &Diagnosis, label: &Label) {
         self.verdict = answer.verdict.name().into();
         self.hidden.clone_from(&label.effects);
-        let channel = |c: Option<bench::Channel>| c.map(|c| c.name().to_owned());
         if matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous) {
-            self.causes = answer
-                .causes
-                .iter()
-                .map(|c| Named {
-                    effect: c.effect.clone(),
-                    channel: channel(c.channel),
-                    probability: c.probability,
-                })
-                .collect();
-            self.ambiguous_with = answer
-                .ambiguous_with
-                .iter()
-                .map(|c| Named {
-                    effect: c.effect.clone(),
-                    channel: channel(c.channel),
-                    probability: c.probability,
-                })
-                .collect();
+            let named = |effect: &String, channel: Option<bench::Channel>, probability: f64| Named {
+                effect: effect.clone(),
+                channel: channel.map(|c| c.name().to_owned()),
+                probability,
+            };
+            self.causes = answer.causes.iter().map(|c| named(&c.effect, c.channel, c.probability)).collect();
+            let others = answer.ambiguous_with.iter();
+            self.ambiguous_with = others.map(|c| named(&c.effect, c.channel, c.probability)).collect();
         }
         let is = |n: &Named, h: &HiddenEffect| n.effect == h.effect && n.channel == h.channel;
         let group: Vec<&Named> = self.causes.iter().chain(&self.ambiguous_with).collect();

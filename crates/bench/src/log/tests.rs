@@ -1,3 +1,5 @@
+//! Logs of every format: what is read, what is refused and in which words; round trips; damaged files.
+
 use super::*;
 use crate::log_format::{Separator, TextFormat};
 use proptest::prelude::*;
