@@ -104,7 +104,7 @@ impl ContactFrame {
         // Odd polynomial for the arctangent, least largest error on 0 to 1.
         let eighth = x
             * (0.999_996_1
-                + s * (-0.333_173_68
+                + s * (-0.333_173_7
                     + s * (0.198_078_15
                         + s * (-0.132_333_42
                             + s * (0.079_623_66 + s * (-0.033_604_21 + s * 0.006_811_79))))));
@@ -116,6 +116,7 @@ impl ContactFrame {
 
 /// A position within the limits.
 #[inline]
+#[expect(clippy::manual_clamp, reason = "a clamp may panic")]
 pub(super) fn cut(position_nm: i32) -> i32 {
     position_nm.max(-POSITION_LIMIT_NM).min(POSITION_LIMIT_NM)
 }

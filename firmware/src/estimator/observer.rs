@@ -119,6 +119,7 @@ impl Observer {
         self.mean_square = select(open, self.noise_square.wrapping_mul(DOUBT), mean_square);
 
         let beyond = self.mean_square.wrapping_sub(self.noise_square >> 2);
+        #[expect(clippy::manual_clamp, reason = "a clamp may panic")]
         let share = self.per_range.times(beyond).max(0).min(1 << SHARE_BITS);
         let share = select(open | self.always_window, 1 << SHARE_BITS, share);
         let deformation = saturated(self.position >> (INSIDE_BITS - OUTSIDE_BITS));

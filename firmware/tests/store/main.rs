@@ -1,5 +1,5 @@
 //! The kept models and the kept configuration, on a flash memory whose power fails at every step.
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
 
 mod configuration;
 mod flash;

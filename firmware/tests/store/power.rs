@@ -17,7 +17,7 @@ fn update(store: &mut Store<Slots>, package: &Package) -> Option<Models> {
     let mut answer = store.serve(&package.begin(), false).answer;
     loop {
         let UpdateAnswer::Status(status) = answer else { return None };
-        let Some(receiving) = status.receiving else { return None };
+        let receiving = status.receiving?;
         if receiving.next_offset == receiving.length {
             return store.serve(&UpdateRequest::Finish, false).models;
         }
@@ -113,6 +113,6 @@ fn a_slot_that_wears_out_leaves_the_model_that_runs() {
     let (mut store, _) = start(flash);
     assert!(update(&mut store, &Package::new(Bearing::Babbitt, 4)).is_none());
     assert_eq!(version(store.status().running), 3);
-    assert_eq!(store.into_memory().restart(None, 1).worn, true);
+    assert!(store.into_memory().restart(None, 1).worn);
     assert_ne!(Failure::Worn, Failure::Power);
 }

@@ -20,7 +20,7 @@ fn honest_logs_have_nothing_wrong() {
         let channel = kind.name.starts_with("sensor-").then_some(Channel::BearingForceY);
         let parameters = kind
             .parameters(&bench)
-            .into_iter()
+            .iter()
             .map(|p| {
                 let unit = if p.unit.starts_with("channel") { 15.0 } else { 1.0 };
                 let value = if p.is_size { 3.0 * p.scale * unit } else { p.default };
