@@ -25,6 +25,7 @@
 //! parabola through a swing of 60 Hz by 28 mrad. Until the windows are full after a start, a gap or a jump the newest raw position is used and
 //! the rates are 0: flagged, not guessed.
 
+mod carried;
 mod conditioning;
 mod geometry;
 mod latch;
@@ -54,6 +55,7 @@ pub use window::{WideWindow, Window};
 
 use crate::constants::Sum;
 use crate::flags::{ONSET_NOT_SEEN, WINDOW_FILLING};
+use carried::Carried;
 use geometry::cut;
 use newton::{Newton, Told};
 use observer::{Observer, Radial};
@@ -78,6 +80,8 @@ pub struct Estimator {
     latch: Latch,
     pair: Pair<'static>,
     sample: Sample,
+    /// Of what observer and Newton's law have carried over from the last tick.
+    carried: Carried,
 }
 
 impl Estimator {
@@ -104,7 +108,7 @@ impl Estimator {
         let (setup, model) = Setup::new(image, configuration)?;
         let period_us = configuration.sample_period_us;
         let newton = Newton::new(conditioning, period_us);
-        Ok(Self {
+        let mut estimator = Self {
             plausibility: Plausibility::new(configuration.radial_clearance_nm, period_us),
             signals: Signals::new(period_us, configuration.journal_radius_nm),
             observer: Observer::new(period_us, conditioning.noise_nm, newton.has_masses()),
@@ -112,8 +116,11 @@ impl Estimator {
             latch: Latch::new(setup.latch_floor_nm_s, setup.unseen_approach_nm_s),
             pair: Pair::new(model),
             sample: Sample::default(),
+            carried: Carried::default(),
             setup,
-        })
+        };
+        estimator.carried = estimator.carry();
+        Ok(estimator)
     }
 
     /// What the configuration and the image set.
@@ -164,6 +171,14 @@ impl Estimator {
         self.pair.switch(model);
     }
 
+    #[inline]
+    fn carry(&self) -> Carried {
+        let mut sum = Carried::default();
+        self.observer.carried(&mut sum);
+        self.newton.carried(&mut sum);
+        sum
+    }
+
     /// Takes one sample and estimates. The tick count of the result is 0; whoever can measure it fills it in.
     pub fn step(&mut self, frame: &SensorFrame) -> EstimateFrame {
         let mut flags = self.plausibility.check(frame);
@@ -173,14 +188,19 @@ impl Estimator {
             self.latch.reset();
             self.pair.reset();
         }
+        let altered = self.carry() != self.carried;
+        if altered {
+            self.newton.restart();
+        }
         let (y, z) = (cut(frame.journal_y_nm), cut(frame.journal_z_nm));
         let contact = ContactFrame::at(y, z);
         let measured = contact.distance.saturating_sub(self.setup.radial_clearance);
         let motion = self.signals.push(y, z, measured, frame.shaft_angle_nrad);
         let turning = contact.turning(motion.y_nm_s, motion.z_nm_s);
         let window = Radial { deformation: motion.deformation, rate_nm_s: motion.deformation_rate_nm_s };
-        let open = !motion.rate_known | (window.deformation < 0);
-        let predicted = self.newton.rate_nm_s(&contact, turning, motion.y_nm_s, motion.rate_known);
+        let open = !motion.rate_known | (window.deformation < 0) | altered;
+        let settled = motion.rate_known & !altered;
+        let predicted = self.newton.rate_nm_s(&contact, turning, motion.y_nm_s, settled);
         let radial = self.observer.step(measured, window, predicted, open);
         let (approach_nm_s, onset_seen) =
             self.latch.update(radial.deformation, radial.rate_nm_s, motion.rate_known);
@@ -204,12 +224,14 @@ impl Estimator {
             warm: !estimate.flags.contains(Flags::WARMING_UP),
         };
         self.newton.remember(&told, radial.deformation <= 0);
+        self.carried = self.carry();
 
         // A rate at the end of its whole numbers is another one.
         let cut_off = (radial.rate_nm_s == i32::MAX) | (radial.rate_nm_s == i32::MIN);
         flags |= WINDOW_FILLING.when(!motion.full)
             | ONSET_NOT_SEEN.when(!onset_seen)
             | Flags::OUTSIDE_RATE_RATIO.when(cut_off & (radial.deformation > 0))
+            | Flags::ALTERED.when(altered)
             | estimate.flags;
         EstimateFrame {
             sequence: frame.sequence,

@@ -22,6 +22,7 @@
 
 use core::hash::Hash;
 
+use super::carried::Carried;
 use super::conditioning::{Conditioning, MASS_RANGE_G};
 use super::geometry::ContactFrame;
 use super::whole::{Factor, product, saturated, saturated_unsigned, select, within};
@@ -102,6 +103,22 @@ impl Newton {
         }
     }
 
+    /// What the next tick goes on with.
+    #[inline]
+    pub(super) fn carried(&self, sum: &mut Carried) {
+        sum.word(self.ticks);
+        let words = [
+            self.pull,
+            self.last_y_nm_s,
+            self.force_y_mn,
+            self.friction_mn,
+            self.normal_mn,
+            self.speed_nm_s,
+            self.slope_nm_s,
+        ];
+        words.iter().for_each(|word| sum.word(word.cast_unsigned()));
+    }
+
     /// Whether the masses are known.
     pub(super) const fn has_masses(&self) -> bool {
         self.per_mass_z != 0
@@ -170,5 +187,37 @@ impl Newton {
         // Both below 2^30.
         let step = found.wrapping_sub(self.pull) >> (shift & 31);
         self.pull = self.pull.wrapping_add(select(settled, step, 0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_bit_that_is_carried_over_counts() {
+        let newton = Newton::new(&Conditioning::of_bench(inference::Bearing::Babbitt), 100);
+        let sum = |newton: &Newton| {
+            let mut sum = Carried::default();
+            newton.carried(&mut sum);
+            sum
+        };
+        let flips: [fn(&mut Newton, u32); 8] = [
+            |n, b| n.pull ^= 1 << b,
+            |n, b| n.ticks ^= 1 << b,
+            |n, b| n.last_y_nm_s ^= 1 << b,
+            |n, b| n.force_y_mn ^= 1 << b,
+            |n, b| n.friction_mn ^= 1 << b,
+            |n, b| n.normal_mn ^= 1 << b,
+            |n, b| n.speed_nm_s ^= 1 << b,
+            |n, b| n.slope_nm_s ^= 1 << b,
+        ];
+        for flip in flips {
+            for bit in 0..32 {
+                let mut there = newton.clone();
+                flip(&mut there, bit);
+                assert_ne!(sum(&there), sum(&newton), "bit {bit}");
+            }
+        }
     }
 }

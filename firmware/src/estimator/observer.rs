@@ -10,10 +10,13 @@
 //! noise's hands over to the parabola of [`super::signals`], in between both are mixed. In a gap, before its window is full, without masses, and when it has lost the journal by 32 um it is the parabola that
 //! counts, and the observer starts from it at an onset; its mean square then starts at [`DOUBT`] times the noise's and takes 18 ms to fall.
 //!
+//! What it carries over is in [`Carried`]: a bit that flips there is found before the next step, which then begins anew from the window.
+//!
 //! Whole numbers: positions in nm/16 outside and nm/2^24 inside, rates in nm/s outside and nm/s over 2^16 inside. No branch on data.
 
 use core::hash::Hash;
 
+use super::carried::Carried;
 use super::geometry::DISTANCE_STEPS_PER_NM;
 use super::whole::{Factor, product, saturated, select, select_wide, within};
 use crate::constants::Sum;
@@ -91,6 +94,15 @@ impl Observer {
         }
     }
 
+    /// What the next step goes on with.
+    #[inline]
+    pub(super) fn carried(&self, sum: &mut Carried) {
+        sum.wide(self.position);
+        sum.wide(self.rest);
+        sum.word(self.mean.cast_unsigned());
+        sum.word(self.mean_square.cast_unsigned());
+    }
+
     /// Takes a measured deformation, what the window makes of it, and the predicted rate. `open` says that there is no contact or no full window.
     #[inline]
     pub(super) fn step(&mut self, measured: i32, window: Radial, predicted_nm_s: i32, open: bool) -> Radial {
@@ -130,6 +142,39 @@ impl Observer {
         Radial {
             deformation: mixed(deformation, window.deformation),
             rate_nm_s: mixed(rate_nm_s, window.rate_nm_s),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_bit_that_is_carried_over_counts() {
+        let mut observer = Observer::new(100, 200, true);
+        let quiet = Radial::default();
+        for index in 0..50 {
+            observer.step(1000 + index, quiet, 0, false);
+        }
+        let sum = |observer: &Observer| {
+            let mut sum = Carried::default();
+            observer.carried(&mut sum);
+            sum
+        };
+        let sound = sum(&observer);
+        let flips: [(u32, fn(&mut Observer, u32)); 4] = [
+            (64, |o, b| o.position ^= 1 << b),
+            (64, |o, b| o.rest ^= 1 << b),
+            (32, |o, b| o.mean ^= 1 << b),
+            (32, |o, b| o.mean_square ^= 1 << b),
+        ];
+        for (bits, flip) in flips {
+            for bit in 0..bits {
+                let mut there = observer.clone();
+                flip(&mut there, bit);
+                assert_ne!(sum(&there), sound, "bit {bit}");
+            }
         }
     }
 }

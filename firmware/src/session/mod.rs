@@ -150,7 +150,10 @@ impl Session {
 
     /// Goes on with other models from the next sample on. The networks' history starts anew, and is flagged so.
     pub fn switch(&mut self, models: Models) {
-        self.hello.models = models.ids();
+        // With altered code it goes on to name none.
+        if !self.code_altered {
+            self.hello.models = models.ids();
+        }
         self.models = models;
         self.constants = None;
         if let Some(run) = &mut self.run {

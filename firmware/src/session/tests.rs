@@ -370,4 +370,6 @@ fn altered_code_names_no_model_and_takes_no_configuration() {
     assert_eq!(refused, Err(Refused::Image { cause: 4 }));
     assert_eq!(session.state(), State::Waiting);
     assert!(session.configure(&BENCH_B).is_err(), "nor one that was kept");
+    session.switch(crate::store::Models::built_in());
+    assert!(session.hello(0).models.iter().all(|model| model.crc == 0), "an update changes nothing of that");
 }
