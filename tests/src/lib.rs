@@ -3,4 +3,5 @@
 pub mod faults;
 pub mod generator;
 pub mod hidden_effects;
+pub mod journal;
 pub mod soak;

@@ -172,11 +172,11 @@ pub fn soak(elf: &Path, plan: &Plan, mut done: impl FnMut(u64)) -> Result<Soaked
         }
         let is_estimate = |said: &&_| matches!(said, Ok(ToHost::Estimate(_)));
         let pumped = emulator.pump(BOUND, |said| said.iter().filter(is_estimate).count() >= batch.len())?;
+        let told = emulator.said.iter().filter(is_estimate).count();
         let estimates = emulator.said.iter().filter_map(|said| match said {
             Ok(ToHost::Estimate(numbered)) => Some(&numbered.estimate),
             _ => None,
         });
-        let mut compared = 0;
         for (frame, estimate) in batch.iter().zip(estimates) {
             soaked.take(
                 native.exchange(frame)?.same_bits(estimate),
@@ -186,13 +186,16 @@ pub fn soak(elf: &Path, plan: &Plan, mut done: impl FnMut(u64)) -> Result<Soaked
             soaked.sequence_wraps += u32::from(frame.sequence < last.sequence);
             soaked.time_wraps += u32::from(frame.time_us < last.time_us);
             last = *frame;
-            compared += 1;
         }
         let others =
             emulator.said.iter().find(|said| !matches!(said, Ok(ToHost::Estimate(_) | ToHost::Slow(_))));
-        if pumped != Pumped::Come || compared < batch.len() || others.is_some() {
+        if pumped != Pumped::Come || told != batch.len() || others.is_some() {
             return Err(CampaignError::Unexpected {
-                found: format!("{pumped:?} after sample {}, {compared} estimates, {others:?}", last.sequence),
+                found: format!(
+                    "{pumped:?} after sample {}, {told} estimates to {} samples, {others:?}",
+                    last.sequence,
+                    batch.len()
+                ),
                 expected: "one estimate for every sample and nothing else",
             });
         }

@@ -78,7 +78,7 @@ impl Board {
         let folder = variables.iter().find(|(name, _)| *name == "CARGO_TARGET_DIR");
         let folder = folder.map_or_else(target_folder, |(_, folder)| PathBuf::from(folder));
         let image = folder.join(self.target).join("firmware/estimator");
-        crate::seal::seal(&image)?;
+        crate::seal::seal(&image, self.target == OTHER_CORE.target)?;
         Ok(image)
     }
 

@@ -19,22 +19,26 @@ struct Section {
     file: u64,
 }
 
-/// Seals an image in place. Sealing it again changes nothing.
-pub(crate) fn seal(image: &Path) -> Result<(), ChoreError> {
+/// Seals an image. Sealing it again changes nothing. Where vector table and code do not touch, what lies between them is erased flash on a board
+/// and 0 in the emulator: only an image that is never flashed may have such a gap.
+pub(crate) fn seal(image: &Path, is_only_emulated: bool) -> Result<(), ChoreError> {
     let failed = |found: String| ChoreError::File {
         file: image.into(),
         found,
         expected: "an image of this firmware that can be sealed",
     };
     let mut bytes = std::fs::read(image).map_err(|error| failed(error.to_string()))?;
-    let (place, word) = word(&bytes).map_err(failed)?;
+    let (place, word) = word(&bytes, is_only_emulated).map_err(failed)?;
     let at = bytes.get_mut(place..place + 4).ok_or_else(|| failed("a seal beyond its end".into()))?;
     at.copy_from_slice(&word.to_le_bytes());
-    std::fs::write(image, bytes).map_err(|error| failed(error.to_string()))
+    // Not in place: cargo keeps another name of this very file, which half an image must not get.
+    let sealed = image.with_extension("sealed");
+    let replaced = std::fs::write(&sealed, bytes).and_then(|()| std::fs::rename(&sealed, image));
+    replaced.map_err(|error| failed(error.to_string()))
 }
 
 /// Where in the file the seal is, and what it must be.
-fn word(bytes: &[u8]) -> Result<(usize, u32), String> {
+fn word(bytes: &[u8], is_only_emulated: bool) -> Result<(usize, u32), String> {
     let file = object::File::parse(bytes).map_err(|error| error.to_string())?;
     let section = |name: &str| {
         let section = file.section_by_name(name).ok_or_else(|| format!("no section {name}"))?;
@@ -58,10 +62,13 @@ fn word(bytes: &[u8]) -> Result<(usize, u32), String> {
         usize::try_from(section.file + (address - section.addresses.start)).ok()
     };
     let [vectors, code, constants] = &sections;
+    let gap = vectors.addresses.end..code.addresses.start;
+    if !gap.is_empty() && !is_only_emulated {
+        return Err(format!("{} bytes between vector table and code", gap.end - gap.start));
+    }
     let word_at = |address: u64| match place(address) {
         Some(place) => bytes.get(place..place + 4)?.try_into().ok().map(u32::from_le_bytes),
-        // Code is aligned to more than the vector table may be long: what is loaded between them is nothing.
-        None => (vectors.addresses.end..code.addresses.start).contains(&address).then_some(0),
+        None => gap.contains(&address).then_some(0),
     };
     let code = vectors.addresses.start..code.addresses.end;
     let addresses = [code, constants.addresses.clone()].into_iter().flat_map(|range| range.step_by(4));

@@ -150,6 +150,9 @@ impl Observer {
 mod tests {
     use super::*;
 
+    /// Flips a bit of one number.
+    type Flip = fn(&mut Observer, u32);
+
     #[test]
     fn every_bit_that_is_carried_over_counts() {
         let mut observer = Observer::new(100, 200, true);
@@ -163,7 +166,7 @@ mod tests {
             sum
         };
         let sound = sum(&observer);
-        let flips: [(u32, fn(&mut Observer, u32)); 4] = [
+        let flips: [(u32, Flip); 4] = [
             (64, |o, b| o.position ^= 1 << b),
             (64, |o, b| o.rest ^= 1 << b),
             (32, |o, b| o.mean ^= 1 << b),

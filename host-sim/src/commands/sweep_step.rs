@@ -168,7 +168,8 @@ fn one(
 fn choice(runs: &[StepRun]) -> Option<Choice> {
     let first = runs.first()?;
     let sound = || runs.iter().take_while(|r| r.force_rms_difference_n.is_some());
-    let least = first.force_rms_difference_n?;
+    // A first run that was stopped leaves nothing to compare with: no step is small enough.
+    let least = first.force_rms_difference_n.unwrap_or_default();
     let enough = sound().take_while(|r| r.force_rms_difference_n.is_some_and(|d| d <= ENOUGH * least));
     Some(Choice {
         bearing: first.bearing,
@@ -289,6 +290,8 @@ mod tests {
         differences.push(None);
         let found = choice(&runs(&differences)).unwrap();
         assert_eq!((found.small_enough_us, found.largest_us), (Some(5.0), Some(50.0)));
-        assert!(choice(&runs(&[None])).is_none());
+        let stopped = choice(&runs(&[None, Some(1.0)])).unwrap();
+        assert_eq!((stopped.small_enough_us, stopped.largest_us), (None, None));
+        assert!(choice(&[]).is_none());
     }
 }

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 /// Patience for a busy machine.
 const PATIENT: Bounds = Bounds { answer: Duration::from_secs(60), again: Duration::from_secs(20) };
 /// An emulator keeps a core busy whatever it waits for, so there is one at a time.
-static ALONE: Mutex<()> = Mutex::new(());
+pub(crate) static ALONE: Mutex<()> = Mutex::new(());
 
 /// A board with a probe at it.
 struct Board {

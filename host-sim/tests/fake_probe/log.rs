@@ -11,13 +11,21 @@ use probe_rs::probe::fake_probe::FakeProbe;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
 const RAM: u32 = 0x2000_0000;
 const RAM_BYTES: u32 = 128 * 1024;
 
-/// The RAM of the image some time after its start.
-fn memory(folder: &Path) -> Vec<u8> {
+/// Place of the writing position in the log's control block.
+const WRITTEN: usize = 36;
+/// How often the memory is looked at, and the pause between two looks.
+const LOOKS: u32 = 600;
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// The RAM of the image once its log says something, with the log's control block at a place of it.
+fn memory(folder: &Path, block: usize) -> Vec<u8> {
+    let _alone = crate::emulated::ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut emulator = Command::new("qemu-system-arm")
         .args(["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "stdio"])
         .args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=2,sleep=off", "-kernel"])
@@ -27,12 +35,19 @@ fn memory(folder: &Path) -> Vec<u8> {
         .stdout(Stdio::null())
         .spawn()
         .unwrap();
-    std::thread::sleep(Duration::from_millis(1500));
     let mut monitor = emulator.stdin.take().unwrap();
-    write!(monitor, "pmemsave {RAM:#x} {RAM_BYTES:#x} memory\nquit\n").unwrap();
-    drop(monitor);
+    let look = |look: u32| {
+        let path = folder.join(format!("memory-{look}"));
+        writeln!(monitor, "pmemsave {RAM:#x} {RAM_BYTES:#x} {}", path.display()).unwrap();
+        std::thread::sleep(PAUSE);
+        let memory = std::fs::read(path).unwrap_or_default();
+        let has_said = memory.get(block + WRITTEN..block + WRITTEN + 4).is_some_and(|word| word != [0; 4]);
+        (memory.len() == RAM_BYTES as usize && has_said).then_some(memory)
+    };
+    let memory = (0..LOOKS).find_map(look);
+    writeln!(monitor, "quit").unwrap();
     emulator.wait().unwrap();
-    std::fs::read(folder.join("memory")).unwrap()
+    memory.unwrap()
 }
 
 /// An ELF file with one segment and one section of it: what the fake takes its memory from.
@@ -69,11 +84,11 @@ fn followed(folder: &Path, memory: &[u8]) -> (Vec<String>, String) {
 #[test]
 fn the_log_is_found_where_the_image_says_and_reads_as_text() {
     let folder = tempfile::tempdir().unwrap();
-    let mut memory = memory(folder.path());
     let bytes = std::fs::read(EmulatedController::default_elf()).unwrap();
     let image = object::File::parse(&*bytes).unwrap();
     let block = image.symbols().find(|symbol| symbol.name() == Ok("_SEGGER_RTT")).unwrap();
     let block = (block.address() - u64::from(RAM)) as usize;
+    let mut memory = memory(folder.path(), block);
     // The mark of an image that was there before.
     let stale = memory.len() - 4096;
     memory.copy_within(block..block + 16, stale);

@@ -24,12 +24,12 @@ struct Cli {
     #[arg(long, default_value_t = 0)]
     first: u64,
     /// Only the fault of this number.
-    #[arg(long, conflicts_with_all = ["count", "first"])]
+    #[arg(long, conflicts_with_all = ["count", "first", "record"])]
     only: Option<u64>,
     /// Seed of the campaign.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// File for the outcomes, one a line; what is in it is not done again.
+    /// Journal of the outcomes, of this image and seed alone; what is in it is not done again.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// The firmware's image.
@@ -39,7 +39,7 @@ struct Cli {
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
     /// Write the counts to tests/golden/faults.json: those of the default count and seed.
-    #[arg(long, conflicts_with_all = ["count", "first", "only", "seed"])]
+    #[arg(long, conflicts_with_all = ["count", "first", "only", "seed", "record", "elf"])]
     bless: bool,
     /// Print the table as JSON; with --only the outcome.
     #[arg(long)]
@@ -100,11 +100,8 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
 fn bless(counts: &Counts) -> Result<(), CampaignError> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden/faults.json");
     let text = serde_json::to_string_pretty(counts).unwrap_or_default() + "\n";
-    bench::atomic::write(&path, text.as_bytes()).map_err(|error| CampaignError::File {
-        path,
-        found: error.to_string(),
-        expected: "a file that can be written",
-    })
+    bench::atomic::write(&path, text.as_bytes())
+        .map_err(|source| CampaignError::System { what: "writing tests/golden/faults.json", source })
 }
 
 /// An outcome on a line.

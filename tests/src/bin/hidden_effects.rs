@@ -6,6 +6,7 @@
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
@@ -13,10 +14,10 @@ use system_tests::generator::session::Plant;
 use system_tests::hidden_effects::CampaignError;
 use system_tests::hidden_effects::cell::{Arm, Campaign};
 use system_tests::hidden_effects::compare::Outcome;
-use system_tests::hidden_effects::journal::Journal;
 use system_tests::hidden_effects::page::{page, summary};
 use system_tests::hidden_effects::run::run;
 use system_tests::hidden_effects::score::{Figures, figures};
+use system_tests::journal::{Journal, JournalError};
 
 /// Hide effects in logs of independent generators, have the diagnosis find them, and print how well it does.
 #[derive(Parser)]
@@ -85,7 +86,11 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::FAILURE
+            ExitCode::from(if matches!(error, CampaignError::Journal(JournalError::Other { .. })) {
+                2
+            } else {
+                1
+            })
         }
     }
 }
@@ -99,7 +104,9 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
         arms: cli.arms.clone(),
     };
     let campaign = if cli.quick { Campaign::quick() } else { chosen() };
-    let (journal, mut finished) = Journal::open(&cli.out, &campaign)?;
+    let (journal, finished) = Journal::open(&cli.out.join("journal.jsonl"), campaign.clone())?;
+    let mut finished: BTreeMap<usize, Outcome> =
+        Vec::into_iter(finished).map(|outcome: Outcome| (outcome.cell.index, outcome)).collect();
     let cells = campaign.cells();
     let open: Vec<_> = cells.iter().filter(|c| !finished.contains_key(&c.index)).collect();
     let bar = if cli.json { ProgressBar::hidden() } else { ProgressBar::new(cells.len() as u64) };

@@ -79,37 +79,29 @@ pub fn attempt(elf: &Path, image: &Image, stage: &Stage, fault: &Fault) -> Resul
         return Ok(judge::judge(fault, stage, &emulator.said, pumped));
     }
     let Prepared { mut emulator } = Prepared::start(elf, image, stage, &stage.frames, fault.sample)?;
-    let come = match fault.action {
-        Action::Flip { address, bit, during: None } => {
-            emulator.gdb()?.flip(address, bit)?;
-            None
-        }
+    let mut fault = fault.clone();
+    match fault.action {
+        Action::Flip { address, bit, during: None } => emulator.gdb()?.flip(address, bit)?,
         Action::Flip { address, bit, during: Some(step) } => {
-            let come = reach(&mut emulator, step)?;
-            if come.is_none() {
-                emulator.gdb()?.flip(address, bit)?;
+            if !reach(&mut emulator, step)? {
+                return Ok(judge::not_struck(&fault));
             }
-            come
+            // The instruction may not be one of every sample's.
+            let estimates = emulator.said.iter().filter(|said| matches!(said, Ok(ToHost::Estimate(_))));
+            fault.sample = estimates.count();
+            emulator.gdb()?.flip(address, bit)?;
         }
-        _ => {
-            emulator.gdb()?.reset()?;
-            None
-        }
-    };
-    let pumped = match come {
-        Some(pumped) => pumped,
-        None => {
-            emulator.gdb()?.go_on()?;
-            emulator.pump(BOUND, ended)?
-        }
-    };
-    Ok(judge::judge(fault, stage, &emulator.said, pumped))
+        _ => emulator.gdb()?.reset()?,
+    }
+    emulator.gdb()?.go_on()?;
+    let pumped = emulator.pump(BOUND, ended)?;
+    Ok(judge::judge(&fault, stage, &emulator.said, pumped))
 }
 
-/// Lets the core run to an instruction; if it never comes there, what ended the wait.
-fn reach(emulator: &mut Emulator, step: Step) -> Result<Option<Pumped>, CampaignError> {
+/// Lets the core run to an instruction; whether it comes there before the samples end.
+fn reach(emulator: &mut Emulator, step: Step) -> Result<bool, CampaignError> {
     if emulator.gdb()?.register(15)? == step.address && step.before == 0 {
-        return Ok(None);
+        return Ok(true);
     }
     let gdb = emulator.gdb()?;
     // The place where the core stands is the first of the trace.
@@ -119,11 +111,17 @@ fn reach(emulator: &mut Emulator, step: Step) -> Result<Option<Pumped>, Campaign
         go_past(emulator.gdb()?)?;
         match emulator.pump(BOUND, ended)? {
             Pumped::Stopped => left -= 1,
-            other => return Ok(Some(other)),
+            Pumped::Come => return Ok(false),
+            other => {
+                return Err(CampaignError::Unexpected {
+                    found: format!("{other:?} of a controller that nothing has disturbed"),
+                    expected: "an answer to the last command",
+                });
+            }
         }
     }
     emulator.gdb()?.clear_breakpoint(step.address)?;
-    Ok(None)
+    Ok(true)
 }
 
 /// Goes on from a place that may have a breakpoint: the stub would stop there again.

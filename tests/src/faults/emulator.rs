@@ -20,6 +20,8 @@ use std::time::{Duration, Instant};
 const MACHINE: [&str; 8] = ["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "none"];
 const COUNTING: [&str; 4] =
     ["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off"];
+/// A pump ends after so many times the bound on silence, whatever is said: a controller may say the same for ever.
+const MOST_BOUNDS: u32 = 12;
 /// Bytes that the host's decoder found damaged, or a message.
 pub type Said = Result<ToHost, FrameError>;
 
@@ -32,7 +34,7 @@ pub enum Pumped {
     Stopped,
     /// The emulation has ended.
     Ended,
-    /// Nothing came for the whole bound.
+    /// Nothing came for the whole bound, or never what was waited for.
     Silent,
 }
 
@@ -119,14 +121,15 @@ impl Emulator {
         self.pending.extend_from_slice(bytes);
     }
 
-    /// Writes what is queued and takes what is said, until something has come, the core stands, nothing is left to wait for or nothing came for
-    /// the bound.
+    /// Writes what is queued and takes what is said, until something has come, the core stands, nothing is left to wait for, nothing came for
+    /// the bound, or it has taken [`MOST_BOUNDS`] of them.
     pub fn pump(
         &mut self,
         bound: Duration,
         mut come: impl FnMut(&[Said]) -> bool,
     ) -> Result<Pumped, CampaignError> {
-        let mut last = Instant::now();
+        let begun = Instant::now();
+        let mut last = begun;
         loop {
             let moved = self.write()? | self.read()?;
             if let Some(gdb) = &mut self.gdb
@@ -139,7 +142,7 @@ impl Emulator {
             if come(&self.said) {
                 return Ok(Pumped::Come);
             }
-            if moved {
+            if moved && begun.elapsed() <= MOST_BOUNDS * bound {
                 last = Instant::now();
                 continue;
             }
@@ -148,7 +151,7 @@ impl Emulator {
                 self.read()?;
                 return Ok(if come(&self.said) { Pumped::Come } else { Pumped::Ended });
             }
-            if last.elapsed() > bound {
+            if last.elapsed() > bound || begun.elapsed() > MOST_BOUNDS * bound {
                 return Ok(Pumped::Silent);
             }
             self.wait()?;

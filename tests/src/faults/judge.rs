@@ -6,6 +6,7 @@
 //! | detected late | unmarked estimates were wrong before the host was told; the latency is that from the first of them |
 //! | harmless | nothing is told, and no estimate is wrong |
 //! | silent | nothing is told, and estimates are wrong |
+//! | not struck | the instruction that was waited for did not come: nothing was disturbed |
 //!
 //! **Wrong** is an estimate that is off by more than [`BOUND_SHARE`] of full scale in a force, the torque or the deformation (full scale: the largest
 //! value of the sound run), or in its angle by as much of half a turn while in contact, or that is no number. An estimate that is marked, held ones
@@ -39,11 +40,14 @@ pub enum Class {
     Harmless,
     /// Wrong, and not told.
     Silent,
+    /// Never carried out.
+    NotStruck,
 }
 
 impl Class {
     /// Every class.
-    pub const ALL: [Self; 4] = [Self::Detected, Self::DetectedLate, Self::Harmless, Self::Silent];
+    pub const ALL: [Self; 5] =
+        [Self::Detected, Self::DetectedLate, Self::Harmless, Self::Silent, Self::NotStruck];
 }
 
 /// What became of a fault.
@@ -130,7 +134,7 @@ pub fn judge(fault: &Fault, stage: &Stage, said: &[Said], pumped: Pumped) -> Out
                 let skipped =
                     place != at && !matches!(fault.kind, Kind::FrameDelayed | Kind::FramesReordered);
                 if gap || (skipped && place != at.saturating_sub(1)) {
-                    hearing.tell(place.min(at), "missing estimate");
+                    hearing.tell(at, "missing estimate");
                 }
                 at = place + 1;
                 hear(&mut hearing, place, stage, sound, estimate);
@@ -138,6 +142,7 @@ pub fn judge(fault: &Fault, stage: &Stage, said: &[Said], pumped: Pumped) -> Out
         }
     }
     match pumped {
+        Pumped::Come if at < stage.sound.len() => hearing.tell(at, "missing estimate"),
         Pumped::Come => {}
         Pumped::Ended => hearing.tell(at, "end"),
         Pumped::Silent | Pumped::Stopped => hearing.tell(at, "time-out"),
@@ -173,7 +178,8 @@ fn error_share(stage: &Stage, sound: &EstimateFrame, estimate: &EstimateFrame) -
     let deformation =
         f64::from(estimate.deformation_m - sound.deformation_m).abs() / stage.deformation_full_scale_m;
     let turn = f64::from(estimate.contact_angle_rad - sound.contact_angle_rad) / std::f64::consts::TAU;
-    let angle = if sound.deformation_m > 0.0 { 2.0 * (turn - turn.round()).abs() } else { 0.0 };
+    let angle =
+        if sound.deformation_m > 0.0 || !turn.is_finite() { 2.0 * (turn - turn.round()).abs() } else { 0.0 };
     let shares = [
         force(|e| e.normal_force_n),
         force(|e| e.force_y_n),
@@ -185,6 +191,12 @@ fn error_share(stage: &Stage, sound: &EstimateFrame, estimate: &EstimateFrame) -
     shares
         .into_iter()
         .fold(0.0, |most, share| if share.is_finite() { f64::max(most, share) } else { f64::MAX })
+}
+
+/// The outcome of a fault that was never carried out.
+#[must_use]
+pub fn not_struck(fault: &Fault) -> Outcome {
+    Outcome { class: Class::NotStruck, ..conclude(fault, Hearing::default()) }
 }
 
 fn conclude(fault: &Fault, hearing: Hearing) -> Outcome {

@@ -23,6 +23,7 @@ pub mod streams;
 pub mod table;
 pub mod trace;
 
+use crate::journal::JournalError;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -61,16 +62,9 @@ pub enum CampaignError {
         /// What was expected.
         expected: &'static str,
     },
-    /// A file of results.
-    #[error("{path}: {found}; expected {expected}", path = path.display())]
-    File {
-        /// Where.
-        path: PathBuf,
-        /// What was found.
-        found: String,
-        /// What was expected.
-        expected: &'static str,
-    },
+    /// The journal of outcomes.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
     /// The bench.
     #[error(transparent)]
     Bench(#[from] host_sim::error::CliError),
@@ -87,7 +81,7 @@ pub fn exit(result: Result<bool, CampaignError>) -> ExitCode {
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(match error {
-                CampaignError::Image { .. } | CampaignError::File { .. } => 2,
+                CampaignError::Image { .. } | CampaignError::Journal(JournalError::Other { .. }) => 2,
                 _ => 1,
             })
         }

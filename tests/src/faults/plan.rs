@@ -164,8 +164,8 @@ impl Fault {
         let action = match kind {
             Kind::Weights => flip(within(std::slice::from_ref(&image.weights)), None),
             Kind::Code => match step {
-                // Both halfwords of what may be one instruction.
-                Some(step) if executed => flip(step.address + (place % 2) as u32, None),
+                // Both halfwords of what may be one instruction; behind a short one comes what is likely to be carried out, too.
+                Some(step) if executed => flip(step.address + (place % 4) as u32, None),
                 _ => flip(within(&image.code), None),
             },
             // Three in four in the session, which is what the estimates rest on.

@@ -19,6 +19,8 @@ pub struct Row {
     pub harmless: u32,
     /// Wrong and not told.
     pub silent: u32,
+    /// Never carried out.
+    pub not_struck: u32,
     /// Faults that changed anything that can be seen.
     pub alive: u32,
     /// Told, and unmarked estimates were wrong after that: it is up to the host to remember.
@@ -79,6 +81,7 @@ fn row<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Row {
                 row.harmless_error_share = row.harmless_error_share.max(outcome.error_share);
             }
             Class::Silent => row.silent += 1,
+            Class::NotStruck => row.not_struck += 1,
         }
         row.alive += u32::from(outcome.alive);
         row.wrong_after += u32::from(outcome.class == Class::Detected && outcome.wrong > 0);
@@ -111,7 +114,7 @@ impl Table {
     #[must_use]
     pub fn render(&self) -> String {
         let mut text = String::from(
-            "kind               faults  detected  again   late  harmless  silent  alive   median  longest  late by\n",
+            "kind               faults  detected  again   late  harmless  silent  not struck  alive   median  longest  late by\n",
         );
         let rows = self.kinds.iter().map(|(name, row)| (name.as_str(), row)).chain([("all", &self.all)]);
         let number = |value: Option<u32>| value.map_or_else(|| "-".into(), |value| value.to_string());
@@ -119,13 +122,14 @@ impl Table {
             // Into a string: cannot fail.
             let _ = writeln!(
                 text,
-                "{name:18} {:6} {:9} {:6} {:6} {:9} {:7} {:6} {:>8} {:>8} {:>8}",
+                "{name:18} {:6} {:9} {:6} {:6} {:9} {:7} {:11} {:6} {:>8} {:>8} {:>8}",
                 row.faults,
                 row.detected,
                 row.wrong_after,
                 row.detected_late,
                 row.harmless,
                 row.silent,
+                row.not_struck,
                 row.alive,
                 number(row.latency_median),
                 number(row.latency_longest),

@@ -2,14 +2,13 @@
 //!
 //! A [`cell`] says what is hidden where; [`run`] has the generator write a log, seals the label ([`seal`]), has the engine
 //! answer from the log alone and only then opens the label; [`compare`] judges the answer, [`pairs`] and [`changed`] are the cells
-//! that ask more than one question; [`score`] sums up over cells, [`goals`] are beside it, [`journal`] keeps them over a kill, [`page`] writes what is published. [`mystery`] deals a log
+//! that ask more than one question; [`score`] sums up over cells, [`goals`] are beside it, [`crate::journal`] keeps them over a kill, [`page`] writes what is published. [`mystery`] deals a log
 //! to people.
 
 pub mod cell;
 pub mod changed;
 pub mod compare;
 pub mod goals;
-pub mod journal;
 pub mod mystery;
 pub mod page;
 pub mod pairs;
@@ -30,6 +29,9 @@ pub enum CampaignError {
         /// What was expected.
         expected: &'static str,
     },
+    /// The journal of the campaign.
+    #[error(transparent)]
+    Journal(#[from] crate::journal::JournalError),
     /// The engine refused.
     #[error("cell {cell}: {found}")]
     Engine {

@@ -61,6 +61,13 @@ fn what_is_not_told_is_harmless_within_the_bound_and_silent_beyond_it() {
     assert_eq!(classed(&said(off_from(4, 0.049)), Pumped::Come).0, Class::Harmless);
     assert_eq!(classed(&said(off_from(4, 0.051)), Pumped::Come), (Class::Silent, None, None, 6));
     assert_eq!(classed(&said(off_from(9, f32::NAN)), Pumped::Come).0, Class::Silent);
+    let nowhere = |estimate: &mut EstimateFrame| {
+        estimate.deformation_m = 0.0;
+        estimate.contact_angle_rad = f32::NAN;
+    };
+    let mut apart = stage();
+    apart.sound.iter_mut().for_each(|sound| sound.deformation_m = 0.0);
+    assert_eq!(judge(&fault(), &apart, &said(nowhere), Pumped::Come).class, Class::Silent);
     let turned = |estimate: &mut EstimateFrame| estimate.contact_angle_rad = 0.2;
     assert_eq!(classed(&said(turned), Pumped::Come).0, Class::Silent);
 }
@@ -111,6 +118,14 @@ fn whatever_the_host_would_stumble_over_is_told() {
     let mut missing = said(|_| {});
     let _ = missing.remove(5);
     assert_eq!(classed(&missing, Pumped::Come).1, Some("missing estimate".into()));
+    let mut cut = said(|_| {});
+    cut.truncate(7);
+    assert_eq!(classed(&cut, Pumped::Come), (Class::Detected, Some("missing estimate".into()), None, 0));
+    // An old estimate behind wrong ones tells nothing of the time before them.
+    let mut old = said(off_from(4, 0.5));
+    let first = old[0];
+    old.push(first);
+    assert_eq!(classed(&old, Pumped::Come).0, Class::DetectedLate);
     assert_eq!(classed(&said(|_| {}), Pumped::Silent).1, Some("time-out".into()));
     assert_eq!(classed(&said(|_| {}), Pumped::Ended).1, Some("end".into()));
 }
