@@ -98,4 +98,6 @@ fn multiply(log: &mut MeasuredLog, channel: Channel, factor: f64) {
 #[cfg(test)]
 mod honest;
 #[cfg(test)]
+mod readings_tests;
+#[cfg(test)]
 mod tests;

@@ -26,6 +26,8 @@ const DELAY_SAMPLES: f64 = 2.0;
 const DELAY_S: f64 = 2e-3;
 /// Singular values, smallest over largest, below which offset and gain cannot be told apart.
 const LEAST_SINGULAR: f64 = 1e-3;
+/// Sweeps of the singular values of a matrix of three; some ten are needed.
+const MOST_SWEEPS: usize = 1000;
 
 /// The driven motion of a log.
 pub(super) struct Motion<'a> {
@@ -56,14 +58,14 @@ impl Motion<'_> {
 }
 
 /// How value and rate go together.
-struct Relation {
+pub(super) struct Relation {
     ratio: f64,
     ahead_s: f64,
     /// Rms of what is left over that of the value.
     left: f64,
 }
 
-fn relation(time_s: &[f64], value: &[f64], rate: &[f64]) -> Option<Relation> {
+pub(super) fn relation(time_s: &[f64], value: &[f64], rate: &[f64]) -> Option<Relation> {
     let mut integral = vec![0.0; time_s.len()];
     let mut sum = 0.0;
     for (i, (t, v)) in time_s.windows(2).zip(rate.windows(2)).enumerate() {
@@ -80,17 +82,13 @@ fn relation(time_s: &[f64], value: &[f64], rate: &[f64]) -> Option<Relation> {
     // Motion at constant speed tells an offset of the rate from nothing else: then there is none.
     for columns in [all.as_slice(), all.get(..2)?] {
         let norms: Vec<f64> = columns.iter().map(|c| c.norm()).collect();
-        if norms.first().is_none_or(|n| *n <= 0.0)
-            || norms.get(1).is_none_or(|n| *n <= 0.0)
-            || y.norm() <= 0.0
-        {
+        if !norms.iter().chain([&y.norm()]).all(|n| n.is_finite() && *n > 0.0) {
             return None;
         }
-        let scaled: Vec<DVector<f64>> =
-            columns.iter().zip(&norms).map(|(c, n)| c / n.max(f64::MIN_POSITIVE)).collect();
+        let scaled: Vec<DVector<f64>> = columns.iter().zip(&norms).map(|(c, n)| c / *n).collect();
         let matrix = DMatrix::from_columns(&scaled);
         let normal = matrix.transpose() * &matrix;
-        let svd = normal.svd(true, true);
+        let svd = normal.try_svd(true, true, f64::EPSILON, MOST_SWEEPS)?;
         if svd.singular_values.min() < LEAST_SINGULAR * svd.singular_values.max() {
             continue;
         }

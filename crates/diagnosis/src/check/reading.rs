@@ -25,8 +25,18 @@ const SAME_TIME: usize = 25;
 const REACH: usize = 8;
 /// Least that an outlier's usual error is taken for, as a share of the channel's range.
 const LEAST_OUTLIER: f64 = 2e-4;
+/// Times the range of all but the outermost readings beyond which the whole range is that of gross readings.
+const GROSS: f64 = 10.0;
+/// One in so many readings at either end is outermost.
+const OUTERMOST: usize = 100;
+/// Size from which on a number is a filler and no reading; products of smaller ones stay finite.
+const FILLER: f64 = 1e100;
 /// Readings for each value from which on a step is looked for.
 const REPEATS: usize = 4;
+
+fn is_reading(value: f64) -> bool {
+    value.abs() < FILLER
+}
 
 /// Missing readings: their rows are left out, or the output that has hardly any.
 pub(super) fn missing(log: &mut MeasuredLog, findings: &mut Vec<Finding>) {
@@ -34,7 +44,7 @@ pub(super) fn missing(log: &mut MeasuredLog, findings: &mut Vec<Finding>) {
     let mut keep = vec![true; rows];
     let mut dead = Vec::new();
     for (&channel, values) in &log.channels {
-        let count = values.iter().filter(|v| !v.is_finite()).count();
+        let count = values.iter().filter(|v| !is_reading(**v)).count();
         if count == 0 {
             continue;
         }
@@ -49,7 +59,7 @@ pub(super) fn missing(log: &mut MeasuredLog, findings: &mut Vec<Finding>) {
             dead.push(channel);
             findings.push(finding.done("left out the channel"));
         } else {
-            keep.iter_mut().zip(values).for_each(|(k, v)| *k &= v.is_finite());
+            keep.iter_mut().zip(values).for_each(|(k, v)| *k &= is_reading(*v));
             findings.push(finding.done("left out these rows"));
         }
     }
@@ -132,10 +142,12 @@ impl<'a> Neighbours<'a> {
         let good = vec![true; values.len()];
         let errors: Vec<f64> = (0..values.len()).map(|row| error(time_s, values, &good, row)).collect();
         // A prediction scatters 1.39 times as much as a reading. Where readings are steps, half a step is no outlier.
+        let inner = range(&inner(values));
+        let whole = range(values);
         let floor = scatter(errors.iter().copied())
             .max(1.39 * declared)
             .max(step(values).unwrap_or_default())
-            .max(LEAST_OUTLIER * range(values));
+            .max(LEAST_OUTLIER * if inner > 0.0 { whole.min(GROSS * inner) } else { whole });
         let of = |values: &[f64], row: usize, reach: usize| -> Vec<f64> {
             let to = (row + reach + 1).min(values.len());
             values.get(row.saturating_sub(reach)..to).unwrap_or_default().to_vec()
@@ -210,11 +222,19 @@ fn error(time_s: &[f64], values: &[f64], good: &[bool], row: usize) -> f64 {
     predicted(time_s, values, good, row).zip(values.get(row)).map_or(0.0, |(p, v)| v - p)
 }
 
-/// The step between readings, where they are all whole numbers of it apart.
-pub(super) fn step(values: &[f64]) -> Option<f64> {
+/// The readings in ascending order without the outermost ones, among which gross readings are.
+fn inner(values: &[f64]) -> Vec<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let least = 1e-9 * range(values);
+    let outermost = sorted.len() / OUTERMOST;
+    sorted.truncate(sorted.len() - outermost);
+    sorted.split_off(outermost)
+}
+
+/// The step between readings, where they are all whole numbers of it apart; `None` too where hardly any differ.
+pub(super) fn step(values: &[f64]) -> Option<f64> {
+    let sorted = inner(values);
+    let least = 1e-9 * range(&sorted);
     let steps: Vec<f64> =
         sorted.windows(2).filter_map(|w| Some(w.last()? - w.first()?)).filter(|d| *d > least).collect();
     let step = steps.iter().copied().reduce(f64::min)?;

@@ -1,0 +1,56 @@
+//! Logs with readings that no sensor makes, coarse sensors, gaps and rows that do not go together.
+
+use super::tests::{found, graves, real};
+use super::*;
+use bench::record::record;
+
+fn of<'a>(findings: &'a [Finding], kind: &str, channel: Channel) -> Vec<&'a Finding> {
+    findings.iter().filter(|f| f.kind == kind && f.channel == channel.name()).collect()
+}
+
+#[test]
+fn a_gross_reading_is_left_out_and_hides_neither_the_resolution_nor_another_outlier() {
+    let clean = record(&real(5), 5).unwrap();
+    for gross in [999_999.0, -1e30, 1e300] {
+        let mut log = clean.clone();
+        let values = log.channels.get_mut(&Channel::JournalY).unwrap();
+        values[800] = gross;
+        values[1300] += 5e-5;
+        let (after, findings) = found(&log);
+        assert_eq!(of(&findings, "quantised", Channel::JournalY).len(), 0, "{findings:#?}");
+        assert_eq!(after.time_s.len(), clean.time_s.len() - 2, "{findings:#?}");
+        assert_eq!(graves(&findings), []);
+    }
+    // The step of a coarse sensor is told with a gross reading beside it.
+    let mut log = clean;
+    for v in log.channels.get_mut(&Channel::FrictionTorque).unwrap() {
+        *v = (*v / 2.5).round() * 2.5;
+    }
+    log.channels.get_mut(&Channel::FrictionTorque).unwrap()[700] = 1.3e6;
+    let (_, findings) = found(&log);
+    let step = of(&findings, "quantised", Channel::FrictionTorque)[0].evidence["step"];
+    assert!((step - 2.5).abs() < 1e-9, "{step}");
+}
+
+#[test]
+fn readings_at_the_end_of_the_number_range_neither_hang_nor_stay() {
+    let clean = record(&real(5), 5).unwrap();
+    for channel in [Channel::DriveVelocity, Channel::DriveDisplacement, Channel::ShaftSpeed] {
+        let mut log = clean.clone();
+        log.channels.get_mut(&channel).unwrap()[900..902].fill(1.797e308);
+        let (after, findings) = found(&log);
+        assert_eq!(graves(&findings), [], "{findings:#?}");
+        assert!(after.time_s.len() + 4 >= clean.time_s.len(), "{findings:#?}");
+        assert!(after.channels[&channel].iter().all(|v| v.abs() < 1e3), "{channel}");
+    }
+}
+
+#[test]
+fn numbers_whose_squares_overflow_have_no_relation() {
+    let time_s: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
+    let wave: Vec<f64> = time_s.iter().map(|t| (6.0 * t).sin()).collect();
+    for (value, rate) in [(1e200, 1.0), (1.0, 1e200), (f64::NAN, 1.0), (1.0, f64::NAN)] {
+        let of = |factor: f64| wave.iter().map(|v| factor * v).collect::<Vec<_>>();
+        assert!(pairs::relation(&time_s, &of(value), &of(rate)).is_none());
+    }
+}
