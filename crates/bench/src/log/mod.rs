@@ -190,4 +190,6 @@ impl MeasuredLog {
 }
 
 #[cfg(test)]
+mod binary_tests;
+#[cfg(test)]
 mod tests;

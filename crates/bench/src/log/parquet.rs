@@ -1,4 +1,4 @@
-//! Parquet logs: columns of whole or floating-point numbers or booleans, nullable or not, in any number of row groups.
+//! Parquet logs: columns of whole numbers with or without a sign, floating-point numbers or booleans, nullable or not, in any number of row groups.
 //!
 //! Columns inside groups are named with points (`motor.angle`); lists are refused where they are asked for. Pages may be
 //! plain or compressed with Snappy, gzip or LZ4. Written are required doubles in one row group, without compression.
@@ -49,11 +49,16 @@ impl Table {
         if description.converted_type() == ConvertedType::DECIMAL {
             return Err(column("decimal numbers".into(), "whole or floating-point numbers"));
         }
+        // The library derives this type from the logical one where only that is written.
+        let unsigned = matches!(
+            description.converted_type(),
+            ConvertedType::UINT_8 | ConvertedType::UINT_16 | ConvertedType::UINT_32 | ConvertedType::UINT_64
+        );
         let mut out = Vec::new();
         for group in 0..self.reader.num_row_groups() {
             let read = guarded(|| {
                 let reader = self.reader.get_row_group(group)?.get_column_reader(index)?;
-                append_any(reader, description.max_def_level(), &mut out)
+                append_any(reader, unsigned, description.max_def_level(), &mut out)
             });
             match read {
                 Ok(true) => {}
@@ -78,9 +83,19 @@ fn guarded<T>(read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, Parqu
     result.unwrap_or_else(|_| Err(ParquetError::General("a damaged file".into())))
 }
 
-/// Appends what a row group holds of a column; `false`: these are no numbers.
-fn append_any(reader: ColumnReader, max: i16, out: &mut Vec<f64>) -> Result<bool, ParquetError> {
+/// Appends what a row group holds of a column; `false`: these are no numbers. Whole numbers are stored with a sign, also
+/// those that are `unsigned`.
+fn append_any(
+    reader: ColumnReader,
+    unsigned: bool,
+    max: i16,
+    out: &mut Vec<f64>,
+) -> Result<bool, ParquetError> {
     match reader {
+        ColumnReader::Int32ColumnReader(r) if unsigned => {
+            append(r, max, out, |v| f64::from(v.cast_unsigned()))?;
+        }
+        ColumnReader::Int64ColumnReader(r) if unsigned => append(r, max, out, |v| v.cast_unsigned() as f64)?,
         ColumnReader::BoolColumnReader(r) => append(r, max, out, |v| f64::from(u8::from(*v)))?,
         ColumnReader::Int32ColumnReader(r) => append(r, max, out, |v| f64::from(*v))?,
         ColumnReader::Int64ColumnReader(r) => append(r, max, out, |v| *v as f64)?,

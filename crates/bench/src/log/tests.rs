@@ -4,7 +4,7 @@ use super::*;
 use crate::log_format::{Separator, TextFormat};
 use proptest::prelude::*;
 
-fn own() -> LogFormat {
+pub(super) fn own() -> LogFormat {
     LogFormat::default()
 }
 
