@@ -54,3 +54,17 @@ fn numbers_whose_squares_overflow_have_no_relation() {
         assert!(pairs::relation(&time_s, &of(value), &of(rate)).is_none());
     }
 }
+
+#[test]
+fn an_honest_encoder_of_one_degree_is_kept() {
+    let mut log = record(&real(5), 5).unwrap();
+    let degree = core::f64::consts::PI / 180.0;
+    for v in log.channels.get_mut(&Channel::ShaftAngle).unwrap() {
+        *v = (*v / degree).round() * degree;
+    }
+    let (after, findings) = found(&log);
+    assert_eq!(graves(&findings), [], "{findings:#?}");
+    assert_eq!(of(&findings, "stuck", Channel::ShaftAngle).len(), 0, "{findings:#?}");
+    assert_eq!(of(&findings, "quantised", Channel::ShaftAngle).len(), 1, "{findings:#?}");
+    assert_eq!(after.time_s.len(), log.time_s.len());
+}

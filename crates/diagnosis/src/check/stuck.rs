@@ -1,6 +1,7 @@
 //! Readings that stand still while the bench moves: a constant channel, a stuck one, one at its rail.
 
 use super::finding::{Finding, Severity};
+use super::reading::step;
 use super::simulated::Simulated;
 use super::statistics::{range, runs, scatter};
 use bench::{Bench, MeasuredLog};
@@ -18,6 +19,8 @@ const BEYOND: f64 = 0.7;
 const BEYOND_OFTEN: f64 = 0.4;
 /// Share of stuck readings from which on a channel is left out.
 const MOST_STUCK: f64 = 0.05;
+/// Steps of a coarse channel that the simulation has to move meanwhile: within one a reading stands still by right.
+const STEPS: f64 = 1.5;
 /// Least movement that counts, as a share of the simulated range.
 const LEAST_MOVED: f64 = 0.02;
 
@@ -33,7 +36,8 @@ pub(super) fn check(
     for (channel, values) in log.outputs() {
         let Some(expected) = simulated.of(channel) else { continue };
         let declared = bench.sensors().get(&channel).map_or(0.0, bench::sensor::Sensor::floor);
-        let moved = (MOVED * declared).max(LEAST_MOVED * range(expected));
+        let coarse = STEPS * step(values).unwrap_or_default();
+        let moved = (MOVED * declared).max(LEAST_MOVED * range(expected)).max(coarse);
         let note = |severity, kind, found: String, cause: &str| {
             Finding::new(severity, &log.source, channel.name(), kind, found).cause(cause)
         };
