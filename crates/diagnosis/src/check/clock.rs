@@ -13,7 +13,7 @@ use bench::{Bench, MeasuredLog};
 /// Share of rows that may be lost to times in disorder.
 const MOST_LOST: f64 = 0.1;
 /// Intervals, in middle ones, from which on rows are missing.
-const GAP: f64 = 2.5;
+pub(super) const GAP: f64 = 2.5;
 /// Share of the middle interval from which on the scatter of intervals is told.
 const JITTER: f64 = 0.05;
 /// Units that clocks count in.

@@ -1,14 +1,17 @@
 //! Signals of which one is the derivative of another: `value = a + g integral(rate) + b t + c rate`.
 //!
 //! `g` is the ratio of their gains; `c/g` is how far the value runs ahead of the rate, in s; `b` takes an offset of the rate.
-//! Integrating the rate, not differentiating the value, keeps the noise out.
+//! Integrating the rate, not differentiating the value, keeps the noise out. Across a gap of the log nobody knows the integral:
+//! each stretch between gaps has its own `a`. Limit: a log whose rows come in bursts of a few has no relation.
 
+use super::clock::GAP;
 use super::factors;
 use super::finding::{Finding, Severity};
 use super::mend::scaled;
 use super::statistics::{median, range};
 use bench::{Bench, Channel, MeasuredLog};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Rms of what the relation leaves, in that of the value, from which on there is no relation.
 const UNRELATED: f64 = 0.2;
@@ -26,6 +29,8 @@ const DELAY_SAMPLES: f64 = 2.0;
 const DELAY_S: f64 = 2e-3;
 /// Singular values, smallest over largest, below which offset and gain cannot be told apart.
 const LEAST_SINGULAR: f64 = 1e-3;
+/// Rows of a stretch from which on it tells something.
+const LEAST_STRETCH: usize = 32;
 /// Sweeps of the singular values of a matrix of three; some ten are needed.
 const MOST_SWEEPS: usize = 1000;
 
@@ -65,7 +70,19 @@ pub(super) struct Relation {
     left: f64,
 }
 
+/// The log from gap to gap; `None` where less than half of its rows are in stretches worth the name.
+fn stretches(time_s: &[f64]) -> Option<Vec<Range<usize>>> {
+    let intervals = || time_s.windows(2).map(|t| t.last().zip(t.first()).map_or(0.0, |(b, a)| b - a));
+    let most_s = GAP * median(intervals());
+    let ends = intervals().enumerate().filter(|(_, d)| *d > most_s).map(|(i, _)| i + 1);
+    let mut from = 0;
+    let all = ends.chain([time_s.len()]).map(|to| std::mem::replace(&mut from, to)..to);
+    let long: Vec<Range<usize>> = all.filter(|s| s.len() >= LEAST_STRETCH).collect();
+    (2 * long.iter().map(Range::len).sum::<usize>() >= time_s.len()).then_some(long)
+}
+
 pub(super) fn relation(time_s: &[f64], value: &[f64], rate: &[f64]) -> Option<Relation> {
+    let stretches = stretches(time_s)?;
     let mut integral = vec![0.0; time_s.len()];
     let mut sum = 0.0;
     for (i, (t, v)) in time_s.windows(2).zip(rate.windows(2)).enumerate() {
@@ -73,9 +90,14 @@ pub(super) fn relation(time_s: &[f64], value: &[f64], rate: &[f64]) -> Option<Re
         sum += 0.5 * (v0 + v1) * (t1 - t0);
         *integral.get_mut(i + 1)? = sum;
     }
+    // Without its mean over each stretch: what a gap adds to the integral is gone with it.
     let centred = |values: &[f64]| {
-        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-        DVector::from_iterator(values.len(), values.iter().map(|v| v - mean))
+        let of = |stretch: &Range<usize>| {
+            let values = values.get(stretch.clone()).unwrap_or_default();
+            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            values.iter().map(move |v| v - mean).collect::<Vec<_>>()
+        };
+        DVector::from_vec(stretches.iter().flat_map(of).collect())
     };
     let y = centred(value);
     let all = [centred(&integral), centred(rate), centred(time_s)];

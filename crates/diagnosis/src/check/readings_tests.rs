@@ -68,3 +68,22 @@ fn an_honest_encoder_of_one_degree_is_kept() {
     assert_eq!(of(&findings, "quantised", Channel::ShaftAngle).len(), 1, "{findings:#?}");
     assert_eq!(after.time_s.len(), log.time_s.len());
 }
+
+#[test]
+fn a_gap_in_the_log_condemns_no_velocity() {
+    let clean = record(&real(5), 5).unwrap();
+    let rows = clean.time_s.len();
+    for gap in [rows / 8..rows * 3 / 8, rows / 2..rows * 3 / 4] {
+        let mut log = clean.clone();
+        let mut keep = vec![true; rows];
+        keep[gap].fill(false);
+        keep_rows(&mut log, &keep);
+        let (after, findings) = found(&log);
+        assert_eq!(findings.iter().filter(|f| f.kind == "contradiction").count(), 0, "{findings:#?}");
+        assert_eq!(graves(&findings), []);
+        assert!(after.channels.contains_key(&Channel::DriveVelocity));
+        // A velocity that is wrong is still seen beside the gap.
+        multiply(&mut log, Channel::DriveVelocity, 1.4);
+        assert_eq!(graves(&found(&log).1), [("drive_velocity_m_s", "contradiction")]);
+    }
+}
