@@ -1,6 +1,6 @@
-//! Parquet files with columns that this project does not write: unsigned numbers.
+//! Binary files with what this project does not write: unsigned columns of Parquet; objects and large matrices in MAT-files.
 
-use super::tests::own;
+use super::tests::{own, small};
 use super::*;
 
 /// A Parquet file with one column of each type under a schema.
@@ -47,4 +47,79 @@ fn unsigned_parquet_columns_are_read_without_a_sign() {
         assert_eq!(last, expected, "{short} {long}");
         assert_eq!(log.channels[&Channel::Position][0], 7.0);
     }
+}
+
+/// An element of a MAT-file.
+fn element(kind: u32, data: &[u8]) -> Vec<u8> {
+    let mut out = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+    out.extend(data);
+    out.resize(out.len().next_multiple_of(8), 0);
+    out
+}
+
+/// The MAT-file of a small log with further variables behind its own.
+fn mat_with(variables: &[Vec<u8>]) -> Vec<u8> {
+    let mut bytes = mat_write::bytes("a.mat", &small(vec![1.0, 2.0, 4.0])).unwrap();
+    bytes.extend(variables.concat());
+    bytes
+}
+
+/// An object of MATLAB's own as it stands in a file: flags, name, "MCOS", class, a reference to the last variable.
+fn object(name: &str, class: &str) -> Vec<u8> {
+    let reference = [
+        element(6, &[13_u32.to_le_bytes(), [0; 4]].concat()),
+        element(5, &[6_i32.to_le_bytes(), 1_i32.to_le_bytes()].concat()),
+        element(1, b""),
+        element(6, &[0xdd00_0000_u32, 2, 1, 1, 1, 1].map(u32::to_le_bytes).concat()),
+    ];
+    let array = [
+        element(6, &[17_u32.to_le_bytes(), [0; 4]].concat()),
+        element(1, name.as_bytes()),
+        element(1, b"MCOS"),
+        element(1, class.as_bytes()),
+        element(14, &reference.concat()),
+    ];
+    element(14, &array.concat())
+}
+
+#[test]
+fn a_mat_file_with_strings_and_tables_beside_its_signals_is_read() {
+    let bytes = mat_with(&[object("note", "string"), object("position_m", "table")]);
+    let read = |bytes: Vec<u8>, columns: &str| {
+        let columns = toml::from_str(columns).unwrap();
+        MeasuredLog::of_bytes("a.mat", bytes, &LogFormat { columns, ..own() }, true)
+    };
+    let log = read(mat_with(&[object("note", "string"), object("when", "datetime")]), "").unwrap();
+    assert_eq!(log.channels[&Channel::JournalY], [1.0, 2.0, 4.0]);
+    for (columns, name) in [("", "position_m"), ("velocity_m_s = { from = \"note\" }", "note")] {
+        let refused = read(bytes.clone(), columns).unwrap_err().to_string();
+        assert!(
+            refused.contains(&format!("variable `{name}` for")) && refused.contains("no numbers"),
+            "{refused}"
+        );
+    }
+}
+
+/// A compressed matrix of doubles.
+fn compressed(rows: i32, columns: i32) -> Vec<u8> {
+    use std::io::Write as _;
+    let array = [
+        element(6, &[6_u32.to_le_bytes(), [0; 4]].concat()),
+        element(5, &[rows.to_le_bytes(), columns.to_le_bytes()].concat()),
+        element(1, b"all"),
+        element(9, &vec![0; 8 * (rows * columns) as usize]),
+    ];
+    let mut zipped = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    zipped.write_all(&element(14, &array.concat())).unwrap();
+    let zipped = zipped.finish().unwrap();
+    [15_u32.to_le_bytes().to_vec(), (zipped.len() as u32).to_le_bytes().to_vec(), zipped].concat()
+}
+
+#[test]
+fn a_mat_file_of_many_megabytes_is_read() {
+    // Forty signals of 550 000 rows: 176 MB in one variable.
+    let bytes = mat_with(&[compressed(550_000, 40)]);
+    let columns = toml::from_str("t_s = { from = \"all(:,1)\" }\njournal_y_m = { from = \"all(:,40)\" }\nload_force_n = { from = \"all(:,2)\" }").unwrap();
+    let log = MeasuredLog::of_bytes("a.mat", bytes, &LogFormat { columns, ..own() }, false).unwrap();
+    assert_eq!(log.time_s.len(), 550_000);
 }

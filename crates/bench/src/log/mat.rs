@@ -2,11 +2,13 @@
 //!
 //! Listed are numeric and logical arrays: vectors by the name of their variable (`qm`), fields of a struct with a point
 //! (`data.qm`, also deeper), the columns of a matrix with their number (`data(:,2)`). Everything else (text, cells, arrays
-//! of structs, sparse or complex arrays) keeps its name and is refused where it is asked for.
+//! of structs, sparse or complex arrays, objects such as `string`, `datetime` and `table`) keeps its name and is refused where
+//! it is asked for.
 //!
 //! Own code because the published readers know no structs, take `int32` for `uint32`, or panic on a damaged file. Layout:
 //! "MAT-File Format", MathWorks, chapter 1, "Level 5 MAT-File Format". An element is a tag (type, bytes) and data padded
-//! to 8 bytes; up to 4 bytes of data share the first 8 with their tag; a compressed element is zlib around another one.
+//! to 8 bytes; up to 4 bytes of data share the first 8 with their tag; a compressed element is zlib around another one. Not in
+//! it: an object of MATLAB's own has its name where others have dimensions, and all objects share a nameless last variable.
 
 use super::{LogError, MOST_ROWS};
 use std::io::Read;
@@ -20,8 +22,8 @@ const MOST_COLUMNS: usize = 1000;
 const MOST_NAMES: usize = 100_000;
 /// Numbers that a file may hold in all: a small file of compressed zeros could fill any memory.
 const MOST_VALUES: usize = 10 * MOST_ROWS;
-/// Bytes that a compressed element may hold: a log of the most rows in doubles.
-const MOST_BYTES: u64 = 8 * MOST_ROWS as u64;
+/// Bytes that a compressed element may hold: a struct or a matrix with all signals of a long log.
+const MOST_BYTES: u64 = 1 << 30;
 
 const INT32: u32 = 5;
 const UINT32: u32 = 6;
@@ -29,10 +31,19 @@ const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
 const STRUCT: u8 = 2;
+const OPAQUE: u8 = 17;
 const NUMERIC: std::ops::RangeInclusive<u8> = 6..=15;
 const COMPLEX: u8 = 0x08;
 
+const NO_NUMBERS: &str = "no numbers (text, a cell, an object or a sparse array)";
 const WHOLE: &str = "a whole MAT-file of version 5 to 7";
+
+/// Why a file is not taken apart further.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Flaw {
+    Damage,
+    TooLarge,
+}
 
 /// The numeric arrays of a file.
 pub(super) struct Variables {
@@ -47,31 +58,46 @@ type Content = Result<Vec<f64>, &'static str>;
 impl Variables {
     pub(super) fn open(file: &str, bytes: &[u8]) -> Result<Self, LogError> {
         let mut out = Self { names: Vec::new(), contents: Vec::new(), values: 0 };
-        let damaged = |at: &str| LogError::content(file, format!("damage {at}"), WHOLE);
+        let refused = |flaw: Flaw, at: &str| match flaw {
+            Flaw::Damage => LogError::content(file, format!("damage {at}"), WHOLE),
+            Flaw::TooLarge => LogError::content(
+                file,
+                format!("more than can be held {at}"),
+                format!(
+                    "at most {} MB in a variable, {MOST_VALUES} numbers and {MOST_NAMES} names: a log cut into sessions",
+                    MOST_BYTES >> 20
+                ),
+            ),
+        };
         let (big, mut rest) = match (bytes.get(126..HEADER_BYTES), bytes.get(HEADER_BYTES..)) {
             (Some(b"IM"), Some(rest)) => (false, rest),
             (Some(b"MI"), Some(rest)) => (true, rest),
-            _ => return Err(damaged("in the header")),
+            _ => return Err(refused(Flaw::Damage, "in the header")),
         };
         let cut = Cut { big };
         while !rest.is_empty() {
             let at = format!("after variable {}", out.names.len());
-            let (kind, data, after) = cut.element(rest).ok_or_else(|| damaged(&at))?;
-            rest = after;
-            if kind == COMPRESSED {
-                let inflated = inflate(data).ok_or_else(|| damaged(&at))?;
-                let (kind, data, _) = cut.element(&inflated).ok_or_else(|| damaged(&at))?;
-                if kind == MATRIX {
-                    out.add(cut, data, None, 0).ok_or_else(|| damaged(&at))?;
-                }
-            } else if kind == MATRIX {
-                out.add(cut, data, None, 0).ok_or_else(|| damaged(&at))?;
-            }
+            rest = out.variable(cut, rest).map_err(|flaw| refused(flaw, &at))?;
         }
         if out.names.is_empty() {
             return Err(LogError::content(file, "no variables", "a variable for each signal"));
         }
         Ok(out)
+    }
+
+    /// Adds the first variable; gives what comes after it.
+    fn variable<'a>(&mut self, cut: Cut, bytes: &'a [u8]) -> Result<&'a [u8], Flaw> {
+        let (kind, data, after) = cut.element(bytes)?;
+        if kind == COMPRESSED {
+            let inflated = inflate(data, MOST_BYTES)?;
+            let (kind, data, _) = cut.element(&inflated)?;
+            if kind == MATRIX {
+                self.add(cut, data, None, 0)?;
+            }
+        } else if kind == MATRIX {
+            self.add(cut, data, None, 0)?;
+        }
+        Ok(after)
     }
 
     pub(super) fn values(&self, file: &str, index: usize, wanted: &str) -> Result<Vec<f64>, LogError> {
@@ -87,31 +113,35 @@ impl Variables {
         }
     }
 
-    fn push(&mut self, name: String, content: Content) -> Option<()> {
+    fn push(&mut self, name: String, content: Content) -> Result<(), Flaw> {
         self.names.push(name);
         self.contents.push(content);
-        (self.names.len() <= MOST_NAMES).then_some(())
+        if self.names.len() <= MOST_NAMES { Ok(()) } else { Err(Flaw::TooLarge) }
     }
 
-    /// Adds an array with all that is in it; `None`: the bytes make no sense.
-    fn add(&mut self, cut: Cut, data: &[u8], name: Option<String>, depth: usize) -> Option<()> {
+    /// Adds an array with all that is in it.
+    fn add(&mut self, cut: Cut, data: &[u8], name: Option<String>, depth: usize) -> Result<(), Flaw> {
         if data.is_empty() {
             // An empty array inside a struct may be written without anything.
-            return self.push(name?, Err("an empty array"));
+            return self.push(name.ok_or(Flaw::Damage)?, Err("an empty array"));
         }
         let (kind, flags, rest) = cut.element(data)?;
         if kind != UINT32 {
-            return None;
+            return Err(Flaw::Damage);
         }
         let flags = cut.u32(flags)?;
         let (class, flags) = (flags as u8, (flags >> 8) as u8);
         let (kind, dimensions, rest) = cut.element(rest)?;
+        if class == OPAQUE {
+            let own = || String::from_utf8_lossy(dimensions).into_owned();
+            return self.push(name.unwrap_or_else(own), Err(NO_NUMBERS));
+        }
         if kind != INT32 {
-            return None;
+            return Err(Flaw::Damage);
         }
         let dimensions: Vec<usize> =
-            dimensions.chunks_exact(4).map(|d| cut.u32(d).map(|d| d as usize)).collect::<Option<_>>()?;
-        let count = dimensions.iter().try_fold(1usize, |n, &d| n.checked_mul(d))?;
+            dimensions.chunks_exact(4).map(|d| cut.u32(d).map(|d| d as usize)).collect::<Result<_, _>>()?;
+        let count = dimensions.iter().try_fold(1usize, |n, &d| n.checked_mul(d)).ok_or(Flaw::Damage)?;
         let (_, own_name, rest) = cut.element(rest)?;
         let name = name.unwrap_or_else(|| String::from_utf8_lossy(own_name).into_owned());
         match class {
@@ -124,19 +154,22 @@ impl Variables {
                 let (kind, data, _) = cut.element(rest)?;
                 let values = cut.numbers(kind, data)?;
                 self.values += values.len();
-                if values.len() != count || self.values > MOST_VALUES {
-                    return None;
+                if values.len() != count {
+                    return Err(Flaw::Damage);
+                }
+                if self.values > MOST_VALUES {
+                    return Err(Flaw::TooLarge);
                 }
                 self.columns(name, &dimensions, values)
             }
-            _ => self.push(name, Err("no numbers (text, a cell, an object or a sparse array)")),
+            _ => self.push(name, Err(NO_NUMBERS)),
         }
     }
 
     /// A vector under its name, a matrix as its columns.
-    fn columns(&mut self, name: String, dimensions: &[usize], values: Vec<f64>) -> Option<()> {
+    fn columns(&mut self, name: String, dimensions: &[usize], values: Vec<f64>) -> Result<(), Flaw> {
         match dimensions {
-            [] => None,
+            [] => Err(Flaw::Damage),
             [rows, columns] if *rows > 1 && *columns > 1 => {
                 if *columns > MOST_COLUMNS {
                     return self.push(name, Err("a matrix with too many columns"));
@@ -144,7 +177,7 @@ impl Variables {
                 for (i, column) in values.chunks_exact(*rows).enumerate() {
                     self.push(format!("{name}(:,{})", i + 1), Ok(column.to_vec()))?;
                 }
-                Some(())
+                Ok(())
             }
             _ if dimensions.iter().filter(|d| **d != 1).count() <= 1 => {
                 let content = if values.is_empty() { Err("an empty array") } else { Ok(values) };
@@ -155,46 +188,49 @@ impl Variables {
     }
 
     /// The fields of a struct.
-    fn fields(&mut self, cut: Cut, data: &[u8], name: &str, depth: usize) -> Option<()> {
+    fn fields(&mut self, cut: Cut, data: &[u8], name: &str, depth: usize) -> Result<(), Flaw> {
         let (_, length, rest) = cut.element(data)?;
         let length = cut.u32(length)? as usize;
         let (_, names, mut rest) = cut.element(rest)?;
         if length == 0 {
-            return None;
+            return Err(Flaw::Damage);
         }
         for field in names.chunks_exact(length) {
             let field = field.split(|&b| b == 0).next().unwrap_or_default();
             let (kind, data, after) = cut.element(rest)?;
             if kind != MATRIX {
-                return None;
+                return Err(Flaw::Damage);
             }
             rest = after;
             self.add(cut, data, Some(format!("{name}.{}", String::from_utf8_lossy(field))), depth + 1)?;
         }
-        Some(())
+        Ok(())
     }
 }
 
-/// Cuts bytes into elements and numbers.
+/// Cuts bytes into elements and numbers; what makes no sense is damage.
 #[derive(Clone, Copy)]
 struct Cut {
     big: bool,
 }
 
 impl Cut {
-    fn u32(self, bytes: &[u8]) -> Option<u32> {
-        let bytes: [u8; 4] = bytes.get(..4)?.try_into().ok()?;
-        Some(if self.big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    fn u32(self, bytes: &[u8]) -> Result<u32, Flaw> {
+        let bytes: [u8; 4] = *bytes.first_chunk().ok_or(Flaw::Damage)?;
+        Ok(if self.big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
     }
 
     /// The first element: type, data, what comes after.
-    fn element(self, bytes: &[u8]) -> Option<(u32, &[u8], &[u8])> {
-        let first = self.u32(bytes)?;
+    fn element(self, bytes: &[u8]) -> Result<(u32, &[u8], &[u8]), Flaw> {
+        self.element_of(self.u32(bytes)?, bytes).ok_or(Flaw::Damage)
+    }
+
+    fn element_of(self, first: u32, bytes: &[u8]) -> Option<(u32, &[u8], &[u8])> {
         let (kind, small) = (first & 0xffff, (first >> 16) as usize);
         if small > 0 {
             return (small <= 4).then_some((kind, bytes.get(4..4 + small)?, bytes.get(8..)?));
         }
-        let length = self.u32(bytes.get(4..)?)? as usize;
+        let length = self.u32(bytes.get(4..)?).ok()? as usize;
         let data = bytes.get(8..)?;
         // Compressed elements are not padded, and the last one of a file need not be.
         let padded = if kind == COMPRESSED { length } else { length.checked_next_multiple_of(8)? };
@@ -202,7 +238,7 @@ impl Cut {
     }
 
     /// Numbers of a storage type, which may be smaller than the array's class.
-    fn numbers(self, kind: u32, data: &[u8]) -> Option<Vec<f64>> {
+    fn numbers(self, kind: u32, data: &[u8]) -> Result<Vec<f64>, Flaw> {
         macro_rules! read {
             ($type:ty) => {
                 data.chunks_exact(size_of::<$type>())
@@ -211,7 +247,7 @@ impl Cut {
                     .collect()
             };
         }
-        Some(match kind {
+        Ok(match kind {
             1 => read!(i8),
             2 => read!(u8),
             3 => read!(i16),
@@ -222,14 +258,31 @@ impl Cut {
             9 => read!(f64),
             12 => read!(i64),
             13 => read!(u64),
-            _ => return None,
+            _ => return Err(Flaw::Damage),
         })
     }
 }
 
-/// Inflates a compressed element; `None`: damaged, or too large.
-fn inflate(data: &[u8]) -> Option<Vec<u8>> {
+/// Inflates a compressed element.
+fn inflate(data: &[u8], most: u64) -> Result<Vec<u8>, Flaw> {
     let mut out = Vec::new();
-    flate2::read::ZlibDecoder::new(data).take(MOST_BYTES).read_to_end(&mut out).ok()?;
-    (out.len() < MOST_BYTES as usize).then_some(out)
+    let mut inflater = flate2::read::ZlibDecoder::new(data).take(most + 1);
+    inflater.read_to_end(&mut out).map_err(|_| Flaw::Damage)?;
+    if out.len() as u64 > most { Err(Flaw::TooLarge) } else { Ok(out) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_too_large_is_not_called_damage() {
+        let mut zipped = flate2::read::ZlibEncoder::new(&[7; 1000][..], flate2::Compression::fast());
+        let mut bytes = Vec::new();
+        zipped.read_to_end(&mut bytes).unwrap();
+        assert_eq!(inflate(&bytes, 1000), Ok(vec![7; 1000]));
+        assert_eq!(inflate(&bytes, 999), Err(Flaw::TooLarge));
+        bytes.truncate(bytes.len() / 2);
+        assert_eq!(inflate(&bytes, 1000), Err(Flaw::Damage));
+    }
 }

@@ -153,7 +153,7 @@ fn as_found_a_text_keeps_its_gaps_and_its_times() {
     assert!(bad.unwrap_err().to_string().contains("line 3, journal_y_m: found `x`"));
 }
 
-fn small(values: Vec<f64>) -> MeasuredLog {
+pub(super) fn small(values: Vec<f64>) -> MeasuredLog {
     MeasuredLog {
         source: "x".into(),
         time_s: (0..values.len()).map(|i| i as f64 * 1e-3).collect(),
