@@ -88,7 +88,8 @@ pub(super) fn interval_s(log: &MeasuredLog) -> f64 {
     median(log.time_s.windows(2).map(|w| w.last().zip(w.first()).map_or(0.0, |(b, a)| b - a)))
 }
 
-/// A clock that counts in another unit: the interval says so, and the motion agrees.
+/// A clock that counts in another unit: the interval says so, and the motion agrees. Where the motion tells nothing of time, the times
+/// stay as they are.
 pub(super) fn unit(bench: &Bench, log: &mut MeasuredLog, findings: &mut Vec<Finding>) {
     let described_s = match bench {
         Bench::Transmission(b) => 1.0 / b.logging.sample_rate_hz,
@@ -112,32 +113,36 @@ pub(super) fn unit(bench: &Bench, log: &mut MeasuredLog, findings: &mut Vec<Find
     // Position over the integral of velocity: as small as the clock's unit if only the clock is wrong.
     let ratio = Motion::ratio(&motion, &log.time_s);
     let agrees = match (ratio, period_s) {
-        (Some(r), _) => near(r.abs(), unit_s, 1.3),
-        (None, Some(p)) => near(p * unit_s, described_period_s, 10.0),
-        (None, None) => true,
+        (Some(r), _) => Some(near(r.abs(), unit_s, 1.3)),
+        (None, Some(p)) => Some(near(p * unit_s, described_period_s, 10.0)),
+        (None, None) => None,
     };
-    if !agrees {
+    if agrees == Some(false) {
         return;
     }
-    for t in &mut log.time_s {
-        *t *= unit_s;
+    let mut finding = Finding::new(
+        if agrees.is_some() { Severity::Wrong } else { Severity::Doubtful },
+        &log.source,
+        TIME,
+        "clock-unit",
+        format!("{found_s:.4} from sample to sample; the described rate has {described_s:.4} s"),
+    )
+    .cause(format!(
+        "the clock counts {name}{}",
+        if agrees.is_some() { "" } else { ", or the log has another rate" }
+    ))
+    .evidence("interval", found_s)
+    .evidence("described_interval_s", described_s)
+    .evidence("position_over_integral_of_velocity", ratio.unwrap_or(f64::NAN))
+    .evidence("period", period_s.unwrap_or(f64::NAN))
+    .mend(scaled(bench, TIME, unit_s));
+    if agrees.is_some() {
+        finding = finding.done(format!("multiplied the times by {unit_s:e}"));
+        for t in &mut log.time_s {
+            *t *= unit_s;
+        }
     }
-    findings.push(
-        Finding::new(
-            Severity::Wrong,
-            &log.source,
-            TIME,
-            "clock-unit",
-            format!("{found_s:.4} from sample to sample; the described rate has {described_s:.4} s"),
-        )
-        .cause(format!("the clock counts {name}"))
-        .evidence("interval", found_s)
-        .evidence("described_interval_s", described_s)
-        .evidence("position_over_integral_of_velocity", ratio.unwrap_or(f64::NAN))
-        .evidence("period", period_s.unwrap_or(f64::NAN))
-        .mend(scaled(bench, TIME, unit_s))
-        .done(format!("multiplied the times by {unit_s:e}")),
-    );
+    findings.push(finding);
 }
 
 fn period_s(time_s: &[f64], position: &[f64]) -> Option<f64> {

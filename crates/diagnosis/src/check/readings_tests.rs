@@ -87,3 +87,22 @@ fn a_gap_in_the_log_condemns_no_velocity() {
         assert_eq!(graves(&found(&log).1), [("drive_velocity_m_s", "contradiction")]);
     }
 }
+
+#[test]
+fn a_rate_alone_does_not_change_the_clock() {
+    let mut log = record(&real(5), 5).unwrap();
+    log.channels.remove(&Channel::DriveVelocity);
+    // Half a stroke at one row a second: nothing in it tells how long it took.
+    let from = log.time_s.len() / 8;
+    let keep: Vec<bool> = (0..log.time_s.len()).map(|i| (from..from + 200).contains(&i)).collect();
+    keep_rows(&mut log, &keep);
+    log.time_s = (0..200).map(f64::from).collect();
+    let bench = Bench::open("bench-b").unwrap();
+    let mut findings = Vec::new();
+    let mut after = log.clone();
+    clock::unit(&bench, &mut after, &mut findings);
+    assert_eq!(after, log, "{findings:#?}");
+    let [finding] = findings.as_slice() else { panic!("{findings:#?}") };
+    assert_eq!((finding.kind, finding.severity, &finding.done), ("clock-unit", Severity::Doubtful, &None));
+    assert!(finding.mend.as_deref().unwrap().contains("scale = 0.001"));
+}
