@@ -54,7 +54,7 @@ pub(crate) fn check(
 fn one(bench: &Bench, log: &MeasuredLog, findings: &mut Vec<Finding>) -> Result<MeasuredLog, LogError> {
     let mut log = log.clone();
     clock::order(&mut log, findings)?;
-    reading::missing(&mut log, findings);
+    reading::missing(&mut log, findings)?;
     clock::unit(bench, &mut log, findings);
     clock::rate(&log, findings);
     reading::steps(bench, &log, findings);

@@ -3,6 +3,7 @@
 use super::finding::{Finding, Severity};
 use super::keep_rows;
 use super::statistics::{range, scatter};
+use bench::log::LogError;
 use bench::{Bench, Channel, MeasuredLog, Role};
 
 /// Share of missing readings from which on an output is left out as a whole.
@@ -38,11 +39,12 @@ fn is_reading(value: f64) -> bool {
     value.abs() < FILLER
 }
 
-/// Missing readings: their rows are left out, or the output that has hardly any.
-pub(super) fn missing(log: &mut MeasuredLog, findings: &mut Vec<Finding>) {
+/// Missing readings: their rows are left out, or the output that has hardly any. A log that would lose more than half of
+/// its rows is refused.
+pub(super) fn missing(log: &mut MeasuredLog, findings: &mut Vec<Finding>) -> Result<(), LogError> {
     let rows = log.time_s.len();
     let mut keep = vec![true; rows];
-    let mut dead = Vec::new();
+    let (mut dead, mut sparse) = (Vec::new(), Vec::new());
     for (&channel, values) in &log.channels {
         let count = values.iter().filter(|v| !is_reading(**v)).count();
         if count == 0 {
@@ -59,6 +61,7 @@ pub(super) fn missing(log: &mut MeasuredLog, findings: &mut Vec<Finding>) {
             dead.push(channel);
             findings.push(finding.done("left out the channel"));
         } else {
+            sparse.push(format!("{channel} {count}"));
             keep.iter_mut().zip(values).for_each(|(k, v)| *k &= is_reading(*v));
             findings.push(finding.done("left out these rows"));
         }
@@ -66,7 +69,19 @@ pub(super) fn missing(log: &mut MeasuredLog, findings: &mut Vec<Finding>) {
     for channel in dead {
         log.channels.remove(&channel);
     }
+    let whole = keep.iter().filter(|k| **k).count();
+    if 2 * whole < rows {
+        return Err(LogError::Content {
+            file: log.source.clone(),
+            found: format!(
+                "{whole} of {rows} rows with a reading of every channel (missing: {})",
+                sparse.join(", ")
+            ),
+            expected: "at least half: channels of one rate, or brought to one before".into(),
+        });
+    }
     keep_rows(log, &keep);
+    Ok(())
 }
 
 /// Isolated readings many times their neighbours' scatter away: rows to keep.

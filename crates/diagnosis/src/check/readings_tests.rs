@@ -106,3 +106,24 @@ fn a_rate_alone_does_not_change_the_clock() {
     assert_eq!((finding.kind, finding.severity, &finding.done), ("clock-unit", Severity::Doubtful, &None));
     assert!(finding.mend.as_deref().unwrap().contains("scale = 0.001"));
 }
+
+#[test]
+fn rows_that_never_hold_all_inputs_are_refused_with_the_counts() {
+    let mut log = record(&real(5), 5).unwrap();
+    for (channel, odd) in [(Channel::DriveDisplacement, 0), (Channel::LoadForce, 1)] {
+        for (row, v) in log.channels.get_mut(&channel).unwrap().iter_mut().enumerate() {
+            if row % 2 == odd {
+                *v = f64::NAN;
+            }
+        }
+    }
+    let rows = log.time_s.len();
+    let refused = check(&Bench::open("bench-b").unwrap(), &[log], &[]).err().unwrap().to_string();
+    for words in [
+        format!("0 of {rows} rows"),
+        format!("drive_displacement_m {}", rows.div_ceil(2)),
+        format!("load_force_n {}", rows / 2),
+    ] {
+        assert!(refused.contains(&words), "{refused}");
+    }
+}
