@@ -168,4 +168,25 @@ mod tests {
             assert_eq!(bench, again, "{name}");
         }
     }
+
+    #[test]
+    fn a_sweep_has_no_rests_and_takes_its_time() {
+        let (_, text) = PRESETS.iter().find(|(name, _)| *name == "friction-rig").unwrap();
+        let with = |line: &str| Bench::parse("rig", &text.replace("[axis]", &format!("[axis]\n{line}")));
+        let refused = |line: &str| with(line).unwrap_err().to_string();
+        assert_eq!(
+            refused("last_period_s = 1e-9"),
+            "rig: axis.last_period_s is 1e-9; expected 0.001 to 1000000"
+        );
+        let both = refused("last_period_s = 5.0\ndwell_s = 1.0");
+        assert_eq!(both, "rig: axis.dwell_s is 1; expected 0 to 0");
+        let Bench::FrictionRig(plain) = with("").unwrap() else { panic!("{text}") };
+        let line = format!("last_period_s = {:?}\nbackwards = true", plain.axis.period_s / 3.0);
+        let Bench::FrictionRig(swept) = with(&line).unwrap() else { panic!("{text}") };
+        assert!((swept.axis.duration_s() / plain.axis.duration_s() - 0.5).abs() < 1e-12);
+        let early = 0.01 * plain.axis.period_s;
+        assert!(swept.axis.motion().at(early).value < 0.0 && plain.axis.motion().at(early).value > 0.0);
+        let swept = Bench::FrictionRig(swept);
+        assert_eq!(Bench::parse("again", &swept.to_toml().unwrap()).unwrap(), swept);
+    }
 }

@@ -36,6 +36,17 @@ pub enum Profile {
         /// Length of a rest in s.
         dwell_s: f64,
     },
+    /// As `Cycles`, at a frequency that moves evenly from that of the first period to that of the last.
+    Sweep {
+        /// Stroke.
+        stroke: f64,
+        /// Period at the start in s.
+        period_s: f64,
+        /// Period at the end in s.
+        last_period_s: f64,
+        /// Cycles.
+        cycles: f64,
+    },
     /// A constant after a raised-cosine ramp from 0.
     Ramp {
         /// Final value.
@@ -73,6 +84,21 @@ impl Profile {
                 let motion = swing.at(0.5 * period_s * index + moving);
                 // At rest: the position alone, also where the cycle would accelerate.
                 if moving > 0.0 { motion } else { Motion { value: motion.value, ..Motion::default() } }
+            }
+            Self::Sweep { stroke, period_s, last_period_s, cycles } => {
+                let length_s = sweep_s(*period_s, *last_period_s, *cycles);
+                if time_s >= length_s {
+                    return Motion::default();
+                }
+                let chirp = (1.0 / last_period_s - 1.0 / period_s) / length_s;
+                let turn = 2.0 * core::f64::consts::PI;
+                let (sin, cos) = (turn * time_s * (1.0 / period_s + 0.5 * chirp * time_s)).sin_cos();
+                let (w, half) = (turn * (1.0 / period_s + chirp * time_s), 0.5 * stroke);
+                Motion {
+                    value: half * (1.0 - cos),
+                    rate: half * w * sin,
+                    acceleration: half * (w * w * cos + turn * chirp * sin),
+                }
             }
             Self::Ramp { level, ramp_s } => {
                 if time_s >= *ramp_s {
@@ -152,6 +178,11 @@ impl Profile {
     }
 }
 
+/// Length in s of so many cycles from one period to another: their frequencies' mean counts.
+pub fn sweep_s(period_s: f64, last_period_s: f64, cycles: f64) -> f64 {
+    2.0 * cycles / (1.0 / period_s + 1.0 / last_period_s)
+}
+
 /// Index of the first node after a time, from 1 to the last. Nodes are nearly always evenly spaced: a guess saves the
 /// search, which was a third of a simulation.
 fn node_after(times: &[f64], time_s: f64) -> usize {
@@ -221,6 +252,22 @@ mod tests {
         }
         for (t, value) in [(0.5, 0.0), (3.5, 2.0), (6.5, 0.0), (9.5, 2.0), (30.0, 0.0)] {
             assert_eq!(rests.at(t), Motion { value, ..Motion::default() }, "{t}");
+        }
+    }
+
+    #[test]
+    fn a_sweep_ends_where_it_began_at_its_last_period() {
+        let sweep = Profile::Sweep { stroke: 2.0, period_s: 4.0, last_period_s: 1.0, cycles: 5.0 };
+        let end = sweep_s(4.0, 1.0, 5.0);
+        assert!((end - 8.0).abs() < 1e-12 && sweep.at(end) == Motion::default());
+        assert!(sweep.at(end - 1e-7).value < 1e-9);
+        // One second before the end it is one cycle earlier, but for the frequency that is still rising.
+        assert!(sweep.at(7.0).value < 0.1 && sweep.at(7.5).value > 1.9);
+        for i in 1..799 {
+            let (t, h) = (0.01 * f64::from(i), 1e-5);
+            let (a, b, c) = (sweep.at(t - h), sweep.at(t), sweep.at(t + h));
+            assert!(((c.value - a.value) / (2.0 * h) - b.rate).abs() < 1e-6, "{t}");
+            assert!(((c.rate - a.rate) / (2.0 * h) - b.acceleration).abs() < 1e-4, "{t}");
         }
     }
 

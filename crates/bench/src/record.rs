@@ -66,15 +66,9 @@ fn transmission(bench: &TransmissionBench) -> Result<(Vec<f64>, Response), Integ
 }
 
 fn axis(rig: &FrictionRig) -> (Vec<f64>, Response) {
-    let cycles = f64::from(rig.axis.cycles);
-    let (stroke, period_s, dwell_s) = (2.0 * rig.axis.amplitude, rig.axis.period_s, rig.axis.dwell_s);
-    let drive = if dwell_s > 0.0 {
-        Profile::Resting { stroke, period_s, cycles, dwell_s }
-    } else {
-        Profile::Cycles { stroke, period_s, cycles }
-    };
+    let drive = rig.axis.motion();
     let load = Profile::Ramp { level: rig.load.force_n, ramp_s: rig.load.ramp_s };
-    let count = (cycles * (period_s + 2.0 * dwell_s) * rig.logging.sample_rate_hz).round() as usize;
+    let count = (rig.axis.duration_s() * rig.logging.sample_rate_hz).round() as usize;
     let time_s: Vec<f64> = (0..count).map(|i| i as f64 / rig.logging.sample_rate_hz).collect();
     let (position, speed, effort) = rig.channels();
     let at = |read: &dyn Fn(f64) -> f64| time_s.iter().map(|&t| read(t)).collect::<Vec<f64>>();

@@ -32,6 +32,7 @@ pub fn rig_groups(rig: &FrictionRig, seed: u64) -> Result<Vec<RigGroup>, Integra
         let mut rig = rig.clone();
         rig.load.force_n = load_n;
         rig.axis.cycles = 1;
+        (rig.axis.last_period_s, rig.axis.backwards) = (0.0, false);
         let half_s = 0.5 * rig.axis.period_s + rig.axis.dwell_s;
         let log =
             record(&Bench::FrictionRig(Box::new(rig)), seed.wrapping_mul(64).wrapping_add(index as u64))?;

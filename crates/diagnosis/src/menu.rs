@@ -2,7 +2,10 @@
 //!
 //! An experiment is one recording or several that are diagnosed together. A change that a plant does not have (a rest of the
 //! transmission bench) or that leaves the ranges of a description takes its experiment off the menu. Not on it, as no description
-//! says them: motions of another shape than the sine, other temperatures, a load that follows the motion.
+//! says them: motions of another shape than the sine, steps of the motion, other temperatures, a load that follows the motion.
+//!
+//! Unless an experiment is about how the load comes on, an axis' plan begins where the load is there: a user who takes the load as it
+//! stands has no ramp in the log, and no experiment shall live on a ramp that its words do not ask for.
 
 use bench::Bench;
 use bench::log::MeasuredLog;
@@ -24,6 +27,12 @@ enum Change {
     Load(f64),
     /// The load rises over the whole recording.
     LoadRises,
+    /// The load comes on at the start of the recording, over a share of the period.
+    LoadSteps(f64),
+    /// Factor on the period at the end of the recording: a sine sweep.
+    Sweep(f64),
+    /// The motion starts the other way.
+    Backwards,
     /// Rest before each half cycle, in periods.
     Rest(f64),
 }
@@ -34,7 +43,7 @@ pub(crate) struct Experiment {
     recordings: &'static [&'static [Change]],
 }
 
-use Change::{Load, LoadRises, Period, Rest, Stroke};
+use Change::{Backwards, Load, LoadRises, LoadSteps, Period, Rest, Stroke, Sweep};
 
 /// Plain ones first: of equals the first is proposed.
 pub(crate) const MENU: &[Experiment] = &[
@@ -47,6 +56,12 @@ pub(crate) const MENU: &[Experiment] = &[
     Experiment { words: "with twice the stroke", recordings: &[&[Stroke(2.0)]] },
     Experiment { words: "with a load that rises from 0 over the recording", recordings: &[&[LoadRises]] },
     Experiment { words: "with a rest before each half cycle", recordings: &[&[Rest(0.25)]] },
+    Experiment { words: "starting the other way", recordings: &[&[Backwards]] },
+    Experiment {
+        words: "with the load switched on within a fiftieth of a cycle while the log runs",
+        recordings: &[&[LoadSteps(0.02)]],
+    },
+    Experiment { words: "that get faster evenly, up to four times the speed", recordings: &[&[Sweep(0.25)]] },
     Experiment {
         words: "once with half the load and once with twice the load",
         recordings: &[&[Load(0.5)], &[Load(2.0)]],
@@ -103,11 +118,21 @@ fn planned(bench: &Bench, changes: &[Change]) -> Option<Planned> {
     // What a description may not say is no experiment.
     let description = bench.to_toml().ok()?;
     let bench = Bench::parse("experiment", &description).ok()?;
-    let log = record(&bench, SEED).ok()?;
+    let mut log = record(&bench, SEED).ok()?;
+    if let (Bench::FrictionRig(rig), false) = (&bench, changes.iter().any(|c| c.loads())) {
+        let loaded = log.time_s.partition_point(|&t| t < rig.load.ramp_s);
+        log.time_s.drain(..loaded);
+        log.channels.values_mut().for_each(|values| drop(values.drain(..loaded.min(values.len()))));
+    }
     Some(Planned { changes: lines, description, log })
 }
 
 impl Change {
+    /// Whether it is about how the load comes on.
+    fn loads(self) -> bool {
+        matches!(self, LoadRises | LoadSteps(_))
+    }
+
     /// Changes the run; the line of TOML that does the same.
     fn apply(self, bench: &mut Bench) -> Option<String> {
         let (name, place) = match (self, &mut *bench) {
@@ -122,14 +147,27 @@ impl Change {
                 ("load.ramp_s", &mut b.load.ramp_s)
             }
             (LoadRises, Bench::FrictionRig(r)) => {
-                r.load.ramp_s = r.axis.period_s * f64::from(r.axis.cycles);
+                r.load.ramp_s = r.axis.duration_s();
+                ("load.ramp_s", &mut r.load.ramp_s)
+            }
+            (LoadSteps(share), Bench::FrictionRig(r)) => {
+                r.load.ramp_s = share * r.axis.period_s;
                 ("load.ramp_s", &mut r.load.ramp_s)
             }
             (Rest(share), Bench::FrictionRig(r)) => {
                 r.axis.dwell_s = share * r.axis.period_s;
                 ("axis.dwell_s", &mut r.axis.dwell_s)
             }
-            (Rest(_), Bench::Transmission(_)) => return None,
+            (Sweep(factor), Bench::FrictionRig(r)) => {
+                r.axis.dwell_s = 0.0;
+                r.axis.last_period_s = factor * r.axis.period_s;
+                ("axis.last_period_s", &mut r.axis.last_period_s)
+            }
+            (Backwards, Bench::FrictionRig(r)) => {
+                r.axis.backwards = !r.axis.backwards;
+                return Some(format!("axis.backwards = {}", r.axis.backwards));
+            }
+            (Rest(_) | LoadSteps(_) | Sweep(_) | Backwards, Bench::Transmission(_)) => return None,
         };
         if let Period(factor) | Stroke(factor) | Load(factor) = self {
             *place *= factor;
@@ -155,8 +193,10 @@ mod tests {
                     let (name, value) = line.split_once(" = ").unwrap();
                     let (section, field) = name.split_once('.').unwrap();
                     let written = &table[section][field];
-                    let number = written.as_float().or(written.as_integer().map(|i| i as f64)).unwrap();
-                    assert_eq!(number, value.parse::<f64>().unwrap(), "{line}");
+                    // Whole numbers of a description may stand as integers.
+                    let number = written.as_integer().map(|i| (i as f64).to_string());
+                    let same = number.unwrap_or(written.to_string()).parse::<f64>() == value.parse();
+                    assert!(written.to_string() == value || same, "{line}: {written}");
                 }
                 assert!(recording.log.time_s.len() > 1000);
             }
@@ -167,7 +207,9 @@ mod tests {
     fn a_bench_is_not_asked_for_what_it_cannot_do() {
         let bench = Bench::open("bench-b").unwrap();
         let of = |words: &str| MENU.iter().find(|e| e.words == words).unwrap();
-        assert!(of("with a rest before each half cycle").plan(&bench).is_none());
+        for words in ["with a rest before each half cycle", "starting the other way"] {
+            assert!(of(words).plan(&bench).is_none());
+        }
         // Twice the stroke is longer than the crank.
         assert!(of("with twice the stroke").plan(&bench).is_none());
     }

@@ -230,10 +230,9 @@ fn judge(
         _ if equals.is_empty() => Verdict::Named,
         _ => Verdict::Ambiguous,
     };
-    let experiment = match (equals.is_empty(), shown.causes.as_slice()) {
-        (false, [(only, _)]) => {
-            let others: Vec<_> = equals.iter().map(|c| (c.candidate, c.fit.z.as_slice())).collect();
-            propose(bench, data, floors, (*only, &shown.z), &others)
+    let experiment = match (deciding, shown.causes.last()) {
+        (Some(stage), Some((cause, _))) if !equals.is_empty() => {
+            propose(bench, data, stage, (*cause, &shown.model, &shown.z))
         }
         _ => None,
     };

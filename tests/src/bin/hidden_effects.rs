@@ -34,6 +34,9 @@ struct Cli {
     /// Seeds of every cell on the transmission bench.
     #[arg(long, default_value_t = 5)]
     bench_seeds: u64,
+    /// Seeds to pass over: 10 with three seeds gives the seeds 11 to 13.
+    #[arg(long, default_value_t = 0)]
+    skip_seeds: u64,
     /// Plants.
     #[arg(long, value_delimiter = ',', default_value = "rotary,linear,bench", value_parser = plant)]
     plant: Vec<Plant>,
@@ -99,6 +102,7 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
     let chosen = || Campaign {
         seeds: cli.seeds,
         bench_seeds: cli.bench_seeds,
+        skipped_seeds: cli.skip_seeds,
         plants: cli.plant.clone(),
         sizes: cli.sizes.clone(),
         arms: cli.arms.clone(),

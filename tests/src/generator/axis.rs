@@ -220,7 +220,7 @@ mod tests {
 
     fn run(hidden: &[HiddenEffect]) -> Signals {
         let motion = Motion { amplitude: 0.4, cycle_s: 4.5, course: Course::Strokes };
-        let load = Load { mean_n: 20e3, swing: 0.0, period_s: 7.0, phase_rad: 0.0 };
+        let load = Load { mean_n: 20e3, swing: 0.0, period_s: 7.0, phase_rad: 0.0, ramp_s: 0.0 };
         AXIS.run(&Run { motion, load, phase_s: 0.0, length_s: 9.0, start_s: 0.0 }, hidden)
     }
 

@@ -3,7 +3,8 @@
 //! The usual motion swings to and fro at a speed that itself rises and falls over two cycles,
 //! `A sin(w t + sin(w t/2 + pi/4))`, so that direction and speed are not the same thing. The plain motion is one sine, on which
 //! several effects look alike. Strokes go from end to end with rests between, along `35 u^4 - 84 u^5 + 70 u^6 - 20 u^7`, slow and
-//! fast by turns.
+//! fast by turns. A described course is what a bench description asks for: sines from one end of the stroke to the other, forwards or backwards first,
+//! with a rest before each, or at a frequency that rises or falls evenly.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -38,6 +39,13 @@ pub enum Course {
     Plain,
     /// Strokes with rests.
     Strokes,
+    /// As a description says.
+    Described {
+        /// Rest before each half cycle, as a share of a cycle.
+        rest: f64,
+        /// Rise of the frequency over one cycle's length, as a share of the first frequency.
+        rise: f64,
+    },
 }
 
 /// Rest before each stroke, as a share of a cycle.
@@ -49,6 +57,9 @@ const SHARES: [f64; 4] = [0.62, 0.38, 0.38, 0.62];
 impl Motion {
     /// The motion at a time since the first rest began.
     pub fn at(&self, time_s: f64) -> Moved {
+        if let Course::Described { rest, rise } = self.course {
+            return self.described(rest, rise, time_s / self.cycle_s);
+        }
         if self.course != Course::Strokes {
             let (rate, depth) = (TAU / self.cycle_s, f64::from(u8::from(self.course == Course::Swing)));
             let (bend, slope) = (0.5 * rate * time_s + FRAC_PI_4).sin_cos();
@@ -81,6 +92,27 @@ impl Motion {
     }
 }
 
+impl Motion {
+    /// A described course at a time in cycles since it began.
+    fn described(&self, rest: f64, rise: f64, time: f64) -> Moved {
+        let half = 0.5 + rest;
+        let index = (time / half).floor().max(0.0);
+        let moving =
+            if rest > 0.0 { 0.5 * index + (time - half * index - rest).max(0.0) } else { time.max(0.0) };
+        // Turns, turns per cycle's length, and the change of these.
+        let (turns, pace) = (moving * (1.0 + 0.5 * rise * moving), 1.0 + rise * moving);
+        let (sine, cosine) = (TAU * turns).sin_cos();
+        let at_rest = time <= 0.0 || rest > 0.0 && time - half * index <= rest;
+        let (rate, bend) =
+            if at_rest { (0.0, 0.0) } else { (TAU / self.cycle_s * pace, TAU * rise / self.cycle_s.powi(2)) };
+        Moved {
+            place: -self.amplitude * cosine,
+            speed: self.amplitude * rate * sine,
+            acceleration: self.amplitude * (rate * rate * cosine + bend * sine),
+        }
+    }
+}
+
 /// The load of a session.
 #[derive(Clone, Copy, Debug)]
 pub struct Load {
@@ -92,12 +124,19 @@ pub struct Load {
     pub period_s: f64,
     /// Where in the swing the log begins.
     pub phase_rad: f64,
+    /// Length of the raised cosine by which it comes on at the start of the log, s; 0: it is there.
+    pub ramp_s: f64,
 }
 
 impl Load {
     /// The load at a time in N.
     pub fn at(&self, time_s: f64) -> f64 {
-        self.mean_n * (1.0 + self.swing * (TAU * time_s / self.period_s + self.phase_rad).sin())
+        let full = self.mean_n * (1.0 + self.swing * (TAU * time_s / self.period_s + self.phase_rad).sin());
+        if time_s >= self.ramp_s {
+            full
+        } else {
+            full * (0.25 * TAU * time_s.max(0.0) / self.ramp_s).sin().powi(2)
+        }
     }
 }
 
@@ -107,14 +146,33 @@ mod tests {
 
     #[test]
     fn speed_and_acceleration_are_the_slopes_of_place_and_speed() {
-        for course in [Course::Swing, Course::Plain, Course::Strokes] {
+        let described = |rest, rise| Course::Described { rest, rise };
+        let courses =
+            [Course::Swing, Course::Plain, Course::Strokes, described(0.0, 0.0), described(0.0, 0.3)];
+        for course in courses {
             let motion = Motion { amplitude: 0.4, cycle_s: 4.5, course };
-            for i in 0..2000 {
+            // From the start on: what is described jumps into motion there.
+            for i in 1..2000 {
                 let (t, h) = (f64::from(i) * 0.00913, 1e-5);
                 let (a, b, c) = (motion.at(t - h), motion.at(t), motion.at(t + h));
                 assert!(((c.place - a.place) / (2.0 * h) - b.speed).abs() < 1e-6, "{t}");
                 assert!(((c.speed - a.speed) / (2.0 * h) - b.acceleration).abs() < 1e-3, "{t}");
             }
         }
+    }
+
+    #[test]
+    fn a_described_course_rests_at_its_ends_and_a_load_comes_on() {
+        let course = Course::Described { rest: 0.25, rise: 0.0 };
+        let motion = Motion { amplitude: 0.4, cycle_s: 4.0, course };
+        for (t, place) in [(0.5, -0.4), (2.0, 0.0), (3.5, 0.4), (5.0, 0.0), (6.5, -0.4)] {
+            assert!((motion.at(t).place - place).abs() < 1e-12, "{t}: {:?}", motion.at(t));
+        }
+        assert!(
+            motion.at(0.5).acceleration == 0.0 && motion.at(3.5).speed == 0.0 && motion.at(5.0).speed < -0.6
+        );
+        let load = Load { mean_n: 8.0, swing: 0.0, period_s: 7.3, phase_rad: 0.0, ramp_s: 2.0 };
+        let at = [-1.0, 0.0, 1.0, 2.0, 9.0].map(|t| load.at(t));
+        assert!(at[0] == 0.0 && at[1] == 0.0 && (at[2] - 4.0).abs() < 1e-12 && at[3] == 8.0 && at[4] == 8.0);
     }
 }

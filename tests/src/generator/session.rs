@@ -95,13 +95,15 @@ pub struct Point {
     pub load: f64,
     /// Of the stroke.
     pub stroke: f64,
-    /// Course of an axis' motion; a plain one has a constant load, too.
+    /// Course of an axis' motion; a plain or described one has a load without swing, too.
     pub course: Course,
+    /// Length of the load's ramp at the start of an axis' log, s; 0: the load is there.
+    pub ramp_s: f64,
 }
 
 impl Default for Point {
     fn default() -> Self {
-        Self { speed: 1.0, load: 1.0, stroke: 1.0, course: Course::Swing }
+        Self { speed: 1.0, load: 1.0, stroke: 1.0, course: Course::Swing, ramp_s: 0.0 }
     }
 }
 
@@ -155,7 +157,15 @@ impl Session {
     /// Length of the log in s.
     pub fn length_s(&self) -> f64 {
         let cycle_s = if self.plant == Plant::Bench { 1.0 } else { CYCLE_S };
-        self.cycles * cycle_s / self.point.speed
+        let cycles = match self.point.course {
+            Course::Described { rest, .. } if rest > 0.0 => self.cycles * (1.0 + 2.0 * rest),
+            // Turns of a rising frequency.
+            Course::Described { rise, .. } if rise != 0.0 => {
+                ((1.0 + 2.0 * rise * self.cycles).sqrt() - 1.0) / rise
+            }
+            _ => self.cycles,
+        };
+        cycles * cycle_s / self.point.speed
     }
 
     /// True signals with uncertain numbers off by `off` deviations.
@@ -198,12 +208,19 @@ impl Session {
         };
         let cycle_s = CYCLE_S / point.speed;
         let motion = Motion { amplitude: amplitude * point.stroke, cycle_s, course: point.course };
-        let swing = if point.course == Course::Plain { 0.0 } else { 0.35 };
-        let load = Load { mean_n: load_n * point.load, swing, period_s: 7.3, phase_rad: self.load_phase_rad };
+        let described = matches!(point.course, Course::Described { .. });
+        let load = Load {
+            mean_n: load_n * point.load,
+            swing: if described || point.course == Course::Plain { 0.0 } else { 0.35 },
+            period_s: 7.3,
+            phase_rad: self.load_phase_rad,
+            ramp_s: point.ramp_s,
+        };
         let run = Run {
             motion,
             load,
-            phase_s: 2.0 * self.phase * cycle_s,
+            // What is described begins at its beginning.
+            phase_s: if described { 0.0 } else { 2.0 * self.phase * cycle_s },
             length_s: self.length_s(),
             start_s: self.logger.start_s,
         };

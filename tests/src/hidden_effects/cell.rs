@@ -77,12 +77,19 @@ pub struct Campaign {
     pub seeds: u64,
     /// Seeds of every cell on the transmission bench.
     pub bench_seeds: u64,
+    /// Seeds that are passed over before the first.
+    #[serde(default, skip_serializing_if = "none")]
+    pub skipped_seeds: u64,
     /// Plants.
     pub plants: Vec<Plant>,
     /// Sizes of single effects.
     pub sizes: Vec<f64>,
     /// Arms.
     pub arms: Vec<Arm>,
+}
+
+fn none(skipped: &u64) -> bool {
+    *skipped == 0
 }
 
 /// Sizes of two effects at once: alike, and three to one.
@@ -98,6 +105,7 @@ impl Campaign {
         Self {
             seeds: 1,
             bench_seeds: 0,
+            skipped_seeds: 0,
             plants: vec![Plant::Rotary, Plant::Linear],
             sizes: vec![1.0],
             arms: Arm::ALL.to_vec(),
@@ -111,7 +119,7 @@ impl Campaign {
             for &plant in &self.plants {
                 let seeds = if plant == Plant::Bench { self.bench_seeds } else { self.seeds };
                 for &arm in self.arms.iter().filter(|_| seed <= seeds) {
-                    self.arm(&mut cells, arm, plant, seed);
+                    self.arm(&mut cells, arm, plant, self.skipped_seeds + seed);
                 }
             }
         }

@@ -104,6 +104,7 @@ mod tests {
         Campaign {
             seeds: 1,
             bench_seeds: 0,
+            skipped_seeds: 0,
             plants: vec![Plant::Linear],
             sizes: vec![0.5],
             arms: vec![Arm::Clean, Arm::Single, Arm::Deleted],

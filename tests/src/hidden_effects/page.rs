@@ -126,7 +126,8 @@ pub fn page(figures: &Figures) -> String {
         ("two effects: both in the group", &figures.both),
         ("two effects: a third cause", &figures.third),
         ("inseparable pair: both named", &figures.pair_named),
-        ("of those, settled by the proposed experiment", &figures.pair_settled),
+        ("of those, said that no experiment of the menu tells", &figures.pair_hopeless),
+        ("of the others, settled by the proposed experiment and the logs at hand", &figures.pair_settled),
         ("95 % intervals that hold the truth", &figures.covered),
         ("realised gain within 20 % of the predicted", &figures.gain_within),
     ];

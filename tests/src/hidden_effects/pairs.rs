@@ -1,5 +1,6 @@
 //! Pairs of effects that look alike on a plain motion (one sine under a constant load): both have to be named, with the
-//! experiment that tells them apart; the generator then makes that experiment, and the answer has to be the hidden effect.
+//! experiment that tells them apart. The generator then makes that experiment as its description says, and the answer to all logs
+//! together has to be the hidden effect. Where the answer says that nothing on its menu tells them apart, that counts by itself.
 //!
 //! Whether a pair is inseparable is measured, not believed: the generator imitates the hidden effect by its rival as in
 //! [`super::compare`], and a cell counts only where the chi-square that is left stays below [`ALIKE`].
@@ -14,6 +15,7 @@ use crate::generator::noise::Noise;
 use crate::generator::session::{Plant, Point, Session};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::draw;
+use bench::Bench;
 use std::time::Instant;
 
 /// Chi-square between hidden effect and imitation up to which nothing can tell them apart.
@@ -26,17 +28,24 @@ pub const PAIRS: &[(Plant, &str, &str)] = &[
     (Plant::Rotary, "coulomb-level", "load-dependent-friction"),
 ];
 
-/// The operating point that a proposal asks for; `None` where its words mean nothing to the generator.
-fn proposed(words: &str, now: Point) -> Option<Point> {
-    let points = [
-        ("twice as fast", Point { speed: 2.0 * now.speed, ..now }),
-        ("half the speed", Point { speed: 0.5 * now.speed, ..now }),
-        ("half the load", Point { load: 0.5 * now.load, ..now }),
-        ("twice the load", Point { load: 2.0 * now.load, ..now }),
-        ("load reversed", Point { load: -now.load, ..now }),
-        ("half the stroke", Point { stroke: 0.5 * now.stroke, ..now }),
-    ];
-    points.iter().find(|(name, _)| words.contains(name)).map(|(_, point)| *point)
+/// The session that a proposed description asks for, and its cycles, beside the plant as it is described. A sine without rests begins
+/// anywhere, as its log does; a load comes on only where the proposal is about that.
+fn proposed(described: &Bench, wanted: &str) -> Option<(Point, f64)> {
+    let wanted = Bench::parse("proposed", wanted).ok()?;
+    let (Bench::FrictionRig(now), Bench::FrictionRig(then)) = (described, &wanted) else { return None };
+    let (axis, cycles) = (&then.axis, f64::from(then.axis.cycles));
+    let ratio = if axis.last_period_s > 0.0 { axis.period_s / axis.last_period_s } else { 1.0 };
+    let rise = 0.5 * (ratio * ratio - 1.0) / cycles;
+    let rest = axis.dwell_s / axis.period_s;
+    let plain = rest == 0.0 && rise == 0.0 && !axis.backwards;
+    let point = Point {
+        speed: now.axis.period_s / axis.period_s,
+        load: then.load.force_n / now.load.force_n,
+        stroke: axis.amplitude / now.axis.amplitude * if axis.backwards { -1.0 } else { 1.0 },
+        course: if plain { Course::Plain } else { Course::Described { rest, rise } },
+        ramp_s: if then.load.ramp_s == now.load.ramp_s { 0.0 } else { then.load.ramp_s },
+    };
+    Some((point, cycles))
 }
 
 pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
@@ -71,14 +80,19 @@ pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
         group.into_iter().any(|n| n.effect == e.effect && n.channel == e.channel)
     };
     outcome.in_group = effects.iter().chain([&imitation]).filter(|e| named(e)).count();
-    if let Some(point) = answer.next_experiment.as_deref().and_then(|words| proposed(words, point)) {
-        let text = session.again(point, &mut noise).log(&effects, &mut noise);
-        let second = desk.log(&name_of(&format!("{} again", cell.words()), cell.seed), &text, &bench)?;
-        let both = desk.ask(&bench, &[log, second], &[])?;
-        let mut after = Outcome::new(cell);
-        after.judge(&both, &label);
-        outcome.settled = Some(after.first && after.ambiguous_with.is_empty());
+    let Some(experiment) = answer.experiment.filter(|e| !e.recordings.is_empty()) else { return Ok(outcome) };
+    let mut logs = vec![log];
+    for (number, recording) in experiment.recordings.iter().enumerate() {
+        let Some((point, cycles)) = proposed(&bench, &recording.bench) else { return Ok(outcome) };
+        let mut again = session.again(point, &mut noise);
+        again.cycles = cycles;
+        let name = name_of(&format!("{} again {number}", cell.words()), cell.seed);
+        logs.push(desk.log(&name, &again.log(&effects, &mut noise), &bench)?);
     }
+    let all = desk.ask(&bench, &logs, &[])?;
+    let mut after = Outcome::new(cell);
+    after.judge(&all, &label);
+    outcome.settled = Some(after.first && after.ambiguous_with.is_empty());
     Ok(outcome)
 }
 
@@ -87,12 +101,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_experiment_of_the_menu_is_known() {
-        let here = Point::default();
-        let words = "record two cycles with the load reversed: that would set a apart from b";
-        assert_eq!(proposed(words, here), Some(Point { load: -1.0, ..here }));
-        assert_eq!(proposed("record two cycles at half the speed", here), Some(Point { speed: 0.5, ..here }));
-        assert_eq!(proposed("look at it again", here), None);
+    fn a_proposed_description_becomes_a_session() {
+        let bench = Bench::parse("bench.toml", Plant::Linear.description()).unwrap();
+        let wanted = |change: &dyn Fn(&mut bench::description::FrictionRig)| {
+            let Bench::FrictionRig(mut rig) = bench.clone() else { panic!("a cylinder") };
+            change(&mut rig);
+            proposed(&bench, &Bench::FrictionRig(rig).to_toml().unwrap()).unwrap().0
+        };
+        let plain = Point { course: Course::Plain, ..Point::default() };
+        assert_eq!(wanted(&|r| r.load.force_n *= -1.0), Point { load: -1.0, ..plain });
+        assert_eq!(wanted(&|r| r.axis.period_s *= 2.0), Point { speed: 0.5, ..plain });
+        assert_eq!(wanted(&|r| r.load.ramp_s = 0.2), Point { ramp_s: 0.2, ..plain });
+        let rests = Course::Described { rest: 0.25, rise: 0.0 };
+        assert_eq!(wanted(&|r| r.axis.dwell_s = 1.0), Point { course: rests, ..plain });
+        let sweep = wanted(&|r| (r.axis.cycles, r.axis.last_period_s) = (2, 0.5 * r.axis.period_s));
+        assert_eq!(sweep.course, Course::Described { rest: 0.0, rise: 0.75 });
+        let mut session = Session::draw(Plant::Linear, 0.8, sweep, &mut Noise::new(3));
+        session.cycles = 2.0;
+        // Two cycles at a mean of one and a half times the frequency.
+        assert!((session.length_s() - 4.0 * 2.0 / 1.5).abs() < 1e-12, "{}", session.length_s());
     }
 
     #[test]

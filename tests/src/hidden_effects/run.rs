@@ -83,6 +83,7 @@ fn clean(cell: &Cell, noise: &mut Noise) -> Session {
         load: any(noise, &[0.3, 0.6, 1.0]),
         stroke: if cell.plant == Plant::Bench { 1.0 } else { any(noise, &[0.6, 1.0]) },
         course: if noise.uniform() < 0.2 { Course::Plain } else { Course::Swing },
+        ..Point::default()
     };
     let mut session = Session::draw(cell.plant, CLEAN_SPREAD, point, noise);
     session.logger.colour = any(noise, &[0.0, 0.3, 0.6]);

@@ -72,8 +72,11 @@ pub struct Figures {
     pub third: Share,
     /// Inseparable pairs: both named.
     pub pair_named: Share,
-    /// Inseparable pairs that were named: settled by the proposed experiment.
+    /// Inseparable pairs that were named and got an experiment: settled by it.
     pub pair_settled: Share,
+    /// Inseparable pairs that were named: said that no experiment of the menu tells them apart.
+    #[serde(default)]
+    pub pair_hopeless: Share,
     /// Changed questions: same answer, by change.
     pub changed: BTreeMap<String, Share>,
     /// Two sessions: median ratio of interval widths.
@@ -148,6 +151,8 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         clear.iter().filter(|o| o.realised.is_some() && o.predicted.is_some()).copied().collect();
     let gain = |o: &Outcome| (o.realised.unwrap_or(0.0) / o.predicted.unwrap_or(1.0) - 1.0).abs();
     let named: Vec<&Outcome> = pair.iter().filter(|o| o.in_group == 2).copied().collect();
+    let hopeless = |o: &Outcome| o.proposed.as_deref().is_some_and(|words| words.starts_with("none of"));
+    let asked: Vec<&Outcome> = named.iter().filter(|o| !hopeless(o)).copied().collect();
     let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for outcome in &clear {
         let first = outcome.causes.first().map_or(outcome.verdict.as_str(), |c| &c.effect);
@@ -186,7 +191,8 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         both: share(&two, |o| o.in_group == 2),
         third: share(&two, |o| o.causes.len() > 2),
         pair_named: share(&pair, |o| o.in_group == 2),
-        pair_settled: share(&named, |o| o.settled == Some(true)),
+        pair_settled: share(&asked, |o| o.settled == Some(true)),
+        pair_hopeless: share(&named, hopeless),
         changed: groups(&arm(Arm::Changed), |o| CHANGES.get(o.cell.variant).copied().unwrap_or_default())
             .into_iter()
             .map(|(k, v)| (k.to_owned(), share(&v, |o| o.settled == Some(true))))

@@ -4,6 +4,7 @@ use super::{AxisExtension, BearingMaterial, Load, Logging, is_zero};
 use crate::channel::Channel;
 use crate::effects::Effect;
 use crate::log_format::{Columns, TextFormat};
+use crate::motion::{Profile, sweep_s};
 use crate::sensor::Sensor;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -40,6 +41,12 @@ section! {
         /// Rest before each half cycle of a record, s.
         #[serde(default, skip_serializing_if = "is_zero")]
         dwell_s: f64,
+        /// Period at the end of a record, s: the frequency then moves evenly from the one to the other; 0: it stays.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        last_period_s: f64,
+        /// Whether a record starts backwards.
+        #[serde(default, skip_serializing_if = "is_forwards")]
+        backwards: bool,
     }
 }
 
@@ -106,6 +113,34 @@ pub struct FrictionRig {
 
 fn one_cycle() -> u32 {
     1
+}
+
+fn is_forwards(backwards: &bool) -> bool {
+    !backwards
+}
+
+impl Axis {
+    /// The described motion.
+    pub fn motion(&self) -> Profile {
+        let stroke = if self.backwards { -2.0 * self.amplitude } else { 2.0 * self.amplitude };
+        let (period_s, cycles) = (self.period_s, f64::from(self.cycles));
+        if self.last_period_s > 0.0 {
+            Profile::Sweep { stroke, period_s, last_period_s: self.last_period_s, cycles }
+        } else if self.dwell_s > 0.0 {
+            Profile::Resting { stroke, period_s, cycles, dwell_s: self.dwell_s }
+        } else {
+            Profile::Cycles { stroke, period_s, cycles }
+        }
+    }
+
+    /// Length of a record in s.
+    pub fn duration_s(&self) -> f64 {
+        let cycles = f64::from(self.cycles);
+        if self.last_period_s > 0.0 {
+            return sweep_s(self.period_s, self.last_period_s, cycles);
+        }
+        cycles * (self.period_s + 2.0 * self.dwell_s)
+    }
 }
 
 impl FrictionRig {

@@ -86,13 +86,17 @@ pub(super) fn rig(r: &FrictionRig) -> Vec<Range> {
         ("axis.period_s", r.axis.period_s, 1e-3, 1e6),
         ("axis.amplitude", r.axis.amplitude, 1e-9, 1e6),
         ("axis.cycles", f64::from(r.axis.cycles), 1.0, 1e6),
-        ("axis.dwell_s", r.axis.dwell_s, 0.0, 1e6),
+        // A sweep has no rests.
+        ("axis.dwell_s", r.axis.dwell_s, 0.0, if r.axis.last_period_s > 0.0 { 0.0 } else { 1e6 }),
+        (
+            "axis.last_period_s",
+            r.axis.last_period_s,
+            if r.axis.last_period_s == 0.0 { 0.0 } else { 1e-3 },
+            1e6,
+        ),
         ("load.force_n", r.load.force_n, -1e7, 1e7),
         ("load.ramp_s", r.load.ramp_s, TINY, HUGE),
-        log_rate(
-            r.logging.sample_rate_hz,
-            (r.axis.period_s + 2.0 * r.axis.dwell_s) * f64::from(r.axis.cycles),
-        ),
+        log_rate(r.logging.sample_rate_hz, r.axis.duration_s()),
     ];
     if let Some(s) = &r.surface {
         ranges.extend([
