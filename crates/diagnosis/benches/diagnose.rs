@@ -42,6 +42,12 @@ fn sensor_delay(bencher: divan::Bencher<'_, '_>) {
 }
 
 #[divan::bench(sample_count = 1, sample_size = 1)]
+fn seal_friction(bencher: divan::Bencher<'_, '_>) {
+    let case = hidden("bench-b", Some(("seal-friction", None, "seal_force_n", 150.0)));
+    bencher.bench_local(|| run(&case));
+}
+
+#[divan::bench(sample_count = 1, sample_size = 1)]
 fn clean(bencher: divan::Bencher<'_, '_>) {
     let case = hidden("bench-b", None);
     bencher.bench_local(|| run(&case));

@@ -7,11 +7,11 @@ use crate::linear::factor;
 use crate::model::{Candidate, Guessed};
 use crate::noise::NoiseModel;
 use crate::session::Data;
+use crate::spectrum::{FINENESS, Spectrum};
 use bench::Bench;
 use bench::effects::{Guess, kind};
 use bench::respond::RespondError;
 use nalgebra::DVector;
-use rayon::prelude::*;
 
 /// Times at which a step may begin.
 const ONSETS: usize = 96;
@@ -23,8 +23,6 @@ const SAMPLES: usize = 8000;
 const MOST_WAVES: f64 = 100.0;
 /// Waves over the whole range below which a ripple cannot be told from a trend or the motion itself.
 const LEAST_WAVES: f64 = 1.5;
-/// Steps of a periodogram in units of its resolution.
-const FINENESS: f64 = 0.25;
 /// Step of a last look at a frequency.
 const FINEST: f64 = 0.005;
 /// Step of a guessed reading limit as a share of it.
@@ -32,7 +30,7 @@ const LIMIT_STEP: f64 = 0.02;
 /// Step of a guessed onset in s.
 const ONSET_STEP_S: f64 = 0.02;
 
-/// The candidates with their guesses; those that need one and have none are left out.
+/// The candidates with their guesses, those with several guesses several times; those that need one and have none are left out.
 pub(crate) fn guessed(
     data: &Data,
     noise: &NoiseModel,
@@ -41,17 +39,17 @@ pub(crate) fn guessed(
 ) -> Result<Vec<Candidate>, RespondError> {
     let mut out = Vec::with_capacity(candidates.len());
     for candidate in candidates {
-        let guess = match candidate.kind.guess {
+        let guesses: Vec<Guessed> = match candidate.kind.guess {
             Guess::Defaults => {
                 out.push(*candidate);
                 continue;
             }
-            Guess::Onset(reference) => onset(data, noise, base, reference)?,
-            Guess::Frequency => frequency(data, base),
-            Guess::Wavelength => wavelength(data, base),
-            Guess::LargestReading => largest_reading(data, candidate),
+            Guess::Onset(reference) => onset(data, noise, base, reference)?.into_iter().collect(),
+            Guess::Frequency => frequencies(data, base),
+            Guess::Wavelength => wavelengths(data, base),
+            Guess::LargestReading => largest_reading(data, candidate).into_iter().collect(),
         };
-        out.extend(guess.map(|g| Candidate { guess: Some(g), ..*candidate }));
+        out.extend(guesses.into_iter().map(|g| Candidate { guess: Some(g), ..*candidate }));
     }
     Ok(out)
 }
@@ -114,80 +112,53 @@ fn onset(
     Ok(best.map(|(_, value)| Guessed { value, step: ONSET_STEP_S.max(0.2 * width) }))
 }
 
-/// The frequency of the highest peak of the residual's periodogram over time, first on the beginning of the log, then around
-/// that peak on all of it.
-fn frequency(data: &Data, base: &Fit) -> Option<Guessed> {
-    let times = data.stacked(|s, i| s.inputs.time_s().get(i).copied().unwrap_or_default());
-    let (first, last) = range(times.iter().map(|t| t.1));
+/// The frequencies of the highest peaks of the residual's periodogram over time, first on the beginning of the log, then around
+/// each peak on all of it.
+fn frequencies(data: &Data, base: &Fit) -> Vec<Guessed> {
+    let coordinates = data.stacked(|s, i| s.inputs.time_s().get(i).copied().unwrap_or_default());
+    let (first, last) = range(coordinates.iter().map(|t| t.1));
     let span = last - first;
-    let rate = times.len() as f64 / data.blocks.len().max(1) as f64 / span;
+    let rate = coordinates.len() as f64 / data.blocks.len().max(1) as f64 / span;
     let most = MOST_HZ.min(0.45 * rate);
     let coarse_s = COARSE_S.min(span);
+    let spectrum = Spectrum { data, base, coordinates };
     let begin = |t: f64| t < first + coarse_s;
-    let coarse = peak(base, &times, begin, LEAST_WAVES / coarse_s, most, FINENESS / coarse_s)?;
-    let (low, high) = (coarse - 1.0 / coarse_s, coarse + 1.0 / coarse_s);
-    let value = peak(base, &times, |_| true, low.max(LEAST_WAVES / span), high, FINENESS / span)?;
-    // The phase counts from the time 0 of the log's clock, which may be far from the log: a frequency that is off by a little
-    // would turn the whole ripple round.
-    let (low, high) = (value - FINENESS / span, value + FINENESS / span);
-    let value = peak(base, &times, |_| true, low, high, FINEST / span).unwrap_or(value);
-    Some(Guessed { value, step: 0.1 / span.max(first.abs()).max(last.abs()) })
+    let finest = |(channel, coarse): (Option<usize>, f64)| {
+        let (low, high) = (coarse - 1.0 / coarse_s, coarse + 1.0 / coarse_s);
+        let all = |_: f64| true;
+        let steps = (low.max(LEAST_WAVES / span), high, FINENESS / span);
+        let value = spectrum.peak(channel, &all, steps)?;
+        // The phase counts from the time 0 of the log's clock, which may be far from the log: a frequency that is off by a
+        // little would turn the whole ripple round.
+        let steps = (value - FINENESS / span, value + FINENESS / span, FINEST / span);
+        let value = spectrum.peak(channel, &all, steps).unwrap_or(value);
+        Some(Guessed { value, step: 0.1 / span.max(first.abs()).max(last.abs()) })
+    };
+    let peaks = spectrum.peaks(&begin, (LEAST_WAVES / coarse_s, most, FINENESS / coarse_s));
+    peaks.into_iter().filter_map(finest).collect()
 }
 
-/// The wavelength of the highest peak of the residual's periodogram over position: the crank's angle, or the axis' own.
-fn wavelength(data: &Data, base: &Fit) -> Option<Guessed> {
+/// The wavelengths of the highest peaks of the residual's periodogram over position: the crank's angle, or the axis' own.
+fn wavelengths(data: &Data, base: &Fit) -> Vec<Guessed> {
     let lever = match base.model.at(&base.z) {
         Bench::Transmission(bench) => Some(bench.geometry.drive_lever_radius_m),
         Bench::FrictionRig(_) => None,
     };
     let at = |x: f64| lever.map_or(x, |r| (x / r).clamp(-1.0, 1.0).asin());
-    let positions =
+    let coordinates =
         data.stacked(
             |s, i| {
                 if i < SAMPLES { at(s.position.get(i).copied().unwrap_or_default()) } else { f64::NAN }
             },
         );
-    let (low, high) = range(positions.iter().map(|p| p.1).filter(|p| p.is_finite()));
+    let (low, high) = range(coordinates.iter().map(|p| p.1).filter(|p| p.is_finite()));
     let span = high - low;
-    let waves =
-        peak(base, &positions, f64::is_finite, LEAST_WAVES / span, MOST_WAVES / span, FINENESS / span)?;
-    Some(Guessed { value: 1.0 / waves, step: 0.1 / (span * waves * waves) })
+    let spectrum = Spectrum { data, base, coordinates };
+    let steps = (LEAST_WAVES / span, MOST_WAVES / span, FINENESS / span);
+    let guess = |(_, waves): (_, f64)| Guessed { value: 1.0 / waves, step: 0.1 / (span * waves * waves) };
+    spectrum.peaks(&f64::is_finite, steps).into_iter().map(guess).collect()
 }
 
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
-}
-
-/// Waves per unit of the coordinate at which the base's residual has most power, all channels together.
-fn peak(
-    base: &Fit,
-    coordinates: &[(usize, f64)],
-    used: impl Fn(f64) -> bool + Sync,
-    from: f64,
-    to: f64,
-    step: f64,
-) -> Option<f64> {
-    let count = ((to - from) / step).ceil();
-    if !(1.0..1e6).contains(&count) {
-        return None;
-    }
-    let power = |k: usize| {
-        let waves = from + step * k as f64;
-        let mut power = 0.0;
-        for block in coordinates.chunk_by(|a, b| a.0 == b.0).scan(0, |start, block| {
-            let from = *start;
-            *start += block.len();
-            Some((from, block))
-        }) {
-            let (mut c, mut s) = (0.0, 0.0);
-            for ((_, x), r) in block.1.iter().zip(&base.residual[block.0..]).filter(|((_, x), _)| used(*x)) {
-                let (sin, cos) = (std::f64::consts::TAU * waves * x).sin_cos();
-                c += r * cos;
-                s += r * sin;
-            }
-            power += c * c + s * s;
-        }
-        (power, waves)
-    };
-    (0..count as usize).into_par_iter().map(power).max_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
 }

@@ -10,7 +10,7 @@
 //! * `unknown`: structure repeats in the residual, and no effect explains most of it.
 //!
 //! The steps, one file each: `check` (logs read as found: what cannot be right is named and mended or left out), `session` (logs prepared, samples split into fitted and held out), `noise` (level and
-//! correlation of the sensors' noise), `model` and `fit` (parameters, least squares with priors), `guess` (first guesses of
+//! correlation of the sensors' noise), `model` and `fit` (parameters, least squares with priors), `guess` and `spectrum` (first guesses of
 //! shapes), `repeats` (what repeats from cycle to cycle), `rank` (score test and refits), `contend` (who is refitted, and how far), `select` (forward selection), `leftover` (structure in the last residual), `gain` (held-out error),
 //! `experiment` and `menu` (what to measure next), `probability` (shares of all answers), `identifiability` (what the logs do not tell), `verdict` (the rules).
 //!
@@ -39,6 +39,7 @@ mod repeats;
 mod result;
 mod select;
 mod session;
+mod spectrum;
 mod step;
 mod structure;
 mod verdict;

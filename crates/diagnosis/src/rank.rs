@@ -7,7 +7,7 @@
 use crate::fit::{Effort, Fit, Simulation, fit, fit_from, sensitivities, simulate};
 use crate::guess;
 use crate::linear::{dot, factor, gram, project};
-use crate::model::{Candidate, Guessed, Model, Parameter};
+use crate::model::{Candidate, Model, Parameter};
 use crate::noise::NoiseModel;
 use crate::session::Data;
 use bench::Bench;
@@ -63,12 +63,14 @@ pub(crate) fn scores(
         // At size 0 shapes show nothing.
         let sized = |i: &usize| model.parameters.get(*i).is_some_and(Parameter::is_size);
         let which: Vec<usize> = (nominal..model.parameters.len()).filter(sized).collect();
-        let mut z = base.z.clone();
-        z.resize(model.parameters.len(), 0.0);
-        let columns = match candidate.guess.filter(|_| candidate.guesses_size()) {
-            Some(guess) => vec![secant(data, noise, base, &model, guess)?],
-            None => sensitivities(data, noise, &model, &z, &base.simulation, &which)?,
+        // A derivative at 0 is blind to what is guessed.
+        let reach = |i: usize| match candidate.guess.filter(|_| candidate.guesses_size()) {
+            Some(guess) => guess.value / guess.step,
+            None => model.parameters[i].step(),
         };
+        let columns: Result<Vec<_>, RespondError> =
+            which.iter().map(|&i| secant(data, noise, base, &model, (i, reach(i)))).collect();
+        let columns = columns?;
         let shadows: Vec<DVector<f64>> = columns.iter().map(|c| project(&base.jacobian, c)).collect();
         let whole = gram(&columns);
         let mut survived = whole.clone();
@@ -101,20 +103,36 @@ pub(crate) fn scores(
     let found: Result<Vec<_>, RespondError> = guessed.par_iter().map(score).collect();
     let mut scores: Vec<Score> = found?.into_iter().flatten().collect();
     scores.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    // Of a candidate with several guesses the best one stays.
+    let mut seen: Vec<Candidate> = Vec::with_capacity(scores.len());
+    scores.retain(|s| {
+        let first = !seen.contains(&s.candidate);
+        seen.push(s.candidate);
+        first
+    });
     Ok(scores)
 }
 
-/// The change of the response from no effect to its guessed size, per scaled unit: where a derivative at 0 is blind.
+/// The change of the response from no effect to a size, per scaled unit.
+///
+/// One-sided, as a score only says who is worth a fit: a second simulation of every effect would be a third of a diagnosis. An
+/// effect that moves the very number that an uncertain parameter moves has that parameter's sensitivity, see [`sensitivities`].
 fn secant(
     data: &Data,
     noise: &NoiseModel,
     base: &Fit,
     model: &Model,
-    guess: Guessed,
+    (place, size): (usize, f64),
 ) -> Result<Vec<f64>, RespondError> {
     let mut z = base.z.clone();
-    let size = guess.value / guess.step;
-    z.resize(model.parameters.len(), size);
+    z.resize(model.parameters.len(), 0.0);
+    if let Some((own, factor)) = model.alias(&z, place)
+        && let Some(column) = base.jacobian.get(own)
+    {
+        return Ok(column.iter().map(|v| factor * v).collect());
+    }
+    let size = if size > model.parameters[place].bounds().1 { -size } else { size };
+    z[place] = size;
     let mut change = simulate(data, &model.at(&z), Some(&base.simulation))?.columns;
     for (there, here) in change.iter_mut().zip(&base.simulation.columns) {
         there.iter_mut().zip(here).for_each(|(t, h)| *t = (*t - h) / size);
