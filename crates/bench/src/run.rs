@@ -5,7 +5,9 @@ use crate::energy::EnergyAudit;
 use crate::integrate::{ContactPlant, Impact, IntegrationError, integrate};
 use crate::motion::Profile;
 use crate::peaks::Extremes;
-use crate::transmission::{BearingForces, ContactView, OnShaft, STATES, Snapshot, State, Transmission};
+use crate::transmission::{
+    BearingForces, ContactView, Lean, MOVING, OnShaft, PLAIN, STATES, Snapshot, State, Transmission,
+};
 use crate::two_plane::{TwoPlane, run_two_plane};
 
 /// Relative tolerance of a run unless stated otherwise.
@@ -55,6 +57,17 @@ impl TransmissionBench {
     }
 }
 
+impl Transmission {
+    /// Refuses contacts deeper than the normal law holds.
+    fn inside_law(&self, impacts: &[Impact]) -> Result<(), IntegrationError> {
+        let deformation_m = impacts.iter().map(|i| i.max_deformation_m).fold(0.0, f64::max);
+        match self.largest_deformation_m().filter(|largest| deformation_m > *largest) {
+            Some(largest_m) => Err(IntegrationError::OutsideLaw { deformation_m, largest_m }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Integrates the plant with its analytic laws.
 pub fn run_with_law(
     plant: &Transmission,
@@ -77,10 +90,7 @@ pub fn run_with_law(
             samples.push(plant.snapshot(t, s, latched, forces));
         },
     )?;
-    let deformation_m = result.impacts.iter().map(|i| i.max_deformation_m).fold(0.0, f64::max);
-    if let Some(largest_m) = plant.largest_deformation_m().filter(|largest| deformation_m > *largest) {
-        return Err(IntegrationError::OutsideLaw { deformation_m, largest_m });
-    }
+    plant.inside_law(&result.impacts)?;
     let energy = plant.audit((start_s, &initial), (end_s, &result.state));
     Ok(Run {
         samples,
@@ -105,7 +115,34 @@ pub fn snapshots(
         let run = run_two_plane(&TwoPlane::new(bench, drive, load), end_s, samples_s, tolerance)?;
         return Ok(run.samples.into_iter().map(|s| s.planar).collect());
     }
-    Ok(run_with_law(&Transmission::new(bench, drive, load), end_s, samples_s, tolerance)?.samples)
+    let plant = Transmission::new(bench, drive, load);
+    if plant.is_plain() {
+        lean::<PLAIN>(&plant, end_s, samples_s, tolerance)
+    } else {
+        lean::<MOVING>(&plant, end_s, samples_s, tolerance)
+    }
+}
+
+/// As [`run_with_law`] without the energy balance.
+fn lean<const N: usize>(
+    plant: &Transmission,
+    end_s: f64,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Vec<Snapshot>, IntegrationError> {
+    let start_s = samples_s.first().copied().unwrap_or_default().min(end_s);
+    let lean = Lean::<N>(plant);
+    let initial = lean.part(&plant.initial_state(start_s));
+    let mut samples = Vec::with_capacity(samples_s.len());
+    let tolerances = lean.tolerances(tolerance);
+    let result =
+        integrate(&lean, (start_s, end_s), initial, false, samples_s, &tolerances, |t, s, latched| {
+            let whole = lean.whole(s);
+            let forces = plant.forces(t, &whole, latched);
+            samples.push(plant.snapshot(t, &whole, latched, forces));
+        })?;
+    plant.inside_law(&result.impacts)?;
+    Ok(samples)
 }
 
 /// One step of the classical fourth-order Runge-Kutta method under a held bearing force. Every communication step begins with another force, so

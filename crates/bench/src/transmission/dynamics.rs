@@ -16,10 +16,11 @@ impl Transmission {
     /// State derivative and fork force under what the bearing does.
     pub(crate) fn dynamics(&self, time_s: f64, s: &State, bearing: &OnShaft, out: &mut State) -> f64 {
         let g = self.geometry(time_s, s);
-        self.motion(time_s, s, &g, g.depth_m > 0.0, bearing, out)
+        self.motion::<true>(time_s, s, &g, g.depth_m > 0.0, bearing, out)
     }
 
-    fn motion(
+    /// As [`Self::dynamics`] at a known geometry; the works and losses only where `ENERGIES` are wanted.
+    pub(super) fn motion<const ENERGIES: bool>(
         &self,
         time_s: f64,
         s: &State,
@@ -74,23 +75,25 @@ impl Transmission {
                 ((fork + load + force_y) / self.mass_kg, angular, fork)
             }
         };
-        let drive_power = fork * (s[2] + lever * g.speed_rad_s);
-        // The bearing's whole power on the shaft is friction, elastic force, and what is left: the loss of the normal
-        // force. A force held from outside keeps its direction while the journal moves on; that too lands in the loss.
-        let bearing_power = force_y * s[2] + force_z * s[3] + bearing.torque_nm * g.speed_rad_s;
         let friction_heat = -bearing.friction_n * g.sliding_m_s;
-        let elastic_power =
-            if touching { self.joint_law.elastic.force_n(g.depth_m) * g.rate_m_s } else { 0.0 };
         *out = [0.0; STATES];
         [out[0], out[1], out[2], out[3]] =
             [s[2], s[3], acceleration_y, force_z / self.mass_kg - GRAVITY_M_S2];
         if self.compliance.is_some() {
             [out[4], out[5]] = [g.speed_rad_s, angular];
         }
-        [out[6], out[7], out[8]] = [drive_power, drive_power.abs(), cylinder * load_rate];
-        out[9] = friction_heat;
-        out[10] = -bearing_power - friction_heat - elastic_power + twist_loss;
-        out[11] = -load_friction * load_rate;
+        if ENERGIES {
+            // The bearing's whole power on the shaft is friction, elastic force, and what is left: the loss of the normal
+            // force. A force held from outside keeps its direction while the journal moves on; that too lands in the loss.
+            let drive_power = fork * (s[2] + lever * g.speed_rad_s);
+            let bearing_power = force_y * s[2] + force_z * s[3] + bearing.torque_nm * g.speed_rad_s;
+            let elastic_power =
+                if touching { self.joint_law.elastic.force_n(g.depth_m) * g.rate_m_s } else { 0.0 };
+            [out[6], out[7], out[8]] = [drive_power, drive_power.abs(), cylinder * load_rate];
+            out[9] = friction_heat;
+            out[10] = -bearing_power - friction_heat - elastic_power + twist_loss;
+            out[11] = -load_friction * load_rate;
+        }
         if self.shaft.is_some() {
             [out[LOAD_ANGLE], out[LOAD_SPEED]] = [s[LOAD_SPEED], load_angular];
         }
@@ -123,7 +126,7 @@ impl Transmission {
         let g = self.geometry(time_s, s);
         let bearing = self.on_shaft_at(&g, &forces);
         let mut derivative = [0.0; STATES];
-        let drive_force_n = self.motion(time_s, s, &g, g.depth_m > 0.0, &bearing, &mut derivative);
+        let drive_force_n = self.motion::<false>(time_s, s, &g, g.depth_m > 0.0, &bearing, &mut derivative);
         Snapshot {
             time_s,
             angle_rad: g.angle_rad(),
@@ -149,7 +152,7 @@ impl ContactPlant<STATES> for Transmission {
         let forces = latched_m_s
             .map_or(BearingForces::default(), |l| self.forces_at(time_s, state, &self.view(&g, l)));
         let bearing = self.on_shaft_at(&g, &forces);
-        self.motion(time_s, state, &g, latched_m_s.is_some(), &bearing, derivative);
+        self.motion::<true>(time_s, state, &g, latched_m_s.is_some(), &bearing, derivative);
     }
 
     fn deformation(&self, time_s: f64, s: &State) -> (f64, f64) {

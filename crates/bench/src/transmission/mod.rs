@@ -19,11 +19,13 @@
 
 pub(crate) use bearing::OnShaft;
 pub(crate) use geometry::LARGEST_SINE;
+pub(crate) use lean::{Lean, MOVING, PLAIN};
 
 mod bearing;
 mod dynamics;
 mod fork;
 mod geometry;
+mod lean;
 mod shaft;
 
 use crate::contact_laws::{BearingFriction, JointLaw};
