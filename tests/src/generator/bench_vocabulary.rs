@@ -1,7 +1,7 @@
 //! How the effects of the transmission bench are drawn. See [`super::vocabulary`].
 //!
-//! The planar generator does not show `breakaway`, `presliding-hysteresis`, `thermal-friction-drift` (no memory in its friction; the axes
-//! hide these), `journal-out-of-round`, `shaft-flexibility`, `fork-backlash` and `squeeze-film`.
+//! The planar generator does not show `breakaway`, `presliding-hysteresis` and `thermal-friction-drift` (no memory in its friction; the axes
+//! hide these).
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
@@ -26,6 +26,10 @@ pub const EFFECTS: &[&str] = &[
     "hydraulic-compliance",
     "drive-lag",
     "load-ripple",
+    "journal-out-of-round",
+    "squeeze-film",
+    "fork-backlash",
+    "shaft-flexibility",
 ];
 
 /// Draws an effect of the bench.
@@ -65,6 +69,14 @@ pub fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Dr
             1e4,
             vec![("frequency_hz", between(5.0, 100.0))],
         ),
+        "journal-out-of-round" => {
+            (vec![("cosine_m", phase.cos()), ("sine_m", phase.sin())], 5e-6, 2e-4, vec![])
+        }
+        "squeeze-film" => {
+            (vec![("viscosity_pa_s", 1.0)], 1e-3, 0.02, vec![("least_film_m", between(1e-5, 4e-5))])
+        }
+        "fork-backlash" => (vec![("backlash_m", 1.0)], 1e-4, 2e-3, vec![]),
+        "shaft-flexibility" => (vec![("compliance_rad_nm", 1.0)], 5e-7, 5e-6, vec![]),
         _ => return None,
     };
     Some(Drawn { effect: HiddenEffect::new(effect, &shapes), sizes, guess, most })

@@ -11,6 +11,7 @@ pub mod hidden;
 pub mod motion;
 pub mod noise;
 pub mod planar;
+mod planar_added;
 mod planar_plant;
 pub mod sensing;
 pub mod session;

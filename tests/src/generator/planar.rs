@@ -8,7 +8,7 @@
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
-use super::planar_plant::Plant;
+use super::planar_plant::{Place, Plant};
 use super::sensing::Signals;
 use super::session::Session;
 use std::fmt::Write as _;
@@ -178,15 +178,14 @@ impl RealBench {
     fn run(&self, hidden: &Hidden, effects: &[HiddenEffect]) -> Vec<Row> {
         let plant = Plant::new(self, hidden, effects);
         let (x, v, _) = plant.drive(0.0);
-        let mut state = [0.0, -0.999 * plant.clearance_m, 0.0, 0.0, (x / plant.drive_lever_m).asin(), v];
+        let angle = (x / plant.drive_lever_m).asin();
+        let mut state = [0.0, -0.999 * plant.clearance_m, 0.0, 0.0, angle, v, angle, v];
         let steps = (self.cycles as f64 / STEP_S).round() as usize;
         let mut rows = Vec::with_capacity(steps);
         let (mut touching, mut latched, mut last) = (false, 0.0, (0.0, 0.0));
         for step in 0..steps {
             let t = step as f64 * STEP_S;
-            let distance = state[0].hypot(state[1]);
-            let depth = distance - plant.clearance_m;
-            let rate = (state[0] * state[2] + state[1] * state[3]) / distance;
+            let Place { depth, rate, .. } = plant.place(t, &state);
             if depth > 0.0 && !touching {
                 let (before, rate_before): (f64, f64) = last;
                 latched = (rate_before + (rate - rate_before) * before / (before - depth)).max(0.0);
@@ -198,9 +197,8 @@ impl RealBench {
             let k2 = plant.derivative(t + 0.5 * STEP_S, &add(&state, &k1, 0.5 * STEP_S), latched).0;
             let k3 = plant.derivative(t + 0.5 * STEP_S, &add(&state, &k2, 0.5 * STEP_S), latched).0;
             let k4 = plant.derivative(t + STEP_S, &add(&state, &k3, STEP_S), latched).0;
-            for i in 0..6 {
-                state[i] += STEP_S / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
-            }
+            let slope = |i: usize| k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i];
+            state = std::array::from_fn(|i| state[i] + STEP_S / 6.0 * slope(i));
         }
         rows
     }
@@ -223,8 +221,8 @@ fn round(value: f64, resolution: f64) -> f64 {
     (value / resolution).round() * resolution
 }
 
-/// y, z, y', z', th, th' (the last two serve a compliant drive only).
-pub(super) type State = [f64; 6];
+/// y, z, y', z', th, th' (these two serve a compliant drive only), angle and speed of the load crank on a shaft that twists.
+pub(super) type State = [f64; 8];
 
 fn add(a: &State, b: &State, h: f64) -> State {
     std::array::from_fn(|i| a[i] + h * b[i])

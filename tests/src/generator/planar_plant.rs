@@ -5,6 +5,7 @@
 
 use super::hidden::{HiddenEffect, total};
 use super::planar::{Hidden, RealBench, Row, State};
+use super::planar_added::{Added, wave};
 use std::f64::consts::{PI, TAU};
 
 const GRAVITY: f64 = 9.81;
@@ -12,38 +13,12 @@ const GRAVITY: f64 = 9.81;
 const REFERENCE_N: f64 = 10e3;
 /// Length of the ramp of a step of friction, s.
 const RAMP_S: f64 = 4e-3;
-
-/// What effects add beyond other numbers of the bench.
-#[derive(Default)]
-struct Added {
-    stribeck: (f64, f64),
-    coulomb_asymmetry: f64,
-    viscous_asymmetry: f64,
-    load_exponent: f64,
-    step: (f64, f64),
-    position_ripple: (f64, f64, f64),
-    load_ripple: (f64, f64, f64),
-    seal_n: f64,
-    lag_s: f64,
-}
-
-impl Added {
-    fn new(effects: &[HiddenEffect]) -> Self {
-        let of = |effect: &str, parameter: &str| total(effects, effect, parameter);
-        let three = |effect: &str, [a, b, c]: [&str; 3]| (of(effect, a), of(effect, b), of(effect, c));
-        Self {
-            stribeck: (of("stribeck-friction", "coefficient_rise"), of("stribeck-friction", "speed_m_s")),
-            coulomb_asymmetry: of("coulomb-asymmetry", "asymmetry"),
-            viscous_asymmetry: of("viscous-asymmetry", "asymmetry_n_s_m"),
-            load_exponent: of("load-dependent-friction", "load_exponent"),
-            step: (of("friction-step", "relative_change"), of("friction-step", "time_s")),
-            position_ripple: three("position-ripple", ["cos_torque_nm", "sin_torque_nm", "period_rad"]),
-            load_ripple: three("load-ripple", ["cos_force_n", "sin_force_n", "frequency_hz"]),
-            seal_n: of("seal-friction", "seal_force_n"),
-            lag_s: of("drive-lag", "lag_s"),
-        }
-    }
-}
+/// Stiffness of a fork with play in N/m, and the gain of its force per closing speed in s/m.
+const FORK: (f64, f64) = (1e10, 1.0);
+/// Share of critical damping of a shaft that twists.
+const TWIST_DAMPING: f64 = 0.02;
+/// Length of the bearing, m.
+const LENGTH_M: f64 = 0.140;
 
 /// A bench under its effects.
 pub(super) struct Plant {
@@ -59,8 +34,41 @@ pub(super) struct Plant {
     viscous: f64,
     load_n: f64,
     third_harmonic_n: f64,
-    column: Option<(f64, f64)>,
+    drive: Drive,
+    /// Stiffness and damping of a shaft that twists.
+    shaft: Option<(f64, f64)>,
     added: Added,
+}
+
+/// What joins cylinder and crank.
+enum Drive {
+    Rigid,
+    /// Stiffness and damping.
+    Column(f64, f64),
+    /// Half the play.
+    Play(f64),
+}
+
+/// Crank and cylinder at a state.
+struct Crank {
+    sine: f64,
+    cosine: f64,
+    speed: f64,
+    /// Displacement, velocity and acceleration of the cylinder as the fork follows it.
+    cylinder: (f64, f64, f64),
+}
+
+/// The journal in its bearing.
+pub(super) struct Place {
+    normal: (f64, f64),
+    distance: f64,
+    /// Deformation and its rate.
+    pub(super) depth: f64,
+    pub(super) rate: f64,
+    /// Speed of the centres apart.
+    radial: f64,
+    /// Change of the journal's radius over its angle.
+    slope: f64,
 }
 
 impl Plant {
@@ -74,11 +82,19 @@ impl Plant {
         let compliance = |modulus: f64, poisson: f64| (1.0 - poisson * poisson) / modulus;
         let restitution = (0.4 + of("restitution", "restitution_change")).clamp(0.05, 1.0);
         let compliance_m_n = hidden.compliance_m_n + of("hydraulic-compliance", "compliance_m_n");
-        let column = (compliance_m_n > 0.0).then(|| {
+        let play = of("fork-backlash", "backlash_m");
+        let drive = if play > 0.0 {
+            Drive::Play(0.5 * play)
+        } else if compliance_m_n > 0.0 {
             let stiffness = 1.0 / compliance_m_n;
             let reduced = inertia / real.levers_m.0.powi(2);
-            (stiffness, 0.2 * (stiffness * reduced).sqrt())
-        });
+            Drive::Column(stiffness, 0.2 * (stiffness * reduced).sqrt())
+        } else {
+            Drive::Rigid
+        };
+        let twist = of("shaft-flexibility", "compliance_rad_nm");
+        let shaft =
+            (twist > 0.0).then(|| (1.0 / twist, 2.0 * TWIST_DAMPING * (0.25 * inertia / twist).sqrt()));
         Self {
             drive_lever_m: real.levers_m.0,
             load_lever_m: real.levers_m.1 * factor("lever-ratio"),
@@ -92,7 +108,8 @@ impl Plant {
             viscous: hidden.viscous_n_s_m + of("viscous-friction", "viscous_n_s_m"),
             load_n: real.load_n,
             third_harmonic_n: hidden.third_harmonic_n,
-            column,
+            drive,
+            shaft,
             added: Added::new(effects),
         }
     }
@@ -107,19 +124,59 @@ impl Plant {
         if t < 0.05 { 0.5 * self.load_n * (1.0 - (PI * t / 0.05).cos()) } else { self.load_n }
     }
 
-    /// F_cy, F_cz, T_f.
-    fn bearing(&self, t: f64, s: &State, speed: f64, latched: f64) -> (f64, f64, f64) {
+    fn crank(&self, t: f64, s: &State) -> Crank {
+        let cylinder = self.drive((t - self.added.lag_s).max(0.0));
+        let (sine, speed) = match self.drive {
+            Drive::Rigid => {
+                let sine = (cylinder.0 - s[0]) / self.drive_lever_m;
+                (sine, (cylinder.1 - s[2]) / (self.drive_lever_m * (1.0 - sine * sine).sqrt()))
+            }
+            _ => (s[4].sin(), s[5]),
+        };
+        Crank { sine, cosine: (1.0 - sine * sine).sqrt(), speed, cylinder }
+    }
+
+    /// The journal in its bearing at a state.
+    pub(super) fn place(&self, t: f64, s: &State) -> Place {
+        self.journal(s, &self.crank(t, s))
+    }
+
+    fn journal(&self, s: &State, crank: &Crank) -> Place {
         let distance = s[0].hypot(s[1]);
-        let depth = distance - self.clearance_m;
-        if depth <= 0.0 {
-            return (0.0, 0.0, 0.0);
-        }
         let (ny, nz) = (s[0] / distance, s[1] / distance);
+        let radial = ny * s[2] + nz * s[3];
+        let (cosine, sine) = self.added.oval;
+        // The direction of the contact in the journal's own frame.
+        let along = ny * crank.cosine + nz * crank.sine;
+        let across = nz * crank.cosine - ny * crank.sine;
+        let (even, odd) = (along * along - across * across, 2.0 * along * across);
+        let slope = 2.0 * (sine * even - cosine * odd);
+        let turning = (ny * s[3] - nz * s[2]) / distance - crank.speed;
+        Place {
+            normal: (ny, nz),
+            distance,
+            depth: distance - self.clearance_m + cosine * even + sine * odd,
+            rate: radial + slope * turning,
+            radial,
+            slope,
+        }
+    }
+
+    /// F_cy, F_cz, T_f.
+    fn bearing(&self, t: f64, s: &State, crank: &Crank, latched: f64) -> (f64, f64, f64) {
+        let place = self.journal(s, crank);
+        let (ny, nz) = place.normal;
+        let squeeze = self.film(&place);
+        let film = (-squeeze * ny, -squeeze * nz);
+        let (depth, speed) = (place.depth, crank.speed);
+        if depth <= 0.0 {
+            return (film.0, film.1, 0.0);
+        }
         let gap = self.clearance_m;
         let stiffness = PI / 8.0
             * self.effective_modulus
             * (2.0 * depth * (3.0 * gap + 2.0 * depth).powi(2) / (gap + depth).powi(3)).sqrt();
-        let rate = ny * s[2] + nz * s[3];
+        let rate = place.rate;
         let normal = stiffness * depth.powf(1.5) * (1.0 + self.damping_factor * rate / latched.max(1e-3));
         let normal = normal.max(0.0);
         let slide = speed * self.journal_radius_m + nz * s[2] - ny * s[3];
@@ -135,63 +192,79 @@ impl Plant {
         }
         coefficient *= 1.0 + added.step.0 * ((t - added.step.1) / RAMP_S + 0.5).clamp(0.0, 1.0);
         let friction = -coefficient * normal * sign - (self.viscous + added.viscous_asymmetry * sign) * slide;
-        (-normal * ny + friction * nz, -normal * nz - friction * ny, friction * self.journal_radius_m)
+        let tilt = place.slope / place.distance;
+        (
+            film.0 - normal * (ny - tilt * nz) + friction * nz,
+            film.1 - normal * (nz + tilt * ny) - friction * ny,
+            friction * self.journal_radius_m + normal * place.slope,
+        )
+    }
+
+    /// What the film holds against the centres moving apart, N.
+    fn film(&self, place: &Place) -> f64 {
+        let (viscosity, least) = self.added.film;
+        if viscosity <= 0.0 {
+            return 0.0;
+        }
+        let share = place.distance / self.clearance_m;
+        let open = ((1.0 - share) * (1.0 + share)).max(2.0 * least / self.clearance_m);
+        let slender = self.journal_radius_m / self.clearance_m;
+        12.0 * PI * viscosity * LENGTH_M * slender * slender * slender * place.radial / open.powf(1.5)
+    }
+
+    /// Force of the fork on the shaft, N.
+    fn fork(&self, gap: f64, rate: f64) -> f64 {
+        match self.drive {
+            Drive::Rigid => 0.0,
+            Drive::Column(stiffness, damping) => stiffness * gap + damping * rate,
+            Drive::Play(half) if gap > half => (FORK.0 * (gap - half) * (1.0 + FORK.1 * rate)).max(0.0),
+            Drive::Play(half) if gap < -half => (FORK.0 * (gap + half) * (1.0 - FORK.1 * rate)).min(0.0),
+            Drive::Play(_) => 0.0,
+        }
     }
 
     /// Derivative and everything a row needs.
     pub(super) fn derivative(&self, t: f64, s: &State, latched: f64) -> (State, Row) {
-        let (x, v, a) = self.drive((t - self.added.lag_s).max(0.0));
+        let crank = self.crank(t, s);
+        let (Crank { sine, cosine, speed, .. }, (x, v, a)) = (&crank, crank.cylinder);
         let measured = self.load(t);
-        let (sine, speed) = match self.column {
-            Some(_) => (s[4].sin(), s[5]),
-            None => {
-                let sine = (x - s[0]) / self.drive_lever_m;
-                (sine, (v - s[2]) / (self.drive_lever_m * (1.0 - sine * sine).sqrt()))
-            }
-        };
-        let cosine = (1.0 - sine * sine).sqrt();
         let lever = self.drive_lever_m * cosine;
-        let (fy, fz, bearing_torque) = self.bearing(t, s, speed, latched);
+        let (fy, fz, bearing_torque) = self.bearing(t, s, &crank, latched);
         let torque = bearing_torque + wave(self.added.position_ripple, sine.asin());
         let (cosine_n, sine_n, frequency_hz) = self.added.load_ripple;
-        let pin = s[2] + self.load_lever_m * cosine * speed;
+        // The load crank: on a shaft that twists it has an angle of its own.
+        let (load_cosine, load_speed) =
+            if self.shaft.is_some() { (s[6].cos(), s[7]) } else { (*cosine, *speed) };
+        let pin = s[2] + self.load_lever_m * load_cosine * load_speed;
         let load = measured + wave((cosine_n, sine_n, 1.0 / frequency_hz), t)
             - self.added.seal_n * (pin / 1e-3).tanh();
-        let extra = self.third_harmonic_n * (3.0 * TAU * t).sin();
-        let vertical = (fz + extra) / self.mass - GRAVITY;
-        let (fork, lateral, angular) = match self.column {
+        let at_load = load * self.load_lever_m * load_cosine;
+        let (through, inertia, load_angular) = match self.shaft {
+            None => (at_load, self.inertia, 0.0),
             Some((stiffness, damping)) => {
-                let fork =
-                    stiffness * (x - s[0] - self.drive_lever_m * sine) + damping * (v - s[2] - lever * speed);
-                let angular = (fork * lever + load * self.load_lever_m * cosine + torque) / self.inertia;
-                (fork, (fork + load + fy) / self.mass, angular)
-            }
-            None => {
-                let reduced = self.inertia / (lever * lever);
-                let given = a + self.drive_lever_m * sine * speed * speed;
-                let lateral = (reduced * given + load * (1.0 - self.load_lever_m / self.drive_lever_m) + fy
-                    - torque / lever)
-                    / (self.mass + reduced);
-                (self.mass * lateral - load - fy, lateral, 0.0)
+                let through = stiffness * (s[6] - sine.asin()) + damping * (s[7] - speed);
+                (through, 0.5 * self.inertia, 2.0 * (at_load - through) / self.inertia)
             }
         };
+        let extra = self.third_harmonic_n * (3.0 * TAU * t).sin();
+        let vertical = (fz + extra) / self.mass - GRAVITY;
+        let (fork, lateral, angular) = if matches!(self.drive, Drive::Rigid) {
+            let reduced = inertia / (lever * lever);
+            let given = a + self.drive_lever_m * sine * speed * speed;
+            let lateral = (reduced * given + load + fy - (through + torque) / lever) / (self.mass + reduced);
+            (self.mass * lateral - load - fy, lateral, 0.0)
+        } else {
+            let fork = self.fork(x - s[0] - self.drive_lever_m * sine, v - s[2] - lever * speed);
+            (fork, (fork + load + fy) / self.mass, (fork * lever + through + torque) / inertia)
+        };
         let (x, v, _) = self.drive(t);
-        let outputs = [sine.asin(), speed, s[0], s[1], fy, fz, bearing_torque, fork];
+        let outputs = [sine.asin(), *speed, s[0], s[1], fy, fz, bearing_torque, fork];
         let row = Row { drive: (x, v), load: measured, outputs };
-        ([s[2], s[3], lateral, vertical, speed, angular], row)
+        ([s[2], s[3], lateral, vertical, *speed, angular, s[7], load_angular], row)
     }
 
     /// Everything that a log may show of a state.
     pub(super) fn row(&self, t: f64, s: &State, latched: f64) -> Row {
         self.derivative(t, s, latched).1
     }
-}
-
-/// `A cos + B sin` of a place on a period; nothing without one.
-fn wave((cosine, sine, period): (f64, f64, f64), place: f64) -> f64 {
-    if cosine == 0.0 && sine == 0.0 {
-        return 0.0;
-    }
-    let (s, c) = (TAU * place / period).sin_cos();
-    cosine * c + sine * s
 }
