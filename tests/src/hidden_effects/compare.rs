@@ -26,6 +26,12 @@ pub struct Named {
     pub probability: f64,
 }
 
+impl Named {
+    fn is(&self, hidden: &HiddenEffect) -> bool {
+        self.effect == hidden.effect && self.channel == hidden.channel
+    }
+}
+
 /// What became of a cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
@@ -101,6 +107,12 @@ impl Outcome {
         !self.causes.is_empty() && self.in_group == 0 && !self.equivalent
     }
 
+    /// Whether the first cause is hidden, or equivalent to what is.
+    pub fn right(&self) -> bool {
+        let is_hidden = |n: &Named| self.hidden.iter().any(|h| n.is(h));
+        self.equivalent || self.causes.first().is_some_and(is_hidden)
+    }
+
     /// Number of effects in the answer.
     pub fn group(&self) -> usize {
         self.causes.len() + self.ambiguous_with.len()
@@ -120,10 +132,9 @@ impl Outcome {
             let others = answer.ambiguous_with.iter();
             self.ambiguous_with = others.map(|c| named(&c.effect, c.channel, c.probability)).collect();
         }
-        let is = |n: &Named, h: &HiddenEffect| n.effect == h.effect && n.channel == h.channel;
         let group: Vec<&Named> = self.causes.iter().chain(&self.ambiguous_with).collect();
-        self.in_group = label.effects.iter().filter(|h| group.iter().any(|n| is(n, h))).count();
-        let hit = self.causes.first().zip(label.effects.first()).is_some_and(|(n, h)| is(n, h));
+        self.in_group = label.effects.iter().filter(|h| group.iter().any(|n| n.is(h))).count();
+        let hit = self.causes.first().zip(label.effects.first()).is_some_and(|(n, h)| n.is(h));
         self.first = hit;
         if let (true, Some(cause), [hidden]) = (hit, answer.causes.first(), label.effects.as_slice()) {
             let (error, covered) = parameters(cause, hidden);

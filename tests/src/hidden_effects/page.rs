@@ -145,13 +145,16 @@ pub fn page(figures: &Figures) -> String {
         "\nA second session shrinks intervals by a factor of {} (root of two: 1.414).",
         number(figures.shrink)
     );
-    head(
-        &mut page,
-        "Stated probability of the first cause",
-        &["cells", "mean stated", "right or equivalent"],
-    );
-    for (n, stated, hit) in &figures.calibration {
-        row(&mut page, &[&n.to_string(), &format!("{stated:.3}"), &format!("{hit:.3}")]);
+    let bins = [
+        ("all arms", &figures.calibration_of_all, figures.calibration_error_of_all),
+        ("single effects", &figures.calibration, figures.calibration_error),
+    ];
+    for (of, bins, error) in bins {
+        let title = format!("Stated probability of the first cause, {of}: error {}", number(error));
+        head(&mut page, &title, &["cells", "mean stated", "right or equivalent"]);
+        for (n, stated, hit) in bins {
+            row(&mut page, &[&n.to_string(), &format!("{stated:.3}"), &format!("{hit:.3}")]);
+        }
     }
     head(&mut page, "First names at size .5 and more", &["hidden", "named (cells)"]);
     for (hidden, names) in &figures.confusion {

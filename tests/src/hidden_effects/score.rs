@@ -81,10 +81,16 @@ pub struct Figures {
     pub changed: BTreeMap<String, Share>,
     /// Two sessions: median ratio of interval widths.
     pub shrink: Option<f64>,
-    /// Stated probability against hit rate by bin: cells, mean stated, hit.
+    /// Stated probability of the first cause against hit rate by bin, single effects: cells, mean stated, hit.
     pub calibration: Vec<(usize, f64, f64)>,
-    /// Expected calibration error.
+    /// Expected calibration error over single effects.
     pub calibration_error: Option<f64>,
+    /// The same bins over the cells of all arms, also those in which any cause is wrong.
+    #[serde(default)]
+    pub calibration_of_all: Vec<(usize, f64, f64)>,
+    /// Expected calibration error over all arms.
+    #[serde(default)]
+    pub calibration_error_of_all: Option<f64>,
     /// Share of 95 % intervals that hold the truth.
     pub covered: Share,
     /// Median relative parameter error at size 1.
@@ -145,6 +151,7 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
     let (single, two, pair) = (arm(Arm::Single), arm(Arm::Two), arm(Arm::Pair));
     let clean = arm(Arm::Clean);
     let clear: Vec<&Outcome> = single.iter().filter(|o| size(o) >= 0.5).copied().collect();
+    let (calibration_of_all, calibration_error_of_all) = calibration(&shown);
     let (calibration, calibration_error) = calibration(&single);
     let covered: Vec<&Outcome> = single.iter().filter(|o| o.covered.is_some()).copied().collect();
     let gains: Vec<&Outcome> =
@@ -206,6 +213,8 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         ),
         calibration,
         calibration_error,
+        calibration_of_all,
+        calibration_error_of_all,
         covered: share(&covered, |o| o.covered == Some(true)),
         parameter_error: median(
             single.iter().filter(|o| size(o) == 1.0).filter_map(|o| o.parameter_error).collect(),
@@ -216,11 +225,11 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
     }
 }
 
-/// Bins of stated probability of the first cause against how often it is right (or equivalent).
+/// Bins of stated probability of the first cause against how often it is right: hidden, or equivalent.
 fn calibration(cells: &[&Outcome]) -> (Vec<(usize, f64, f64)>, Option<f64>) {
     let edges = [0.0, 0.5, 0.7, 0.9, 0.99, f64::INFINITY];
     let stated: Vec<(f64, bool)> =
-        cells.iter().filter_map(|o| Some((o.causes.first()?.probability, o.first || o.equivalent))).collect();
+        cells.iter().filter_map(|o| Some((o.causes.first()?.probability, o.right()))).collect();
     let mut bins = Vec::new();
     let mut error = 0.0;
     for pair in edges.windows(2) {
