@@ -165,17 +165,43 @@ fn as_hidden(cause: &Cause) -> HiddenEffect {
     }
 }
 
-/// Relative error of the size and whether the interval of its largest parameter holds the truth.
+/// Relative error of the size, as a vector where it has several parameters, and whether the interval of the largest holds the
+/// truth.
 fn parameters(cause: &Cause, hidden: &HiddenEffect) -> (Option<f64>, Option<bool>) {
     let names = size_parameters(&hidden.effect);
     let found = || cause.parameters.iter().filter(|p| names.contains(&p.name.as_str()));
-    let norm = |v: f64| v * v;
-    let truth: f64 = found().map(|p| norm(hidden.get(&p.name))).sum();
-    // Of a phase the amplitude counts: its error is the length of the difference's radial part.
-    let size: f64 = found().map(|p| norm(p.value)).sum();
-    let sign = found().map(|p| p.value * hidden.get(&p.name)).sum::<f64>().signum();
-    let error = (truth > 0.0).then(|| (sign * (size / truth).sqrt() - 1.0).abs());
+    // A ripple of the right amplitude at the wrong phase is no hit: the two parts of a phase are one vector.
+    let truth: f64 = found().map(|p| hidden.get(&p.name).powi(2)).sum();
+    let off: f64 = found().map(|p| (p.value - hidden.get(&p.name)).powi(2)).sum();
+    let error = (truth > 0.0).then(|| (off / truth).sqrt());
     let largest = found().max_by(|a, b| hidden.get(&a.name).abs().total_cmp(&hidden.get(&b.name).abs()));
     let covered = largest.map(|p| (p.ci95[0]..=p.ci95[1]).contains(&hidden.get(&p.name)));
     (error, covered)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use diagnosis::ParameterEstimate;
+
+    #[test]
+    fn a_ripple_of_the_right_amplitude_at_the_wrong_phase_has_an_error() {
+        let hidden = HiddenEffect::new("position-ripple", &[("cos_effort", 3.0), ("sin_effort", 4.0)]);
+        let error = |cosine: f64, sine: f64| {
+            let estimate = |name: &str, value: f64| ParameterEstimate {
+                name: name.into(),
+                value,
+                unit: String::new(),
+                ci95: [value - 2.0, value + 2.0],
+            };
+            let parameters = vec![estimate("cos_effort", cosine), estimate("sin_effort", sine)];
+            let cause =
+                Cause { effect: "position-ripple".into(), channel: None, probability: 1.0, parameters };
+            super::parameters(&cause, &hidden)
+        };
+        assert_eq!(error(3.0, 4.0), (Some(0.0), Some(true)));
+        // A quarter of a turn off: as far as the root of two times the size.
+        assert!((error(-4.0, 3.0).0.unwrap() - 2.0_f64.sqrt()).abs() < 1e-12);
+        assert!((error(3.3, 4.4).0.unwrap() - 0.1).abs() < 1e-12);
+    }
 }

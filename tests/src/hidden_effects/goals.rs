@@ -54,7 +54,7 @@ impl Figures {
             least("two effects, both in the group", 0.85, of(&self.both)),
             least("inseparable pair, both named", 0.95, of(&self.pair_named)),
             least("pair settled by the proposed experiment", 0.90, of(&self.pair_settled)),
-            most("parameter error at size 1, median", 0.10, (self.parameter_error, at("1", |s| s.first).1)),
+            most("parameter error at size 1, median", 0.10, (self.parameter_error, self.parameter_cells)),
             most("calibration error over all arms", 0.05, (self.calibration_error_of_all, stated)),
             Goal {
                 name: "95 % intervals that hold the truth",
@@ -175,5 +175,21 @@ mod tests {
         assert_eq!(found.calibration_of_all, [(48, 1.0, 19.0 / 48.0)]);
         let goal = found.goals().into_iter().find(|g| g.name == "calibration error over all arms").unwrap();
         assert!((goal.found.unwrap() - 29.0 / 48.0).abs() < 1e-12 && goal.cells == 48);
+    }
+
+    #[test]
+    fn the_figures_of_right_names_stand_beside_their_own_number_and_gains_of_wrong_names_count() {
+        let sizes = Campaign { sizes: vec![1.0], arms: vec![Arm::Single], ..campaign() };
+        let mut outcomes: Vec<Outcome> = sizes.cells().iter().map(Outcome::new).collect();
+        for (i, outcome) in outcomes.iter_mut().enumerate() {
+            outcome.verdict = "named".into();
+            outcome.first = i < 4;
+            outcome.parameter_error = (i < 4).then_some(0.02);
+            (outcome.predicted, outcome.realised) = (Some(0.5), Some(if i < 4 { 0.5 } else { 0.1 }));
+        }
+        let found = figures("2026-01-01", &sizes, &outcomes);
+        let goal = |name: &str| found.goals().into_iter().find(|g| g.name.starts_with(name)).unwrap();
+        assert_eq!((goal("parameter error").found, goal("parameter error").cells), (Some(0.02), 4));
+        assert_eq!(found.gain_within, Share { cells: 19, share: 4.0 / 19.0 });
     }
 }

@@ -13,7 +13,9 @@ the engine answers from the log alone; labels are sealed until it has. This page
 Size is the rms of the part of the effect that calibration cannot absorb over the rms of the noise floor, over all samples of all
 channels, each in units of its own noise; calibration may move what is declared uncertain by four declared deviations. A share counts the
 cells in which the plant can show the wanted size at all. An equivalent cause is one that imitates the hidden effect
-on that log but for a rest of size .1.
+on that log but for a rest of size .1. Parameter errors and intervals are those of cells whose first cause is right, whose number stands
+beside them; of a size with several parameters (the two parts of a phase) the error is |found - hidden| over |hidden|. Predicted
+and realised gain are compared in every cell of size .5 and more with a cause and a predicted gain, right or wrong.
 
 Plants: `rotary`, a friction rig with drive torque and friction torque; `linear`, a cylinder of which only the force is
 measured; `bench`, transmission bench B. `misalignment` needs the bearing in two planes and is not among the cells.

@@ -91,13 +91,16 @@ pub struct Figures {
     /// Expected calibration error over all arms.
     #[serde(default)]
     pub calibration_error_of_all: Option<f64>,
-    /// Share of 95 % intervals that hold the truth.
+    /// Share of 95 % intervals that hold the truth, of first causes that are right.
     pub covered: Share,
-    /// Median relative parameter error at size 1.
+    /// Median relative parameter error at size 1, of first causes that are right.
     pub parameter_error: Option<f64>,
-    /// Median of realised over predicted held-out gain, less 1, without sign.
+    /// Cells behind that error.
+    #[serde(default)]
+    pub parameter_cells: usize,
+    /// Median of realised over predicted held-out gain, less 1, without sign, of all cells with a cause at sizes of .5 and more.
     pub gain_error: Option<f64>,
-    /// Share of cells with a realised gain within 20 % of the predicted.
+    /// Share of those cells with a realised gain within 20 % of the predicted.
     pub gain_within: Share,
     /// Longest and median wall time of the engine in s.
     pub engine_s: (f64, f64),
@@ -157,6 +160,8 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
     let gains: Vec<&Outcome> =
         clear.iter().filter(|o| o.realised.is_some() && o.predicted.is_some()).copied().collect();
     let gain = |o: &Outcome| (o.realised.unwrap_or(0.0) / o.predicted.unwrap_or(1.0) - 1.0).abs();
+    let parameter_errors: Vec<f64> =
+        single.iter().filter(|o| size(o) == 1.0).filter_map(|o| o.parameter_error).collect();
     let named: Vec<&Outcome> = pair.iter().filter(|o| o.in_group == 2).copied().collect();
     let hopeless = |o: &Outcome| o.proposed.as_deref().is_some_and(|words| words.starts_with("none of"));
     let asked: Vec<&Outcome> = named.iter().filter(|o| !hopeless(o)).copied().collect();
@@ -216,9 +221,8 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         calibration_of_all,
         calibration_error_of_all,
         covered: share(&covered, |o| o.covered == Some(true)),
-        parameter_error: median(
-            single.iter().filter(|o| size(o) == 1.0).filter_map(|o| o.parameter_error).collect(),
-        ),
+        parameter_cells: parameter_errors.len(),
+        parameter_error: median(parameter_errors),
         gain_error: median(gains.iter().map(|o| gain(o)).collect()),
         gain_within: share(&gains, |o| gain(o) <= 0.2),
         engine_s: (times.last().copied().unwrap_or_default(), median(times).unwrap_or_default()),
