@@ -43,7 +43,7 @@ pub(super) fn gains(diagnosis: &Diagnosis) -> Table {
     }
 }
 
-/// What the logs look like and what was done to them. Notes are left out where there is something graver, unless asked for.
+/// What the logs look like and what was done to them, the gravest first; notes too.
 pub(super) fn checks(diagnosis: &Diagnosis) -> Table {
     let row = |f: &Finding| {
         let short = f.log.rsplit(['/', '\\']).next().unwrap_or(&f.log);

@@ -1,8 +1,9 @@
 //! The same question asked in another way: the answer has to stay.
 //!
-//! Foreign names, units and signs; other time stamps; other order of the columns; the log twice; a second session (intervals
-//! shrink by about the root of two); the residual shuffled (nothing is left to find); a counter beside the signals, which is no
-//! cause.
+//! Foreign names, units and signs; other time stamps; other order of the columns, or a counter before them, in a file without names
+//! whose columns the description tells by number; the log twice; a second session (intervals shrink by about the root of two);
+//! the residual shuffled (nothing is left to find). Order and counter put the reader to the test, not the engine, which
+//! knows channels by name and nothing else.
 
 use super::CampaignError;
 use super::compare::Outcome;
@@ -19,6 +20,9 @@ use std::time::Instant;
 
 /// The changes, in the order of a cell's variants.
 pub const CHANGES: [&str; 7] = ["units", "time", "order", "twice", "more", "shuffled", "counter"];
+
+/// Name of the column that counts rows.
+const COUNTER: &str = "counter";
 
 /// Foreign columns: names, factors from SI to what the log says, by plant.
 fn foreign(plant: Plant) -> &'static [(&'static str, &'static str, f64)] {
@@ -52,21 +56,29 @@ fn csv(names: &[String], rows: &[Vec<f64>]) -> String {
     text
 }
 
-/// The log with another clock, another order or a counter.
-fn rewritten(change: &str, text: &str) -> String {
-    let (mut names, mut rows) = table(text);
-    match change {
-        "time" => rows.iter_mut().filter_map(|r| r.first_mut()).for_each(|t| *t += 4321.5),
-        "order" => {
-            names.reverse();
-            rows.iter_mut().for_each(|r| r.reverse());
-        }
-        _ => {
-            names.push("counter".into());
-            rows.iter_mut().enumerate().for_each(|(i, r)| r.push(i as f64));
-        }
-    }
+/// The log with another clock.
+fn later(text: &str) -> String {
+    let (names, mut rows) = table(text);
+    rows.iter_mut().filter_map(|r| r.first_mut()).for_each(|t| *t += 4321.5);
     csv(&names, &rows)
+}
+
+/// The log without names, in another order or with a counter in front, and the tables that tell the columns by number.
+fn numbered(change: &str, text: &str) -> (String, String) {
+    let (mut names, mut rows) = table(text);
+    if change == "order" {
+        names.reverse();
+        rows.iter_mut().for_each(|r| r.reverse());
+    } else {
+        names.insert(0, COUNTER.into());
+        rows.iter_mut().enumerate().for_each(|(i, r)| r.insert(0, i as f64));
+    }
+    let mut tables = String::from("\n[log]\nheader = false\n\n[columns]\n");
+    for (i, name) in names.iter().enumerate().filter(|(_, n)| *n != COUNTER) {
+        let _ = writeln!(tables, "{name} = {{ from = {i} }}");
+    }
+    let text = csv(&names, &rows);
+    (text.split_once('\n').map_or("", |(_, rows)| rows).to_owned(), tables)
 }
 
 /// The log in foreign units and signs, with the tables that say so.
@@ -134,8 +146,9 @@ pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
     let answer = desk.ask(&bench, std::slice::from_ref(&log), &[])?;
     outcome.engine_s = start.elapsed().as_secs_f64();
     let again = match change {
-        "units" => {
-            let (text, tables) = translated(cell.plant, &text);
+        "units" | "order" | "counter" => {
+            let (text, tables) =
+                if change == "units" { translated(cell.plant, &text) } else { numbered(change, &text) };
             let description = format!("{}{tables}", cell.plant.description());
             let bench = Bench::parse("foreign.toml", &description).map_err(|e| desk.failed(&e))?;
             let log = desk.log("foreign", &text, &bench)?;
@@ -148,7 +161,7 @@ pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
             desk.ask(&bench, &[log, second], &[])?
         }
         "shuffled" => desk.ask(&bench, &[shuffled(&log, &answer, &mut noise)], &[])?,
-        _ => desk.ask(&bench, &[desk.log("changed", &rewritten(change, &text), &bench)?], &[])?,
+        _ => desk.ask(&bench, &[desk.log("changed", &later(&text), &bench)?], &[])?,
     };
     let label = sealed.open(&Answer::write(desk.folder, &name, &(&answer, &again))?)?;
     outcome.judge(&answer, &label);
@@ -188,10 +201,32 @@ mod tests {
     }
 
     #[test]
-    fn a_changed_log_holds_the_same_samples() {
+    fn a_log_told_by_number_is_read_back_as_the_same_numbers() {
+        let mut noise = Noise::new(8);
+        let text = Session::draw(Plant::Linear, 0.8, Point::default(), &mut noise).log(&[], &mut noise);
+        let read = |text: &str, tables: &str| {
+            let bench = Bench::parse("a", &format!("{}{tables}", Plant::Linear.description())).unwrap();
+            let log = MeasuredLog::parse("a.csv", text, &bench.log_format()).unwrap();
+            (log.time_s, log.channels)
+        };
+        for (change, first) in [("order", "drive_force_n"), ("counter", "t_s")] {
+            let (other, tables) = numbered(change, &text);
+            assert!(
+                tables.contains(&format!("{first} = {{ from = {} }}", usize::from(change == "counter"))),
+                "{tables}"
+            );
+            assert_eq!(read(&other, &tables), read(&text, ""), "{change}");
+            // The tables of the other file fail on this one, or read other numbers.
+            let (_, tables) = numbered(if change == "order" { "counter" } else { "order" }, &text);
+            let bench = Bench::parse("b", &format!("{}{tables}", Plant::Linear.description())).unwrap();
+            let wrong = MeasuredLog::parse("b.csv", &other, &bench.log_format());
+            assert!(wrong.is_err() || wrong.is_ok_and(|w| (w.time_s, w.channels) != read(&text, "")));
+        }
+    }
+
+    #[test]
+    fn a_later_log_holds_the_same_samples() {
         let text = "t_s,a,b\n1,2,3\n4,5,6\n";
-        assert_eq!(table(&rewritten("order", text)).1, [vec![3.0, 2.0, 1.0], vec![6.0, 5.0, 4.0]]);
-        assert_eq!(table(&rewritten("time", text)).1[0], [4322.5, 2.0, 3.0]);
-        assert_eq!(table(&rewritten("counter", text)).1[1], [4.0, 5.0, 6.0, 1.0]);
+        assert_eq!(table(&later(text)).1, [[4322.5, 2.0, 3.0], [4325.5, 5.0, 6.0]]);
     }
 }

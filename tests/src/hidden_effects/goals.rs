@@ -71,7 +71,7 @@ impl Figures {
         ]
     }
 
-    /// Goals that are missed by more than they were in `golden`, and changes of what was asked; wall times are left out.
+    /// Goals that are missed by more than they were in `golden` or that nothing was found for any more, and changes of what was asked; wall times are left out.
     pub fn worse_than(&self, golden: &Self) -> Vec<String> {
         let mut worse = Vec::new();
         if self.ran != golden.ran {
@@ -79,7 +79,8 @@ impl Figures {
         }
         for (found, before) in self.goals().iter().zip(golden.goals()) {
             let allowed = before.missed_by().map_or(0.0, |m| m + 1e-9);
-            if !found.name.contains("wall time") && found.missed_by().is_some_and(|m| m > allowed) {
+            let lost = before.found.is_some() && found.found.is_none();
+            if !found.name.contains("wall time") && (lost || found.missed_by().is_some_and(|m| m > allowed)) {
                 worse.push(format!("{}: found {:?}, golden {:?}", found.name, found.found, before.found));
             }
         }
@@ -191,5 +192,19 @@ mod tests {
         let goal = |name: &str| found.goals().into_iter().find(|g| g.name.starts_with(name)).unwrap();
         assert_eq!((goal("parameter error").found, goal("parameter error").cells), (Some(0.02), 4));
         assert_eq!(found.gain_within, Share { cells: 19, share: 4.0 / 19.0 });
+    }
+
+    #[test]
+    fn a_figure_that_is_gone_is_worse_and_cells_of_every_arm_that_were_not_asked_are_counted() {
+        let found = figures("2026-01-01", &campaign(), &answers(|arm| arm == Arm::Single));
+        let mut gone = found.clone();
+        gone.calibration_error_of_all = None;
+        assert!(found.worse_than(&found).is_empty());
+        let worse = gone.worse_than(&found);
+        assert!(worse[0].starts_with("calibration error over all arms: found None"), "{worse:?}");
+        let none: Vec<Outcome> = campaign().cells().iter().map(Outcome::new).collect();
+        let unasked = figures("2026-01-01", &campaign(), &none).out_of_reach;
+        assert_eq!(unasked.values().sum::<usize>(), campaign().cells().len());
+        assert_eq!(unasked["deleted linear drive-lag"], 1, "{unasked:?}");
     }
 }

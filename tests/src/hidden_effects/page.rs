@@ -166,7 +166,11 @@ pub fn page(figures: &Figures) -> String {
         row(&mut page, &[hidden, &names.join(", ")]);
     }
     if !figures.out_of_reach.is_empty() {
-        head(&mut page, "Sizes out of the plant's reach", &["plant, effect", "cells"]);
+        head(
+            &mut page,
+            "Cells that were not asked: the size is out of the plant's reach, or the pair does not look alike",
+            &["arm, plant, effects", "cells"],
+        );
         for (name, n) in &figures.out_of_reach {
             row(&mut page, &[name, &n.to_string()]);
         }

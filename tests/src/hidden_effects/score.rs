@@ -52,7 +52,8 @@ pub struct Figures {
     pub campaign: Option<Campaign>,
     /// Cells that ran, by plant.
     pub ran: BTreeMap<String, usize>,
-    /// Cells whose plant could not show the wanted size, by effect.
+    /// Cells of every arm that were not asked, by arm, plant and effects: the plant cannot show the wanted size, or a pair does
+    /// not look alike.
     pub out_of_reach: BTreeMap<String, usize>,
     /// Clean logs: share with any answer but `none`, by plant.
     pub false_alarms: BTreeMap<String, Share>,
@@ -171,8 +172,9 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         *confusion.entry(effect(outcome)).or_default().entry(first.into()).or_default() += 1;
     }
     let mut out_of_reach = BTreeMap::new();
-    for outcome in outcomes.iter().filter(|o| !o.shown() && o.cell.arm == Arm::Single) {
-        *out_of_reach.entry(format!("{} {}", outcome.cell.plant.name(), effect(outcome))).or_default() += 1;
+    for cell in outcomes.iter().filter(|o| !o.shown()).map(|o| &o.cell) {
+        let words = format!("{:?} {} {}", cell.arm, cell.plant.name(), cell.effects.join(" + "));
+        *out_of_reach.entry(words.to_lowercase()).or_default() += 1;
     }
     let mut times: Vec<f64> = shown.iter().map(|o| o.engine_s).collect();
     times.sort_by(f64::total_cmp);
