@@ -19,7 +19,7 @@ pub(crate) enum Use {
     Skip,
     /// Fitted.
     Fit,
-    /// Held out: only compared.
+    /// Held out: nothing is fitted on it; it counts in the noise floors and in the choice between causes.
     Held,
 }
 

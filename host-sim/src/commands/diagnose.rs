@@ -19,7 +19,9 @@ pub struct DiagnoseArgs {
     /// Measured logs of one bench: CSV, Parquet or MAT-files (version 5 to 7).
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
-    /// Logs that are only compared; without them a part of each log is held out.
+    /// Logs on which nothing is fitted; without them a part of each log is held out.
+    ///
+    /// They count in the noise floors and in the choice between causes: a log that shall judge the answer is to be kept back from both.
     #[arg(long, value_name = "LOG", num_args = 1..)]
     pub held_out: Vec<PathBuf>,
     /// The bench as it is believed to be.

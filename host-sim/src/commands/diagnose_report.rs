@@ -105,7 +105,7 @@ fn samples(diagnosis: &Diagnosis) -> String {
         }
     }
     format!(
-        "{} log{}: {fitted} samples were fitted, {held_out} only compared; the start transient is left out.",
+        "{} log{}: {fitted} samples were fitted, {held_out} held out; the start transient is left out.",
         logs.len(),
         if logs.len() == 1 { "" } else { "s" }
     )
