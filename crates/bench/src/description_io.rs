@@ -1,6 +1,6 @@
 //! Reading, checking, presetting and writing bench descriptions.
 
-use crate::description::{Bench, DescriptionError};
+use crate::description::{Bench, DescriptionError, Nuisances};
 use crate::log_format::LogFormat;
 use crate::sensor::Sensor;
 use crate::{atomic, channel::Channel, effects::Effect};
@@ -99,6 +99,22 @@ impl Bench {
         }
     }
 
+    /// What the description declares as a session's own.
+    pub fn nuisances(&self) -> &Nuisances {
+        match self {
+            Self::Transmission(bench) => &bench.nuisances,
+            Self::FrictionRig(rig) => &rig.nuisances,
+        }
+    }
+
+    /// Sets the rise of the bearing's temperature over its surroundings at the first sample, K.
+    pub fn set_temperature_start_k(&mut self, rise_k: f64) {
+        match self {
+            Self::Transmission(bench) => bench.extension.temperature_start_k = rise_k,
+            Self::FrictionRig(rig) => rig.extension.temperature_start_k = rise_k,
+        }
+    }
+
     /// How a foreign log is read.
     pub fn log_format(&self) -> LogFormat {
         match self {
@@ -121,6 +137,12 @@ impl Bench {
         let effects = std::mem::take(bench.effects_mut());
         for effect in &effects {
             effect.apply(&mut bench);
+        }
+        // Where no friction follows temperature, none shows: benches that differ by it alone are one bench.
+        match &mut bench {
+            Self::Transmission(b) if b.extension.thermal.is_none() => b.extension.temperature_start_k = 0.0,
+            Self::FrictionRig(r) if r.extension.thermal.is_none() => r.extension.temperature_start_k = 0.0,
+            _ => {}
         }
         bench
     }

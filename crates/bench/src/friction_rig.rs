@@ -145,7 +145,8 @@ pub fn efforts(
         || extension.presliding_distance_m > 0.0
         || extension.breakaway.is_some()
         || extension.thermal.is_some();
-    let (mut memory, mut last) = (AxisMemory::default(), start_s);
+    let (mut memory, mut last) =
+        (AxisMemory { rise_k: extension.temperature_start_k, ..AxisMemory::default() }, start_s);
     let at = |&t: &f64| {
         if has_memory {
             // The memory is marched in steps that follow the speed.

@@ -47,7 +47,8 @@ fn parameter(p: &EffectParameter) -> String {
     let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
     let default = if p.is_size { String::new() } else { format!(", {} unless given", number(p.default)) };
     let (least, most, prior) = (number(p.least), number(p.most), number(p.prior));
-    format!("`{}`{unit}: {least} to {most}{default}, prior {prior}", p.name)
+    let factor = if p.is_factor { "a factor of " } else { "" };
+    format!("`{}`{unit}: {least} to {most}{default}, prior {factor}{prior}", p.name)
 }
 
 fn row(kind: &EffectKind) -> String {

@@ -59,6 +59,9 @@ impl Bench {
                 "t_s or a channel with its unit, such as position_m",
             );
         }
+        if let Some((field, found, expected)) = self.nuisances().refusal() {
+            return refuse(field, found, &expected);
+        }
         let mut probe = self.clone();
         for (name, deviation) in self.uncertain() {
             if probe.parameter_mut(name).is_none() {

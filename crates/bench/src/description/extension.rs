@@ -127,6 +127,8 @@ pub struct Extension {
     pub presliding_distance_m: f64,
     /// Friction over temperature.
     pub thermal: Option<ThermalTerm>,
+    /// Temperature rise at the first sample, K: a session's own, set by no effect.
+    pub temperature_start_k: f64,
     /// Compliance of the hydraulic column between drive cylinder and fork, m/N.
     pub hydraulic_compliance_m_n: f64,
     /// Lag of the fork behind the drive cylinder, s.
@@ -160,6 +162,8 @@ pub struct AxisExtension {
     pub presliding_distance_m: f64,
     /// Friction over temperature.
     pub thermal: Option<ThermalTerm>,
+    /// Temperature rise at the first sample, K: a session's own, set by no effect.
+    pub temperature_start_k: f64,
     /// Lag of the axis behind its logged motion, s.
     pub drive_lag_s: f64,
     /// Ripple of the load over time, N.

@@ -1,6 +1,6 @@
 //! Description of a single driven axis with a measured effort.
 
-use super::{AxisExtension, BearingMaterial, Load, Logging, is_zero};
+use super::{AxisExtension, BearingMaterial, Load, Logging, Nuisances, is_zero};
 use crate::channel::Channel;
 use crate::effects::Effect;
 use crate::log_format::{Columns, TextFormat};
@@ -97,6 +97,9 @@ pub struct FrictionRig {
     /// Standard deviation of what calibration may move, by parameter name.
     #[serde(default)]
     pub uncertain: BTreeMap<String, f64>,
+    /// What is a session's own.
+    #[serde(default, skip_serializing_if = "Nuisances::is_empty")]
+    pub nuisances: Nuisances,
     /// How a foreign log is read.
     #[serde(default, skip_serializing_if = "TextFormat::is_default")]
     pub log: TextFormat,

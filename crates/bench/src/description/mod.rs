@@ -14,12 +14,14 @@ mod check;
 mod extension;
 mod friction_rig;
 mod laws;
+mod nuisances;
 mod ranges;
 mod transmission;
 
 pub use extension::*;
 pub use friction_rig::*;
 pub use laws::integrates_friction;
+pub use nuisances::Nuisances;
 pub(crate) use ranges::shown;
 pub use transmission::*;
 

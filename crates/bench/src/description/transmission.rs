@@ -1,6 +1,6 @@
 //! Description of the transmission bench.
 
-use super::{BearingMaterial, Extension, Load, Logging, is_one, is_zero, one};
+use super::{BearingMaterial, Extension, Load, Logging, Nuisances, is_one, is_zero, one};
 use crate::channel::Channel;
 use crate::effects::Effect;
 use crate::law_names::{DampingName, DissipationName, FrictionName, StiffnessName, WholeName};
@@ -259,6 +259,9 @@ pub struct TransmissionBench {
     /// Standard deviation of what calibration may move, by parameter name.
     #[serde(default)]
     pub uncertain: BTreeMap<String, f64>,
+    /// What is a session's own.
+    #[serde(default, skip_serializing_if = "Nuisances::is_empty")]
+    pub nuisances: Nuisances,
     /// How a foreign log is read.
     #[serde(default, skip_serializing_if = "TextFormat::is_default")]
     pub log: TextFormat,

@@ -65,6 +65,8 @@ pub struct EffectParameter {
     pub most: f64,
     /// Standard deviation of what real benches show, around the default. Wide: it only holds what a log does not tell.
     pub prior: f64,
+    /// Whether the prior is a factor: the parameter is positive and may be of any order of magnitude.
+    pub is_factor: bool,
     /// Value where a description gives none: 0 for a size.
     pub default: f64,
     /// Whether it is a size, at whose 0 the effect is gone; else it shapes the effect.
@@ -80,7 +82,7 @@ impl EffectParameter {
         [least, most]: [f64; 2],
         prior: f64,
     ) -> Self {
-        Self { name, unit, scale, least, most, prior, default: 0.0, is_size: true }
+        Self { name, unit, scale, least, most, prior, is_factor: false, default: 0.0, is_size: true }
     }
 
     /// A shape: what the effect looks like while its size is not 0.
@@ -91,7 +93,18 @@ impl EffectParameter {
         [least, most]: [f64; 2],
         prior: f64,
     ) -> Self {
-        Self { name, unit, scale: prior, least, most, prior, default, is_size: false }
+        Self { name, unit, scale: prior, least, most, prior, is_factor: false, default, is_size: false }
+    }
+
+    /// A shape that may be of any order of magnitude; `factor` is one standard deviation, up or down.
+    pub(super) const fn magnitude(
+        name: &'static str,
+        unit: &'static str,
+        default: f64,
+        [least, most]: [f64; 2],
+        factor: f64,
+    ) -> Self {
+        Self { name, unit, scale: 1.0, least, most, prior: factor, is_factor: true, default, is_size: false }
     }
 }
 

@@ -3,7 +3,7 @@
 //! Bearing: the coefficient grows by `rise e^(-|v|/v_s)`; axis: the effort by the same with an effort for `rise`. Stribeck's
 //! curve in Tustin's exponential form (Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30, 1994). Parameters: `coefficient_rise`
 //! (-1 to 2, prior 0.1) or `effort_rise` in N or N m (within 1e9, prior 1e3); `speed_m_s` at the friction radius, 1e-4 to 1,
-//! 0.01 unless given, prior 0.01.
+//! 0.01 unless given, prior a factor of 10.
 //! In a log: friction peaks on both sides of every reversal, narrow in speed.
 //! Confounded with static friction after a rest (peaks on one side only), with pre-sliding, and over a narrow range of speeds
 //! with viscous friction of negative sign.
@@ -12,7 +12,7 @@ use super::kind::{EffectKind, EffectParameter, Guess, Plant};
 use crate::channel::Channel;
 use crate::description::{Bench, StribeckTerm};
 
-const SPEED: EffectParameter = EffectParameter::shape("speed_m_s", "m/s", 0.01, [1e-4, 1.0], 0.01);
+const SPEED: EffectParameter = EffectParameter::magnitude("speed_m_s", "m/s", 0.01, [1e-4, 1.0], 10.0);
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "stribeck-friction",

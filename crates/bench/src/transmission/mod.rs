@@ -180,6 +180,7 @@ impl Transmission {
         state[1] = -self.radial_clearance_m * (1.0 - START_GAP_SHARE);
         state[4] = sine.asin();
         state[5] = drive.rate / (self.drive_lever_m * cosine);
+        state[RISE] = self.extension.temperature_start_k;
         if self.shaft.is_some() {
             [state[LOAD_ANGLE], state[LOAD_SPEED]] = [state[4], state[5]];
         }

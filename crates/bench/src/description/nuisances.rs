@@ -1,0 +1,126 @@
+//! What changes from session to session and is no effect: `[nuisances]` of a description.
+//!
+//! A session is one log. Each one gets its own value of every declared nuisance, drawn from a normal distribution around 0 with the
+//! declared standard deviation; a diagnosis estimates it beside the uncertain parameters, for that log alone.
+//!
+//! | key | unit | what |
+//! | --- | --- | --- |
+//! | `temperature_start_k` | K, 0 to 1000 | rise of the bearing's temperature over its surroundings at a log's first sample; shows where friction follows temperature (`thermal-friction-drift`) |
+//! | `offset.<channel>` | the channel's, 0 to 1e12 | constant added to an output's readings |
+//! | `delay_s.<channel>` | s, 0 to 10 | how far an output's clock runs behind that of the inputs (negative draws: ahead) |
+//!
+//! Inputs have none: what is wrong with them would go through the whole simulation.
+
+use super::shown;
+use crate::channel::{Channel, Role};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Largest declared temperature in K, offset in the channel's unit, delay in s.
+const MOST_TEMPERATURE_K: f64 = 1e3;
+const MOST_OFFSET: f64 = 1e12;
+const MOST_DELAY_S: f64 = 10.0;
+
+/// Standard deviations of what is a session's own; 0 or absent: none.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Nuisances {
+    /// Rise of the bearing's temperature over its surroundings at a log's first sample, K.
+    #[serde(default, skip_serializing_if = "super::is_zero")]
+    pub temperature_start_k: f64,
+    /// Constant added to the readings of an output, in its unit.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub offset: BTreeMap<Channel, f64>,
+    /// How far the clock of an output runs behind that of the inputs, s.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub delay_s: BTreeMap<Channel, f64>,
+}
+
+impl Nuisances {
+    /// Whether nothing is declared.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Field, what was found and what is expected, where a description may not say so.
+    pub(crate) fn refusal(&self) -> Option<(String, String, String)> {
+        let tables = [("offset", &self.offset, MOST_OFFSET), ("delay_s", &self.delay_s, MOST_DELAY_S)];
+        let of_channels = tables.into_iter().flat_map(|(table, values, most)| {
+            values.iter().map(move |(c, v)| (format!("nuisances.{table}.{c}"), Some(*c), *v, most))
+        });
+        let temperature =
+            ("nuisances.temperature_start_k".to_owned(), None, self.temperature_start_k, MOST_TEMPERATURE_K);
+        for (field, channel, value, most) in std::iter::once(temperature).chain(of_channels) {
+            if channel.is_some_and(|c| c.role() == Role::Input) {
+                let expected = "an output, which is compared with the simulation, such as drive_force_n";
+                return Some((field, "of an input".into(), expected.into()));
+            }
+            if !(0.0..=most).contains(&value) {
+                return Some((field, shown(value), format!("a standard deviation, 0 to {}", shown(most))));
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+mod tests {
+    use crate::{Bench, PRESETS};
+
+    fn parsed(table: &str) -> Result<Bench, String> {
+        let (_, text) = PRESETS.iter().find(|(name, _)| *name == "friction-rig").unwrap();
+        Bench::parse("x.toml", &format!("{text}\n{table}")).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn nuisances_are_read_written_and_absent_unless_declared() {
+        let bench = parsed(
+            "[nuisances]\ntemperature_start_k = 5.0\n[nuisances.offset]\ndrive_torque_nm = 0.5\n\
+             [nuisances.delay_s]\ndrive_torque_nm = 2e-3\n",
+        )
+        .unwrap();
+        let declared = bench.nuisances();
+        assert_eq!(declared.temperature_start_k, 5.0);
+        assert_eq!(
+            declared.offset.values().chain(declared.delay_s.values()).collect::<Vec<_>>(),
+            [&0.5, &2e-3]
+        );
+        assert_eq!(Bench::parse("again", &bench.to_toml().unwrap()).unwrap(), bench);
+        for (name, _) in PRESETS {
+            let preset = Bench::open(name).unwrap();
+            assert!(
+                preset.nuisances().is_empty() && !preset.to_toml().unwrap().contains("nuisances"),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_field_what_was_found_and_what_is_expected() {
+        for (table, expected) in [
+            (
+                "[nuisances]\ntemperature_start_k = -1.0",
+                "nuisances.temperature_start_k is -1; expected a standard",
+            ),
+            ("[nuisances]\nhumidity = 1.0", "unknown field `humidity`"),
+            (
+                "[nuisances.offset]\ndrive_torque_nm = -0.5",
+                "nuisances.offset.drive_torque_nm is -0.5; expected",
+            ),
+            ("[nuisances.offset]\ntorque = 0.5", "unknown variant `torque`"),
+            (
+                "[nuisances.offset]\nload_force_n = 9.0",
+                "nuisances.offset.load_force_n is of an input; expected an output",
+            ),
+            (
+                "[nuisances.delay_s]\ndrive_torque_nm = nan",
+                "nuisances.delay_s.drive_torque_nm is NaN; expected",
+            ),
+            ("[nuisances.delay_s]\ndrive_torque_nm = 11.0", "is 11; expected a standard deviation, 0 to 10"),
+        ] {
+            let error = parsed(table).unwrap_err();
+            assert!(error.starts_with("x.toml") && error.contains(expected), "{error}");
+        }
+    }
+}
