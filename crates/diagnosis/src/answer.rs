@@ -1,14 +1,14 @@
 //! The parts of the result, from the model that the selection ended with.
 
+use crate::calibration::{Calibrated, SessionNuisance};
 use crate::noise::NoiseModel;
+use crate::parameter::Parameter;
 use crate::repeats::repeats;
-use crate::result::{Calibrated, Cause, Noise, ParameterEstimate, Ranked, Series};
+use crate::result::{Cause, Noise, ParameterEstimate, Ranked, Series};
 use crate::select::{Contender, Stage};
 use crate::session::{Block, Columns, Data, Use};
+use crate::spread::NINETY_FIVE;
 use crate::verdict::End;
-
-/// Factor of a standard deviation to a 95 % interval.
-const NINETY_FIVE: f64 = 1.96;
 
 /// The causes; `known` is the share of all that is not unknown.
 pub(crate) fn estimates(end: &End, known: f64) -> Vec<Cause> {
@@ -45,6 +45,34 @@ pub(crate) fn calibrated(end: &End) -> Vec<Calibrated> {
             deviation: d * p.scale,
         })
         .collect()
+}
+
+/// What each session has of its own, the fitted ones first.
+pub(crate) fn nuisances(data: &Data, end: &End) -> Vec<SessionNuisance> {
+    let source = |number: usize| data.sessions.iter().find(|s| s.number == number).map(|s| s.source.clone());
+    let of = |p: &Parameter, z: f64, deviation: f64, held_out: bool| {
+        let nuisance = p.nuisance()?;
+        Some(SessionNuisance {
+            session: nuisance.session,
+            source: source(nuisance.session)?,
+            name: nuisance.field(),
+            channel: nuisance.channel(),
+            value: p.value(z),
+            unit: p.unit.clone(),
+            deviation: deviation * p.scale,
+            declared_deviation: p.scale,
+            deviations_off: z,
+            held_out,
+        })
+    };
+    let fitted = end.model.parameters.iter().zip(&end.z).zip(&end.deviations);
+    let mut out: Vec<SessionNuisance> = fitted.filter_map(|((p, &z), &d)| of(p, z, d, false)).collect();
+    if let Some(fit) = &end.held_out {
+        let deviations = fit.deviations();
+        let settled = fit.model.parameters.iter().zip(&fit.z).zip(&deviations);
+        out.extend(settled.filter_map(|((p, &z), &d)| of(p, z, d, true)));
+    }
+    out
 }
 
 pub(crate) fn noises(data: &Data, noise: &NoiseModel, before: &Columns) -> Vec<Noise> {

@@ -94,7 +94,9 @@ fn separations(
         log
     };
     let logs: Vec<MeasuredLog> = plan.iter().map(log).collect();
-    let planned = Data::new(bench, &logs, &[]).ok()?;
+    let mut planned = Data::new(bench, &logs, &[]).ok()?;
+    // They have none of the nuisances of the sessions at hand.
+    planned.sessions.iter_mut().for_each(|s| s.number += data.sessions.len());
     let trouble = trouble(bench, noise, &planned)?;
     let here = simulate(&planned, &best.1.at(best.2), None).ok()?;
     let apart = |rival: &Contender| {

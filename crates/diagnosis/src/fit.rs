@@ -8,8 +8,10 @@
 //! the number of threads changes nothing. A parameter that only concerns a sensor needs no simulation.
 
 use crate::linear::{dot, factor, gram, project};
-use crate::model::{Model, Parameter};
+use crate::model::Model;
 use crate::noise::NoiseModel;
+use crate::nuisance::PerSession;
+use crate::parameter::Parameter;
 use crate::session::{Columns, Data};
 use crate::step::bounded_step;
 use bench::Bench;
@@ -26,8 +28,8 @@ const ENOUGH_SHARE: f64 = 3e-4;
 
 /// A bench simulated under all sessions.
 pub(crate) struct Simulation {
-    /// Resolved and without sensors: what the truths depend on.
-    plant: Bench,
+    /// Resolved and without sensors, one a session: what the truths depend on.
+    plants: Vec<Bench>,
     truths: Vec<Response>,
     pub(crate) columns: Columns,
 }
@@ -41,21 +43,22 @@ fn without_sensors(resolved: &Bench) -> Bench {
     bench
 }
 
-/// Simulates a bench; takes the truths of `known` where the plant is the same.
+/// Simulates a bench, or one a session; takes the truths of `known` where a session's plant is the same.
 pub(crate) fn simulate(
     data: &Data,
-    bench: &Bench,
+    benches: &impl PerSession,
     known: Option<&Simulation>,
 ) -> Result<Simulation, RespondError> {
-    let resolved = bench.resolved();
-    let plant = without_sensors(&resolved);
-    let truths = match known {
-        Some(known) if known.plant == plant => known.truths.clone(),
-        _ => data.sessions.par_iter().map(|s| truth(&resolved, &s.inputs)).collect::<Result<Vec<_>, _>>()?,
+    let resolved: Vec<Bench> = data.sessions.iter().map(|s| benches.of(s.number).resolved()).collect();
+    let plants: Vec<Bench> = resolved.iter().map(without_sensors).collect();
+    let truth_of = |i: usize| {
+        let same = known.filter(|k| k.plants.get(i) == plants.get(i)).and_then(|k| k.truths.get(i));
+        same.map_or_else(|| truth(&resolved[i], &data.sessions[i].inputs), |truth| Ok(truth.clone()))
     };
-    let responses: Vec<Response> =
-        data.sessions.iter().zip(&truths).map(|(s, t)| sensed(&resolved, &s.inputs, t)).collect();
-    Ok(Simulation { plant, truths, columns: data.columns(&responses) })
+    let truths = (0..resolved.len()).into_par_iter().map(truth_of).collect::<Result<Vec<_>, _>>()?;
+    let sessions = data.sessions.iter().zip(&resolved).zip(&truths);
+    let responses: Vec<Response> = sessions.map(|((s, bench), t)| sensed(bench, &s.inputs, t)).collect();
+    Ok(Simulation { plants, truths, columns: data.columns(&responses) })
 }
 
 /// A fitted model.

@@ -1,7 +1,8 @@
 //! Error on held-out samples before and after, with intervals from a block bootstrap.
 
-use crate::fit::{Fit, simulate};
+use crate::fit::Fit;
 use crate::noise::NoiseModel;
+use crate::nuisance::simulate_all;
 use crate::result::Gain;
 use crate::session::{Columns, Data, Use};
 use bench::Channel;
@@ -76,7 +77,7 @@ pub(crate) fn improves(
     after: &Fit,
 ) -> Result<bool, RespondError> {
     let residual = |fit: &Fit| -> Result<Columns, RespondError> {
-        Ok(data.residual(&simulate(data, &fit.model.at(&fit.z), None)?.columns))
+        Ok(data.residual(&simulate_all(data, noise, &fit.model, &fit.z)?.0.columns))
     };
     let (b, a) = (residual(before)?, residual(after)?);
     let falls: Vec<f64> = blocks(data, &b, &a)

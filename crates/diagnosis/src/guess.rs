@@ -140,7 +140,7 @@ fn frequencies(data: &Data, base: &Fit) -> Vec<Guessed> {
 
 /// The wavelengths of the highest peaks of the residual's periodogram over position: the crank's angle, or the axis' own.
 fn wavelengths(data: &Data, base: &Fit) -> Vec<Guessed> {
-    let lever = match base.model.at(&base.z) {
+    let lever = match base.model.at(&base.z).common {
         Bench::Transmission(bench) => Some(bench.geometry.drive_lever_radius_m),
         Bench::FrictionRig(_) => None,
     };

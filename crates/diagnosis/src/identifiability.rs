@@ -13,7 +13,8 @@
 //! seen where it starts.
 
 use crate::linear::factor;
-use crate::model::Parameter;
+use crate::nuisance::Nuisance;
+use crate::parameter::Parameter;
 use crate::result::Identifiability;
 use crate::verdict::End;
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -25,7 +26,7 @@ const FLAT: f64 = 0.1;
 /// Components of a unit vector that are named.
 const NAMED: f64 = 0.25;
 /// Distance from a bound in scaled units that counts as on it.
-const ON_BOUND: f64 = 1e-6;
+pub(crate) const ON_BOUND: f64 = 1e-6;
 
 /// Everything that is not well known, plain things first.
 pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
@@ -45,7 +46,18 @@ pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
         let parameters = which.iter().filter_map(|&i| names.get(i).cloned()).collect();
         out.push(Identifiability { kind, parameters, value, words });
     };
-    for i in (0..n).filter(|&i| dead[i]) {
+    // What shows in no session is said once for all of them.
+    let field = |i: usize| parameters[i].nuisance().map(Nuisance::field);
+    for name in Nuisance::FIELDS {
+        let own: Vec<usize> = (0..n).filter(|&i| dead[i] && field(i) == Some(name)).collect();
+        let most = own.iter().map(|&i| scaled[(i, i)]).fold(0.0, f64::max);
+        if let [_, ..] = own.as_slice() {
+            let words =
+                format!("the logs do not show {name}, declared of {}: it stays at 0", sessions(own.len()));
+            say("dead", &own, most, words);
+        }
+    }
+    for i in (0..n).filter(|&i| dead[i] && field(i).is_none()) {
         let words = format!("the logs do not show {}: what is reported is its prior", names[i]);
         say("dead", &[i], scaled[(i, i)], words);
     }
@@ -55,7 +67,8 @@ pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
             say("at-bound", &[i], bound, words);
         }
     }
-    for i in (0..n).filter(|&i| !dead[i] && parameters[i].precision > 0.0) {
+    // A nuisance stands beside its declaration in a table of its own.
+    for i in (0..n).filter(|&i| !dead[i] && parameters[i].precision > 0.0 && field(i).is_none()) {
         let share = end.deviations.get(i).copied().unwrap_or(f64::INFINITY) / priors[i];
         if share > PRIOR_SHARE {
             let words = format!(
@@ -105,6 +118,10 @@ pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
         say("flat-direction", &which, value.max(0.0), words);
     }
     out
+}
+
+fn sessions(count: usize) -> String {
+    format!("{count} session{}", if count == 1 { "" } else { "s" })
 }
 
 /// The bound that an estimate lies on.

@@ -9,16 +9,17 @@
 //! * `ambiguous`: as `named`, but another effect fits as well on these logs; `next_experiment` tells them apart;
 //! * `unknown`: structure repeats in the residual, and no effect explains most of it.
 //!
-//! The steps, one file each: `check` (logs read as found: what cannot be right is named and mended or left out), `session` (logs prepared, samples split into fitted and held out), `noise` (level and
-//! correlation of the sensors' noise), `model` and `fit` (parameters, least squares with priors), `guess` and `spectrum` (first guesses of
+//! The steps, one file each: `check` (logs read as found: what cannot be right is named and mended or left out), `session` (logs prepared, samples split into fitted and held out), `nuisance` (what is a session's own), `noise` (level and
+//! correlation of the sensors' noise), `model`, `parameter` and `fit` (parameters, least squares with priors), `guess` and `spectrum` (first guesses of
 //! shapes), `repeats` (what repeats from cycle to cycle), `rank` (score test and refits), `contend` (who is refitted, and how far), `select` (forward selection), `leftover` (structure in the last residual), `gain` (held-out error),
-//! `experiment` and `menu` (what to measure next), `probability` (shares of all answers), `identifiability` (what the logs do not tell), `verdict` (the rules).
+//! `experiment` and `menu` (what to measure next), `probability` (shares of all answers), `spread` (intervals), `identifiability` (what the logs do not tell), `verdict` (the rules).
 //!
 //! What this does not protect from: a cause outside the catalogue that a catalogued one imitates on the given
 //! trajectory; inputs (drive, load) that are themselves measured wrongly; a declared uncertainty that is too wide.
 #![forbid(unsafe_code)]
 
 mod answer;
+mod calibration;
 mod check;
 mod contend;
 mod cycles;
@@ -32,6 +33,8 @@ mod linear;
 mod menu;
 mod model;
 mod noise;
+mod nuisance;
+mod parameter;
 mod places;
 mod probability;
 mod rank;
@@ -40,14 +43,16 @@ mod result;
 mod select;
 mod session;
 mod spectrum;
+mod spread;
 mod step;
 mod structure;
 mod verdict;
 
+pub use calibration::{Calibrated, SessionNuisance};
 pub use check::{Finding, Severity};
 pub use places::{Place, PlaceBin};
 pub use result::{
-    Ambiguous, Calibrated, Cause, Diagnosis, Experiment, Gain, Hypothesis, Identifiability, Member, Noise,
+    Ambiguous, Cause, Diagnosis, Experiment, Gain, Hypothesis, Identifiability, Member, Noise,
     ParameterEstimate, Ranked, Recording, Separation, Series, Signature, Verdict,
 };
 pub use verdict::{DiagnosisError, Options, Progress, diagnose};

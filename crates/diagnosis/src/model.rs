@@ -2,8 +2,12 @@
 //!
 //! Every parameter is scaled: an uncertain one by its standard deviation, so that its prior is `z^2`, an effect's by a
 //! size that is visible but small; the catalogue's prior of it is then weak. A shape that a guess gave has a weaker one.
+//! What the description declares as a session's own ([`crate::nuisance`]) is scaled as what is uncertain, and moves its session only.
 
 use crate::noise::NoiseModel;
+use crate::nuisance::{Nuisance, Variants};
+use crate::parameter::{Parameter, Place};
+use crate::session::Data;
 use bench::description::AxisKind;
 use bench::effects::{Effect, EffectKind, Guess};
 use bench::{Bench, Channel};
@@ -12,17 +16,12 @@ use std::collections::BTreeMap;
 /// Least share of its described value that a positive parameter may fall to.
 const LEAST_SHARE: f64 = 0.1;
 /// Standard deviations that calibration may move a parameter: what lies farther out is a finding.
-const MOST_DEVIATIONS: f64 = 4.0;
+pub(crate) const MOST_DEVIATIONS: f64 = 4.0;
 /// Standard deviation of an offset in units of the sensor's resolution: it may lie anywhere within one of them.
 const OFFSET_SHARE: f64 = 0.577;
 /// Precision of a guessed shape's prior in its own steps: a hundred of them. Without one a step between two samples, which
 /// nothing moves while it stays between them, would have no place at all.
 const GUESS_PRECISION: f64 = 1e-4;
-/// Share of its scale below which a one-sided effect counts as absent: a column that stiff would only slow the run.
-const ABSENT_SHARE: f64 = 0.02;
-/// Steps of finite differences in scaled units.
-const NOMINAL_STEP: f64 = 0.03;
-const EFFECT_STEP: f64 = 0.1;
 
 /// A first guess of a parameter, with a step that is small against its sharpness.
 #[derive(Clone, Copy)]
@@ -53,66 +52,6 @@ impl PartialEq for Candidate {
     }
 }
 
-#[derive(Clone)]
-enum Place {
-    Nominal(String),
-    Effect { index: usize, name: &'static str, is_size: bool },
-}
-
-/// A parameter of a fit.
-#[derive(Clone)]
-pub(crate) struct Parameter {
-    place: Place,
-    pub(crate) unit: String,
-    pub(crate) centre: f64,
-    pub(crate) scale: f64,
-    least: f64,
-    most: f64,
-    /// Precision of its prior in scaled units.
-    pub(crate) precision: f64,
-}
-
-impl Parameter {
-    pub(crate) fn name(&self) -> &str {
-        match &self.place {
-            Place::Nominal(name) => name,
-            Place::Effect { name, .. } => name,
-        }
-    }
-
-    /// Whether the description declares it uncertain.
-    pub(crate) fn is_nominal(&self) -> bool {
-        matches!(self.place, Place::Nominal(_))
-    }
-
-    /// Whether an effect is gone at its 0.
-    pub(crate) fn is_size(&self) -> bool {
-        matches!(self.place, Place::Effect { is_size: true, .. })
-    }
-
-    /// Step of a finite difference in scaled units: large against the integrator's error, which moves the journal by
-    /// nanometres, small against what bends the response.
-    pub(crate) fn step(&self) -> f64 {
-        if self.is_nominal() { NOMINAL_STEP } else { EFFECT_STEP }
-    }
-
-    /// Value at a scaled one, within its bounds.
-    pub(crate) fn value(&self, z: f64) -> f64 {
-        let value = (self.centre + z * self.scale).clamp(self.least, self.most);
-        if self.least == 0.0 && value < ABSENT_SHARE * self.scale { 0.0 } else { value }
-    }
-
-    /// Bounds in scaled units.
-    pub(crate) fn bounds(&self) -> (f64, f64) {
-        ((self.least - self.centre) / self.scale, (self.most - self.centre) / self.scale)
-    }
-
-    /// Whether the effect acts in one direction only.
-    pub(crate) fn one_sided(&self) -> bool {
-        self.least == 0.0
-    }
-}
-
 /// A bench with the parameters that a fit moves.
 #[derive(Clone)]
 pub(crate) struct Model {
@@ -126,7 +65,9 @@ impl Model {
     pub(crate) fn nominal(bench: &Bench, channels: &[Channel]) -> Self {
         let mut uncertain = bench.uncertain().clone();
         for (channel, sensor) in bench.sensors().iter().filter(|(c, _)| channels.contains(c)) {
-            if sensor.resolution > 0.0 {
+            // An offset that each session may have of its own stands for it.
+            let declared = bench.nuisances().offset.get(channel).copied().unwrap_or_default();
+            if sensor.resolution > 0.0 && declared < OFFSET_SHARE * sensor.resolution {
                 uncertain
                     .entry(format!("sensors.{channel}.offset"))
                     .or_insert(OFFSET_SHARE * sensor.resolution);
@@ -146,11 +87,42 @@ impl Model {
                     scale,
                     least,
                     most: centre + MOST_DEVIATIONS * scale,
+                    is_factor: false,
                     precision: 1.0,
                 });
             }
         }
         Self { bench: bench.clone(), parameters, chosen: Vec::new() }
+    }
+
+    /// The same with every nuisance that is declared for some sessions.
+    pub(crate) fn with_nuisances(mut self, data: &Data) -> Self {
+        let own = data.sessions.iter().flat_map(|s| Nuisance::declared(&self.bench, data, s.number));
+        let parameters: Vec<Parameter> = own
+            .map(|(nuisance, deviation)| Parameter {
+                unit: nuisance.unit().into(),
+                place: Place::Session(nuisance),
+                centre: 0.0,
+                scale: deviation,
+                least: -MOST_DEVIATIONS * deviation,
+                most: MOST_DEVIATIONS * deviation,
+                is_factor: false,
+                precision: 1.0,
+            })
+            .collect();
+        self.parameters.extend(parameters);
+        self
+    }
+
+    /// Scaled parameters of sessions alone.
+    pub(crate) fn nuisances_of(&self, z: &[f64]) -> Vec<f64> {
+        let own = self.parameters.iter().zip(z).filter(|(p, _)| p.nuisance().is_some());
+        own.map(|(_, z)| *z).collect()
+    }
+
+    /// A fitted model as it stands, with nothing to move: for the nuisances of sessions that were not fitted.
+    pub(crate) fn settled(&self, z: &[f64]) -> Self {
+        Self { bench: self.at(z).common, parameters: Vec::new(), chosen: Vec::new() }
     }
 
     /// The same with one more effect.
@@ -173,6 +145,7 @@ impl Model {
             let (centre, scale, precision) = match guess {
                 Some(g) if p.is_size => (0.0, g.step, 0.0),
                 Some(g) => (g.value, g.step, GUESS_PRECISION),
+                None if p.is_factor => (p.default, 1.0, p.prior.ln().powi(-2)),
                 None => (p.default, p.scale * unit_scale, (p.scale / p.prior).powi(2)),
             };
             model.parameters.push(Parameter {
@@ -182,6 +155,7 @@ impl Model {
                 scale,
                 least: p.least,
                 most: p.most,
+                is_factor: p.is_factor,
                 precision,
             });
         }
@@ -189,8 +163,8 @@ impl Model {
         model
     }
 
-    /// The bench at scaled parameters.
-    pub(crate) fn at(&self, z: &[f64]) -> Bench {
+    /// The bench at scaled parameters, and what it is in the sessions that differ.
+    pub(crate) fn at(&self, z: &[f64]) -> Variants {
         let mut bench = self.bench.clone();
         for (parameter, &z) in self.parameters.iter().zip(z) {
             let value = parameter.value(z);
@@ -205,15 +179,22 @@ impl Model {
                         effect.parameters.insert((*name).into(), value);
                     }
                 }
+                Place::Session(_) => {}
             }
         }
-        bench
+        let mut variants = Variants { common: bench, own: BTreeMap::new() };
+        for (parameter, &z) in self.parameters.iter().zip(z) {
+            if let Some(nuisance) = parameter.nuisance() {
+                nuisance.apply(&mut variants, parameter.value(z));
+            }
+        }
+        variants
     }
 
     /// The uncertain parameter that moves the very number which the effect parameter `i` moves, with the ratio of their
     /// sensitivities.
     pub(crate) fn alias(&self, z: &[f64], i: usize) -> Option<(usize, f64)> {
-        if self.parameters[i].is_nominal() {
+        if self.parameters[i].is_declared() {
             return None;
         }
         let moved = |i: usize| {
@@ -221,9 +202,9 @@ impl Model {
             let (step, (_, most)) = (self.parameters[i].step(), self.parameters[i].bounds());
             let step = if z[i] + step > most { -step } else { step };
             there[i] += step;
-            (self.at(&there).resolved(), step)
+            (self.at(&there).common.resolved(), step)
         };
-        let mut here = self.at(z).resolved();
+        let mut here = self.at(z).common.resolved();
         let (mut effect, effect_step) = moved(i);
         for (k, parameter) in self.parameters.iter().enumerate() {
             let Place::Nominal(name) = &parameter.place else { continue };

@@ -7,8 +7,9 @@
 use crate::fit::{Effort, Fit, Simulation, fit, fit_from, sensitivities, simulate};
 use crate::guess;
 use crate::linear::{dot, factor, gram, project};
-use crate::model::{Candidate, Model, Parameter};
+use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
+use crate::parameter::Parameter;
 use crate::session::Data;
 use bench::Bench;
 use bench::effects::CATALOGUE;
@@ -197,7 +198,7 @@ impl<'a> Origin<'a> {
             .z
             .iter()
             .zip(&base.model.parameters)
-            .map(|(z, p)| if p.is_nominal() { 0.0 } else { *z })
+            .map(|(z, p)| if p.is_declared() { 0.0 } else { *z })
             .collect();
         let simulation = simulate(data, &base.model.at(&z), None)?;
         let all: Vec<usize> = (0..z.len()).collect();
@@ -210,8 +211,13 @@ impl<'a> Origin<'a> {
         let model = base.model.with(score.candidate, self.noise);
         let added = self.z.len()..model.parameters.len();
         let largest = score.estimate.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
-        let sizes =
-            score.candidate.kind.parameters(&base.model.at(&base.z)).iter().filter(|p| p.is_size).count();
+        let sizes = score
+            .candidate
+            .kind
+            .parameters(&base.model.at(&base.z).common)
+            .iter()
+            .filter(|p| p.is_size)
+            .count();
         // Of several sizes the score says how they go together.
         let direction = |k: usize| match score.estimate.get(k) {
             Some(b) if sizes > 1 && largest > 0.0 => b / largest,

@@ -1,5 +1,6 @@
 //! What a diagnosis says, as it is written to `diagnosis.json`.
 
+use crate::calibration::{Calibrated, SessionNuisance};
 use crate::check::Finding;
 use crate::places::Place;
 use bench::{Bench, Channel};
@@ -172,21 +173,6 @@ pub struct Identifiability {
     pub words: String,
 }
 
-/// A calibrated parameter of the nominal bench.
-#[derive(Clone, Debug, Serialize)]
-pub struct Calibrated {
-    /// Dotted name.
-    pub name: String,
-    /// Value of the description.
-    pub described: f64,
-    /// Calibrated value, together with the causes.
-    pub value: f64,
-    /// Standard deviation that the description declares.
-    pub declared_deviation: f64,
-    /// Standard deviation after the fit.
-    pub deviation: f64,
-}
-
 /// Noise of one channel.
 #[derive(Clone, Debug, Serialize)]
 pub struct Noise {
@@ -286,6 +272,8 @@ pub struct Diagnosis {
     pub extended_bench: Option<String>,
     /// Parameters that calibration moved.
     pub calibrated: Vec<Calibrated>,
+    /// What the sessions have of their own, where the description declares any.
+    pub nuisances: Vec<SessionNuisance>,
     /// Noise by channel.
     pub noise: Vec<Noise>,
     /// What the logs do not tell of the last model's parameters; empty where they tell everything.

@@ -12,6 +12,9 @@ const END_MARGIN_S: f64 = 0.010;
 /// Blocks that a log without cycles is cut into; every second one is held out.
 const BLOCKS: usize = 16;
 
+/// One over the share of a log without cycles that tells its nuisances, where it is held out.
+const SETTLING: usize = 8;
+
 /// What a sample is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Use {
@@ -21,10 +24,14 @@ pub(crate) enum Use {
     Fit,
     /// Held out: nothing is fitted on it; it counts in the noise floors and in the choice between causes.
     Held,
+    /// In a log that is held out: tells that session's own nuisances and nothing else.
+    Settle,
 }
 
 /// One log.
 pub(crate) struct Session {
+    /// Its place among all logs, those held out after those to be fitted: the same in every view.
+    pub(crate) number: usize,
     pub(crate) source: String,
     pub(crate) inputs: Inputs,
     pub(crate) uses: Vec<Use>,
@@ -65,7 +72,11 @@ impl Data {
         for (log, fitted) in logs.iter().map(|l| (l, true)).chain(held_out.iter().map(|l| (l, false))) {
             let inputs = Inputs::new(bench, log)?;
             let first = sessions.len();
-            let session = Session::new(bench, log, inputs, fitted, held_out.is_empty());
+            let mut session = Session::new(bench, log, inputs, fitted, held_out.is_empty());
+            session.number = first;
+            if !fitted && !bench.nuisances().is_empty() {
+                session.settle();
+            }
             let simulated = simulable(bench, log);
             for (channel, values) in log.outputs().filter(|(c, _)| simulated.contains(c)) {
                 blocks.push(Block { session: first, channel, measured: values.to_vec() });
@@ -110,6 +121,16 @@ impl Data {
         });
         let samples = |d: &Self| d.sessions.iter().map(|s| s.uses.len()).sum::<usize>();
         (samples(&view) < samples(self)).then_some(view)
+    }
+
+    /// The parts of held-out sessions that tell their nuisances, as samples to be fitted; `None` where there are none.
+    pub(crate) fn settling(&self) -> Option<Self> {
+        let mut view =
+            self.view(|s| s.uses.iter().rposition(|u| *u == Use::Settle).map_or(0, |last| last + 1));
+        for used in view.sessions.iter_mut().flat_map(|s| &mut s.uses) {
+            *used = if *used == Use::Settle { Use::Fit } else { Use::Skip };
+        }
+        (!view.sessions.is_empty()).then_some(view)
     }
 
     /// Shortens every session to a count of samples and leaves out those that keep none.
@@ -227,6 +248,7 @@ impl Session {
             })
             .collect();
         Self {
+            number: 0,
             source: log.source.clone(),
             uses,
             phase,
@@ -239,9 +261,28 @@ impl Session {
 }
 
 impl Session {
+    /// Places of the fitted samples.
+    pub(crate) fn fitted(&self) -> impl Iterator<Item = usize> {
+        self.uses.iter().enumerate().filter(|(_, used)| **used == Use::Fit).map(|(i, _)| i)
+    }
+
+    /// Gives the first of its cycles, or the first eighth where it has not two, to its nuisances.
+    fn settle(&mut self) {
+        let used: Vec<usize> =
+            (0..self.uses.len()).filter(|&i| self.uses.get(i) == Some(&Use::Held)).collect();
+        let whole = self.phase.as_ref().and_then(|phase| {
+            let start = *phase.get(*used.first()?)?;
+            (last_of(phase) - start >= 2.0).then(|| phase.partition_point(|p| *p < start + 1.0))
+        });
+        let eighth = used.get(used.len() / SETTLING).copied().unwrap_or_default();
+        let end = whole.unwrap_or(eighth);
+        self.uses.iter_mut().take(end).filter(|u| **u == Use::Held).for_each(|u| *u = Use::Settle);
+    }
+
     fn first(&self, count: usize) -> Self {
         let cut = |values: &[f64]| values.get(..count).unwrap_or(values).to_vec();
         Self {
+            number: self.number,
             source: self.source.clone(),
             inputs: self.inputs.first(count),
             uses: self.uses.get(..count).unwrap_or(&self.uses).to_vec(),

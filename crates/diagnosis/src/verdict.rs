@@ -10,7 +10,7 @@
 //!    library. What is left stands in the signature. Below that share the answer is `unknown`: a cause that explains
 //!    little is more often an imitation than a part.
 
-use crate::answer::{calibrated, estimates, noises, ranking, series};
+use crate::answer::{calibrated, estimates, noises, nuisances, ranking, series};
 use crate::check::check;
 use crate::experiment::propose;
 use crate::fit::{Fit, fit, simulate};
@@ -19,12 +19,14 @@ use crate::identifiability::identifiability;
 use crate::leftover;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
+use crate::nuisance::{at_bounds, simulate_all};
 use crate::places::places;
 use crate::probability::shares;
 use crate::rank::candidates;
 use crate::result::{Ambiguous, Diagnosis, Signature, Verdict};
 use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, stage};
 use crate::session::{Columns, Data};
+use crate::spread::deviations;
 use bench::log::LogError;
 use bench::respond::RespondError;
 use bench::{Bench, MeasuredLog};
@@ -84,7 +86,7 @@ pub fn diagnose(
     let floors = NoiseModel::floors(bench, &whole, &whole.residual(&described.columns));
     let fitted = whole.fitted();
     let views = Views { coarse: fitted.coarse(), fitted, whole };
-    let nominal = Model::nominal(bench, &views.whole.channels);
+    let nominal = Model::nominal(bench, &views.whole.channels).with_nuisances(&views.fitted);
     let all = candidates(bench, &views.whole, options.exclude);
     say(0.1, "calibrating, ranking the effects");
     let zero = vec![0.0; nominal.parameters.len()];
@@ -99,7 +101,10 @@ pub fn diagnose(
     say(0.9, "testing what is left");
     let judged = judge(bench, &views, &floors, &nominal, &stages)?;
     say(1.0, "done");
-    Ok(Diagnosis { checks: checked.findings, ..judged })
+    let mut checks = checked.findings;
+    checks.extend(judged.checks);
+    checks.sort_by_key(|f| f.severity);
+    Ok(Diagnosis { checks, ..judged })
 }
 
 /// The model that some accepted stages end with.
@@ -116,22 +121,25 @@ pub(crate) struct End {
     pub(crate) residual: Columns,
     pub(crate) noise: NoiseModel,
     pub(crate) left: Option<Signature>,
+    /// Nuisances of sessions that were not fitted.
+    pub(crate) held_out: Option<Fit>,
 }
 
 impl End {
     fn new(
         views: &Views,
         floors: &NoiseModel,
-        fit: &Fit,
+        (fit, used): (&Fit, &NoiseModel),
         causes: Vec<(Candidate, f64)>,
     ) -> Result<Self, RespondError> {
         let data = &views.whole;
-        let residual = data.residual(&simulate(data, &fit.model.at(&fit.z), None)?.columns);
+        let (simulation, held_out) = simulate_all(data, used, &fit.model, &fit.z)?;
+        let residual = data.residual(&simulation.columns);
         let noise = floors.inflated(data, &residual);
         let left = leftover::find(data, &noise, &residual);
-        let (deviations, fisher) = (fit.deviations(), fit.fisher());
+        let (deviations, fisher) = (deviations(&views.fitted, used, fit), fit.fisher());
         let (model, z) = (fit.model.clone(), fit.z.clone());
-        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left })
+        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left, held_out })
     }
 }
 
@@ -143,7 +151,7 @@ fn ends(
     stages: &[Stage],
 ) -> Result<Vec<End>, DiagnosisError> {
     let first = stages.first().ok_or(DiagnosisError::NoLog)?;
-    let mut ends = vec![End::new(views, floors, &first.base, Vec::new())?];
+    let mut ends = vec![End::new(views, floors, (&first.base, &first.noise), Vec::new())?];
     let mut causes = Vec::new();
     for stage in stages.iter().filter(|s| s.accepted) {
         let Some(best) = stage.contenders.first() else { break };
@@ -156,13 +164,13 @@ fn ends(
             let z: Vec<f64> = best.fit.z.iter().take(nominal.parameters.len()).copied().collect();
             let own = best.fit.model.of_effect(1).into_iter().filter_map(|i| best.fit.z.get(i).copied());
             let alone = fit(&views.fitted, &stage.noise, model, z.into_iter().chain(own).collect())?;
-            ends.push(End::new(views, floors, &alone, causes.clone())?);
+            ends.push(End::new(views, floors, (&alone, &stage.noise), causes.clone())?);
         } else {
             if let ([(_, probability), _], true) = (causes.as_mut_slice(), loss.is_finite()) {
                 // Alone it may have lost to its rival; beside it, what counts is what leaving it out would cost.
                 *probability = 1.0 / (1.0 + (0.5 * (stage.threshold - loss)).exp());
             }
-            ends.push(End::new(views, floors, &best.fit, causes.clone())?);
+            ends.push(End::new(views, floors, (&best.fit, &stage.noise), causes.clone())?);
         }
     }
     Ok(ends)
@@ -183,9 +191,9 @@ fn explains_all(data: &Data, before: &End, after: &End) -> bool {
 
 /// Whether calibration has gone as far as it may: what lies beyond is a finding.
 fn at_bound(end: &End) -> bool {
-    let stops = |(p, z): (&crate::model::Parameter, &f64)| {
+    let stops = |(p, z): (&crate::parameter::Parameter, &f64)| {
         let (least, most) = p.bounds();
-        p.is_nominal() && (*z <= least || *z >= most)
+        p.is_declared() && (*z <= least || *z >= most)
     };
     end.model.parameters.iter().zip(&end.z).any(stops)
 }
@@ -238,7 +246,7 @@ fn judge(
     };
     let first = stages.first().ok_or(DiagnosisError::NoLog)?;
     Ok(Diagnosis {
-        checks: Vec::new(),
+        checks: at_bounds(data, floors, (&shown.model, &shown.z), shown.held_out.as_ref())?,
         verdict,
         causes: estimates(shown, known),
         probability_none: shares.none,
@@ -261,11 +269,12 @@ fn judge(
         experiment,
         extended_bench: None,
         calibrated: calibrated(shown),
+        nuisances: nuisances(data, shown),
         noise: noises(data, &shown.noise, &before.residual),
         identifiability: identifiability(shown),
         ranking: ranking(first, known),
         threshold: first.threshold,
-        extended: Some(shown.model.at(&shown.z)),
+        extended: Some(shown.model.at(&shown.z).common),
         places: places(data, &before.residual, &shown.residual),
         series: series(data, &before.residual, &shown.residual),
     })

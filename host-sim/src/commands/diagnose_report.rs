@@ -1,7 +1,7 @@
 //! The report of a diagnosis: what a bench engineer needs first comes first; everything that was done to the data comes last.
 
 use super::diagnose_pictures::{measured_and_simulated, places, ranking, residuals, shares};
-use super::diagnose_tables::{Table, calibrated, causes, checks, gains, noise, separation};
+use super::diagnose_tables::{Table, calibrated, causes, checks, gains, noise, nuisances, separation};
 use super::diagnose_words::{channelled, left_words, sentence};
 use crate::page::Page;
 use diagnosis::{Diagnosis, Verdict};
@@ -80,6 +80,13 @@ pub(super) fn page(diagnosis: &Diagnosis) -> Result<Page, String> {
     }
     page.text(&samples(diagnosis));
     section(&mut page, "Calibrated parameters", &calibrated(diagnosis));
+    section(&mut page, "What is each session's own", &nuisances(diagnosis));
+    if !diagnosis.nuisances.is_empty() {
+        page.note(
+            "Declared under [nuisances] and estimated for each log alone, together with everything else: no effect. Of a log that is \
+             held out they come from its first cycle, which is then not compared.",
+        );
+    }
     section(&mut page, "Noise", &noise(diagnosis));
     for finding in diagnosis.noise.iter().filter_map(|n| n.finding.as_deref()) {
         page.text(finding);

@@ -3,6 +3,9 @@
 use super::diagnose_words::{channelled, interval, number, percent, with_unit};
 use diagnosis::{Diagnosis, Finding, Gain};
 
+/// Share of its declared deviation that a nuisance has to fall below to be told.
+const LEAST_TOLD: f64 = 0.995;
+
 /// A table with its header; empty where there is nothing to tell.
 pub(super) struct Table {
     pub(super) header: &'static [&'static str],
@@ -80,6 +83,39 @@ pub(super) fn calibrated(diagnosis: &Diagnosis) -> Table {
     Table {
         header: &["parameter", "described", "declared deviation", "calibrated", "deviation left"],
         rows: diagnosis.calibrated.iter().map(row).collect(),
+    }
+}
+
+/// What the sessions have of their own, beside what is declared.
+pub(super) fn nuisances(diagnosis: &Diagnosis) -> Table {
+    // What a log does not show stands under what the logs do not tell.
+    let told = |n: &&diagnosis::SessionNuisance| n.deviation < LEAST_TOLD * n.declared_deviation;
+    let row = |n: &diagnosis::SessionNuisance| {
+        let short = n.source.rsplit(['/', '\\']).next().unwrap_or(&n.source);
+        let told_by = if n.held_out { "its start (held out)" } else { "the fit" };
+        vec![
+            format!("{} {short}", n.session + 1),
+            n.name.into(),
+            n.channel.map_or("-", bench::Channel::name).into(),
+            with_unit(number(n.value), &n.unit),
+            number(n.deviation),
+            number(n.declared_deviation),
+            format!("{:+.1}", n.deviations_off),
+            told_by.into(),
+        ]
+    };
+    Table {
+        header: &[
+            "session",
+            "nuisance",
+            "channel",
+            "value",
+            "deviation left",
+            "declared",
+            "deviations off",
+            "told by",
+        ],
+        rows: diagnosis.nuisances.iter().filter(told).map(row).collect(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! A diagnosis on the terminal.
 
-use super::diagnose_tables::{Table, causes, checks, gains};
+use super::diagnose_tables::{Table, causes, checks, gains, nuisances};
 use super::diagnose_words::{left_words, sentence};
 use diagnosis::{Diagnosis, Severity, Verdict};
 use std::fmt::Write as _;
@@ -11,7 +11,7 @@ pub(super) fn text(diagnosis: &Diagnosis) -> String {
     let graver = |row: &Vec<String>| row.first().is_some_and(|word| word != Severity::Note.name());
     let mut findings = checks(diagnosis);
     findings.rows.retain(graver);
-    for table in [findings, causes(diagnosis), gains(diagnosis)] {
+    for table in [findings, causes(diagnosis), gains(diagnosis), nuisances(diagnosis)] {
         push(&mut out, &table);
     }
     if let (Some(left), false) = (&diagnosis.signature, diagnosis.verdict == Verdict::Unknown) {

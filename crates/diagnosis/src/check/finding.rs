@@ -37,7 +37,7 @@ pub struct Finding {
     pub channel: String,
     /// What was found, one of a stable vocabulary in kebab-case: `sampling`, `gap`, `jitter`, `duplicate-time`, `backward-time`,
     /// `clock-unit`, `missing-values`, `outliers`, `stuck`, `constant`, `saturated`, `quantised`, `unit`, `sign`,
-    /// `swapped-axes`, `gain`, `contradiction`, `delay`.
+    /// `swapped-axes`, `gain`, `contradiction`, `delay`, `nuisance-at-bound`.
     pub kind: &'static str,
     /// The same in words.
     pub found: String,
@@ -52,7 +52,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    pub(super) fn new(
+    pub(crate) fn new(
         severity: Severity,
         log: &str,
         channel: &str,
@@ -72,12 +72,12 @@ impl Finding {
         }
     }
 
-    pub(super) fn cause(mut self, words: impl Into<String>) -> Self {
+    pub(crate) fn cause(mut self, words: impl Into<String>) -> Self {
         self.cause = words.into();
         self
     }
 
-    pub(super) fn evidence(mut self, name: &'static str, value: f64) -> Self {
+    pub(crate) fn evidence(mut self, name: &'static str, value: f64) -> Self {
         // JSON has no other numbers.
         if value.is_finite() {
             self.evidence.insert(name, value);

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// The sum of twelve uniform numbers, less their mean: near enough a normal one.
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
+pub(super) fn normal(rng: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| f64::from(rng.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
 }
 
@@ -20,11 +20,15 @@ fn noisy(bench: &Bench, truth: f64, colour: f64, seed: u64) -> MeasuredLog {
         rig.axis.viscous_effort += 3.0 * normal(&mut rng);
         rig.sensors.clear();
     }
-    let mut log = logged(&real, seed);
-    let mut state = normal(&mut rng);
+    coloured(logged(&real, seed), colour, &mut rng)
+}
+
+/// A log with noise of 1 N and a colour on its force.
+pub(super) fn coloured(mut log: MeasuredLog, colour: f64, rng: &mut ChaCha8Rng) -> MeasuredLog {
+    let mut state = normal(rng);
     for force in log.channels.get_mut(&Channel::DriveForce).unwrap() {
         *force += state;
-        state = colour * state + (1.0 - colour * colour).sqrt() * normal(&mut rng);
+        state = colour * state + (1.0 - colour * colour).sqrt() * normal(rng);
     }
     log
 }

@@ -3,10 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 mod ambiguous;
+mod coverage;
 mod identified;
 mod intervals;
 mod noise;
 mod probabilities;
+mod sessions;
 
 use bench::effects::Effect;
 use bench::record::record;
