@@ -64,6 +64,12 @@ pub(crate) struct ChannelNoise {
 }
 
 impl ChannelNoise {
+    /// Share of the variance that the sensor's own noise makes of what the fit counts with: no excess, and correlated no longer
+    /// than a sensor's noise is.
+    pub(crate) fn own_share(&self) -> f64 {
+        self.correlation.min(LONGEST_CORRELATION) / (self.correlation * self.excess.powi(2))
+    }
+
     /// In words, where the declaration is far from what the log shows.
     pub(crate) fn finding(&self, channel: Channel) -> Option<String> {
         let ratio = self.seen / self.stated;

@@ -7,7 +7,7 @@
 //!   correlation (Liang and Zeger 1986): noise may be larger where a parameter has its information, as at reversals;
 //! * the same over whole sessions, or over whole cycles where there are fewer than three sessions, as a factor of Student's t with `G - 1`
 //!   degrees over the normal one: what differs from session to session moves an estimate as a whole, and many samples of
-//!   few sessions do not average it out. It counts where the scores of the sessions differ by more than the noise makes them in
+//!   few sessions do not average it out. It counts where the scores of the sessions differ by more than the sensors' own noise makes them in
 //!   [`CHANCE`] of all cases: of three sessions alone it would be three times too wide nearly always.
 //!
 //! The largest stands. So an interval is too wide rather than too narrow where the three disagree; in a log with the
@@ -38,9 +38,11 @@ const CHANCE: f64 = 0.05;
 pub(crate) fn deviations(data: &Data, noise: &NoiseModel, fit: &Fit) -> Vec<f64> {
     let plain = fit.deviations();
     let Some(inverse) = factor(&fit.information()).map(|c| c.inverse()) else { return plain };
-    let stretched = scores(fit, &stretches(data, noise));
+    let own: Vec<f64> =
+        data.stacked(|_, _| 0.0).iter().map(|(b, _)| noise.of(data.blocks[*b].channel).own_share()).collect();
+    let stretched = scores(fit, &stretches(data, noise), &own);
     let within = sandwich(fit, &inverse, &stretched);
-    let between = between(&inverse, &scores(fit, &groups(data)));
+    let between = between(&inverse, &scores(fit, &groups(data), &own));
     let larger = |i: usize| {
         let other = |v: &[f64]| v.get(i).copied().unwrap_or_default();
         plain[i].max(other(&within)).max(other(&between))
@@ -80,24 +82,24 @@ fn numbered(data: &Data, label: impl Fn(&crate::session::Session, usize) -> (usi
     out
 }
 
-/// What a group of samples says: its score, and its share of `J'J`.
+/// What a group of samples says: its score, and what the sensors' own noise would make of its covariance.
 struct Group {
     score: DVector<f64>,
     fisher: DMatrix<f64>,
 }
 
-fn scores(fit: &Fit, groups: &[usize]) -> Vec<Group> {
+fn scores(fit: &Fit, groups: &[usize], own: &[f64]) -> Vec<Group> {
     let n = fit.jacobian.len();
     let count = groups.iter().max().map_or(0, |most| most + 1);
     let mut out: Vec<Group> =
         (0..count).map(|_| Group { score: DVector::zeros(n), fisher: DMatrix::zeros(n, n) }).collect();
-    for (k, (&group, r)) in groups.iter().zip(&fit.residual).enumerate() {
+    for (k, ((&group, r), share)) in groups.iter().zip(&fit.residual).zip(own).enumerate() {
         let Some(group) = out.get_mut(group) else { continue };
         for i in 0..n {
             let own = fit.jacobian[i][k];
             group.score[i] += own * r;
             for j in 0..=i {
-                group.fisher[(i, j)] += own * fit.jacobian[j][k];
+                group.fisher[(i, j)] += share * own * fit.jacobian[j][k];
             }
         }
     }

@@ -92,9 +92,9 @@ pub(super) fn nuisances(diagnosis: &Diagnosis) -> Table {
     let told = |n: &&diagnosis::SessionNuisance| n.deviation < LEAST_TOLD * n.declared_deviation;
     let row = |n: &diagnosis::SessionNuisance| {
         let short = n.source.rsplit(['/', '\\']).next().unwrap_or(&n.source);
-        let told_by = if n.held_out { "its start (held out)" } else { "the fit" };
+        let told_by = if n.held_out { "its start" } else { "the fit" };
         vec![
-            format!("{} {short}", n.session + 1),
+            short.into(),
             n.name.into(),
             n.channel.map_or("-", bench::Channel::name).into(),
             with_unit(number(n.value), &n.unit),
@@ -106,7 +106,7 @@ pub(super) fn nuisances(diagnosis: &Diagnosis) -> Table {
     };
     Table {
         header: &[
-            "session",
+            "log",
             "nuisance",
             "channel",
             "value",

@@ -4,7 +4,7 @@
 //! one colour. A log whose cause is not named counts for nothing: it has no interval.
 
 use super::intervals::{coloured, normal};
-use super::{axis, diagnosed, logged};
+use super::{axis, diagnosed, effect, logged, with};
 use bench::effects::Effect;
 use bench::{Bench, MeasuredLog};
 use rand_chacha::ChaCha8Rng;
@@ -134,4 +134,23 @@ fn intervals_of_shapes_hold_the_truth_as_often_as_they_say() {
         // Of 100 that hold with 95 % fewer than 88 hold with a chance of 0.4 %.
         assert!(tally.share() >= 0.88, "{parameter}: {}", tally.share());
     }
+}
+
+#[test]
+fn what_differs_from_session_to_session_widens_an_interval() {
+    let bench = swinging(2.0);
+    let half = |levels: &[f64]| {
+        let level = |(i, effort): (usize, &f64)| {
+            logged(&with(&bench, effect("coulomb-level", None, "coulomb_effort", *effort)), i as u64)
+        };
+        let logs: Vec<MeasuredLog> = levels.iter().enumerate().map(level).collect();
+        let d = diagnosed(&bench, &logs, &["coulomb-level"]);
+        let cause = d.causes.first().unwrap_or_else(|| panic!("{:?} {:?}", d.verdict, d.signature));
+        let [low, high] = cause.parameters[0].ci95;
+        assert!((low..=high).contains(&8.0), "{:?}", cause.parameters);
+        0.5 * (high - low)
+    };
+    let (same, apart) = (half(&[8.0; 5]), half(&[7.2, 7.6, 8.0, 8.4, 8.8]));
+    // Student's t with 4 degrees times the standard error of the mean, 2.78 * 0.63 N / sqrt 5; the noise alone makes 0.16 N of it.
+    assert!(same < 0.2 && (0.6..1.0).contains(&apart), "{same} {apart}");
 }
