@@ -6,6 +6,7 @@
 use super::intervals::{coloured, normal};
 use super::{axis, diagnosed, effect, logged, with};
 use bench::effects::Effect;
+use bench::record::record;
 use bench::{Bench, MeasuredLog};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -40,7 +41,8 @@ fn sessions(
         rig.axis.viscous_effort += 3.0 * normal(rng);
         rig.sensors.clear();
     }
-    (0..count).map(|_| coloured(logged(&real, 1), colour, rng)).collect()
+    // From its first sample on: what friction remembers of the time before a log, no log tells.
+    (0..count).map(|_| coloured(record(&real, 1).unwrap(), colour, rng)).collect()
 }
 
 type Parameters = Vec<(&'static str, f64)>;
