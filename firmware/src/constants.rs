@@ -4,8 +4,8 @@
 //! the run's begin ([`crate::Session::constants_hold`]); on the board that is done in every pass of the link's loop. The sum is that of
 //! [`crate::supervisor::code`]: whatever changes within one word is noticed for certain.
 //!
-//! Not covered are what the networks keep of their image beside it (where the weights lie), and state: what changes with every sample has a sum of
-//! its own (`estimator::carried`), has to be plausible, or to be gone after a window.
+//! Not covered is state: what changes with every sample has a sum of its own (`estimator::carried`), has to be plausible, or to be gone after a
+//! window.
 
 use core::hash::Hasher;
 
@@ -49,6 +49,15 @@ impl Hasher for Sum {
 
     fn write_u32(&mut self, word: u32) {
         self.0 = add(self.0, word);
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.write_u32(word as u32);
+        self.write_u32((word >> 32) as u32);
+    }
+
+    fn write_usize(&mut self, word: usize) {
+        self.write_u64(word as u64);
     }
 }
 

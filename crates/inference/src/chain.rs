@@ -17,6 +17,7 @@ use crate::image::{LayerName, Reader};
 use crate::kernel::Engine;
 use crate::ring::Ring;
 use crate::windowed::Padding;
+use core::hash::Hasher;
 use core::ops::Range;
 
 /// A layer and what follows it.
@@ -59,6 +60,9 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
 
     /// Does some units of the work that the newest column brought, in order; gives how many activations were clipped.
     fn run<E: Engine>(&self, stream: &mut Self::Stream, units: Range<usize>) -> u32;
+
+    /// Gives whatever must stay as it is to a sum: where the layers' numbers lie, and the head's scale.
+    fn constants(&self, sum: &mut impl Hasher);
 
     /// The sums after the last unit.
     fn output(stream: &Self::Stream) -> Self::Output;
@@ -178,6 +182,11 @@ where
         clipped
     }
 
+    fn constants(&self, sum: &mut impl Hasher) {
+        self.layer.constants(sum);
+        self.rest.constants(sum);
+    }
+
     #[inline]
     fn output(stream: &Self::Stream) -> Self::Output {
         R::output(&stream.rest)
@@ -271,6 +280,10 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
             stream.sums = self.apply::<E>(stream.history.columns());
         }
         0
+    }
+
+    fn constants(&self, sum: &mut impl Hasher) {
+        Head::constants(self, sum);
     }
 
     #[inline]

@@ -4,7 +4,8 @@ use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
 use crate::kernel::{BLOCK, Engine};
-use crate::weights::{Scaling, WeightsOf};
+use crate::weights::{Scaling, WeightsOf, place};
+use core::hash::Hasher;
 use core::ops::Range;
 
 /// A convolution over columns of `IN` activations `A` to columns of `OUT` activations `B`, looking at `K` columns.
@@ -51,6 +52,13 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
             weights: A::Weights::read(reader, form, OUT, K * IN)?,
             outputs: core::marker::PhantomData,
         })
+    }
+
+    /// Where its numbers lie.
+    pub(crate) fn constants(&self, sum: &mut impl Hasher) {
+        place(self.scaling.biases, sum);
+        place(self.scaling.multipliers, sum);
+        self.weights.constants(sum);
     }
 
     /// Computes some units of the outputs at one position; gives how many activations were clipped.

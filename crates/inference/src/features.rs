@@ -30,7 +30,7 @@ pub struct CollisionColumn {
 }
 
 /// The formulas with the constants of one image.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub struct Features {
     header: Header,
     per_clearance: Reciprocal,

@@ -27,7 +27,7 @@ pub fn fraction_wide(numerator: u64, denominator: u64) -> u32 {
 }
 
 /// Division by a constant: multiplication with its reciprocal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Reciprocal {
     multiplier: u32,
     shift: u32,

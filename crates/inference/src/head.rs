@@ -4,7 +4,8 @@ use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
 use crate::kernel::Engine;
-use crate::weights::WeightsOf;
+use crate::weights::{WeightsOf, place};
+use core::hash::{Hash, Hasher};
 
 /// A dense layer over `COLUMNS` columns of `IN` activations, oldest first, with `OUT` sums that are not requantised.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +16,7 @@ pub struct Head<'a, A: Activation, const IN: usize, const COLUMNS: usize, const 
 }
 
 /// What one count of a head's sum is worth: `multiplier / 2^shift`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Scale {
     /// Above 0; with full precision from 2^30 on.
     pub multiplier: i32,
@@ -44,6 +45,13 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
 {
     /// Multiply-accumulates.
     pub const MACS: usize = COLUMNS * IN * OUT;
+
+    /// Its scale, and where its numbers lie.
+    pub(crate) fn constants(&self, sum: &mut impl Hasher) {
+        self.scale.hash(sum);
+        place(self.biases, sum);
+        self.weights.constants(sum);
+    }
 
     /// The shape with weights in this form.
     pub const fn shape(form: WeightForm) -> LayerShape {

@@ -6,6 +6,7 @@ use crate::error::ImageError;
 use crate::features::{COLLISION_INPUTS, FRICTION_INPUTS};
 use crate::head::Head;
 use crate::image::{CRC_LENGTH, HEADER_LENGTH, Header, LayerName, Reader, check_sum, prove};
+use core::hash::{Hash, Hasher};
 
 /// Channels of every convolution of the shipped networks.
 pub const CHANNELS: usize = 16;
@@ -88,6 +89,14 @@ impl<'a, B: Between> Model<'a, B> {
     /// Check sum of the image: its identity.
     pub fn check_sum(&self) -> u32 {
         self.check_sum
+    }
+
+    /// Gives what must stay as it is beside the image to a sum: what its header says, and where the layers' numbers lie.
+    pub fn constants(&self, sum: &mut impl Hasher) {
+        self.header.hash(sum);
+        self.check_sum.hash(sum);
+        self.collision.constants(sum);
+        self.friction.constants(sum);
     }
 
     /// The collision network.

@@ -8,6 +8,7 @@ use crate::head::Scale;
 use crate::kernel::{Engine, Native};
 use crate::model::{Between, Model, Network, WINDOW};
 use crate::sample::{ContactState, Sample};
+use core::hash::{Hash, Hasher};
 use core::marker::PhantomData;
 
 /// Fraction bits of the root of the normal force in N.
@@ -62,6 +63,12 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
     /// The model.
     pub fn model(&self) -> &Model<'a, B> {
         &self.model
+    }
+
+    /// Gives what must stay as it is for as long as the model is in use to a sum, the image's own bytes excepted.
+    pub fn constants(&self, sum: &mut impl Hasher) {
+        self.model.constants(sum);
+        self.features.hash(sum);
     }
 
     /// Takes one sample in SI units. One that is not finite gives forces of 0, flagged [`Flags::NON_FINITE`], and starts
@@ -156,4 +163,29 @@ fn squared_mn(root: u32) -> i32 {
 fn product_mn(coefficient: u32, force_mn: i32) -> i32 {
     let product = u64::from(coefficient).wrapping_mul(u64::from(force_mn.cast_unsigned()));
     (product >> COEFFICIENT_BITS).min(i32::MAX as u64) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bearing::{Bearing, shipped};
+
+    #[test]
+    fn what_must_stay_is_all_in_the_sum() {
+        use std::hash::DefaultHasher;
+        let sum = |pair: &Pair| {
+            let mut hasher = DefaultHasher::new();
+            pair.constants(&mut hasher);
+            hasher.finish()
+        };
+        let sound = Pair::<'static>::new(Model::load(shipped(Bearing::Babbitt)).unwrap());
+        assert_eq!(sum(&sound), sum(&sound.clone()));
+        // The same numbers at another place, and another image's.
+        let words = crate::bearing::shipped(Bearing::Babbitt).as_chunks::<4>().0.to_vec();
+        let copy: &'static [[u8; 4]] = words.leak();
+        let moved = Pair::<'static>::new(Model::load(copy.as_flattened()).unwrap());
+        assert_ne!(sum(&moved), sum(&sound));
+        let other = Pair::<'static>::new(Model::load(shipped(Bearing::Plastic)).unwrap());
+        assert_ne!(sum(&other), sum(&sound));
+    }
 }

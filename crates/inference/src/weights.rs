@@ -5,6 +5,7 @@ use crate::error::ImageError;
 use crate::image::{Reader, WeightForm};
 use crate::kernel::{BLOCK, Blocks, Engine, Kernel, Quad, finish};
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
+use core::hash::{Hash, Hasher};
 use core::ops::Range;
 
 mod sealed {
@@ -50,7 +51,18 @@ pub struct Stored<'a, S: Storage> {
     form: core::marker::PhantomData<S>,
 }
 
+/// Gives the place and the length of numbers in memory to a sum.
+pub(crate) fn place<T>(numbers: &[T], sum: &mut impl Hasher) {
+    sum.write_usize(numbers.as_ptr().addr());
+    sum.write_usize(numbers.len());
+}
+
 impl<'a, S: Storage> Stored<'a, S> {
+    fn constants(&self, sum: &mut impl Hasher) {
+        place(self.quads, sum);
+        place(self.rows, sum);
+    }
+
     fn read(reader: &mut Reader<'a>, outputs: usize, taps: usize) -> Result<Self, ImageError> {
         let groups = groups::<S>(taps);
         Ok(Self {
@@ -204,6 +216,10 @@ pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug
         sums: &mut [i32; OUT],
     );
 
+    /// Gives their form and where they lie to a sum.
+    #[doc(hidden)]
+    fn constants(&self, sum: &mut impl Hasher);
+
     /// Weight of an output at one of `taps`, if there is such a one.
     fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32>;
 }
@@ -269,6 +285,14 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
         }
     }
 
+    fn constants(&self, sum: &mut impl Hasher) {
+        core::mem::discriminant(self).hash(sum);
+        match self {
+            Self::Wide(weights) => weights.constants(sum),
+            Self::Packed(weights) => weights.constants(sum),
+        }
+    }
+
     fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32> {
         match self {
             Self::Wide(weights) => weights.weight(output, tap, taps),
@@ -315,6 +339,10 @@ impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
         sums: &mut [i32; OUT],
     ) {
         self.0.sums::<E, IN, OUT, K>(columns, sums);
+    }
+
+    fn constants(&self, sum: &mut impl Hasher) {
+        self.0.constants(sum);
     }
 
     fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32> {

@@ -43,7 +43,7 @@ mod tests {
         }
     }
 
-    fn run(altered_at: u32) -> Vec<EstimateFrame> {
+    fn estimator() -> Estimator {
         let configuration = Configuration {
             bearing: Bearing::Babbitt.code(),
             radial_clearance_nm: 500_000,
@@ -52,12 +52,24 @@ mod tests {
             latch_floor_um_s: 1_000,
             unseen_approach_um_s: 3_000,
         };
-        let mut estimator = Estimator::new(shipped(Bearing::Babbitt), configuration).unwrap();
+        Estimator::new(shipped(Bearing::Babbitt), configuration).unwrap()
+    }
+
+    fn run(altered_at: u32) -> Vec<EstimateFrame> {
+        let mut estimator = estimator();
         let step = |index| {
             estimator.carried.0 ^= u32::from(index == altered_at);
             estimator.step(&frame(index))
         };
         (0..1_500).map(step).collect()
+    }
+
+    #[test]
+    fn a_gap_in_the_samples_alters_nothing() {
+        let gap = |index: u32| frame(if index < 1_000 { index } else { index + 5 });
+        let mut estimator = estimator();
+        let told = (0..1_200).any(|index| flags_of(&estimator.step(&gap(index))).contains(Flags::ALTERED));
+        assert!(!told);
     }
 
     #[test]

@@ -39,8 +39,6 @@ mod signals;
 mod whole;
 mod window;
 
-use core::hash::Hash;
-
 use inference::{ContactState, Flags, Model, Pair, Sample};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
@@ -131,9 +129,7 @@ impl Estimator {
         self.newton.constants(sum);
         self.observer.constants(sum);
         self.latch.constants(sum);
-        for scale in [self.pair.model().collision().scale(), self.pair.model().friction().scale()] {
-            (scale.multiplier, scale.shift).hash(sum);
-        }
+        self.pair.constants(sum);
     }
 
     /// The watch over the samples: what was found in the last one.
@@ -181,16 +177,16 @@ impl Estimator {
 
     /// Takes one sample and estimates. The tick count of the result is 0; whoever can measure it fills it in.
     pub fn step(&mut self, frame: &SensorFrame) -> EstimateFrame {
+        let altered = self.carry() != self.carried;
+        if altered {
+            self.newton.restart();
+        }
         let mut flags = self.plausibility.check(frame);
         if flags.intersects(DISCONTINUITY) {
             self.signals.restart();
             self.newton.restart();
             self.latch.reset();
             self.pair.reset();
-        }
-        let altered = self.carry() != self.carried;
-        if altered {
-            self.newton.restart();
         }
         let (y, z) = (cut(frame.journal_y_nm), cut(frame.journal_z_nm));
         let contact = ContactFrame::at(y, z);

@@ -34,7 +34,7 @@ impl Range {
 }
 
 /// Everything an image says about itself apart from its layers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Header {
     /// Bearing the networks were trained for.
     pub bearing: Bearing,
