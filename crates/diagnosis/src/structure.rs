@@ -8,8 +8,8 @@ const PLAINER: f64 = 0.85;
 
 pub(crate) struct Feature {
     pub(crate) name: &'static str,
-    bins: usize,
-    read: fn(&Session, usize) -> Option<f64>,
+    pub(crate) bins: usize,
+    pub(crate) read: fn(&Session, usize) -> Option<f64>,
 }
 
 /// Plain ones first.

@@ -5,6 +5,8 @@
 //! 2. No cause: `none` where [`crate::leftover`] finds nothing and calibration stays within its bounds, else `unknown`.
 //! 3. Causes and nothing left over: `named`; `ambiguous` where another candidate fits equally. Where nothing is left they have to explain everything:
 //!    with the upper end of the share's interval below [`WHOLE_SHARE`] something was overlooked, and the answer is `unknown`.
+//!    Nor may a cause's size differ from place to place ([`crate::shape`]): it would be an imitation. Beside structure that is left the size of
+//!    a true cause seems to differ, too.
 //! 4. Causes and something left over: they still count where they explain at least [`MAIN_SHARE`] of the repeatable
 //!    residual on held-out samples (the second one: of what the first leaves), with the interval above 0 and up to [`WHOLE_SHARE`]: a real bench always has structure beyond any
 //!    library. What is left stands in the signature. Below that share the answer is `unknown`: a cause that explains
@@ -26,6 +28,7 @@ use crate::rank::candidates;
 use crate::result::{Ambiguous, Diagnosis, Signature, Verdict};
 use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, stage};
 use crate::session::{Columns, Data};
+use crate::shape::misfit;
 use crate::spread::deviations;
 use bench::log::LogError;
 use bench::respond::RespondError;
@@ -123,6 +126,8 @@ pub(crate) struct End {
     pub(crate) left: Option<Signature>,
     /// Nuisances of sessions that were not fitted.
     pub(crate) held_out: Option<Fit>,
+    /// Share by which a cause misfits in shape.
+    misfit: f64,
 }
 
 impl End {
@@ -137,9 +142,10 @@ impl End {
         let residual = data.residual(&simulation.columns);
         let noise = floors.inflated(data, &residual);
         let left = leftover::find(data, &noise, &residual);
+        let misfit = misfit(&views.fitted, floors, used, fit);
         let (deviations, fisher) = (deviations(&views.fitted, used, fit), fit.fisher());
         let (model, z) = (fit.model.clone(), fit.z.clone());
-        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left, held_out })
+        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left, held_out, misfit })
     }
 }
 
@@ -205,7 +211,7 @@ fn standing(data: &Data, ends: &[End]) -> usize {
         return 0;
     }
     if ends[most].left.is_none() {
-        return if explains_all(data, &ends[0], &ends[most]) { most } else { 0 };
+        return if ends[most].misfit == 0.0 && explains_all(data, &ends[0], &ends[most]) { most } else { 0 };
     }
     if most == 2
         && (ends[1].left.is_none() || explains_most(data, &ends[0], &ends[1]))

@@ -5,6 +5,7 @@
 mod ambiguous;
 mod coverage;
 mod identified;
+mod imitated;
 mod intervals;
 mod noise;
 mod probabilities;
