@@ -10,6 +10,8 @@ use crate::noise::NoiseModel;
 use crate::rank::{Origin, Score, refit};
 use crate::select::Views;
 use crate::session::Data;
+use bench::Bench;
+use bench::effects::Guess;
 use bench::respond::RespondError;
 use rayon::prelude::*;
 
@@ -79,6 +81,11 @@ pub(crate) fn contend(
     };
     let settled: Result<Vec<Fit>, RespondError> = found.into_par_iter().map(settle).collect();
     let mut settled = settled?;
+    // What comes after the first cycle cannot be found in it: an onset starts from its guess, on everything. An axis is cheap.
+    let is_axis = matches!(base.model.at(&base.z).common, Bench::FrictionRig(_));
+    let late = |s: &&Score| is_axis && matches!(s.candidate.kind.guess, Guess::Onset(_));
+    let late: Vec<&Score> = scored.iter().filter(late).collect();
+    settled.retain(|f| !late.iter().any(|s| f.model.chosen.last() == Some(&s.candidate)));
     settled.sort_by(|a, b| a.objective.total_cmp(&b.objective));
     let best = settled.first().map_or(0.0, |f| f.objective);
     let near = NEAR.max(NEAR_SHARE * best);
@@ -90,7 +97,10 @@ pub(crate) fn contend(
     let others = far.iter().filter_map(taken).collect();
     let rough: Result<Vec<Fit>, RespondError> =
         settled.into_par_iter().map(|f| fit_from(data, noise, f.model, f.z, None, Effort::GLANCE)).collect();
-    Ok((polished(data, noise, rough?)?, others))
+    let late: Result<Vec<Fit>, RespondError> =
+        late.into_par_iter().map(|s| refit(data, noise, base, s)).collect();
+    let rough = rough?.into_iter().chain(late?).collect();
+    Ok((polished(data, noise, rough)?, others))
 }
 
 /// Rough fits of which those that may win are taken to the optimum. A fresh set of sensitivities costs two simulations a
