@@ -14,6 +14,7 @@ pub mod effects;
 pub mod energy;
 mod extended_friction;
 pub mod falling_ball;
+mod follow;
 pub mod friction_rig;
 pub mod impact_log;
 pub mod integrate;

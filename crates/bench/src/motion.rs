@@ -202,7 +202,7 @@ fn node_after(times: &[f64], time_s: f64) -> usize {
 }
 
 /// White noise of a smooth signal, from its fourth differences; never 0.
-fn noise_of(values: &[f64]) -> f64 {
+pub(crate) fn noise_of(values: &[f64]) -> f64 {
     let size = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let sum: f64 =
         values.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2)).sum();

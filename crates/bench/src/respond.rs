@@ -2,6 +2,7 @@
 
 use crate::channel::Channel;
 use crate::description::{Bench, FrictionRig};
+use crate::follow::follow;
 use crate::friction_rig;
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
@@ -18,8 +19,6 @@ pub type Response = BTreeMap<Channel, Vec<f64>>;
 const DRIVE_HALF_WINDOW_S: f64 = 0.010;
 /// Half window in s for a load.
 const LOAD_HALF_WINDOW_S: f64 = 0.003;
-/// Half window in samples where a velocity has to come from a measured position alone.
-const AXIS_HALF_WINDOW_SAMPLES: f64 = 4.0;
 
 /// The inputs of a log, smoothed once for many simulations.
 #[derive(Clone, Debug)]
@@ -65,10 +64,9 @@ impl Inputs {
             }
             Bench::FrictionRig(rig) => {
                 let (position, speed, _) = rig.channels();
-                let half = AXIS_HALF_WINDOW_SAMPLES * step;
                 let drive = match (log.channels.get(&position), log.channels.get(&speed)) {
-                    (Some(x), v) => Profile::through(time_s, x, v.map(Vec::as_slice), half, 2),
-                    (None, Some(v)) => integrated(time_s, v, half),
+                    (Some(x), v) => follow(time_s, x, v.map(Vec::as_slice)),
+                    (None, Some(v)) => integrated(time_s, v),
                     (None, None) => return Err(log.missing(position)),
                 };
                 let load = match log.channels.get(&Channel::LoadForce) {
@@ -104,8 +102,8 @@ impl Inputs {
 }
 
 /// A motion whose rate is measured and whose value is not needed.
-fn integrated(time_s: &[f64], rate: &[f64], half: f64) -> Profile {
-    let smooth = Profile::through(time_s, rate, None, half, 2);
+fn integrated(time_s: &[f64], rate: &[f64]) -> Profile {
+    let smooth = follow(time_s, rate, None);
     let mut value = 0.0;
     let mut nodes: Vec<Motion> = Vec::with_capacity(time_s.len());
     let mut last: Option<(f64, f64)> = None;

@@ -1,0 +1,103 @@
+//! The motion of an axis from its measured position and speed, each smoothed no more than its own noise allows.
+//!
+//! Friction turns its sign within a sliding speed of millimetres a second, and an axis that starts from rest passes it in a few
+//! samples: a speed that is wrong by a hundredth of that width is an error of the force that repeats in every cycle, where noise
+//! would average out. So bias has to stay below noise, sample by sample. At each sample a cubic is fitted to ever wider
+//! windows, position and speed weighted by the noise that their own fourth differences show; speed and acceleration are
+//! each taken from the widest window that contradicts no narrower one. Of two fits to nested samples the variance of the difference
+//! is the difference of the variances (Hausman), so noise alone moves an estimate by about the root of that; what moves
+//! further is the motion. (Choice of the window: Goldenshluger and Nemirovski 1997, "intersection of confidence intervals".)
+//!
+//! Where the speed is measured well it comes out nearly as measured, and only the acceleration is smoothed. Units: those of the
+//! log. Limit: a position alone that is noisy within the time in which the sign turns leaves an error there that no window
+//! can take away.
+
+use crate::motion::{Motion, Profile, noise_of};
+use nalgebra::{Matrix4, Vector4};
+
+/// Half windows in samples, ascending.
+const HALF_WINDOWS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];
+/// Deviations of the difference of two windows' estimates that noise explains.
+const AGREEMENT: f64 = 3.0;
+
+/// An estimate with its standard deviation.
+type Estimate = (f64, f64);
+
+/// The widest estimate that agrees with all narrower ones before it, and its place.
+fn widest(estimates: &[Estimate]) -> Option<usize> {
+    let agrees = |k: usize| {
+        let Some(&(wide, wide_deviation)) = estimates.get(k) else { return false };
+        estimates.iter().take(k).all(|(narrow, deviation)| {
+            let noise = (deviation * deviation - wide_deviation * wide_deviation).max(0.0).sqrt();
+            (wide - narrow).abs() <= AGREEMENT * noise
+        })
+    };
+    (0..estimates.len()).take_while(|&k| agrees(k)).last()
+}
+
+/// Normal equations of a cubic around a sample, in units of a step, grown sample by sample.
+struct Cubic {
+    matrix: Matrix4<f64>,
+    right: Vector4<f64>,
+}
+
+impl Cubic {
+    fn add(&mut self, row: Vector4<f64>, right: f64) {
+        self.matrix += row * row.transpose();
+        self.right += right * row;
+    }
+}
+
+/// The curve of an axis through measured values and, where given, rates.
+pub(crate) fn follow(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> Profile {
+    let count = time_s.len().min(values.len()).min(rates.map_or(usize::MAX, <[f64]>::len));
+    let span = time_s.last().zip(time_s.first()).map_or(0.0, |(b, a)| b - a);
+    let step = (span / count.saturating_sub(1).max(1) as f64).max(f64::MIN_POSITIVE);
+    let of_value = 1.0 / noise_of(values);
+    let rates = rates.map(|r| (r, 1.0 / (step * noise_of(r))));
+    let node = |i: usize| {
+        let (Some(&centre), Some(&base)) = (time_s.get(i), values.get(i)) else { return Motion::default() };
+        let mut cubic = Cubic { matrix: Matrix4::zeros(), right: Vector4::zeros() };
+        let add = |cubic: &mut Cubic, k: usize| {
+            let (Some(t), Some(value)) = (time_s.get(k), values.get(k)) else { return };
+            let u = (t - centre) / step;
+            cubic.add(of_value * Vector4::new(1.0, u, u * u, u * u * u), of_value * (value - base));
+            if let Some((rate, weight)) = rates.and_then(|(r, weight)| Some((r.get(k)?, weight))) {
+                cubic.add(weight * Vector4::new(0.0, 1.0, 2.0 * u, 3.0 * u * u), weight * rate * step);
+            }
+        };
+        add(&mut cubic, i);
+        let mut done = 0;
+        let (mut value_of, mut rate_of, mut acceleration_of) = (Vec::new(), Vec::new(), Vec::new());
+        for half in HALF_WINDOWS {
+            for k in done + 1..=half {
+                if let Some(before) = i.checked_sub(k) {
+                    add(&mut cubic, before);
+                }
+                if i + k < count {
+                    add(&mut cubic, i + k);
+                }
+            }
+            done = half;
+            let samples = 1 + half.min(i) + half.min(count - 1 - i);
+            if samples * (1 + usize::from(rates.is_some())) < 4 {
+                continue;
+            }
+            let Some(inverse) = cubic.matrix.cholesky().map(|c| c.inverse()) else { continue };
+            let solution = inverse * cubic.right;
+            let deviation = |k: usize| inverse[(k, k)].max(0.0).sqrt();
+            value_of.push(base + solution[0]);
+            rate_of.push((solution[1] / step, deviation(1) / step));
+            acceleration_of.push((2.0 * solution[2] / (step * step), 2.0 * deviation(2) / (step * step)));
+        }
+        let best =
+            |estimates: &[Estimate]| widest(estimates).and_then(|k| estimates.get(k)).map_or(0.0, |e| e.0);
+        Motion {
+            value: widest(&rate_of).and_then(|k| value_of.get(k)).copied().unwrap_or(base),
+            rate: best(&rate_of),
+            acceleration: best(&acceleration_of),
+        }
+    };
+    let nodes = (0..count).map(node).collect();
+    Profile::Curve { time_s: time_s.get(..count).unwrap_or(time_s).to_vec(), nodes }
+}

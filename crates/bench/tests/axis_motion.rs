@@ -1,0 +1,80 @@
+//! The motion of an axis that a simulation is driven by follows its log no worse than the log's own noise.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use bench::respond::Inputs;
+use bench::{Bench, MeasuredLog};
+use std::fmt::Write as _;
+
+const RATE_HZ: f64 = 200.0;
+
+/// Angle, speed, acceleration of a stroke that starts at 1 s along `35 u^4 - 84 u^5 + 70 u^6 - 20 u^7` and takes 1.6 s.
+fn moved(time_s: f64) -> [f64; 3] {
+    let (way, length) = (0.8, 1.6);
+    let u = ((time_s - 1.0) / length).clamp(0.0, 1.0);
+    [
+        way * u.powi(4) * (35.0 - u * (84.0 - u * (70.0 - 20.0 * u))),
+        way / length * 140.0 * (u * (1.0 - u)).powi(3),
+        way / (length * length) * 420.0 * (u * (1.0 - u)).powi(2) * (1.0 - 2.0 * u),
+    ]
+}
+
+/// Numbers of unit variance, evenly spread.
+fn spread(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    12.0_f64.sqrt() * ((*state >> 11) as f64 / (1u64 << 53) as f64 - 0.5)
+}
+
+/// Rms errors of speed and acceleration, and the largest of the speed while it turns friction round (below 30 mrad/s), from
+/// angle noise and, where measured, speed noise. The ends of the log, where no window is whole, are left out.
+fn errors(angle_noise: f64, speed_noise: Option<f64>) -> [f64; 3] {
+    let bench = Bench::open("friction-rig").unwrap();
+    let mut state = 7;
+    let mut text = String::from("t_s,spindle_angle_rad,spindle_speed_rad_s,drive_torque_nm\n");
+    if speed_noise.is_none() {
+        text = text.replace("spindle_speed_rad_s,", "");
+    }
+    let times: Vec<f64> = (0..(4.0 * RATE_HZ) as usize).map(|i| i as f64 / RATE_HZ).collect();
+    for &t in &times {
+        let [angle, speed, _] = moved(t);
+        let _ = write!(text, "{t:.5},{:.9e}", angle + angle_noise * spread(&mut state));
+        if let Some(deviation) = speed_noise {
+            let _ = write!(text, ",{:.9e}", speed + deviation * spread(&mut state));
+        }
+        text.push_str(",0.0\n");
+    }
+    let log = MeasuredLog::parse("log.csv", &text, &bench.log_format()).unwrap();
+    let inputs = Inputs::new(&bench, &log).unwrap();
+    let inside: Vec<f64> = times.iter().copied().filter(|t| (0.1..3.9).contains(t)).collect();
+    let (mut rate, mut acceleration, mut turning) = (0.0, 0.0, 0.0_f64);
+    for &t in &inside {
+        let ([_, speed, a], found) = (moved(t), inputs.drive(t));
+        rate += (found.rate - speed).powi(2);
+        acceleration += (found.acceleration - a).powi(2);
+        if speed > 0.0 && speed < 0.03 {
+            turning = turning.max((found.rate - speed).abs());
+        }
+    }
+    let rms = |sum: f64| (sum / inside.len() as f64).sqrt();
+    [rms(rate), rms(acceleration), turning]
+}
+
+#[test]
+fn a_precise_speed_comes_out_as_precise() {
+    let [rate, acceleration, turning] = errors(2e-6, Some(5e-5));
+    assert!(rate < 3e-5 && turning < 1e-4, "{rate} {turning}");
+    // Neighbouring differences alone would leave .007 rad/s2.
+    assert!(acceleration < 5e-3, "{acceleration}");
+}
+
+#[test]
+fn a_speed_that_comes_from_positions_is_better_than_their_difference() {
+    let [rate, _, turning] = errors(2e-6, None);
+    // Central differences: 2e-6 rad 200/s / root of 2 = 2.8e-4 rad/s.
+    assert!(rate < 1e-4 && turning < 1e-3, "{rate} {turning}");
+}
+
+#[test]
+fn a_noisy_speed_is_smoothed() {
+    let [rate, _, _] = errors(2e-6, Some(5e-3));
+    assert!(rate < 5e-4, "{rate}");
+}

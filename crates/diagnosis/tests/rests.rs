@@ -1,0 +1,129 @@
+//! A clean log of strokes with rests, every number exact: nothing may be found, whatever the start of a stroke does to friction.
+//!
+//! The log is made here, from the balance of the axis alone: strokes along `35 u^4 - 84 u^5 + 70 u^6 - 20 u^7`, dry friction with
+//! a sign 1 mm/s wide, 200 samples a second. An axis passes that width in about ten samples, so what smooths its speed
+//! moves the turn of friction by more than the noise.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use bench::respond::{Inputs, respond};
+use bench::{Bench, Channel, MeasuredLog};
+use diagnosis::{Options, Verdict, diagnose};
+use std::fmt::Write as _;
+
+const SIGN_WIDTH_M_S: f64 = 1e-3;
+const RADIUS_M: f64 = 0.07;
+const CYCLE_S: f64 = 4.0;
+const REST_S: f64 = 0.4;
+const RATE_HZ: f64 = 200.0;
+
+/// An axis that measures its torque; noise and resolution of the torque in N m.
+fn bench(resolution: f64, inputs: &str) -> Bench {
+    let text = format!(
+        "plant = \"friction-rig\"\n\
+        [axis]\nkind = \"rotary\"\ninertia = 10.0\nfriction_radius_m = {RADIUS_M}\nload_gain = 0.0\n\
+        coulomb_effort = 140.0\nviscous_effort = 20.0\nload_coefficient = 0.0\n\
+        regularisation_m_s = {SIGN_WIDTH_M_S}\nperiod_s = {CYCLE_S}\namplitude = 0.4\ndwell_s = {REST_S}\n\
+        [load]\nforce_n = 0.0\nramp_s = 0.05\n[logging]\nsample_rate_hz = {RATE_HZ}\n\
+        [sensors]\n{inputs}\ndrive_torque_nm = {{ noise = 1.0, resolution = {resolution} }}\n\
+        [uncertain]\n\"axis.inertia\" = 0.2\n\"axis.coulomb_effort\" = 0.2\n\"axis.viscous_effort\" = 0.5\n"
+    );
+    Bench::parse("axis.toml", &text).unwrap()
+}
+
+/// Normal numbers: sums of twelve uniform ones of a linear congruential generator.
+struct Normal(u64);
+
+impl Normal {
+    fn next(&mut self) -> f64 {
+        let uniform = |state: &mut u64| {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (*state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform(&mut self.0)).sum::<f64>() - 6.0
+    }
+}
+
+/// Angle, speed, acceleration.
+fn moved(time_s: f64) -> [f64; 3] {
+    let half = 0.5 * CYCLE_S;
+    let index = (time_s / half).floor();
+    let way = if index.rem_euclid(2.0) < 0.5 { 0.8 } else { -0.8 };
+    let length = half - REST_S;
+    let u = ((time_s - index * half - REST_S) / length).max(0.0);
+    [
+        -0.5 * way + way * u.powi(4) * (35.0 - u * (84.0 - u * (70.0 - 20.0 * u))),
+        way / length * 140.0 * (u * (1.0 - u)).powi(3),
+        way / (length * length) * 420.0 * (u * (1.0 - u)).powi(2) * (1.0 - 2.0 * u),
+    ]
+}
+
+/// Noise of angle and speed.
+#[derive(Clone, Copy)]
+struct InputNoise {
+    angle: f64,
+    speed: Option<f64>,
+}
+
+const PRECISE: InputNoise = InputNoise { angle: 2e-6, speed: Some(5e-5) };
+
+fn log(bench: &Bench, inputs: InputNoise, resolution: f64, seed: u64) -> MeasuredLog {
+    let mut noise = Normal(seed);
+    let round = |v: f64, step: f64| if step > 0.0 { (v / step).round() * step } else { v };
+    let mut text = String::from("t_s,spindle_angle_rad,spindle_speed_rad_s,drive_torque_nm\n");
+    if inputs.speed.is_none() {
+        text = text.replace("spindle_speed_rad_s,", "");
+    }
+    for i in 0..(16.0 * RATE_HZ) as usize {
+        let t = 0.3 + i as f64 / RATE_HZ;
+        let [angle, speed, acceleration] = moved(t);
+        let torque = 10.0 * acceleration
+            + 140.0 * (speed * RADIUS_M / SIGN_WIDTH_M_S).tanh()
+            + 20.0 * speed
+            + noise.next();
+        let _ = write!(text, "{t:.5},{:.9e}", angle + inputs.angle * noise.next());
+        if let Some(deviation) = inputs.speed {
+            let _ = write!(text, ",{:.9e}", speed + deviation * noise.next());
+        }
+        let _ = writeln!(text, ",{:.9e}", round(torque, resolution));
+    }
+    MeasuredLog::parse("log.csv", &text, &bench.log_format()).unwrap()
+}
+
+/// Chi-square a sample of the simulation with exact numbers.
+fn chi_square(bench: &Bench, log: &MeasuredLog, resolution: f64) -> f64 {
+    let simulated = respond(bench, &Inputs::new(bench, log).unwrap()).unwrap();
+    let (measured, simulated) = (&log.channels[&Channel::DriveTorque], &simulated[&Channel::DriveTorque]);
+    let floor = 1.0 + resolution * resolution / 12.0;
+    let sum: f64 = measured.iter().zip(simulated).map(|(m, s)| (m - s).powi(2) / floor).sum();
+    sum / measured.len() as f64
+}
+
+fn nothing_is_found(inputs: InputNoise, declared: &str, resolution: f64, most: f64) {
+    let bench = bench(resolution, declared);
+    for seed in 1..=4 {
+        let log = log(&bench, inputs, resolution, seed);
+        let chi = chi_square(&bench, &log, resolution);
+        eprintln!("resolution {resolution}, seed {seed}: chi-square {chi:.3} a sample");
+        assert!(chi < most, "seed {seed}: {chi}");
+        let d = diagnose(&bench, &[log], &[], &Options::default()).unwrap();
+        assert_eq!(d.verdict, Verdict::None, "seed {seed}: {:?} left {:?}", d.causes, d.signature);
+    }
+}
+
+const DECLARED: &str = "spindle_angle_rad = { noise = 2e-6, resolution = 0.0 }\n\
+    spindle_speed_rad_s = { noise = 5e-5, resolution = 0.0 }";
+
+#[test]
+fn a_clean_log_with_rests_hides_nothing() {
+    nothing_is_found(PRECISE, DECLARED, 0.0, 1.1);
+}
+
+#[test]
+fn nor_does_one_read_to_half_of_its_noise() {
+    nothing_is_found(PRECISE, DECLARED, 0.5, 1.1);
+}
+
+#[test]
+fn nor_one_whose_inputs_declare_no_noise() {
+    nothing_is_found(PRECISE, "", 0.5, 1.1);
+}
