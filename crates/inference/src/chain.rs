@@ -61,6 +61,9 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
     /// Does some units of the work that the newest column brought, in order; gives how many activations were clipped.
     fn run<E: Engine>(&self, stream: &mut Self::Stream, units: Range<usize>) -> u32;
 
+    /// Not 0 where something that the stream remembers has been found to be no longer what was put there, with the last column.
+    fn altered(stream: &Self::Stream) -> usize;
+
     /// Gives whatever must stay as it is to a sum: where the layers' numbers lie, and the head's scale.
     fn constants(&self, sum: &mut impl Hasher);
 
@@ -182,6 +185,11 @@ where
         clipped
     }
 
+    #[inline]
+    fn altered(stream: &Self::Stream) -> usize {
+        stream.history.altered() | R::altered(&stream.rest)
+    }
+
     fn constants(&self, sum: &mut impl Hasher) {
         self.layer.constants(sum);
         self.rest.constants(sum);
@@ -282,6 +290,11 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
         0
     }
 
+    #[inline]
+    fn altered(stream: &Self::Stream) -> usize {
+        stream.history.altered()
+    }
+
     fn constants(&self, sum: &mut impl Hasher) {
         Head::constants(self, sum);
     }
@@ -338,5 +351,23 @@ impl<const OUT: usize> Default for Sums<OUT> {
 pub(crate) fn forget_oldest<T: Copy>(columns: &mut [T]) {
     if columns.len() > 1 {
         columns.copy_within(1.., 0);
+    }
+}
+
+#[cfg(test)]
+impl<A, B, const IN: usize, const OUT: usize, const K: usize, R> ConvolutionStream<A, B, IN, OUT, K, R> {
+    pub(crate) fn history(&mut self) -> &mut Ring<A, IN, K> {
+        &mut self.history
+    }
+
+    pub(crate) fn rest(&mut self) -> &mut R {
+        &mut self.rest
+    }
+}
+
+#[cfg(test)]
+impl<A, const IN: usize, const COLUMNS: usize, const OUT: usize> HeadStream<A, IN, COLUMNS, OUT> {
+    pub(crate) fn history(&mut self) -> &mut Ring<A, IN, COLUMNS> {
+        &mut self.history
     }
 }

@@ -35,8 +35,8 @@ impl Flags {
     pub const WARMING_UP: Self = Self(1 << 7);
     /// There was no sample: the forces are 0 and the history starts anew.
     pub const MISSING: Self = Self(1 << 8);
-    /// The model is no longer what it was when it was loaded: a bit of its image has changed. Nothing in this crate finds that out; whoever
-    /// checks an image in use says it with this.
+    /// Something is no longer what it was: a bit of the model's image has changed since it was loaded (nothing in this crate finds that out; whoever
+    /// checks an image in use says it with this), or a bit of the networks' history, found with the column that leaves it.
     pub const ALTERED: Self = Self(1 << 9);
     /// Every remark that means "outside the training range".
     pub const OUTSIDE_TRAINING: Self = Self(

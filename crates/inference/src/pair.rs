@@ -111,11 +111,14 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
 
         let clipped = clipped.wrapping_add(clipped_friction);
         self.seen = self.seen.saturating_add(1);
+        let altered = Network::<'a, B, COLLISION_INPUTS>::altered(&self.collision)
+            | Network::<'a, B, FRICTION_INPUTS>::altered(&self.friction);
         let flags = column.flags
             | Flags::OUTSIDE_FORCE
                 .when(normal_force_mn.cast_unsigned() > self.features.header().normal_force_high_mn)
             | Flags::SATURATED.when(clipped > 0)
-            | Flags::WARMING_UP.when(usize::from(self.seen) < WINDOW);
+            | Flags::WARMING_UP.when(usize::from(self.seen) < WINDOW)
+            | Flags::ALTERED.when(altered != 0);
         Estimate {
             normal_force_mn,
             friction_force_mn,
@@ -170,6 +173,61 @@ mod tests {
     use super::*;
     use crate::bearing::{Bearing, shipped};
 
+    fn pair() -> Pair<'static> {
+        let mut pair = Pair::new(Model::load(shipped(Bearing::Babbitt)).unwrap());
+        for _ in 0..100 {
+            flags(&mut pair);
+        }
+        pair
+    }
+
+    fn flags(pair: &mut Pair) -> Flags {
+        pair.step(&Sample {
+            radial_clearance_nm: 500_000,
+            deformation_pm: 20_000_000,
+            deformation_rate_nm_s: 100_000,
+            approach_speed_nm_s: 3_000_000,
+            sliding_speed_nm_s: 20_000_000,
+        })
+        .flags
+    }
+
+    #[test]
+    fn a_bit_that_flips_anywhere_in_the_history_is_flagged_within_its_columns() {
+        assert!((0..10).all(|_| !flags(&mut pair()).contains(Flags::ALTERED)));
+        type Place = for<'p> fn(&'p mut Pair<'static>) -> &'p mut [u8];
+        let places: [Place; 8] = [
+            |p| p.collision.history().bytes(),
+            |p| p.collision.rest().history().bytes(),
+            |p| p.collision.rest().rest().history().bytes(),
+            |p| p.collision.rest().rest().rest().history().bytes(),
+            |p| p.friction.history().bytes(),
+            |p| p.friction.rest().history().bytes(),
+            |p| p.friction.rest().rest().history().bytes(),
+            |p| p.friction.rest().rest().rest().history().bytes(),
+        ];
+        for (number, place) in places.into_iter().enumerate() {
+            for byte in 0..place(&mut pair()).len() {
+                let mut altered = pair();
+                place(&mut altered)[byte] ^= 1 << (byte % 8);
+                let told = (0..3).filter(|_| flags(&mut altered).contains(Flags::ALTERED)).count();
+                assert_eq!(told, 1, "byte {byte} of ring {number}");
+                assert!(!flags(&mut altered).contains(Flags::ALTERED));
+            }
+        }
+    }
+
+    #[test]
+    fn a_history_that_begins_anew_is_not_altered() {
+        let mut pair = pair();
+        for _ in 0..20 {
+            pair.reset();
+            assert!((0..30).all(|_| !flags(&mut pair).contains(Flags::ALTERED)));
+            pair.skip();
+            flags(&mut pair);
+        }
+    }
+
     #[test]
     fn what_must_stay_is_all_in_the_sum() {
         use std::hash::DefaultHasher;
@@ -178,7 +236,7 @@ mod tests {
             pair.constants(&mut hasher);
             hasher.finish()
         };
-        let sound = Pair::<'static>::new(Model::load(shipped(Bearing::Babbitt)).unwrap());
+        let sound = pair();
         assert_eq!(sum(&sound), sum(&sound.clone()));
         // The same numbers at another place, and another image's.
         let words = crate::bearing::shipped(Bearing::Babbitt).as_chunks::<4>().0.to_vec();

@@ -1,64 +1,102 @@
 //! The newest columns of a stream as one slice of memory, without moving any.
 
+use crate::kernel::exchange;
+
 /// The newest `N` columns. Every column is kept twice, `N` places apart, so that wherever the oldest stands, the `N` columns from it on are
-/// in order and side by side.
+/// in order and side by side. When a column leaves, its two copies have to be the same still. In front there are `N` - 1 columns of zeros for good:
+/// the first columns after [`Self::clear`] have those before them.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(4))]
 pub(crate) struct Ring<A, const IN: usize, const N: usize> {
-    columns: [[[A; IN]; N]; 2],
-    oldest: usize,
+    /// The first of three times `N` is never shown: arrays have no length of `3 N - 1`.
+    columns: [[[A; IN]; N]; 3],
+    /// The place behind the zeros' first at which the newest `N` columns begin; `usize::MAX` before there is any.
+    start: usize,
+    /// Its complement.
+    not_start: usize,
+    /// Bits in which the copies of the column that left last were different; 0 is none.
+    altered: usize,
 }
 
-/// Copies a column; word by word where both stand at a word's address, as they do wherever a column takes whole words.
+/// Writes a column over both copies of another; not 0 where these differed. Word by word where all stand at a word's address, as they do wherever a
+/// column takes whole words.
 #[inline]
-fn copy<A: bytemuck::Pod, const IN: usize>(from: &[A; IN], to: &mut [A; IN]) {
-    let words = bytemuck::try_cast_slice(from).ok().zip(bytemuck::try_cast_slice_mut(to).ok());
-    let copied = words.is_some_and(|(from, to): (&[u32], &mut [u32])| {
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
-        true
-    });
-    if !copied {
-        *to = *from;
+fn replace<A: bytemuck::Pod + PartialEq, const IN: usize>(
+    new: &[A; IN],
+    first: &mut [A; IN],
+    second: &mut [A; IN],
+) -> usize {
+    if let (Ok(new), Ok(first), Ok(second)) = (
+        bytemuck::try_cast_slice(new),
+        bytemuck::try_cast_slice_mut(first),
+        bytemuck::try_cast_slice_mut(second),
+    ) {
+        return exchange(new, first, second) as usize;
     }
+    let difference = usize::from(first != second);
+    (*first, *second) = (*new, *new);
+    difference
 }
 
-impl<A: bytemuck::Pod + Default, const IN: usize, const N: usize> Ring<A, IN, N> {
+impl<A: bytemuck::Pod + Default + PartialEq, const IN: usize, const N: usize> Ring<A, IN, N> {
     /// `N` columns of zeros: the causal padding.
     pub(crate) fn new() -> Self {
-        Self { columns: [[[A::default(); IN]; N]; 2], oldest: 0 }
+        Self { columns: [[[A::default(); IN]; N]; 3], start: usize::MAX, not_start: 0, altered: 0 }
     }
 
-    /// Forgets the columns: as [`Self::new`], but for those that no slice will show before they are written.
+    /// Forgets the columns: from the next push on it is as [`Self::new`].
     #[inline]
-    pub(crate) fn clear(&mut self) {
-        let [first, _] = &mut self.columns;
-        first.iter_mut().skip(1).for_each(|column| *column = [A::default(); IN]);
-        self.oldest = 0;
+    pub(crate) const fn clear(&mut self) {
+        self.start = usize::MAX;
+        self.not_start = 0;
     }
 
     /// Puts a column in the place of the oldest.
     #[inline]
     pub(crate) fn push(&mut self, column: &[A; IN]) {
-        for half in &mut self.columns {
-            if let Some(slot) = half.get_mut(self.oldest) {
-                copy(column, slot);
-            }
-        }
-        let next = self.oldest.wrapping_add(1);
-        self.oldest = if next < N { next } else { 0 };
+        let [_, first, second] = &mut self.columns;
+        let order = self.start ^ !self.not_start;
+        // Over the zeros at first, then over the two copies: 0, 1, .., 2 N - 2, N - 1, ..
+        let start = self.start.wrapping_add(1);
+        let start = if start < 2 * N - 1 { start } else { N - 1 };
+        (self.start, self.not_start) = (start, !start);
+        let slot = if start < N { start } else { start.wrapping_sub(N) };
+        // A place that there is not is one that has been altered.
+        let difference = match (first.get_mut(slot), second.get_mut(slot)) {
+            (Some(first), Some(second)) => replace(column, first, second),
+            _ => 1,
+        };
+        self.altered = difference | order;
+    }
+
+    /// Not 0 where the column that left with the last push was no longer what had been put there, or the order of the columns is not.
+    #[inline]
+    pub(crate) const fn altered(&self) -> usize {
+        self.altered
     }
 
     /// The columns, oldest first.
     #[inline]
     pub(crate) fn columns(&self) -> &[[A; IN]; N] {
-        let [first, _] = &self.columns;
-        self.columns.as_flattened().get(self.oldest..).and_then(<[_]>::first_chunk).unwrap_or(first)
+        let [zeros, first, _] = &self.columns;
+        let shown = if self.start == usize::MAX { return zeros } else { self.start };
+        let columns = self.columns.as_flattened().get(1..).unwrap_or_default();
+        columns.get(shown..).and_then(<[_]>::first_chunk).unwrap_or(first)
     }
 }
 
-impl<A: bytemuck::Pod + Default, const IN: usize, const N: usize> Default for Ring<A, IN, N> {
+impl<A: bytemuck::Pod + Default + PartialEq, const IN: usize, const N: usize> Default for Ring<A, IN, N> {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+#[cfg(test)]
+impl<A: bytemuck::Pod, const IN: usize, const N: usize> Ring<A, IN, N> {
+    /// Its memory, to be disturbed.
+    pub(crate) fn bytes(&mut self) -> &mut [u8] {
+        let [_, copies @ ..] = &mut self.columns;
+        bytemuck::cast_slice_mut(copies.as_flattened_mut().as_flattened_mut())
     }
 }
 
@@ -77,6 +115,35 @@ mod tests {
                 new.push(&[newest, -newest]);
                 assert_eq!(cleared.columns(), new.columns(), "{pushed} before, {newest} since");
             }
+        }
+    }
+
+    #[test]
+    fn a_bit_that_flips_in_either_copy_is_found_when_its_column_leaves() {
+        let mut ring = Ring::<i16, 4, 3>::new();
+        (0..10).for_each(|newest| ring.push(&[newest; 4]));
+        let leaves = |mut ring: Ring<i16, 4, 3>| {
+            let pushes = (1..5).find(|_| {
+                ring.push(&[7; 4]);
+                ring.altered() != 0
+            });
+            assert!((ring.push(&[7; 4]), ring.altered()).1 == 0, "and is gone then");
+            pushes
+        };
+        assert_eq!(leaves(ring), None);
+        for copy in 1..3 {
+            for column in 0..3 {
+                for bit in 0..16 {
+                    let mut flipped = ring;
+                    flipped.columns[copy][column][bit % 4] ^= 1 << bit;
+                    assert!(leaves(flipped).is_some_and(|pushes| pushes <= 3));
+                }
+            }
+        }
+        for bit in 0..usize::BITS {
+            let mut flipped = ring;
+            flipped.start ^= 1 << bit;
+            assert_eq!(leaves(flipped), Some(1));
         }
     }
 

@@ -107,16 +107,13 @@ impl Newton {
     #[inline]
     pub(super) fn carried(&self, sum: &mut Carried) {
         sum.word(self.ticks);
-        let words = [
-            self.pull,
-            self.last_y_nm_s,
-            self.force_y_mn,
-            self.friction_mn,
-            self.normal_mn,
-            self.speed_nm_s,
-            self.slope_nm_s,
-        ];
-        words.iter().for_each(|word| sum.word(word.cast_unsigned()));
+        sum.word(self.pull.cast_unsigned());
+        sum.word(self.last_y_nm_s.cast_unsigned());
+        sum.word(self.force_y_mn.cast_unsigned());
+        sum.word(self.friction_mn.cast_unsigned());
+        sum.word(self.normal_mn.cast_unsigned());
+        sum.word(self.speed_nm_s.cast_unsigned());
+        sum.word(self.slope_nm_s.cast_unsigned());
     }
 
     /// Whether the masses are known.

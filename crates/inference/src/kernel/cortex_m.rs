@@ -26,7 +26,10 @@
 //! compile: MOVW holds 65535, an offset of LDR 4095.
 #![allow(unsafe_code)]
 
+mod exchange;
 mod layer;
+
+pub(crate) use exchange::exchange;
 
 use super::{BLOCK, Blocks, Engine, Kernel, Quad};
 use crate::activation::Activation;

@@ -115,6 +115,38 @@ pub trait Engine: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8> {
     }
 }
 
+/// Writes a column of words over both copies of another; not 0 where these differed.
+#[inline]
+pub(crate) fn exchange(new: &[u32], first: &mut [u32], second: &mut [u32]) -> u32 {
+    #[cfg(pintle_dsp)]
+    {
+        let found =
+            exchange_quads::<2>(new, first, second).or_else(|| exchange_quads::<1>(new, first, second));
+        if let Some(difference) = found {
+            return difference;
+        }
+    }
+    let copies = first.iter_mut().zip(second);
+    new.iter().zip(copies).fold(0, |found, (new, (first, second))| {
+        let difference = *first ^ *second;
+        (*first, *second) = (*new, *new);
+        found | difference
+    })
+}
+
+/// The same where a column has exactly so many times four words.
+#[cfg(pintle_dsp)]
+#[inline]
+fn exchange_quads<const QUADS: usize>(new: &[u32], first: &mut [u32], second: &mut [u32]) -> Option<u32> {
+    fn quads<const QUADS: usize>(words: &[u32]) -> Option<&[[u32; 4]; QUADS]> {
+        if words.len() == 4 * QUADS { words.as_chunks().0.try_into().ok() } else { None }
+    }
+    fn quads_mut<const QUADS: usize>(words: &mut [u32]) -> Option<&mut [[u32; 4]; QUADS]> {
+        if words.len() == 4 * QUADS { words.as_chunks_mut().0.try_into().ok() } else { None }
+    }
+    Some(cortex_m::exchange::<QUADS>(quads(new)?, quads_mut(first)?, quads_mut(second)?))
+}
+
 /// The fastest engine of this target.
 #[cfg(pintle_dsp)]
 pub type Native = cortex_m::CortexM;
