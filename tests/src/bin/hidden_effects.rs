@@ -43,8 +43,8 @@ struct Cli {
     /// Sizes of single effects, rms over the noise.
     #[arg(long, value_delimiter = ',', default_value = "0.1,0.2,0.3,0.5,1,2,5")]
     sizes: Vec<f64>,
-    /// Questions: clean, single, deleted, two, pair, changed.
-    #[arg(long, value_delimiter = ',', default_value = "clean,single,deleted,two,pair,changed")]
+    /// Questions: clean, single, deleted, two, pair, changed, hard.
+    #[arg(long, value_delimiter = ',', default_value = "clean,single,deleted,two,pair,changed,hard")]
     arms: Vec<Arm>,
     /// Cells at once; 0: one a core.
     #[arg(long, default_value_t = 0)]

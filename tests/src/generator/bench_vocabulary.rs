@@ -93,7 +93,7 @@ mod tests {
         let mut session = Session::draw(Plant::Bench, 0.8, Point::default(), &mut noise);
         session.cycles = 1.0;
         let base = session.readings(&session.off, &[]);
-        let sensors = Plant::Bench.sensors();
+        let sensors = session.sensors();
         for effect in EFFECTS {
             let drawn = draw(effect, 1.0, 0.7, &mut noise).unwrap();
             let mut hidden = drawn.at(drawn.guess);

@@ -2,11 +2,13 @@
 //!
 //! [`axis`] is the friction rig and the linear axis, [`planar`] the transmission bench, both written from their equations alone, with
 //! other integrators and steps than the engine's; [`session`] puts one to an operating point with nuisances of its own,
+//! [`conditions`] are those under which it is logged,
 //! [`sensing`] makes readings of it, [`hidden`] says what a log hides and [`vocabulary`] draws it, [`size`] measures how large that is.
 //! Nothing here uses the `bench` or `diagnosis` crate.
 
 pub mod axis;
 pub mod bench_vocabulary;
+pub mod conditions;
 pub mod hidden;
 pub mod motion;
 pub mod noise;

@@ -4,6 +4,7 @@
 //! offset within their resolution; what drifts with temperature starts warm. All of it comes from the session's seed.
 
 use super::axis::{RealAxis, Run};
+use super::conditions::Conditions;
 use super::hidden::HiddenEffect;
 use super::motion::{Course, Load, Motion};
 use super::noise::Noise;
@@ -53,29 +54,6 @@ impl Plant {
         }
     }
 
-    /// Sensors of inputs and outputs.
-    pub fn sensors(self) -> Vec<Reading> {
-        let of =
-            |&(channel, noise, resolution): &(&'static str, f64, f64)| Reading { channel, noise, resolution };
-        let rows: &[(&str, f64, f64)] = match self {
-            Self::Rotary => &[
-                ("spindle_angle_rad", 2e-6, 1e-6),
-                ("spindle_speed_rad_s", 5e-5, 1e-5),
-                ("load_force_n", 5.0, 1.0),
-                ("drive_torque_nm", 1.0, 0.1),
-                ("friction_torque_nm", 1.0, 0.1),
-            ],
-            Self::Linear => &[
-                ("position_m", 5e-7, 2e-7),
-                ("velocity_m_s", 1e-5, 2e-6),
-                ("load_force_n", 0.1, 0.05),
-                ("drive_force_n", 3.0, 0.3),
-            ],
-            Self::Bench => planar::SENSORS,
-        };
-        rows.iter().map(of).collect()
-    }
-
     /// Names of the outputs.
     pub const fn outputs(self) -> &'static [&'static str] {
         match self {
@@ -114,6 +92,8 @@ pub struct Session {
     pub plant: Plant,
     /// By how many declared deviations each uncertain number is off.
     pub off: Vec<f64>,
+    /// Conditions.
+    pub conditions: Conditions,
     /// Operating point.
     pub point: Point,
     /// Cycles of the log.
@@ -133,11 +113,13 @@ impl Session {
     pub fn draw(plant: Plant, spread: f64, point: Point, noise: &mut Noise) -> Self {
         let off = plant.deviations().iter().map(|_| spread * (2.0 * noise.uniform() - 1.0)).collect();
         let bench = plant == Plant::Bench;
-        let rate_hz = if bench { 1000.0 } else { 250.0 };
+        let conditions = Conditions::default();
+        let rate_hz = if bench { 1000.0 } else { conditions.axis_rate_hz() };
         let start_s = if bench { 0.0 } else { (noise.uniform() * 1e4).round() / 10.0 };
         Self {
             plant,
             off,
+            conditions,
             point,
             cycles: if bench { 2.0 } else { 4.0 },
             logger: Logger { rate_hz, colour: 0.0, lost: 0.004, start_s },
@@ -151,7 +133,23 @@ impl Session {
     /// Another session of the same plant: what is off stays off, everything else is drawn anew.
     pub fn again(&self, point: Point, noise: &mut Noise) -> Self {
         let logger = Logger { colour: self.logger.colour, lost: self.logger.lost, ..self.logger };
-        Self { off: self.off.clone(), logger, ..Self::draw(self.plant, 0.0, point, noise) }
+        let fresh = Self::draw(self.plant, 0.0, point, noise);
+        Self { off: self.off.clone(), logger, conditions: self.conditions, ..fresh }
+    }
+
+    /// The same under hard conditions.
+    pub fn hard(mut self) -> Self {
+        if self.plant != Plant::Bench {
+            self.conditions = Conditions::Hard;
+            self.point.course = self.conditions.course();
+            self.logger.rate_hz = self.conditions.axis_rate_hz();
+        }
+        self
+    }
+
+    /// Sensors of inputs and outputs.
+    pub fn sensors(&self) -> Vec<Reading> {
+        self.conditions.sensors(self.plant)
     }
 
     /// Length of the log in s.
@@ -175,6 +173,7 @@ impl Session {
                 * self.plant.deviations().get(i).copied().unwrap_or_default()
         };
         let point = self.point;
+        let sign_width_m_s = self.conditions.sign_width_m_s(self.plant);
         let (axis, amplitude, load_n) = match self.plant {
             Plant::Bench => return planar::signals(self, &(0..7).map(by).collect::<Vec<_>>(), hidden),
             Plant::Rotary => {
@@ -186,7 +185,7 @@ impl Session {
                     load_coefficient: 0.08 + by(3),
                     load_gain: 0.0,
                     radius_m: 0.07,
-                    sign_width_m_s: 6e-3,
+                    sign_width_m_s,
                     warm: self.warm,
                 };
                 (axis, 0.4, 20e3)
@@ -200,7 +199,7 @@ impl Session {
                     load_coefficient: 0.05 + by(3),
                     load_gain: 1.0 + by(4),
                     radius_m: 1.0,
-                    sign_width_m_s: 12e-3,
+                    sign_width_m_s,
                     warm: self.warm,
                 };
                 (axis, 0.15, 1000.0)
@@ -234,7 +233,7 @@ impl Session {
 
     /// The log as CSV text.
     pub fn log(&self, hidden: &[HiddenEffect], noise: &mut Noise) -> String {
-        let sensors = self.plant.sensors();
+        let sensors = self.sensors();
         let resolution = |c: &str| sensors.iter().find(|s| s.channel == c).map_or(0.0, |s| s.resolution);
         let nuisance = self.plant.outputs().iter().zip(&self.offsets).map(|(channel, share)| {
             HiddenEffect::of_sensor("sensor-offset", channel, "offset", share * resolution(channel))

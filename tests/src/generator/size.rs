@@ -139,7 +139,7 @@ impl<'a> Scale<'a> {
 }
 
 fn stacked(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Vec<f64> {
-    let sensors = session.plant.sensors();
+    let sensors = session.sensors();
     let floor = |c: &str| sensors.iter().find(|s| s.channel == c).map_or(1.0, |s| s.floor());
     let floors = session.plant.outputs().iter().map(|c| floor(c));
     session.readings(off, hidden).iter().zip(floors).flat_map(|(v, f)| v.iter().map(move |v| v / f)).collect()

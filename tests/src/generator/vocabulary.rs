@@ -113,7 +113,7 @@ pub fn draw(effect: &str, session: &Session, base: &[Vec<f64>], noise: &mut Nois
 }
 
 fn sensor(effect: &str, session: &Session, channel: &str, base: &[f64], sign: f64) -> Drawn {
-    let sensors = session.plant.sensors();
+    let sensors = session.sensors();
     let floor = sensors.iter().find(|s| s.channel == channel).map_or(1.0, |s| s.floor());
     let largest = base.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let (parameter, share, guess, most) = match effect {

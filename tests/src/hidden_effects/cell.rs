@@ -1,6 +1,7 @@
 //! The cells of the matrix: what is hidden, how large, on which plant, with which seed.
 
 use super::pairs::PAIRS;
+use crate::generator::conditions::Conditions;
 use crate::generator::session::Plant;
 use crate::generator::vocabulary::effects;
 use serde::{Deserialize, Serialize};
@@ -23,12 +24,14 @@ pub enum Arm {
     Pair,
     /// The same question asked in another way.
     Changed,
+    /// No effect or one, on an axis under hard conditions: rests, a narrow sign, coarse readings.
+    Hard,
 }
 
 impl Arm {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Clean, Self::Single, Self::Deleted, Self::Two, Self::Pair, Self::Changed];
+    pub const ALL: [Self; 7] =
+        [Self::Clean, Self::Single, Self::Deleted, Self::Two, Self::Pair, Self::Changed, Self::Hard];
 }
 
 /// One cell with one seed.
@@ -61,6 +64,11 @@ impl Cell {
             self.sizes,
             self.variant
         )
+    }
+
+    /// Under which conditions its logs are made.
+    pub fn conditions(&self) -> Conditions {
+        if self.arm == Arm::Hard { Conditions::Hard } else { Conditions::Usual }
     }
 
     /// The seed of its random draws.
@@ -98,6 +106,8 @@ const TWO: [[f64; 2]; 2] = [[1.0, 1.0], [1.5, 0.5]];
 const CLEAR: f64 = 1.0;
 /// Clean logs per seed.
 const CLEAN: usize = 10;
+/// The same under hard conditions.
+const CLEAN_HARD: usize = 6;
 
 impl Campaign {
     /// The part that runs with every change: each effect of the axes once, and each question.
@@ -158,6 +168,12 @@ impl Campaign {
                     add(&[pair.2, pair.1], &[CLEAR], 0);
                 }
             }
+            Arm::Hard => {
+                if plant != Plant::Bench {
+                    (0..CLEAN_HARD).for_each(|variant| add(&[], &[], variant));
+                    all.iter().for_each(|effect| add(&[effect], &[CLEAR], 0));
+                }
+            }
             Arm::Changed => {
                 if plant != Plant::Bench {
                     (0..super::changed::CHANGES.len()).for_each(|variant| {
@@ -168,6 +184,30 @@ impl Campaign {
                         add(&[effect], &[size], variant);
                     });
                 }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bench::Bench;
+
+    #[test]
+    fn what_a_description_declares_is_what_the_generator_reads_with() {
+        for plant in [Plant::Rotary, Plant::Linear] {
+            for conditions in [Conditions::Usual, Conditions::Hard] {
+                let Ok(Bench::FrictionRig(rig)) = Bench::parse("axis", conditions.description(plant)) else {
+                    panic!("{plant:?}, {conditions:?}")
+                };
+                for reading in conditions.sensors(plant) {
+                    let (_, sensor) =
+                        rig.sensors.iter().find(|(channel, _)| channel.name() == reading.channel).unwrap();
+                    assert_eq!((sensor.noise, sensor.resolution), (reading.noise, reading.resolution));
+                }
+                assert_eq!(rig.axis.regularisation_m_s, conditions.sign_width_m_s(plant));
+                assert_eq!(rig.logging.sample_rate_hz, conditions.axis_rate_hz());
             }
         }
     }

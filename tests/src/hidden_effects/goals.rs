@@ -54,6 +54,12 @@ impl Figures {
             least("two effects, both in the group", 0.85, of(&self.both)),
             least("inseparable pair, both named", 0.95, of(&self.pair_named)),
             least("pair settled by the proposed experiment", 0.90, of(&self.pair_settled)),
+            most("false alarms under hard conditions", 0.01, of(&self.hard_false_alarms)),
+            least(
+                "first name at size 1 under hard conditions",
+                0.97,
+                ((self.hard.cells > 0).then_some(self.hard.first), self.hard.cells),
+            ),
             most("parameter error at size 1, median", 0.10, (self.parameter_error, self.parameter_cells)),
             most("calibration error over all arms", 0.05, (self.calibration_error_of_all, stated)),
             Goal {

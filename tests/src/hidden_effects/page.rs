@@ -19,6 +19,9 @@ and realised gain are compared in every cell of size .5 and more with a cause an
 
 Plants: `rotary`, a friction rig with drive torque and friction torque; `linear`, a cylinder of which only the force is
 measured; `bench`, transmission bench B. `misalignment` needs the bearing in two planes and is not among the cells.
+
+Hard conditions, on the axes: strokes with rests in place of a swing, a sign of friction 1 mm/s wide in place of 6 and 12, 200 samples a
+second in place of 250, efforts read to half of their noise in place of a tenth, the load five times as noisy on `linear`.
 ";
 
 fn number(value: Option<f64>) -> String {
@@ -118,6 +121,7 @@ pub fn page(figures: &Figures) -> String {
         "",
         std::iter::once((String::new(), figures.deleted.clone())),
     );
+    shares(&mut page, "Hard conditions, size 1", "", std::iter::once((String::new(), figures.hard.clone())));
     head(&mut page, "Clean logs, two effects, pairs, changed questions", &["question", "cells", "share"]);
     for (plant, s) in &figures.false_alarms {
         let name = format!("clean log of `{plant}`: any answer but none");
@@ -125,6 +129,7 @@ pub fn page(figures: &Figures) -> String {
     }
     let rows = [
         ("clean log: a cause named", &figures.false_names),
+        ("clean log under hard conditions: any answer but none", &figures.hard_false_alarms),
         ("two effects: both in the group", &figures.both),
         ("two effects: a third cause", &figures.third),
         ("inseparable pair: both named", &figures.pair_named),

@@ -37,7 +37,8 @@ impl Desk<'_> {
 
     /// The user's description of the plant.
     pub(super) fn bench(&self) -> Result<Bench, CampaignError> {
-        Bench::parse("bench.toml", self.cell.plant.description()).map_err(|e| self.failed(&e))
+        let description = self.cell.conditions().description(self.cell.plant);
+        Bench::parse("bench.toml", description).map_err(|e| self.failed(&e))
     }
 
     /// Writes a log under a name and reads it back as the engine's user would.
@@ -111,6 +112,8 @@ fn plain(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
     let mut noise = Noise::new(cell.stream());
     let session = match cell.arm {
         Arm::Clean => clean(cell, &mut noise),
+        Arm::Hard if cell.effects.is_empty() => clean(cell, &mut noise).hard(),
+        Arm::Hard => Session::draw(cell.plant, SPREAD, Point::default(), &mut noise).hard(),
         _ => Session::draw(cell.plant, SPREAD, Point::default(), &mut noise),
     };
     let mut outcome = Outcome::new(cell);
@@ -155,7 +158,7 @@ fn realised(
     let nothing: Vec<String> = CATALOGUE.iter().map(|k| k.name.to_owned()).collect();
     let nominal = desk.ask(bench, std::slice::from_ref(seen), &nothing)?;
     let (Some(before), Some(after)) = (&nominal.extended, &answer.extended) else { return Ok(None) };
-    let sensors = desk.cell.plant.sensors();
+    let sensors = desk.cell.conditions().sensors(desk.cell.plant);
     let left = |bench: &Bench| -> Result<f64, CampaignError> {
         let inputs = Inputs::new(bench, &fresh).map_err(|e| desk.failed(&e))?;
         let response = respond(bench, &inputs).map_err(|e| desk.failed(&e))?;

@@ -78,6 +78,12 @@ pub struct Figures {
     /// Inseparable pairs that were named: said that no experiment of the menu tells them apart.
     #[serde(default)]
     pub pair_hopeless: Share,
+    /// Hard conditions, clean logs: any answer but `none`.
+    #[serde(default)]
+    pub hard_false_alarms: Share,
+    /// Hard conditions, single effects of size 1.
+    #[serde(default)]
+    pub hard: Shares,
     /// Changed questions: same answer, by change.
     pub changed: BTreeMap<String, Share>,
     /// Two sessions: median ratio of interval widths.
@@ -154,6 +160,8 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
     let arm = |arm: Arm| -> Vec<&Outcome> { shown.iter().filter(|o| o.cell.arm == arm).copied().collect() };
     let (single, two, pair) = (arm(Arm::Single), arm(Arm::Two), arm(Arm::Pair));
     let clean = arm(Arm::Clean);
+    let (hard_clean, hard): (Vec<&Outcome>, _) =
+        arm(Arm::Hard).into_iter().partition(|o| o.cell.effects.is_empty());
     let clear: Vec<&Outcome> = single.iter().filter(|o| size(o) >= 0.5).copied().collect();
     let (calibration_of_all, calibration_error_of_all) = calibration(&shown);
     let (calibration, calibration_error) = calibration(&single);
@@ -207,6 +215,8 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         pair_named: share(&pair, |o| o.in_group == 2),
         pair_settled: share(&asked, |o| o.settled == Some(true)),
         pair_hopeless: share(&named, hopeless),
+        hard_false_alarms: share(&hard_clean, Outcome::detected),
+        hard: shares(&hard),
         changed: groups(&arm(Arm::Changed), |o| CHANGES.get(o.cell.variant).copied().unwrap_or_default())
             .into_iter()
             .map(|(k, v)| (k.to_owned(), share(&v, |o| o.settled == Some(true))))
