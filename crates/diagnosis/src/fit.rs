@@ -272,8 +272,20 @@ pub(crate) fn fit_from(
             (stale, fresh) = (false, fresh + 1);
         }
     }
-    if stale && effort.jacobians > 1 {
-        jacobian = sensitivities(data, noise, &model, &z, &simulation, &all)?;
+    if effort.jacobians > 1 {
+        if stale {
+            jacobian = sensitivities(data, noise, &model, &z, &simulation, &all)?;
+        }
+        // Where an effect and an uncertain parameter move one number, a fit ends anywhere in a valley that bends.
+        let trial = model.unaliased(&z);
+        if prior(&model, &trial) < prior(&model, &z) {
+            let there = simulate(data, &model.at(&trial), Some(&simulation))?;
+            let there_residual = noise.stack(data, &data.residual(&there.columns));
+            let there_objective = dot(&there_residual, &there_residual) + prior(&model, &trial);
+            if there_objective < objective {
+                (z, simulation, residual, objective) = (trial, there, there_residual, there_objective);
+            }
+        }
     }
     Ok(Fit { model, z, simulation, residual, jacobian, objective, settled: effort.jacobians > 1 })
 }

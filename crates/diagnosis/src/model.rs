@@ -60,6 +60,10 @@ pub(crate) struct Model {
     pub(crate) chosen: Vec<Candidate>,
 }
 
+/// Iterations to the same number, and how near it has to come.
+const ROUNDS: usize = 6;
+const SAME: f64 = 1e-12;
+
 impl Model {
     /// The described bench: only what is uncertain moves, and the offset of each sensor of `channels` within its resolution.
     pub(crate) fn nominal(bench: &Bench, channels: &[Channel]) -> Self {
@@ -222,6 +226,36 @@ impl Model {
             return Some((k, (then - now) / effect_step / rate));
         }
         None
+    }
+
+    /// Scaled parameters of the same plant with an uncertain parameter as described, where an effect moves the very same number: nothing but the
+    /// priors tells the two apart, along a valley that bends.
+    pub(crate) fn unaliased(&self, z: &[f64]) -> Vec<f64> {
+        let mut out = z.to_vec();
+        for i in 0..self.parameters.len() {
+            let Some((k, _)) = self.alias(&out, i) else { continue };
+            let Place::Nominal(name) = &self.parameters[k].place else { continue };
+            let number = |z: &[f64]| self.at(z).common.resolved().parameter_mut(name).map(|n| *n);
+            let Some(wanted) = number(&out) else { continue };
+            let mut there = out.clone();
+            there[k] = 0.0;
+            let (least, most) = self.parameters[i].bounds();
+            // Newton's iteration with a rate from a small step: the number is nearly linear in either.
+            for _ in 0..ROUNDS {
+                let mut near = there.clone();
+                near[i] += self.parameters[i].step();
+                let (Some(here), Some(next)) = (number(&there), number(&near)) else { break };
+                let by = (wanted - here) / (next - here) * self.parameters[i].step();
+                if !by.is_finite() {
+                    break;
+                }
+                there[i] = (there[i] + by).clamp(least, most);
+            }
+            if number(&there).is_some_and(|n| (n - wanted).abs() <= SAME * wanted.abs()) {
+                out = there;
+            }
+        }
+        out
     }
 
     /// Indices of the parameters of the chosen effect number `which`.

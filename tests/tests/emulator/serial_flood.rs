@@ -94,6 +94,9 @@ fn samples_among_garbage_are_estimated_as_on_the_host() {
     assert_eq!((counters.samples, counters.dropped_samples, counters.dropped_bytes), (SAMPLES, 0, 0));
 }
 
+/// Gaps in a flood on a busy host, at most: two in each of the four updates.
+const GAPS: u32 = 8;
+
 #[test]
 fn bytes_that_come_while_the_link_is_busy_are_read_later_or_counted_as_lost_and_the_ticks_go_on() {
     let mut board = sampling();
@@ -112,7 +115,8 @@ fn bytes_that_come_while_the_link_is_busy_are_read_later_or_counted_as_lost_and_
     nothing_dropped(&counters);
     let read = 4 * counters.bad_frames.total();
     println!("{} bytes, {} dropped, {} refused frames", flood.len(), counters.dropped_bytes, read / 4);
-    // How many are lost hangs on how fast the emulator's host brings them; none goes uncounted. A gap joins two frames to one or leaves a part of one.
+    // How many are lost, and in how many gaps, hangs on how fast the emulator's host brings them; none goes uncounted. A gap joins two frames to one or
+    // leaves a part of one, so that up to 3 bytes are counted with another frame's.
     let found = read + counters.dropped_bytes;
-    assert!(found.abs_diff(flood.len() as u32) <= 8, "{counters:?}");
+    assert!(found.abs_diff(flood.len() as u32) <= 3 * GAPS, "{counters:?}");
 }
