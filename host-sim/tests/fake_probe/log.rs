@@ -37,10 +37,11 @@ fn memory(folder: &Path, block: usize) -> Vec<u8> {
         .unwrap();
     let mut monitor = emulator.stdin.take().unwrap();
     let look = |look: u32| {
-        let path = folder.join(format!("memory-{look}"));
-        writeln!(monitor, "pmemsave {RAM:#x} {RAM_BYTES:#x} {}", path.display()).unwrap();
+        // The monitor would take a path's slash for a division; the emulator works in the folder.
+        let name = format!("memory-{look}");
+        writeln!(monitor, "pmemsave {RAM:#x} {RAM_BYTES:#x} {name}").unwrap();
         std::thread::sleep(PAUSE);
-        let memory = std::fs::read(path).unwrap_or_default();
+        let memory = std::fs::read(folder.join(name)).unwrap_or_default();
         let has_said = memory.get(block + WRITTEN..block + WRITTEN + 4).is_some_and(|word| word != [0; 4]);
         (memory.len() == RAM_BYTES as usize && has_said).then_some(memory)
     };

@@ -9,7 +9,7 @@ use host_sim::controller::{
     Bounds, Controller, ControllerError, EmulatedController, NativeController, ProbedController,
     RemoteController,
 };
-use host_sim::estimator::{OnRestart, Tracked, bit_differences, track, track_restarting, track_through};
+use host_sim::estimator::{Tracked, bit_differences, track};
 use host_sim::flash::board;
 use link::SensorFrame;
 use std::path::Path;
