@@ -1,7 +1,10 @@
-//! What an estimate says about its sensors: bits 16 to 31 of [`Flags`]. Bits 0 to 15 are the networks'.
+//! What an estimate says about its sensors: bits 15 to 31 of [`Flags`]. Bits 0 to 14 are the networks'.
 
 use inference::Flags;
 
+/// In the last block in which the load pressed the journal to the bearing, the clearance that follows from position and load is further from the
+/// tracked one than errors and wear explain ([`crate::tracking`]): a probe drifts, or the load is another one.
+pub const LOAD_CONTRADICTED: Flags = Flags::from_bits(1 << 15);
 /// The journal is further outside the clearance than any bearing deforms ([`crate::estimator::MAX_DEFORMATION_NM`]).
 pub const IMPLAUSIBLE_POSITION: Flags = Flags::from_bits(1 << 16);
 /// A sensor moved further since the last sample than the machine can; the window starts anew.
@@ -61,7 +64,7 @@ pub const DISTRUSTED: Flags = Flags::from_bits(
 );
 
 /// Names of all remarks, those of the networks included, for reports.
-pub const NAMES: [(Flags, &str); 25] = [
+pub const NAMES: [(Flags, &str); 26] = [
     (Flags::OUTSIDE_CLEARANCE, "outside-clearance"),
     (Flags::OUTSIDE_DEFORMATION, "outside-deformation"),
     (Flags::OUTSIDE_RATE_RATIO, "outside-rate-ratio"),
@@ -71,6 +74,7 @@ pub const NAMES: [(Flags, &str); 25] = [
     (Flags::NON_FINITE, "non-finite"),
     (Flags::WARMING_UP, "warming-up"),
     (Flags::ALTERED, "altered"),
+    (LOAD_CONTRADICTED, "load-contradicted"),
     (IMPLAUSIBLE_POSITION, "implausible-position"),
     (JUMP, "jump"),
     (STUCK, "stuck"),

@@ -3,7 +3,7 @@
 //! Remarks are about the sample they travel with. An estimate looks back at [`crate::WINDOW`] samples, those before with remarks of
 //! their own: a caller who wants none of that history to be remarked on joins the flags of so many estimates.
 //!
-//! Bits 0 to 15 belong to this crate; bits 16 to 31 are free for the caller.
+//! Bits 0 to 14 belong to this crate; bits 15 to 31 are free for the caller.
 
 use core::ops::{BitOr, BitOrAssign};
 
@@ -107,6 +107,6 @@ mod tests {
             | Flags::WARMING_UP
             | Flags::MISSING
             | Flags::ALTERED;
-        assert!(all.bits() < 1 << 16);
+        assert!(all.bits() < 1 << 15);
     }
 }

@@ -16,6 +16,12 @@ impl Carried {
         self.0 = self.0.rotate_left(TURN) ^ word;
     }
 
+    /// The sum itself, or another one, so that what was carried over from a spoilt tick is not taken.
+    #[inline]
+    pub(super) fn spoilt(self, spoilt: bool) -> Self {
+        Self(self.0 ^ u32::from(spoilt))
+    }
+
     #[inline]
     pub(super) const fn wide(&mut self, word: i64) {
         let word = word.cast_unsigned();
@@ -26,9 +32,18 @@ impl Carried {
 
 #[cfg(test)]
 mod tests {
+    use super::Carried;
     use crate::estimator::{Estimator, flags_of};
     use inference::{Bearing, Flags, shipped};
     use link::{Configuration, EstimateFrame, SensorFrame};
+
+    #[test]
+    fn the_sum_of_a_spoilt_tick_is_not_found_again() {
+        let mut sum = Carried::default();
+        sum.wide(-7);
+        assert_ne!(sum.spoilt(true), sum);
+        assert_eq!(sum.spoilt(false), sum);
+    }
 
     /// A journal in lasting contact that swings by 2 um at 5 Hz along z: slowly enough for observer and window to agree.
     fn frame(index: u32) -> SensorFrame {

@@ -64,6 +64,12 @@ impl ContactFrame {
         }
     }
 
+    /// The same distance in another direction.
+    #[inline]
+    pub(super) const fn towards(self, normal_y: i32, normal_z: i32) -> Self {
+        Self { normal_y, normal_z, ..self }
+    }
+
     /// `a phi'`: the journal's speed around the centre, from +y towards +z, in the unit of its components (below 2^30).
     #[inline]
     #[must_use]

@@ -36,9 +36,11 @@ mod plausibility;
 mod response;
 mod setup;
 mod signals;
+mod waiting;
 mod whole;
 mod window;
 
+use core::hint::black_box;
 use inference::{ContactState, Flags, Model, Pair, Sample};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
@@ -60,6 +62,7 @@ use observer::{Observer, Radial};
 use plausibility::DISCONTINUITY;
 use setup::Setup;
 use signals::Signals;
+use waiting::Waiting;
 use whole::saturated;
 
 /// Metres in a step of the distance.
@@ -78,7 +81,7 @@ pub struct Estimator {
     latch: Latch,
     pair: Pair<'static>,
     sample: Sample,
-    /// Of what observer and Newton's law have carried over from the last tick.
+    /// Of what observer and Newton's law have carried over from the last tick; another one after a tick that was spoilt.
     carried: Carried,
 }
 
@@ -208,7 +211,14 @@ impl Estimator {
             approach_speed_nm_s: approach_nm_s,
             sliding_speed_nm_s: motion.surface_nm_s.saturating_sub(turning),
         };
+        let waiting = Waiting::new(&contact, radial, approach_nm_s);
+        black_box(&waiting);
         let estimate = self.pair.step(&self.sample);
+        // Read anew: the compiler must not go on with what it has in registers.
+        let waiting = black_box(&waiting);
+        let spoilt = waiting.is_spoilt();
+        let Waiting { normal_y, normal_z, radial, approach_nm_s, .. } = *waiting;
+        let contact = contact.towards(normal_y, normal_z);
         let (normal_mn, friction_mn) = (estimate.normal_force_mn, estimate.friction_force_mn);
         let (force_y_mn, force_z_mn) = contact.force(normal_mn, friction_mn);
         let told = Told {
@@ -220,14 +230,14 @@ impl Estimator {
             warm: !estimate.flags.contains(Flags::WARMING_UP),
         };
         self.newton.remember(&told, radial.deformation <= 0);
-        self.carried = self.carry();
+        self.carried = self.carry().spoilt(spoilt);
 
         // A rate at the end of its whole numbers is another one.
         let cut_off = (radial.rate_nm_s == i32::MAX) | (radial.rate_nm_s == i32::MIN);
         flags |= WINDOW_FILLING.when(!motion.full)
             | ONSET_NOT_SEEN.when(!onset_seen)
             | Flags::OUTSIDE_RATE_RATIO.when(cut_off & (radial.deformation > 0))
-            | Flags::ALTERED.when(altered)
+            | Flags::ALTERED.when(altered | spoilt)
             | estimate.flags;
         EstimateFrame {
             sequence: frame.sequence,

@@ -22,8 +22,8 @@ use crate::Estimator;
 use crate::constants::Sum;
 use crate::estimator::{Conditioning, Limits, SwingLimit, bearing_of, flags_of};
 use crate::flags::{
-    DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, NETWORK_OUTSIDE_LAW, SENSOR_FAULT, SEQUENCE_GAP,
-    TIME_FAULT,
+    DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, LOAD_CONTRADICTED, NETWORK_OUTSIDE_LAW,
+    SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT,
 };
 use crate::tracking::Tracker;
 use safe_state::Holding;
@@ -108,7 +108,7 @@ impl Monitor {
         // The estimate does not rest on the load: what is wrong with it stops the tracker, and is flagged, but nothing is held.
         let flags = flags | NETWORK_OUTSIDE_LAW.when(outside) | Flags::ALTERED.when(self.altered);
         let distrusted = flags.intersects(DISTRUSTED);
-        let flags = flags | findings.flags;
+        let flags = flags | findings.flags | LOAD_CONTRADICTED.when(self.tracker.is_contradicted());
         estimate.flags = flags.bits();
         self.tracker.step(frame, &estimate, !flags.intersects(SENSOR_FAULT));
         let (held, begins) = self.holding.apply(&mut estimate, distrusted);

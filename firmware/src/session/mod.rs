@@ -23,7 +23,7 @@ use link::{
 
 use crate::configuration::wiring;
 use crate::estimator::WINDOW;
-use crate::flags::{OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
+use crate::flags::{LOAD_CONTRADICTED, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
 use crate::sensors::Wiring;
 use crate::store::Models;
 use commands::LastCommand;
@@ -408,7 +408,7 @@ impl Session {
         let flags = flags_of(&numbered.estimate.estimate);
         let counters = &mut self.counters;
         count(&mut counters.samples, true);
-        count(&mut counters.flagged, flags.intersects(SENSOR_FAULT));
+        count(&mut counters.flagged, flags.intersects(SENSOR_FAULT | LOAD_CONTRADICTED));
         count(&mut counters.sequence_gaps, flags.contains(SEQUENCE_GAP));
         count(&mut counters.time_faults, flags.contains(TIME_FAULT));
         count(&mut counters.over_force, flags.contains(OVER_FORCE));

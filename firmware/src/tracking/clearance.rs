@@ -39,6 +39,9 @@ const DAMPING_DEVIATION: f32 = 0.5;
 /// Deviation of the clearance at the start, of the configured one.
 const START_DEVIATION: f32 = 0.2;
 
+/// Deviations that a block's clearance may be off the tracked one before the two contradict each other.
+const CONTRADICTING_DEVIATIONS: f32 = 4.0;
+
 /// Where the first block's root begins, m.
 const START_DEFORMATION_M: f32 = 50e-6;
 /// Rounds of the root.
@@ -162,6 +165,13 @@ impl Clearance {
         }
         measured.variance_m2 = variance_m2;
         measured.clearance_m = measured.distance_m - measured.deformation_m;
+    }
+
+    /// Whether a block's clearance is further from the tracked one than errors and wear explain.
+    pub(super) fn is_contradicted_by(&self, measured: &Measured) -> bool {
+        let off_m = measured.clearance_m - self.value_m;
+        let variance_m2 = self.variance_m2 + measured.variance_m2;
+        off_m * off_m > (CONTRADICTING_DEVIATIONS * CONTRADICTING_DEVIATIONS) * variance_m2
     }
 
     /// Takes a block's clearance if it counts, else leaves everything as it was, at the same cost.

@@ -3,7 +3,8 @@
 //! Every second sample is summed up over blocks of [`BLOCK`] ([`block`]); load, weight and inertia give the bearing's force without the contact
 //! model ([`balance`]); distance and force give the clearance ([`clearance`]) and, with the friction network, the friction level
 //! ([`friction`]); both are held against their limits ([`limit`]). A block with a sensor fault in it, or without a force that
-//! presses the journal to the bearing, counts for nothing.
+//! presses the journal to the bearing, counts for nothing. One whose clearance is further from the tracked one than errors and wear explain
+//! contradicts it: a probe that drifts shows there, since position and load then agree in no direction of the journal but one.
 //!
 //! What a block says is worked out during the next one, a step in every fourth sample, so that no tick has to bear all of it: what a
 //! tick costs depends on its place in the block and on nothing else. f32 with `+ - * /` and square roots only, so that host and
@@ -60,6 +61,7 @@ pub struct Tracker {
     friction_alarm: Alarm,
     sound: bool,
     closed: Closed,
+    contradicted: bool,
     blocks: u32,
     friction_blocks: u32,
 }
@@ -94,6 +96,7 @@ impl Tracker {
             friction_alarm: Alarm::of_friction(0),
             sound: true,
             closed: Closed::default(),
+            contradicted: false,
             blocks: 0,
             friction_blocks: 0,
         }
@@ -132,6 +135,12 @@ impl Tracker {
         self.phase == 1
     }
 
+    /// Whether position and load contradicted each other in the last block that counts.
+    #[must_use]
+    pub const fn is_contradicted(&self) -> bool {
+        self.contradicted
+    }
+
     fn sum_up(&mut self, frame: &SensorFrame, estimate: &EstimateFrame) {
         let distance_nm = at_least(self.nominal_clearance_nm + estimate.deformation_m * 1e9, 1.0);
         let per_distance = 1.0 / distance_nm;
@@ -158,7 +167,11 @@ impl Tracker {
             2 => self.clearance.begin(&closed.means, &closed.balance, &mut closed.clearance),
             3..ROUNDED => Clearance::round(&mut closed.clearance),
             ROUNDED => self.clearance.sensitivities(&closed.means, &closed.balance, &mut closed.clearance),
-            TAKEN => self.clearance.take(&closed.clearance, closed.counts),
+            TAKEN => {
+                let contradicted = self.clearance.is_contradicted_by(&closed.clearance);
+                self.contradicted = if closed.counts { contradicted } else { self.contradicted };
+                self.clearance.take(&closed.clearance, closed.counts);
+            }
             WORN => {
                 self.wear.update(self.clearance.value_m(), self.clearance.whole_variance_m2(), closed.counts);
             }

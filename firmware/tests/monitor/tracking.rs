@@ -1,7 +1,10 @@
 //! The virtual sensor against benches whose clearance and friction are known.
 
-use crate::run::{Truth, follow, monitor};
+use crate::run::{RATE_HZ, Truth, follow, monitor};
+use firmware::estimator::flags_of;
+use firmware::flags::LOAD_CONTRADICTED;
 use inference::Bearing;
+use link::SensorFrame;
 use link::track::{FrictionState, Wear};
 
 /// Benches per bearing whose uncertain parameters are drawn, each with another clearance and friction level.
@@ -166,6 +169,47 @@ fn load_either_way_and_other_clearances_are_followed() {
                 error_m.abs() < deviation_m,
                 "{bearing:?} {clearance_m} m, {load_n} N: {error_m} of {deviation_m} m"
             );
+        }
+    }
+}
+
+/// First sample whose estimate says that position and load contradict each other.
+fn contradicted(bearing: Bearing, frames: &[SensorFrame]) -> Option<usize> {
+    let estimates = follow(&mut monitor(bearing, |_| {}), frames);
+    estimates.iter().position(|estimate| flags_of(estimate).contains(LOAD_CONTRADICTED))
+}
+
+#[test]
+fn a_bench_within_its_uncertainty_contradicts_no_load() {
+    for bearing in Bearing::ALL {
+        for seed in 0..2 * SEEDS {
+            let clearance_m = 0.5e-3 + 2e-6 * (seed as f64 - 32.0);
+            let friction_level = 0.8 + 0.0125 * seed as f64;
+            let load_n = 10e3 * (1.0 - 0.03 * seed as f64);
+            let truth = Truth { clearance_m, friction_level, load_n, ..Truth::drawn(bearing, seed) };
+            assert_eq!(contradicted(bearing, &truth.frames(seed, 0).0), None, "{bearing:?}, {seed}");
+        }
+    }
+}
+
+#[test]
+fn a_probe_that_drifts_contradicts_the_load() {
+    const BEGIN: usize = 1_500;
+    for bearing in Bearing::ALL {
+        for (seed, drift_nm_s) in [(0, 1e5), (1, -1e5), (2, 3e5), (3, -1e6)] {
+            for along_y in [true, false] {
+                let mut frames = Truth::drawn(bearing, seed).frames(seed, 0).0;
+                for (since, frame) in frames.iter_mut().skip(BEGIN).enumerate() {
+                    let off_nm = (drift_nm_s * since as f64 / RATE_HZ) as i32;
+                    *(if along_y { &mut frame.journal_y_nm } else { &mut frame.journal_z_nm }) += off_nm;
+                }
+                let found = contradicted(bearing, &frames);
+                println!("{bearing:?} {drift_nm_s:e} nm/s, along y {along_y}: {found:?}");
+                assert!(
+                    found.is_some_and(|index| index > BEGIN),
+                    "{bearing:?} {drift_nm_s} {along_y}: {found:?}"
+                );
+            }
         }
     }
 }

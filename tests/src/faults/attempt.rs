@@ -50,7 +50,7 @@ impl Prepared {
         emulator.send(before.concat().as_slice());
         emulator.send(&bytes(&ToController::Identify { token: 1 })?);
         emulator.send(behind.concat().as_slice());
-        emulator.send(&ending()?);
+        emulator.send(&ending(stage)?);
         for answer in 0..=ANSWERS_BEFORE {
             match emulator.pump(2 * BOUND, |_| false)? {
                 Pumped::Stopped if answer < ANSWERS_BEFORE => go_past(emulator.gdb()?)?,
@@ -74,7 +74,7 @@ pub fn attempt(elf: &Path, image: &Image, stage: &Stage, fault: &Fault) -> Resul
         let mut emulator = Emulator::start(elf, false, &[])?;
         emulator.send(&configure(stage)?);
         emulator.send(framed(fault, &samples)?.concat().as_slice());
-        emulator.send(&ending()?);
+        emulator.send(&ending(stage)?);
         let pumped = emulator.pump(BOUND, ended)?;
         return Ok(judge::judge(fault, stage, &emulator.said, pumped));
     }
@@ -135,18 +135,22 @@ fn ended(said: &[Said]) -> bool {
     matches!(said.last(), Some(Ok(ToHost::Acknowledged(acknowledgement))) if acknowledgement.id == LAST)
 }
 
+/// What the controller is told before the first sample, and what it is asked behind the last one.
+#[must_use]
+pub fn messages(stage: &Stage) -> (ToController, [ToController; 3]) {
+    let command = |id, command| ToController::Command(NumberedCommand { id, command });
+    let ending = [
+        command(2, Command::GetReport(ReportKind::Track)),
+        command(3, Command::GetReport(ReportKind::Sensors)),
+        command(LAST, Command::GetCounters),
+    ];
+    (command(1, Command::Configure(stage.configuration)), ending)
+}
+
 fn configure(stage: &Stage) -> Result<Vec<u8>, CampaignError> {
-    command(1, Command::Configure(stage.configuration))
+    bytes(&messages(stage).0)
 }
 
-/// What is asked behind the last sample.
-fn ending() -> Result<Vec<u8>, CampaignError> {
-    let mut all = command(2, Command::GetReport(ReportKind::Track))?;
-    all.extend(command(3, Command::GetReport(ReportKind::Sensors))?);
-    all.extend(command(LAST, Command::GetCounters)?);
-    Ok(all)
-}
-
-fn command(id: u32, command: Command) -> Result<Vec<u8>, CampaignError> {
-    bytes(&ToController::Command(NumberedCommand { id, command }))
+fn ending(stage: &Stage) -> Result<Vec<u8>, CampaignError> {
+    Ok(messages(stage).1.iter().map(bytes).collect::<Result<Vec<_>, _>>()?.concat())
 }

@@ -19,7 +19,7 @@ const NO_STATE: [&str; 8] = [
 ];
 
 /// Places in an image.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Image {
     /// Frames every answer but estimates.
     pub answering: u32,

@@ -7,6 +7,7 @@
 //! | [`stage`] | the samples and the sound estimates |
 //! | [`plan`], [`streams`] | which fault a number stands for; faults of samples and frames |
 //! | [`attempt`], [`judge`] | one fault carried out and classed |
+//! | [`native`] | one fault of a sensor without an emulator |
 //! | [`campaign`], [`table`] | many of them on all cores; counts by kind and class |
 //!
 //! A fault is a function of campaign seed and number: what it does, and when, repeats exactly. What is counted as what is told in [`judge`].
@@ -17,6 +18,7 @@ pub mod emulator;
 pub mod gdb;
 pub mod image;
 pub mod judge;
+pub mod native;
 pub mod plan;
 pub mod stage;
 pub mod streams;

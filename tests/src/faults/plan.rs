@@ -102,6 +102,23 @@ impl Kind {
         Self::Reset
     }
 
+    /// Whether it is a sensor that goes wrong.
+    #[must_use]
+    pub const fn is_of_sensor(self) -> bool {
+        matches!(
+            self,
+            Self::SensorStuck
+                | Self::SensorJump
+                | Self::SensorSpike
+                | Self::SensorMissing
+                | Self::SensorOffset
+                | Self::SensorDrift
+                | Self::SensorNoise
+                | Self::SensorSaturated
+                | Self::SensorDropOut
+        )
+    }
+
     /// Its name.
     #[must_use]
     pub fn name(self) -> String {
@@ -184,6 +201,12 @@ impl Fault {
             _ => Action::Stream,
         };
         Self { number, kind, sample, action, random }
+    }
+
+    /// The fault of a number if it is one of a sensor: that hangs on no image.
+    #[must_use]
+    pub fn of_sensor(seed: u64, number: u64) -> Option<Self> {
+        Kind::of(number).is_of_sensor().then(|| Self::new(seed, number, &Image::default(), &[]))
     }
 
     /// What it was, for a list.
