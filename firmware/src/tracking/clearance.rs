@@ -77,6 +77,8 @@ pub(super) struct Measured {
     target: f32,
     /// Share of the damping in the force.
     damping: f32,
+    /// Variance that is this block's own, m2.
+    own_variance_m2: f32,
     /// Variance that weighs this block: its own and that of the considered errors, m2.
     variance_m2: f32,
     /// Change with one standard deviation of each considered error, m.
@@ -156,7 +158,8 @@ impl Clearance {
         ];
         let force_noise_n = FORCE_NOISE_N + UNSTEADY_SHARE * balance.unsteadiness * normal_n;
         let by_force_m = per_force * force_noise_n;
-        let mut variance_m2 = by_force_m * by_force_m + DISTANCE_NOISE_M * DISTANCE_NOISE_M;
+        measured.own_variance_m2 = by_force_m * by_force_m + DISTANCE_NOISE_M * DISTANCE_NOISE_M;
+        let mut variance_m2 = measured.own_variance_m2;
         for ((sensitivity, unit), deviation) in
             measured.sensitivities_m.iter_mut().zip(unit).zip(self.deviations)
         {
@@ -167,10 +170,15 @@ impl Clearance {
         measured.clearance_m = measured.distance_m - measured.deformation_m;
     }
 
-    /// Whether a block's clearance is further from the tracked one than errors and wear explain.
+    /// Whether a block's clearance is further from the tracked one than errors and wear explain. A considered error is the same one in both: what it
+    /// moves them apart counts.
     pub(super) fn is_contradicted_by(&self, measured: &Measured) -> bool {
         let off_m = measured.clearance_m - self.value_m;
-        let variance_m2 = self.variance_m2 + measured.variance_m2;
+        let mut variance_m2 = self.variance_m2 + measured.own_variance_m2;
+        for (new, kept) in measured.sensitivities_m.iter().zip(&self.sensitivities_m) {
+            let apart_m = new - kept;
+            variance_m2 += apart_m * apart_m;
+        }
         off_m * off_m > (CONTRADICTING_DEVIATIONS * CONTRADICTING_DEVIATIONS) * variance_m2
     }
 

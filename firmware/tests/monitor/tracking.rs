@@ -193,6 +193,20 @@ fn a_bench_within_its_uncertainty_contradicts_no_load() {
 }
 
 #[test]
+fn an_offset_of_three_deviations_contradicts_no_load_that_turns_round() {
+    for bearing in Bearing::ALL {
+        let mut monitor = monitor(bearing, |configuration| configuration.offset_deviation_nm = 5_000);
+        // The journal goes over to the other side, where the offset has the other sign.
+        for (load_n, first) in [(10e3, 0), (-10e3, 10_000), (10e3, 20_000)] {
+            let truth = Truth { load_n, offset_y_m: 15e-6, offset_z_m: 0.0, ..Truth::nominal(bearing) };
+            let estimates = follow(&mut monitor, &truth.frames(4, first).0);
+            let found = estimates.iter().position(|estimate| flags_of(estimate).contains(LOAD_CONTRADICTED));
+            assert_eq!(found, None, "{bearing:?}, {load_n} N");
+        }
+    }
+}
+
+#[test]
 fn a_probe_that_drifts_contradicts_the_load() {
     const BEGIN: usize = 1_500;
     for bearing in Bearing::ALL {
