@@ -86,16 +86,17 @@ pub(crate) fn follow(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> P
             let Some(inverse) = cubic.matrix.cholesky().map(|c| c.inverse()) else { continue };
             let solution = inverse * cubic.right;
             let deviation = |k: usize| inverse[(k, k)].max(0.0).sqrt();
-            value_of.push(base + solution[0]);
+            value_of.push((base + solution[0], deviation(0)));
             rate_of.push((solution[1] / step, deviation(1) / step));
             acceleration_of.push((2.0 * solution[2] / (step * step), 2.0 * deviation(2) / (step * step)));
         }
-        let best =
-            |estimates: &[Estimate]| widest(estimates).and_then(|k| estimates.get(k)).map_or(0.0, |e| e.0);
+        let best = |estimates: &[Estimate], none: f64| {
+            widest(estimates).and_then(|k| estimates.get(k)).map_or(none, |e| e.0)
+        };
         Motion {
-            value: widest(&rate_of).and_then(|k| value_of.get(k)).copied().unwrap_or(base),
-            rate: best(&rate_of),
-            acceleration: best(&acceleration_of),
+            value: best(&value_of, base),
+            rate: best(&rate_of, 0.0),
+            acceleration: best(&acceleration_of, 0.0),
         }
     };
     let nodes = (0..count).map(node).collect();

@@ -66,8 +66,15 @@ pub(crate) fn contend(
         let fits = polished(data, noise, rough?);
         return Ok((fits?, Vec::new()));
     }
-    let sensors = scored.iter().filter(|s| s.candidate.channel.is_some()).take(GROUP);
-    let group: Vec<&Score> = scored.iter().filter(|s| s.candidate.channel.is_none()).chain(sensors).collect();
+    // What comes after the first cycle, or is reached after it only, cannot be found in it: an onset and the end of a reading start from their guess, on
+    // everything. An axis is cheap.
+    let is_axis = matches!(base.model.at(&base.z).common, Bench::FrictionRig(_));
+    let is_late =
+        |s: &Score| is_axis && matches!(s.candidate.kind.guess, Guess::Onset(_) | Guess::LargestReading);
+    let (late, early): (Vec<&Score>, Vec<&Score>) = scored.iter().partition(|s| is_late(s));
+    let of_plant = early.iter().filter(|s| s.candidate.channel.is_none());
+    let of_sensors = early.iter().filter(|s| s.candidate.channel.is_some()).take(GROUP);
+    let group: Vec<&Score> = of_plant.chain(of_sensors).copied().collect();
     let coarse = views.coarse.as_ref().unwrap_or(data);
     let origin = Origin::new(coarse, noise, base)?;
     let glance = |s: &&Score| Ok((s.candidate, origin.search(base, s)?));
@@ -81,11 +88,6 @@ pub(crate) fn contend(
     };
     let settled: Result<Vec<Fit>, RespondError> = found.into_par_iter().map(settle).collect();
     let mut settled = settled?;
-    // What comes after the first cycle cannot be found in it: an onset starts from its guess, on everything. An axis is cheap.
-    let is_axis = matches!(base.model.at(&base.z).common, Bench::FrictionRig(_));
-    let late = |s: &&Score| is_axis && matches!(s.candidate.kind.guess, Guess::Onset(_));
-    let late: Vec<&Score> = scored.iter().filter(late).collect();
-    settled.retain(|f| !late.iter().any(|s| f.model.chosen.last() == Some(&s.candidate)));
     settled.sort_by(|a, b| a.objective.total_cmp(&b.objective));
     let best = settled.first().map_or(0.0, |f| f.objective);
     let near = NEAR.max(NEAR_SHARE * best);

@@ -14,7 +14,7 @@ use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
 use crate::result::{Experiment, Recording, Separation};
 use crate::select::{Contender, Stage};
-use crate::session::Data;
+use crate::session::{Data, Split};
 use bench::channel::Role;
 use bench::{Bench, MeasuredLog};
 use rayon::prelude::*;
@@ -94,7 +94,7 @@ fn separations(
         log
     };
     let logs: Vec<MeasuredLog> = plan.iter().map(log).collect();
-    let mut planned = Data::new(bench, &logs, &[]).ok()?;
+    let mut planned = Data::new(bench, &logs, &[], Split::Halves).ok()?;
     // They have none of the nuisances of the sessions at hand.
     planned.sessions.iter_mut().for_each(|s| s.number += data.sessions.len());
     let trouble = trouble(bench, noise, &planned)?;

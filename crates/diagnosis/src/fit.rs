@@ -283,6 +283,7 @@ pub(crate) fn fit_from(
             let there_residual = noise.stack(data, &data.residual(&there.columns));
             let there_objective = dot(&there_residual, &there_residual) + prior(&model, &trial);
             if there_objective < objective {
+                jacobian = sensitivities(data, noise, &model, &trial, &there, &all)?;
                 (z, simulation, residual, objective) = (trial, there, there_residual, there_objective);
             }
         }

@@ -14,7 +14,7 @@ use rand_chacha::rand_core::SeedableRng;
 const DRAWS: usize = 500;
 /// Any constant: the interval shall be the same on every run.
 const SEED: u64 = 0x50_49_4e_54;
-/// Blocks of a cycle.
+/// Blocks of a cycle: what is drawn again is held-out samples of one stretch of time, however many fitted ones lie between.
 const BLOCKS_PER_CYCLE: f64 = 8.0;
 const LEAST_BLOCK: usize = 8;
 
@@ -31,23 +31,18 @@ fn blocks(data: &Data, before: &Columns, after: &Columns) -> Vec<Sums> {
         let cycles = session.phase.as_ref().and_then(|p| Some(p.last()? - p.first()?)).unwrap_or(1.0);
         let length = session.uses.len() as f64 / cycles.max(1.0) / BLOCKS_PER_CYCLE;
         let length = (length as usize).max(LEAST_BLOCK);
-        let mut start = 0;
-        for run in session.uses.chunk_by(|a, b| a == b) {
-            let held = run.first() == Some(&Use::Held);
-            for from in (start..start + run.len()).step_by(length).filter(|_| held) {
-                let to = (from + length).min(start + run.len());
-                let zero = vec![0.0; data.channels.len()];
-                let mut sums = Sums { before: zero.clone(), after: zero.clone(), count: zero };
-                for (i, block) in data.blocks.iter().enumerate().filter(|(_, b)| b.session == number) {
-                    let Some(c) = data.channels.iter().position(|c| *c == block.channel) else { continue };
-                    let power = |columns: &Columns| columns[i][from..to].iter().map(|v| v * v).sum::<f64>();
-                    sums.before[c] += power(before);
-                    sums.after[c] += power(after);
-                    sums.count[c] += (to - from) as f64;
-                }
-                out.push(sums);
+        let held: Vec<usize> = (0..session.uses.len()).filter(|i| session.uses[*i] == Use::Held).collect();
+        for stretch in held.chunk_by(|a, b| a / length == b / length) {
+            let zero = vec![0.0; data.channels.len()];
+            let mut sums = Sums { before: zero.clone(), after: zero.clone(), count: zero };
+            for (i, block) in data.blocks.iter().enumerate().filter(|(_, b)| b.session == number) {
+                let Some(c) = data.channels.iter().position(|c| *c == block.channel) else { continue };
+                let power = |columns: &Columns| stretch.iter().map(|k| columns[i][*k].powi(2)).sum::<f64>();
+                sums.before[c] += power(before);
+                sums.after[c] += power(after);
+                sums.count[c] += stretch.len() as f64;
             }
-            start += run.len();
+            out.push(sums);
         }
     }
     out

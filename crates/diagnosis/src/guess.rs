@@ -13,8 +13,12 @@ use bench::effects::{Guess, kind};
 use bench::respond::RespondError;
 use nalgebra::DVector;
 
-/// Times at which a step may begin.
-const ONSETS: usize = 96;
+/// Times at which a step may begin: a fit moves an onset by little, so the guess has to be near.
+const ONSETS: usize = 2048;
+/// The first ones that count, a hundredth of the log: what comes before a step has to tell the level there, and not the start alone.
+const FIRST_ONSET: usize = 20;
+/// Relative difference of the evidence of onsets between which no sample is fitted.
+const SAME: f64 = 1e-9;
 /// Seconds of a log that a first periodogram looks at, and its highest frequency in Hz.
 const COARSE_S: f64 = 8.0;
 const MOST_HZ: f64 = 200.0;
@@ -27,8 +31,9 @@ const LEAST_WAVES: f64 = 1.5;
 const FINEST: f64 = 0.005;
 /// Step of a guessed reading limit as a share of it.
 const LIMIT_STEP: f64 = 0.02;
-/// Step of a guessed onset in s.
+/// Step of a guessed onset in s, and the most as a share of the log: it has to reach across held-out samples, where a fit feels no slope.
 const ONSET_STEP_S: f64 = 0.02;
+const MOST_STEP_SHARE: f64 = 0.01;
 
 /// The candidates with their guesses, those with several guesses several times; those that need one and have none are left out.
 pub(crate) fn guessed(
@@ -97,19 +102,35 @@ fn onset(
     }
     let left = base.gradient();
     let (mut cc, mut cr, mut jc) = (0.0, 0.0, DVector::<f64>::zeros(place));
-    let mut best: Option<(f64, f64)> = None;
-    for (bin, sum) in sums.iter().enumerate().skip(1).rev() {
+    // Evidence, and the bins between whose beginnings it is the same: where samples are held out, or lost.
+    let mut best: Option<(f64, usize, usize)> = None;
+    for (bin, sum) in sums.iter().enumerate().skip(FIRST_ONSET).rev() {
         cc += sum.0;
         cr += sum.1;
         jc += &sum.2;
         let absorbed = information.solve(&jc);
         let (survived, g) = (cc - absorbed.dot(&jc), cr - absorbed.dot(&left));
         let evidence = g * g / survived;
-        if survived > 1e-9 * cc && best.is_none_or(|b| evidence > b.0) {
-            best = Some((evidence, first + width * bin as f64));
+        if survived <= 1e-9 * cc {
+            continue;
         }
+        best = match best {
+            Some((most, low, high)) if low == bin + 1 && (evidence - most).abs() <= SAME * most => {
+                Some((most, bin, high))
+            }
+            Some((most, ..)) if evidence <= most => best,
+            _ => Some((evidence, bin, bin)),
+        };
     }
-    Ok(best.map(|(_, value)| Guessed { value, step: ONSET_STEP_S.max(0.2 * width) }))
+    Ok(best.map(|(_, low, high)| {
+        let value = first + 0.5 * width * (low + high) as f64;
+        let gaps = times.windows(2).filter_map(|pair| match pair {
+            [(block, t), (next, later)] if block == next => Some(later - t),
+            _ => None,
+        });
+        let gap = gaps.fold(0.0_f64, f64::max);
+        Guessed { value, step: ONSET_STEP_S.max(gap.min(MOST_STEP_SHARE * (last - first))) }
+    }))
 }
 
 /// The frequencies of the highest peaks of the residual's periodogram over time, first on the beginning of the log, then around

@@ -113,7 +113,7 @@ fn planned(bench: &Bench, changes: &[Change]) -> Option<Planned> {
         Bench::FrictionRig(_) => format!("axis.cycles = {CYCLES}"),
     }];
     for change in changes {
-        lines.push(change.apply(&mut bench)?);
+        lines.extend(change.apply(&mut bench)?);
     }
     // What a description may not say is no experiment.
     let description = bench.to_toml().ok()?;
@@ -133,11 +133,18 @@ impl Change {
         matches!(self, LoadRises | LoadSteps(_))
     }
 
-    /// Changes the run; the line of TOML that does the same.
-    fn apply(self, bench: &mut Bench) -> Option<String> {
+    /// Changes the run; the lines of TOML that do the same.
+    fn apply(self, bench: &mut Bench) -> Option<Vec<String>> {
+        let mut lines = Vec::new();
         let (name, place) = match (self, &mut *bench) {
             (Period(_), Bench::Transmission(b)) => ("drive.period_s", &mut b.drive.period_s),
-            (Period(_), Bench::FrictionRig(r)) => ("axis.period_s", &mut r.axis.period_s),
+            (Period(factor), Bench::FrictionRig(r)) => {
+                if r.axis.last_period_s != 0.0 {
+                    r.axis.last_period_s *= factor;
+                    lines.push(format!("axis.last_period_s = {:?}", r.axis.last_period_s));
+                }
+                ("axis.period_s", &mut r.axis.period_s)
+            }
             (Stroke(_), Bench::Transmission(b)) => ("drive.stroke_m", &mut b.drive.stroke_m),
             (Stroke(_), Bench::FrictionRig(r)) => ("axis.amplitude", &mut r.axis.amplitude),
             (Load(_), Bench::Transmission(b)) => ("load.force_n", &mut b.load.force_n),
@@ -159,20 +166,25 @@ impl Change {
                 ("axis.dwell_s", &mut r.axis.dwell_s)
             }
             (Sweep(factor), Bench::FrictionRig(r)) => {
-                r.axis.dwell_s = 0.0;
+                // A sweep has no rests.
+                if r.axis.dwell_s != 0.0 {
+                    r.axis.dwell_s = 0.0;
+                    lines.push("axis.dwell_s = 0.0".to_owned());
+                }
                 r.axis.last_period_s = factor * r.axis.period_s;
                 ("axis.last_period_s", &mut r.axis.last_period_s)
             }
             (Backwards, Bench::FrictionRig(r)) => {
                 r.axis.backwards = !r.axis.backwards;
-                return Some(format!("axis.backwards = {}", r.axis.backwards));
+                return Some(vec![format!("axis.backwards = {}", r.axis.backwards)]);
             }
             (Rest(_) | LoadSteps(_) | Sweep(_) | Backwards, Bench::Transmission(_)) => return None,
         };
         if let Period(factor) | Stroke(factor) | Load(factor) = self {
             *place *= factor;
         }
-        Some(format!("{name} = {place:?}"))
+        lines.push(format!("{name} = {place:?}"));
+        Some(lines)
     }
 }
 
@@ -183,21 +195,24 @@ mod tests {
 
     #[test]
     fn every_experiment_can_be_recorded_on_some_plant_and_says_what_it_changes() {
-        let rig = Bench::open("friction-rig").unwrap();
-        for experiment in MENU {
-            let plan = experiment.plan(&rig).unwrap_or_else(|| panic!("{}", experiment.words));
+        // Without and with rests.
+        let rigs = ["friction-rig", "friction-rig-babbitt"].map(|name| Bench::open(name).unwrap());
+        for (experiment, rig) in
+            MENU.iter().flat_map(|experiment| rigs.iter().map(move |rig| (experiment, rig)))
+        {
+            let plan = experiment.plan(rig).unwrap_or_else(|| panic!("{}", experiment.words));
             assert_eq!(plan.len(), experiment.recordings.len());
             for recording in plan {
-                let table: toml::Table = toml::from_str(&recording.description).unwrap();
+                // Whoever carries the lines over into his description has that of the plan.
+                let mut described: toml::Table = toml::from_str(&rig.to_toml().unwrap()).unwrap();
                 for line in &recording.changes {
-                    let (name, value) = line.split_once(" = ").unwrap();
-                    let (section, field) = name.split_once('.').unwrap();
-                    let written = &table[section][field];
-                    // Whole numbers of a description may stand as integers.
-                    let number = written.as_integer().map(|i| (i as f64).to_string());
-                    let same = number.unwrap_or(written.to_string()).parse::<f64>() == value.parse();
-                    assert!(written.to_string() == value || same, "{line}: {written}");
+                    let (section, fields) =
+                        toml::from_str::<toml::Table>(line).unwrap().into_iter().next().unwrap();
+                    let place = described.entry(section).or_insert(toml::Value::Table(toml::Table::new()));
+                    place.as_table_mut().unwrap().extend(fields.as_table().unwrap().clone());
                 }
+                let described = Bench::parse("described", &described.to_string()).unwrap();
+                assert_eq!(described.to_toml().unwrap(), recording.description, "{}", experiment.words);
                 assert!(recording.log.time_s.len() > 1000);
             }
         }

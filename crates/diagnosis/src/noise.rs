@@ -211,13 +211,16 @@ fn differences(data: &Data, residual: &Columns, channel: Channel) -> f64 {
 
 /// Rms, integrated autocorrelation time and count of the fitted residual of a channel.
 ///
-/// Autocovariances of all stretches are pooled; the sum ends at the first one that is lost in its own scatter.
+/// Autocovariances of all stretches are pooled; the sum ends at the first one that is lost in its own scatter. Held-out samples
+/// between fitted ones belong to a stretch: the fitted ones alone may be too short for a lag.
 fn correlation(data: &Data, residual: &Columns, channel: Channel) -> (f64, f64, f64) {
     let mut stretches: Vec<&[f64]> = Vec::new();
     for (block, values) in data.blocks.iter().zip(residual).filter(|(b, _)| b.channel == channel) {
+        let uses = data.uses(block);
+        let end = uses.iter().rposition(|u| *u == Use::Fit).map_or(0, |last| last + 1);
         let mut start = 0;
-        for run in data.uses(block).chunk_by(|a, b| a == b) {
-            if run.first() == Some(&Use::Fit) {
+        for run in uses.get(..end).unwrap_or(uses).chunk_by(|a, b| (*a == Use::Skip) == (*b == Use::Skip)) {
+            if run.first() != Some(&Use::Skip) {
                 stretches.extend(values.get(start..start + run.len()));
             }
             start += run.len();

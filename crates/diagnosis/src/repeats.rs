@@ -116,6 +116,7 @@ fn pure_error(one: &[Option<f64>], next: &[Option<f64>]) -> Option<f64> {
 #[allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 mod tests {
     use super::*;
+    use crate::session::Split;
     use bench::{Bench, MeasuredLog, record};
 
     /// A rig of 5 cycles of 2 s with a torque that repeats beside its model, and noise of 2 N m.
@@ -131,7 +132,7 @@ mod tests {
         for (t, v) in times.iter().zip(torque) {
             *v += repeating * (3.0 * std::f64::consts::TAU * t / 2.0037).sin() + change(*t);
         }
-        let data = Data::new(&bench, &[log], &[]).unwrap();
+        let data = Data::new(&bench, &[log], &[], Split::Halves).unwrap();
         let described = crate::fit::simulate(&data, &bench, None).unwrap();
         let residual = data.residual(&described.columns);
         (data, residual)
@@ -166,7 +167,7 @@ mod tests {
         let mut bench = Bench::open("friction-rig").unwrap();
         bench.set_cycles(2);
         let log = record::record(&bench, 3).unwrap();
-        let data = Data::new(&bench, &[log], &[]).unwrap();
+        let data = Data::new(&bench, &[log], &[], Split::Halves).unwrap();
         let described = crate::fit::simulate(&data, &bench, None).unwrap();
         assert!(repeats(&data, &data.residual(&described.columns), Channel::DriveTorque).is_none());
     }

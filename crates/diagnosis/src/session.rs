@@ -1,4 +1,7 @@
 //! Logs prepared for comparison: inputs smoothed, cycles found, every sample fitted, held out or left out.
+//!
+//! Of a log of two and more cycles the first half is fitted and the second held out: what an imitation has learnt of one half it has to show in
+//! the other. What comes in the second half only cannot be learnt so; [`Split::Turns`] is for that.
 
 use crate::cycles::phases;
 use bench::log::LogError;
@@ -11,6 +14,20 @@ const START_MARGIN_S: f64 = 0.010;
 const END_MARGIN_S: f64 = 0.010;
 /// Blocks that a log without cycles is cut into; every second one is held out.
 const BLOCKS: usize = 16;
+/// Stretches of a cycle that are fitted and held out by turns, and the fewest samples of one. An onset that falls into
+/// one that is held out is known to its length: .1 s of a cycle of 4 s. Odd, so that the turns change from cycle to cycle.
+const STRETCHES: f64 = 41.0;
+const LEAST_STRETCH: f64 = 16.0;
+
+/// What is held out of a log of two and more cycles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Split {
+    /// The second half of the cycles.
+    Halves,
+    /// Short stretches by turns, which change from one cycle to the next, so that every phase of the motion and every part of the log is fitted and held
+    /// out. A stretch is several times longer than a sensor's noise remembers; what is correlated longer than that lies in both.
+    Turns,
+}
 
 /// One over the share of a log without cycles that tells its nuisances, where it is held out.
 const SETTLING: usize = 8;
@@ -66,13 +83,15 @@ impl Data {
         bench: &Bench,
         logs: &[MeasuredLog],
         held_out: &[MeasuredLog],
+        split: Split,
     ) -> Result<Self, LogError> {
         let mut sessions = Vec::new();
         let mut blocks = Vec::new();
         for (log, fitted) in logs.iter().map(|l| (l, true)).chain(held_out.iter().map(|l| (l, false))) {
             let inputs = Inputs::new(bench, log)?;
             let first = sessions.len();
-            let mut session = Session::new(bench, log, inputs, fitted, held_out.is_empty());
+            let split = held_out.is_empty().then_some(split);
+            let mut session = Session::new(bench, log, inputs, fitted, split);
             session.number = first;
             if !fitted && !bench.nuisances().is_empty() {
                 session.settle();
@@ -212,7 +231,7 @@ fn simulable(bench: &Bench, log: &MeasuredLog) -> Vec<Channel> {
 }
 
 impl Session {
-    fn new(bench: &Bench, log: &MeasuredLog, inputs: Inputs, fitted: bool, split: bool) -> Self {
+    fn new(bench: &Bench, log: &MeasuredLog, inputs: Inputs, fitted: bool, split: Option<Split>) -> Self {
         let times = &log.time_s;
         let motions: Vec<_> = times.iter().map(|&t| inputs.drive(t)).collect();
         let position: Vec<f64> = motions.iter().map(|m| m.value).collect();
@@ -229,17 +248,26 @@ impl Session {
         let held_from =
             if whole >= 2.0 { start + (end - start) * (0.5 * whole).ceil() / cycles.max(1.0) } else { end };
         let block_s = (end - start) / BLOCKS as f64;
+        let per_cycle = times.len() as f64 / cycles.max(1.0);
+        let stretches = odd(STRETCHES.min(per_cycle / LEAST_STRETCH));
+        let turn = |i: usize| phase.as_ref().and_then(|p| p.get(i)).map_or(0.0, |p| (p * stretches).floor());
         let uses = times
             .iter()
-            .map(|&t| {
+            .enumerate()
+            .map(|(i, &t)| {
                 if t < from || t > to {
                     Use::Skip
                 } else if !fitted {
                     Use::Held
-                } else if !split {
+                } else if split.is_none() {
                     Use::Fit
                 } else if whole >= 2.0 {
-                    if t < held_from { Use::Fit } else { Use::Held }
+                    let fitted = if split == Some(Split::Turns) {
+                        turn(i).rem_euclid(2.0) < 0.5
+                    } else {
+                        t < held_from
+                    };
+                    if fitted { Use::Fit } else { Use::Held }
                 } else if ((t - start) / block_s) as usize % 2 == 1 {
                     Use::Held
                 } else {
@@ -292,6 +320,11 @@ impl Session {
             load: cut(&self.load),
         }
     }
+}
+
+/// The largest odd whole number up to a value, at least 1.
+fn odd(value: f64) -> f64 {
+    (2.0 * (0.5 * (value - 1.0)).floor() + 1.0).max(1.0)
 }
 
 fn last_of(values: &[f64]) -> f64 {

@@ -40,9 +40,9 @@ pub(crate) fn deviations(data: &Data, noise: &NoiseModel, fit: &Fit) -> Vec<f64>
     let Some(inverse) = factor(&fit.information()).map(|c| c.inverse()) else { return plain };
     let own: Vec<f64> =
         data.stacked(|_, _| 0.0).iter().map(|(b, _)| noise.of(data.blocks[*b].channel).own_share()).collect();
-    let stretched = scores(fit, &stretches(data, noise), &own);
+    let stretched = scores(fit, &stretches(data, noise), None);
     let within = sandwich(fit, &inverse, &stretched);
-    let between = between(&inverse, &scores(fit, &groups(data), &own));
+    let between = between(&inverse, &scores(fit, &groups(data), Some(&own)));
     let larger = |i: usize| {
         let other = |v: &[f64]| v.get(i).copied().unwrap_or_default();
         plain[i].max(other(&within)).max(other(&between))
@@ -88,18 +88,21 @@ struct Group {
     fisher: DMatrix<f64>,
 }
 
-fn scores(fit: &Fit, groups: &[usize], own: &[f64]) -> Vec<Group> {
+/// The scores of groups; with the share of each sample's variance that is its sensor's own also what that makes of their covariance.
+fn scores(fit: &Fit, groups: &[usize], own: Option<&[f64]>) -> Vec<Group> {
     let n = fit.jacobian.len();
     let count = groups.iter().max().map_or(0, |most| most + 1);
     let mut out: Vec<Group> =
         (0..count).map(|_| Group { score: DVector::zeros(n), fisher: DMatrix::zeros(n, n) }).collect();
-    for (k, ((&group, r), share)) in groups.iter().zip(&fit.residual).zip(own).enumerate() {
+    for (k, (&group, r)) in groups.iter().zip(&fit.residual).enumerate() {
         let Some(group) = out.get_mut(group) else { continue };
         for i in 0..n {
-            let own = fit.jacobian[i][k];
-            group.score[i] += own * r;
+            group.score[i] += fit.jacobian[i][k] * r;
+        }
+        let Some(share) = own.and_then(|own| own.get(k)) else { continue };
+        for i in 0..n {
             for j in 0..=i {
-                group.fisher[(i, j)] += share * own * fit.jacobian[j][k];
+                group.fisher[(i, j)] += share * fit.jacobian[i][k] * fit.jacobian[j][k];
             }
         }
     }

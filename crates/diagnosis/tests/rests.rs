@@ -61,18 +61,15 @@ fn moved(time_s: f64) -> [f64; 3] {
 #[derive(Clone, Copy)]
 struct InputNoise {
     angle: f64,
-    speed: Option<f64>,
+    speed: f64,
 }
 
-const PRECISE: InputNoise = InputNoise { angle: 2e-6, speed: Some(5e-5) };
+const PRECISE: InputNoise = InputNoise { angle: 2e-6, speed: 5e-5 };
 
 fn log(bench: &Bench, inputs: InputNoise, resolution: f64, seed: u64) -> MeasuredLog {
     let mut noise = Normal(seed);
     let round = |v: f64, step: f64| if step > 0.0 { (v / step).round() * step } else { v };
     let mut text = String::from("t_s,spindle_angle_rad,spindle_speed_rad_s,drive_torque_nm\n");
-    if inputs.speed.is_none() {
-        text = text.replace("spindle_speed_rad_s,", "");
-    }
     for i in 0..(16.0 * RATE_HZ) as usize {
         let t = 0.3 + i as f64 / RATE_HZ;
         let [angle, speed, acceleration] = moved(t);
@@ -81,9 +78,7 @@ fn log(bench: &Bench, inputs: InputNoise, resolution: f64, seed: u64) -> Measure
             + 20.0 * speed
             + noise.next();
         let _ = write!(text, "{t:.5},{:.9e}", angle + inputs.angle * noise.next());
-        if let Some(deviation) = inputs.speed {
-            let _ = write!(text, ",{:.9e}", speed + deviation * noise.next());
-        }
+        let _ = write!(text, ",{:.9e}", speed + inputs.speed * noise.next());
         let _ = writeln!(text, ",{:.9e}", round(torque, resolution));
     }
     MeasuredLog::parse("log.csv", &text, &bench.log_format()).unwrap()

@@ -152,14 +152,12 @@ impl Variables {
             }
             class if NUMERIC.contains(&class) => {
                 let (kind, data, _) = cut.element(rest)?;
-                let values = cut.numbers(kind, data)?;
-                self.values += values.len();
-                if values.len() != count {
-                    return Err(Flaw::Damage);
-                }
-                if self.values > MOST_VALUES {
+                // Before they are widened to eight bytes each.
+                if count > MOST_VALUES.saturating_sub(self.values) {
                     return Err(Flaw::TooLarge);
                 }
+                let values = cut.numbers(kind, data, count)?;
+                self.values += count;
                 self.columns(name, &dimensions, values)
             }
             _ => self.push(name, Err(NO_NUMBERS)),
@@ -238,14 +236,18 @@ impl Cut {
     }
 
     /// Numbers of a storage type, which may be smaller than the array's class.
-    fn numbers(self, kind: u32, data: &[u8]) -> Result<Vec<f64>, Flaw> {
+    /// So many numbers of a type, no more and no fewer.
+    fn numbers(self, kind: u32, data: &[u8], count: usize) -> Result<Vec<f64>, Flaw> {
         macro_rules! read {
-            ($type:ty) => {
+            ($type:ty) => {{
+                if data.len() / size_of::<$type>() != count {
+                    return Err(Flaw::Damage);
+                }
                 data.chunks_exact(size_of::<$type>())
                     .filter_map(|c| c.try_into().ok())
                     .map(|c| if self.big { <$type>::from_be_bytes(c) } else { <$type>::from_le_bytes(c) } as f64)
                     .collect()
-            };
+            }};
         }
         Ok(match kind {
             1 => read!(i8),

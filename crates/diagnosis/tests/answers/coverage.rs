@@ -96,6 +96,7 @@ fn coverage(
         }
     }
     println!("{name}, colour {colour}, {count} sessions: {unnamed} of {draws} not named");
+    assert!(2 * unnamed < draws, "{name}, colour {colour}: {unnamed} of {draws} not named");
     for (parameter, tally) in &held {
         let (mean, scatter) = tally.scatter();
         println!(

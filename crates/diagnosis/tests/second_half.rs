@@ -1,0 +1,88 @@
+//! A change late in a log is as much a finding as an early one.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use bench::Bench;
+use bench::effects::Effect;
+use bench::record::record;
+use diagnosis::{Diagnosis, Options, Verdict, diagnose};
+
+const LENGTH_S: f64 = 4.0 * 4.013;
+
+/// The friction rig over four cycles of 4 s.
+fn rig() -> Bench {
+    let mut bench = Bench::open("friction-rig").unwrap();
+    if let Bench::FrictionRig(rig) = &mut bench {
+        rig.axis.period_s = 4.013;
+        rig.axis.cycles = 4;
+        rig.axis.regularisation_m_s = 3e-3;
+    }
+    bench
+}
+
+/// What is said of a step of friction after a share of the log.
+fn stepped(share: f64, change: f64, seed: u64) -> Diagnosis {
+    let nominal = rig();
+    let time_s = share * LENGTH_S;
+    let parameters = [("coulomb_effort".to_owned(), change), ("time_s".to_owned(), time_s)];
+    let step = Effect { name: "friction-step".into(), channel: None, parameters: parameters.into() };
+    let mut bench = nominal.clone();
+    bench.effects_mut().push(step);
+    let log = record(&bench, seed).unwrap();
+    diagnose(&nominal, &[log], &[], &Options::default()).unwrap()
+}
+
+fn step_is_named(share: f64, change: f64, seed: u64) {
+    let (d, time_s) = (stepped(share, change, seed), share * LENGTH_S);
+    let summary = format!(
+        "{share} of the log, seed {seed}: {:?} {:?} left {:?}; {:?}",
+        d.verdict,
+        d.causes,
+        d.signature,
+        d.ranking.iter().take(4).collect::<Vec<_>>()
+    );
+    assert_eq!(d.verdict, Verdict::Named, "{summary}");
+    let [cause] = d.causes.as_slice() else { panic!("{summary}") };
+    let found = |name: &str| cause.parameters.iter().find(|p| p.name == name).unwrap().value;
+    assert_eq!(cause.effect, "friction-step", "{summary}");
+    assert!((found("time_s") - time_s).abs() < 0.1, "{summary}");
+    assert!((found("coulomb_effort") / change - 1.0).abs() < 0.1, "{summary}");
+}
+
+#[test]
+fn a_step_of_friction_is_named_wherever_it_comes() {
+    for (i, share) in [0.2, 0.55, 0.7, 0.85].into_iter().enumerate() {
+        step_is_named(share, 20.0, 41 + i as u64);
+    }
+    for (i, share) in [0.55, 0.7, 0.85].into_iter().enumerate() {
+        step_is_named(share, 6.0, 52 + i as u64);
+    }
+}
+
+#[test]
+fn for_a_late_step_every_part_of_the_log_and_of_a_cycle_is_fitted_and_held_out() {
+    let held = |share: f64| {
+        let d = stepped(share, 20.0, 43);
+        let series = &d.series[0];
+        let (start, end) = (series.time_s[0], *series.time_s.last().unwrap());
+        let phase = series.phase.as_ref().unwrap();
+        let parts = |place: &dyn Fn(usize) -> f64| -> [f64; 8] {
+            let part = |part: usize| {
+                let of: Vec<bool> = (0..series.held_out.len())
+                    .filter(|i| (8.0 * place(*i)) as usize == part)
+                    .map(|i| series.held_out[i])
+                    .collect();
+                of.iter().filter(|held| **held).count() as f64 / of.len() as f64
+            };
+            std::array::from_fn(part)
+        };
+        let in_time = parts(&|i| (series.time_s[i] - start) / (end - start));
+        (in_time, parts(&|i| phase[i].rem_euclid(1.0)))
+    };
+    let (in_time, in_phase) = held(0.7);
+    assert!(
+        in_time.iter().chain(&in_phase).all(|share| (share - 0.5).abs() < 0.1),
+        "{in_time:?} {in_phase:?}"
+    );
+    // An early one is found with whole halves.
+    assert_eq!(held(0.2).0.map(f64::round), [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+}
