@@ -45,8 +45,8 @@ enum Drive {
     Rigid,
     /// Stiffness and damping.
     Column(f64, f64),
-    /// Half the play.
-    Play(f64),
+    /// Half the play, and the stiffness behind it.
+    Play(f64, f64),
 }
 
 /// Crank and cylinder at a state.
@@ -84,7 +84,8 @@ impl Plant {
         let compliance_m_n = hidden.compliance_m_n + of("hydraulic-compliance", "compliance_m_n");
         let play = of("fork-backlash", "backlash_m");
         let drive = if play > 0.0 {
-            Drive::Play(0.5 * play)
+            // Fork and oil column in series.
+            Drive::Play(0.5 * play, 1.0 / (1.0 / FORK.0 + compliance_m_n))
         } else if compliance_m_n > 0.0 {
             let stiffness = 1.0 / compliance_m_n;
             let reduced = inertia / real.levers_m.0.powi(2);
@@ -217,9 +218,13 @@ impl Plant {
         match self.drive {
             Drive::Rigid => 0.0,
             Drive::Column(stiffness, damping) => stiffness * gap + damping * rate,
-            Drive::Play(half) if gap > half => (FORK.0 * (gap - half) * (1.0 + FORK.1 * rate)).max(0.0),
-            Drive::Play(half) if gap < -half => (FORK.0 * (gap + half) * (1.0 - FORK.1 * rate)).min(0.0),
-            Drive::Play(_) => 0.0,
+            Drive::Play(half, stiffness) if gap > half => {
+                (stiffness * (gap - half) * (1.0 + FORK.1 * rate)).max(0.0)
+            }
+            Drive::Play(half, stiffness) if gap < -half => {
+                (stiffness * (gap + half) * (1.0 - FORK.1 * rate)).min(0.0)
+            }
+            Drive::Play(..) => 0.0,
         }
     }
 
@@ -266,5 +271,27 @@ impl Plant {
     /// Everything that a log may show of a state.
     pub(super) fn row(&self, t: f64, s: &State, latched: f64) -> Row {
         self.derivative(t, s, latched).1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generator::noise::Noise;
+
+    #[test]
+    fn fork_play_and_oil_column_are_in_series() {
+        let real = RealBench::near_description(&mut Noise::new(1), 0.0);
+        let one = |effect: &str, parameter: &str, value: f64| HiddenEffect {
+            effect: effect.into(),
+            channel: None,
+            parameters: [(parameter.to_owned(), value)].into(),
+        };
+        let play = one("fork-backlash", "backlash_m", 2e-4);
+        let column = one("hydraulic-compliance", "compliance_m_n", 2e-8);
+        let fork = |effects: &[HiddenEffect]| Plant::new(&real, &Hidden::default(), effects).fork(3e-4, 0.0);
+        let (alone, both) = (fork(std::slice::from_ref(&play)), fork(&[play, column]));
+        assert!((alone - FORK.0 * 2e-4).abs() < 1.0, "{alone}");
+        assert!((2e-4 / both - 2e-4 / alone - 2e-8).abs() < 1e-12, "{alone} {both}");
     }
 }

@@ -61,6 +61,9 @@ pub struct Outcome {
     pub realised: Option<f64>,
     /// The experiment that the engine proposed.
     pub proposed: Option<String>,
+    /// Whether the engine said that no experiment of its menu tells.
+    #[serde(default)]
+    pub hopeless: bool,
     /// Whether it settled the question, of a pair; whether the changed question had the same answer, of a change.
     pub settled: Option<bool>,
     /// Ratio of interval widths, where that is the question.
@@ -86,6 +89,7 @@ impl Outcome {
             predicted: None,
             realised: None,
             proposed: None,
+            hopeless: false,
             settled: None,
             ratio: None,
             engine_s: 0.0,
@@ -142,6 +146,7 @@ impl Outcome {
         }
         self.predicted = answer.explained_share.filter(|_| !self.causes.is_empty());
         self.proposed.clone_from(&answer.next_experiment);
+        self.hopeless = answer.experiment.as_ref().is_some_and(|e| e.recordings.is_empty());
     }
 
     /// Whether the causes are the hidden effects under other names.
@@ -152,7 +157,8 @@ impl Outcome {
         let named: Vec<Vec<f64>> = answer.causes.iter().map(|c| scale.added(&[as_hidden(c)])).collect();
         let left = scale.left(&scale.added(&self.hidden), &named);
         let power = left.iter().map(|v| v * v).sum::<f64>() / left.len().max(1) as f64;
-        self.equivalent = power.sqrt() < ALIKE;
+        // Nothing at all leaves the effect's own size: of a small one less has to be left.
+        self.equivalent = power.sqrt() < ALIKE.min(0.5 * scale.size(&self.hidden));
     }
 }
 

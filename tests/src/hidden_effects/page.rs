@@ -1,5 +1,6 @@
 //! What is published: a table of goals and figures for the terminal, and `docs/hidden-effects.md`.
 
+use super::cell::Campaign;
 use super::goals::Goal;
 use super::score::{Figures, Shares};
 use std::fmt::Write as _;
@@ -13,7 +14,7 @@ the engine answers from the log alone; labels are sealed until it has. This page
 Size is the rms of the part of the effect that calibration cannot absorb over the rms of the noise floor, over all samples of all
 channels, each in units of its own noise; calibration may move what is declared uncertain by four declared deviations. A share counts the
 cells in which the plant can show the wanted size at all. An equivalent cause is one that imitates the hidden effect
-on that log but for a rest of size .1. Parameter errors and intervals are those of cells whose first cause is right, whose number stands
+on that log but for a rest of size .1, of a small effect but for half of its own size. Parameter errors and intervals are those of cells whose first cause is right, whose number stands
 beside them; of a size with several parameters (the two parts of a phase) the error is |found - hidden| over |hidden|. Predicted
 and realised gain are compared in every cell of size .5 and more with a cause and a predicted gain, right or wrong.
 
@@ -90,16 +91,19 @@ pub fn summary(figures: &Figures) -> String {
 pub fn page(figures: &Figures) -> String {
     let mut page = String::from(HEAD);
     let ran: Vec<String> = figures.ran.iter().map(|(plant, n)| format!("{n} cells of `{plant}`")).collect();
-    let seeds = figures.campaign.as_ref().map_or((0, 0), |c| (c.seeds, c.bench_seeds));
+    let seeds = |read: fn(&Campaign) -> u64| match &figures.campaign {
+        Some(c) if read(c) > 0 => format!("{} to {}", c.skipped_seeds + 1, c.skipped_seeds + read(c)),
+        _ => "none".into(),
+    };
     let planned = figures.campaign.as_ref().map_or(0, |c| c.cells().len());
     let count: usize = figures.ran.values().sum::<usize>() + figures.out_of_reach.values().sum::<usize>();
     let _ = writeln!(
         page,
-        "\nRun of {}: seeds per cell {} (axes) and {} (bench), {} of {} cells; with an answer: {}. Cells run in a shuffled \
+        "\nRun of {}: seeds of every cell {} (axes) and {} (bench), {} of {} cells; with an answer: {}. Cells run in a shuffled \
          order, so a run that is cut short is a sample of them.",
         figures.date,
-        seeds.0,
-        seeds.1,
+        seeds(|c| c.seeds),
+        seeds(|c| c.bench_seeds),
         count,
         planned,
         ran.join(", ")
@@ -130,11 +134,12 @@ pub fn page(figures: &Figures) -> String {
     let rows = [
         ("clean log: a cause named", &figures.false_names),
         ("clean log under hard conditions: any answer but none", &figures.hard_false_alarms),
+        ("clean log under hard conditions: a cause named", &figures.hard_false_names),
         ("two effects: both in the group", &figures.both),
         ("two effects: a third cause", &figures.third),
         ("inseparable pair: both named", &figures.pair_named),
+        ("of those, settled by the proposed experiment and the logs at hand", &figures.pair_settled),
         ("of those, said that no experiment of the menu tells", &figures.pair_hopeless),
-        ("of the others, settled by the proposed experiment and the logs at hand", &figures.pair_settled),
         ("95 % intervals that hold the truth", &figures.covered),
         ("realised gain within 20 % of the predicted", &figures.gain_within),
     ];
@@ -149,7 +154,7 @@ pub fn page(figures: &Figures) -> String {
     }
     let _ = writeln!(
         page,
-        "\nA second session shrinks intervals by a factor of {} (root of two: 1.414).",
+        "\nA second session shrinks intervals by a factor of {} (median of the cells with the same answer; root of two: 1.414).",
         number(figures.shrink)
     );
     let bins = [

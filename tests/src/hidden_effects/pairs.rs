@@ -92,7 +92,7 @@ pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
     let all = desk.ask(&bench, &logs, &[])?;
     let mut after = Outcome::new(cell);
     after.judge(&all, &label);
-    outcome.settled = Some(after.first && after.ambiguous_with.is_empty());
+    outcome.settled = Some(after.first && after.causes.len() == 1 && after.ambiguous_with.is_empty());
     Ok(outcome)
 }
 

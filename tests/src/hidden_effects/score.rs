@@ -73,7 +73,7 @@ pub struct Figures {
     pub third: Share,
     /// Inseparable pairs: both named.
     pub pair_named: Share,
-    /// Inseparable pairs that were named and got an experiment: settled by it.
+    /// Inseparable pairs that were named: settled by the proposed experiment.
     pub pair_settled: Share,
     /// Inseparable pairs that were named: said that no experiment of the menu tells them apart.
     #[serde(default)]
@@ -81,6 +81,9 @@ pub struct Figures {
     /// Hard conditions, clean logs: any answer but `none`.
     #[serde(default)]
     pub hard_false_alarms: Share,
+    /// Hard conditions, clean logs: a cause named.
+    #[serde(default)]
+    pub hard_false_names: Share,
     /// Hard conditions, single effects of size 1.
     #[serde(default)]
     pub hard: Shares,
@@ -120,7 +123,9 @@ fn share(cells: &[&Outcome], hit: impl Fn(&Outcome) -> bool) -> Share {
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+    let upper = values.get(values.len() / 2)?;
+    let lower = values.get((values.len() - 1) / 2)?;
+    Some(0.5 * (lower + upper))
 }
 
 fn shares(cells: &[&Outcome]) -> Shares {
@@ -172,8 +177,7 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
     let parameter_errors: Vec<f64> =
         single.iter().filter(|o| size(o) == 1.0).filter_map(|o| o.parameter_error).collect();
     let named: Vec<&Outcome> = pair.iter().filter(|o| o.in_group == 2).copied().collect();
-    let hopeless = |o: &Outcome| o.proposed.as_deref().is_some_and(|words| words.starts_with("none of"));
-    let asked: Vec<&Outcome> = named.iter().filter(|o| !hopeless(o)).copied().collect();
+    let hopeless = |o: &Outcome| o.hopeless;
     let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for outcome in &clear {
         let first = outcome.causes.first().map_or(outcome.verdict.as_str(), |c| &c.effect);
@@ -213,9 +217,10 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         both: share(&two, |o| o.in_group == 2),
         third: share(&two, |o| o.causes.len() > 2),
         pair_named: share(&pair, |o| o.in_group == 2),
-        pair_settled: share(&asked, |o| o.settled == Some(true)),
+        pair_settled: share(&named, |o| o.settled == Some(true)),
         pair_hopeless: share(&named, hopeless),
         hard_false_alarms: share(&hard_clean, Outcome::detected),
+        hard_false_names: share(&hard_clean, |o| !o.causes.is_empty()),
         hard: shares(&hard),
         changed: groups(&arm(Arm::Changed), |o| CHANGES.get(o.cell.variant).copied().unwrap_or_default())
             .into_iter()
