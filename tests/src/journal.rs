@@ -71,16 +71,13 @@ impl Journal {
         file.read_to_end(&mut bytes).map_err(failed)?;
         let whole = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
         bytes.truncate(whole);
-        let lines = bytes.split(|b| *b == b'\n').enumerate().filter(|(_, line)| !line.is_empty());
+        let mut lines = bytes.split(|b| *b == b'\n').enumerate().filter(|(_, line)| !line.is_empty());
         let other = |found| JournalError::Other { file: name.clone(), found };
-        let mut results = Vec::new();
-        for (number, line) in lines {
-            let damaged = |error: serde_json::Error| other(format!("line {}: {error}", number + 1));
-            if number > 0 {
-                results.push(serde_json::from_slice(line).map_err(damaged)?);
-                continue;
-            }
-            let found: Header<C> = serde_json::from_slice(line).map_err(damaged)?;
+        let damaged =
+            |number: usize| move |error: serde_json::Error| other(format!("line {}: {error}", number + 1));
+        let first = lines.next();
+        if let Some((number, line)) = first {
+            let found: Header<C> = serde_json::from_slice(line).map_err(damaged(number))?;
             if found.campaign != header.campaign {
                 return Err(other(format!("that of another campaign ({:?})", found.campaign)));
             }
@@ -88,11 +85,13 @@ impl Journal {
                 return Err(other("that of another build of this program".into()));
             }
         }
+        let result = |(number, line): (usize, &[u8])| serde_json::from_slice(line).map_err(damaged(number));
+        let results: Vec<R> = lines.map(result).collect::<Result<_, _>>()?;
         // Nothing is cut off a file that is none of this campaign's.
         file.set_len(whole as u64).map_err(failed)?;
         file.seek(SeekFrom::End(0)).map_err(failed)?;
         let mut journal = Self { file, name: name.clone() };
-        if whole == 0 {
+        if first.is_none() {
             journal.line(&header)?;
         }
         Ok((journal, results))
@@ -145,6 +144,11 @@ mod tests {
         assert!(refused.contains("another build"), "{refused}");
         std::fs::write(&path, format!("{header}\nno result\n")).unwrap();
         assert!(open(2).unwrap_err().to_string().contains("line 2"));
+        std::fs::write(&path, "\n[7,0.5]\n").unwrap();
+        assert!(
+            open(2).unwrap_err().to_string().contains("line 2"),
+            "what stands behind an empty line is the header"
+        );
         std::fs::write(&path, "somebody's notes\n").unwrap();
         assert!(open(2).unwrap_err().to_string().contains("line 1"));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "somebody's notes\n");

@@ -130,9 +130,9 @@ pub(crate) fn run_for(command: &mut Command, longest: Duration) -> Result<String
 }
 
 /// Writes a file under another name and renames it: the file is whole at any time.
-pub(crate) fn write_whole(file: PathBuf, text: &str) -> Result<(), ChoreError> {
+pub(crate) fn write_whole(file: PathBuf, content: impl AsRef<[u8]>) -> Result<(), ChoreError> {
     let temporary = file.with_extension("new");
-    std::fs::write(&temporary, text).and_then(|()| std::fs::rename(&temporary, &file)).map_err(|error| {
+    std::fs::write(&temporary, content).and_then(|()| std::fs::rename(&temporary, &file)).map_err(|error| {
         ChoreError::File { file, found: error.to_string(), expected: "a file that can be written" }
     })
 }

@@ -2,7 +2,7 @@
 //!
 //! What is summed up is told in `firmware/src/boards/code.rs`: vector table and code, then the constants around the built-in networks.
 
-use crate::run::ChoreError;
+use crate::run::{ChoreError, write_whole};
 use ::firmware::supervisor::code::sealing;
 use object::{Object, ObjectSection, ObjectSymbol};
 use std::ops::Range;
@@ -32,9 +32,7 @@ pub(crate) fn seal(image: &Path, is_only_emulated: bool) -> Result<(), ChoreErro
     let at = bytes.get_mut(place..place + 4).ok_or_else(|| failed("a seal beyond its end".into()))?;
     at.copy_from_slice(&word.to_le_bytes());
     // Not in place: cargo keeps another name of this very file, which half an image must not get.
-    let sealed = image.with_extension("sealed");
-    let replaced = std::fs::write(&sealed, bytes).and_then(|()| std::fs::rename(&sealed, image));
-    replaced.map_err(|error| failed(error.to_string()))
+    write_whole(image.into(), bytes)
 }
 
 /// Where in the file the seal is, and what it must be.

@@ -68,6 +68,11 @@ impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, const TICKS: usize
         true
     }
 
+    /// As [`crate::Streaming::altered`], of the column that was taken last.
+    pub fn altered(&self) -> bool {
+        N::altered(&self.stream) != 0
+    }
+
     /// Does this tick's share; in the last tick of a column, gives the head's sums and how many activations were
     /// clipped. Before the first column and between the last tick and the next column there is nothing to do: `None`.
     #[inline]
@@ -81,5 +86,37 @@ impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, const TICKS: usize
         self.done = end;
         self.tick = self.tick.wrapping_add(1);
         (self.tick == TICKS).then(|| (N::output(&self.stream), self.clipped))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Streaming;
+    use crate::bearing::{Bearing, shipped};
+    use crate::model::Model;
+
+    #[test]
+    fn a_bit_that_flips_in_the_history_is_told_once() {
+        let model = Model::<i16>::load(shipped(Bearing::Babbitt)).unwrap();
+        let column = [1_000; 8];
+        let mut streaming = Streaming::<_, i16, 8>::new(model.collision().clone());
+        let mut interleaved = Interleaved::<_, i16, 8, 3>::new(model.collision().clone());
+        let mut told = |flip: bool| {
+            let mut told = [0, 0];
+            for number in 0..30 {
+                streaming.push(&column);
+                assert!(interleaved.begin(&column));
+                assert_eq!((0..3).filter_map(|_| interleaved.tick()).count(), 1);
+                if flip && number == 9 {
+                    streaming.stream.history().bytes()[5] ^= 4;
+                    interleaved.stream.history().bytes()[5] ^= 4;
+                }
+                told[0] += u32::from(streaming.altered());
+                told[1] += u32::from(interleaved.altered());
+            }
+            told
+        };
+        assert_eq!((told(false), told(true)), ([0, 0], [1, 1]));
     }
 }

@@ -12,7 +12,7 @@ use core::marker::PhantomData;
 #[derive(Clone, Debug)]
 pub struct Streaming<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, E = Native> {
     network: N,
-    stream: N::Stream,
+    pub(crate) stream: N::Stream,
     engine: PhantomData<(&'a (), E)>,
 }
 
@@ -28,6 +28,11 @@ impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, E: Engine> Streami
         N::accept(&mut self.stream, column);
         let clipped = self.network.run::<E>(&mut self.stream, 0..N::UNITS);
         (N::output(&self.stream), clipped)
+    }
+
+    /// Whether a bit of the column that left last in any layer was not what it had been: the sums rested on it. Every column is kept twice for that.
+    pub fn altered(&self) -> bool {
+        N::altered(&self.stream) != 0
     }
 
     /// Forgets every column.

@@ -5,11 +5,16 @@ use firmware::flags::{NAMES, STALE, TRIPPED};
 use host_sim::controller::{Controller, EmulatedController, NativeController};
 use inference::{Bearing, Flags};
 use link::{ControllerConfiguration, Counters, EstimateFrame, SensorFrame};
+use system_tests::faults::plan::Fault;
+use system_tests::faults::stage::Stage;
+use system_tests::faults::streams::disturbed;
 
 /// SysTick's ticks of one emulated instruction: 64 ns at 168 MHz.
 const TICKS_PER_INSTRUCTION: f64 = 10.752;
 /// Instructions in a sample period of 100 us, one a cycle at 168 MHz.
 const BUDGET_INSTRUCTIONS: f64 = 16_800.0;
+/// Number of a fault of the campaign: a probe that drifts by .1 mm/s.
+const DRIFT: u64 = 1_388;
 
 fn exchanged(mut controller: Box<dyn Controller>, frames: &[SensorFrame]) -> (Vec<EstimateFrame>, Counters) {
     let estimates = frames.iter().map(|frame| controller.exchange(frame).unwrap()).collect();
@@ -63,6 +68,14 @@ fn host_and_emulator_agree_bit_for_bit_whatever_happens() {
     let frames = troubled(&wide, 5_000, 3);
     let on_host = native(wide, &frames);
     assert_same(&on_host, &emulated(wide, &frames));
+    flags |= union(&on_host.0);
+
+    // A probe that drifts: no block of the troubled frames is sound enough to contradict anything.
+    let stage = Stage::new(1).unwrap();
+    let drift = disturbed(&Fault::of_sensor(1, DRIFT).unwrap(), &stage.frames);
+    let frames: Vec<SensorFrame> = drift.into_iter().map(|(frame, _)| frame).collect();
+    let on_host = native(stage.configuration, &frames);
+    assert_same(&on_host, &emulated(stage.configuration, &frames));
     flags |= union(&on_host.0);
 
     // Every remark came up, but for those that sound images and integer sensors cannot raise, and lateness: lockstep has no time.

@@ -21,6 +21,7 @@ fn no_fault_of_the_short_campaign_is_silent_and_the_counts_are_those_checked_in(
     println!("{}", table.render());
     let silent: Vec<_> = outcomes.iter().filter(|outcome| outcome.class == Class::Silent).collect();
     assert!(silent.is_empty(), "{silent:#?}");
+    assert_eq!(table.all.not_struck, 0);
     // Every kind came, most of what lives was noticed, and a fault repeats itself.
     assert_eq!(table.kinds.len(), system_tests::faults::plan::Kind::ALL.len());
     let told: BTreeSet<_> = outcomes.iter().filter_map(|outcome| outcome.told.as_deref()).collect();

@@ -1,5 +1,5 @@
-//! The kernels with the DSP instructions of Cortex-M4, M7, M33 and M55: with `layer`, which does all blocks of a layer at once, the only unsafe
-//! code of this crate.
+//! The kernels with the DSP instructions of Cortex-M4, M7, M33 and M55: with `layer`, which does all blocks of a layer at once, and `exchange`, which
+//! puts a column into the history, the only unsafe code of this crate.
 //!
 //! SMLAD adds two products of 16-bit halves to a sum. A pair of taps at two positions and four outputs takes 12
 //! instructions for its 16 products: eight SMLAD, two loads of activations, two LDM of two weights each. Sums, weights and
