@@ -91,7 +91,7 @@ pub fn diagnose(
     let checked = check(bench, logs, held_out)?;
     let mut judged = answered(bench, &checked, options.exclude, Split::Halves, &say)?;
     if matches!(judged.verdict, Verdict::Unknown | Verdict::None)
-        && held_out.is_empty()
+        && checked.held_out.is_empty()
         && matches!(bench, Bench::FrictionRig(_))
     {
         let again = answered(bench, &checked, options.exclude, Split::Turns, &|_, words| say(0.95, words))?;

@@ -11,7 +11,7 @@ const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;ma
 h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid #d5dce3}\
 p.lead{font-size:1.1rem}p.note{color:#56636f;font-size:.92rem}\
 .table{overflow-x:auto}table{border-collapse:collapse;margin:.8rem 0}th,td{padding:.25rem .8rem;border-bottom:1px solid #e3e8ec;text-align:left}\
-td{vertical-align:top}td.n{text-align:right;font-variant-numeric:tabular-nums}th{background:#f2f5f7}\
+td{vertical-align:top}td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}th{background:#f2f5f7}\
 figure{margin:1rem 0;overflow-x:auto}figcaption{color:#56636f;font-size:.9rem}svg{max-width:100%;height:auto}\
 .pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}";
 

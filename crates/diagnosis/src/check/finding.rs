@@ -37,7 +37,7 @@ pub struct Finding {
     pub channel: String,
     /// What was found, one of a stable vocabulary in kebab-case: `sampling`, `gap`, `jitter`, `duplicate-time`, `backward-time`,
     /// `clock-unit`, `missing-values`, `outliers`, `stuck`, `constant`, `saturated`, `quantised`, `unit`, `sign`,
-    /// `swapped-axes`, `gain`, `contradiction`, `delay`, `nuisance-at-bound`.
+    /// `swapped-axes`, `gain`, `contradiction`, `delay`, `copy`, `nuisance-at-bound`.
     pub kind: &'static str,
     /// The same in words.
     pub found: String,

@@ -1,6 +1,6 @@
 //! Reading and checking a log, the first step of a diagnosis: what cannot be right is named, not fitted away.
 //!
-//! In this order, for each log: times into order, missing readings, the clock's unit, outliers and contradictions of the inputs, the load; then
+//! Copies of a log are left out first. In this order, for each other log: times into order, missing readings, the clock's unit, outliers and contradictions of the inputs, the load; then
 //! the outputs against the described bench under the log's inputs: swapped axes, units and signs, factors of the geometry,
 //! channels that stand still, outliers; at last what the reader shall know (rate, gaps, resolution).
 //!
@@ -14,6 +14,7 @@
 //! passes for another bench.
 
 mod clock;
+mod copies;
 mod factors;
 mod finding;
 mod gain;
@@ -43,8 +44,10 @@ pub(crate) fn check(
     held_out: &[MeasuredLog],
 ) -> Result<Checked, LogError> {
     let mut findings = Vec::new();
-    let mut all = |logs: &[MeasuredLog]| -> Result<Vec<MeasuredLog>, LogError> {
-        logs.iter().map(|log| one(bench, log, &mut findings)).collect()
+    let logs = copies::distinct(logs, &[], &mut findings);
+    let held_out = copies::distinct(held_out, &logs, &mut findings);
+    let mut all = |logs: Vec<&MeasuredLog>| -> Result<Vec<MeasuredLog>, LogError> {
+        logs.into_iter().map(|log| one(bench, log, &mut findings)).collect()
     };
     let (logs, held_out) = (all(logs)?, all(held_out)?);
     findings.sort_by_key(|f| f.severity);

@@ -184,3 +184,23 @@ fn sessions_that_start_warm_and_cold_tell_their_temperature_where_friction_follo
     let d = diagnosed(&with(&axis(8), warming()), &[started(0.0, 1), started(12.0, 2)], &["coulomb-level"]);
     assert_ne!(d.verdict, Verdict::None);
 }
+
+#[test]
+fn a_log_given_twice_is_named_and_counts_once() {
+    let log = logged(&with(&axis(4), effect("viscous-friction", None, "viscous_effort", 60.0)), 3);
+    let copy = || {
+        let time_s = log.time_s.iter().map(|t| t + 100.0).collect();
+        MeasuredLog { source: "copy.csv".into(), time_s, ..log.clone() }
+    };
+    let once = diagnosed(&axis(4), std::slice::from_ref(&log), &[]);
+    let twice = diagnosed(&axis(4), &[log.clone(), copy()], &[]);
+    let held = diagnose(&axis(4), std::slice::from_ref(&log), &[copy()], &Options::default()).unwrap();
+    assert_eq!(once.causes[0].effect, "viscous-friction");
+    for other in [&twice, &held] {
+        let found: Vec<_> = other.checks.iter().filter(|f| f.kind == "copy").collect();
+        assert!(matches!(found[..], [f] if f.log == "copy.csv" && f.done.is_some()), "{:?}", other.checks);
+        assert_eq!(format!("{:?}", other.causes), format!("{:?}", once.causes));
+        assert_eq!(other.series.len(), once.series.len());
+    }
+    assert!(once.checks.iter().all(|f| f.kind != "copy"));
+}
