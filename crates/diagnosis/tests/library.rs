@@ -5,10 +5,13 @@
 //! how well a diagnosis does on a real bench. That is asked in `tests/` of the workspace, with a generator of its own.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
+mod rig;
+
 use bench::effects::{Effect, kind};
 use bench::record::record;
 use bench::{Bench, Channel};
 use diagnosis::{Options, diagnose};
+use rig::rig;
 use std::time::Instant;
 
 /// Parameters of an effect.
@@ -44,17 +47,6 @@ fn hide(mut bench: Bench, name: &str, channel: Option<Channel>, sizes: Sizes<'_>
 fn bench_b() -> Bench {
     let mut bench = Bench::open("bench-b").unwrap();
     bench.set_cycles(2);
-    bench
-}
-
-/// The friction rig over four cycles of 4 s. Its sign is as wide as the motion that a log gives back is sharp.
-fn rig() -> Bench {
-    let mut bench = Bench::open("friction-rig").unwrap();
-    if let Bench::FrictionRig(rig) = &mut bench {
-        rig.axis.period_s = 4.013;
-        rig.axis.cycles = 4;
-        rig.axis.regularisation_m_s = 3e-3;
-    }
     bench
 }
 

@@ -1,23 +1,14 @@
 //! A change late in a log is as much a finding as an early one.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
-use bench::Bench;
+mod rig;
+
 use bench::effects::Effect;
 use bench::record::record;
 use diagnosis::{Diagnosis, Options, Verdict, diagnose};
+use rig::rig;
 
 const LENGTH_S: f64 = 4.0 * 4.013;
-
-/// The friction rig over four cycles of 4 s.
-fn rig() -> Bench {
-    let mut bench = Bench::open("friction-rig").unwrap();
-    if let Bench::FrictionRig(rig) = &mut bench {
-        rig.axis.period_s = 4.013;
-        rig.axis.cycles = 4;
-        rig.axis.regularisation_m_s = 3e-3;
-    }
-    bench
-}
 
 /// What is said of a step of friction after a share of the log.
 fn stepped(share: f64, change: f64, seed: u64) -> Diagnosis {

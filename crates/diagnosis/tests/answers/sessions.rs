@@ -204,3 +204,20 @@ fn a_log_given_twice_is_named_and_counts_once() {
     }
     assert!(once.checks.iter().all(|f| f.kind != "copy"));
 }
+
+#[test]
+fn a_held_out_log_beyond_what_is_declared_is_not_called_sound() {
+    // Four declared deviations are 16 N; what is left of it beyond them drowns in the noise.
+    let fitted = off(&axis(4), 0.0, 0.0, 1);
+    for (offset, is_sound) in [(8.0, true), (16.1, false)] {
+        let held = [off(&axis(4), offset, 0.0, 2)];
+        let d = diagnose(&declaring(4), std::slice::from_ref(&fitted), &held, &Options::default()).unwrap();
+        let at_bound = d.checks.iter().any(|finding| finding.kind == "nuisance-at-bound");
+        assert_eq!(
+            (d.verdict == Verdict::None, at_bound),
+            (is_sound, !is_sound),
+            "{offset} N: {:?}",
+            d.nuisances
+        );
+    }
+}
