@@ -102,3 +102,25 @@ pub(crate) fn follow(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> P
     let nodes = (0..count).map(node).collect();
     Profile::Curve { time_s: time_s.get(..count).unwrap_or(time_s).to_vec(), nodes }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_peak_of_a_speed_without_a_position_is_not_smoothed_away() {
+        // A hundred samples a cycle; at a peak a speed's slope is 0 in every window, whatever the value does there.
+        let mut state = 5_u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            1e-4 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
+        };
+        let time_s: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();
+        let speed: Vec<f64> = time_s.iter().map(|t| (core::f64::consts::TAU * t).sin() + noise()).collect();
+        let curve = follow(&time_s, &speed, None);
+        for peak_s in [1.25, 1.75, 2.25, 2.75] {
+            let off = curve.at(peak_s).value.abs() - 1.0;
+            assert!(off.abs() < 2e-4, "{peak_s}: {off}");
+        }
+    }
+}
