@@ -58,6 +58,14 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
     /// Takes the newest column.
     fn accept(stream: &mut Self::Stream, column: &[A; IN]);
 
+    /// Takes some units of the newest column from the layer in front; gives how many activations were clipped.
+    fn receive<E: Engine, F: Activation, const FRONT: usize, const TAPS: usize>(
+        stream: &mut Self::Stream,
+        layer: &Convolution<'_, F, A, FRONT, IN, TAPS>,
+        columns: &[[F; FRONT]; TAPS],
+        units: Range<usize>,
+    ) -> u32;
+
     /// Does some units of the work that the newest column brought, in order; gives how many activations were clipped.
     fn run<E: Engine>(&self, stream: &mut Self::Stream, units: Range<usize>) -> u32;
 
@@ -100,16 +108,10 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
 
 /// Stream of a convolution and what follows it.
 #[derive(Clone, Debug)]
-pub struct ConvolutionStream<A, B, const IN: usize, const OUT: usize, const K: usize, R> {
+pub struct ConvolutionStream<A, const IN: usize, const K: usize, R> {
     history: Ring<A, IN, K>,
-    outputs: Words<[B; OUT]>,
     rest: R,
 }
-
-/// Activations at the address of a word.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(4))]
-struct Words<T>(T);
 
 /// Window of a convolution's inputs and what follows it.
 #[derive(Clone, Debug)]
@@ -145,7 +147,7 @@ where
     const WINDOW: usize = K - 1 + R::WINDOW;
     const HEAD_COLUMNS: usize = R::HEAD_COLUMNS;
     type Output = R::Output;
-    type Stream = ConvolutionStream<A, B, IN, OUT, K, R::Stream>;
+    type Stream = ConvolutionStream<A, IN, K, R::Stream>;
     type Window<const P: usize> = ConvolutionWindow<A, IN, P, R::Window<P>>;
 
     fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
@@ -153,7 +155,7 @@ where
     }
 
     fn stream() -> Self::Stream {
-        ConvolutionStream { history: Ring::new(), outputs: Words([B::default(); OUT]), rest: R::stream() }
+        ConvolutionStream { history: Ring::new(), rest: R::stream() }
     }
 
     #[inline]
@@ -168,15 +170,23 @@ where
     }
 
     #[inline]
+    fn receive<E: Engine, F: Activation, const FRONT: usize, const TAPS: usize>(
+        stream: &mut Self::Stream,
+        layer: &Convolution<'_, F, A, FRONT, IN, TAPS>,
+        columns: &[[F; FRONT]; TAPS],
+        units: Range<usize>,
+    ) -> u32 {
+        receive::<E, F, A, FRONT, IN, TAPS, K>(&mut stream.history, layer, columns, units)
+    }
+
+    #[inline]
     fn run<E: Engine>(&self, stream: &mut Self::Stream, units: Range<usize>) -> u32 {
         let own = Convolution::<A, B, IN, OUT, K>::UNITS;
         let mut clipped = 0u32;
         if units.start < own {
             let here = units.start..units.end.min(own);
-            clipped = self.layer.units::<E>(here, stream.history.columns(), &mut stream.outputs.0);
-            if units.end >= own {
-                R::accept(&mut stream.rest, &stream.outputs.0);
-            }
+            clipped =
+                R::receive::<E, A, IN, K>(&mut stream.rest, &self.layer, stream.history.columns(), here);
         }
         if units.end > own {
             let there = units.start.saturating_sub(own)..units.end.wrapping_sub(own);
@@ -283,6 +293,16 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
     }
 
     #[inline]
+    fn receive<E: Engine, F: Activation, const FRONT: usize, const TAPS: usize>(
+        stream: &mut Self::Stream,
+        layer: &Convolution<'_, F, A, FRONT, IN, TAPS>,
+        columns: &[[F; FRONT]; TAPS],
+        units: Range<usize>,
+    ) -> u32 {
+        receive::<E, F, A, FRONT, IN, TAPS, COLUMNS>(&mut stream.history, layer, columns, units)
+    }
+
+    #[inline]
     fn run<E: Engine>(&self, stream: &mut Self::Stream, units: Range<usize>) -> u32 {
         if units.start == 0 && units.end > 0 {
             stream.sums = self.apply::<E>(stream.history.columns());
@@ -347,6 +367,29 @@ impl<const OUT: usize> Default for Sums<OUT> {
     }
 }
 
+/// Writes some units of a layer's outputs into a history, both copies at once: nothing is kept elsewhere meanwhile, where a bit could flip unseen.
+#[inline]
+fn receive<
+    E: Engine,
+    A: Activation,
+    B: Activation,
+    const IN: usize,
+    const OUT: usize,
+    const K: usize,
+    const N: usize,
+>(
+    history: &mut Ring<B, OUT, N>,
+    layer: &Convolution<'_, A, B, IN, OUT, K>,
+    columns: &[[A; IN]; K],
+    units: Range<usize>,
+) -> u32 {
+    if units.is_empty() {
+        return 0;
+    }
+    let newest = if units.start == 0 { history.open() } else { history.newest() };
+    layer.units::<E, N>(units, columns, newest)
+}
+
 /// Moves every column to the place of its elder; the newest place keeps a copy.
 pub(crate) fn forget_oldest<T: Copy>(columns: &mut [T]) {
     if columns.len() > 1 {
@@ -355,7 +398,7 @@ pub(crate) fn forget_oldest<T: Copy>(columns: &mut [T]) {
 }
 
 #[cfg(test)]
-impl<A, B, const IN: usize, const OUT: usize, const K: usize, R> ConvolutionStream<A, B, IN, OUT, K, R> {
+impl<A, const IN: usize, const K: usize, R> ConvolutionStream<A, IN, K, R> {
     pub(crate) fn history(&mut self) -> &mut Ring<A, IN, K> {
         &mut self.history
     }

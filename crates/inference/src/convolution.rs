@@ -61,21 +61,22 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
         self.weights.constants(sum);
     }
 
-    /// Computes some units of the outputs at one position; gives how many activations were clipped.
+    /// Computes some units of the outputs at one position, written to the first of the columns in `outputs` and, unless `N` is 0, to the one
+    /// `N` behind it as well; gives how many activations were clipped. Nothing is computed where there are no such columns.
     #[inline]
-    pub fn units<E: Engine>(
+    pub fn units<E: Engine, const N: usize>(
         &self,
         units: Range<usize>,
         columns: &[[A; IN]; K],
-        outputs: &mut [B; OUT],
+        outputs: &mut [[B; OUT]],
     ) -> u32 {
-        self.weights.units::<E, B, IN, OUT, K>(units, &self.scaling, columns, outputs)
+        self.weights.units::<E, B, IN, OUT, K, N>(units, &self.scaling, columns, outputs)
     }
 
     /// Computes the outputs at one position; gives how many were clipped.
     #[inline]
     pub fn apply<E: Engine>(&self, columns: &[[A; IN]; K], outputs: &mut [B; OUT]) -> u32 {
-        self.units::<E>(0..Self::UNITS, columns, outputs)
+        self.units::<E, 0>(0..Self::UNITS, columns, core::slice::from_mut(outputs))
     }
 
     /// Computes the outputs at some positions of a window; output `p` looks at the inputs from `p - before` on, and what

@@ -100,8 +100,8 @@ mod tests {
     fn a_bit_that_flips_in_the_history_is_told_once() {
         let model = Model::<i16>::load(shipped(Bearing::Babbitt)).unwrap();
         let column = [1_000; 8];
-        let mut streaming = Streaming::<_, i16, 8>::new(model.collision().clone());
-        let mut interleaved = Interleaved::<_, i16, 8, 3>::new(model.collision().clone());
+        let mut streaming = Streaming::<_, i16, 8>::new(*model.collision());
+        let mut interleaved = Interleaved::<_, i16, 8, 3>::new(*model.collision());
         let mut told = |flip: bool| {
             let mut told = [0, 0];
             for number in 0..30 {

@@ -37,6 +37,7 @@ pub mod features;
 pub mod fixed;
 mod flags;
 mod head;
+pub mod held;
 pub mod image;
 mod interleaved;
 pub mod kernel;

@@ -5,6 +5,7 @@ use crate::estimate::Estimate;
 use crate::features::{COLLISION_INPUTS, FRICTION_INPUTS, Features};
 use crate::flags::Flags;
 use crate::head::Scale;
+use crate::held::hold;
 use crate::kernel::{Engine, Native};
 use crate::model::{Between, Model, Network, WINDOW};
 use crate::sample::{ContactState, Sample};
@@ -77,8 +78,9 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
         match state.sample() {
             Some(sample) => {
                 let outside = sample.deformation_pm > 0 && !state.rates_fit();
-                let estimate = self.step(&sample);
-                Estimate { flags: estimate.flags | Flags::OUTSIDE_RATE_RATIO.when(outside), ..estimate }
+                let mut estimate = self.step(&sample);
+                estimate.flags |= Flags::OUTSIDE_RATE_RATIO.when(outside);
+                estimate
             }
             None => self.without_sample(Flags::NON_FINITE),
         }
@@ -91,40 +93,42 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
 
     fn without_sample(&mut self, flag: Flags) -> Estimate {
         self.reset();
-        Estimate { flags: flag | Flags::WARMING_UP, ..Estimate::default() }
+        Estimate::new(0, 0, flag | Flags::WARMING_UP, 0)
     }
 
     /// Takes one sample and estimates its forces.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
         let column = self.features.collision(sample);
         let collision = self.model.collision();
-        let (sum, clipped) = push::<B, E, _>(collision, &mut self.collision, &column.inputs);
-        let root = scaled_root(collision.scale().apply(sum, ROOT_BITS), column.root_force_factor_q30);
+        let kept =
+            [column.root_force_factor_q30, column.flags.bits(), sample.sliding_speed_nm_s.cast_unsigned()];
+        let ([factor, flags, sliding], spoilt, (sum, clipped)) =
+            hold(kept, || push::<B, E, _>(collision, &mut self.collision, &column.inputs));
+        let root = scaled_root(collision.scale().apply(sum, ROOT_BITS), factor);
         let normal_force_mn = squared_mn(root);
 
-        let inputs = self.features.friction(root, sample.sliding_speed_nm_s);
+        let inputs = self.features.friction(root, sliding.cast_signed());
         let friction = self.model.friction();
-        let (sum, clipped_friction) = push::<B, E, _>(friction, &mut self.friction, &inputs);
+        let kept = [normal_force_mn.cast_unsigned(), flags, clipped, sliding];
+        let ([normal_force, flags, clipped, sliding], spoilt_too, (sum, clipped_too)) =
+            hold(kept, || push::<B, E, _>(friction, &mut self.friction, &inputs));
+        let normal_force_mn = normal_force.cast_signed();
         let coefficient = friction.scale().apply(sum, COEFFICIENT_BITS);
         let magnitude = product_mn(coefficient, normal_force_mn);
-        let friction_force_mn = magnitude.wrapping_mul(sample.sliding_speed_nm_s.signum()).wrapping_neg();
+        let friction_force_mn = magnitude.wrapping_mul(sliding.cast_signed().signum()).wrapping_neg();
 
-        let clipped = clipped.wrapping_add(clipped_friction);
+        let clipped = clipped.wrapping_add(clipped_too);
         self.seen = self.seen.saturating_add(1);
-        let altered = Network::<'a, B, COLLISION_INPUTS>::altered(&self.collision)
+        let altered = spoilt as usize
+            | spoilt_too as usize
+            | Network::<'a, B, COLLISION_INPUTS>::altered(&self.collision)
             | Network::<'a, B, FRICTION_INPUTS>::altered(&self.friction);
-        let flags = column.flags
-            | Flags::OUTSIDE_FORCE
-                .when(normal_force_mn.cast_unsigned() > self.features.header().normal_force_high_mn)
+        let flags = Flags::from_bits(flags)
+            | Flags::OUTSIDE_FORCE.when(normal_force > self.features.header().normal_force_high_mn)
             | Flags::SATURATED.when(clipped > 0)
             | Flags::WARMING_UP.when(usize::from(self.seen) < WINDOW)
             | Flags::ALTERED.when(altered != 0);
-        Estimate {
-            normal_force_mn,
-            friction_force_mn,
-            flags,
-            saturated: clipped.min(u32::from(u16::MAX)) as u16,
-        }
+        Estimate::new(normal_force_mn, friction_force_mn, flags, clipped.min(u32::from(u16::MAX)) as u16)
     }
 }
 

@@ -1,9 +1,9 @@
 //! The newest columns of a stream as one slice of memory, without moving any.
 
-use crate::kernel::exchange;
+use crate::kernel::difference;
 
 /// The newest `N` columns. Every column is kept twice, `N` places apart, so that wherever the oldest stands, the `N` columns from it on are
-/// in order and side by side. When a column leaves, its two copies have to be the same still. In front there are `N` - 1 columns of zeros for good:
+/// in order and side by side. When a column leaves, its two copies have to be the same still: whoever writes a column writes both. In front there are `N` - 1 columns of zeros for good:
 /// the first columns after [`Self::clear`] have those before them.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(4))]
@@ -18,24 +18,13 @@ pub(crate) struct Ring<A, const IN: usize, const N: usize> {
     altered: usize,
 }
 
-/// Writes a column over both copies of another; not 0 where these differed. Word by word where all stand at a word's address, as they do wherever a
-/// column takes whole words.
+/// Not 0 where two columns differ. Word by word where both stand at a word's address, as they do wherever a column takes whole words.
 #[inline]
-fn replace<A: bytemuck::Pod + PartialEq, const IN: usize>(
-    new: &[A; IN],
-    first: &mut [A; IN],
-    second: &mut [A; IN],
-) -> usize {
-    if let (Ok(new), Ok(first), Ok(second)) = (
-        bytemuck::try_cast_slice(new),
-        bytemuck::try_cast_slice_mut(first),
-        bytemuck::try_cast_slice_mut(second),
-    ) {
-        return exchange(new, first, second) as usize;
+fn compare<A: bytemuck::Pod + PartialEq, const IN: usize>(first: &[A; IN], second: &[A; IN]) -> usize {
+    match (bytemuck::try_cast_slice(first), bytemuck::try_cast_slice(second)) {
+        (Ok(first), Ok(second)) => difference(first, second) as usize,
+        _ => usize::from(first != second),
     }
-    let difference = usize::from(first != second);
-    (*first, *second) = (*new, *new);
-    difference
 }
 
 impl<A: bytemuck::Pod + Default + PartialEq, const IN: usize, const N: usize> Ring<A, IN, N> {
@@ -54,22 +43,47 @@ impl<A: bytemuck::Pod + Default + PartialEq, const IN: usize, const N: usize> Ri
     /// Puts a column in the place of the oldest.
     #[inline]
     pub(crate) fn push(&mut self, column: &[A; IN]) {
-        let [_, first, second] = &mut self.columns;
+        if let Some((first, second)) = self.open().split_first_mut()
+            && let Some(second) = second.get_mut(N - 1)
+        {
+            (*first, *second) = (*column, *column);
+        }
+    }
+
+    /// Lets the oldest column go; its place is the newest's, which is to be written by [`Self::newest`].
+    #[inline]
+    pub(crate) fn open(&mut self) -> &mut [[A; IN]] {
+        let [_, first, second] = &self.columns;
         let order = self.start ^ !self.not_start;
         // Over the zeros at first, then over the two copies: 0, 1, .., 2 N - 2, N - 1, ..
         let start = self.start.wrapping_add(1);
         let start = if start < 2 * N - 1 { start } else { N - 1 };
         (self.start, self.not_start) = (start, !start);
-        let slot = if start < N { start } else { start.wrapping_sub(N) };
+        let slot = Self::slot(start);
         // A place that there is not is one that has been altered.
-        let difference = match (first.get_mut(slot), second.get_mut(slot)) {
-            (Some(first), Some(second)) => replace(column, first, second),
+        let difference = match (first.get(slot), second.get(slot)) {
+            (Some(first), Some(second)) => compare(first, second),
             _ => 1,
         };
         self.altered = difference | order;
+        self.newest()
     }
 
-    /// Not 0 where the column that left with the last push was no longer what had been put there, or the order of the columns is not.
+    /// Memory from the newest column's first copy on: the second one is its column `N`.
+    #[inline]
+    pub(crate) fn newest(&mut self) -> &mut [[A; IN]] {
+        let slot = Self::slot(self.start);
+        let [_, copies @ ..] = &mut self.columns;
+        copies.as_flattened_mut().get_mut(slot..).unwrap_or_default()
+    }
+
+    /// The newest column's place in either copy, told by where the columns begin.
+    #[inline]
+    const fn slot(start: usize) -> usize {
+        if start < N { start } else { start.wrapping_sub(N) }
+    }
+
+    /// Not 0 where the column that left last was no longer what had been put there, or the order of the columns is not.
     #[inline]
     pub(crate) const fn altered(&self) -> usize {
         self.altered

@@ -3,7 +3,7 @@
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{Reader, WeightForm};
-use crate::kernel::{BLOCK, Blocks, Engine, Kernel, Quad, finish};
+use crate::kernel::{BLOCK, Blocks, Engine, Kernel, Quad, copy, finish};
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
 use core::hash::{Hash, Hasher};
 use core::ops::Range;
@@ -112,22 +112,29 @@ impl<'a, S: Storage> Stored<'a, S> {
     }
 
     #[inline]
-    fn blocks<E: Engine + Kernel<S>, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+    fn blocks<
+        E: Engine + Kernel<S>,
+        B: Activation,
+        const IN: usize,
+        const OUT: usize,
+        const K: usize,
+        const N: usize,
+    >(
         &self,
         blocks: Range<usize>,
         scaling: &Scaling<'_, OUT>,
         columns: &[[S::Activation; IN]; K],
-        outputs: &mut [B; OUT],
+        outputs: &mut [[B; OUT]],
     ) -> u32 {
         let groups = groups::<S>(K * IN);
         let (start, end) = (blocks.start.wrapping_mul(groups), blocks.end.wrapping_mul(groups));
-        let outputs = outputs.as_chunks_mut::<BLOCK>().0.get_mut(blocks.clone()).unwrap_or_default();
+        let first = blocks.start;
         let blocks = Blocks {
             weights: self.quads.get(start..end).unwrap_or_default(),
             biases: scaling.block_biases().get(blocks.clone()).unwrap_or_default(),
             multipliers: scaling.block_multipliers().get(blocks).unwrap_or_default(),
         };
-        <E as Kernel<S>>::blocks::<B, IN, K>(&blocks, columns, outputs)
+        <E as Kernel<S>>::blocks::<B, IN, OUT, K, N>(&blocks, first, columns, outputs)
     }
 
     #[inline]
@@ -148,20 +155,29 @@ impl<'a, S: Storage> Stored<'a, S> {
     }
 
     #[inline]
-    fn units<E: Engine + Kernel<S>, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+    fn units<
+        E: Engine + Kernel<S>,
+        B: Activation,
+        const IN: usize,
+        const OUT: usize,
+        const K: usize,
+        const N: usize,
+    >(
         &self,
         units: Range<usize>,
         scaling: &Scaling<'_, OUT>,
         columns: &[[S::Activation; IN]; K],
-        outputs: &mut [B; OUT],
+        outputs: &mut [[B; OUT]],
     ) -> u32 {
         let blocks = units.start..units.end.min(OUT / BLOCK);
-        let clipped = self.blocks::<E, B, IN, OUT, K>(blocks, scaling, columns, outputs);
+        let clipped = self.blocks::<E, B, IN, OUT, K, N>(blocks, scaling, columns, outputs);
         if units.end <= OUT / BLOCK {
             return clipped;
         }
-        let (_, left) = outputs.as_chunks_mut::<BLOCK>();
-        clipped.wrapping_add(self.left::<E, B, IN, OUT, K>(scaling, columns, left))
+        let (_, left) = outputs.first_mut().map(|column| column.as_chunks_mut::<BLOCK>()).unwrap_or_default();
+        let behind = self.left::<E, B, IN, OUT, K>(scaling, columns, left);
+        copy::<B, OUT, N>(outputs, OUT / BLOCK * BLOCK..OUT);
+        clipped.wrapping_add(behind)
     }
 
     #[inline]
@@ -200,13 +216,14 @@ pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug
         outputs: [&mut [B; OUT]; 2],
     ) -> u32;
 
-    /// Some units (blocks, then what is left over) of a convolution's outputs at one position; gives how many were clipped.
-    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+    /// Some units (blocks, then what is left over) of a convolution's outputs at one position, to the first of some columns and, unless `N` is 0, to
+    /// the one `N` behind it; gives how many were clipped.
+    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         &self,
         units: Range<usize>,
         scaling: &Scaling<'_, OUT>,
         columns: &[[A; IN]; K],
-        outputs: &mut [B; OUT],
+        outputs: &mut [[B; OUT]],
     ) -> u32;
 
     /// Adds a head's products to its sums.
@@ -260,16 +277,16 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
     }
 
     #[inline]
-    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         &self,
         units: Range<usize>,
         scaling: &Scaling<'_, OUT>,
         columns: &[[i16; IN]; K],
-        outputs: &mut [B; OUT],
+        outputs: &mut [[B; OUT]],
     ) -> u32 {
         match self {
-            Self::Wide(weights) => weights.units::<E, B, IN, OUT, K>(units, scaling, columns, outputs),
-            Self::Packed(weights) => weights.units::<E, B, IN, OUT, K>(units, scaling, columns, outputs),
+            Self::Wide(weights) => weights.units::<E, B, IN, OUT, K, N>(units, scaling, columns, outputs),
+            Self::Packed(weights) => weights.units::<E, B, IN, OUT, K, N>(units, scaling, columns, outputs),
         }
     }
 
@@ -322,14 +339,14 @@ impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
     }
 
     #[inline]
-    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         &self,
         units: Range<usize>,
         scaling: &Scaling<'_, OUT>,
         columns: &[[i8; IN]; K],
-        outputs: &mut [B; OUT],
+        outputs: &mut [[B; OUT]],
     ) -> u32 {
-        self.0.units::<E, B, IN, OUT, K>(units, scaling, columns, outputs)
+        self.0.units::<E, B, IN, OUT, K, N>(units, scaling, columns, outputs)
     }
 
     #[inline]

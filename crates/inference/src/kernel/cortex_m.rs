@@ -1,5 +1,5 @@
-//! The kernels with the DSP instructions of Cortex-M4, M7, M33 and M55: with `layer`, which does all blocks of a layer at once, and `exchange`, which
-//! puts a column into the history, the only unsafe code of this crate.
+//! The kernels with the DSP instructions of Cortex-M4, M7, M33 and M55: with `layer`, which does all blocks of a layer at once, and `difference`, which
+//! compares the two copies of a column, the only unsafe code of this crate.
 //!
 //! SMLAD adds two products of 16-bit halves to a sum. A pair of taps at two positions and four outputs takes 12
 //! instructions for its 16 products: eight SMLAD, two loads of activations, two LDM of two weights each. Sums, weights and
@@ -26,10 +26,10 @@
 //! compile: MOVW holds 65535, an offset of LDR 4095.
 #![allow(unsafe_code)]
 
-mod exchange;
+mod difference;
 mod layer;
 
-pub(crate) use exchange::exchange;
+pub(crate) use difference::difference;
 
 use super::{BLOCK, Blocks, Engine, Kernel, Quad};
 use crate::activation::Activation;
@@ -51,6 +51,13 @@ impl Engine for CortexM {
         }
         value
     }
+}
+
+/// See [`super::read_anew`].
+#[inline]
+pub(super) fn read_anew<T>(value: &T) {
+    // SAFETY: no instruction; all that the compiler is told is that memory may be read here, and written where that is allowed.
+    unsafe { asm!("// {}", in(reg) core::ptr::from_ref(value), options(nostack, preserves_flags)) }
 }
 
 /// Multiplies a pair of weights for outputs 0 and 1 (in r11, r12) with activations r0 (first position) and lr (second).
@@ -280,17 +287,17 @@ kernel!(Wide, 2, 2,
         ".if {rest}\n ldr r4, [r1], #4\n ldrh r12, [r2]\n smlad r0, r4, r12, r0\n .endif\n"
     ),
     #[inline]
-    fn blocks<B: Activation, const IN: usize, const K: usize>(
+    fn blocks<B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         blocks: &Blocks<'_>,
+        first: usize,
         columns: &[[i16; IN]; K],
-        outputs: &mut [[B; BLOCK]],
+        outputs: &mut [[B; OUT]],
     ) -> u32 {
-        let wide = if B::BITS == 16 { bytemuck::try_cast_slice_mut(outputs).ok() } else { None };
-        let whole = wide
-            .and_then(|outputs| layer::run(blocks.weights, blocks.biases, blocks.multipliers, columns, outputs));
-        match whole {
+        let wide = if B::BITS == 16 { bytemuck::try_cast_slice_mut(outputs.as_flattened_mut()).ok() } else { None };
+        let own = wide.and_then(|outputs| outputs.get_mut(first.wrapping_mul(BLOCK)..));
+        match own.and_then(|outputs| layer::run::<IN, OUT, K, N>(blocks, columns, outputs)) {
             Some(clipped) => clipped,
-            None => super::blockwise::<Self, Wide, B, IN, K>(blocks, columns, outputs),
+            None => super::blockwise::<Self, Wide, B, IN, OUT, K, N>(blocks, first, columns, outputs),
         }
     }
 );

@@ -9,6 +9,7 @@
 
 use crate::activation::Activation;
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
+use core::ops::Range;
 
 #[cfg(pintle_dsp)]
 pub mod cortex_m;
@@ -61,36 +62,65 @@ pub trait Kernel<S: Storage> {
         sum: i32,
     ) -> i32;
 
-    /// The outputs of some blocks at one position, scaled, clipped and stored; gives how many were clipped.
+    /// The outputs of some blocks at one position, scaled, clipped and stored, the `first` of them and on, in the first of some columns and, unless `N`
+    /// is 0, in the one `N` behind it; gives how many were clipped.
     #[inline]
-    fn blocks<B: Activation, const IN: usize, const K: usize>(
+    fn blocks<B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         blocks: &Blocks<'_>,
+        first: usize,
         columns: &[[S::Activation; IN]; K],
-        outputs: &mut [[B; BLOCK]],
+        outputs: &mut [[B; OUT]],
     ) -> u32
     where
         Self: Engine + Sized,
     {
-        blockwise::<Self, S, B, IN, K>(blocks, columns, outputs)
+        blockwise::<Self, S, B, IN, OUT, K, N>(blocks, first, columns, outputs)
     }
 }
 
 /// [`Kernel::blocks`] one block after the other.
 #[inline]
-fn blockwise<E: Engine + Kernel<S>, S: Storage, B: Activation, const IN: usize, const K: usize>(
+fn blockwise<
+    E: Engine + Kernel<S>,
+    S: Storage,
+    B: Activation,
+    const IN: usize,
+    const OUT: usize,
+    const K: usize,
+    const N: usize,
+>(
     blocks: &Blocks<'_>,
+    first: usize,
     columns: &[[S::Activation; IN]; K],
-    outputs: &mut [[B; BLOCK]],
+    outputs: &mut [[B; OUT]],
 ) -> u32 {
     let mut clipped = 0u32;
+    let (own, _) = outputs.first_mut().map(|column| column.as_chunks_mut::<BLOCK>()).unwrap_or_default();
+    let own = own.get_mut(first..).unwrap_or_default();
     let quads = blocks.weights.chunks_exact(groups::<S>(K * IN));
     let scaling = blocks.biases.iter().zip(blocks.multipliers);
-    for ((quads, (biases, multipliers)), outputs) in quads.zip(scaling).zip(outputs) {
+    for ((quads, (biases, multipliers)), outputs) in quads.zip(scaling).zip(own) {
         let mut sums = *biases;
         <E as Kernel<S>>::block::<IN, K>(quads, columns, &mut sums);
         clipped = clipped.wrapping_add(finish::<E, B>(&sums, multipliers, outputs));
     }
+    let start = first.wrapping_mul(BLOCK);
+    copy::<B, OUT, N>(outputs, start..start.wrapping_add(blocks.biases.len().wrapping_mul(BLOCK)));
     clipped
+}
+
+/// Copies some outputs of the first column to the one `N` behind it, unless that is itself.
+#[inline]
+pub(crate) fn copy<B: Copy, const OUT: usize, const N: usize>(
+    columns: &mut [[B; OUT]],
+    outputs: Range<usize>,
+) {
+    if let Some((first, behind)) = columns.split_first_mut()
+        && let Some(second) = behind.get_mut(N.wrapping_sub(1))
+        && let (Some(second), Some(first)) = (second.get_mut(outputs.clone()), first.get(outputs))
+    {
+        second.copy_from_slice(first);
+    }
 }
 
 /// Scales and stores sums; gives how many were clipped at full scale.
@@ -115,36 +145,37 @@ pub trait Engine: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8> {
     }
 }
 
-/// Writes a column of words over both copies of another; not 0 where these differed.
+/// Has the compiler put a value into memory, and read it from there from here on: what it holds in registers meanwhile does not count.
 #[inline]
-pub(crate) fn exchange(new: &[u32], first: &mut [u32], second: &mut [u32]) -> u32 {
+pub fn read_anew<T>(value: &T) {
+    #[cfg(pintle_dsp)]
+    cortex_m::read_anew(value);
+    // The same, by a pointer that is itself put into memory.
+    #[cfg(not(pintle_dsp))]
+    core::hint::black_box(value);
+}
+
+/// Not 0 where two columns of words differ.
+#[inline]
+pub(crate) fn difference(first: &[u32], second: &[u32]) -> u32 {
     #[cfg(pintle_dsp)]
     {
-        let found =
-            exchange_quads::<2>(new, first, second).or_else(|| exchange_quads::<1>(new, first, second));
+        let found = quads_difference::<2>(first, second).or_else(|| quads_difference::<1>(first, second));
         if let Some(difference) = found {
             return difference;
         }
     }
-    let copies = first.iter_mut().zip(second);
-    new.iter().zip(copies).fold(0, |found, (new, (first, second))| {
-        let difference = *first ^ *second;
-        (*first, *second) = (*new, *new);
-        found | difference
-    })
+    first.iter().zip(second).fold(0, |found, (first, second)| found | (first ^ second))
 }
 
 /// The same where a column has exactly so many times four words.
 #[cfg(pintle_dsp)]
 #[inline]
-fn exchange_quads<const QUADS: usize>(new: &[u32], first: &mut [u32], second: &mut [u32]) -> Option<u32> {
+fn quads_difference<const QUADS: usize>(first: &[u32], second: &[u32]) -> Option<u32> {
     fn quads<const QUADS: usize>(words: &[u32]) -> Option<&[[u32; 4]; QUADS]> {
         if words.len() == 4 * QUADS { words.as_chunks().0.try_into().ok() } else { None }
     }
-    fn quads_mut<const QUADS: usize>(words: &mut [u32]) -> Option<&mut [[u32; 4]; QUADS]> {
-        if words.len() == 4 * QUADS { words.as_chunks_mut().0.try_into().ok() } else { None }
-    }
-    Some(cortex_m::exchange::<QUADS>(quads(new)?, quads_mut(first)?, quads_mut(second)?))
+    Some(cortex_m::difference::<QUADS>(quads(first)?, quads(second)?))
 }
 
 /// The fastest engine of this target.

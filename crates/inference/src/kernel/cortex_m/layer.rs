@@ -2,7 +2,8 @@
 //!
 //! A stream spends most of its instructions here, and at one position what surrounds the products costs as much as a quarter of them: so one
 //! function does the whole layer. Six pairs of taps of four outputs take 31 instructions for their 48 products: 24 SMLAD,
-//! four LDM of six weights each, three LDRD of two pairs of activations. Scaling, counting and storing four outputs take 34.
+//! four LDM of six weights each, three LDRD of two pairs of activations. Scaling, counting and storing four outputs take 34, one more where they are
+//! stored twice.
 //!
 //! Clipping: USAT keeps 16 bits, so bit 15 of a half says that the output is beyond full scale; the halves of two words are counted
 //! side by side. UQADD16 with 0x8000 in each half saturates exactly those, and EOR with the same takes it away again: what is left is the
@@ -11,12 +12,12 @@
 //! # Safety argument
 //!
 //! `K * IN` is even and the columns are `K * IN / 2` words; the weights are `blocks * K * IN / 2` groups of four words; biases,
-//! multipliers (four words each) and outputs (two words) are `blocks`, which is not 0. [`run`] checks all of it, and that columns and outputs stand
-//! at addresses divisible by 4, as LDRD, LDM and STM need it; otherwise it does nothing. Flags (GE and Q among them), r0 to r3, r12 and, in
+//! multipliers (four words each) and outputs (two words) are `blocks`, which is not 0; as much memory for outputs is `N` columns of `OUT` behind these. [`run`] checks
+//! all of it, and that columns and outputs stand at addresses divisible by 4, as LDRD, STRD, LDM and STM need it; otherwise it does nothing. Flags (GE and Q among them), r0 to r3, r12 and, in
 //! the caller's frame, the two arguments on the stack are the function's own by the procedure call standard; it saves the other registers
 //! that it uses. Its 56 bytes of stack keep the stack pointer aligned to 8, and it touches no other memory.
 
-use crate::kernel::{BLOCK, Quad};
+use crate::kernel::{BLOCK, Blocks, Quad};
 use core::arch::naked_asm;
 
 /// Products of outputs 0 to 3 with a pair of activations: `$a` to `$d` are the weights.
@@ -64,7 +65,7 @@ macro_rules! six {
 /// Words behind the stack pointer: biases, clipped, (columns), multipliers, nine saved registers (r12 is there for the alignment), outputs, count of blocks, which becomes the end
 /// of the outputs.
 #[unsafe(naked)]
-unsafe extern "C" fn wide_layer<const IN: usize, const K: usize>(
+unsafe extern "C" fn wide_layer<const IN: usize, const OUT: usize, const K: usize, const N: usize>(
     biases: *const [i32; BLOCK],
     weights: *const Quad,
     columns: *const u32,
@@ -132,6 +133,13 @@ unsafe extern "C" fn wide_layer<const IN: usize, const K: usize>(
         "eor r3, r3, r12",
         "eor r5, r5, r12",
         "ldrd r7, r8, [sp, #56]",
+        ".if {distance} > 1020",
+        "movw r9, #{distance}",
+        "add r9, r7",
+        "stm r9, {{r3, r5}}",
+        ".elseif {distance}",
+        "strd r3, r5, [r7, #{distance}]",
+        ".endif",
         "stm r7!, {{r3, r5}}",
         "str r7, [sp, #56]",
         "cmp r7, r8",
@@ -144,23 +152,28 @@ unsafe extern "C" fn wide_layer<const IN: usize, const K: usize>(
         turns = const { K * IN / 2 / 24 },
         sixes = const { K * IN / 2 % 24 / 6 },
         left = const { K * IN / 2 % 6 },
+        distance = const { distance::<OUT, N>() },
     )
 }
 
-/// Computes all blocks, if this function can: how many outputs were clipped.
+/// Bytes from a column to its copy; one that is not at a word's address is none for this function.
+const fn distance<const OUT: usize, const N: usize>() -> usize {
+    let bytes = 2 * OUT * N;
+    if bytes.is_multiple_of(4) { bytes } else { 0 }
+}
+
+/// Computes some blocks, if this function can, stored from `outputs` on and `N` columns of `OUT` behind that: how many outputs were clipped.
 #[inline]
-pub(super) fn run<const IN: usize, const K: usize>(
-    weights: &[Quad],
-    biases: &[[i32; BLOCK]],
-    multipliers: &[[i32; BLOCK]],
+pub(super) fn run<const IN: usize, const OUT: usize, const K: usize, const N: usize>(
+    &Blocks { weights, biases, multipliers }: &Blocks<'_>,
     columns: &[[i16; IN]; K],
-    outputs: &mut [[i16; BLOCK]],
+    outputs: &mut [i16],
 ) -> Option<u32> {
-    const { assert!(K * IN / 2 / 24 * 96 <= 65535) };
-    let blocks = outputs.len();
-    let aligned = (columns.as_ptr().addr() | outputs.as_ptr().addr()).is_multiple_of(4);
+    const { assert!(K * IN / 2 / 24 * 96 <= 65535 && 2 * OUT * N <= 65535) };
+    let blocks = biases.len();
+    let aligned = (columns.as_ptr().addr() | outputs.as_ptr().addr() | 2 * OUT * N).is_multiple_of(4);
     let whole = weights.len() == blocks.wrapping_mul(K * IN / 2)
-        && biases.len() == blocks
+        && outputs.len() >= OUT * N + blocks.wrapping_mul(BLOCK)
         && multipliers.len() == blocks;
     if !(K * IN).is_multiple_of(2)
         || K * IN == 0
@@ -173,7 +186,7 @@ pub(super) fn run<const IN: usize, const K: usize>(
     }
     // SAFETY: the lengths and addresses are those of the argument above.
     Some(unsafe {
-        wide_layer::<IN, K>(
+        wide_layer::<IN, OUT, K, N>(
             biases.as_ptr(),
             weights.as_ptr(),
             columns.as_ptr().cast(),
