@@ -5,6 +5,8 @@
 //!
 //! Estimates have a way of their own, [`encode_estimate`]: same bytes, a fixed number of instructions, for the controller's tick.
 
+use core::hint::black_box;
+
 use serde::Serialize;
 
 use crate::check_sum::{START, take_word};
@@ -49,14 +51,19 @@ pub const ESTIMATE_FRAME: usize = ESTIMATE_PAYLOAD + 2;
 const ESTIMATE_KIND: u8 = 2;
 
 /// Encodes an estimate: the bytes that [`encode`] gives for [`crate::ToHost::Estimate`], word by word and without a branch on data.
+///
+/// `parity` is that of its floats as they were computed ([`crate::EstimateFrame::parity`]). With another one, a bit of them has flipped since; the check sum
+/// is then wrong, so that nobody takes the frame. It is looked at behind the check sum: what flips before that or later shows, too.
 #[inline]
-pub fn encode_estimate(estimate: &NumberedEstimate, frame: &mut [u8; ESTIMATE_FRAME]) {
+pub fn encode_estimate(estimate: &NumberedEstimate, parity: u32, frame: &mut [u8; ESTIMATE_FRAME]) {
     let EstimateLayout([dropped, low, high], fields) = (*estimate).into();
     let [a, b, c, d, e, f, g, h, i, j, k] = fields;
     let first = [ESTIMATE_KIND, dropped, low, high];
     let mut words = [first, a, b, c, d, e, f, g, h, i, j, k, [0; 4]].map(u32::from_le_bytes);
     let [message @ .., sum] = &mut words;
     *sum = !message.iter().fold(START, |sum, word| take_word(sum, *word));
+    let [_, _, _, _, numbers @ .., _, _] = &*black_box(message);
+    *sum ^= numbers.iter().fold(parity, |found, number| found ^ number);
 
     // From the end: a zero becomes the distance to the next one, the delimiter being the last.
     let mut distance = 1_u32;
@@ -143,7 +150,7 @@ fn distance(from: usize, to: usize) -> Option<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ToHost;
+    use crate::{Decoder, EstimateFrame, FrameError, ToHost};
     use proptest::prelude::*;
 
     proptest! {
@@ -161,8 +168,38 @@ mod tests {
             let estimate = NumberedEstimate::from(EstimateLayout([dropped, low, high], words.map(u32::to_le_bytes)));
             let mut frame = [0; MAX_FRAME];
             let mut own = [0xAA; ESTIMATE_FRAME];
-            encode_estimate(&estimate, &mut own);
+            encode_estimate(&estimate, estimate.estimate.parity(), &mut own);
             prop_assert_eq!(encode(&ToHost::Estimate(estimate), &mut frame).unwrap(), &own);
+        }
+    }
+
+    #[test]
+    fn a_number_that_is_not_what_it_was_spoils_the_frame() {
+        let sound = EstimateFrame { normal_force_n: 7.5, flags: 3, ..EstimateFrame::default() };
+        let frames = |estimate, parity| {
+            let mut frame = [0; ESTIMATE_FRAME];
+            encode_estimate(
+                &NumberedEstimate { estimate, ..NumberedEstimate::default() },
+                parity,
+                &mut frame,
+            );
+            let mut decoder = Decoder::new();
+            frame.iter().filter_map(|&byte| decoder.push::<ToHost>(byte)).collect::<Vec<_>>()
+        };
+        assert!(matches!(frames(sound, sound.parity())[..], [Ok(ToHost::Estimate(_))]));
+        for bit in 0..32 {
+            let flip = |value: f32| f32::from_bits(value.to_bits() ^ 1 << bit);
+            let flipped = [
+                EstimateFrame { normal_force_n: flip(sound.normal_force_n), ..sound },
+                EstimateFrame { force_y_n: flip(sound.force_y_n), ..sound },
+                EstimateFrame { force_z_n: flip(sound.force_z_n), ..sound },
+                EstimateFrame { friction_torque_nm: flip(sound.friction_torque_nm), ..sound },
+                EstimateFrame { deformation_m: flip(sound.deformation_m), ..sound },
+                EstimateFrame { contact_angle_rad: flip(sound.contact_angle_rad), ..sound },
+            ];
+            for estimate in flipped {
+                assert_eq!(frames(estimate, sound.parity()), [Err(FrameError::Crc)], "{estimate:?}");
+            }
         }
     }
 

@@ -56,19 +56,31 @@ impl EstimateFrame {
         self.bits() == other.bits()
     }
 
-    fn bits(&self) -> [u32; 10] {
+    /// Exclusive or of the bits of its six floats: one that flips anywhere in them shows.
+    #[must_use]
+    #[inline]
+    pub const fn parity(&self) -> u32 {
+        let [normal, y, z, torque, deformation, angle] = self.numbers();
+        normal ^ y ^ z ^ torque ^ deformation ^ angle
+    }
+
+    /// The bits of its six floats, in their order.
+    #[inline]
+    const fn numbers(&self) -> [u32; 6] {
         [
-            self.sequence,
-            self.time_us,
             self.normal_force_n.to_bits(),
             self.force_y_n.to_bits(),
             self.force_z_n.to_bits(),
             self.friction_torque_nm.to_bits(),
             self.deformation_m.to_bits(),
             self.contact_angle_rad.to_bits(),
-            self.flags,
-            u32::from(self.saturated),
         ]
+    }
+
+    fn bits(&self) -> [u32; 10] {
+        let [normal, y, z, torque, deformation, angle] = self.numbers();
+        let saturated = u32::from(self.saturated);
+        [self.sequence, self.time_us, normal, y, z, torque, deformation, angle, self.flags, saturated]
     }
 }
 
@@ -93,16 +105,17 @@ impl From<NumberedEstimate> for EstimateLayout {
     fn from(numbered: NumberedEstimate) -> Self {
         let estimate = numbered.estimate;
         let [low, high] = estimate.saturated.to_le_bytes();
+        let [normal, y, z, torque, deformation, angle] = estimate.numbers();
         let words = [
             numbered.number,
             estimate.sequence,
             estimate.time_us,
-            estimate.normal_force_n.to_bits(),
-            estimate.force_y_n.to_bits(),
-            estimate.force_z_n.to_bits(),
-            estimate.friction_torque_nm.to_bits(),
-            estimate.deformation_m.to_bits(),
-            estimate.contact_angle_rad.to_bits(),
+            normal,
+            y,
+            z,
+            torque,
+            deformation,
+            angle,
             estimate.flags,
             estimate.instruction_ticks,
         ];

@@ -64,6 +64,20 @@ impl ContactFrame {
         }
     }
 
+    /// All of it.
+    #[inline]
+    pub(super) const fn words(self) -> [u32; 5] {
+        let Self { distance, normal_y, normal_z, inverse, scale } = self;
+        [distance.cast_unsigned(), normal_y.cast_unsigned(), normal_z.cast_unsigned(), inverse, scale]
+    }
+
+    /// The frame of [`Self::words`].
+    #[inline]
+    pub(super) const fn of([distance, normal_y, normal_z, inverse, scale]: [u32; 5]) -> Self {
+        let (distance, normal_y) = (distance.cast_signed(), normal_y.cast_signed());
+        Self { distance, normal_y, normal_z: normal_z.cast_signed(), inverse, scale }
+    }
+
     /// The same distance in another direction.
     #[inline]
     pub(super) const fn towards(self, normal_y: i32, normal_z: i32) -> Self {

@@ -25,6 +25,7 @@
 //! parabola through a swing of 60 Hz by 28 mrad. Until the windows are full after a start, a gap or a jump the newest raw position is used and
 //! the rates are 0: flagged, not guessed.
 
+#[cfg(test)]
 mod carried;
 mod conditioning;
 mod geometry;
@@ -36,11 +37,10 @@ mod plausibility;
 mod response;
 mod setup;
 mod signals;
-mod waiting;
 mod whole;
 mod window;
 
-use core::hint::black_box;
+use inference::held::{WordSum, hold};
 use inference::{ContactState, Flags, Model, Pair, Sample};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
 
@@ -55,14 +55,12 @@ pub use window::{WideWindow, Window};
 
 use crate::constants::Sum;
 use crate::flags::{ONSET_NOT_SEEN, WINDOW_FILLING};
-use carried::Carried;
 use geometry::cut;
 use newton::{Newton, Told};
 use observer::{Observer, Radial};
 use plausibility::DISCONTINUITY;
 use setup::Setup;
 use signals::Signals;
-use waiting::Waiting;
 use whole::saturated;
 
 /// Metres in a step of the distance.
@@ -82,7 +80,7 @@ pub struct Estimator {
     pair: Pair<'static>,
     sample: Sample,
     /// Of what observer and Newton's law have carried over from the last tick; another one after a tick that was spoilt.
-    carried: Carried,
+    carried: WordSum,
 }
 
 impl Estimator {
@@ -117,7 +115,7 @@ impl Estimator {
             latch: Latch::new(setup.latch_floor_nm_s, setup.unseen_approach_nm_s),
             pair: Pair::new(model),
             sample: Sample::default(),
-            carried: Carried::default(),
+            carried: WordSum::default(),
             setup,
         };
         estimator.carried = estimator.carry();
@@ -171,14 +169,17 @@ impl Estimator {
     }
 
     #[inline]
-    fn carry(&self) -> Carried {
-        let mut sum = Carried::default();
+    fn carry(&self) -> WordSum {
+        let mut sum = WordSum::default();
         self.observer.carried(&mut sum);
         self.newton.carried(&mut sum);
         sum
     }
 
     /// Takes one sample and estimates. The tick count of the result is 0; whoever can measure it fills it in.
+    // A function of its own, as `Signals::push`, the observer, the tracker and the holding are: in one with the monitor the registers do not suffice by
+    // far, which costs a hundred instructions.
+    #[inline(never)]
     pub fn step(&mut self, frame: &SensorFrame) -> EstimateFrame {
         let altered = self.carry() != self.carried;
         if altered {
@@ -194,7 +195,9 @@ impl Estimator {
         let (y, z) = (cut(frame.journal_y_nm), cut(frame.journal_z_nm));
         let contact = ContactFrame::at(y, z);
         let measured = contact.distance.saturating_sub(self.setup.radial_clearance);
-        let motion = self.signals.push(y, z, measured, frame.shaft_angle_nrad);
+        let push = || self.signals.push(y, z, measured, frame.shaft_angle_nrad);
+        let (kept, spoilt, motion) = hold(contact.words(), push);
+        let contact = ContactFrame::of(kept);
         let turning = contact.turning(motion.y_nm_s, motion.z_nm_s);
         let window = Radial { deformation: motion.deformation, rate_nm_s: motion.deformation_rate_nm_s };
         let open = !motion.rate_known | (window.deformation < 0) | altered;
@@ -211,14 +214,15 @@ impl Estimator {
             approach_speed_nm_s: approach_nm_s,
             sliding_speed_nm_s: motion.surface_nm_s.saturating_sub(turning),
         };
-        let waiting = Waiting::new(&contact, radial, approach_nm_s);
-        black_box(&waiting);
-        let estimate = self.pair.step(&self.sample);
-        // Read anew: the compiler must not go on with what it has in registers.
-        let waiting = black_box(&waiting);
-        let spoilt = waiting.is_spoilt();
-        let Waiting { normal_y, normal_z, radial, approach_nm_s, .. } = *waiting;
-        let contact = contact.towards(normal_y, normal_z);
+        let kept = [contact.normal_y, contact.normal_z, radial.deformation, radial.rate_nm_s];
+        let [normal_y, normal_z, deformation, rate] = kept.map(i32::cast_unsigned);
+        let kept = [normal_y, normal_z, deformation, rate, approach_nm_s];
+        let ([normal_y, normal_z, deformation, rate, approach_nm_s], spoilt_too, estimate) =
+            hold(kept, || self.pair.step(&self.sample));
+        let contact = contact.towards(normal_y.cast_signed(), normal_z.cast_signed());
+        let radial = Radial { deformation: deformation.cast_signed(), rate_nm_s: rate.cast_signed() };
+        let spoilt =
+            (spoilt | spoilt_too != 0) | estimate.is_spoilt() | estimate.flags.contains(Flags::ALTERED);
         let (normal_mn, friction_mn) = (estimate.normal_force_mn, estimate.friction_force_mn);
         let (force_y_mn, force_z_mn) = contact.force(normal_mn, friction_mn);
         let told = Told {

@@ -22,12 +22,12 @@
 
 use core::hash::Hash;
 
-use super::carried::Carried;
 use super::conditioning::{Conditioning, MASS_RANGE_G};
 use super::geometry::ContactFrame;
 use super::whole::{Factor, product, saturated, saturated_unsigned, select, within};
 use crate::constants::Sum;
 use inference::fixed::fraction;
+use inference::held::WordSum;
 
 /// Unit of accelerations, nm/s2.
 const UNIT_NM_S2: u64 = 1024;
@@ -105,7 +105,7 @@ impl Newton {
 
     /// What the next tick goes on with.
     #[inline]
-    pub(super) fn carried(&self, sum: &mut Carried) {
+    pub(super) fn carried(&self, sum: &mut WordSum) {
         sum.word(self.ticks);
         sum.word(self.pull.cast_unsigned());
         sum.word(self.last_y_nm_s.cast_unsigned());
@@ -195,7 +195,7 @@ mod tests {
     fn every_bit_that_is_carried_over_counts() {
         let newton = Newton::new(&Conditioning::of_bench(inference::Bearing::Babbitt), 100);
         let sum = |newton: &Newton| {
-            let mut sum = Carried::default();
+            let mut sum = WordSum::default();
             newton.carried(&mut sum);
             sum
         };

@@ -10,16 +10,16 @@
 //! noise's hands over to the parabola of [`super::signals`], in between both are mixed. In a gap, before its window is full, without masses, and when it has lost the journal by 32 um it is the parabola that
 //! counts, and the observer starts from it at an onset; its mean square then starts at [`DOUBT`] times the noise's and takes 18 ms to fall.
 //!
-//! What it carries over is in [`Carried`]: a bit that flips there is found before the next step, which then begins anew from the window.
+//! What it carries over is in [`WordSum`]: a bit that flips there is found before the next step, which then begins anew from the window.
 //!
 //! Whole numbers: positions in nm/16 outside and nm/2^24 inside, rates in nm/s outside and nm/s over 2^16 inside. No branch on data.
 
 use core::hash::Hash;
 
-use super::carried::Carried;
 use super::geometry::DISTANCE_STEPS_PER_NM;
 use super::whole::{Factor, product, saturated, select, select_wide, within};
 use crate::constants::Sum;
+use inference::held::WordSum;
 
 /// Share of a difference that the position takes over, over 2^20.
 pub(super) const POSITION_GAIN: i32 = 99_775;
@@ -96,7 +96,7 @@ impl Observer {
 
     /// What the next step goes on with.
     #[inline]
-    pub(super) fn carried(&self, sum: &mut Carried) {
+    pub(super) fn carried(&self, sum: &mut WordSum) {
         sum.wide(self.position);
         sum.wide(self.rest);
         sum.word(self.mean.cast_unsigned());
@@ -104,7 +104,7 @@ impl Observer {
     }
 
     /// Takes a measured deformation, what the window makes of it, and the predicted rate. `open` says that there is no contact or no full window.
-    #[inline]
+    #[inline(never)]
     pub(super) fn step(&mut self, measured: i32, window: Radial, predicted_nm_s: i32, open: bool) -> Radial {
         let inside = |nm: i32| i64::from(nm) << (INSIDE_BITS - OUTSIDE_BITS);
         let rest = saturated(self.rest >> RATE_BITS);
@@ -161,7 +161,7 @@ mod tests {
             observer.step(1000 + index, quiet, 0, false);
         }
         let sum = |observer: &Observer| {
-            let mut sum = Carried::default();
+            let mut sum = WordSum::default();
             observer.carried(&mut sum);
             sum
         };

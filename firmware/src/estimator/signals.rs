@@ -105,7 +105,6 @@ pub(super) struct Signals {
     /// The same sums, begun `begun` samples ago.
     anew: Windows,
     begun: usize,
-    last_angle: i32,
     swing_scale: Factor,
     deformation_scale: Factor,
     value_scale: Factor,
@@ -124,7 +123,6 @@ impl Signals {
             windows: Windows::default(),
             anew: Windows::default(),
             begun: 0,
-            last_angle: 0,
             swing_scale: Factor::of(
                 1_000_000 << SWING_SHIFT,
                 per_sample(Window::<SWING_WINDOW>::SLOPE_DENOMINATOR),
@@ -155,12 +153,11 @@ impl Signals {
     }
 
     /// Takes a sample: the place within the limits of [`super::geometry`], the deformation in nm/16 (beyond 2.1 mm the window sees 2.1 mm). The angle may wrap.
-    #[inline]
+    #[inline(never)]
     pub(super) fn push(&mut self, y_nm: i32, z_nm: i32, deformation: i32, angle_nrad: i32) -> Motion {
-        let last = self.row(0);
-        let turned = i64::from(angle_nrad.wrapping_sub(self.last_angle));
-        let angle = last.angle.wrapping_add(turned);
-        self.last_angle = angle_nrad;
+        // Its lower half is the last angle as it came, so the unwrapped angle needs nothing but itself to go on from.
+        let last = self.row(0).angle;
+        let angle = last.wrapping_add(i64::from(angle_nrad.wrapping_sub(last as i32)));
 
         let deformation_nm = within(deformation >> DISTANCE_STEPS_PER_NM.ilog2(), 21);
         let row = Row { y_nm, z_nm, deformation_nm, angle };

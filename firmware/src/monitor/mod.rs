@@ -11,6 +11,7 @@ mod limits;
 mod safe_state;
 mod tally;
 
+use inference::held::read_anew;
 use inference::{Flags, Model};
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, SensorHealth, SensorStatus, TrackReport};
 use link::{Configuration, EstimateFrame, Refusal, SensorFrame};
@@ -97,6 +98,7 @@ impl Monitor {
     pub fn step(&mut self, frame: &SensorFrame, status: SensorStatus) -> EstimateFrame {
         self.estimator.plausibility_mut().take_status(status);
         let mut estimate = self.estimator.step(frame);
+        let parity = estimate.parity();
         let findings = *self.estimator.plausibility().findings();
         let flags = flags_of(&estimate);
         // In one sample of four; one outside stands until the next look.
@@ -111,7 +113,10 @@ impl Monitor {
         let flags = flags | findings.flags | LOAD_CONTRADICTED.when(self.tracker.is_contradicted());
         estimate.flags = flags.bits();
         self.tracker.step(frame, &estimate, !flags.intersects(SENSOR_FAULT));
-        let (held, begins) = self.holding.apply(&mut estimate, distrusted);
+        read_anew(&estimate);
+        let spoilt = estimate.parity() != parity;
+        estimate.flags |= Flags::ALTERED.when(spoilt).bits();
+        let (held, begins) = self.holding.apply(&mut estimate, distrusted | spoilt);
         self.time_us = frame.time_us;
 
         let sample = [

@@ -43,6 +43,7 @@ impl Holding {
     }
 
     /// Turns a live estimate, which may be distrusted, into what goes out; returns whether a hold lasts and whether it has begun.
+    #[inline(never)]
     pub(super) fn apply(&mut self, estimate: &mut EstimateFrame, distrusted: bool) -> (bool, bool) {
         // Before anything has been trusted there is nothing to recover from.
         let settled = self.recovery_samples & !self.started;

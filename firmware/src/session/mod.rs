@@ -297,7 +297,7 @@ impl Session {
         let (estimate, elapsed) =
             self.sample(frame, status, start, ticks).ok_or_else(|| not_configured(frame))?;
         let mut bytes = [0; ESTIMATE_FRAME];
-        encode_estimate(&estimate, &mut bytes);
+        self.encode(&estimate, &mut bytes);
         self.finish(elapsed, ticks.since(start));
         Ok(bytes)
     }
@@ -313,7 +313,7 @@ impl Session {
         let (frame, status) = sample();
         let (estimate, elapsed) = self.sample(&frame, status, start, ticks)?;
         let mut bytes = [0; ESTIMATE_FRAME];
-        encode_estimate(&estimate, &mut bytes);
+        self.encode(&estimate, &mut bytes);
         self.finish(elapsed, ticks.since(start));
         self.run.as_mut().is_some_and(Run::sends).then_some(bytes)
     }
@@ -425,6 +425,11 @@ impl Session {
         slow.left = if ends { every } else { slow.left };
         slow.due |= ends & (every != 0);
         Some((numbered.estimate, elapsed))
+    }
+
+    /// The bytes of an estimate; they do not check where one of its numbers has been altered since it was given.
+    fn encode(&self, estimate: &NumberedEstimate, bytes: &mut [u8; ESTIMATE_FRAME]) {
+        encode_estimate(estimate, self.run.as_ref().map_or(0, Run::parity), bytes);
     }
 
     fn finish(&mut self, elapsed: u32, whole: u32) {

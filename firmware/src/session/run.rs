@@ -44,6 +44,8 @@ pub(super) struct Run {
     withheld: u16,
     /// The last estimate that was in time.
     held: EstimateFrame,
+    /// Of the estimate that goes out next, as it was computed.
+    parity: u32,
 }
 
 impl Run {
@@ -96,6 +98,7 @@ impl Run {
             samples_itself: false,
             withheld: 0,
             held: EstimateFrame::default(),
+            parity: 0,
         })
     }
 
@@ -113,17 +116,25 @@ impl Run {
     /// Estimates. Tripped, the last estimate that was in time stands for the new one, so that the link has time to be served.
     pub(super) fn estimate(&mut self, frame: &SensorFrame, status: SensorStatus) -> EstimateFrame {
         if self.deadline.tripped() {
+            self.parity = self.held.parity();
             let flags = self.held.flags | (STALE | TRIPPED).bits();
             return EstimateFrame { sequence: frame.sequence, time_us: frame.time_us, flags, ..self.held };
         }
         self.monitor.note_altered(self.altered);
         let mut estimate = self.monitor.step(&self.calibrator.apply(frame), status);
+        self.parity = estimate.parity();
         let altered = self.scrubber.step();
         self.altered_is_news |= altered & !self.altered;
         self.altered |= altered;
         estimate.flags |= Flags::ALTERED.when(self.altered).bits();
         estimate.flags |= OVER_FORCE.when(estimate.normal_force_n > self.force_limit_n).bits();
         estimate
+    }
+
+    /// The parity of the estimate that was given last.
+    #[inline]
+    pub(super) const fn parity(&self) -> u32 {
+        self.parity
     }
 
     /// Goes on with the controller's own samples; refused if the bench's period is not theirs.

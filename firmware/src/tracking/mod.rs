@@ -118,6 +118,7 @@ impl Tracker {
     }
 
     /// Takes a sample with its estimate; `sound` is false when a sensor fault was found in it.
+    #[inline(never)]
     pub fn step(&mut self, frame: &SensorFrame, estimate: &EstimateFrame, sound: bool) {
         self.sound &= sound;
         let phase = self.phase;

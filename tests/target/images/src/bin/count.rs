@@ -227,7 +227,7 @@ fn frame(counter: &Counter) {
         let words: [[u8; 4]; 11] = core::array::from_fn(|word| core::array::from_fn(|at| byte(4 * word + at)));
         let estimate = NumberedEstimate::from(EstimateLayout(first, words));
         let mut frame = [0; ESTIMATE_FRAME];
-        let count = counter.count(|| encode_estimate(black_box(&estimate), &mut frame));
+        let count = counter.count(|| encode_estimate(black_box(&estimate), estimate.estimate.parity(), &mut frame));
         black_box(frame);
         count
     })
