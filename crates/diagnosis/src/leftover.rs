@@ -5,7 +5,8 @@
 //! test). Means of whole cycles are tested against zero for drifts. A log without cycles is only as good as its
 //! declared noise, which is white by definition: means of short blocks are tested against it.
 //! Where noise is declared, a residual that is larger than it as a whole is structure too, wherever it sits: an oscillation
-//! that averages out in every bin.
+//! that averages out in every bin. So is one that is larger than that only where nothing was fitted: what begins in the half of a log that is held out is
+//! nothing that repeats, and may average out over a cycle.
 //! Structure below [`LEAST_RMS`] of the noise is nobody's business, however significant.
 
 use crate::noise::NoiseModel;
@@ -37,7 +38,7 @@ pub(crate) fn find(data: &Data, noise: &NoiseModel, residual: &Columns) -> Optio
             .into_iter()
             .filter(|(chance, rms)| *chance < limit && *rms > LEAST_RMS * noise.of(channel).floor)
             .map(|(_, rms)| rms)
-            .fold(larger(noise, channel), f64::max);
+            .fold(larger(noise, channel).max(held_out(data, noise, residual, channel)), f64::max);
         (rms > 0.0).then_some((channel, rms, rms / noise.of(channel).floor))
     });
     let (channel, rms, rms_over_noise) = found.max_by(|a, b| a.2.total_cmp(&b.2))?;
@@ -49,6 +50,23 @@ pub(crate) fn find(data: &Data, noise: &NoiseModel, residual: &Columns) -> Optio
 fn larger(noise: &NoiseModel, channel: Channel) -> f64 {
     let n = noise.of(channel);
     if n.declared && n.excess > LARGER { n.floor * (n.excess * n.excess - 1.0).sqrt() } else { 0.0 }
+}
+
+/// Rms of what the held-out samples have above the declared noise; 0 where it is no larger.
+fn held_out(data: &Data, noise: &NoiseModel, residual: &Columns, channel: Channel) -> f64 {
+    let n = noise.of(channel);
+    let squares =
+        data.blocks.iter().zip(residual).filter(|(b, _)| b.channel == channel).flat_map(|(b, values)| {
+            values.iter().zip(data.uses(b)).filter(|(_, u)| **u == Use::Held).map(|(v, _)| v * v)
+        });
+    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
+    let power: f64 = sum / f64::max(count, 1.0) - n.floor.powi(2);
+    if n.declared && power > (LARGER * LARGER - 1.0) * n.floor.powi(2) { power.sqrt() } else { 0.0 }
+}
+
+/// Whether what is left is larger than the declared noise where nothing was fitted, and only there: by channel, since each has its own noise.
+pub(crate) fn is_late(data: &Data, noise: &NoiseModel, residual: &Columns) -> bool {
+    data.channels.iter().any(|&c| held_out(data, noise, residual, c) > 0.0 && larger(noise, c) == 0.0)
 }
 
 /// Chance and rms of what repeats in every cycle.

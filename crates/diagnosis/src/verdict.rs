@@ -71,8 +71,8 @@ pub enum DiagnosisError {
 }
 
 /// Diagnoses logs of one bench, which may have been read as found. Without `held_out` a part of each log is held out: the second half of its cycles. Where
-/// that names nothing, the log of an axis, which is cheap, is asked again with stretches held out by turns; that answer counts if it names a
-/// change that came in the second half, which the first question could not have learnt.
+/// that names nothing, the log is asked again with stretches held out by turns; that answer counts if it names a change that came in the second half, which the
+/// first question could not have learnt. The log of a transmission bench, which is dear, only where something is wrong in the second half alone.
 pub fn diagnose(
     bench: &Bench,
     logs: &[MeasuredLog],
@@ -89,12 +89,13 @@ pub fn diagnose(
     };
     say(0.0, "checking the logs");
     let checked = check(bench, logs, held_out)?;
-    let mut judged = answered(bench, &checked, options.exclude, Split::Halves, &say)?;
+    let (mut judged, late) = answered(bench, &checked, options.exclude, Split::Halves, &say)?;
     if matches!(judged.verdict, Verdict::Unknown | Verdict::None)
         && checked.held_out.is_empty()
-        && matches!(bench, Bench::FrictionRig(_))
+        && (late || matches!(bench, Bench::FrictionRig(_)))
     {
-        let again = answered(bench, &checked, options.exclude, Split::Turns, &|_, words| say(0.95, words))?;
+        let (again, _) =
+            answered(bench, &checked, options.exclude, Split::Turns, &|_, words| say(0.95, words))?;
         if comes_late(&judged, &again) {
             judged = again;
         }
@@ -120,14 +121,14 @@ fn comes_late(first: &Diagnosis, second: &Diagnosis) -> bool {
     matches!(second.verdict, Verdict::Named | Verdict::Ambiguous) && second.causes.iter().any(is_late)
 }
 
-/// The answer with one way of holding samples out.
+/// The answer with one way of holding samples out, and whether the nominal bench is wrong in what was held out alone.
 fn answered(
     bench: &Bench,
     checked: &Checked,
     exclude: &[String],
     split: Split,
     say: &dyn Fn(f64, &str),
-) -> Result<Diagnosis, DiagnosisError> {
+) -> Result<(Diagnosis, bool), DiagnosisError> {
     say(0.02, "reading the motion");
     let whole = Data::new(bench, &checked.logs, &checked.held_out, split)?;
     let described = simulate(&whole, bench, None)?;
@@ -268,7 +269,7 @@ fn judge(
     floors: &NoiseModel,
     nominal: &Model,
     stages: &[Stage],
-) -> Result<Diagnosis, DiagnosisError> {
+) -> Result<(Diagnosis, bool), DiagnosisError> {
     let data = &views.whole;
     let ends = ends(views, floors, nominal, stages)?;
     let standing = standing(data, &ends);
@@ -292,7 +293,8 @@ fn judge(
         _ => None,
     };
     let first = stages.first().ok_or(DiagnosisError::NoLog)?;
-    Ok(Diagnosis {
+    let late = leftover::is_late(data, &before.noise, &before.residual);
+    let diagnosis = Diagnosis {
         checks,
         verdict,
         causes: estimates(shown, known),
@@ -324,5 +326,6 @@ fn judge(
         extended: Some(shown.model.at(&shown.z).common),
         places: places(data, &before.residual, &shown.residual),
         series: series(data, &before.residual, &shown.residual),
-    })
+    };
+    Ok((diagnosis, late))
 }
