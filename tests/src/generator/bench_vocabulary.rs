@@ -103,8 +103,8 @@ mod tests {
             let with = session.readings(&session.off, &[hidden]);
             let most = with.iter().zip(&base).zip(Plant::Bench.outputs()).map(|((w, b), channel)| {
                 let floor = sensors.iter().find(|s| s.channel == *channel).unwrap().floor();
-                // Beyond the landing at the start.
-                w.iter().zip(b).skip(60).map(|(w, b)| (w - b).abs() / floor).fold(0.0, f64::max)
+                let landing = (Plant::Bench.landing_s() * session.logger.rate_hz).round() as usize;
+                w.iter().zip(b).skip(landing).map(|(w, b)| (w - b).abs() / floor).fold(0.0, f64::max)
             });
             let most = most.fold(0.0, f64::max);
             assert!(most > 1.0 && most.is_finite(), "{effect}: {most}");

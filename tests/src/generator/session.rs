@@ -54,6 +54,15 @@ impl Plant {
         }
     }
 
+    /// Time at the start of a log during which the transmission bench's journal lands and bounces, s: when each bounce comes depends on everything, and is
+    /// nobody's model error.
+    pub const fn landing_s(self) -> f64 {
+        match self {
+            Self::Rotary | Self::Linear => 0.0,
+            Self::Bench => 0.06,
+        }
+    }
+
     /// Names of the outputs.
     pub const fn outputs(self) -> &'static [&'static str] {
         match self {

@@ -2,18 +2,21 @@
 //!
 //! Size = rms of the part of the effect that calibration cannot absorb / rms of the noise floor. The generator runs a
 //! session with and without the effect, without noise, on the same nuisances. Every reading counts in units of its own
-//! sensor's floor (noise and resolution), and the rms goes over all samples of all channels, so an effect on one of
+//! sensor's floor (noise and resolution), and the rms goes over all samples of all channels (behind the landing of the transmission bench's journal), so an effect on one of
 //! `k` channels is larger by the root of `k` there. What calibration can absorb is what the
-//! declared-uncertain numbers can imitate, linearly, each within [`MOST_DEVIATIONS`] of its declared deviations.
+//! declared-uncertain numbers can imitate, each within [`MOST_DEVIATIONS`] of its declared deviations.
 
 use super::hidden::HiddenEffect;
-use super::session::Session;
+use super::session::{Plant, Session};
 
 /// Deviations that calibration may move a number by. Farther out it is a finding.
 pub const MOST_DEVIATIONS: f64 = 4.0;
-/// Step of the finite differences in deviations.
-const STEP: f64 = 0.5;
+/// Steps of the finite differences in deviations.
+const AXIS_STEPS: [f64; 2] = [0.5, 0.0];
+const BENCH_STEPS: [f64; 2] = [0.25, -0.25];
 const SWEEPS: usize = 400;
+/// Steps of Gauss and Newton with the transmission bench's calibration.
+const CALIBRATION_STEPS: usize = 5;
 
 /// A session without effects, with what calibration can do there.
 pub struct Scale<'a> {
@@ -26,14 +29,22 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+fn rms(values: &[f64]) -> f64 {
+    (dot(values, values) / values.len().max(1) as f64).sqrt()
+}
+
 impl<'a> Scale<'a> {
     /// Runs the session without effects and with each uncertain number moved.
     pub fn new(session: &'a Session) -> Self {
         let base = stacked(session, &session.off, &[]);
-        let moved = |i: usize| {
+        let by = |i: usize, step: f64| {
             let mut off = session.off.clone();
-            off[i] += STEP;
-            difference(&stacked(session, &off, &[]), &base).iter().map(|d| d / STEP).collect()
+            off[i] += step;
+            stacked(session, &off, &[])
+        };
+        let [ahead, behind] = if session.plant == Plant::Bench { BENCH_STEPS } else { AXIS_STEPS };
+        let moved = |i: usize| {
+            difference(&by(i, ahead), &by(i, behind)).iter().map(|d| d / (ahead - behind)).collect()
         };
         let columns = (0..session.off.len()).map(moved).collect();
         Self { session, base, columns }
@@ -51,8 +62,16 @@ impl<'a> Scale<'a> {
 
     /// The part of `added` that calibration, and free factors on `others`, leave.
     pub fn left(&self, added: &[f64], others: &[Vec<f64>]) -> Vec<f64> {
+        self.calibrated(added, others, &vec![0.0; self.columns.len()]).0
+    }
+
+    /// What calibration, from some deviations on, and free factors on `others` leave of `added`, and by how much each moves.
+    fn calibrated(&self, added: &[f64], others: &[Vec<f64>], from: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let columns: Vec<&Vec<f64>> = self.columns.iter().chain(others).collect();
-        let bound = |i: usize| if i < self.columns.len() { MOST_DEVIATIONS } else { f64::INFINITY };
+        let bounds = |i: usize| {
+            from.get(i)
+                .map_or([f64::NEG_INFINITY, f64::INFINITY], |z| [-MOST_DEVIATIONS - z, MOST_DEVIATIONS - z])
+        };
         let gram: Vec<Vec<f64>> =
             columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
         let right: Vec<f64> = columns.iter().map(|c| dot(c, added)).collect();
@@ -61,7 +80,8 @@ impl<'a> Scale<'a> {
             for i in 0..z.len() {
                 if gram[i][i] > 0.0 {
                     let rest = right[i] - dot(&gram[i], &z) + gram[i][i] * z[i];
-                    z[i] = (rest / gram[i][i]).clamp(-bound(i), bound(i));
+                    let [least, most] = bounds(i);
+                    z[i] = (rest / gram[i][i]).clamp(least, most);
                 }
             }
         }
@@ -69,13 +89,27 @@ impl<'a> Scale<'a> {
         for (column, z) in columns.iter().zip(&z) {
             left.iter_mut().zip(column.iter()).for_each(|(l, c)| *l -= z * c);
         }
-        left
+        (left, z)
     }
 
-    /// The size of effects.
+    /// The size of effects. An axis answers its numbers linearly. The transmission bench does not: where friction turns round, all of them shift the
+    /// instant, which no sum of small answers can imitate, but a calibrated bench can. There calibration is carried out, in some steps.
     pub fn size(&self, hidden: &[HiddenEffect]) -> f64 {
-        let left = self.left(&self.added(hidden), &[]);
-        (dot(&left, &left) / left.len().max(1) as f64).sqrt()
+        let added = self.added(hidden);
+        if self.session.plant != Plant::Bench {
+            return rms(&self.left(&added, &[]));
+        }
+        let mut z = vec![0.0; self.columns.len()];
+        let (mut left, mut least) = (added.clone(), rms(&added));
+        for _ in 0..CALIBRATION_STEPS {
+            let (_, step) = self.calibrated(&left, &[], &z);
+            z.iter_mut().zip(step).for_each(|(z, step)| *z += step);
+            let off: Vec<f64> = self.session.off.iter().zip(&z).map(|(off, z)| off + z).collect();
+            let moved = difference(&stacked(self.session, &off, &[]), &self.base);
+            left = difference(&added, &moved);
+            least = least.min(rms(&left));
+        }
+        least
     }
 
     /// The factor on a magnitude at which `effect` has the wanted size, from a first guess; `None` where the plant cannot show
@@ -142,7 +176,9 @@ fn stacked(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Vec<f64> 
     let sensors = session.sensors();
     let floor = |c: &str| sensors.iter().find(|s| s.channel == c).map_or(1.0, |s| s.floor());
     let floors = session.plant.outputs().iter().map(|c| floor(c));
-    session.readings(off, hidden).iter().zip(floors).flat_map(|(v, f)| v.iter().map(move |v| v / f)).collect()
+    let landing = (session.plant.landing_s() * session.logger.rate_hz).round() as usize;
+    let readings = session.readings(off, hidden);
+    readings.iter().zip(floors).flat_map(|(v, f)| v.iter().skip(landing).map(move |v| v / f)).collect()
 }
 
 fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -153,7 +189,7 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::generator::noise::Noise;
-    use crate::generator::session::{Plant, Point};
+    use crate::generator::session::Point;
 
     fn session() -> Session {
         Session::draw(Plant::Linear, 0.8, Point::default(), &mut Noise::new(7))
@@ -186,5 +222,25 @@ mod tests {
         let session = session();
         let coulomb = |m: f64| HiddenEffect::new("coulomb-level", &[("coulomb_effort", m)]);
         assert_eq!(Scale::new(&session).magnitude(coulomb, 1.0, 2.0, 1.0), None);
+    }
+
+    #[test]
+    fn what_the_transmission_bench_may_be_off_by_has_no_size() {
+        let session = Session::draw(Plant::Bench, 0.5, Point::default(), &mut Noise::new(7));
+        let scale = Scale::new(&session);
+        let one = |effect: &str, name: &str, value: f64| {
+            let mut hidden = HiddenEffect::new(effect, &[]);
+            hidden.parameters.insert(name.into(), value);
+            [hidden]
+        };
+        // Half a declared deviation of the clearance; one of the friction.
+        for hidden in [
+            one("clearance-wear", "clearance_increase_m", -5e-6),
+            one("coulomb-level", "relative_change", 0.03),
+        ] {
+            let (before, size) = (rms(&scale.added(&hidden)), scale.size(&hidden));
+            assert!(before > 10.0 && size < 0.3, "{hidden:?}: {size} of {before}");
+        }
+        assert!(scale.size(&one("clearance-wear", "clearance_increase_m", 60e-6)) > 1.0, "six deviations");
     }
 }

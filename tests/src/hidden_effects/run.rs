@@ -165,8 +165,7 @@ fn realised(
         let power = |(channel, simulated): (&bench::Channel, &Vec<f64>)| {
             let floor = sensors.iter().find(|s| s.channel == channel.name()).map_or(1.0, |s| s.floor());
             let measured = fresh.channels.get(channel).map_or(&[][..], Vec::as_slice);
-            // The journal's landing at the start of the transmission bench is nobody's model error.
-            let used = fresh.time_s.iter().map(|t| desk.cell.plant != Plant::Bench || *t > 0.06);
+            let used = fresh.time_s.iter().map(|t| *t > desk.cell.plant.landing_s());
             let pairs = measured.iter().zip(simulated).zip(used).filter(|(_, used)| *used);
             let (sum, count) = pairs
                 .fold((0.0, 0.0_f64), |(sum, n), ((m, s), _)| (sum + ((m - s) / floor).powi(2), n + 1.0));
