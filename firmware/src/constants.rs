@@ -4,7 +4,7 @@
 //! the run's begin ([`crate::Session::constants_hold`]); on the board that is done in every pass of the link's loop. The sum is that of
 //! [`crate::supervisor::code`]: whatever changes within one word is noticed for certain.
 //!
-//! Not covered is state: what changes with every sample has a sum of its own (`estimator::carried`), is kept twice (the networks'
+//! Not covered is state: what changes with every sample has a sum of its own ([`inference::held`]), is kept twice (the networks'
 //! history), has to be plausible, or to be gone after a window.
 
 use core::hash::Hasher;

@@ -60,8 +60,11 @@ fn held_out(data: &Data, noise: &NoiseModel, residual: &Columns, channel: Channe
             values.iter().zip(data.uses(b)).filter(|(_, u)| **u == Use::Held).map(|(v, _)| v * v)
         });
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
-    let power: f64 = sum / f64::max(count, 1.0) - n.floor.powi(2);
-    if n.declared && power > (LARGER * LARGER - 1.0) * n.floor.powi(2) { power.sqrt() } else { 0.0 }
+    let count = f64::max(count, 1.0);
+    let power: f64 = sum / count - n.floor.powi(2);
+    // An rms scatters by 1/sqrt(2 n).
+    let larger = LARGER + 3.0 * (n.correlation / (2.0 * count)).sqrt();
+    if n.declared && power > (larger * larger - 1.0) * n.floor.powi(2) { power.sqrt() } else { 0.0 }
 }
 
 /// Whether what is left is larger than the declared noise where nothing was fitted, and only there: by channel, since each has its own noise.

@@ -29,6 +29,8 @@ pub(crate) enum Split {
     Turns,
 }
 
+/// What may be missing of a whole cycle, in cycles.
+const WHOLE_CYCLE: f64 = 0.05;
 /// One over the share of a log without cycles that tells its nuisances, where it is held out.
 const SETTLING: usize = 8;
 
@@ -244,7 +246,7 @@ impl Session {
         };
         let cycles = phase.as_ref().map_or(0.0, |p| last_of(p) - p.first().copied().unwrap_or_default());
         // Whole cycles: the first half of them, rounded up, is fitted.
-        let whole = (cycles + 0.05).floor();
+        let whole = (cycles + WHOLE_CYCLE).floor();
         let held_from =
             if whole >= 2.0 { start + (end - start) * (0.5 * whole).ceil() / cycles.max(1.0) } else { end };
         let block_s = (end - start) / BLOCKS as f64;
@@ -292,6 +294,12 @@ impl Session {
     /// Places of the fitted samples.
     pub(crate) fn fitted(&self) -> impl Iterator<Item = usize> {
         self.uses.iter().enumerate().filter(|(_, used)| **used == Use::Fit).map(|(i, _)| i)
+    }
+
+    /// Whether it has the two whole cycles of which one can be held out.
+    pub(crate) fn is_halved(&self) -> bool {
+        let cycles = self.phase.as_ref().map_or(0.0, |p| last_of(p) - p.first().copied().unwrap_or_default());
+        cycles + WHOLE_CYCLE >= 2.0
     }
 
     /// Gives the first of its cycles, or the first eighth where it has not two, to its nuisances.

@@ -28,7 +28,7 @@ impl Estimate {
 
     /// Whether a bit of the forces is not what was computed, as far as they have waited in memory.
     #[inline]
-    pub fn is_spoilt(&self) -> bool {
+    pub fn is_spoilt(&mut self) -> bool {
         read_anew(self);
         Self::summed(self.normal_force_mn, self.friction_force_mn) != self.sum
     }
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn a_force_that_is_not_the_one_computed_shows() {
-        let sound = Estimate::new(40_000, -300, Flags::NONE, 0);
+        let mut sound = Estimate::new(40_000, -300, Flags::NONE, 0);
         assert!(!sound.is_spoilt() && !Estimate::default().is_spoilt());
         for bit in 0..32 {
             assert!(Estimate { normal_force_mn: 40_000 ^ 1 << bit, ..sound }.is_spoilt());

@@ -57,11 +57,11 @@ impl WordSum {
 /// The compiler cannot go on with copies of its own: the words are read anew.
 #[inline]
 pub fn hold<const N: usize, R>(words: [u32; N], work: impl FnOnce() -> R) -> ([u32; N], u32, R) {
-    let sum = WordSum::of(&words);
-    read_anew(&words);
-    read_anew(&sum);
+    let (mut words, mut sum) = (words, WordSum::of(&words));
+    read_anew(&mut words);
+    read_anew(&mut sum);
     let result = work();
-    read_anew(&words);
+    read_anew(&mut words);
     (words, WordSum::of(&words).difference(sum), result)
 }
 

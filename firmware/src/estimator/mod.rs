@@ -198,6 +198,7 @@ impl Estimator {
         let push = || self.signals.push(y, z, measured, frame.shaft_angle_nrad);
         let (kept, spoilt, motion) = hold(contact.words(), push);
         let contact = ContactFrame::of(kept);
+        let measured = contact.distance.saturating_sub(self.setup.radial_clearance);
         let turning = contact.turning(motion.y_nm_s, motion.z_nm_s);
         let window = Radial { deformation: motion.deformation, rate_nm_s: motion.deformation_rate_nm_s };
         let open = !motion.rate_known | (window.deformation < 0) | altered;
@@ -217,7 +218,7 @@ impl Estimator {
         let kept = [contact.normal_y, contact.normal_z, radial.deformation, radial.rate_nm_s];
         let [normal_y, normal_z, deformation, rate] = kept.map(i32::cast_unsigned);
         let kept = [normal_y, normal_z, deformation, rate, approach_nm_s];
-        let ([normal_y, normal_z, deformation, rate, approach_nm_s], spoilt_too, estimate) =
+        let ([normal_y, normal_z, deformation, rate, approach_nm_s], spoilt_too, mut estimate) =
             hold(kept, || self.pair.step(&self.sample));
         let contact = contact.towards(normal_y.cast_signed(), normal_z.cast_signed());
         let radial = Radial { deformation: deformation.cast_signed(), rate_nm_s: rate.cast_signed() };

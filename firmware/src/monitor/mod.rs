@@ -41,6 +41,7 @@ pub struct Monitor {
     /// Whether the networks were outside the envelope when they were last held against it.
     altered: bool,
     outside: bool,
+    parity: u32,
     time_us: u32,
 }
 
@@ -72,6 +73,7 @@ impl Monitor {
             tally: Tally::default(),
             altered: false,
             outside: false,
+            parity: 0,
             time_us: 0,
         })
     }
@@ -113,10 +115,11 @@ impl Monitor {
         let flags = flags | findings.flags | LOAD_CONTRADICTED.when(self.tracker.is_contradicted());
         estimate.flags = flags.bits();
         self.tracker.step(frame, &estimate, !flags.intersects(SENSOR_FAULT));
-        read_anew(&estimate);
+        read_anew(&mut estimate);
         let spoilt = estimate.parity() != parity;
         estimate.flags |= Flags::ALTERED.when(spoilt).bits();
-        let (held, begins) = self.holding.apply(&mut estimate, distrusted | spoilt);
+        let (held, begins, parity) = self.holding.apply(&mut estimate, distrusted | spoilt);
+        self.parity = parity;
         self.time_us = frame.time_us;
 
         let sample = [
@@ -167,6 +170,11 @@ impl Monitor {
             held: count(CHANNEL_LANES + 5),
             holds: count(CHANNEL_LANES + 6),
         }
+    }
+
+    /// The parity of the last estimate, as it was computed.
+    pub(crate) const fn parity(&self) -> u32 {
+        self.parity
     }
 
     /// The estimator, to be given another model.

@@ -42,9 +42,10 @@ impl Holding {
         (self.recovery_samples, self.lost_samples).hash(sum);
     }
 
-    /// Turns a live estimate, which may be distrusted, into what goes out; returns whether a hold lasts and whether it has begun.
+    /// Turns a live estimate, which may be distrusted, into what goes out; returns whether a hold lasts, whether it has begun, and
+    /// the parity of what goes out.
     #[inline(never)]
-    pub(super) fn apply(&mut self, estimate: &mut EstimateFrame, distrusted: bool) -> (bool, bool) {
+    pub(super) fn apply(&mut self, estimate: &mut EstimateFrame, distrusted: bool) -> (bool, bool, u32) {
         // Before anything has been trusted there is nothing to recover from.
         let settled = self.recovery_samples & !self.started;
         let clean = self.clean.wrapping_add(1).min(self.recovery_samples).max(settled);
@@ -68,7 +69,7 @@ impl Holding {
         apply(deformation, &mut estimate.deformation_m, u32::MAX);
         apply(angle, &mut estimate.contact_angle_rad, u32::MAX);
         estimate.flags |= HELD.bits() & hold;
-        (hold != 0, begins)
+        (hold != 0, begins, estimate.parity())
     }
 
     pub(super) const fn state(&self) -> SafeState {
@@ -104,7 +105,8 @@ mod tests {
     /// What goes out, whether it is held, and whether that has begun.
     fn apply(holding: &mut Holding, index: u32, distrusted: bool) -> (EstimateFrame, bool, bool) {
         let mut estimate = live(index);
-        let (held, begins) = holding.apply(&mut estimate, distrusted);
+        let (held, begins, parity) = holding.apply(&mut estimate, distrusted);
+        assert_eq!(parity, estimate.parity());
         (estimate, held, begins)
     }
 

@@ -44,7 +44,9 @@ pub(super) struct Run {
     withheld: u16,
     /// The last estimate that was in time.
     held: EstimateFrame,
-    /// Of the estimate that goes out next, as it was computed.
+    /// Of that one, as it was computed.
+    held_parity: u32,
+    /// Of the one that goes out next.
     parity: u32,
 }
 
@@ -98,6 +100,7 @@ impl Run {
             samples_itself: false,
             withheld: 0,
             held: EstimateFrame::default(),
+            held_parity: 0,
             parity: 0,
         })
     }
@@ -116,13 +119,13 @@ impl Run {
     /// Estimates. Tripped, the last estimate that was in time stands for the new one, so that the link has time to be served.
     pub(super) fn estimate(&mut self, frame: &SensorFrame, status: SensorStatus) -> EstimateFrame {
         if self.deadline.tripped() {
-            self.parity = self.held.parity();
+            self.parity = self.held_parity;
             let flags = self.held.flags | (STALE | TRIPPED).bits();
             return EstimateFrame { sequence: frame.sequence, time_us: frame.time_us, flags, ..self.held };
         }
         self.monitor.note_altered(self.altered);
         let mut estimate = self.monitor.step(&self.calibrator.apply(frame), status);
-        self.parity = estimate.parity();
+        self.parity = self.monitor.parity();
         let altered = self.scrubber.step();
         self.altered_is_news |= altered & !self.altered;
         self.altered |= altered;
@@ -197,7 +200,7 @@ impl Run {
         estimate.flags |= (STALE.when(late) | TRIPPED.when(trips)).bits();
         estimate.instruction_ticks = self.deadline.whole_ticks();
         if !(late || held) {
-            self.held = estimate;
+            (self.held, self.held_parity) = (estimate, self.parity);
         }
         let number = self.number;
         self.number = number.wrapping_add(1);

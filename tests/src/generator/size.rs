@@ -11,11 +11,10 @@ use super::session::{Plant, Session};
 
 /// Deviations that calibration may move a number by. Farther out it is a finding.
 pub const MOST_DEVIATIONS: f64 = 4.0;
-/// Steps of the finite differences in deviations.
-const AXIS_STEPS: [f64; 2] = [0.5, 0.0];
-const BENCH_STEPS: [f64; 2] = [0.25, -0.25];
+/// Step of the finite differences in deviations; on the transmission bench half of it either way.
+const STEP: f64 = 0.5;
 const SWEEPS: usize = 400;
-/// Steps of Gauss and Newton with the transmission bench's calibration.
+/// Steps of the transmission bench's calibration, with the answers to its numbers from where it begins.
 const CALIBRATION_STEPS: usize = 5;
 
 /// A session without effects, with what calibration can do there.
@@ -42,9 +41,13 @@ impl<'a> Scale<'a> {
             off[i] += step;
             stacked(session, &off, &[])
         };
-        let [ahead, behind] = if session.plant == Plant::Bench { BENCH_STEPS } else { AXIS_STEPS };
         let moved = |i: usize| {
-            difference(&by(i, ahead), &by(i, behind)).iter().map(|d| d / (ahead - behind)).collect()
+            let (ahead, behind, span) = if session.plant == Plant::Bench {
+                (by(i, 0.5 * STEP), by(i, -0.5 * STEP), STEP)
+            } else {
+                (by(i, STEP), base.clone(), STEP)
+            };
+            difference(&ahead, &behind).iter().map(|d| d / span).collect()
         };
         let columns = (0..session.off.len()).map(moved).collect();
         Self { session, base, columns }
@@ -92,21 +95,35 @@ impl<'a> Scale<'a> {
         (left, z)
     }
 
-    /// The size of effects. An axis answers its numbers linearly. The transmission bench does not: where friction turns round, all of them shift the
-    /// instant, which no sum of small answers can imitate, but a calibrated bench can. There calibration is carried out, in some steps.
+    /// The size of effects.
     pub fn size(&self, hidden: &[HiddenEffect]) -> f64 {
+        self.apart(hidden, &[])
+    }
+
+    /// Rms of what calibration leaves between a plant with hidden effects and one with effects that have been `named`.
+    ///
+    /// An axis answers its numbers linearly, and factors on what was named are free. The transmission bench does not: where friction turns round, all
+    /// numbers shift the instant, which no sum of small answers can imitate, but a calibrated bench can. There calibration is carried out, in some steps.
+    pub fn apart(&self, hidden: &[HiddenEffect], named: &[HiddenEffect]) -> f64 {
         let added = self.added(hidden);
         if self.session.plant != Plant::Bench {
-            return rms(&self.left(&added, &[]));
+            let named: Vec<_> = named.iter().map(|n| self.added(std::slice::from_ref(n))).collect();
+            return rms(&self.left(&added, &named));
         }
+        let rest = |z: &[f64]| {
+            let off: Vec<f64> = self.session.off.iter().zip(z).map(|(off, z)| off + z).collect();
+            difference(&added, &difference(&stacked(self.session, &off, named), &self.base))
+        };
         let mut z = vec![0.0; self.columns.len()];
-        let (mut left, mut least) = (added.clone(), rms(&added));
+        let mut left = rest(&z);
+        let mut least = rms(&left);
         for _ in 0..CALIBRATION_STEPS {
             let (_, step) = self.calibrated(&left, &[], &z);
             z.iter_mut().zip(step).for_each(|(z, step)| *z += step);
-            let off: Vec<f64> = self.session.off.iter().zip(&z).map(|(off, z)| off + z).collect();
-            let moved = difference(&stacked(self.session, &off, &[]), &self.base);
-            left = difference(&added, &moved);
+            left = rest(&z);
+            if !rms(&left).is_finite() {
+                break;
+            }
             least = least.min(rms(&left));
         }
         least

@@ -154,11 +154,9 @@ impl Outcome {
         if self.causes.is_empty() || self.in_group > 0 || self.hidden.is_empty() {
             return;
         }
-        let named: Vec<Vec<f64>> = answer.causes.iter().map(|c| scale.added(&[as_hidden(c)])).collect();
-        let left = scale.left(&scale.added(&self.hidden), &named);
-        let power = left.iter().map(|v| v * v).sum::<f64>() / left.len().max(1) as f64;
+        let named: Vec<HiddenEffect> = answer.causes.iter().map(as_hidden).collect();
         // Nothing at all leaves the effect's own size: of a small one less has to be left.
-        self.equivalent = power.sqrt() < ALIKE.min(0.5 * scale.size(&self.hidden));
+        self.equivalent = scale.apart(&self.hidden, &named) < ALIKE.min(0.5 * scale.size(&self.hidden));
     }
 }
 

@@ -55,9 +55,9 @@ impl Engine for CortexM {
 
 /// See [`super::read_anew`].
 #[inline]
-pub(super) fn read_anew<T>(value: &T) {
-    // SAFETY: no instruction; all that the compiler is told is that memory may be read here, and written where that is allowed.
-    unsafe { asm!("// {}", in(reg) core::ptr::from_ref(value), options(nostack, preserves_flags)) }
+pub(super) fn read_anew<T>(value: &mut T) {
+    // SAFETY: no instruction; all that the compiler is told is that what may be written through the pointer may have been.
+    unsafe { asm!("// {}", in(reg) core::ptr::from_mut(value), options(nostack, preserves_flags)) }
 }
 
 /// Multiplies a pair of weights for outputs 0 and 1 (in r11, r12) with activations r0 (first position) and lr (second).

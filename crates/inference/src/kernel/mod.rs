@@ -147,7 +147,7 @@ pub trait Engine: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8> {
 
 /// Has the compiler put a value into memory, and read it from there from here on: what it holds in registers meanwhile does not count.
 #[inline]
-pub fn read_anew<T>(value: &T) {
+pub fn read_anew<T>(value: &mut T) {
     #[cfg(pintle_dsp)]
     cortex_m::read_anew(value);
     // The same, by a pointer that is itself put into memory.
