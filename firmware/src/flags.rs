@@ -60,11 +60,12 @@ pub const DISTRUSTED: Flags = Flags::from_bits(
         | Flags::NON_FINITE.bits()
         | Flags::WARMING_UP.bits()
         | Flags::MISSING.bits()
-        | Flags::ALTERED.bits(),
+        | Flags::ALTERED.bits()
+        | Flags::IMPLAUSIBLE_FRICTION.bits(),
 );
 
 /// Names of all remarks, those of the networks included, for reports.
-pub const NAMES: [(Flags, &str); 26] = [
+pub const NAMES: [(Flags, &str); 27] = [
     (Flags::OUTSIDE_CLEARANCE, "outside-clearance"),
     (Flags::OUTSIDE_DEFORMATION, "outside-deformation"),
     (Flags::OUTSIDE_RATE_RATIO, "outside-rate-ratio"),
@@ -74,6 +75,7 @@ pub const NAMES: [(Flags, &str); 26] = [
     (Flags::NON_FINITE, "non-finite"),
     (Flags::WARMING_UP, "warming-up"),
     (Flags::ALTERED, "altered"),
+    (Flags::IMPLAUSIBLE_FRICTION, "implausible-friction"),
     (LOAD_CONTRADICTED, "load-contradicted"),
     (IMPLAUSIBLE_POSITION, "implausible-position"),
     (JUMP, "jump"),

@@ -34,8 +34,7 @@ def read_layer(data, at):
     take = lambda kind, count, at: (np.frombuffer(data, kind, count, at).astype(np.int64), at + 4 * count)
     layer = {"columns": columns, "inputs": inputs, "outputs": outputs, "in_bits": in_bits, "out_bits": out_bits}
     if kind == 1:
-        layer["biases"], at = take("<i4", outputs, at)
-        layer["multipliers"], at = take("<i4", outputs, at)
+        layer["biases"], layer["multipliers"] = (np.zeros(outputs, np.int64) for _ in range(2))
     else:
         scale, at = take("<u4", 2, at)
         layer["scale"] = float(scale[0]) / 2.0 ** float(scale[1])
@@ -46,12 +45,16 @@ def read_layer(data, at):
     weights = np.zeros((outputs, groups * len(order)), np.int64)
     places = [(b, b + 4) for b in range(0, outputs // 4 * 4, 4)] + [(o, o + 1) for o in range(outputs // 4 * 4, outputs)]
     for low, high in places:
+        if kind == 1:
+            layer["biases"][low:high], at = take("<i4", high - low, at)
         for group in range(groups):
             for output in range(low, high):
                 values = struct.unpack_from("<2h" if form == 2 else "<4b", data, at)
                 at += 4
                 for value, tap in zip(values, order):
                     weights[output, group * len(order) + tap] = value
+        if kind == 1:
+            layer["multipliers"][low:high], at = take("<i4", high - low, at)
     layer["weights"] = weights[:, :taps].reshape(outputs, columns, inputs)
     return layer, at
 
@@ -59,7 +62,7 @@ def read_layer(data, at):
 def read_image(path):
     """The layers of both networks and the check sum."""
     data = path.read_bytes()
-    assert data[:8] == b"PINTLEM\n" and struct.unpack_from("<H", data, 8) == (2,), path
+    assert data[:8] == b"PINTLEM\n" and struct.unpack_from("<H", data, 8) == (3,), path
     at, networks = 64, []
     for _ in range(2):
         layers = []

@@ -204,6 +204,7 @@ impl FloatPair {
         self.seen = self.seen.saturating_add(1);
         let flags = column.flags
             | Flags::OUTSIDE_FORCE.when(normal_force_n > self.features.normal_force_n.high)
+            | Flags::IMPLAUSIBLE_FRICTION.when(coefficient >= 1.0)
             | Flags::WARMING_UP.when(self.seen < WINDOW);
         FloatEstimate { normal_force_n, friction_force_n, flags }
     }

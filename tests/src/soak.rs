@@ -24,7 +24,7 @@ use host_sim::sensing;
 use link::{
     Answer, Command, ControllerConfiguration, NumberedCommand, ReportKind, SensorFrame, ToController, ToHost,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::Instant;
 
@@ -53,7 +53,7 @@ pub struct Plan {
 }
 
 /// What came of it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Soaked {
     /// Samples.
     pub ticks: u64,

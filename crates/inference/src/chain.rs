@@ -387,7 +387,9 @@ fn receive<
         return 0;
     }
     let newest = if units.start == 0 { history.open() } else { history.newest() };
-    layer.units::<E, N>(units, columns, newest)
+    let done = layer.units::<E, N>(units, columns, newest);
+    history.mark(done.astray);
+    done.clipped
 }
 
 /// Moves every column to the place of its elder; the newest place keeps a copy.

@@ -3,8 +3,8 @@
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
-use crate::kernel::{BLOCK, Engine};
-use crate::weights::{Scaling, WeightsOf, place};
+use crate::kernel::{BLOCK, Done, Engine};
+use crate::weights::{Around, WeightsOf};
 use core::hash::Hasher;
 use core::ops::Range;
 
@@ -14,7 +14,6 @@ use core::ops::Range;
 /// full scale of `B`.
 #[derive(Clone, Copy, Debug)]
 pub struct Convolution<'a, A: Activation, B, const IN: usize, const OUT: usize, const K: usize> {
-    scaling: Scaling<'a, OUT>,
     weights: A::Weights<'a>,
     outputs: core::marker::PhantomData<B>,
 }
@@ -48,35 +47,32 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
     pub(crate) fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
         let form = reader.shape(layer, Self::shape)?;
         Ok(Self {
-            scaling: Scaling { biases: reader.array()?, multipliers: reader.array()? },
-            weights: A::Weights::read(reader, form, OUT, K * IN)?,
+            weights: A::Weights::read(reader, form, OUT, K * IN, Around::Scaling)?,
             outputs: core::marker::PhantomData,
         })
     }
 
     /// Where its numbers lie.
     pub(crate) fn constants(&self, sum: &mut impl Hasher) {
-        place(self.scaling.biases, sum);
-        place(self.scaling.multipliers, sum);
         self.weights.constants(sum);
     }
 
     /// Computes some units of the outputs at one position, written to the first of the columns in `outputs` and, unless `N` is 0, to the one
-    /// `N` behind it as well; gives how many activations were clipped. Nothing is computed where there are no such columns.
+    /// `N` behind it as well. Nothing is computed where there are no such columns.
     #[inline]
     pub fn units<E: Engine, const N: usize>(
         &self,
         units: Range<usize>,
         columns: &[[A; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> u32 {
-        self.weights.units::<E, B, IN, OUT, K, N>(units, &self.scaling, columns, outputs)
+    ) -> Done {
+        self.weights.units::<E, B, IN, OUT, K, N>(units, columns, outputs)
     }
 
     /// Computes the outputs at one position; gives how many were clipped.
     #[inline]
     pub fn apply<E: Engine>(&self, columns: &[[A; IN]; K], outputs: &mut [B; OUT]) -> u32 {
-        self.units::<E, 0>(0..Self::UNITS, columns, core::slice::from_mut(outputs))
+        self.units::<E, 0>(0..Self::UNITS, columns, core::slice::from_mut(outputs)).clipped
     }
 
     /// Computes the outputs at some positions of a window; output `p` looks at the inputs from `p - before` on, and what
@@ -100,7 +96,7 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
             let Some((now, behind)) = rest.split_at_mut_checked(together) else { break };
             clipped = clipped.wrapping_add(match (now, neighbours, inside.and_then(<[_]>::first_chunk)) {
                 ([first, second], Some(columns), _) => {
-                    self.weights.pair::<E, B, IN, OUT, K>(&self.scaling, columns, [first, second])
+                    self.weights.pair::<E, B, IN, OUT, K>(columns, [first, second])
                 }
                 ([output, ..], _, Some(columns)) => self.apply::<E>(columns, output),
                 ([output, ..], _, None) => self.apply::<E>(&padded(inputs, position, before), output),
@@ -113,17 +109,17 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
 
     /// Bias of an output.
     pub fn bias(&self, output: usize) -> Option<i32> {
-        self.scaling.biases.get(output).copied()
+        self.weights.around(output, K * IN).map(|[bias, _]| bias)
     }
 
     /// Multiplier of an output: the real factor times 2^32.
     pub fn multiplier(&self, output: usize) -> Option<i32> {
-        self.scaling.multipliers.get(output).copied()
+        self.weights.around(output, K * IN).map(|[_, multiplier]| multiplier)
     }
 
     /// Weight of an output at a tap; taps count column by column, oldest first.
     pub fn weight(&self, output: usize, tap: usize) -> Option<i32> {
-        self.weights.weight(output, tap, K * IN)
+        self.weights.weight(output, tap, K * IN, Around::Scaling)
     }
 }
 

@@ -38,6 +38,8 @@ impl Flags {
     /// Something is no longer what it was: a bit of the model's image has changed since it was loaded (nothing in this crate finds that out; whoever
     /// checks an image in use says it with this), or a bit of the networks' history, found with the column that leaves it.
     pub const ALTERED: Self = Self(1 << 9);
+    /// The friction network gave a coefficient of 1 or more, which no bearing has that it was trained on.
+    pub const IMPLAUSIBLE_FRICTION: Self = Self(1 << 10);
     /// Every remark that means "outside the training range".
     pub const OUTSIDE_TRAINING: Self = Self(
         Self::OUTSIDE_CLEARANCE.0
@@ -100,13 +102,14 @@ mod tests {
     }
 
     #[test]
-    fn this_crate_stays_in_its_sixteen_bits() {
+    fn this_crate_stays_in_its_fifteen_bits() {
         let all = Flags::OUTSIDE_TRAINING
             | Flags::SATURATED
             | Flags::NON_FINITE
             | Flags::WARMING_UP
             | Flags::MISSING
-            | Flags::ALTERED;
+            | Flags::ALTERED
+            | Flags::IMPLAUSIBLE_FRICTION;
         assert!(all.bits() < 1 << 15);
     }
 }

@@ -4,7 +4,7 @@ use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
 use crate::kernel::Engine;
-use crate::weights::{WeightsOf, place};
+use crate::weights::{Around, WeightsOf, place};
 use core::hash::{Hash, Hasher};
 
 /// A dense layer over `COLUMNS` columns of `IN` activations, oldest first, with `OUT` sums that are not requantised.
@@ -76,7 +76,7 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
         Ok(Self {
             scale: Scale { multiplier: reader.u32()?.cast_signed(), shift: reader.u32()? },
             biases: reader.array()?,
-            weights: A::Weights::read(reader, form, OUT, COLUMNS * IN)?,
+            weights: A::Weights::read(reader, form, OUT, COLUMNS * IN, Around::Nothing)?,
         })
     }
 
@@ -100,7 +100,7 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
 
     /// Weight of an output at a tap; taps count column by column, oldest first.
     pub fn weight(&self, output: usize, tap: usize) -> Option<i32> {
-        self.weights.weight(output, tap, COLUMNS * IN)
+        self.weights.weight(output, tap, COLUMNS * IN, Around::Nothing)
     }
 }
 

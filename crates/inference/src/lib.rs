@@ -62,5 +62,5 @@ pub use model::{Model, Network, WINDOW};
 pub use pair::Pair;
 pub use sample::{ContactState, Sample};
 pub use streaming::Streaming;
-pub use weights::{PackedWeights, Scaling, Stored, Weights16, WeightsOf};
+pub use weights::{PackedWeights, Stored, Weights16, WeightsOf};
 pub use windowed::{Causal, Pad, Padding, Same, Valid, Windowed};

@@ -126,6 +126,7 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
         let flags = Flags::from_bits(flags)
             | Flags::OUTSIDE_FORCE.when(normal_force > self.features.header().normal_force_high_mn)
             | Flags::SATURATED.when(clipped > 0)
+            | Flags::IMPLAUSIBLE_FRICTION.when(coefficient >> COEFFICIENT_BITS != 0)
             | Flags::WARMING_UP.when(usize::from(self.seen) < WINDOW)
             | Flags::ALTERED.when(altered != 0);
         Estimate::new(normal_force_mn, friction_force_mn, flags, clipped.min(u32::from(u16::MAX)) as u16)
@@ -270,12 +271,12 @@ mod tests {
         for (number, part) in parts.iter().enumerate() {
             assert!(!part.is_empty() && contains(part), "part {number}");
         }
-        // Of each network the places of two references by three layers' scaling, two by every layer's weights, one by the head's biases.
+        // Of each network two places by every layer's numbers, one by the head's biases.
         let place = of(&|sum| place(&[0_u32][..], sum)).len();
         for network in [&parts[5], &parts[6]] {
             let scale = parts[2].len();
             // The form of each layer's weights stands beside them.
-            assert!(network.len() >= scale + 15 * place, "{} bytes", network.len());
+            assert!(network.len() >= scale + 9 * place, "{} bytes", network.len());
         }
     }
 }

@@ -14,7 +14,7 @@ pub(crate) struct Ring<A, const IN: usize, const N: usize> {
     start: usize,
     /// Its complement.
     not_start: usize,
-    /// Bits in which the copies of the column that left last were different; 0 is none.
+    /// Bits in which the copies of the column that left last were different, and what was found since; 0 is none.
     altered: usize,
 }
 
@@ -69,6 +69,12 @@ impl<A: bytemuck::Pod + Default + PartialEq, const IN: usize, const N: usize> Ri
         self.newest()
     }
 
+    /// Takes what was found wrong while the newest column was written for something altered, unless it is 0.
+    #[inline]
+    pub(crate) const fn mark(&mut self, found: u32) {
+        self.altered |= found as usize;
+    }
+
     /// Memory from the newest column's first copy on: the second one is its column `N`.
     #[inline]
     pub(crate) fn newest(&mut self) -> &mut [[A; IN]] {
@@ -83,7 +89,7 @@ impl<A: bytemuck::Pod + Default + PartialEq, const IN: usize, const N: usize> Ri
         if start < N { start } else { start.wrapping_sub(N) }
     }
 
-    /// Not 0 where the column that left last was no longer what had been put there, or the order of the columns is not.
+    /// Not 0 where the column that left last was no longer what had been put there, the order of the columns is not, or the newest one has been marked.
     #[inline]
     pub(crate) const fn altered(&self) -> usize {
         self.altered

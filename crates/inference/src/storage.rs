@@ -1,8 +1,9 @@
 //! How the weights of a layer lie in memory.
 //!
 //! The taps of an output (column by column, oldest first, inputs of a column in order) are cut into groups; the last
-//! group is filled up with zero weights. A group is a word of four bytes, lowest first. Outputs are taken four at a time: `[block of 4 outputs][group][output]`; what is
-//! left over (outputs not divisible by 4) follows row by row: `[output][group]`.
+//! group is filled up with zero weights. A group is a word of four bytes, lowest first. Outputs are taken four at a time: `[block of 4 outputs][word][output]`; what is
+//! left over (outputs not divisible by 4) follows row by row: `[output][word]`. The words of an output are its groups of weights; in a convolution its bias
+//! stands in front of them and its multiplier behind, so that a kernel reads a layer from one end to the other.
 //!
 //! | form | weights | activations | a group | for |
 //! |---|---|---|---|---|
@@ -39,6 +40,11 @@ pub trait Storage: sealed::Sealed + Copy + core::fmt::Debug + 'static {
 /// Groups that so many taps take.
 pub const fn groups<S: Storage>(taps: usize) -> usize {
     taps.div_ceil(S::TAPS)
+}
+
+/// Words that an output of a convolution with so many taps takes: its groups, its bias and its multiplier.
+pub const fn scaled_groups<S: Storage>(taps: usize) -> usize {
+    groups::<S>(taps).wrapping_add(2)
 }
 
 /// 16-bit weights (8-bit ones widened, or of more than 8 bits) for 16-bit activations.

@@ -3,8 +3,8 @@
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{Reader, WeightForm};
-use crate::kernel::{BLOCK, Blocks, Engine, Kernel, Quad, copy, finish};
-use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
+use crate::kernel::{BLOCK, Done, Engine, Kernel, Quad, copy, finish, scaling};
+use crate::storage::{Packed8, Packed16, Storage, Wide, groups, scaled_groups};
 use core::hash::{Hash, Hasher};
 use core::ops::Range;
 
@@ -14,32 +14,23 @@ mod sealed {
     impl Sealed for super::PackedWeights<'_> {}
 }
 
-/// What surrounds the products of a convolution.
-#[derive(Clone, Copy, Debug)]
-pub struct Scaling<'a, const OUT: usize> {
-    /// Biases.
-    pub biases: &'a [i32; OUT],
-    /// Factors to the next layer's scale, times 2^32.
-    pub multipliers: &'a [i32; OUT],
+/// What lies around the weights of an output.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Around {
+    /// Nothing: a head.
+    Nothing,
+    /// Its bias in front and its multiplier behind: a convolution.
+    Scaling,
 }
 
-impl<'a, const OUT: usize> Scaling<'a, OUT> {
-    /// Biases of the whole blocks.
-    #[inline]
-    fn block_biases(&self) -> &'a [[i32; BLOCK]] {
-        self.biases.as_chunks().0
-    }
-
-    /// Multipliers of the whole blocks.
-    #[inline]
-    fn block_multipliers(&self) -> &'a [[i32; BLOCK]] {
-        self.multipliers.as_chunks().0
-    }
-
-    /// Biases and multipliers of the outputs behind the blocks.
-    #[inline]
-    fn left(&self) -> impl Iterator<Item = (&'a i32, &'a i32)> + use<'a, OUT> {
-        self.biases.as_chunks::<BLOCK>().1.iter().zip(self.multipliers.as_chunks::<BLOCK>().1)
+impl Around {
+    /// Words in front of the weights, and as many behind them.
+    const fn words(self) -> usize {
+        match self {
+            Self::Nothing => 0,
+            Self::Scaling => 1,
+        }
     }
 }
 
@@ -63,93 +54,84 @@ impl<'a, S: Storage> Stored<'a, S> {
         place(self.rows, sum);
     }
 
-    fn read(reader: &mut Reader<'a>, outputs: usize, taps: usize) -> Result<Self, ImageError> {
-        let groups = groups::<S>(taps);
+    /// Words of one output.
+    const fn words(taps: usize, around: Around) -> usize {
+        groups::<S>(taps).wrapping_add(2 * around.words())
+    }
+
+    fn read(
+        reader: &mut Reader<'a>,
+        outputs: usize,
+        taps: usize,
+        around: Around,
+    ) -> Result<Self, ImageError> {
+        let words = Self::words(taps, around);
         Ok(Self {
-            quads: reader.slice((outputs / BLOCK).wrapping_mul(groups))?,
-            rows: reader.slice((outputs % BLOCK).wrapping_mul(groups))?,
+            quads: reader.slice((outputs / BLOCK).wrapping_mul(words))?,
+            rows: reader.slice((outputs % BLOCK).wrapping_mul(words))?,
             form: core::marker::PhantomData,
         })
     }
 
-    fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32> {
-        let (group, groups) = (tap / S::TAPS, groups::<S>(taps));
-        let quad = self.quads.chunks_exact(groups).nth(output / BLOCK);
-        let word = match quad {
-            Some(quad) => quad.get(group)?.get(output % BLOCK)?,
-            None => self.rows.chunks_exact(groups).nth(output % BLOCK)?.get(group)?,
-        };
-        Some(S::weight(*word, tap % S::TAPS))
+    /// One of an output's words.
+    fn word(&self, output: usize, index: usize, words: usize) -> Option<u32> {
+        match self.quads.chunks_exact(words).nth(output / BLOCK) {
+            Some(block) => block.get(index)?.get(output % BLOCK).copied(),
+            None => self.rows.chunks_exact(words).nth(output % BLOCK)?.get(index).copied(),
+        }
+    }
+
+    fn weight(&self, output: usize, tap: usize, taps: usize, around: Around) -> Option<i32> {
+        let index = around.words().wrapping_add(tap / S::TAPS);
+        let word = self.word(output, index, Self::words(taps, around))?;
+        Some(S::weight(word, tap % S::TAPS))
+    }
+
+    fn around(&self, output: usize, taps: usize) -> Option<[i32; 2]> {
+        let words = Self::words(taps, Around::Scaling);
+        let [bias, multiplier] = [0, words.wrapping_sub(1)].map(|index| self.word(output, index, words));
+        Some([bias?.cast_signed(), multiplier?.cast_signed()])
     }
 
     #[inline]
     fn pair<E: Engine + Kernel<S>, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        scaling: &Scaling<'_, OUT>,
         columns: &[[S::Activation; IN]],
         [first, second]: [&mut [B; OUT]; 2],
     ) -> u32 {
         let mut clipped = 0u32;
         let (first, first_left) = first.as_chunks_mut::<BLOCK>();
         let (second, second_left) = second.as_chunks_mut::<BLOCK>();
-        let quads = self.quads.chunks_exact(groups::<S>(K * IN));
-        let outputs = first.iter_mut().zip(second);
-        for ((quads, (biases, multipliers)), (first, second)) in
-            quads.zip(scaling.block_biases().iter().zip(scaling.block_multipliers())).zip(outputs)
-        {
-            let mut sums = [*biases; 2];
-            <E as Kernel<S>>::pair::<IN, K>(quads, columns, &mut sums);
+        let blocks = self.quads.chunks_exact(scaled_groups::<S>(K * IN));
+        for (block, (first, second)) in blocks.zip(first.iter_mut().zip(second)) {
+            let Some((biases, weights, multipliers)) = scaling(block) else { break };
+            let mut sums = [biases; 2];
+            <E as Kernel<S>>::pair::<IN, K>(weights, columns, &mut sums);
             let [at_first, at_second] = sums;
-            clipped = clipped.wrapping_add(finish::<E, B>(&at_first, multipliers, first));
-            clipped = clipped.wrapping_add(finish::<E, B>(&at_second, multipliers, second));
+            clipped = clipped.wrapping_add(finish::<E, B>(&at_first, &multipliers, first));
+            clipped = clipped.wrapping_add(finish::<E, B>(&at_second, &multipliers, second));
         }
         for (columns, outputs) in [(columns.first_chunk(), first_left), (columns.last_chunk(), second_left)] {
             if let Some(columns) = columns {
-                clipped = clipped.wrapping_add(self.left::<E, B, IN, OUT, K>(scaling, columns, outputs));
+                clipped = clipped.wrapping_add(self.left::<E, B, IN, K>(columns, outputs));
             }
         }
         clipped
     }
 
     #[inline]
-    fn blocks<
-        E: Engine + Kernel<S>,
-        B: Activation,
-        const IN: usize,
-        const OUT: usize,
-        const K: usize,
-        const N: usize,
-    >(
+    fn left<E: Engine + Kernel<S>, B: Activation, const IN: usize, const K: usize>(
         &self,
-        blocks: Range<usize>,
-        scaling: &Scaling<'_, OUT>,
-        columns: &[[S::Activation; IN]; K],
-        outputs: &mut [[B; OUT]],
-    ) -> u32 {
-        let groups = groups::<S>(K * IN);
-        let (start, end) = (blocks.start.wrapping_mul(groups), blocks.end.wrapping_mul(groups));
-        let first = blocks.start;
-        let blocks = Blocks {
-            weights: self.quads.get(start..end).unwrap_or_default(),
-            biases: scaling.block_biases().get(blocks.clone()).unwrap_or_default(),
-            multipliers: scaling.block_multipliers().get(blocks).unwrap_or_default(),
-        };
-        <E as Kernel<S>>::blocks::<B, IN, OUT, K, N>(&blocks, first, columns, outputs)
-    }
-
-    #[inline]
-    fn left<E: Engine + Kernel<S>, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
-        &self,
-        scaling: &Scaling<'_, OUT>,
         columns: &[[S::Activation; IN]; K],
         outputs: &mut [B],
     ) -> u32 {
         let mut clipped = 0u32;
-        let rows = self.rows.chunks_exact(groups::<S>(K * IN));
-        for ((row, (&bias, &multiplier)), output) in rows.zip(scaling.left()).zip(outputs) {
-            let sum = <E as Kernel<S>>::row::<IN, K>(row, columns, bias);
-            clipped =
-                clipped.wrapping_add(finish::<E, B>(&[sum], &[multiplier], core::slice::from_mut(output)));
+        let rows = self.rows.chunks_exact(scaled_groups::<S>(K * IN));
+        for (row, output) in rows.zip(outputs) {
+            let [bias, weights @ .., multiplier] = row else { break };
+            let sum = <E as Kernel<S>>::row::<IN, K>(weights, columns, bias.cast_signed());
+            let output = core::slice::from_mut(output);
+            clipped = clipped.wrapping_add(finish::<E, B>(&[sum], &[multiplier.cast_signed()], output));
         }
         clipped
     }
@@ -165,19 +147,21 @@ impl<'a, S: Storage> Stored<'a, S> {
     >(
         &self,
         units: Range<usize>,
-        scaling: &Scaling<'_, OUT>,
         columns: &[[S::Activation; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> u32 {
-        let blocks = units.start..units.end.min(OUT / BLOCK);
-        let clipped = self.blocks::<E, B, IN, OUT, K, N>(blocks, scaling, columns, outputs);
+    ) -> Done {
+        let groups = scaled_groups::<S>(K * IN);
+        let (start, end) =
+            (units.start.wrapping_mul(groups), units.end.min(OUT / BLOCK).wrapping_mul(groups));
+        let blocks = self.quads.get(start..end).unwrap_or_default();
+        let done = <E as Kernel<S>>::blocks::<B, IN, OUT, K, N>(blocks, units.start, columns, outputs);
         if units.end <= OUT / BLOCK {
-            return clipped;
+            return done;
         }
         let (_, left) = outputs.first_mut().map(|column| column.as_chunks_mut::<BLOCK>()).unwrap_or_default();
-        let behind = self.left::<E, B, IN, OUT, K>(scaling, columns, left);
+        let behind = self.left::<E, B, IN, K>(columns, left);
         copy::<B, OUT, N>(outputs, OUT / BLOCK * BLOCK..OUT);
-        clipped.wrapping_add(behind)
+        Done { clipped: done.clipped.wrapping_add(behind), ..done }
     }
 
     #[inline]
@@ -206,25 +190,24 @@ pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug
         form: WeightForm,
         outputs: usize,
         taps: usize,
+        around: Around,
     ) -> Result<Self, ImageError>;
 
     /// All outputs of a convolution at two neighbouring positions from `K + 1` columns; gives how many were clipped.
     fn pair<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        scaling: &Scaling<'_, OUT>,
         columns: &[[A; IN]],
         outputs: [&mut [B; OUT]; 2],
     ) -> u32;
 
     /// Some units (blocks, then what is left over) of a convolution's outputs at one position, to the first of some columns and, unless `N` is 0, to
-    /// the one `N` behind it; gives how many were clipped.
+    /// the one `N` behind it.
     fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         &self,
         units: Range<usize>,
-        scaling: &Scaling<'_, OUT>,
         columns: &[[A; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> u32;
+    ) -> Done;
 
     /// Adds a head's products to its sums.
     fn sums<E: Engine, const IN: usize, const OUT: usize, const K: usize>(
@@ -238,7 +221,12 @@ pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug
     fn constants(&self, sum: &mut impl Hasher);
 
     /// Weight of an output at one of `taps`, if there is such a one.
-    fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32>;
+    #[doc(hidden)]
+    fn weight(&self, output: usize, tap: usize, taps: usize, around: Around) -> Option<i32>;
+
+    /// Bias and multiplier of a convolution's output, if there is such a one.
+    #[doc(hidden)]
+    fn around(&self, output: usize, taps: usize) -> Option<[i32; 2]>;
 }
 
 /// Weights for 16-bit activations.
@@ -256,23 +244,23 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
         form: WeightForm,
         outputs: usize,
         taps: usize,
+        around: Around,
     ) -> Result<Self, ImageError> {
         Ok(match form {
-            WeightForm::Wide => Self::Wide(Stored::read(reader, outputs, taps)?),
-            WeightForm::Packed => Self::Packed(Stored::read(reader, outputs, taps)?),
+            WeightForm::Wide => Self::Wide(Stored::read(reader, outputs, taps, around)?),
+            WeightForm::Packed => Self::Packed(Stored::read(reader, outputs, taps, around)?),
         })
     }
 
     #[inline]
     fn pair<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        scaling: &Scaling<'_, OUT>,
         columns: &[[i16; IN]],
         outputs: [&mut [B; OUT]; 2],
     ) -> u32 {
         match self {
-            Self::Wide(weights) => weights.pair::<E, B, IN, OUT, K>(scaling, columns, outputs),
-            Self::Packed(weights) => weights.pair::<E, B, IN, OUT, K>(scaling, columns, outputs),
+            Self::Wide(weights) => weights.pair::<E, B, IN, OUT, K>(columns, outputs),
+            Self::Packed(weights) => weights.pair::<E, B, IN, OUT, K>(columns, outputs),
         }
     }
 
@@ -280,13 +268,12 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
     fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         &self,
         units: Range<usize>,
-        scaling: &Scaling<'_, OUT>,
         columns: &[[i16; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> u32 {
+    ) -> Done {
         match self {
-            Self::Wide(weights) => weights.units::<E, B, IN, OUT, K, N>(units, scaling, columns, outputs),
-            Self::Packed(weights) => weights.units::<E, B, IN, OUT, K, N>(units, scaling, columns, outputs),
+            Self::Wide(weights) => weights.units::<E, B, IN, OUT, K, N>(units, columns, outputs),
+            Self::Packed(weights) => weights.units::<E, B, IN, OUT, K, N>(units, columns, outputs),
         }
     }
 
@@ -310,10 +297,17 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
         }
     }
 
-    fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32> {
+    fn weight(&self, output: usize, tap: usize, taps: usize, around: Around) -> Option<i32> {
         match self {
-            Self::Wide(weights) => weights.weight(output, tap, taps),
-            Self::Packed(weights) => weights.weight(output, tap, taps),
+            Self::Wide(weights) => weights.weight(output, tap, taps, around),
+            Self::Packed(weights) => weights.weight(output, tap, taps, around),
+        }
+    }
+
+    fn around(&self, output: usize, taps: usize) -> Option<[i32; 2]> {
+        match self {
+            Self::Wide(weights) => weights.around(output, taps),
+            Self::Packed(weights) => weights.around(output, taps),
         }
     }
 }
@@ -323,30 +317,34 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
 pub struct PackedWeights<'a>(Stored<'a, Packed8>);
 
 impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
-    fn read(reader: &mut Reader<'a>, _: WeightForm, outputs: usize, taps: usize) -> Result<Self, ImageError> {
+    fn read(
+        reader: &mut Reader<'a>,
+        _: WeightForm,
+        outputs: usize,
+        taps: usize,
+        around: Around,
+    ) -> Result<Self, ImageError> {
         // A shape with wide weights on 8-bit inputs is none.
-        Stored::read(reader, outputs, taps).map(Self)
+        Stored::read(reader, outputs, taps, around).map(Self)
     }
 
     #[inline]
     fn pair<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
-        scaling: &Scaling<'_, OUT>,
         columns: &[[i8; IN]],
         outputs: [&mut [B; OUT]; 2],
     ) -> u32 {
-        self.0.pair::<E, B, IN, OUT, K>(scaling, columns, outputs)
+        self.0.pair::<E, B, IN, OUT, K>(columns, outputs)
     }
 
     #[inline]
     fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         &self,
         units: Range<usize>,
-        scaling: &Scaling<'_, OUT>,
         columns: &[[i8; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> u32 {
-        self.0.units::<E, B, IN, OUT, K, N>(units, scaling, columns, outputs)
+    ) -> Done {
+        self.0.units::<E, B, IN, OUT, K, N>(units, columns, outputs)
     }
 
     #[inline]
@@ -362,7 +360,11 @@ impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
         self.0.constants(sum);
     }
 
-    fn weight(&self, output: usize, tap: usize, taps: usize) -> Option<i32> {
-        self.0.weight(output, tap, taps)
+    fn weight(&self, output: usize, tap: usize, taps: usize, around: Around) -> Option<i32> {
+        self.0.weight(output, tap, taps, around)
+    }
+
+    fn around(&self, output: usize, taps: usize) -> Option<[i32; 2]> {
+        self.0.around(output, taps)
     }
 }

@@ -83,7 +83,7 @@ fn each_field_of_the_header_has_its_own_reason() {
     let length = shipped(Bearing::Babbitt).len();
     assert_eq!(resealed(|_| ()), Ok(()));
     assert_eq!(resealed(|image| put(image, 0, b"ELF")), Err(ImageError::Magic));
-    assert_eq!(resealed(|image| put(image, 8, &[9, 0])), Err(ImageError::Version { found: 9, expected: 2 }));
+    assert_eq!(resealed(|image| put(image, 8, &[9, 0])), Err(ImageError::Version { found: 9, expected: 3 }));
     assert_eq!(resealed(|image| put(image, 10, &[7])), Err(ImageError::Bearing { found: 7 }));
     assert_eq!(
         resealed(|image| put(image, 12, &1u32.to_le_bytes())),
@@ -134,8 +134,8 @@ fn layers_are_refused_by_name() {
         if layer == first && shape.columns == 5));
     let nonsense = resealed(|image| put(image, HEADER_LENGTH, &[9]));
     assert!(matches!(nonsense, Err(ImageError::Shape { layer, found: None, .. }) if layer == first));
-    // The multipliers of the first layer stand behind its 16 biases.
-    let zero = resealed(|image| put(image, HEADER_LENGTH + SHAPE_LENGTH + 64, &[0; 4]));
+    // The first layer's multipliers stand behind four biases and four times 12 groups of weights.
+    let zero = resealed(|image| put(image, HEADER_LENGTH + SHAPE_LENGTH + 13 * 16, &[0; 4]));
     assert_eq!(zero, Err(ImageError::Scale { layer: first }));
     let bias = resealed(|image| put(image, HEADER_LENGTH + SHAPE_LENGTH + 8, &i32::MAX.to_le_bytes()));
     assert!(

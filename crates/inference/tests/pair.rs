@@ -2,7 +2,7 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use inference::image::write::seal;
-use inference::image::{HEADER_LENGTH, LayerShape, SHAPE_LENGTH};
+use inference::image::{CRC_LENGTH, HEADER_LENGTH, LayerShape, SHAPE_LENGTH};
 use inference::kernel::Portable;
 use inference::{Bearing, ContactState, Estimate, Flags, Model, Pair, Sample, WINDOW, shipped};
 use proptest::prelude::*;
@@ -100,11 +100,12 @@ fn reorder_friction(image: &mut [u8], by: usize) {
     for layer in 0.. {
         let Some(shape) = image[at..].first_chunk().and_then(LayerShape::from_bytes) else { break };
         let end = at + shape.length();
-        // Four layers a network. Convolutions have a bias and a multiplier for each output before their weights.
+        // Four layers a network. In a convolution a block of four outputs has biases in front of its weights and multipliers behind.
         if (4..7).contains(&layer) {
-            let weights = &mut image[at + SHAPE_LENGTH + 8 * usize::from(shape.outputs)..end];
-            let row = weights.len() / usize::from(shape.outputs);
-            weights.chunks_exact_mut(row).for_each(|row| row.rotate_right(4 * by % row.len()));
+            let blocks = image[at + SHAPE_LENGTH..end].chunks_exact_mut(16 * (shape.groups() + 2));
+            for block in blocks {
+                block[16..16 * (shape.groups() + 1)].rotate_right(4 * by % (16 * shape.groups()));
+            }
         }
         at = end;
     }
@@ -235,12 +236,34 @@ fn each_input_outside_the_training_range_has_its_flag() {
 }
 
 #[test]
+fn a_coefficient_of_one_is_no_friction() {
+    let coefficient_times = |power: u32| {
+        let mut words = vec![0u32; shipped(Bearing::Babbitt).len() / 4];
+        let image: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
+        image.copy_from_slice(shipped(Bearing::Babbitt));
+        // The friction network's head is the last layer: scale, one bias, 16 groups of weights.
+        let shift = &mut image[shipped(Bearing::Babbitt).len() - CRC_LENGTH - 4 * 18..][..4];
+        let found = u32::from_le_bytes(shift.try_into().expect("four bytes"));
+        shift.copy_from_slice(&(found - power).to_le_bytes());
+        seal(image);
+        let mut pair: Pair = Pair::new(Model::load(image).expect("changed image"));
+        (0..2 * WINDOW as i32).map(|_| pair.step(&sample(3))).last().expect("estimates")
+    };
+    let sound = coefficient_times(0);
+    let share = f64::from(sound.friction_force_mn.abs()) / f64::from(sound.normal_force_mn);
+    assert!(share > 0.0 && !sound.flags.contains(Flags::IMPLAUSIBLE_FRICTION), "{share}");
+    let needed = (1.0 / share).log2().ceil() as u32;
+    assert!(!coefficient_times(needed - 1).flags.contains(Flags::IMPLAUSIBLE_FRICTION));
+    assert!(coefficient_times(needed).flags.contains(Flags::IMPLAUSIBLE_FRICTION));
+}
+
+#[test]
 fn a_single_clipped_activation_is_counted_and_flagged() {
     let mut words = vec![0u32; shipped(Bearing::Babbitt).len() / 4];
     let image: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
     image.copy_from_slice(shipped(Bearing::Babbitt));
-    // The multipliers of the first layer stand behind its shape and 16 biases: its first output at the largest factor.
-    let at = HEADER_LENGTH + SHAPE_LENGTH + 64;
+    // The first multiplier stands behind the layer's shape, four biases and four times 12 groups of weights: the first output at the largest factor.
+    let at = HEADER_LENGTH + SHAPE_LENGTH + 13 * 16;
     image[at..at + 4].copy_from_slice(&i32::MAX.to_le_bytes());
     seal(image);
     let mut pair: Pair = Pair::new(Model::load(image).expect("changed image"));

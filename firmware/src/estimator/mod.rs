@@ -25,8 +25,6 @@
 //! parabola through a swing of 60 Hz by 28 mrad. Until the windows are full after a start, a gap or a jump the newest raw position is used and
 //! the rates are 0: flagged, not guessed.
 
-#[cfg(test)]
-mod carried;
 mod conditioning;
 mod geometry;
 mod latch;
@@ -37,6 +35,8 @@ mod plausibility;
 mod response;
 mod setup;
 mod signals;
+#[cfg(test)]
+mod tests;
 mod whole;
 mod window;
 

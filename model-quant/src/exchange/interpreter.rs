@@ -76,26 +76,33 @@ impl Layer {
         let (layer, behind) = bytes.split_at_checked(shape.length())?;
         let words: Vec<u32> =
             layer.get(SHAPE_LENGTH..)?.as_chunks::<4>().0.iter().map(|w| u32::from_le_bytes(*w)).collect();
-        let signed = |words: &[u32]| words.iter().map(|word| word.cast_signed()).collect();
-        let (outputs, scale) = (usize::from(shape.outputs), shape.scale_length() / 4);
-        let (biases, multipliers, scale) = match shape.kind {
-            LayerKind::Convolution => (
-                signed(words.get(..outputs)?),
-                signed(words.get(outputs..outputs + scale)?),
-                Scale { multiplier: 0, shift: 0 },
-            ),
+        let outputs = usize::from(shape.outputs);
+        let no_scale = Scale { multiplier: 0, shift: 0 };
+        let (scale, biases, words) = match shape.kind {
+            LayerKind::Convolution => (no_scale, &[][..], &words[..]),
             LayerKind::Head => {
-                let [multiplier, shift] = *words.first_chunk()?;
-                let scale = Scale { multiplier: multiplier.cast_signed(), shift };
-                (signed(words.get(2..2 + outputs)?), Vec::new(), scale)
+                let (&[multiplier, shift], rest) = words.split_first_chunk()?;
+                let (biases, rest) = rest.split_at_checked(outputs)?;
+                (Scale { multiplier: multiplier.cast_signed(), shift }, biases, rest)
             }
         };
-        let groups = words.get(outputs + shape.scale_length() / 4..)?;
-        let weights = match (shape.form, shape.input_bits) {
-            (WeightForm::Wide, _) => unpacked::<Wide>(groups, &shape),
-            (WeightForm::Packed, 8) => unpacked::<Packed8>(groups, &shape),
-            (WeightForm::Packed, _) => unpacked::<Packed16>(groups, &shape),
-        }?;
+        let mut biases: Vec<i32> = biases.iter().map(|bias| bias.cast_signed()).collect();
+        let (mut multipliers, mut weights) = (Vec::new(), Vec::new());
+        for row in rows(words, outputs)? {
+            let groups = match (shape.kind, &row[..]) {
+                (LayerKind::Convolution, [bias, groups @ .., multiplier]) => {
+                    biases.push(bias.cast_signed());
+                    multipliers.push(multiplier.cast_signed());
+                    groups
+                }
+                (_, groups) => groups,
+            };
+            weights.extend(match (shape.form, shape.input_bits) {
+                (WeightForm::Wide, _) => unpacked::<Wide>(groups, shape.taps()),
+                (WeightForm::Packed, 8) => unpacked::<Packed8>(groups, shape.taps()),
+                (WeightForm::Packed, _) => unpacked::<Packed16>(groups, shape.taps()),
+            }?);
+        }
         Some((Self { shape, biases, multipliers, scale, weights }, behind))
     }
 
@@ -136,21 +143,22 @@ impl Layer {
     }
 }
 
-/// Weights by output, then tap: whole blocks of outputs lie side by side, the outputs left over one after another.
-fn unpacked<S: Storage>(groups: &[u32], shape: &LayerShape) -> Option<Vec<i32>> {
-    let (per_output, outputs) = (shape.groups(), usize::from(shape.outputs));
-    let whole = outputs / BLOCK * BLOCK;
-    let mut weights = Vec::with_capacity(outputs * shape.taps());
-    for output in 0..outputs {
-        for tap in 0..shape.taps() {
-            let group = tap / S::TAPS;
-            let place = if output < whole {
-                (output / BLOCK * per_output + group) * BLOCK + output % BLOCK
-            } else {
-                output * per_output + group
-            };
-            weights.push(S::weight(*groups.get(place)?, tap % S::TAPS));
+/// The words of each output: those of whole blocks of outputs lie side by side, those of the outputs left over one after another.
+fn rows(words: &[u32], outputs: usize) -> Option<Vec<Vec<u32>>> {
+    let (whole, per_output) = (outputs / BLOCK * BLOCK, words.len() / outputs);
+    let place = |output: usize, index: usize| {
+        if output < whole {
+            (output / BLOCK * per_output + index) * BLOCK + output % BLOCK
+        } else {
+            output * per_output + index
         }
-    }
-    Some(weights)
+    };
+    let row = |output| (0..per_output).map(|index| words.get(place(output, index)).copied()).collect();
+    (0..outputs).map(row).collect()
+}
+
+/// The weights of an output.
+fn unpacked<S: Storage>(groups: &[u32], taps: usize) -> Option<Vec<i32>> {
+    let weight = |tap: usize| Some(S::weight(*groups.get(tap / S::TAPS)?, tap % S::TAPS));
+    (0..taps).map(weight).collect()
 }

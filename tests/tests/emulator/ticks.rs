@@ -24,11 +24,19 @@ const SAMPLES: u32 = 10_000;
 /// Samples after which everything that takes turns begins again.
 const ROUND: usize = (BLOCK * STRIDE) as usize;
 
-/// Every tick with its estimate: an estimate tells of the tick before it.
+/// What the counter says in whole instructions. Where it starts anew, the emulator holds it at 0 up to the end of the instruction, and a reading just then
+/// is short by a part of one: no time of a core's, so none that counts.
+fn instructions(ticks: u32) -> Option<u32> {
+    let exact = f64::from(ticks) / TICKS_PER_INSTRUCTION;
+    // Two readings cut off to whole ticks: less than one off.
+    ((exact - exact.round()).abs() * TICKS_PER_INSTRUCTION < 1.0).then_some(exact.round() as u32)
+}
+
+/// Every tick with its estimate: an estimate tells of the tick before it. At most two in 10,000 have no time.
 fn ticks(
     configuration: ControllerConfiguration,
     frames: &[(SensorFrame, SensorStatus)],
-) -> Vec<(u32, EstimateFrame)> {
+) -> Vec<(Option<u32>, EstimateFrame)> {
     let configure = NumberedCommand { id: 1, command: Command::Configure(configuration) };
     let samples = frames.iter().map(|&(frame, status)| ToController::Sensor(frame, status));
     let messages: Vec<_> = std::iter::once(ToController::Command(configure)).chain(samples).collect();
@@ -42,10 +50,10 @@ fn ticks(
         })
         .collect();
     assert_eq!(estimates.len(), frames.len());
-    let instructions = |estimate: &EstimateFrame| {
-        (f64::from(estimate.instruction_ticks) / TICKS_PER_INSTRUCTION).round() as u32
-    };
-    estimates.windows(2).map(|pair| (instructions(&pair[1]), pair[0])).collect()
+    let ticks = estimates.windows(2).map(|pair| (instructions(pair[1].instruction_ticks), pair[0]));
+    let ticks: Vec<_> = ticks.collect();
+    assert!(ticks.iter().filter(|(cost, _)| cost.is_none()).count() <= 2);
+    ticks
 }
 
 #[test]
@@ -68,6 +76,7 @@ fn no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data() {
         // By place; but for the first sample of all, which also starts the watch.
         let mut costs = vec![BTreeMap::new(); ROUND];
         for (index, &(cost, estimate)) in ticks.iter().enumerate().skip(1) {
+            let Some(cost) = cost else { continue };
             let interrupted = Flags::from_bits(estimate.flags).intersects(INTERRUPTIONS);
             *costs[index % ROUND].entry(cost).or_insert(true) &= interrupted;
         }
@@ -78,8 +87,8 @@ fn no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data() {
                 restarts.insert(cost - goes_on);
             }
         }
-        least = ticks.iter().map(|(cost, _)| *cost).fold(least, u32::min);
-        most = ticks.iter().map(|(cost, _)| *cost).fold(most, u32::max);
+        least = ticks.iter().filter_map(|(cost, _)| *cost).fold(least, u32::min);
+        most = ticks.iter().filter_map(|(cost, _)| *cost).fold(most, u32::max);
         flags |= ticks.iter().fold(0, |all, (_, estimate)| all | estimate.flags);
     }
     assert!(Flags::from_bits(flags).contains(SENSOR_FAULT | HELD | OVER_FORCE), "{flags:08x}");

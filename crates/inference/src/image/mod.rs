@@ -18,10 +18,11 @@
 //!
 //! A layer is its [`LayerShape`] (12 bytes), then
 //!
-//! * a convolution: one i32 bias and one i32 multiplier (the real factor times 2^32) per output, the weights;
+//! * a convolution: per output an i32 bias, the weights, an i32 multiplier (the real factor times 2^32);
 //! * a head: i32 multiplier and u32 shift of its scale (multiplier / 2^shift), one i32 bias per output, the weights.
 //!
-//! The order of the weights is told in [`crate::storage`]; every group of them takes four bytes.
+//! The order is told in [`crate::storage`]; every group of weights takes four bytes. (Format 2 had a convolution's biases and multipliers in
+//! front of all its weights.)
 
 mod header;
 mod load;
@@ -41,7 +42,7 @@ pub use shape::{LayerKind, LayerShape, WeightForm};
 /// Magic of a model image.
 pub const MAGIC: [u8; 8] = *b"PINTLEM\n";
 /// Version of the format.
-pub const FORMAT_VERSION: u16 = 2;
+pub const FORMAT_VERSION: u16 = 3;
 /// Bytes of the header.
 pub const HEADER_LENGTH: usize = 64;
 /// Bytes of a layer's shape.

@@ -56,22 +56,22 @@ pub const fn prove(networks: &[u8]) -> Result<(), Unproven> {
     if rest.is_empty() { Ok(()) } else { Err(Unproven::Malformed { layer }) }
 }
 
-const fn prove_layer(layer: u8, shape: &LayerShape, body: &[u8]) -> Result<(), Unproven> {
+const fn prove_layer(layer: u8, shape: &LayerShape, mut body: &[u8]) -> Result<(), Unproven> {
     let malformed = Err(Unproven::Malformed { layer });
     let outputs = shape.outputs as usize;
-    // A convolution has its biases first, a head its scale.
-    let (first, second) = match shape.kind {
-        LayerKind::Convolution => (outputs.wrapping_mul(4), shape.scale_length()),
-        LayerKind::Head => (shape.scale_length(), outputs.wrapping_mul(4)),
-    };
-    let Some((first, body)) = body.split_at_checked(first) else { return malformed };
-    let Some((second, mut weights)) = body.split_at_checked(second) else { return malformed };
-    let (mut biases, scales) = match shape.kind {
-        LayerKind::Convolution => (first, second),
-        LayerKind::Head => (second, first),
-    };
-    if !scales_are_sound(shape, scales) {
-        return Err(Unproven::Scale { layer });
+    let is_head = matches!(shape.kind, LayerKind::Head);
+    let mut head_biases: &[u8] = &[];
+    if is_head {
+        let (Some(multiplier), Some(shift)) = (word(&mut body), word(&mut body)) else { return malformed };
+        let shift = u32::from_le_bytes(shift);
+        let in_range = shift >= *SHIFT_RANGE.start() && shift <= *SHIFT_RANGE.end();
+        if i32::from_le_bytes(multiplier) <= 0 || !in_range {
+            return Err(Unproven::Scale { layer });
+        }
+        (head_biases, body) = match body.split_at_checked(outputs.wrapping_mul(4)) {
+            Some(parts) => parts,
+            None => return malformed,
+        };
     }
     let mut output = 0;
     while output < outputs {
@@ -79,19 +79,18 @@ const fn prove_layer(layer: u8, shape: &LayerShape, body: &[u8]) -> Result<(), U
         let mut sums = [0i64; BLOCK];
         let mut lane = 0;
         while lane < side_by_side {
-            let Some((bias, behind)) = biases.split_first_chunk::<4>() else { return malformed };
-            set(&mut sums, lane, i32::from_le_bytes(*bias).unsigned_abs() as i64);
-            biases = behind;
+            let bias = word(if is_head { &mut head_biases } else { &mut body });
+            let Some(bias) = bias else { return malformed };
+            set(&mut sums, lane, i32::from_le_bytes(bias).unsigned_abs() as i64);
             lane = lane.wrapping_add(1);
         }
         let mut group = 0;
         while group < shape.groups().wrapping_mul(side_by_side) {
-            let Some((bytes, behind)) = weights.split_first_chunk::<4>() else { return malformed };
+            let Some(bytes) = word(&mut body) else { return malformed };
             let lane = group % side_by_side;
             let grown = get(&sums, lane)
-                .wrapping_add(magnitude(shape.form, *bytes) << (shape.input_bits.wrapping_sub(1) & 15));
+                .wrapping_add(magnitude(shape.form, bytes) << (shape.input_bits.wrapping_sub(1) & 15));
             set(&mut sums, lane, grown);
-            weights = behind;
             group = group.wrapping_add(1);
         }
         let mut lane = 0;
@@ -100,11 +99,28 @@ const fn prove_layer(layer: u8, shape: &LayerShape, body: &[u8]) -> Result<(), U
             if largest > i32::MAX as i64 {
                 return Err(Unproven::Overflow { layer, output: output.wrapping_add(lane) as u16, largest });
             }
+            if !is_head {
+                let Some(multiplier) = word(&mut body) else { return malformed };
+                if i32::from_le_bytes(multiplier) <= 0 {
+                    return Err(Unproven::Scale { layer });
+                }
+            }
             lane = lane.wrapping_add(1);
         }
         output = output.wrapping_add(side_by_side);
     }
-    if weights.is_empty() { Ok(()) } else { malformed }
+    if body.is_empty() { Ok(()) } else { malformed }
+}
+
+/// The next four bytes.
+const fn word(bytes: &mut &[u8]) -> Option<[u8; 4]> {
+    match bytes.split_first_chunk() {
+        Some((word, behind)) => {
+            *bytes = behind;
+            Some(*word)
+        }
+        None => None,
+    }
 }
 
 /// Reads one of four; a lane past the end, which there is not, would read 0.
@@ -131,23 +147,4 @@ const fn magnitude(form: WeightForm, [a, b, c, d]: [u8; 4]) -> i64 {
             (low.unsigned_abs() as i64).wrapping_add(high.unsigned_abs() as i64)
         }
     }
-}
-
-const fn scales_are_sound(shape: &LayerShape, mut scales: &[u8]) -> bool {
-    let mut index = 0;
-    while let Some((bytes, behind)) = scales.split_first_chunk::<4>() {
-        let is_shift = matches!(shape.kind, LayerKind::Head) && index == 1;
-        let sound = if is_shift {
-            let shift = u32::from_le_bytes(*bytes);
-            shift >= *SHIFT_RANGE.start() && shift <= *SHIFT_RANGE.end()
-        } else {
-            i32::from_le_bytes(*bytes) > 0
-        };
-        if !sound {
-            return false;
-        }
-        scales = behind;
-        index = 1;
-    }
-    true
 }

@@ -112,7 +112,7 @@ impl LayerShape {
         self.taps().div_ceil(self.taps_per_group())
     }
 
-    /// Bytes of the numbers in front of the biases and of the multipliers.
+    /// Bytes of a convolution's multipliers, of a head's scale.
     pub const fn scale_length(&self) -> usize {
         match self.kind {
             LayerKind::Convolution => (self.outputs as usize).wrapping_mul(4),

@@ -65,20 +65,25 @@ impl Room<'_> {
         self.put(&word.to_le_bytes())
     }
 
-    fn weights<S: Storage>(&mut self, weights: &[i16], shape: &LayerShape) -> Result<(), WriteError> {
-        let whole = shape.outputs as usize / BLOCK * BLOCK * shape.taps();
-        let (blocks, left) = weights.split_at_checked(whole).ok_or(WriteError::Lengths)?;
-        for block in blocks.chunks(BLOCK * shape.taps()) {
+    /// Outputs, four at a time as long as there are so many; around the weights of each what there is of biases and multipliers.
+    fn outputs<S: Storage>(
+        &mut self,
+        [biases, multipliers]: [&[i32]; 2],
+        parts: &LayerParts<'_>,
+    ) -> Result<(), WriteError> {
+        let (shape, outputs) = (&parts.shape, parts.shape.outputs as usize);
+        let mut first = 0;
+        while first < outputs {
+            let together = if outputs - first >= BLOCK { BLOCK } else { 1 };
+            let own = first..first + together;
+            self.put(bytemuck::cast_slice(biases.get(own.clone()).unwrap_or_default()))?;
             for group in 0..shape.groups() {
-                for row in block.chunks(shape.taps()) {
+                for row in parts.weights.chunks(shape.taps()).skip(first).take(together) {
                     self.group::<S>(row, group)?;
                 }
             }
-        }
-        for row in left.chunks(shape.taps()) {
-            for group in 0..shape.groups() {
-                self.group::<S>(row, group)?;
-            }
+            self.put(bytemuck::cast_slice(multipliers.get(own).unwrap_or_default()))?;
+            first += together;
         }
         Ok(())
     }
@@ -92,16 +97,19 @@ impl Room<'_> {
             return Err(WriteError::Lengths);
         }
         self.put(&shape.to_bytes())?;
-        if shape.kind == LayerKind::Head {
-            self.put(&scale.multiplier.to_le_bytes())?;
-            self.put(&scale.shift.to_le_bytes())?;
-        }
-        self.put(bytemuck::cast_slice(biases))?;
-        self.put(bytemuck::cast_slice(multipliers))?;
+        let around = match shape.kind {
+            LayerKind::Convolution => [biases, multipliers],
+            LayerKind::Head => {
+                self.put(&scale.multiplier.to_le_bytes())?;
+                self.put(&scale.shift.to_le_bytes())?;
+                self.put(bytemuck::cast_slice(biases))?;
+                [&[][..]; 2]
+            }
+        };
         match (shape.form, shape.input_bits) {
-            (WeightForm::Wide, _) => self.weights::<Wide>(weights, &shape),
-            (WeightForm::Packed, 8) => self.weights::<Packed8>(weights, &shape),
-            (WeightForm::Packed, _) => self.weights::<Packed16>(weights, &shape),
+            (WeightForm::Wide, _) => self.outputs::<Wide>(around, parts),
+            (WeightForm::Packed, 8) => self.outputs::<Packed8>(around, parts),
+            (WeightForm::Packed, _) => self.outputs::<Packed16>(around, parts),
         }
     }
 }

@@ -31,7 +31,7 @@ mod layer;
 
 pub(crate) use difference::difference;
 
-use super::{BLOCK, Blocks, Engine, Kernel, Quad};
+use super::{BLOCK, Done, Engine, Kernel, Quad};
 use crate::activation::Activation;
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
 use core::arch::{asm, naked_asm};
@@ -288,15 +288,15 @@ kernel!(Wide, 2, 2,
     ),
     #[inline]
     fn blocks<B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
-        blocks: &Blocks<'_>,
+        blocks: &[Quad],
         first: usize,
         columns: &[[i16; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> u32 {
+    ) -> Done {
         let wide = if B::BITS == 16 { bytemuck::try_cast_slice_mut(outputs.as_flattened_mut()).ok() } else { None };
         let own = wide.and_then(|outputs| outputs.get_mut(first.wrapping_mul(BLOCK)..));
         match own.and_then(|outputs| layer::run::<IN, OUT, K, N>(blocks, columns, outputs)) {
-            Some(clipped) => clipped,
+            Some(done) => done,
             None => super::blockwise::<Self, Wide, B, IN, OUT, K, N>(blocks, first, columns, outputs),
         }
     }

@@ -8,7 +8,7 @@
 //! that none overflows ([`crate::image::prove`]): so all of them give the same bits, which tests show on every one of them.
 
 use crate::activation::Activation;
-use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
+use crate::storage::{Packed8, Packed16, Storage, Wide, scaled_groups};
 use core::ops::Range;
 
 #[cfg(pintle_dsp)]
@@ -25,15 +25,13 @@ pub const BLOCK: usize = 4;
 /// Weights of four outputs in one group of taps.
 pub type Quad = [u32; BLOCK];
 
-/// Whole blocks of a convolution's outputs: what surrounds their products, block by block.
-#[derive(Clone, Copy, Debug)]
-pub struct Blocks<'a> {
-    /// Weights, a block behind the other.
-    pub weights: &'a [Quad],
-    /// Biases.
-    pub biases: &'a [[i32; BLOCK]],
-    /// Factors to the next layer's scale, times 2^32.
-    pub multipliers: &'a [[i32; BLOCK]],
+/// What a layer's outputs tell beside themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Done {
+    /// Activations clipped at full scale.
+    pub clipped: u32,
+    /// Not 0 where the way through the layer's numbers did not end where they end: the outputs are not to be trusted.
+    pub astray: u32,
 }
 
 /// Dot products with weights of one form of storage.
@@ -63,14 +61,14 @@ pub trait Kernel<S: Storage> {
     ) -> i32;
 
     /// The outputs of some blocks at one position, scaled, clipped and stored, the `first` of them and on, in the first of some columns and, unless `N`
-    /// is 0, in the one `N` behind it; gives how many were clipped.
+    /// is 0, in the one `N` behind it. Each block is [`scaled_groups`]`(K * IN)` long.
     #[inline]
     fn blocks<B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
-        blocks: &Blocks<'_>,
+        blocks: &[Quad],
         first: usize,
         columns: &[[S::Activation; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> u32
+    ) -> Done
     where
         Self: Engine + Sized,
     {
@@ -89,24 +87,31 @@ fn blockwise<
     const K: usize,
     const N: usize,
 >(
-    blocks: &Blocks<'_>,
+    blocks: &[Quad],
     first: usize,
     columns: &[[S::Activation; IN]; K],
     outputs: &mut [[B; OUT]],
-) -> u32 {
+) -> Done {
     let mut clipped = 0u32;
     let (own, _) = outputs.first_mut().map(|column| column.as_chunks_mut::<BLOCK>()).unwrap_or_default();
     let own = own.get_mut(first..).unwrap_or_default();
-    let quads = blocks.weights.chunks_exact(groups::<S>(K * IN));
-    let scaling = blocks.biases.iter().zip(blocks.multipliers);
-    for ((quads, (biases, multipliers)), outputs) in quads.zip(scaling).zip(own) {
-        let mut sums = *biases;
-        <E as Kernel<S>>::block::<IN, K>(quads, columns, &mut sums);
-        clipped = clipped.wrapping_add(finish::<E, B>(&sums, multipliers, outputs));
-    }
+    let blocks = blocks.chunks_exact(scaled_groups::<S>(K * IN));
     let start = first.wrapping_mul(BLOCK);
-    copy::<B, OUT, N>(outputs, start..start.wrapping_add(blocks.biases.len().wrapping_mul(BLOCK)));
-    clipped
+    let end = start.wrapping_add(blocks.len().wrapping_mul(BLOCK));
+    for (block, outputs) in blocks.zip(own) {
+        let Some((mut sums, weights, multipliers)) = scaling(block) else { break };
+        <E as Kernel<S>>::block::<IN, K>(weights, columns, &mut sums);
+        clipped = clipped.wrapping_add(finish::<E, B>(&sums, &multipliers, outputs));
+    }
+    copy::<B, OUT, N>(outputs, start..end);
+    Done { clipped, astray: 0 }
+}
+
+/// A block's biases, weights and multipliers.
+#[inline]
+pub(crate) fn scaling(block: &[Quad]) -> Option<([i32; BLOCK], &[Quad], [i32; BLOCK])> {
+    let [biases, weights @ .., multipliers] = block else { return None };
+    Some((biases.map(u32::cast_signed), weights, multipliers.map(u32::cast_signed)))
 }
 
 /// Copies some outputs of the first column to the one `N` behind it, unless that is itself.

@@ -9,21 +9,24 @@
 //! side by side. UQADD16 with 0x8000 in each half saturates exactly those, and EOR with the same takes it away again: what is left is the
 //! smaller of the value and 0x7FFF.
 //!
+//! Biases, weights and multipliers come one behind the other, so a single pointer, which never leaves its register, goes through all of them. The function gives
+//! where it ended: elsewhere than the layer does if what it keeps on the stack (the place of the outputs and their end) was not what it had put there.
+//!
 //! # Safety argument
 //!
-//! `K * IN` is even and the columns are `K * IN / 2` words; the weights are `blocks * K * IN / 2` groups of four words; biases,
-//! multipliers (four words each) and outputs (two words) are `blocks`, which is not 0; as much memory for outputs is `N` columns of `OUT` behind these. [`run`] checks
-//! all of it, and that columns and outputs stand at addresses divisible by 4, as LDRD, STRD, LDM and STM need it; otherwise it does nothing. Flags (GE and Q among them), r0 to r3, r12 and, in
-//! the caller's frame, the two arguments on the stack are the function's own by the procedure call standard; it saves the other registers
+//! `K * IN` is even and the columns are `K * IN / 2` words; the layer is `blocks` (not 0) times `K * IN / 2 + 2` groups of four words; outputs (two words) are
+//! `blocks`; as much memory for outputs is `N` columns of `OUT` behind these. [`run`] checks
+//! all of it, and that columns and outputs stand at addresses divisible by 4, as LDRD, STRD, LDM and STM need it; otherwise it does nothing. Flags (GE and Q among them),
+//! r0 to r3 and r12 are the function's own by the procedure call standard; it saves the other registers
 //! that it uses. Its 56 bytes of stack keep the stack pointer aligned to 8, and it touches no other memory.
 
-use crate::kernel::{BLOCK, Blocks, Quad};
+use crate::kernel::{BLOCK, Done, Quad};
 use core::arch::naked_asm;
 
 /// Products of outputs 0 to 3 with a pair of activations: `$a` to `$d` are the weights.
 macro_rules! four {
     ($x:literal: $a:literal, $b:literal, $c:literal, $d:literal) => {
-        concat!(two!($x: "r3", $a, "r4", $b), two!($x: "r5", $c, "r6", $d))
+        concat!(two!($x: "r4", $a, "r5", $b), two!($x: "r6", $c, "r7", $d))
     };
 }
 /// Products of two outputs.
@@ -38,12 +41,12 @@ macro_rules! two {
 /// The next six words of weights; the next two pairs of activations.
 macro_rules! weights {
     () => {
-        "ldm r1!, {{r7-r11, lr}}\n"
+        "ldm r2!, {{r8-r12, lr}}\n"
     };
 }
 macro_rules! activations {
     () => {
-        "ldrd r0, r12, [r2], #8\n"
+        "ldrd r0, r1, [r3], #8\n"
     };
 }
 /// Six pairs of taps.
@@ -51,39 +54,32 @@ macro_rules! six {
     () => {
         concat!(
             activations!(), weights!(),
-            four!("r0": "r7", "r8", "r9", "r10"), two!("r12": "r3", "r11", "r4", "lr"),
+            four!("r0": "r8", "r9", "r10", "r11"), two!("r1": "r4", "r12", "r5", "lr"),
             weights!(),
-            two!("r12": "r5", "r7", "r6", "r8"), activations!(), four!("r0": "r9", "r10", "r11", "lr"),
+            two!("r1": "r6", "r8", "r7", "r9"), activations!(), four!("r0": "r10", "r11", "r12", "lr"),
             weights!(),
-            four!("r12": "r7", "r8", "r9", "r10"), activations!(), two!("r0": "r3", "r11", "r4", "lr"),
+            four!("r1": "r8", "r9", "r10", "r11"), activations!(), two!("r0": "r4", "r12", "r5", "lr"),
             weights!(),
-            two!("r0": "r5", "r7", "r6", "r8"), four!("r12": "r9", "r10", "r11", "lr")
+            two!("r0": "r6", "r8", "r7", "r9"), four!("r1": "r10", "r11", "r12", "lr")
         )
     };
 }
 
-/// Words behind the stack pointer: biases, clipped, (columns), multipliers, nine saved registers (r12 is there for the alignment), outputs, count of blocks, which becomes the end
-/// of the outputs.
+/// Words behind the stack pointer: outputs, their end, clipped, columns, ten saved registers (r12 is there for the alignment). Gives how many outputs were clipped and,
+/// in the upper half, where the way through the blocks ended.
 #[unsafe(naked)]
 unsafe extern "C" fn wide_layer<const IN: usize, const OUT: usize, const K: usize, const N: usize>(
-    biases: *const [i32; BLOCK],
-    weights: *const Quad,
+    outputs: *mut i16,
+    end: *const i16,
+    blocks: *const Quad,
     columns: *const u32,
-    multipliers: *const [i32; BLOCK],
-    outputs: *mut [u32; 2],
-    blocks: usize,
-) -> u32 {
+) -> u64 {
     naked_asm!(
         "push {{r0-r12, lr}}",
-        "mov r7, #0",
-        "str r7, [sp, #4]",
-        "ldrd r7, r8, [sp, #56]",
-        "add r8, r7, r8, lsl #3",
-        "str r8, [sp, #60]",
+        "mov r0, #0",
+        "str r0, [sp, #8]",
         "2:",
-        "ldr r11, [sp]",
-        "ldm r11!, {{r3-r6}}",
-        "str r11, [sp]",
+        "ldm r2!, {{r4-r7}}",
         ".if {turns} > 1",
         "3:",
         ".endif",
@@ -94,64 +90,69 @@ unsafe extern "C" fn wide_layer<const IN: usize, const OUT: usize, const K: usiz
         ".endif",
         // The end of the whole turns, found by the start of the columns.
         ".if {turns} > 1",
-        "ldr r7, [sp, #8]",
-        "movw r8, #({turns} * 96)",
-        "add r7, r8",
-        "cmp r2, r7",
+        "ldr r8, [sp, #12]",
+        "movw r9, #({turns} * 96)",
+        "add r8, r9",
+        "cmp r3, r8",
         "bne 3b",
         ".endif",
         ".rept {sixes}",
         six!(),
         ".endr",
         ".rept {left}",
-        "ldr r0, [r2], #4",
-        "ldm r1!, {{r7-r10}}",
-        four!("r0": "r7", "r8", "r9", "r10"),
+        "ldr r0, [r3], #4",
+        "ldm r2!, {{r8-r11}}",
+        four!("r0": "r8", "r9", "r10", "r11"),
         ".endr",
-        "ldrd r2, r11, [sp, #8]",
-        "ldm r11!, {{r7-r10}}",
-        "str r11, [sp, #12]",
+        ".if {bytes} > 4095",
+        "ldr r3, [sp, #12]",
+        ".else",
+        "subw r3, r3, #{bytes}",
+        ".endif",
+        "ldm r2!, {{r8-r11}}",
         "mov r12, #0x80008000",
-        "smmulr r3, r3, r7",
         "smmulr r4, r4, r8",
         "smmulr r5, r5, r9",
         "smmulr r6, r6, r10",
-        "usat r3, #16, r3",
+        "smmulr r7, r7, r11",
         "usat r4, #16, r4",
         "usat r5, #16, r5",
         "usat r6, #16, r6",
-        "pkhbt r3, r3, r4, lsl #16",
-        "pkhbt r5, r5, r6, lsl #16",
-        "ldr r0, [sp, #4]",
-        "and r4, r3, r12",
-        "and r6, r5, r12",
-        "add r0, r0, r4, lsr #15",
-        "add r0, r0, r6, lsr #15",
-        "str r0, [sp, #4]",
-        "uqadd16 r3, r3, r12",
-        "uqadd16 r5, r5, r12",
-        "eor r3, r3, r12",
-        "eor r5, r5, r12",
-        "ldrd r7, r8, [sp, #56]",
+        "usat r7, #16, r7",
+        "pkhbt r4, r4, r5, lsl #16",
+        "pkhbt r6, r6, r7, lsl #16",
+        "ldr r0, [sp, #8]",
+        "and r5, r4, r12",
+        "and r7, r6, r12",
+        "add r0, r0, r5, lsr #15",
+        "add r0, r0, r7, lsr #15",
+        "str r0, [sp, #8]",
+        "uqadd16 r4, r4, r12",
+        "uqadd16 r6, r6, r12",
+        "eor r4, r4, r12",
+        "eor r6, r6, r12",
+        "ldrd r8, r9, [sp]",
         ".if {distance} > 1020",
-        "movw r9, #{distance}",
-        "add r9, r7",
-        "stm r9, {{r3, r5}}",
+        "movw r10, #{distance}",
+        "add r10, r8",
+        "stm r10, {{r4, r6}}",
         ".elseif {distance}",
-        "strd r3, r5, [r7, #{distance}]",
+        "strd r4, r6, [r8, #{distance}]",
         ".endif",
-        "stm r7!, {{r3, r5}}",
-        "str r7, [sp, #56]",
-        "cmp r7, r8",
+        "stm r8!, {{r4, r6}}",
+        "str r8, [sp]",
+        "cmp r8, r9",
         "bne 2b",
         // The counts of both halves: at most 2^15 outputs each.
         "uxth r1, r0",
         "add r0, r1, r0, lsr #16",
+        "mov r1, r2",
         "add sp, #16",
         "pop {{r4-r12, pc}}",
         turns = const { K * IN / 2 / 24 },
         sixes = const { K * IN / 2 % 24 / 6 },
         left = const { K * IN / 2 % 6 },
+        bytes = const { K * IN * 2 },
         distance = const { distance::<OUT, N>() },
     )
 }
@@ -162,37 +163,31 @@ const fn distance<const OUT: usize, const N: usize>() -> usize {
     if bytes.is_multiple_of(4) { bytes } else { 0 }
 }
 
-/// Computes some blocks, if this function can, stored from `outputs` on and `N` columns of `OUT` behind that: how many outputs were clipped.
+/// Computes some blocks, if this function can, stored from `outputs` on and `N` columns of `OUT` behind that.
 #[inline]
 pub(super) fn run<const IN: usize, const OUT: usize, const K: usize, const N: usize>(
-    &Blocks { weights, biases, multipliers }: &Blocks<'_>,
+    blocks: &[Quad],
     columns: &[[i16; IN]; K],
     outputs: &mut [i16],
-) -> Option<u32> {
+) -> Option<Done> {
     const { assert!(K * IN / 2 / 24 * 96 <= 65535 && 2 * OUT * N <= 65535) };
-    let blocks = biases.len();
     let aligned = (columns.as_ptr().addr() | outputs.as_ptr().addr() | 2 * OUT * N).is_multiple_of(4);
-    let whole = weights.len() == blocks.wrapping_mul(K * IN / 2)
-        && outputs.len() >= OUT * N + blocks.wrapping_mul(BLOCK)
-        && multipliers.len() == blocks;
+    let block = K * IN / 2 + 2;
+    let count = blocks.len() / block;
+    let whole = blocks.len().is_multiple_of(block) && outputs.len() >= OUT * N + count.wrapping_mul(BLOCK);
     if !(K * IN).is_multiple_of(2)
         || K * IN == 0
         || !aligned
         || !whole
-        || blocks == 0
-        || blocks > usize::from(u16::MAX) / BLOCK
+        || count == 0
+        || count > usize::from(u16::MAX) / BLOCK
     {
         return None;
     }
+    let own = outputs.get_mut(..count.wrapping_mul(BLOCK))?.as_mut_ptr_range();
     // SAFETY: the lengths and addresses are those of the argument above.
-    Some(unsafe {
-        wide_layer::<IN, OUT, K, N>(
-            biases.as_ptr(),
-            weights.as_ptr(),
-            columns.as_ptr().cast(),
-            multipliers.as_ptr(),
-            outputs.as_mut_ptr().cast(),
-            blocks,
-        )
-    })
+    let done =
+        unsafe { wide_layer::<IN, OUT, K, N>(own.start, own.end, blocks.as_ptr(), columns.as_ptr().cast()) };
+    let end = blocks.as_ptr_range().end.addr() as u32;
+    Some(Done { clipped: done as u32, astray: (done >> 32) as u32 ^ end })
 }
