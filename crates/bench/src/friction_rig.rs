@@ -31,6 +31,8 @@ const REST_M_S: f64 = 1e-5;
 const LEAST_PRESSURE_MPA: f64 = 0.01;
 /// Longest step of the memory of a rest, s.
 const MEMORY_STEP_S: f64 = 1e-3;
+/// The same where bristles bend: over micrometres, about the reversal.
+const BRISTLE_STEP_S: f64 = 2.5e-4;
 
 /// Effort of the drive and its friction share, in N or N m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,11 +64,16 @@ struct Moment {
     coefficient: f64,
 }
 
+/// The sign of a sliding speed, as wide as the description says.
+fn sign(rig: &FrictionRig, sliding_m_s: f64) -> f64 {
+    (sliding_m_s / rig.axis.regularisation_m_s).tanh()
+}
+
 /// The effort at a moment.
 fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
     let (axis, extension) = (&rig.axis, &rig.extension);
     let speed = now.motion.rate * axis.friction_radius_m;
-    let sign = (speed / axis.regularisation_m_s).tanh();
+    let sign = sign(rig, speed);
     let load_dependent =
         (axis.load_coefficient + now.coefficient) * now.load_n.abs() * axis.friction_radius_m;
     let mut dry = axis.coulomb_effort + load_dependent;
@@ -103,11 +110,6 @@ fn remembered(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) ->
     if let Some(surface) = &rig.surface {
         next.excess = surface.remember(last.excess, sliding, step_s);
     }
-    if extension.presliding_distance_m > 0.0 {
-        let sign = (speed / axis.regularisation_m_s).tanh();
-        next.turned =
-            sign + (last.turned - sign) * (-sliding * step_s / extension.presliding_distance_m).exp();
-    }
     if let Some(term) = &extension.breakaway {
         // Relaxation towards the steady state of this speed.
         let rate = 1.0 / term.rest_time_s + sliding / term.distance_m;
@@ -120,6 +122,21 @@ fn remembered(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) ->
         next.rise_k = steady + (last.rise_k - steady) * (-step_s / term.time_constant_s).exp();
     }
     next
+}
+
+/// The turned sign of pre-sliding behind a step from one sliding speed to another, over which the sign moves evenly: however short the
+/// distance, the sign is followed to the step's end, and no sooner is the distance 0 than the sign itself is there.
+fn turned(rig: &FrictionRig, last: f64, [from, to]: [f64; 2], step_s: f64) -> f64 {
+    let [begin, end] = [from, to].map(|speed| sign(rig, speed));
+    // Mean of the magnitude of a speed that changes evenly.
+    let mean = if from * to < 0.0 {
+        0.5 * (from * from + to * to) / (from - to).abs()
+    } else {
+        0.5 * (from + to).abs()
+    };
+    let bends = mean * step_s / rig.extension.presliding_distance_m;
+    let behind = if bends > 1e-6 { -(-bends).exp_m1() / bends } else { 1.0 - 0.5 * bends };
+    end + (last - begin) * (-bends).exp() - (end - begin) * behind
 }
 
 /// The efforts at ascending times under a motion and a load.
@@ -145,17 +162,29 @@ pub fn efforts(
         || extension.presliding_distance_m > 0.0
         || extension.breakaway.is_some()
         || extension.thermal.is_some();
-    let (mut memory, mut last) =
-        (AxisMemory { rise_k: extension.temperature_start_k, ..AxisMemory::default() }, start_s);
+    let sliding = |t: f64| motion(t).rate * rig.axis.friction_radius_m;
+    let (mut last, mut speed) = (start_s, sliding(start_s));
+    // Who looks at an axis in motion finds its bristles bent that way.
+    let mut memory = AxisMemory {
+        turned: sign(rig, speed),
+        rise_k: extension.temperature_start_k,
+        ..AxisMemory::default()
+    };
     let at = |&t: &f64| {
         if has_memory {
             // The memory is marched in steps that follow the speed.
-            let steps = ((t - last) / MEMORY_STEP_S).ceil().max(1.0);
+            let longest = if extension.presliding_distance_m > 0.0 { BRISTLE_STEP_S } else { MEMORY_STEP_S };
+            let steps = ((t - last) / longest).ceil().max(1.0);
             let step = (t - last) / steps;
             for k in 0..steps as usize {
                 let mut middle = moment(last + (k as f64 + 0.5) * step);
                 middle.coefficient *= 1.0 + memory.excess;
                 memory = remembered(rig, &middle, memory, step);
+                if extension.presliding_distance_m > 0.0 {
+                    let there = sliding(last + (k as f64 + 1.0) * step);
+                    memory.turned = turned(rig, memory.turned, [speed, there], step);
+                    speed = there;
+                }
             }
             last = t;
         }
@@ -243,6 +272,38 @@ mod tests {
         assert!(difference(20_000) < -1.0, "{}", difference(20_000));
         // The other direction is the mirror image.
         assert!((with[12_000].friction + with[37_000].friction).abs() < 1e-3 * with[12_000].friction);
+    }
+
+    #[test]
+    fn pre_sliding_over_no_distance_is_none_and_grows_evenly_with_a_short_one() {
+        let (mut plain, drive) =
+            (rig("friction-rig"), Profile::Cycles { stroke: 0.8, period_s: 4.0, cycles: 2.0 });
+        plain.axis.regularisation_m_s = 6e-3;
+        let motion = |t: f64| drive.at(t + 1.0);
+        // From the middle of a stroke.
+        let times: Vec<f64> = (0..1000).map(|i| 4e-3 * f64::from(i)).collect();
+        let run = |distance_m: f64| {
+            let mut rig = plain.clone();
+            rig.extension.presliding_distance_m = distance_m;
+            efforts(&rig, &times, motion, |_| 1e5)
+        };
+        let without = run(0.0);
+        let change = |distance_m: f64| -> Vec<f64> {
+            run(distance_m).iter().zip(&without).map(|(a, b)| a.friction - b.friction).collect()
+        };
+        let largest = |change: &[f64]| change.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        let level = largest(&without.iter().map(|e| e.friction).collect::<Vec<_>>());
+        assert!(largest(&change(1e-12)) < 1e-4 * level, "{}", largest(&change(1e-12)));
+        assert!(largest(&change(1e-5)) > 5e-3 * level, "{}", largest(&change(1e-5)));
+        // Steps of a tenth of the length give the same.
+        let fine: Vec<f64> = (0..10_000).map(|i| 4e-4 * f64::from(i)).collect();
+        let mut with = plain.clone();
+        with.extension.presliding_distance_m = 3e-6;
+        let fine = efforts(&with, &fine, motion, |_| 1e5);
+        let coarse = run(3e-6);
+        let off = coarse.iter().zip(fine.iter().step_by(10));
+        let off: Vec<f64> = off.map(|(a, b)| a.friction - b.friction).collect();
+        assert!(largest(&off) < 0.01 * largest(&change(3e-6)), "{}", largest(&off));
     }
 
     #[test]

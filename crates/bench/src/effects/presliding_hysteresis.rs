@@ -13,15 +13,17 @@ use super::kind::{EffectKind, EffectParameter, Guess, Plant};
 use crate::channel::Channel;
 use crate::description::Bench;
 
-const DISTANCE: &[EffectParameter] = &[EffectParameter::size("distance_m", "m", 1e-4, [0.0, 5e-3], 1e-4)];
+const TRANSMISSION: &[EffectParameter] = &[EffectParameter::size("distance_m", "m", 1e-4, [0.0, 5e-3], 1e-4)];
+// The effort of an axis is measured beside its friction: a micrometre already shows.
+const AXIS: &[EffectParameter] = &[EffectParameter::size("distance_m", "m", 3e-6, [0.0, 5e-3], 1e-4)];
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "presliding-hysteresis",
     summary: "Friction turns round over a distance instead of at once.",
     per_channel: false,
     plants: &[Plant::Planar, Plant::Rotary, Plant::Linear],
-    transmission: DISTANCE,
-    axis: DISTANCE,
+    transmission: TRANSMISSION,
+    axis: AXIS,
     shows_in: Some(Channel::FrictionTorque),
     confounded_with: &["breakaway", "drive-lag", "fork-backlash", "sensor-delay", "stribeck-friction"],
     guess: Guess::Defaults,
