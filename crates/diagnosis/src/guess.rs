@@ -25,8 +25,9 @@ const MOST_HZ: f64 = 200.0;
 /// Samples of each channel that a periodogram over position looks at, and its most waves over the motion's range.
 const SAMPLES: usize = 8000;
 const MOST_WAVES: f64 = 100.0;
-/// Waves over the whole range below which a ripple cannot be told from a trend or the motion itself.
+/// Waves over the whole range below which a ripple cannot be told from a trend or the motion itself: over position, and over time.
 const LEAST_WAVES: f64 = 1.5;
+const LEAST_PERIODS: f64 = 3.0;
 /// Step of a last look at a frequency.
 const FINEST: f64 = 0.005;
 /// Step of a guessed reading limit as a share of it.
@@ -147,7 +148,7 @@ fn frequencies(data: &Data, base: &Fit) -> Vec<Guessed> {
     let finest = |(channel, coarse): (Option<usize>, f64)| {
         let (low, high) = (coarse - 1.0 / coarse_s, coarse + 1.0 / coarse_s);
         let all = |_: f64| true;
-        let steps = (low.max(LEAST_WAVES / span), high, FINENESS / span);
+        let steps = (low.max(LEAST_PERIODS / span), high, FINENESS / span);
         let value = spectrum.peak(channel, &all, steps)?;
         // The phase counts from the time 0 of the log's clock, which may be far from the log: a frequency that is off by a
         // little would turn the whole ripple round.
@@ -155,7 +156,7 @@ fn frequencies(data: &Data, base: &Fit) -> Vec<Guessed> {
         let value = spectrum.peak(channel, &all, steps).unwrap_or(value);
         Some(Guessed { value, step: 0.1 / span.max(first.abs()).max(last.abs()) })
     };
-    let peaks = spectrum.peaks(&begin, (LEAST_WAVES / coarse_s, most, FINENESS / coarse_s));
+    let peaks = spectrum.peaks(&begin, (LEAST_PERIODS / coarse_s, most, FINENESS / coarse_s));
     peaks.into_iter().filter_map(finest).collect()
 }
 

@@ -5,7 +5,7 @@
 //! * `dead`: one prior standard deviation of the parameter changes chi-square by less than [`DEAD`]: the logs do not show it;
 //! * `at-bound`: the estimate lies on a bound of its range, so its interval means little;
 //! * `not-pinned`: its standard deviation is above [`PRIOR_SHARE`] of its prior's: the number is the prior's, not the logs';
-//! * `correlated`: the estimates of a pair correlate by more than [`CORRELATED`]: only a combination of the two is known;
+//! * `correlated`: the estimates of a pair correlate by more than [`MOST_CORRELATED`]: only a combination of the two is known;
 //! * `flat-direction`: an eigenvector of `P^-1/2 F P^-1/2` whose eigenvalue is below [`FLAT`], with several parameters in it: moving
 //!   them together by their prior's size changes nothing that was measured.
 //!
@@ -19,9 +19,12 @@ use crate::result::Identifiability;
 use crate::verdict::End;
 use nalgebra::{DMatrix, SymmetricEigen};
 
+/// What a finding of a pair of estimates is called.
+pub(crate) const CORRELATED: &str = "correlated";
+
 const DEAD: f64 = 0.01;
 const PRIOR_SHARE: f64 = 0.9;
-const CORRELATED: f64 = 0.95;
+const MOST_CORRELATED: f64 = 0.95;
 const FLAT: f64 = 0.1;
 /// Components of a unit vector that are named.
 const NAMED: f64 = 0.25;
@@ -88,12 +91,12 @@ pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
             for j in i + 1..n {
                 let norm = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
                 let rho = covariance[(i, j)] / norm;
-                if rho.abs() > CORRELATED && !dead[i] && !dead[j] {
+                if rho.abs() > MOST_CORRELATED && !dead[i] && !dead[j] {
                     let words = format!(
                         "{} and {} correlate by {rho:+.3}: the logs tell a combination of the two",
                         names[i], names[j]
                     );
-                    say("correlated", &[i, j], rho, words);
+                    say(CORRELATED, &[i, j], rho, words);
                 }
             }
         }

@@ -26,6 +26,8 @@ const MOST_ROUNDS: usize = 4;
 const STUCK: f64 = 1.0;
 /// Most causes at once.
 pub(crate) const MOST_CAUSES: usize = 2;
+/// First causes beside which a second one is looked for where none explains enough.
+const LIKELY: usize = 5;
 /// Difference of the criterion within which two candidates fit equally: odds of 20 to 1.
 const EQUAL: f64 = 6.0;
 
@@ -56,6 +58,19 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
+    /// What the best one reaches: chi-square and its charge.
+    fn criterion(&self) -> f64 {
+        self.contenders.first().map_or(f64::INFINITY, |c| c.criterion)
+    }
+
+    /// The causes that it ends with, in the order of their names.
+    fn causes(&self) -> Vec<(&'static str, Option<bench::Channel>)> {
+        let chosen = self.contenders.first().map(|c| &c.fit.model.chosen);
+        let mut causes: Vec<_> = chosen.into_iter().flatten().map(|c| (c.kind.name, c.channel)).collect();
+        causes.sort_unstable();
+        causes
+    }
+
     /// Contenders that fit as well as the best one.
     pub(crate) fn equals(&self) -> impl Iterator<Item = &Contender> {
         let best = self.contenders.first().map_or(0.0, |c| c.criterion);
@@ -78,10 +93,10 @@ pub(crate) struct Views {
     pub(crate) coarse: Option<Data>,
 }
 
-/// Scores, refits and compares candidates on top of `model`.
+/// Scores, refits and compares candidates on top of `model`. With `floors` the noise grows by what no candidate explains; without, it stays.
 pub(crate) fn stage(
     views: &Views,
-    floors: &NoiseModel,
+    floors: Option<&NoiseModel>,
     mut noise: NoiseModel,
     (model, start): (&Model, &[f64]),
     candidates: &[Candidate],
@@ -121,8 +136,8 @@ pub(crate) fn stage(
                 continue;
             }
         }
-        let next = floors.inflated(data, &data.residual(&best.simulation.columns));
-        if next.change(&noise) > SETTLED && round < MOST_ROUNDS {
+        let next = floors.map(|floors| floors.inflated(data, &data.residual(&best.simulation.columns)));
+        if let Some(next) = next.filter(|next| next.change(&noise) > SETTLED && round < MOST_ROUNDS) {
             noise = next;
             start = base.z;
             continue;
@@ -143,6 +158,35 @@ pub(crate) fn stage(
         };
         return Ok(Stage { base, contenders, others, noise, threshold, accepted });
     }
+}
+
+/// The pair of causes that explains most, against the noise that a stage ended with: a second cause beside each of the likely first ones, for what looks best
+/// alone may imitate two. Moves the pair's first cause to the stage's front. None where another pair does as well.
+pub(crate) fn pair(
+    views: &Views,
+    first: &mut Stage,
+    candidates: &[Candidate],
+) -> Result<Option<Stage>, RespondError> {
+    let likely = first.contenders.iter().take(LIKELY).filter(|c| c.evidence > first.threshold);
+    let found: Result<Vec<Stage>, RespondError> = likely
+        .map(|c| stage(views, None, first.noise.clone(), (&c.fit.model, &c.fit.z), candidates))
+        .collect();
+    let mut found: Vec<Stage> = found?.into_iter().filter(|s| s.accepted).collect();
+    found.sort_by(|a, b| a.criterion().total_cmp(&b.criterion()));
+    let rival = |best: &Stage, other: &Stage| {
+        other.criterion() < best.criterion() + EQUAL && other.causes() != best.causes()
+    };
+    if found.first().is_some_and(|best| found.iter().any(|other| rival(best, other))) {
+        return Ok(None);
+    }
+    let Some(best) = found.into_iter().next() else { return Ok(None) };
+    let own = best.base.model.chosen.last();
+    let place = first.contenders.iter().position(|c| Some(&c.candidate) == own);
+    if let Some(stretch) = place.and_then(|p| first.contenders.get_mut(..=p)) {
+        stretch.rotate_right(1);
+    }
+    first.accepted = true;
+    Ok(Some(best))
 }
 
 /// Takes the first contender to its optimum, where the order has brought one to the front that was fitted roughly.

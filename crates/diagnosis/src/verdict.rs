@@ -7,6 +7,7 @@
 //!    with the upper end of the share's interval below [`WHOLE_SHARE`] something was overlooked, and the answer is `unknown`.
 //!    Nor may a cause's size differ from place to place ([`crate::shape`]): it would be an imitation. Beside structure that is left the size of
 //!    a true cause seems to differ, too.
+//!    Two causes of which only a combination is known are no two: they imitate a third one.
 //! 4. Causes and something left over: they still count where they explain at least [`MAIN_SHARE`] of the repeatable
 //!    residual on held-out samples (the second one: of what the first leaves), with the interval above 0 and up to [`WHOLE_SHARE`]: a real bench always has structure beyond any
 //!    library. What is left stands in the signature. Below that share the answer is `unknown`: a cause that explains
@@ -17,7 +18,7 @@ use crate::check::{Checked, check};
 use crate::experiment::propose;
 use crate::fit::{Fit, fit, simulate};
 use crate::gain::gains;
-use crate::identifiability::identifiability;
+use crate::identifiability::{CORRELATED, identifiability};
 use crate::leftover;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
@@ -25,8 +26,8 @@ use crate::nuisance::{at_bounds, simulate_all};
 use crate::places::places;
 use crate::probability::shares;
 use crate::rank::candidates;
-use crate::result::{Ambiguous, Cause, Diagnosis, Series, Signature, Verdict};
-use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, stage};
+use crate::result::{Ambiguous, Cause, Diagnosis, Identifiability, Series, Signature, Verdict};
+use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, pair, stage};
 use crate::session::{Columns, Data, Split};
 use crate::shape::misfit;
 use crate::spread::deviations;
@@ -40,6 +41,9 @@ use nalgebra::DMatrix;
 pub(crate) const MAIN_SHARE: f64 = 0.75;
 /// Share that the upper end of its interval has to reach.
 const WHOLE_SHARE: f64 = 0.9;
+
+/// The same of two causes neither of which explains enough alone: two imitate what one cannot.
+const PAIR_SHARE: f64 = 0.985;
 
 /// Name of the parameter of a change that is its time in the log.
 const ONSET: &str = "time_s";
@@ -73,6 +77,8 @@ pub enum DiagnosisError {
 /// Diagnoses logs of one bench, which may have been read as found. Without `held_out` a part of each log is held out: the second half of its cycles. Where
 /// that names nothing, the log is asked again with stretches held out by turns; that answer counts if it names a change that came in the second half, which the
 /// first question could not have learnt. The log of a transmission bench, which is dear, only where something is wrong in the second half alone.
+/// Where an axis is still unknown, pairs of causes are asked for against the noise floor alone: beside one of two causes the other one passes for noise, and
+/// takes the evidence of both. A pair counts if it leaves nothing and may explain all of it.
 pub fn diagnose(
     bench: &Bench,
     logs: &[MeasuredLog],
@@ -89,14 +95,25 @@ pub fn diagnose(
     };
     say(0.0, "checking the logs");
     let checked = check(bench, logs, held_out)?;
-    let (mut judged, late) = answered(bench, &checked, options.exclude, Split::Halves, &say)?;
+    let (mut judged, late) = answered(bench, &checked, options.exclude, (Split::Halves, Noise::Grows), &say)?;
     if matches!(judged.verdict, Verdict::Unknown | Verdict::None)
         && checked.held_out.is_empty()
         && (late || matches!(bench, Bench::FrictionRig(_)))
     {
         let (again, _) =
-            answered(bench, &checked, options.exclude, Split::Turns, &|_, words| say(0.95, words))?;
+            answered(bench, &checked, options.exclude, (Split::Turns, Noise::Grows), &|_, words| {
+                say(0.95, words)
+            })?;
         if comes_late(&judged, &again) {
+            judged = again;
+        }
+    }
+    if judged.verdict == Verdict::Unknown && matches!(bench, Bench::FrictionRig(_)) {
+        let (again, _) =
+            answered(bench, &checked, options.exclude, (Split::Halves, Noise::Stays), &|_, words| {
+                say(0.97, words)
+            })?;
+        if is_whole(&again) {
             judged = again;
         }
     }
@@ -105,6 +122,23 @@ pub fn diagnose(
     checks.extend(judged.checks);
     checks.sort_by_key(|f| f.severity);
     Ok(Diagnosis { checks, ..judged })
+}
+
+/// What a selection takes for noise.
+#[derive(Clone, Copy, PartialEq)]
+enum Noise {
+    /// What no candidate explains, too.
+    Grows,
+    /// The floor alone.
+    Stays,
+}
+
+/// Whether an answer names two causes that leave nothing and may explain all of it.
+fn is_whole(answer: &Diagnosis) -> bool {
+    matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous)
+        && answer.causes.len() > 1
+        && answer.signature.is_none()
+        && answer.explained_share_ci95.is_some_and(|[_, high]| high >= PAIR_SHARE)
 }
 
 /// Whether a second answer names a change that begins in what the first one held out.
@@ -126,7 +160,7 @@ fn answered(
     bench: &Bench,
     checked: &Checked,
     exclude: &[String],
-    split: Split,
+    (split, selection): (Split, Noise),
     say: &dyn Fn(f64, &str),
 ) -> Result<(Diagnosis, bool), DiagnosisError> {
     say(0.02, "reading the motion");
@@ -139,14 +173,20 @@ fn answered(
     let all = candidates(bench, &views.whole, exclude);
     say(0.1, "calibrating, ranking the effects");
     let zero = vec![0.0; nominal.parameters.len()];
-    let mut stages = vec![stage(&views, &floors, floors.clone(), (&nominal, &zero), &all)?];
-    while stages.len() < MOST_CAUSES {
+    let growing = (selection == Noise::Grows).then_some(&floors);
+    let mut stages = vec![stage(&views, growing, floors.clone(), (&nominal, &zero), &all)?];
+    while selection == Noise::Grows && stages.len() < MOST_CAUSES {
         let Some(last) = stages.last().filter(|s| s.accepted) else { break };
         let Some(best) = last.contenders.first() else { break };
         say(0.6, "looking for a second cause");
-        let next = stage(&views, &floors, floors.clone(), (&best.fit.model, &best.fit.z), &all)?;
+        let next = stage(&views, growing, floors.clone(), (&best.fit.model, &best.fit.z), &all)?;
         stages.push(next);
     }
+    let second = match stages.first_mut() {
+        Some(first) if selection == Noise::Stays => pair(&views, first, &all)?,
+        _ => None,
+    };
+    stages.extend(second);
     say(0.9, "testing what is left");
     judge(bench, &views, &floors, &nominal, &stages)
 }
@@ -245,8 +285,24 @@ fn at_bound(end: &End) -> bool {
     end.model.parameters.iter().zip(&end.z).any(stops)
 }
 
+/// Whether only a combination of two causes is known: neither has a size of its own.
+fn trades_off(end: &End) -> bool {
+    let name = |which: usize| end.model.of_effect(which).into_iter().map(|i| end.model.parameters[i].name());
+    let of =
+        |which: usize, found: &Identifiability| name(which).any(|n| found.parameters.iter().any(|p| p == n));
+    end.causes.len() > 1
+        && identifiability(end)
+            .iter()
+            .filter(|found| found.kind == CORRELATED)
+            .any(|found| (0..end.causes.len()).all(|which| of(which, found)))
+}
+
 /// The number of stages that stand: see the rules above.
 fn standing(data: &Data, ends: &[End]) -> usize {
+    let ends = match ends {
+        [before @ .., last] if trades_off(last) => before,
+        _ => ends,
+    };
     let most = ends.len() - 1;
     if most == 0 {
         return 0;

@@ -8,6 +8,7 @@ mod identified;
 mod imitated;
 mod intervals;
 mod noise;
+mod pairs;
 mod probabilities;
 mod sessions;
 

@@ -1,0 +1,33 @@
+//! Two causes, neither of which explains enough alone: what the other one leaves must not pass for noise, nor two that trade off for a third.
+
+use super::{axis, diagnosed, effect, logged, with};
+use bench::Channel;
+use diagnosis::{Diagnosis, Verdict};
+
+fn names(diagnosis: &Diagnosis) -> Vec<&str> {
+    let mut names: Vec<&str> = diagnosis.causes.iter().map(|c| c.effect.as_str()).collect();
+    names.sort_unstable();
+    names
+}
+
+#[test]
+fn an_offset_beside_a_ripple_leaves_the_ripple_its_evidence() {
+    let mut ripple = effect("load-ripple", None, "cos_force_n", 1.8);
+    ripple.parameters.insert("frequency_hz".into(), 20.97);
+    let offset = effect("sensor-offset", Some(Channel::DriveForce), "offset", 1.2);
+    let hidden = with(&with(&axis(6), ripple), offset);
+    let library = ["load-ripple", "sensor-offset", "friction-step", "coulomb-asymmetry", "sensor-drift"];
+    let d = diagnosed(&axis(6), &[logged(&hidden, 5)], &library);
+    assert_eq!(d.verdict, Verdict::Named, "{:?}", d.ranking);
+    assert_eq!(names(&d), ["load-ripple", "sensor-offset"]);
+}
+
+#[test]
+fn two_causes_that_trade_off_are_no_third_one() {
+    let viscous = effect("viscous-friction", None, "viscous_effort", 25.0);
+    let log = [logged(&with(&axis(6), viscous), 5)];
+    let d = diagnosed(&axis(6), &log, &["coulomb-level", "stribeck-friction"]);
+    assert_eq!(d.verdict, Verdict::Unknown, "{:?} {:?}", d.causes, d.explained_share);
+    let d = diagnosed(&axis(6), &log, &["coulomb-level", "stribeck-friction", "viscous-friction"]);
+    assert_eq!((d.verdict, names(&d)), (Verdict::Named, vec!["viscous-friction"]));
+}
