@@ -124,8 +124,8 @@ fn remembered(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) ->
     next
 }
 
-/// The turned sign of pre-sliding behind a step from one sliding speed to another, over which the sign moves evenly: however short the
-/// distance, the sign is followed to the step's end, and no sooner is the distance 0 than the sign itself is there.
+/// The turned sign of pre-sliding behind a step from one sliding speed to another, over which the sign moves evenly. As the distance goes to 0
+/// it becomes the sign at the step's end.
 fn turned(rig: &FrictionRig, last: f64, [from, to]: [f64; 2], step_s: f64) -> f64 {
     let [begin, end] = [from, to].map(|speed| sign(rig, speed));
     // Mean of the magnitude of a speed that changes evenly.
@@ -295,13 +295,13 @@ mod tests {
         let level = largest(&without.iter().map(|e| e.friction).collect::<Vec<_>>());
         assert!(largest(&change(1e-12)) < 1e-4 * level, "{}", largest(&change(1e-12)));
         assert!(largest(&change(1e-5)) > 5e-3 * level, "{}", largest(&change(1e-5)));
-        // Steps of a tenth of the length give the same.
-        let fine: Vec<f64> = (0..10_000).map(|i| 4e-4 * f64::from(i)).collect();
+        // Steps of a tenth of the length give the same: samples so close that they are the steps.
+        let fine: Vec<f64> = (0..160_000).map(|i| 2.5e-5 * f64::from(i)).collect();
         let mut with = plain.clone();
         with.extension.presliding_distance_m = 3e-6;
         let fine = efforts(&with, &fine, motion, |_| 1e5);
         let coarse = run(3e-6);
-        let off = coarse.iter().zip(fine.iter().step_by(10));
+        let off = coarse.iter().zip(fine.iter().step_by(160));
         let off: Vec<f64> = off.map(|(a, b)| a.friction - b.friction).collect();
         assert!(largest(&off) < 0.01 * largest(&change(3e-6)), "{}", largest(&off));
     }

@@ -25,8 +25,9 @@ const MOST_HZ: f64 = 200.0;
 /// Samples of each channel that a periodogram over position looks at, and its most waves over the motion's range.
 const SAMPLES: usize = 8000;
 const MOST_WAVES: f64 = 100.0;
-/// Waves over the whole range below which a ripple cannot be told from a trend or the motion itself: over position, and over time.
+/// Waves over the whole range below which a ripple cannot be told from a trend or the motion itself.
 const LEAST_WAVES: f64 = 1.5;
+/// The same of periods over a whole log: slower ones take the place of whatever else changes once in a log.
 const LEAST_PERIODS: f64 = 3.0;
 /// Step of a last look at a frequency.
 const FINEST: f64 = 0.005;
@@ -156,7 +157,8 @@ fn frequencies(data: &Data, base: &Fit) -> Vec<Guessed> {
         let value = spectrum.peak(channel, &all, steps).unwrap_or(value);
         Some(Guessed { value, step: 0.1 / span.max(first.abs()).max(last.abs()) })
     };
-    let peaks = spectrum.peaks(&begin, (LEAST_PERIODS / coarse_s, most, FINENESS / coarse_s));
+    let peaks = spectrum
+        .peaks(&begin, ((LEAST_PERIODS / span).max(LEAST_WAVES / coarse_s), most, FINENESS / coarse_s));
     peaks.into_iter().filter_map(finest).collect()
 }
 

@@ -5,7 +5,7 @@
 //! * `dead`: one prior standard deviation of the parameter changes chi-square by less than [`DEAD`]: the logs do not show it;
 //! * `at-bound`: the estimate lies on a bound of its range, so its interval means little;
 //! * `not-pinned`: its standard deviation is above [`PRIOR_SHARE`] of its prior's: the number is the prior's, not the logs';
-//! * `correlated`: the estimates of a pair correlate by more than [`MOST_CORRELATED`]: only a combination of the two is known;
+//! * `correlated`: the estimates of a pair correlate by more than [`CORRELATED`]: only a combination of the two is known;
 //! * `flat-direction`: an eigenvector of `P^-1/2 F P^-1/2` whose eigenvalue is below [`FLAT`], with several parameters in it: moving
 //!   them together by their prior's size changes nothing that was measured.
 //!
@@ -19,12 +19,9 @@ use crate::result::Identifiability;
 use crate::verdict::End;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// What a finding of a pair of estimates is called.
-pub(crate) const CORRELATED: &str = "correlated";
-
 const DEAD: f64 = 0.01;
 const PRIOR_SHARE: f64 = 0.9;
-const MOST_CORRELATED: f64 = 0.95;
+const CORRELATED: f64 = 0.95;
 const FLAT: f64 = 0.1;
 /// Components of a unit vector that are named.
 const NAMED: f64 = 0.25;
@@ -35,14 +32,9 @@ pub(crate) const ON_BOUND: f64 = 1e-6;
 pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
     let parameters = &end.model.parameters;
     let names: Vec<String> = parameters.iter().map(|p| p.name().to_owned()).collect();
-    // A nominal parameter's scale is its prior; an effect's prior is in its precision.
-    let priors: Vec<f64> =
-        parameters.iter().map(|p| if p.precision > 0.0 { p.precision.sqrt().recip() } else { 1.0 }).collect();
+    let priors = priors(end);
     let n = parameters.len();
-    if n == 0 || end.fisher.nrows() != n {
-        return Vec::new();
-    }
-    let scaled = DMatrix::from_fn(n, n, |i, j| priors[i] * priors[j] * end.fisher[(i, j)]);
+    let Some(scaled) = told(end) else { return Vec::new() };
     let mut out = Vec::new();
     let dead: Vec<bool> = (0..n).map(|i| scaled[(i, i)] < DEAD).collect();
     let mut say = |kind: &'static str, which: &[usize], value: f64, words: String| {
@@ -82,24 +74,12 @@ pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
             say("not-pinned", &[i], share, words);
         }
     }
-    let mut precise = scaled.clone();
-    for i in 0..n {
-        precise[(i, i)] += if parameters[i].precision > 0.0 { 1.0 } else { 0.0 };
-    }
-    if let Some(covariance) = factor(&precise).map(|c| c.inverse()) {
-        for i in 0..n {
-            for j in i + 1..n {
-                let norm = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
-                let rho = covariance[(i, j)] / norm;
-                if rho.abs() > MOST_CORRELATED && !dead[i] && !dead[j] {
-                    let words = format!(
-                        "{} and {} correlate by {rho:+.3}: the logs tell a combination of the two",
-                        names[i], names[j]
-                    );
-                    say(CORRELATED, &[i, j], rho, words);
-                }
-            }
-        }
+    for (i, j, rho) in correlated(end) {
+        let words = format!(
+            "{} and {} correlate by {rho:+.3}: the logs tell a combination of the two",
+            names[i], names[j]
+        );
+        say("correlated", &[i, j], rho, words);
     }
     // Of what is dead any combination is flat.
     let live: Vec<usize> = (0..n).filter(|&i| !dead[i]).collect();
@@ -121,6 +101,36 @@ pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
         say("flat-direction", &which, value.max(0.0), words);
     }
     out
+}
+
+/// A nominal parameter's scale is its prior; an effect's prior is in its precision.
+fn priors(end: &End) -> Vec<f64> {
+    let prior = |p: &Parameter| if p.precision > 0.0 { p.precision.sqrt().recip() } else { 1.0 };
+    end.model.parameters.iter().map(prior).collect()
+}
+
+/// What the logs tell of the parameters in units of their priors.
+fn told(end: &End) -> Option<DMatrix<f64>> {
+    let (priors, n) = (priors(end), end.model.parameters.len());
+    (n > 0 && end.fisher.nrows() == n)
+        .then(|| DMatrix::from_fn(n, n, |i, j| priors[i] * priors[j] * end.fisher[(i, j)]))
+}
+
+/// Pairs of parameters whose estimates correlate by more than [`CORRELATED`], by their places, with the correlation.
+pub(crate) fn correlated(end: &End) -> Vec<(usize, usize, f64)> {
+    let Some(scaled) = told(end) else { return Vec::new() };
+    let n = scaled.nrows();
+    let mut precise = scaled.clone();
+    for (i, p) in end.model.parameters.iter().enumerate() {
+        precise[(i, i)] += if p.precision > 0.0 { 1.0 } else { 0.0 };
+    }
+    let Some(covariance) = factor(&precise).map(|c| c.inverse()) else { return Vec::new() };
+    let rho = |i: usize, j: usize| covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+    let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
+    pairs
+        .map(|(i, j)| (i, j, rho(i, j)))
+        .filter(|&(i, j, rho)| rho.abs() > CORRELATED && scaled[(i, i)] >= DEAD && scaled[(j, j)] >= DEAD)
+        .collect()
 }
 
 fn sessions(count: usize) -> String {

@@ -58,11 +58,6 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// What the best one reaches: chi-square and its charge.
-    fn criterion(&self) -> f64 {
-        self.contenders.first().map_or(f64::INFINITY, |c| c.criterion)
-    }
-
     /// The causes that it ends with, in the order of their names.
     fn causes(&self) -> Vec<(&'static str, Option<bench::Channel>)> {
         let chosen = self.contenders.first().map(|c| &c.fit.model.chosen);
@@ -167,22 +162,29 @@ pub(crate) fn pair(
     first: &mut Stage,
     candidates: &[Candidate],
 ) -> Result<Option<Stage>, RespondError> {
-    let likely = first.contenders.iter().take(LIKELY).filter(|c| c.evidence > first.threshold);
-    let found: Result<Vec<Stage>, RespondError> = likely
-        .map(|c| stage(views, None, first.noise.clone(), (&c.fit.model, &c.fit.z), candidates))
-        .collect();
-    let mut found: Vec<Stage> = found?.into_iter().filter(|s| s.accepted).collect();
-    found.sort_by(|a, b| a.criterion().total_cmp(&b.criterion()));
-    let rival = |best: &Stage, other: &Stage| {
-        other.criterion() < best.criterion() + EQUAL && other.causes() != best.causes()
+    // Every parameter of both causes is charged: which of them came first must not count.
+    let charge = first.noise.effective_samples(&views.fitted).max(2.0).ln();
+    let criterion = |stage: &Stage| {
+        let fit = stage.contenders.first().map(|c| &c.fit);
+        fit.map_or(f64::INFINITY, |f| f.objective + f.model.parameters.len() as f64 * charge)
     };
-    if found.first().is_some_and(|best| found.iter().any(|other| rival(best, other))) {
+    let likely =
+        first.contenders.iter().take(LIKELY).enumerate().filter(|(_, c)| c.evidence > first.threshold);
+    let found: Result<Vec<(usize, Stage)>, RespondError> = likely
+        .map(|(place, c)| {
+            Ok((place, stage(views, None, first.noise.clone(), (&c.fit.model, &c.fit.z), candidates)?))
+        })
+        .collect();
+    let mut found: Vec<(usize, Stage)> = found?.into_iter().filter(|(_, s)| s.accepted).collect();
+    found.sort_by(|(_, a), (_, b)| criterion(a).total_cmp(&criterion(b)));
+    let rival = |best: &Stage, other: &Stage| {
+        criterion(other) < criterion(best) + EQUAL && other.causes() != best.causes()
+    };
+    if found.first().is_some_and(|(_, best)| found.iter().any(|(_, other)| rival(best, other))) {
         return Ok(None);
     }
-    let Some(best) = found.into_iter().next() else { return Ok(None) };
-    let own = best.base.model.chosen.last();
-    let place = first.contenders.iter().position(|c| Some(&c.candidate) == own);
-    if let Some(stretch) = place.and_then(|p| first.contenders.get_mut(..=p)) {
+    let Some((place, best)) = found.into_iter().next() else { return Ok(None) };
+    if let Some(stretch) = first.contenders.get_mut(..=place) {
         stretch.rotate_right(1);
     }
     first.accepted = true;

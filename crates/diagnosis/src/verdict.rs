@@ -7,26 +7,29 @@
 //!    with the upper end of the share's interval below [`WHOLE_SHARE`] something was overlooked, and the answer is `unknown`.
 //!    Nor may a cause's size differ from place to place ([`crate::shape`]): it would be an imitation. Beside structure that is left the size of
 //!    a true cause seems to differ, too.
-//!    Two causes of which only a combination is known are no two: they imitate a third one.
 //! 4. Causes and something left over: they still count where they explain at least [`MAIN_SHARE`] of the repeatable
 //!    residual on held-out samples (the second one: of what the first leaves), with the interval above 0 and up to [`WHOLE_SHARE`]: a real bench always has structure beyond any
 //!    library. What is left stands in the signature. Below that share the answer is `unknown`: a cause that explains
 //!    little is more often an imitation than a part.
+//! 5. Two causes of whose sizes only a combination is known are no two, they imitate a third one: the first of them is judged alone.
+//! 6. An axis that is `unknown` by all that is asked for a pair of causes against the noise floor ([`crate::select::pair`]). A pair counts where it leaves nothing and the
+//!    upper end of its share reaches [`PAIR_SHARE`], and where no other pair does as well.
 
 use crate::answer::{calibrated, estimates, noises, nuisances, ranking, series};
 use crate::check::{Checked, check};
 use crate::experiment::propose;
 use crate::fit::{Fit, fit, simulate};
 use crate::gain::gains;
-use crate::identifiability::{CORRELATED, identifiability};
+use crate::identifiability::{correlated, identifiability};
 use crate::leftover;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
 use crate::nuisance::{at_bounds, simulate_all};
+use crate::parameter::Parameter;
 use crate::places::places;
 use crate::probability::shares;
 use crate::rank::candidates;
-use crate::result::{Ambiguous, Cause, Diagnosis, Identifiability, Series, Signature, Verdict};
+use crate::result::{Ambiguous, Cause, Diagnosis, Series, Signature, Verdict};
 use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, pair, stage};
 use crate::session::{Columns, Data, Split};
 use crate::shape::misfit;
@@ -42,7 +45,7 @@ pub(crate) const MAIN_SHARE: f64 = 0.75;
 /// Share that the upper end of its interval has to reach.
 const WHOLE_SHARE: f64 = 0.9;
 
-/// The same of two causes neither of which explains enough alone: two imitate what one cannot.
+/// What it has to reach for two causes neither of which explains enough alone: two imitate what one cannot.
 const PAIR_SHARE: f64 = 0.985;
 
 /// Name of the parameter of a change that is its time in the log.
@@ -278,23 +281,24 @@ fn explains_all(data: &Data, before: &End, after: &End) -> bool {
 
 /// Whether calibration has gone as far as it may: what lies beyond is a finding.
 fn at_bound(end: &End) -> bool {
-    let stops = |(p, z): (&crate::parameter::Parameter, &f64)| {
+    let stops = |(p, z): (&Parameter, &f64)| {
         let (least, most) = p.bounds();
         p.is_declared() && (*z <= least || *z >= most)
     };
     end.model.parameters.iter().zip(&end.z).any(stops)
 }
 
-/// Whether only a combination of two causes is known: neither has a size of its own.
+/// Whether only a combination of the sizes of two causes is known.
 fn trades_off(end: &End) -> bool {
-    let name = |which: usize| end.model.of_effect(which).into_iter().map(|i| end.model.parameters[i].name());
-    let of =
-        |which: usize, found: &Identifiability| name(which).any(|n| found.parameters.iter().any(|p| p == n));
-    end.causes.len() > 1
-        && identifiability(end)
-            .iter()
-            .filter(|found| found.kind == CORRELATED)
-            .any(|found| (0..end.causes.len()).all(|which| of(which, found)))
+    let is_size = |i: &usize| end.model.parameters.get(*i).is_some_and(Parameter::is_size);
+    let sizes =
+        |which: usize| -> Vec<usize> { end.model.of_effect(which).into_iter().filter(is_size).collect() };
+    if end.causes.len() < 2 {
+        return false;
+    }
+    let (first, second) = (sizes(0), sizes(1));
+    let across = |i: &usize, j: &usize| first.contains(i) && second.contains(j);
+    correlated(end).iter().any(|(i, j, _)| across(i, j) || across(j, i))
 }
 
 /// The number of stages that stand: see the rules above.

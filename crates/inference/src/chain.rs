@@ -69,7 +69,8 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
     /// Does some units of the work that the newest column brought, in order; gives how many activations were clipped.
     fn run<E: Engine>(&self, stream: &mut Self::Stream, units: Range<usize>) -> u32;
 
-    /// Not 0 where something that the stream remembers has been found to be no longer what was put there, with the last column.
+    /// Not 0 where something that the stream remembers has been found to be no longer what was put there, with the last column, or where the way through a layer's
+    /// numbers did not end where they end.
     fn altered(stream: &Self::Stream) -> usize;
 
     /// Gives whatever must stay as it is to a sum: where the layers' numbers lie, and the head's scale.

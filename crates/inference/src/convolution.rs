@@ -69,10 +69,12 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
         self.weights.units::<E, B, IN, OUT, K, N>(units, columns, outputs)
     }
 
-    /// Computes the outputs at one position; gives how many were clipped.
+    /// Computes the outputs at one position; gives how many were clipped. (Whether the way through the layer's numbers went astray only streams tell.)
     #[inline]
     pub fn apply<E: Engine>(&self, columns: &[[A; IN]; K], outputs: &mut [B; OUT]) -> u32 {
-        self.units::<E, 0>(0..Self::UNITS, columns, core::slice::from_mut(outputs)).clipped
+        let Done { clipped, .. } =
+            self.units::<E, 0>(0..Self::UNITS, columns, core::slice::from_mut(outputs));
+        clipped
     }
 
     /// Computes the outputs at some positions of a window; output `p` looks at the inputs from `p - before` on, and what
@@ -109,17 +111,25 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
 
     /// Bias of an output.
     pub fn bias(&self, output: usize) -> Option<i32> {
-        self.weights.around(output, K * IN).map(|[bias, _]| bias)
+        self.around(output).map(|[bias, _]| bias)
     }
 
     /// Multiplier of an output: the real factor times 2^32.
     pub fn multiplier(&self, output: usize) -> Option<i32> {
-        self.weights.around(output, K * IN).map(|[_, multiplier]| multiplier)
+        self.around(output).map(|[_, multiplier]| multiplier)
     }
 
     /// Weight of an output at a tap; taps count column by column, oldest first.
     pub fn weight(&self, output: usize, tap: usize) -> Option<i32> {
-        self.weights.weight(output, tap, K * IN, Around::Scaling)
+        if output < OUT && tap < K * IN {
+            self.weights.weight(output, tap, K * IN, Around::Scaling)
+        } else {
+            None
+        }
+    }
+
+    fn around(&self, output: usize) -> Option<[i32; 2]> {
+        if output < OUT { self.weights.around(output, K * IN) } else { None }
     }
 }
 

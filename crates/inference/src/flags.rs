@@ -36,7 +36,8 @@ impl Flags {
     /// There was no sample: the forces are 0 and the history starts anew.
     pub const MISSING: Self = Self(1 << 8);
     /// Something is no longer what it was: a bit of the model's image has changed since it was loaded (nothing in this crate finds that out; whoever
-    /// checks an image in use says it with this), or a bit of the networks' history, found with the column that leaves it.
+    /// checks an image in use says it with this), a bit of the networks' history, found with the column that leaves it, or of what waited on the stack while the
+    /// networks worked; or a kernel's way through its layer did not end where the layer does.
     pub const ALTERED: Self = Self(1 << 9);
     /// The friction network gave a coefficient of 1 or more, which no bearing has that it was trained on.
     pub const IMPLAUSIBLE_FRICTION: Self = Self(1 << 10);

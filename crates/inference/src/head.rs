@@ -100,7 +100,11 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
 
     /// Weight of an output at a tap; taps count column by column, oldest first.
     pub fn weight(&self, output: usize, tap: usize) -> Option<i32> {
-        self.weights.weight(output, tap, COLUMNS * IN, Around::Nothing)
+        if output < OUT && tap < COLUMNS * IN {
+            self.weights.weight(output, tap, COLUMNS * IN, Around::Nothing)
+        } else {
+            None
+        }
     }
 }
 

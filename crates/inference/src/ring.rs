@@ -168,6 +168,19 @@ mod tests {
     }
 
     #[test]
+    fn a_mark_is_told_with_its_column_and_is_gone_with_the_next() {
+        let mut ring = Ring::<i16, 2, 3>::new();
+        ring.push(&[1, 2]);
+        ring.mark(0);
+        assert_eq!(ring.altered(), 0);
+        ring.mark(8);
+        ring.mark(0);
+        assert_ne!(ring.altered(), 0);
+        ring.push(&[3, 4]);
+        assert_eq!(ring.altered(), 0);
+    }
+
+    #[test]
     fn the_newest_columns_are_in_order() {
         let mut ring = Ring::<i16, 2, 3>::new();
         for newest in 1i16..20 {

@@ -7,7 +7,9 @@ use firmware::flags::{
     DISTRUSTED, HELD, IMPLAUSIBLE_SWING, JUMP, NETWORK_OUTSIDE_LAW, NOISY, SENSOR_MISSING, SENSOR_SATURATED,
     STUCK,
 };
-use inference::{Bearing, Flags};
+use inference::image::CRC_LENGTH;
+use inference::image::write::seal;
+use inference::{Bearing, Flags, shipped};
 use link::track::{SafeState, SensorChannel, SensorStatus, TrackReport};
 use link::{EstimateFrame, SensorFrame};
 
@@ -186,6 +188,27 @@ fn networks_that_say_something_else_than_the_law_are_flagged_held_and_counted() 
     let trusted = estimates.iter().position(|estimate| !flags_of(estimate).intersects(DISTRUSTED)).unwrap();
     let mut after = outside.iter().filter(|index| **index > trusted);
     assert!(after.all(|index| flags_of(&estimates[*index]).contains(HELD)));
+}
+
+#[test]
+fn a_friction_that_no_bearing_has_is_flagged_and_held() {
+    // The friction network's scale stands in front of its head's bias and 16 groups of weights: a shift less by 4 makes 16 times the friction.
+    let sound = shipped(Bearing::Babbitt);
+    let words: &'static mut [u32] = Box::leak(vec![0; sound.len() / 4].into_boxed_slice());
+    let image: &'static mut [u8] = bytemuck::cast_slice_mut(words);
+    image.copy_from_slice(sound);
+    image[sound.len() - CRC_LENGTH - 4 * 18] -= 4;
+    seal(image);
+    let (configuration, monitoring) = configuration(Bearing::Babbitt);
+    let mut monitor = Monitor::new(image, &configuration, &monitoring, 100).unwrap();
+    let estimates = follow(&mut monitor, &frames());
+    let steep = raised(&estimates, Flags::IMPLAUSIBLE_FRICTION);
+    assert!(steep.len() > 1_000, "{}", steep.len());
+    let trusted = estimates.iter().position(|estimate| !flags_of(estimate).intersects(DISTRUSTED)).unwrap();
+    let mut after = steep.iter().filter(|index| **index > trusted);
+    assert!(after.all(|index| flags_of(&estimates[*index]).contains(HELD)));
+    let sound = follow(&mut self::monitor(Bearing::Babbitt, |_| {}), &frames());
+    assert!(raised(&sound, Flags::IMPLAUSIBLE_FRICTION).is_empty());
 }
 
 #[test]

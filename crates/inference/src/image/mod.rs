@@ -21,8 +21,7 @@
 //! * a convolution: per output an i32 bias, the weights, an i32 multiplier (the real factor times 2^32);
 //! * a head: i32 multiplier and u32 shift of its scale (multiplier / 2^shift), one i32 bias per output, the weights.
 //!
-//! The order is told in [`crate::storage`]; every group of weights takes four bytes. (Format 2 had a convolution's biases and multipliers in
-//! front of all its weights.)
+//! The order is told in [`crate::storage`]; every group of weights takes four bytes.
 
 mod header;
 mod load;

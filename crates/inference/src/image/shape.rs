@@ -113,7 +113,7 @@ impl LayerShape {
     }
 
     /// Bytes of a convolution's multipliers, of a head's scale.
-    pub const fn scale_length(&self) -> usize {
+    const fn scale_length(&self) -> usize {
         match self.kind {
             LayerKind::Convolution => (self.outputs as usize).wrapping_mul(4),
             LayerKind::Head => 8,

@@ -26,6 +26,7 @@ pub const BLOCK: usize = 4;
 pub type Quad = [u32; BLOCK];
 
 /// What a layer's outputs tell beside themselves.
+#[must_use]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Done {
     /// Activations clipped at full scale.

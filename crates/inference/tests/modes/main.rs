@@ -220,7 +220,15 @@ proptest! {
             }
         }
         prop_assert_eq!(chain.layer.bias(5), Some(first.biases[5]));
-        prop_assert_eq!(chain.layer.multiplier(6), None);
+        prop_assert_eq!(chain.layer.multiplier(5), Some(first.multipliers[5]));
+        // Behind the last output stand those of another block, behind the last tap the multiplier.
+        for output in 6..10 {
+            prop_assert_eq!((chain.layer.bias(output), chain.layer.multiplier(output)), (None, None));
+            prop_assert_eq!(chain.layer.weight(output, 0), None);
+        }
+        prop_assert_eq!(chain.layer.weight(5, 15), None);
+        prop_assert_eq!(chain.rest.layer.weight(6, 12), None);
+        prop_assert_eq!(chain.rest.rest.weight(1, 28), None);
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A stream spends most of its instructions here, and at one position what surrounds the products costs as much as a quarter of them: so one
 //! function does the whole layer. Six pairs of taps of four outputs take 31 instructions for their 48 products: 24 SMLAD,
-//! four LDM of six weights each, three LDRD of two pairs of activations. Scaling, counting and storing four outputs take 34, one more where they are
+//! four LDM of six weights each, three LDRD of two pairs of activations. What surrounds the products of four outputs takes 29, one more where they are
 //! stored twice.
 //!
 //! Clipping: USAT keeps 16 bits, so bit 15 of a half says that the output is beyond full scale; the halves of two words are counted
@@ -10,13 +10,14 @@
 //! smaller of the value and 0x7FFF.
 //!
 //! Biases, weights and multipliers come one behind the other, so a single pointer, which never leaves its register, goes through all of them. The function gives
-//! where it ended: elsewhere than the layer does if what it keeps on the stack (the place of the outputs and their end) was not what it had put there.
+//! where it ended: elsewhere than the layer does if the place of the outputs or their end, which wait on the stack, were not what had been put there. It does not tell of
+//! the count of clipped outputs, nor of the columns' place, which is read from there where a layer has more than 95 pairs of taps or 4095 bytes of them.
 //!
 //! # Safety argument
 //!
 //! `K * IN` is even and the columns are `K * IN / 2` words; the layer is `blocks` (not 0) times `K * IN / 2 + 2` groups of four words; outputs (two words) are
 //! `blocks`; as much memory for outputs is `N` columns of `OUT` behind these. [`run`] checks
-//! all of it, and that columns and outputs stand at addresses divisible by 4, as LDRD, STRD, LDM and STM need it; otherwise it does nothing. Flags (GE and Q among them),
+//! all of it, and that columns and outputs stand at addresses divisible by 4, as LDRD, STRD, LDM and STM need it; otherwise it does nothing. The pointer of the outputs is that of all this memory. Flags (GE and Q among them),
 //! r0 to r3 and r12 are the function's own by the procedure call standard; it saves the other registers
 //! that it uses. Its 56 bytes of stack keep the stack pointer aligned to 8, and it touches no other memory.
 
@@ -184,10 +185,10 @@ pub(super) fn run<const IN: usize, const OUT: usize, const K: usize, const N: us
     {
         return None;
     }
-    let own = outputs.get_mut(..count.wrapping_mul(BLOCK))?.as_mut_ptr_range();
+    let start = outputs.as_mut_ptr();
+    let end = start.wrapping_add(count.wrapping_mul(BLOCK));
     // SAFETY: the lengths and addresses are those of the argument above.
-    let done =
-        unsafe { wide_layer::<IN, OUT, K, N>(own.start, own.end, blocks.as_ptr(), columns.as_ptr().cast()) };
-    let end = blocks.as_ptr_range().end.addr() as u32;
-    Some(Done { clipped: done as u32, astray: (done >> 32) as u32 ^ end })
+    let done = unsafe { wide_layer::<IN, OUT, K, N>(start, end, blocks.as_ptr(), columns.as_ptr().cast()) };
+    let last = blocks.as_ptr_range().end.addr() as u32;
+    Some(Done { clipped: done as u32, astray: (done >> 32) as u32 ^ last })
 }
