@@ -164,29 +164,38 @@ const OTHER: &str = "#0072b2";
 const PALE: &str = "#9ec4dc";
 
 const ROW: f64 = 24.0;
-const LEFT: f64 = 300.0;
+const LEAST_LEFT: f64 = 300.0;
+/// Width of a letter, rounded up: of the font nothing is known but its size.
+const LETTER: f64 = 7.5;
 const RIGHT: f64 = 90.0;
 const WIDTH: f64 = 1040.0;
 
+/// Room for the longest name.
+fn left(bars: &[Bar]) -> f64 {
+    let longest = bars.iter().map(|bar| bar.name.chars().count()).max().unwrap_or_default();
+    LEAST_LEFT.max(LETTER * longest as f64 + 8.0)
+}
+
 /// Bars below each other, with room for a line of text under them.
 fn bars(bars: &[Bar], below: &str) -> String {
+    let left = left(bars);
     let height = ROW * (bars.len() as f64 + 1.0);
     let mut svg = format!(
         "<svg style=\"min-width:640px\" width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"13\">"
     );
     for (i, bar) in bars.iter().enumerate() {
-        let (y, length) = (ROW * i as f64, ((WIDTH - LEFT - RIGHT) * bar.share.clamp(0.0, 1.0)).max(1.0));
+        let (y, length) = (ROW * i as f64, ((WIDTH - left - RIGHT) * bar.share.clamp(0.0, 1.0)).max(1.0));
         let _ = write!(
             svg,
-            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text><rect x=\"{LEFT}\" y=\"{:.1}\" width=\"{length:.1}\" \
+            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text><rect x=\"{left:.1}\" y=\"{:.1}\" width=\"{length:.1}\" \
              height=\"{:.1}\" fill=\"{}\"/><text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-            LEFT - 8.0,
+            left - 8.0,
             y + 17.0,
             bar.name,
             y + 4.0,
             ROW - 8.0,
             bar.colour,
-            LEFT + length + 6.0,
+            left + length + 6.0,
             y + 17.0,
             bar.value,
         );
@@ -216,7 +225,8 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> String {
             }
         })
         .collect();
-    let (at, height) = (LEFT + (WIDTH - LEFT - RIGHT) * share(diagnosis.threshold), ROW * rows.len() as f64);
+    let left = left(&rows);
+    let (at, height) = (left + (WIDTH - left - RIGHT) * share(diagnosis.threshold), ROW * rows.len() as f64);
     let line = format!(
         "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"0\" y2=\"{height:.1}\" stroke=\"#333\" stroke-dasharray=\"4 3\"/>\
          <text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.1}</text>",
@@ -246,4 +256,19 @@ pub(super) fn shares(diagnosis: &Diagnosis) -> String {
         colour,
     };
     bars(&fitted.chain(others).map(bar).collect::<Vec<_>>(), "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_name_of_a_bar_has_room() {
+        let bar = |name: &str| Bar { name: name.into(), share: 1.0, value: "1".into(), colour: OTHER };
+        assert_eq!(left(&[bar("none")]), LEAST_LEFT);
+        let pair = "sensor-offset of drive_force_n + sensor-gain of drive_force_n";
+        let room = left(&[bar("none"), bar(pair)]);
+        assert!(room > 7.0 * pair.len() as f64 && room < WIDTH - RIGHT - 200.0, "{room}");
+        assert!(bars(&[bar(pair)], "").contains(&format!("<rect x=\"{room:.1}\"")));
+    }
 }
