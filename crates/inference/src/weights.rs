@@ -56,7 +56,10 @@ impl<'a, S: Storage> Stored<'a, S> {
 
     /// Words of one output.
     const fn words(taps: usize, around: Around) -> usize {
-        groups::<S>(taps).wrapping_add(2 * around.words())
+        match around {
+            Around::Nothing => groups::<S>(taps),
+            Around::Scaling => scaled_groups::<S>(taps),
+        }
     }
 
     fn read(
