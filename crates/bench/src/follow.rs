@@ -3,7 +3,7 @@
 //! Friction turns its sign within a sliding speed of millimetres a second, and an axis that starts from rest passes it in a few
 //! samples: a speed that is wrong by a hundredth of that width is an error of the force that repeats in every cycle, where noise
 //! would average out. So bias has to stay below noise, sample by sample. At each sample a cubic is fitted to ever wider
-//! windows, position and speed weighted by the noise that their own fourth differences show; speed and acceleration are
+//! windows, position and speed weighted by their own white noise; speed and acceleration are
 //! each taken from the widest window that contradicts no narrower one. Of two fits to nested samples the variance of the difference
 //! is the difference of the variances (Hausman), so noise alone moves an estimate by about the root of that; what moves
 //! further is the motion. (Choice of the window: Goldenshluger and Nemirovski 1997, "intersection of confidence intervals".)
@@ -12,7 +12,8 @@
 //! log. Limit: a position alone that is noisy within the time in which the sign turns leaves an error there that no window
 //! can take away.
 
-use crate::motion::{Motion, Profile, noise_of};
+use crate::motion::{Motion, Profile};
+use crate::white_noise;
 use nalgebra::{Matrix4, Vector4};
 
 /// Half windows in samples, ascending.
@@ -53,8 +54,8 @@ pub(crate) fn follow(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> P
     let count = time_s.len().min(values.len()).min(rates.map_or(usize::MAX, <[f64]>::len));
     let span = time_s.last().zip(time_s.first()).map_or(0.0, |(b, a)| b - a);
     let step = (span / count.saturating_sub(1).max(1) as f64).max(f64::MIN_POSITIVE);
-    let of_value = 1.0 / noise_of(values);
-    let rates = rates.map(|r| (r, 1.0 / (step * noise_of(r))));
+    let of_value = 1.0 / white_noise::of(time_s, values);
+    let rates = rates.map(|r| (r, 1.0 / (step * white_noise::of(time_s, r))));
     let node = |i: usize| {
         let (Some(&centre), Some(&base)) = (time_s.get(i), values.get(i)) else { return Motion::default() };
         let mut cubic = Cubic { matrix: Matrix4::zeros(), right: Vector4::zeros() };

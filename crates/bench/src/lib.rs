@@ -35,6 +35,7 @@ pub mod slider_crank;
 pub mod slider_crank_description;
 pub mod transmission;
 pub mod two_plane;
+pub mod white_noise;
 
 pub use channel::{Channel, Role};
 pub use description::{BearingMaterial, Bench, DescriptionError, integrates_friction};

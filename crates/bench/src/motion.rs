@@ -1,5 +1,6 @@
 //! Given motion and load: analytic profiles, or curves through a log's samples.
 
+use crate::white_noise;
 use nalgebra::{DMatrix, DVector};
 
 /// Value with its first and second derivative.
@@ -125,7 +126,7 @@ impl Profile {
     /// A curve through samples: at every sample a polynomial of `order` is fitted to the values (and rates, where
     /// given) within `half_window_s` and at least `order + 2` samples, and its value and derivatives become a node.
     ///
-    /// Values and rates are weighted by the noise that their own fourth differences show.
+    /// Values and rates are weighted by their own white noise.
     pub fn through(
         time_s: &[f64],
         values: &[f64],
@@ -137,7 +138,8 @@ impl Profile {
         let mut nodes = Vec::with_capacity(count);
         // Rows of rates are in units of the value: `rate * half_window`.
         let scale = half_window_s.max(f64::MIN_POSITIVE);
-        let rate_weight = rates.map_or(0.0, |r| noise_of(values) / (noise_of(r) * scale));
+        let rate_weight =
+            rates.map_or(0.0, |r| white_noise::of(time_s, values) / (white_noise::of(time_s, r) * scale));
         for (i, &centre) in time_s.iter().enumerate().take(count) {
             let least = (order + 2).div_ceil(2);
             let low = time_s.partition_point(|&t| t < centre - half_window_s).min(i.saturating_sub(least));
@@ -199,14 +201,6 @@ fn node_after(times: &[f64], time_s: f64) -> usize {
         }
     }
     times.partition_point(|&t| t <= time_s).clamp(1, last)
-}
-
-/// White noise of a smooth signal, from its fourth differences; never 0.
-pub(crate) fn noise_of(values: &[f64]) -> f64 {
-    let size = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let sum: f64 =
-        values.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2)).sum();
-    (sum / (70.0 * values.len().max(1) as f64)).sqrt().max(1e-14 * size).max(f64::MIN_POSITIVE)
 }
 
 /// Interpolation between two nodes `h` apart at `s` in 0..1: each quantity from its own nodes, with the next

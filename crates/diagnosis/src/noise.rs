@@ -10,7 +10,7 @@
 
 use crate::repeats::{Repeats, repeats};
 use crate::session::{Columns, Data, Use};
-use bench::{Bench, Channel};
+use bench::{Bench, Channel, white_noise};
 use std::collections::BTreeMap;
 
 /// Observed over declared noise from which the declaration is not believed.
@@ -190,23 +190,19 @@ fn size(data: &Data, channel: Channel) -> f64 {
     blocks.flat_map(|b| &b.measured).fold(0.0, |m, v| f64::max(m, v.abs()))
 }
 
-/// White noise from fourth differences; the median of their squares, so that jumps and stops do not count.
+/// White noise by what a residual has beyond cubics.
 fn differences(data: &Data, residual: &Columns, channel: Channel) -> f64 {
     let mut squares: Vec<f64> = Vec::new();
     for (block, values) in data.blocks.iter().zip(residual).filter(|(b, _)| b.channel == channel) {
-        for (w, u) in values.windows(5).zip(data.uses(block).windows(5)) {
-            if u.iter().all(|u| *u != Use::Skip) {
-                squares.push((w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).powi(2));
+        let times = data.sessions.get(block.session).map_or(&[][..], |s| s.inputs.time_s());
+        for ((w, t), u) in values.windows(5).zip(times.windows(5)).zip(data.uses(block).windows(5)) {
+            if let (Ok(t), Ok(w), true) = (t.try_into(), w.try_into(), u.iter().all(|u| *u != Use::Skip)) {
+                squares.push(white_noise::beyond_a_cubic(t, w).powi(2));
             }
         }
     }
-    if squares.is_empty() {
-        return 0.0;
-    }
-    let middle = squares.len() / 2;
-    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    // The median of chi-square with one degree is 0.4549; the weights' squares add up to 70.
-    (*median / (0.4549 * 70.0)).sqrt()
+    squares.retain(|square| square.is_finite());
+    white_noise::deviation(&mut squares)
 }
 
 /// Rms, integrated autocorrelation time and count of the fitted residual of a channel.
