@@ -9,7 +9,7 @@ use crate::noise::NoiseModel;
 use crate::session::Data;
 use crate::spectrum::{FINENESS, Spectrum};
 use bench::Bench;
-use bench::effects::{Guess, kind};
+use bench::effects::{EffectParameter, Guess, kind};
 use bench::respond::RespondError;
 use nalgebra::DVector;
 
@@ -49,7 +49,7 @@ pub(crate) fn guessed(
         let guesses: Vec<Guessed> = match candidate.kind.guess {
             Guess::Defaults => {
                 out.push(*candidate);
-                continue;
+                magnitudes(base, candidate)
             }
             Guess::Onset(reference) => onset(data, noise, base, reference)?.into_iter().collect(),
             Guess::Frequency => frequencies(data, base),
@@ -61,10 +61,26 @@ pub(crate) fn guessed(
     Ok(out)
 }
 
+/// Shapes that may be of any order of magnitude, one at a time a standard deviation of their prior above and below the default: a fit from far off
+/// ends in whatever is nearest.
+fn magnitudes(base: &Fit, candidate: &Candidate) -> Vec<Guessed> {
+    let bench = base.model.at(&base.z).common;
+    let shapes = candidate.kind.parameters(&bench).iter().filter(|p| p.is_factor);
+    let either_way = |p: &EffectParameter| {
+        let (name, least, most) = (p.name, p.least, p.most);
+        [p.default / p.prior, p.default * p.prior].map(|value| Guessed {
+            value: value.clamp(least, most),
+            step: 1.0,
+            of: Some(name),
+        })
+    };
+    shapes.flat_map(either_way).collect()
+}
+
 fn largest_reading(data: &Data, candidate: &Candidate) -> Option<Guessed> {
     let blocks = data.blocks.iter().filter(|b| Some(b.channel) == candidate.channel);
     let largest = blocks.flat_map(|b| &b.measured).fold(0.0_f64, |m, v| m.max(v.abs()));
-    (largest > 0.0).then(|| Guessed { value: 1.0 / largest, step: LIMIT_STEP / largest })
+    (largest > 0.0).then(|| Guessed { value: 1.0 / largest, step: LIMIT_STEP / largest, of: None })
 }
 
 /// When a lasting change of the size of `reference` explains most: its sensitivity, cut off before the onset, in the score
@@ -131,7 +147,7 @@ fn onset(
             _ => None,
         });
         let gap = gaps.fold(0.0_f64, f64::max);
-        Guessed { value, step: ONSET_STEP_S.max(gap.min(MOST_STEP_SHARE * (last - first))) }
+        Guessed { value, step: ONSET_STEP_S.max(gap.min(MOST_STEP_SHARE * (last - first))), of: None }
     }))
 }
 
@@ -155,7 +171,7 @@ fn frequencies(data: &Data, base: &Fit) -> Vec<Guessed> {
         // little would turn the whole ripple round.
         let steps = (value - FINENESS / span, value + FINENESS / span, FINEST / span);
         let value = spectrum.peak(channel, &all, steps).unwrap_or(value);
-        Some(Guessed { value, step: 0.1 / span.max(first.abs()).max(last.abs()) })
+        Some(Guessed { value, step: 0.1 / span.max(first.abs()).max(last.abs()), of: None })
     };
     let peaks = spectrum
         .peaks(&begin, ((LEAST_PERIODS / span).max(LEAST_WAVES / coarse_s), most, FINENESS / coarse_s));
@@ -179,7 +195,8 @@ fn wavelengths(data: &Data, base: &Fit) -> Vec<Guessed> {
     let span = high - low;
     let spectrum = Spectrum { data, base, coordinates };
     let steps = (LEAST_WAVES / span, MOST_WAVES / span, FINENESS / span);
-    let guess = |(_, waves): (_, f64)| Guessed { value: 1.0 / waves, step: 0.1 / (span * waves * waves) };
+    let guess =
+        |(_, waves): (_, f64)| Guessed { value: 1.0 / waves, step: 0.1 / (span * waves * waves), of: None };
     spectrum.peaks(&f64::is_finite, steps).into_iter().map(guess).collect()
 }
 

@@ -28,6 +28,8 @@ const GUESS_PRECISION: f64 = 1e-4;
 pub(crate) struct Guessed {
     pub(crate) value: f64,
     pub(crate) step: f64,
+    /// The shape that it is one of; none where the effect has but one, or where it is of the size.
+    pub(crate) of: Option<&'static str>,
 }
 
 /// An effect of the catalogue on a sensor or on the plant.
@@ -144,9 +146,12 @@ impl Model {
                 Some(channel) if p.unit.starts_with("channel") => noise.of(channel).floor,
                 _ => 1.0,
             };
-            let guess = candidate.guess.filter(|_| candidate.guesses_size() == p.is_size);
-            // One parameter of a kind with a guess has it; further shapes there are none.
-            let (centre, scale, precision) = match guess {
+            let is_of = |g: &Guessed| match g.of {
+                Some(name) => name == p.name,
+                None => candidate.guesses_size() == p.is_size,
+            };
+            let (centre, scale, precision) = match candidate.guess.filter(is_of) {
+                Some(g) if p.is_factor => (g.value, 1.0, p.prior.ln().powi(-2)),
                 Some(g) if p.is_size => (0.0, g.step, 0.0),
                 Some(g) => (g.value, g.step, GUESS_PRECISION),
                 None if p.is_factor => (p.default, 1.0, p.prior.ln().powi(-2)),

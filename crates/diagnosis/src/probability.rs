@@ -3,7 +3,7 @@
 //! Among themselves, nothing and the candidates share by their criterion (chi-square and `p ln n_eff`, [`crate::select`]).
 //! What is unknown gets its odds against all of these from the last residual:
 //!
-//! * where structure is left, from the share `s` of the repeatable held-out residual that the causes explain: even odds at
+//! * where structure is left, or a cause was found that does not stand, from the share `s` of the repeatable held-out residual that the causes explain: even odds at
 //!   [`MAIN_SHARE`], where the verdict changes, and a factor of e for every [`SHARE_WIDTH`] beside it. The width is a choice: a
 //!   residual that is explained to 90 % is unknown with 5 %;
 //! * where nothing is left, from a free-form model (means over bins of the cycle's phase, or of time, in any of the channels),
@@ -38,12 +38,14 @@ pub(crate) fn shares(
     shown: &End,
     share: Option<f64>,
 ) -> Shares {
+    // A cause that was found and does not stand leaves something unknown, whether or not the leftover tests see it.
+    let is_refuted = standing == 0 && stages.first().is_some_and(|s| s.accepted);
     let odds = match (&shown.left, share) {
-        (Some(_), share) => {
+        (left, share) if left.is_some() || is_refuted => {
             let share = if standing > 0 { share.unwrap_or_default() } else { 0.0 };
             ((MAIN_SHARE - share) / SHARE_WIDTH).exp()
         }
-        (None, _) => (0.5 * free_form(data, &shown.noise, &shown.residual)).exp().min(MOST_UNSEEN),
+        _ => (0.5 * free_form(data, &shown.noise, &shown.residual)).exp().min(MOST_UNSEEN),
     };
     let unknown = odds / (1.0 + odds);
     let known = 1.0 - unknown;

@@ -11,6 +11,7 @@ use crate::gain;
 use crate::linear::factor;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
+use crate::parameter::Parameter;
 use crate::rank::{Score, correlation, scores};
 use crate::session::Data;
 use bench::respond::RespondError;
@@ -140,17 +141,16 @@ pub(crate) fn stage(
         let added =
             contenders.first().map_or(1, |c| c.fit.model.parameters.len() - base.model.parameters.len());
         let threshold = threshold(added, free.len()).max(added as f64 * samples.ln());
-        main_effect_first(&mut contenders, threshold);
+        let stands = |c: &Contender| -> Result<bool, RespondError> {
+            let is_clear = c.evidence > threshold && stands_out(&c.fit, threshold);
+            Ok(is_clear && gain::improves(&views.whole, &noise, &base, &c.fit)?)
+        };
+        main_effect_first(&mut contenders, stands)?;
         settle_first(data, &noise, &mut contenders)?;
         let charged = added as f64 * samples.ln();
         weigh(&mut contenders, base.objective, threshold - charged);
         relate(&mut contenders, &base, &scored);
-        let accepted = match contenders.first() {
-            Some(c) if c.evidence > threshold && stands_out(&c.fit, threshold) => {
-                gain::improves(&views.whole, &noise, &base, &c.fit)?
-            }
-            _ => false,
-        };
+        let accepted = contenders.first().map_or(Ok(false), stands)?;
         return Ok(Stage { base, contenders, others, noise, threshold, accepted });
     }
 }
@@ -204,18 +204,20 @@ fn settle_first(data: &Data, noise: &NoiseModel, contenders: &mut [Contender]) -
     Ok(())
 }
 
-/// Whether the last effect of a fit is as far from nothing as its evidence says, in its own covariance: one of its parameters,
-/// or its sizes together (of a ripple cosine and sine may each be unknown, and its amplitude is not).
+/// Whether the last effect of a fit is as far from nothing as its evidence says, in its own covariance: one of its sizes, or
+/// all together (of a ripple cosine and sine may each be unknown, and its amplitude is not). Its shapes count as known: at size 0 there is nothing that
+/// has them, and where a log tells only the product of a size and a shape neither of the two would ever stand out.
 fn stands_out(fit: &Fit, threshold: f64) -> bool {
     let own = fit.model.of_effect(fit.model.chosen.len() - 1);
-    let Some(covariance) = factor(&fit.information()).map(|c| c.inverse()) else { return false };
-    if own.iter().any(|&i| fit.z[i].powi(2) > threshold * covariance[(i, i)].max(0.0)) {
-        return true;
-    }
-    let sizes: Vec<usize> = own.into_iter().filter(|&i| fit.model.parameters[i].is_size()).collect();
-    let z = DVector::from_iterator(sizes.len(), sizes.iter().map(|&i| fit.z[i]));
+    let is_size = |i: &usize| fit.model.parameters.get(*i).is_some_and(Parameter::is_size);
+    let free: Vec<usize> = (0..fit.z.len()).filter(|i| !own.contains(i) || is_size(i)).collect();
+    let information = fit.information().select_rows(&free).select_columns(&free);
+    let Some(covariance) = factor(&information).map(|c| c.inverse()) else { return false };
+    let sizes: Vec<usize> = (0..free.len()).filter(|&k| own.contains(&free[k])).collect();
+    let z = DVector::from_iterator(sizes.len(), sizes.iter().map(|&k| fit.z[free[k]]));
     let block = covariance.select_rows(&sizes).select_columns(&sizes);
-    factor(&block).is_some_and(|c| c.solve(&z).dot(&z) > threshold)
+    (0..sizes.len()).any(|k| z[k].powi(2) > threshold * block[(k, k)].max(0.0))
+        || factor(&block).is_some_and(|c| c.solve(&z).dot(&z) > threshold)
 }
 
 /// Posterior shares from the criterion, the model without any candidate included.
@@ -259,11 +261,17 @@ fn refines(name: &str) -> Option<&'static str> {
 }
 
 /// A refinement enters after its main effect, if that is a cause by itself (the principle of marginality): moves the
-/// main effect to the front. Where the refinement was the whole truth, the main effect goes again as needless.
-fn main_effect_first(contenders: &mut [Contender], threshold: f64) {
+/// main effect to the front if it `stands`. Where the refinement was the whole truth, the main effect goes again as needless.
+fn main_effect_first(
+    contenders: &mut [Contender],
+    stands: impl Fn(&Contender) -> Result<bool, RespondError>,
+) -> Result<(), RespondError> {
     let main = contenders.first().and_then(|c| refines(c.candidate.kind.name));
-    let place = contenders.iter().position(|c| Some(c.candidate.kind.name) == main && c.evidence > threshold);
-    if let Some(stretch) = place.and_then(|p| contenders.get_mut(..=p)) {
+    let place = contenders.iter().position(|c| Some(c.candidate.kind.name) == main);
+    if let Some(stretch) = place.and_then(|p| contenders.get_mut(..=p))
+        && stretch.last().map_or(Ok(false), stands)?
+    {
         stretch.rotate_right(1);
     }
+    Ok(())
 }

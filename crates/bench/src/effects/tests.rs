@@ -45,7 +45,7 @@ fn effect(kind: &EffectKind, bench: &Bench, share: f64) -> Effect {
     for p in kind.parameters(bench) {
         let value = match (kind.name, p.name) {
             (_, "time_s") => 0.45,
-            (_, "time_constant_s") => 0.3,
+            (_, "time_constant_s") => 0.5,
             (_, "period") => 0.01,
             ("viscous-friction", "viscous_n_s_m") => 1e3 * share,
             ("sensor-saturation", _) => 1.0 / (LARGEST[Plant::of(bench) as usize] * (1.01 - 0.5 * share)),

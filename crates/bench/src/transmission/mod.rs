@@ -181,6 +181,8 @@ impl Transmission {
         state[4] = sine.asin();
         state[5] = drive.rate / (self.drive_lever_m * cosine);
         state[RISE] = self.extension.temperature_start_k;
+        // What stands has rested for long.
+        state[REST] = 1.0;
         if self.shaft.is_some() {
             [state[LOAD_ANGLE], state[LOAD_SPEED]] = [state[4], state[5]];
         }
