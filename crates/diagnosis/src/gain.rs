@@ -16,6 +16,9 @@ const DRAWS: usize = 500;
 const SEED: u64 = 0x50_49_4e_54;
 /// Blocks of a cycle: what is drawn again is held-out samples of one stretch of time, however many fitted ones lie between.
 const BLOCKS_PER_CYCLE: f64 = 8.0;
+/// The same where all that is asked is whether the error falls at all: what a cause explains may lie in an eighth of a cycle, and of so few blocks many a
+/// draw would have none.
+const FINE_BLOCKS_PER_CYCLE: f64 = 32.0;
 const LEAST_BLOCK: usize = 8;
 
 /// Sums of squares of a block of held-out samples, by channel in the data's order.
@@ -25,11 +28,11 @@ struct Sums {
     count: Vec<f64>,
 }
 
-fn blocks(data: &Data, before: &Columns, after: &Columns) -> Vec<Sums> {
+fn blocks(data: &Data, per_cycle: f64, before: &Columns, after: &Columns) -> Vec<Sums> {
     let mut out = Vec::new();
     for (number, session) in data.sessions.iter().enumerate() {
         let cycles = session.phase.as_ref().and_then(|p| Some(p.last()? - p.first()?)).unwrap_or(1.0);
-        let length = session.uses.len() as f64 / cycles.max(1.0) / BLOCKS_PER_CYCLE;
+        let length = session.uses.len() as f64 / cycles.max(1.0) / per_cycle;
         let length = (length as usize).max(LEAST_BLOCK);
         let held: Vec<usize> = (0..session.uses.len()).filter(|i| session.uses[*i] == Use::Held).collect();
         for stretch in held.chunk_by(|a, b| a / length == b / length) {
@@ -75,7 +78,7 @@ pub(crate) fn improves(
         Ok(data.residual(&simulate_all(data, noise, &fit.model, &fit.z)?.0.columns))
     };
     let (b, a) = (residual(before)?, residual(after)?);
-    let falls: Vec<f64> = blocks(data, &b, &a)
+    let falls: Vec<f64> = blocks(data, FINE_BLOCKS_PER_CYCLE, &b, &a)
         .iter()
         .map(|s| {
             let of = |(i, &c): (usize, &Channel)| noise.weight(c).powi(2) * (s.before[i] - s.after[i]);
@@ -112,7 +115,7 @@ pub(crate) fn gains(
     before: &Columns,
     after: &Columns,
 ) -> (Vec<Gain>, Share) {
-    let sums = blocks(data, before, after);
+    let sums = blocks(data, BLOCKS_PER_CYCLE, before, after);
     let floor = |c: Channel| noise.of(c).floor;
     let gains = data.channels.iter().enumerate().map(|(i, &channel)| {
         let power = |s: &Sums| (s.before[i], s.after[i], s.count[i] * floor(channel).powi(2));

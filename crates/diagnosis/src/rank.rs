@@ -237,8 +237,13 @@ impl<'a> Origin<'a> {
             let residual = self.noise.stack(self.data, &self.data.residual(&simulation.columns));
             Some((z, simulation, dot(&residual, &residual)))
         };
-        let sizes = SIZES.iter().flat_map(|s| [*s, -s]);
-        let best = sizes.filter_map(at).min_by(|a, b| a.2.total_cmp(&b.2));
+        // A guessed size is no order of magnitude but nearly right.
+        let guessed = score.candidate.guess.filter(|_| score.candidate.guesses_size());
+        let sizes: Vec<f64> = match guessed {
+            Some(guess) => vec![guess.value / guess.step],
+            None => SIZES.iter().flat_map(|s| [*s, -s]).collect(),
+        };
+        let best = sizes.into_iter().filter_map(at).min_by(|a, b| a.2.total_cmp(&b.2));
         let Some((z, simulation, _)) = best else { return Ok((self.z.clone(), f64::INFINITY)) };
         let which: Vec<usize> = added.collect();
         let mut jacobian = self.jacobian.clone();

@@ -101,6 +101,8 @@ pub(crate) fn stage(
     let free: Vec<Candidate> = candidates.iter().filter(|c| !model.chosen.contains(c)).copied().collect();
     let mut start = start.to_vec();
     let (mut round, mut resumed) = (0, false);
+    // Where the best candidate of the round before ended: with other noise the race may be run in another way, and must not lose it.
+    let mut champion: Option<(Model, Vec<f64>)> = None;
     loop {
         round += 1;
         if let (Some(coarse), false) = (&views.coarse, resumed) {
@@ -109,7 +111,12 @@ pub(crate) fn stage(
         let base = fit(data, &noise, model.clone(), start.clone())?;
         let scored = scores(data, &noise, &base, &free)?;
         let samples = noise.effective_samples(data).max(2.0);
-        let (fits, others) = contend(views, &noise, &base, &scored)?;
+        let (mut fits, others) = contend(views, &noise, &base, &scored)?;
+        if let Some((model, z)) = champion.take()
+            && !fits.iter().any(|f| f.model.chosen.last() == model.chosen.last())
+        {
+            fits.push(fit_from(data, &noise, model, z, None, Effort::FAIR)?);
+        }
         let contender = |fit: Fit| {
             let added = fit.model.parameters.len() - base.model.parameters.len();
             let candidate = *fit.model.chosen.last()?;
@@ -120,6 +127,9 @@ pub(crate) fn stage(
         let mut contenders: Vec<Contender> = fits.into_iter().filter_map(contender).collect();
         contenders.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         let best = contenders.first().filter(|c| c.criterion < base.objective).map_or(&base, |c| &c.fit);
+        if best.model.chosen.len() > model.chosen.len() {
+            champion = Some((best.model.clone(), best.z.clone()));
+        }
         // Where the best candidate ended may be a better start for the base: evidence must not be a fit that stuck.
         if round < MOST_ROUNDS && best.model.chosen.len() > model.chosen.len() {
             let again = best.z.iter().take(base.z.len()).copied().collect();
@@ -142,7 +152,7 @@ pub(crate) fn stage(
             contenders.first().map_or(1, |c| c.fit.model.parameters.len() - base.model.parameters.len());
         let threshold = threshold(added, free.len()).max(added as f64 * samples.ln());
         let stands = |c: &Contender| -> Result<bool, RespondError> {
-            let is_clear = c.evidence > threshold && stands_out(&c.fit, threshold);
+            let is_clear = c.evidence > threshold && stands_out(&base, &c.fit, threshold);
             Ok(is_clear && gain::improves(&views.whole, &noise, &base, &c.fit)?)
         };
         main_effect_first(&mut contenders, stands)?;
@@ -206,11 +216,17 @@ fn settle_first(data: &Data, noise: &NoiseModel, contenders: &mut [Contender]) -
 
 /// Whether the last effect of a fit is as far from nothing as its evidence says, in its own covariance: one of its sizes, or
 /// all together (of a ripple cosine and sine may each be unknown, and its amplitude is not). Its shapes count as known: at size 0 there is nothing that
-/// has them, and where a log tells only the product of a size and a shape neither of the two would ever stand out.
-fn stands_out(fit: &Fit, threshold: f64) -> bool {
+/// has them, and where a log tells only the product of a size and a shape neither of the two would ever stand out. So do declared numbers that
+/// without the effect went as far as they may: what lies farther out is not theirs.
+fn stands_out(base: &Fit, fit: &Fit, threshold: f64) -> bool {
     let own = fit.model.of_effect(fit.model.chosen.len() - 1);
     let is_size = |i: &usize| fit.model.parameters.get(*i).is_some_and(Parameter::is_size);
-    let free: Vec<usize> = (0..fit.z.len()).filter(|i| !own.contains(i) || is_size(i)).collect();
+    let at_bound = |i: &usize| {
+        let bounds = base.model.parameters.get(*i).filter(|p| p.is_declared()).map(Parameter::bounds);
+        bounds.zip(base.z.get(*i)).is_some_and(|((least, most), z)| *z <= least || *z >= most)
+    };
+    let is_free = |i: &usize| if own.contains(i) { is_size(i) } else { !at_bound(i) };
+    let free: Vec<usize> = (0..fit.z.len()).filter(is_free).collect();
     let information = fit.information().select_rows(&free).select_columns(&free);
     let Some(covariance) = factor(&information).map(|c| c.inverse()) else { return false };
     let sizes: Vec<usize> = (0..free.len()).filter(|&k| own.contains(&free[k])).collect();

@@ -43,15 +43,31 @@ pub const OUTPUTS: &[&str] = &[
 /// Steps of the integrator per step of the signals.
 const KEPT: usize = 20;
 
+/// Bench B as described: cranks in m, mass in kg, moment of inertia in kg m2, clearance in m, Young's modulus in Pa, level of friction.
+const DESCRIBED: [f64; 7] = [0.30, 0.36, 150.0, 60.0, 0.5e-3, 50e9, 1.0];
+
+/// The described number that an effect moves as if it were further off than `off`, by its place, and by how much.
+pub(super) fn moved_number(off: &[f64], hidden: &HiddenEffect) -> Option<(usize, f64)> {
+    let (place, share) = match hidden.effect.as_str() {
+        "lever-ratio" => (1, hidden.get("relative_change")),
+        "inertia-mismatch" => (3, hidden.get("relative_change")),
+        "clearance-wear" => return Some((4, hidden.get("clearance_increase_m"))),
+        "contact-stiffness" => (5, hidden.get("relative_change")),
+        "coulomb-level" => (6, hidden.get("relative_change")),
+        _ => return None,
+    };
+    Some((place, share * (DESCRIBED.get(place)? + off.get(place)?)))
+}
+
 /// True signals of a session of bench B; `off` in SI: drive crank, load crank, mass, inertia, clearance, modulus, friction.
 pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
-    let by = |i: usize| off.get(i).copied().unwrap_or_default();
+    let number = |i: usize| DESCRIBED[i] + off.get(i).copied().unwrap_or_default();
     let real = RealBench {
-        levers_m: (0.30 + by(0), 0.36 + by(1)),
-        inertia: (150.0 + by(2), 60.0 + by(3)),
-        clearance_m: 0.5e-3 + by(4),
-        modulus_pa: 50e9 + by(5),
-        friction: 1.0 + by(6),
+        levers_m: (number(0), number(1)),
+        inertia: (number(2), number(3)),
+        clearance_m: number(4),
+        modulus_pa: number(5),
+        friction: number(6),
         load_n: 10e3 * session.point.load,
         cycles: session.cycles as usize,
         noise_colour: 0.0,

@@ -41,7 +41,7 @@ impl Plant {
         match self {
             Self::Rotary => include_str!("rotary.toml"),
             Self::Linear => include_str!("linear.toml"),
-            Self::Bench => include_str!("../../../crates/bench/presets/bench-b.toml"),
+            Self::Bench => include_str!("transmission.toml"),
         }
     }
 

@@ -7,6 +7,7 @@
 //! declared-uncertain numbers can imitate, each within [`MOST_DEVIATIONS`] of its declared deviations.
 
 use super::hidden::HiddenEffect;
+use super::planar;
 use super::session::{Plant, Session};
 
 /// Deviations that calibration may move a number by. Farther out it is a finding.
@@ -114,9 +115,17 @@ impl<'a> Scale<'a> {
             let off: Vec<f64> = self.session.off.iter().zip(z).map(|(off, z)| off + z).collect();
             difference(&added, &difference(&stacked(self.session, &off, named), &self.base))
         };
+        // An effect that moves a described number is imitated by that number first, as far as it may move: from there the steps lead home.
         let mut z = vec![0.0; self.columns.len()];
+        let deviations = self.session.plant.deviations();
+        let off: Vec<f64> = self.session.off.iter().zip(deviations).map(|(off, d)| off * d).collect();
+        for (effects, sign) in [(hidden, 1.0), (named, -1.0)] {
+            for (i, by) in effects.iter().filter_map(|e| planar::moved_number(&off, e)) {
+                z[i] = (z[i] + sign * by / deviations[i]).clamp(-MOST_DEVIATIONS, MOST_DEVIATIONS);
+            }
+        }
         let mut left = rest(&z);
-        let mut least = rms(&left);
+        let mut least = rms(&left).min(rms(&added));
         for _ in 0..CALIBRATION_STEPS {
             let (_, step) = self.calibrated(&left, &[], &z);
             z.iter_mut().zip(step).for_each(|(z, step)| *z += step);
@@ -250,13 +259,17 @@ mod tests {
             hidden.parameters.insert(name.into(), value);
             [hidden]
         };
-        // Half a declared deviation of the clearance; one of the friction.
+        // Up to three of the four declared deviations.
         for hidden in [
             one("clearance-wear", "clearance_increase_m", -5e-6),
-            one("coulomb-level", "relative_change", 0.03),
+            one("clearance-wear", "clearance_increase_m", 30e-6),
+            one("coulomb-level", "relative_change", 0.09),
+            one("inertia-mismatch", "relative_change", 0.15),
+            one("contact-stiffness", "relative_change", -0.15),
+            one("lever-ratio", "relative_change", 0.009),
         ] {
             let (before, size) = (rms(&scale.added(&hidden)), scale.size(&hidden));
-            assert!(before > 10.0 && size < 0.3, "{hidden:?}: {size} of {before}");
+            assert!(before > 5.0 && size < 0.3, "{hidden:?}: {size} of {before}");
         }
         assert!(scale.size(&one("clearance-wear", "clearance_increase_m", 60e-6)) > 1.0, "six deviations");
     }

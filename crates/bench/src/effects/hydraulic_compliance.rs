@@ -16,7 +16,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "The hydraulic column between drive cylinder and fork is compliant.",
     per_channel: false,
     plants: &[Plant::Planar],
-    transmission: &[EffectParameter::size("compliance_m_n", "m/N", 5e-9, [0.0, 1e-6], 1e-7)],
+    transmission: &[EffectParameter::size("compliance_m_n", "m/N", 5e-10, [0.0, 1e-6], 1e-7)],
     axis: &[],
     shows_in: Some(Channel::ShaftAngle),
     confounded_with: &["drive-lag", "fork-backlash", "sensor-offset", "shaft-flexibility"],

@@ -24,7 +24,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "The shaft twists between drive crank and load crank.",
     per_channel: false,
     plants: &[Plant::Planar],
-    transmission: &[EffectParameter::size("compliance_rad_nm", "rad/(N m)", 2e-7, [0.0, 1e-5], 1e-6)],
+    transmission: &[EffectParameter::size("compliance_rad_nm", "rad/(N m)", 2e-8, [0.0, 1e-5], 1e-6)],
     axis: &[],
     shows_in: Some(Channel::DriveForce),
     confounded_with: &["hydraulic-compliance", "inertia-mismatch", "lever-ratio"],
