@@ -182,6 +182,9 @@ pub(crate) fn refit(data: &Data, noise: &NoiseModel, base: &Fit, score: &Score) 
 /// Sizes of an effect, in multiples of its scale, that a search tries.
 const SIZES: [f64; 6] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 
+/// Factors on the best of them that are tried, too: oscillations that are out of step have many a valley.
+const BETWEEN: [f64; 4] = [0.6, 0.8, 1.25, 1.6];
+
 /// A base at its described values on few samples, with its sensitivities there: where searches start.
 pub(crate) struct Origin<'a> {
     data: &'a Data,
@@ -243,7 +246,16 @@ impl<'a> Origin<'a> {
             Some(guess) => vec![guess.value / guess.step],
             None => SIZES.iter().flat_map(|s| [*s, -s]).collect(),
         };
-        let best = sizes.into_iter().filter_map(at).min_by(|a, b| a.2.total_cmp(&b.2));
+        let best_of = |sizes: &[f64]| {
+            let tried = sizes.iter().filter_map(|&size| Some((size, at(size)?)));
+            tried.min_by(|a, b| a.1.2.total_cmp(&b.1.2))
+        };
+        let near = best_of(&sizes).map(|coarse| {
+            let between: Vec<f64> = BETWEEN.iter().map(|factor| factor * coarse.0).collect();
+            let finer = best_of(&between).filter(|f| f.1.2 < coarse.1.2);
+            finer.unwrap_or(coarse)
+        });
+        let best = near.map(|(_, found)| found);
         let Some((z, simulation, _)) = best else { return Ok((self.z.clone(), f64::INFINITY)) };
         let which: Vec<usize> = added.collect();
         let mut jacobian = self.jacobian.clone();

@@ -4,7 +4,7 @@
 //! session with and without the effect, without noise, on the same nuisances. Every reading counts in units of its own
 //! sensor's floor (noise and resolution), and the rms goes over all samples of all channels (behind the landing of the transmission bench's journal), so an effect on one of
 //! `k` channels is larger by the root of `k` there. What calibration can absorb is what the
-//! declared-uncertain numbers can imitate, each within [`MOST_DEVIATIONS`] of its declared deviations.
+//! declared-uncertain numbers can imitate, each within [`MOST_DEVIATIONS`] of its declared deviations about its description.
 
 use super::hidden::HiddenEffect;
 use super::planar;
@@ -73,8 +73,8 @@ impl<'a> Scale<'a> {
     fn calibrated(&self, added: &[f64], others: &[Vec<f64>], from: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let columns: Vec<&Vec<f64>> = self.columns.iter().chain(others).collect();
         let bounds = |i: usize| {
-            from.get(i)
-                .map_or([f64::NEG_INFINITY, f64::INFINITY], |z| [-MOST_DEVIATIONS - z, MOST_DEVIATIONS - z])
+            let gone = from.get(i).zip(self.session.off.get(i)).map(|(z, off)| z + off);
+            gone.map_or([f64::NEG_INFINITY, f64::INFINITY], |z| [-MOST_DEVIATIONS - z, MOST_DEVIATIONS - z])
         };
         let gram: Vec<Vec<f64>> =
             columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
@@ -121,7 +121,8 @@ impl<'a> Scale<'a> {
         let off: Vec<f64> = self.session.off.iter().zip(deviations).map(|(off, d)| off * d).collect();
         for (effects, sign) in [(hidden, 1.0), (named, -1.0)] {
             for (i, by) in effects.iter().filter_map(|e| planar::moved_number(&off, e)) {
-                z[i] = (z[i] + sign * by / deviations[i]).clamp(-MOST_DEVIATIONS, MOST_DEVIATIONS);
+                let off = self.session.off[i];
+                z[i] = (z[i] + sign * by / deviations[i]).clamp(-MOST_DEVIATIONS - off, MOST_DEVIATIONS - off);
             }
         }
         let mut left = rest(&z);
