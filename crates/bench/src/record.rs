@@ -6,7 +6,7 @@ use crate::friction_rig;
 use crate::integrate::IntegrationError;
 use crate::log::MeasuredLog;
 use crate::motion::Profile;
-use crate::respond::{Response, outputs_of};
+use crate::respond::{AXIS_FINENESS, Response, TRANSMISSION_FINENESS, outputs_of, reading, refined};
 use crate::run::{DEFAULT_TOLERANCE, snapshots};
 use crate::sensor::Sensor;
 use crate::transmission::Snapshot;
@@ -31,45 +31,56 @@ const TRANSMISSION_CHANNELS: &[Channel] = &[
 /// Records the described run: effects applied, every sensor's electronics, noise and resolution from `seed`.
 pub fn record(bench: &Bench, seed: u64) -> Result<MeasuredLog, IntegrationError> {
     let resolved = bench.resolved();
-    let (time_s, channels) = match &resolved {
+    let (time_s, channels, fineness) = match &resolved {
         Bench::Transmission(bench) => transmission(bench)?,
         Bench::FrictionRig(rig) => axis(rig),
     };
-    Ok(sensed(&resolved, time_s, channels, seed))
+    Ok(sensed(&resolved, (&time_s, fineness), channels, seed))
 }
 
 /// The log that the sensors of a transmission bench take of a run sampled at the logging rate.
 pub fn log_of(bench: &Bench, samples: &[Snapshot], seed: u64) -> MeasuredLog {
-    let time_s = samples.iter().map(|s| s.time_s).collect();
-    sensed(&bench.resolved(), time_s, outputs_of(samples, TRANSMISSION_CHANNELS), seed)
+    let time_s: Vec<f64> = samples.iter().map(|s| s.time_s).collect();
+    sensed(&bench.resolved(), (&time_s, 1), outputs_of(samples, TRANSMISSION_CHANNELS), seed)
 }
 
-fn sensed(resolved: &Bench, time_s: Vec<f64>, mut channels: Response, seed: u64) -> MeasuredLog {
+/// The log of true outputs at times that are finer than the samples.
+fn sensed(
+    resolved: &Bench,
+    (fine_s, fineness): (&[f64], usize),
+    mut channels: Response,
+    seed: u64,
+) -> MeasuredLog {
     let perfect = Sensor::default();
     for (index, (channel, values)) in channels.iter_mut().enumerate() {
         let sensor = resolved.sensors().get(channel).unwrap_or(&perfect);
-        *values = sensor.respond(&time_s, values);
+        *values = reading(sensor, fine_s, values, fineness);
         // A stream of its own for each channel: leaving one out does not change the others.
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index as u64 + 1);
         sensor.read(values, &mut rng);
     }
+    let time_s = fine_s.iter().step_by(fineness).copied().collect();
     MeasuredLog { source: "recorded".into(), time_s, channels }
 }
 
-fn transmission(bench: &TransmissionBench) -> Result<(Vec<f64>, Response), IntegrationError> {
-    let time_s = bench.sample_times_s(bench.logging.sample_rate_hz);
+/// True outputs at refined times, and how fine these are.
+type Refined = (Vec<f64>, Response, usize);
+
+fn transmission(bench: &TransmissionBench) -> Result<Refined, IntegrationError> {
+    let time_s = refined(&bench.sample_times_s(bench.logging.sample_rate_hz), TRANSMISSION_FINENESS);
     let inputs = (bench.drive_profile(), bench.load_profile());
     let samples = snapshots(bench, inputs, bench.duration_s(), &time_s, DEFAULT_TOLERANCE)?;
     let channels = outputs_of(&samples, TRANSMISSION_CHANNELS);
-    Ok((time_s, channels))
+    Ok((time_s, channels, TRANSMISSION_FINENESS))
 }
 
-fn axis(rig: &FrictionRig) -> (Vec<f64>, Response) {
+fn axis(rig: &FrictionRig) -> Refined {
     let drive = rig.axis.motion();
     let load = Profile::Ramp { level: rig.load.force_n, ramp_s: rig.load.ramp_s };
     let count = (rig.axis.duration_s() * rig.logging.sample_rate_hz).round() as usize;
-    let time_s: Vec<f64> = (0..count).map(|i| i as f64 / rig.logging.sample_rate_hz).collect();
+    let samples: Vec<f64> = (0..count).map(|i| i as f64 / rig.logging.sample_rate_hz).collect();
+    let time_s = refined(&samples, AXIS_FINENESS);
     let (position, speed, effort) = rig.channels();
     let at = |read: &dyn Fn(f64) -> f64| time_s.iter().map(|&t| read(t)).collect::<Vec<f64>>();
     let efforts = friction_rig::efforts(rig, &time_s, |t| drive.at(t), |t| load.at(t).value);
@@ -82,5 +93,5 @@ fn axis(rig: &FrictionRig) -> (Vec<f64>, Response) {
     if rig.surface.is_some() {
         channels.insert(Channel::FrictionTorque, efforts.iter().map(|e| -e.friction).collect());
     }
-    (time_s, channels)
+    (time_s, channels, AXIS_FINENESS)
 }

@@ -15,6 +15,30 @@ use std::collections::BTreeMap;
 /// Simulated outputs by channel, one value a sample of the log.
 pub type Response = BTreeMap<Channel, Vec<f64>>;
 
+/// Parts of the time between two samples at whose ends the truth is simulated. A sensor that is late reads between the samples, where dry friction may turn
+/// round within one of them.
+pub(crate) const TRANSMISSION_FINENESS: usize = 8;
+pub(crate) const AXIS_FINENESS: usize = 4;
+
+/// The times with so many parts between each and the next.
+pub(crate) fn refined(time_s: &[f64], fineness: usize) -> Vec<f64> {
+    let parts = time_s.windows(2).flat_map(|pair| {
+        let [from, to] = [pair[0], pair[1]];
+        (0..fineness)
+            .map(move |k| if k == 0 { from } else { from + (to - from) * k as f64 / fineness as f64 })
+    });
+    parts.chain(time_s.last().copied()).collect()
+}
+
+/// What a sensor's electronics make of a truth at refined times, at the samples themselves.
+pub(crate) fn reading(sensor: &Sensor, fine_s: &[f64], truth: &[f64], fineness: usize) -> Vec<f64> {
+    let sampled = |values: &[f64]| -> Vec<f64> { values.iter().step_by(fineness).copied().collect() };
+    if sensor.is_prompt() {
+        return sensor.respond(&sampled(fine_s), &sampled(truth));
+    }
+    sampled(&sensor.respond(fine_s, truth))
+}
+
 /// Half window in s of the polynomial that smooths a drive displacement with its velocity.
 const DRIVE_HALF_WINDOW_S: f64 = 0.010;
 /// Half window in s for a load.
@@ -24,6 +48,9 @@ const LOAD_HALF_WINDOW_S: f64 = 0.003;
 #[derive(Clone, Debug)]
 pub struct Inputs {
     time_s: Vec<f64>,
+    /// Times at which the truth is simulated.
+    fine_s: Vec<f64>,
+    fineness: usize,
     drive: Profile,
     load: Profile,
     outputs: Vec<Channel>,
@@ -57,6 +84,8 @@ impl Inputs {
                 let half = DRIVE_HALF_WINDOW_S.max(4.0 * step);
                 Ok(Self {
                     time_s: time_s.clone(),
+                    fine_s: refined(time_s, TRANSMISSION_FINENESS),
+                    fineness: TRANSMISSION_FINENESS,
                     drive: Profile::through(time_s, displacement, velocity, half, 4),
                     load,
                     outputs,
@@ -73,7 +102,8 @@ impl Inputs {
                     Some(values) => smooth_load(values),
                     None => Profile::Ramp { level: rig.load.force_n, ramp_s: f64::MIN_POSITIVE },
                 };
-                Ok(Self { time_s: time_s.clone(), drive, load, outputs })
+                let fine_s = refined(time_s, AXIS_FINENESS);
+                Ok(Self { time_s: time_s.clone(), fine_s, fineness: AXIS_FINENESS, drive, load, outputs })
             }
         }
     }
@@ -82,6 +112,7 @@ impl Inputs {
     pub fn first(&self, count: usize) -> Self {
         let mut inputs = self.clone();
         inputs.time_s.truncate(count);
+        inputs.fine_s.truncate(count.saturating_sub(1) * self.fineness + count.min(1));
         inputs
     }
 
@@ -125,13 +156,13 @@ pub fn respond(bench: &Bench, inputs: &Inputs) -> Result<Response, RespondError>
     Ok(sensed(&resolved, inputs, &truth))
 }
 
-/// The true outputs of a resolved bench under the inputs of a log: the costly half of [`respond`].
+/// The true outputs of a resolved bench under the inputs of a log, at times that are finer than its samples: the costly half of [`respond`].
 pub fn truth(resolved: &Bench, inputs: &Inputs) -> Result<Response, RespondError> {
     Ok(match resolved {
         Bench::Transmission(bench) => {
             let end_s = inputs.time_s.last().copied().unwrap_or_default();
             let profiles = (inputs.drive.clone(), inputs.load.clone());
-            let samples = snapshots(bench, profiles, end_s, &inputs.time_s, DEFAULT_TOLERANCE)?;
+            let samples = snapshots(bench, profiles, end_s, &inputs.fine_s, DEFAULT_TOLERANCE)?;
             outputs_of(&samples, &inputs.outputs)
         }
         Bench::FrictionRig(rig) => axis_outputs(rig, inputs),
@@ -143,7 +174,7 @@ pub fn sensed(resolved: &Bench, inputs: &Inputs, truth: &Response) -> Response {
     let perfect = Sensor::default();
     let sense = |(channel, values): (&Channel, &Vec<f64>)| {
         let sensor = resolved.sensors().get(channel).unwrap_or(&perfect);
-        (*channel, sensor.respond(&inputs.time_s, values))
+        (*channel, reading(sensor, &inputs.fine_s, values, inputs.fineness))
     };
     truth.iter().map(sense).collect()
 }
@@ -173,7 +204,7 @@ pub fn outputs_of(samples: &[Snapshot], channels: &[Channel]) -> Response {
 
 fn axis_outputs(rig: &FrictionRig, inputs: &Inputs) -> Response {
     let (_, _, effort_channel) = rig.channels();
-    let efforts = friction_rig::efforts(rig, &inputs.time_s, |t| inputs.drive(t), |t| inputs.load_n(t));
+    let efforts = friction_rig::efforts(rig, &inputs.fine_s, |t| inputs.drive(t), |t| inputs.load_n(t));
     let mut response = Response::new();
     for &channel in &inputs.outputs {
         if channel == effort_channel {
@@ -183,4 +214,36 @@ fn axis_outputs(rig: &FrictionRig, inputs: &Inputs) -> Response {
         }
     }
     response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_late_sensor_reads_between_samples_where_friction_turns_round() {
+        // Within a fifth of a sample's time, at .4 of it.
+        let turn = |t: f64| 100.0 * ((t - 0.0104) / 2e-4).tanh();
+        let time_s: Vec<f64> = (0..20).map(|i| f64::from(i) * 1e-3).collect();
+        let sensor = Sensor { delay_s: 1.9e-4, ..Sensor::default() };
+        let largest = |fineness: usize| {
+            let fine_s = refined(&time_s, fineness);
+            let truth: Vec<f64> = fine_s.iter().map(|&t| turn(t)).collect();
+            let read = reading(&sensor, &fine_s, &truth, fineness);
+            assert_eq!(read.len(), time_s.len());
+            let off = read.iter().zip(&time_s).map(|(r, t)| (r - turn(t - 1.9e-4)).abs());
+            off.skip(1).fold(0.0, f64::max)
+        };
+        let (coarse, fine) = (largest(1), largest(TRANSMISSION_FINENESS));
+        assert!(coarse > 10.0 && fine < 1.0, "{coarse} {fine}");
+    }
+
+    #[test]
+    fn refined_times_hold_the_samples() {
+        let time_s = [0.1, 0.3, 0.4, 1.1];
+        let fine_s = refined(&time_s, 4);
+        assert_eq!(fine_s.len(), 13);
+        assert_eq!(fine_s.iter().step_by(4).copied().collect::<Vec<_>>(), time_s);
+        assert!(fine_s.windows(2).all(|pair| pair[0] < pair[1]) && refined(&[], 4).is_empty());
+    }
 }

@@ -91,6 +91,11 @@ impl Sensor {
         signal
     }
 
+    /// Whether a reading depends on nothing but the signal at its own time.
+    pub(crate) fn is_prompt(&self) -> bool {
+        self.delay_s == 0.0 && self.bandwidth_hz <= 0.0
+    }
+
     /// Adds noise and outliers and rounds to the resolution.
     pub fn read(&self, signal: &mut [f64], rng: &mut impl rand::Rng) {
         for value in signal {

@@ -18,6 +18,7 @@ use bench::Bench;
 use bench::respond::{RespondError, Response, sensed, truth};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// First radius of the trust region, in scaled units, and the one that ends a fit.
 const FIRST_RADIUS: f64 = 2.0;
@@ -30,7 +31,7 @@ const ENOUGH_SHARE: f64 = 3e-4;
 pub(crate) struct Simulation {
     /// Resolved and without sensors, one a session: what the truths depend on.
     plants: Vec<Bench>,
-    truths: Vec<Response>,
+    truths: Vec<Arc<Response>>,
     pub(crate) columns: Columns,
 }
 
@@ -53,7 +54,8 @@ pub(crate) fn simulate(
     let plants: Vec<Bench> = resolved.iter().map(without_sensors).collect();
     let truth_of = |i: usize| {
         let same = known.filter(|k| k.plants.get(i) == plants.get(i)).and_then(|k| k.truths.get(i));
-        same.map_or_else(|| truth(&resolved[i], &data.sessions[i].inputs), |truth| Ok(truth.clone()))
+        let anew = || truth(&resolved[i], &data.sessions[i].inputs).map(Arc::new);
+        same.map_or_else(anew, |truth| Ok(Arc::clone(truth)))
     };
     let truths = (0..resolved.len()).into_par_iter().map(truth_of).collect::<Result<Vec<_>, _>>()?;
     let sessions = data.sessions.iter().zip(&resolved).zip(&truths);

@@ -122,7 +122,8 @@ impl<'a> Scale<'a> {
         for (effects, sign) in [(hidden, 1.0), (named, -1.0)] {
             for (i, by) in effects.iter().filter_map(|e| planar::moved_number(&off, e)) {
                 let off = self.session.off[i];
-                z[i] = (z[i] + sign * by / deviations[i]).clamp(-MOST_DEVIATIONS - off, MOST_DEVIATIONS - off);
+                z[i] =
+                    (z[i] + sign * by / deviations[i]).clamp(-MOST_DEVIATIONS - off, MOST_DEVIATIONS - off);
             }
         }
         let mut left = rest(&z);

@@ -4,7 +4,7 @@
 //! (friction that grows by its own heat would run away). One lumped heat capacity
 //! (Newton's law of cooling), linear in temperature. Parameters: `level_per_k` in 1/K (within 0.5, prior 0.02); shapes
 //! `resistance_k_w` in K/W (1e-4 to 100, 0.1 unless given, prior 0.05) and `time_constant_s` (0.5 to 1e5, 20 unless given,
-//! prior 20): ten grams of steel behind 0.1 K/W have half a second. A log without temperature tells only their products.
+//! prior a factor of 5): ten grams of steel behind 0.1 K/W have half a second. A log without temperature tells only their products.
 //! In a log: friction drifts over many cycles, fast where much heat is made.
 //! Confounded with a step of friction, a drift of the torque's sensor, and in a short log with the level of friction.
 
@@ -15,7 +15,7 @@ use crate::description::{Bench, ThermalTerm};
 const PARAMETERS: &[EffectParameter] = &[
     EffectParameter::size("level_per_k", "1/K", 1e-3, [-0.5, 0.5], 0.02),
     EffectParameter::shape("resistance_k_w", "K/W", 0.1, [1e-4, 100.0], 0.05),
-    EffectParameter::shape("time_constant_s", "s", 20.0, [0.5, 1e5], 20.0),
+    EffectParameter::magnitude("time_constant_s", "s", 20.0, [0.5, 1e5], 5.0),
 ];
 
 pub(super) const EFFECT: EffectKind = EffectKind {

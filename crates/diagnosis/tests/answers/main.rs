@@ -7,6 +7,7 @@ mod coverage;
 mod identified;
 mod imitated;
 mod intervals;
+mod late;
 mod noise;
 mod pairs;
 mod probabilities;

@@ -61,3 +61,26 @@ fn of_two_causes_both_and_each_alone_are_hypotheses() {
     assert_eq!(d.causes.len(), 2);
     assert!(d.hypotheses[0].causes.len() == 2 && d.hypotheses[0].probability > 0.9, "{:?}", d.hypotheses);
 }
+
+#[test]
+fn what_is_not_accepted_is_not_probable() {
+    let bench = axis(6);
+    for (name, parameter, size) in [
+        ("coulomb-level", "coulomb_effort", 1.5),
+        ("viscous-friction", "viscous_effort", 12.0),
+        ("coulomb-asymmetry", "asymmetry_effort", 2.0),
+        ("stribeck-friction", "effort_rise", 6.0),
+        ("breakaway", "excess_effort", 6.0),
+        ("presliding-hysteresis", "distance_m", 2e-4),
+    ] {
+        let truth = with(&bench, effect(name, None, parameter, size));
+        let others = bench::effects::CATALOGUE.iter().map(|k| k.name).filter(|other| *other != name);
+        let d = diagnosed(&bench, &[logged(&truth, 5)], &others.collect::<Vec<_>>());
+        let likely = d.hypotheses.iter().map(|h| h.probability).fold(0.0, f64::max);
+        assert!(
+            sums_to_one(&d) && (d.verdict != Verdict::Unknown || likely < 0.5),
+            "{name}: {:?}",
+            d.hypotheses
+        );
+    }
+}
