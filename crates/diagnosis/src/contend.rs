@@ -43,6 +43,19 @@ pub(crate) fn far_off(fit: &Fit) -> bool {
     fit.objective > FAR * fit.residual.len() as f64
 }
 
+/// Whether an effect moves the very number of a declared parameter that has gone as far as it may.
+fn moves_stopped(base: &Fit, noise: &NoiseModel, candidate: &Candidate) -> bool {
+    let stopped = base.stopped();
+    if !stopped.contains(&true) {
+        return false;
+    }
+    let model = base.model.with(*candidate, noise);
+    let mut z = base.z.clone();
+    z.resize(model.parameters.len(), 0.0);
+    let number = |i: usize| model.alias(&z, i).and_then(|(own, _)| stopped.get(own).copied());
+    (base.z.len()..z.len()).any(|i| number(i).unwrap_or_default())
+}
+
 /// Fitted candidates, and the others with their evidence.
 pub(crate) type Contest = (Vec<Fit>, Vec<(Candidate, f64)>);
 
@@ -60,7 +73,11 @@ pub(crate) fn contend(
     if !far_off(base) {
         let best = scored.first().map_or(0.0, |s| s.evidence);
         let (least, most) = ((SHARE * best - MARGIN).max(WORTH), if best < SLIGHT { FEW } else { GROUP });
-        let group: Vec<&Score> = scored.iter().filter(|s| s.evidence > least).take(most).collect();
+        // What moves a number that calibration would have moved farther is in the race whatever its score: there the response bends.
+        let (bent, straight): (Vec<&Score>, Vec<&Score>) =
+            scored.iter().partition(|s| moves_stopped(base, noise, &s.candidate));
+        let likely = straight.into_iter().filter(|s| s.evidence > least).take(most);
+        let group: Vec<&Score> = bent.into_iter().chain(likely).collect();
         let rough: Result<Vec<Fit>, RespondError> =
             group.par_iter().map(|s| refit(data, noise, base, s)).collect();
         let fits = polished(data, noise, rough?);

@@ -27,6 +27,9 @@ const LAST_RADIUS: f64 = 1e-4;
 const ENOUGH: f64 = 0.02;
 const ENOUGH_SHARE: f64 = 3e-4;
 
+/// Factor on its information that holds a parameter in place.
+const HELD: f64 = 1e9;
+
 /// A bench simulated under all sessions.
 pub(crate) struct Simulation {
     /// Resolved and without sensors, one a session: what the truths depend on.
@@ -88,6 +91,24 @@ impl Fit {
     /// `J'J` plus the priors' unit rows.
     pub(crate) fn information(&self) -> DMatrix<f64> {
         with_priors(&self.model, self.fisher())
+    }
+
+    /// The same with what stops at a bound held there: it takes up nothing of what is added.
+    pub(crate) fn held_information(&self) -> DMatrix<f64> {
+        let mut information = self.information();
+        for (i, _) in self.stopped().into_iter().enumerate().filter(|(_, stopped)| *stopped) {
+            information[(i, i)] *= HELD;
+        }
+        information
+    }
+
+    /// Which declared parameters have gone as far as they may.
+    pub(crate) fn stopped(&self) -> Vec<bool> {
+        let stops = |(p, z): (&Parameter, &f64)| {
+            let (least, most) = p.bounds();
+            p.is_declared() && (*z <= least || *z >= most)
+        };
+        self.model.parameters.iter().zip(&self.z).map(stops).collect()
     }
 
     /// Gradient that is left, 0 at the optimum.

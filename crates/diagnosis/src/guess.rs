@@ -100,7 +100,7 @@ fn onset(
     let mut z = base.z.clone();
     z.push(0.0);
     let columns = sensitivities(data, noise, &model, &z, &base.simulation, &[place])?;
-    let (Some(column), Some(information)) = (columns.first(), factor(&base.information())) else {
+    let (Some(column), Some(information)) = (columns.first(), factor(&base.held_information())) else {
         return Ok(None);
     };
     let times = data.stacked(|s, i| s.inputs.time_s().get(i).copied().unwrap_or_default());

@@ -56,7 +56,7 @@ pub(crate) fn scores(
     base: &Fit,
     candidates: &[Candidate],
 ) -> Result<Vec<Score>, RespondError> {
-    let Some(information) = factor(&base.information()) else { return Ok(Vec::new()) };
+    let Some(information) = factor(&base.held_information()) else { return Ok(Vec::new()) };
     let left = base.gradient();
     let nominal = base.model.parameters.len();
     let score = |candidate: &Candidate| -> Result<Option<Score>, RespondError> {
@@ -151,7 +151,7 @@ fn combine(columns: &[Vec<f64>], factors: &DVector<f64>) -> Vec<f64> {
 
 /// Correlation of two projected signatures, 0 to 1.
 pub(crate) fn correlation(base: &Fit, a: &Score, b: &Score) -> f64 {
-    let information: DMatrix<f64> = base.information();
+    let information: DMatrix<f64> = base.held_information();
     let Some(information) = factor(&information) else { return 0.0 };
     let inner =
         |a: &Score, b: &Score| dot(&a.signature, &b.signature) - information.solve(&a.shadow).dot(&b.shadow);

@@ -221,10 +221,8 @@ fn settle_first(data: &Data, noise: &NoiseModel, contenders: &mut [Contender]) -
 fn stands_out(base: &Fit, fit: &Fit, threshold: f64) -> bool {
     let own = fit.model.of_effect(fit.model.chosen.len() - 1);
     let is_size = |i: &usize| fit.model.parameters.get(*i).is_some_and(Parameter::is_size);
-    let at_bound = |i: &usize| {
-        let bounds = base.model.parameters.get(*i).filter(|p| p.is_declared()).map(Parameter::bounds);
-        bounds.zip(base.z.get(*i)).is_some_and(|((least, most), z)| *z <= least || *z >= most)
-    };
+    let stopped = base.stopped();
+    let at_bound = |i: &usize| stopped.get(*i).copied().unwrap_or_default();
     let is_free = |i: &usize| if own.contains(i) { is_size(i) } else { !at_bound(i) };
     let free: Vec<usize> = (0..fit.z.len()).filter(is_free).collect();
     let information = fit.information().select_rows(&free).select_columns(&free);

@@ -53,6 +53,8 @@ const PAIR_SHARE: f64 = 0.985;
 /// Name of the parameter of a change that is its time in the log, and of one that says how slow an effect is.
 const ONSET: &str = "time_s";
 const TIME_CONSTANT: &str = "time_constant_s";
+/// Time constants after which an effect has come to its end, but for a twentieth.
+const SETTLED: f64 = 3.0;
 /// Share of a limit from which a reading reaches it.
 const REACHED: f64 = 0.99;
 
@@ -172,7 +174,7 @@ fn comes_late(first: &Diagnosis, second: &Diagnosis) -> bool {
         cause.parameters.iter().any(|p| match (guess, cause.channel) {
             (Some(Guess::Onset(_)), _) => p.name == ONSET && p.value >= until_s,
             (Some(Guess::LargestReading), Some(channel)) => ends_late(channel, 1.0 / p.value),
-            _ => p.name == TIME_CONSTANT && p.value >= until_s - start_s,
+            _ => p.name == TIME_CONSTANT && SETTLED * p.value >= until_s - start_s,
         })
     };
     matches!(second.verdict, Verdict::Named | Verdict::Ambiguous) && second.causes.iter().any(is_late)
@@ -230,6 +232,8 @@ pub(crate) struct End {
     pub(crate) left: Option<Signature>,
     /// Nuisances of sessions that were not fitted.
     pub(crate) held_out: Option<Fit>,
+    /// Whether calibration has gone as far as it may: what lies beyond is a finding.
+    stopped: bool,
     /// Share by which a cause misfits in shape.
     misfit: f64,
 }
@@ -248,8 +252,8 @@ impl End {
         let left = leftover::find(data, &noise, &residual);
         let misfit = misfit(&views.fitted, floors, used, fit);
         let (deviations, fisher) = (deviations(&views.fitted, used, fit), fit.fisher());
-        let (model, z) = (fit.model.clone(), fit.z.clone());
-        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left, held_out, misfit })
+        let (model, z, stopped) = (fit.model.clone(), fit.z.clone(), fit.stopped().contains(&true));
+        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left, held_out, stopped, misfit })
     }
 }
 
@@ -297,15 +301,6 @@ fn explains_most(data: &Data, before: &End, after: &End) -> bool {
 fn explains_all(data: &Data, before: &End, after: &End) -> bool {
     let (_, (_, interval)) = gains(data, &after.noise, &before.residual, &after.residual);
     interval.is_none_or(|[_, high]| high >= WHOLE_SHARE)
-}
-
-/// Whether calibration has gone as far as it may: what lies beyond is a finding.
-fn at_bound(end: &End) -> bool {
-    let stops = |(p, z): (&Parameter, &f64)| {
-        let (least, most) = p.bounds();
-        p.is_declared() && (*z <= least || *z >= most)
-    };
-    end.model.parameters.iter().zip(&end.z).any(stops)
 }
 
 /// Whether only a combination of the sizes of two causes is known.
@@ -361,7 +356,7 @@ fn judge(
     let equals: Vec<&Contender> = deciding.map_or_else(Vec::new, |s| s.equals().collect());
     let checks = at_bounds(data, floors, (&shown.model, &shown.z), shown.held_out.as_ref())?;
     let verdict = match (standing, shown.left.is_some()) {
-        (0, false) if ends.len() == 1 && !at_bound(before) && checks.is_empty() => Verdict::None,
+        (0, false) if ends.len() == 1 && !before.stopped && checks.is_empty() => Verdict::None,
         (0, _) => Verdict::Unknown,
         _ if equals.is_empty() => Verdict::Named,
         _ => Verdict::Ambiguous,

@@ -14,7 +14,7 @@ use system_tests::generator::session::Plant;
 use system_tests::hidden_effects::CampaignError;
 use system_tests::hidden_effects::cell::{Arm, Campaign};
 use system_tests::hidden_effects::compare::Outcome;
-use system_tests::hidden_effects::page::{page, summary};
+use system_tests::hidden_effects::page::{page, stem, summary};
 use system_tests::hidden_effects::run::run;
 use system_tests::hidden_effects::score::{Figures, figures};
 use system_tests::journal::{Journal, JournalError};
@@ -67,7 +67,8 @@ struct Cli {
     /// The part that runs with every change, whatever the other options say.
     #[arg(long)]
     quick: bool,
-    /// Write tests/golden/hidden-effects.json and docs/hidden-effects.md; with --quick its own golden figures.
+    /// Write tests/golden/hidden-effects.json and docs/hidden-effects.md, of the bench alone hidden-effects-bench;
+    /// with --quick its own golden figures.
     #[arg(long)]
     bless: bool,
 }
@@ -162,8 +163,8 @@ fn bless(figures: &Figures, json: &str, quick: bool) -> Result<(), CampaignError
     if quick {
         return write(&root.join("tests/golden/hidden-effects-quick.json"), json);
     }
-    write(&root.join("tests/golden/hidden-effects.json"), json)?;
-    write(&root.join("docs/hidden-effects.md"), &page(figures))
+    write(&root.join(format!("tests/golden/{}.json", stem(figures))), json)?;
+    write(&root.join(format!("docs/{}.md", stem(figures))), &page(figures))
 }
 
 fn write(file: &std::path::Path, text: &str) -> Result<(), CampaignError> {

@@ -3,13 +3,15 @@
 use super::cell::Campaign;
 use super::goals::Goal;
 use super::score::{Figures, Shares};
+use crate::generator::session::Plant;
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Hidden effects: what the diagnosis finds
 
 Logs come from generators that share no code with the engine (`tests/src/generator`), hide an effect of the vocabulary or none, and
 the engine answers from the log alone; labels are sealed until it has. This page is written by
-`cargo xtask hidden-effects --bless` from `tests/golden/hidden-effects.json`, its figures are those of the run named below.
+`cargo xtask hidden-effects --bless` from its golden figures under `tests/golden`, which are those of the run named below. The axes have the page
+`hidden-effects.md`, the transmission bench, a cell of which costs fifty times as much, `hidden-effects-bench.md`.
 
 Size is the rms of the part of the effect that calibration cannot absorb over the rms of the noise floor, over all samples of all
 channels, each in units of its own noise; calibration may move what is declared uncertain by four declared deviations. A share counts the
@@ -69,6 +71,12 @@ fn mark(goal: &Goal) -> &'static str {
         Some(0.0) => "reached",
         Some(_) => "missed",
     }
+}
+
+/// The name of the page and of its golden figures: the transmission bench by itself has its own.
+pub fn stem(figures: &Figures) -> &'static str {
+    let plants = figures.campaign.as_ref().map(|c| c.plants.as_slice());
+    if plants == Some(&[Plant::Bench]) { "hidden-effects-bench" } else { "hidden-effects" }
 }
 
 /// The goals beside what was found, as text.
