@@ -32,6 +32,9 @@ const LIKELY: usize = 5;
 /// Difference of the criterion within which two candidates fit equally: odds of 20 to 1.
 const EQUAL: f64 = 6.0;
 
+/// Chi-square between two responses that are one.
+const SAME: f64 = 2.0;
+
 /// A refitted candidate of a stage.
 pub(crate) struct Contender {
     pub(crate) candidate: Candidate,
@@ -67,10 +70,21 @@ impl Stage {
         causes
     }
 
-    /// Contenders that fit as well as the best one.
+    /// Contenders that fit as well as the best one. Not what says the same in more words: a fall with speed that ends far beyond the speeds of the log is a
+    /// level.
     pub(crate) fn equals(&self) -> impl Iterator<Item = &Contender> {
-        let best = self.contenders.first().map_or(0.0, |c| c.criterion);
-        self.contenders.iter().skip(1).filter(move |c| c.criterion - best < EQUAL)
+        let first = self.contenders.first();
+        let best = first.map_or(0.0, |c| c.criterion);
+        let repeats = move |c: &Contender| first.is_some_and(|first| c.repeats(first));
+        self.contenders.iter().skip(1).filter(move |c| c.criterion - best < EQUAL && !repeats(c))
+    }
+}
+
+impl Contender {
+    /// Whether it has more parameters than another one and ends in the same response.
+    fn repeats(&self, other: &Self) -> bool {
+        let apart = self.fit.residual.iter().zip(&other.fit.residual).map(|(a, b)| (a - b).powi(2));
+        self.fit.model.parameters.len() > other.fit.model.parameters.len() && apart.sum::<f64>() < SAME
     }
 }
 

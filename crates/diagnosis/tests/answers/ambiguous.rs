@@ -101,3 +101,17 @@ fn where_no_experiment_tells_none_is_proposed() {
     assert!(d.experiment.as_ref().unwrap().recordings.is_empty(), "{:?}", d.next_experiment);
     assert!(d.next_experiment.unwrap().starts_with("none of"));
 }
+
+#[test]
+fn a_fall_with_speed_beyond_all_speeds_is_no_rival_of_a_level() {
+    // Where samples are few, a shape more costs less than the difference that counts.
+    let bench = axis(2);
+    let truth = with(&bench, effect("coulomb-level", None, "coulomb_effort", 1.5));
+    let mut log = logged(&truth, 10);
+    let fifth = |values: &mut Vec<f64>| *values = values.iter().step_by(5).copied().collect();
+    fifth(&mut log.time_s);
+    log.channels.values_mut().for_each(fifth);
+    let d = diagnosed(&bench, &[log], &["coulomb-level", "stribeck-friction"]);
+    assert_eq!(d.verdict, Verdict::Named, "{:?} {:?}", d.causes, d.ambiguous_with);
+    assert_eq!(d.causes[0].effect, "coulomb-level");
+}
