@@ -1,7 +1,7 @@
 //! The quick matrix: every effect of the axes hidden once, clean logs, deleted causes, two effects, pairs, changed questions.
 //!
 //! Its figures must not miss a goal by more than those that are checked in (`tests/golden/hidden-effects-quick.json`, written by
-//! `cargo xtask hidden-effects --quick --bless`). The full matrix is a campaign of its own: `docs/hidden-effects.md`.
+//! `cargo xtask hidden-effects --quick --bless`). The full matrix is a campaign of its own: `docs/hidden-effects.md`, and `docs/hidden-effects-bench.md`.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use rayon::prelude::*;
@@ -25,8 +25,16 @@ fn the_quick_matrix_is_no_worse_than_its_golden_figures() {
 }
 
 #[test]
-fn the_published_page_shows_the_golden_figures() {
-    let golden: Figures = serde_json::from_str(include_str!("../golden/hidden-effects.json")).unwrap();
-    let published = include_str!("../../docs/hidden-effects.md");
-    assert_eq!(page(&golden), published, "cargo xtask hidden-effects --bless writes both");
+fn the_published_pages_show_the_golden_figures() {
+    let pages = [
+        (include_str!("../golden/hidden-effects.json"), include_str!("../../docs/hidden-effects.md")),
+        (
+            include_str!("../golden/hidden-effects-bench.json"),
+            include_str!("../../docs/hidden-effects-bench.md"),
+        ),
+    ];
+    for (golden, published) in pages {
+        let golden: Figures = serde_json::from_str(golden).unwrap();
+        assert_eq!(page(&golden), published, "cargo xtask hidden-effects --bless writes both");
+    }
 }

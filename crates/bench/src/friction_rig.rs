@@ -17,7 +17,7 @@
 //! effort is a function of motion and load alone, unless an effect remembers. What effects add: [`crate::effects`]; sliding
 //! speeds are taken at the friction radius.
 
-use crate::description::{BearingMaterial, BreakawayTerm, FrictionRig, Surface, ripples};
+use crate::description::{BearingMaterial, FrictionRig, Surface, ripples};
 use crate::extended_friction::smooth_step;
 use crate::motion::Motion;
 
@@ -111,7 +111,7 @@ fn remembered(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) ->
         next.excess = surface.remember(last.excess, sliding, step_s);
     }
     if let Some(term) = &extension.breakaway {
-        let (steady, rate) = aged(term, sliding);
+        let (steady, rate) = term.steady(sliding);
         next.rest = steady + (last.rest - steady) * (-rate * step_s).exp();
     }
     if let Some(term) = &extension.thermal {
@@ -120,12 +120,6 @@ fn remembered(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) ->
         next.rise_k = steady + (last.rise_k - steady) * (-step_s / term.time_constant_s).exp();
     }
     next
-}
-
-/// The age that a steady sliding speed leaves, as a share of full age, and the rate at which it is approached.
-fn aged(term: &BreakawayTerm, sliding_m_s: f64) -> (f64, f64) {
-    let rate = 1.0 / term.rest_time_s + sliding_m_s / term.distance_m;
-    (1.0 / (term.rest_time_s * rate), rate)
 }
 
 /// The turned sign of pre-sliding behind a step from one sliding speed to another, over which the sign moves evenly. As the distance goes to 0
@@ -171,7 +165,7 @@ pub fn efforts(
     // Who looks at an axis in motion finds its bristles bent that way, and as old as this speed leaves them; at rest it has rested.
     let mut memory = AxisMemory {
         turned: sign(rig, speed),
-        rest: extension.breakaway.as_ref().map_or(0.0, |term| aged(term, speed.abs()).0),
+        rest: extension.breakaway.as_ref().map_or(0.0, |term| term.steady(speed).0),
         rise_k: extension.temperature_start_k,
         ..AxisMemory::default()
     };

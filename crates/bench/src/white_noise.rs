@@ -2,7 +2,8 @@
 //!
 //! Of five neighbouring samples the fourth divided difference is 0 for every cubic, however they are spaced: lost samples leave holes in a log, and
 //! a difference that takes them for even spacing sees the motion itself. Scaled to weights of unit square sum, it has the variance of the noise. The median
-//! of the squares counts, so that corners, jumps and stops do not, and at least what rounding leaves: half of a resting log's readings may be the same.
+//! of the squares counts, so that corners, jumps and stops do not; where more than half of them are 0, that of the others: a log that rests, or that holds a
+//! slow sensor's readings, stands still most of the time.
 
 /// The median of the square of a normal number of unit variance.
 const MEDIAN_SQUARE: f64 = 0.4549;
@@ -41,9 +42,8 @@ pub(crate) fn of(time_s: &[f64], values: &[f64]) -> f64 {
     if found > least {
         return found;
     }
-    // More than half of the readings stand still.
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > least);
-    steps.reduce(f64::min).map_or(least, |step| step / 12.0_f64.sqrt())
+    squares.retain(|square| *square > least * least);
+    deviation(&mut squares).max(least)
 }
 
 #[cfg(test)]
@@ -73,12 +73,19 @@ mod tests {
     }
 
     #[test]
-    fn a_log_that_rests_most_of_the_time_has_the_noise_of_its_rounding() {
+    fn a_log_that_stands_still_most_of_the_time_has_the_noise_of_its_steps() {
         let times: Vec<f64> = (0..400).map(f64::from).collect();
-        let values: Vec<f64> =
+        let rounded: Vec<f64> =
             times.iter().map(|t| if *t < 300.0 { 2.0 } else { (t * 0.04).round() }).collect();
-        assert!((of(&times, &values) - 1.0 / 12.0_f64.sqrt()).abs() < 1e-12);
-        assert!(of(&times, &[0.0; 400]) > 0.0);
+        let found = of(&times, &rounded);
+        assert!((0.1..1.0).contains(&found), "{found}");
+        // A slow sensor whose readings are held over twenty rows.
+        let mut draw = ChaCha8Rng::seed_from_u64(5);
+        let readings: Vec<f64> = (0..40).map(|_| StandardNormal.sample(&mut draw)).collect();
+        let held: Vec<f64> = (0..400).map(|i| readings[i / 20]).collect();
+        let found = of(&times, &held);
+        assert!((0.2..2.0).contains(&found), "{found}");
+        assert!(of(&times, &[0.0; 400]) > 0.0 && of(&times[..3], &held[..3]) > 0.0 && of(&[], &[]) > 0.0);
     }
 
     proptest! {

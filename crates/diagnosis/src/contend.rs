@@ -97,6 +97,8 @@ pub(crate) fn contend(
     let glance = |s: &&Score| Ok((s.candidate, origin.search(base, s)?));
     let found: Result<Vec<_>, RespondError> = group.par_iter().map(glance).collect();
     let mut found = found?;
+    // Of an effect that the plant takes in no size there is nothing to go on from.
+    found.retain(|(_, (_, objective))| objective.is_finite());
     found.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
     found.truncate(LIKELY);
     // To the optimum on the first cycle, then on everything for those that come near the best.

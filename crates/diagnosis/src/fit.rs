@@ -27,8 +27,8 @@ const LAST_RADIUS: f64 = 1e-4;
 const ENOUGH: f64 = 0.02;
 const ENOUGH_SHARE: f64 = 3e-4;
 
-/// Factor on its information that holds a parameter in place.
-const HELD: f64 = 1e9;
+/// Factor on its information that holds a parameter in place, but for a ten-thousandth.
+const HELD: f64 = 1e4;
 
 /// A bench simulated under all sessions.
 pub(crate) struct Simulation {

@@ -151,6 +151,7 @@ impl Model {
                 None => candidate.guesses_size() == p.is_size,
             };
             let (centre, scale, precision) = match candidate.guess.filter(is_of) {
+                // The prior moves with the start: by one deviation at most.
                 Some(g) if p.is_factor => (g.value, 1.0, p.prior.ln().powi(-2)),
                 Some(g) if p.is_size => (0.0, g.step, 0.0),
                 Some(g) => (g.value, g.step, GUESS_PRECISION),

@@ -3,7 +3,8 @@
 //! Among themselves, nothing and the candidates share by their criterion (chi-square and `p ln n_eff`, [`crate::select`]).
 //! What is unknown gets its odds against all of these from the last residual:
 //!
-//! * where structure is left, or a cause was found that does not stand, from the share `s` of the repeatable held-out residual that the causes explain: even odds at
+//! * where a cause was found that does not stand, from a share of 0;
+//! * where structure is left, from the share `s` of the repeatable held-out residual that the causes explain: even odds at
 //!   [`MAIN_SHARE`], where the verdict changes, and a factor of e for every [`SHARE_WIDTH`] beside it. The width is a choice: a
 //!   residual that is explained to 90 % is unknown with 5 %;
 //! * where nothing is left, from a free-form model (means over bins of the cycle's phase, or of time, in any of the channels),

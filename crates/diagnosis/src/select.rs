@@ -115,7 +115,8 @@ pub(crate) fn stage(
     let free: Vec<Candidate> = candidates.iter().filter(|c| !model.chosen.contains(c)).copied().collect();
     let mut start = start.to_vec();
     let (mut round, mut resumed) = (0, false);
-    // Where the best candidate of the round before ended: with other noise the race may be run in another way, and must not lose it.
+    // Where the best candidate of the round before ended: with other noise the race may be run in another way, and must not lose it where that way leaves the
+    // effect out.
     let mut champion: Option<(Model, Vec<f64>)> = None;
     loop {
         round += 1;

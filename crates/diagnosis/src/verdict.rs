@@ -42,9 +42,10 @@ use nalgebra::DMatrix;
 
 /// Share of the repeatable held-out residual that causes have to explain where structure is left.
 pub(crate) const MAIN_SHARE: f64 = 0.75;
-/// Share that the upper end of its interval has to reach, and where nothing else is left: of 222 true causes of size .5 to 2 four stayed below that,
-/// which a change of the whole motion explained; of the wrong names in the place of a deleted cause half do.
+/// Share that the upper end of its interval has to reach where structure is left.
 const LARGE_SHARE: f64 = 0.9;
+/// The same where nothing is left: three of 222 true causes of size .5 to 2 stayed below, slow ones that the turns named, and about half of the wrong
+/// names in the place of a deleted cause.
 const WHOLE_SHARE: f64 = 0.95;
 
 /// What it has to reach for two causes neither of which explains enough alone: two imitate what one cannot.
@@ -86,7 +87,8 @@ pub enum DiagnosisError {
 
 /// Diagnoses logs of one bench, which may have been read as found. Without `held_out` a part of each log is held out: the second half of its cycles. Where
 /// that names nothing, the log is asked again with stretches held out by turns; that answer counts if it names what the first
-/// question could not have learnt: a change that came in the second half, or one so slow that the first half does not tell where it ends, or the end of a reading that the first half hardly reaches. The log of a transmission bench, which is dear, only where something is wrong in the second half alone.
+/// question could not have learnt: a change that came in the second half, or one so slow that the first half does not tell where it ends, or the end of a sensor's range which the
+/// second half reaches more often. The log of a transmission bench, which is dear, only where something is wrong in the second half alone.
 /// Where an axis is still unknown, pairs of causes are asked for against the noise floor alone: beside one of two causes the other one passes for noise, and
 /// takes the evidence of both. A pair counts if it leaves nothing and may explain all of it.
 pub fn diagnose(
@@ -158,11 +160,9 @@ fn comes_late(first: &Diagnosis, second: &Diagnosis) -> bool {
         let until = series.held_out.iter().position(|held| *held)?;
         Some((*series.time_s.first()?, *series.time_s.get(until)?))
     };
-    let (start_s, until_s) = first
-        .series
-        .iter()
-        .filter_map(fitted)
-        .fold((f64::INFINITY, f64::INFINITY), |a, b| (a.0.min(b.0), a.1.min(b.1)));
+    let fitted: Vec<(f64, f64)> = first.series.iter().filter_map(fitted).collect();
+    let until_s = fitted.iter().fold(f64::INFINITY, |least, f| least.min(f.1));
+    let longest_s = fitted.iter().fold(0.0_f64, |most, f| most.max(f.1 - f.0));
     let ends_late = |channel: Channel, limit: f64| {
         let own = first.series.iter().filter(|s| s.channel == channel);
         let reaching = own.flat_map(|s| s.measured.iter().zip(&s.held_out));
@@ -174,7 +174,7 @@ fn comes_late(first: &Diagnosis, second: &Diagnosis) -> bool {
         cause.parameters.iter().any(|p| match (guess, cause.channel) {
             (Some(Guess::Onset(_)), _) => p.name == ONSET && p.value >= until_s,
             (Some(Guess::LargestReading), Some(channel)) => ends_late(channel, 1.0 / p.value),
-            _ => p.name == TIME_CONSTANT && SETTLED * p.value >= until_s - start_s,
+            _ => p.name == TIME_CONSTANT && SETTLED * p.value >= longest_s,
         })
     };
     matches!(second.verdict, Verdict::Named | Verdict::Ambiguous) && second.causes.iter().any(is_late)

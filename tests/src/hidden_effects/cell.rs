@@ -208,6 +208,11 @@ mod tests {
                     };
                     assert_eq!((sensor.noise, sensor.resolution), (reading.noise, reading.resolution));
                 }
+                let mut declared: Vec<f64> = bench.uncertain().values().copied().collect();
+                let mut drawn = plant.deviations().to_vec();
+                declared.sort_by(f64::total_cmp);
+                drawn.sort_by(f64::total_cmp);
+                assert_eq!(declared, drawn, "{plant:?}");
                 let Bench::FrictionRig(rig) = bench else { continue };
                 assert_eq!(rig.axis.regularisation_m_s, conditions.sign_width_m_s(plant));
                 assert_eq!(rig.logging.sample_rate_hz, conditions.axis_rate_hz());

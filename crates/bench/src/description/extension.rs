@@ -38,6 +38,12 @@ impl BreakawayTerm {
     pub(crate) fn rate_per_s(&self, memory: f64, sliding_m_s: f64) -> f64 {
         (1.0 - memory) / self.rest_time_s - sliding_m_s.abs() * memory / self.distance_m
     }
+
+    /// The memory that a steady sliding speed leaves, and the rate at which it is approached, 1/s.
+    pub(crate) fn steady(&self, sliding_m_s: f64) -> (f64, f64) {
+        let rate = 1.0 / self.rest_time_s + sliding_m_s.abs() / self.distance_m;
+        (1.0 / (self.rest_time_s * rate), rate)
+    }
 }
 
 /// Friction that follows the temperature that it causes.

@@ -3,8 +3,8 @@
 //! `m' = (1 - m)/t_r - |v| m/d`, the ageing law of rate-and-state friction (Dieterich 1979, Ruina 1983) with its state between 0
 //! and 1. Bearing: dry friction times `1 + excess m` (`excess`, -0.9 to 5, prior 0.3); axis: an effort `excess m` more
 //! (`excess_effort` in N or N m, within 1e9, prior 1e3). Shapes: `rest_time_s` 1e-3 to 1e3, 0.5 unless given;
-//! `distance_m` 1e-6 to 0.1, 2e-4 unless given; the prior of both is a factor of 10. What stands at the start has rested for long; an axis that a log finds in motion
-//! begins with the age that its speed leaves.
+//! `distance_m` 1e-6 to 0.1, 2e-4 unless given; the prior of both is a factor of 10. What stands at the start has rested for long, what moves has
+//! the age that this speed leaves.
 //! In a log: a peak of friction after each rest or reversal, lost over the distance.
 //! Confounded with Stribeck's fall (which peaks before a reversal too) and, where nothing rests, with pre-sliding.
 

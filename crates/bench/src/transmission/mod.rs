@@ -182,7 +182,8 @@ impl Transmission {
         state[5] = drive.rate / (self.drive_lever_m * cosine);
         state[RISE] = self.extension.temperature_start_k;
         // What stands has rested for long.
-        state[REST] = 1.0;
+        let sliding_m_s = state[5] * self.journal_radius_m;
+        state[REST] = self.extension.breakaway.as_ref().map_or(0.0, |term| term.steady(sliding_m_s).0);
         if self.shaft.is_some() {
             [state[LOAD_ANGLE], state[LOAD_SPEED]] = [state[4], state[5]];
         }
