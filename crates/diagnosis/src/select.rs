@@ -32,9 +32,6 @@ const LIKELY: usize = 5;
 /// Difference of the criterion within which two candidates fit equally: odds of 20 to 1.
 const EQUAL: f64 = 6.0;
 
-/// Chi-square between two responses that are one.
-const SAME: f64 = 2.0;
-
 /// A refitted candidate of a stage.
 pub(crate) struct Contender {
     pub(crate) candidate: Candidate,
@@ -71,7 +68,7 @@ impl Stage {
     }
 
     /// Contenders that fit as well as the best one. Not what says the same in more words: a fall with speed that ends far beyond the speeds of the log is a
-    /// level.
+    /// level, and so is a step before its first sample. They keep their share of the probability.
     pub(crate) fn equals(&self) -> impl Iterator<Item = &Contender> {
         let first = self.contenders.first();
         let best = first.map_or(0.0, |c| c.criterion);
@@ -81,10 +78,10 @@ impl Stage {
 }
 
 impl Contender {
-    /// Whether it has more parameters than another one and ends in the same response.
+    /// Whether it has more parameters than another one and ends in the same response, but for what counts as equal.
     fn repeats(&self, other: &Self) -> bool {
         let apart = self.fit.residual.iter().zip(&other.fit.residual).map(|(a, b)| (a - b).powi(2));
-        self.fit.model.parameters.len() > other.fit.model.parameters.len() && apart.sum::<f64>() < SAME
+        self.fit.model.parameters.len() > other.fit.model.parameters.len() && apart.sum::<f64>() < EQUAL
     }
 }
 
