@@ -38,10 +38,11 @@ pub fn record(bench: &Bench, seed: u64) -> Result<MeasuredLog, IntegrationError>
     Ok(sensed(&resolved, (&time_s, fineness), channels, seed))
 }
 
-/// The log that the sensors of a transmission bench take of a run sampled at the logging rate.
-pub fn log_of(bench: &Bench, samples: &[Snapshot], seed: u64) -> MeasuredLog {
+/// The log that the sensors of a transmission bench take of a run: one row for so many of its samples, between which late sensors read.
+pub fn log_of(bench: &Bench, (samples, for_each_row): (&[Snapshot], usize), seed: u64) -> MeasuredLog {
     let time_s: Vec<f64> = samples.iter().map(|s| s.time_s).collect();
-    sensed(&bench.resolved(), (&time_s, 1), outputs_of(samples, TRANSMISSION_CHANNELS), seed)
+    let channels = outputs_of(samples, TRANSMISSION_CHANNELS);
+    sensed(&bench.resolved(), (&time_s, for_each_row.max(1)), channels, seed)
 }
 
 /// The log of true outputs at times that are finer than the samples.
@@ -94,4 +95,31 @@ fn axis(rig: &FrictionRig) -> Refined {
         channels.insert(Channel::FrictionTorque, efforts.iter().map(|e| -e.friction).collect());
     }
     (time_s, channels, AXIS_FINENESS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_log_of_a_run_is_the_recorded_one_and_a_late_sensor_needs_its_finer_samples() {
+        let mut bench = Bench::open("bench-b").unwrap();
+        let Bench::Transmission(plant) = &mut bench else { panic!("a transmission bench") };
+        plant.sensors.entry(Channel::FrictionTorque).or_default().delay_s = 2e-4;
+        let plant = plant.clone();
+        let times = plant.sample_times_s(plant.logging.sample_rate_hz);
+        let samples = |times: &[f64]| {
+            let inputs = (plant.drive_profile(), plant.load_profile());
+            snapshots(&plant, inputs, plant.duration_s(), times, DEFAULT_TOLERANCE).unwrap()
+        };
+        let fine = samples(&refined(&times, TRANSMISSION_FINENESS));
+        let recorded = record(&bench, 3).unwrap();
+        let log = log_of(&bench, (&fine, TRANSMISSION_FINENESS), 3);
+        assert_eq!((&log.time_s, &log.channels), (&recorded.time_s, &recorded.channels));
+        let coarse = log_of(&bench, (&samples(&times), 1), 3);
+        let torque = |log: &MeasuredLog| log.channels[&Channel::FrictionTorque].clone();
+        let off =
+            torque(&log).iter().zip(&torque(&coarse)).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(off > 4.0, "ten deviations of the noise: {off}");
+    }
 }

@@ -9,7 +9,7 @@
 const MEDIAN_SQUARE: f64 = 0.4549;
 
 /// The part of five readings beyond a cubic through their times, which has the variance of their white noise; not finite where times coincide.
-pub fn beyond_a_cubic(times_s: [f64; 5], values: [f64; 5]) -> f64 {
+fn beyond_a_cubic(times_s: [f64; 5], values: [f64; 5]) -> f64 {
     let (mut sum, mut squares) = (0.0, 0.0);
     for (i, (t, value)) in times_s.iter().zip(values).enumerate() {
         let others = times_s.iter().enumerate().filter(|(k, _)| *k != i);
@@ -18,6 +18,13 @@ pub fn beyond_a_cubic(times_s: [f64; 5], values: [f64; 5]) -> f64 {
         squares += weight * weight;
     }
     sum / squares.sqrt()
+}
+
+/// The squares of what every five neighbours have beyond a cubic; those whose times coincide are left out.
+pub fn squares(time_s: &[f64], values: &[f64]) -> Vec<f64> {
+    let five = |(t, v): (&[f64], &[f64])| Some(beyond_a_cubic(t.try_into().ok()?, v.try_into().ok()?));
+    let parts = time_s.windows(5).zip(values.windows(5)).filter_map(five);
+    parts.map(|part| part * part).filter(|square| square.is_finite()).collect()
 }
 
 /// The standard deviation of which the median of `squares` tells; 0 of none. Sorts in part.
@@ -32,10 +39,7 @@ pub fn deviation(squares: &mut [f64]) -> f64 {
 
 /// The white noise of a signal at ascending times, one standard deviation; above 0.
 pub(crate) fn of(time_s: &[f64], values: &[f64]) -> f64 {
-    let five = |(t, v): (&[f64], &[f64])| Some((t.try_into().ok()?, v.try_into().ok()?));
-    let windows = time_s.windows(5).zip(values.windows(5)).filter_map(five);
-    let mut squares: Vec<f64> =
-        windows.map(|(t, v)| beyond_a_cubic(t, v).powi(2)).filter(|square| square.is_finite()).collect();
+    let mut squares = squares(time_s, values);
     let size = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let least = (1e-14 * size).max(f64::MIN_POSITIVE);
     let found = deviation(&mut squares);

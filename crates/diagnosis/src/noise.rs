@@ -190,18 +190,21 @@ fn size(data: &Data, channel: Channel) -> f64 {
     blocks.flat_map(|b| &b.measured).fold(0.0, |m, v| f64::max(m, v.abs()))
 }
 
-/// White noise by what a residual has beyond cubics.
+/// White noise by what a residual has beyond cubics, over the samples that are used.
 fn differences(data: &Data, residual: &Columns, channel: Channel) -> f64 {
     let mut squares: Vec<f64> = Vec::new();
     for (block, values) in data.blocks.iter().zip(residual).filter(|(b, _)| b.channel == channel) {
-        let times = data.sessions.get(block.session).map_or(&[][..], |s| s.inputs.time_s());
-        for ((w, t), u) in values.windows(5).zip(times.windows(5)).zip(data.uses(block).windows(5)) {
-            if let (Ok(t), Ok(w), true) = (t.try_into(), w.try_into(), u.iter().all(|u| *u != Use::Skip)) {
-                squares.push(white_noise::beyond_a_cubic(t, w).powi(2));
+        let (times, mut start) = (data.sessions[block.session].inputs.time_s(), 0);
+        for run in data.uses(block).chunk_by(|a, b| (*a == Use::Skip) == (*b == Use::Skip)) {
+            let stretch = start..start + run.len();
+            start = stretch.end;
+            if let (Some(t), Some(v), false) =
+                (times.get(stretch.clone()), values.get(stretch), run.first() == Some(&Use::Skip))
+            {
+                squares.extend(white_noise::squares(t, v));
             }
         }
     }
-    squares.retain(|square| square.is_finite());
     white_noise::deviation(&mut squares)
 }
 

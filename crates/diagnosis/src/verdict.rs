@@ -15,6 +15,7 @@
 //! 6. An axis that is `unknown` by all that is asked for a pair of causes against the noise floor ([`crate::select::pair`]). A pair counts where it leaves nothing and the
 //!    upper end of its share reaches [`PAIR_SHARE`], and where no other pair does as well.
 
+use crate::again::comes_late;
 use crate::answer::{calibrated, estimates, noises, nuisances, ranking, series};
 use crate::check::{Checked, check};
 use crate::experiment::propose;
@@ -29,15 +30,14 @@ use crate::parameter::Parameter;
 use crate::places::places;
 use crate::probability::shares;
 use crate::rank::candidates;
-use crate::result::{Ambiguous, Cause, Diagnosis, Series, Signature, Verdict};
+use crate::result::{Ambiguous, Diagnosis, Signature, Verdict};
 use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, pair, stage};
 use crate::session::{Columns, Data, Split};
 use crate::shape::misfit;
 use crate::spread::deviations;
-use bench::effects::{Guess, kind};
 use bench::log::LogError;
 use bench::respond::RespondError;
-use bench::{Bench, Channel, MeasuredLog};
+use bench::{Bench, MeasuredLog};
 use nalgebra::DMatrix;
 
 /// Share of the repeatable held-out residual that causes have to explain where structure is left.
@@ -50,14 +50,6 @@ const WHOLE_SHARE: f64 = 0.95;
 
 /// What it has to reach for two causes neither of which explains enough alone: two imitate what one cannot.
 const PAIR_SHARE: f64 = 0.985;
-
-/// Name of the parameter of a change that is its time in the log, and of one that says how slow an effect is.
-const ONSET: &str = "time_s";
-const TIME_CONSTANT: &str = "time_constant_s";
-/// Time constants after which an effect has come to its end, but for a twentieth.
-const SETTLED: f64 = 3.0;
-/// Share of a limit from which a reading reaches it.
-const REACHED: f64 = 0.99;
 
 /// What is told of the progress: the share done, and what comes next.
 pub type Progress = dyn Fn(f64, &str) + Sync;
@@ -151,33 +143,6 @@ fn is_whole(answer: &Diagnosis) -> bool {
         && answer.causes.len() > 1
         && answer.signature.is_none()
         && answer.explained_share_ci95.is_some_and(|[_, high]| high >= PAIR_SHARE)
-}
-
-/// Whether a second answer names a change that begins in what the first one held out, takes longer than what it fitted, or ends readings most of
-/// which it held out.
-fn comes_late(first: &Diagnosis, second: &Diagnosis) -> bool {
-    let fitted = |series: &Series| {
-        let until = series.held_out.iter().position(|held| *held)?;
-        Some((*series.time_s.first()?, *series.time_s.get(until)?))
-    };
-    let fitted: Vec<(f64, f64)> = first.series.iter().filter_map(fitted).collect();
-    let until_s = fitted.iter().fold(f64::INFINITY, |least, f| least.min(f.1));
-    let longest_s = fitted.iter().fold(0.0_f64, |most, f| most.max(f.1 - f.0));
-    let ends_late = |channel: Channel, limit: f64| {
-        let own = first.series.iter().filter(|s| s.channel == channel);
-        let reaching = own.flat_map(|s| s.measured.iter().zip(&s.held_out));
-        let held: Vec<bool> = reaching.filter(|(m, _)| m.abs() >= REACHED * limit).map(|(_, h)| *h).collect();
-        2 * held.iter().filter(|held| **held).count() > held.len()
-    };
-    let is_late = |cause: &Cause| {
-        let guess = kind(&cause.effect).map(|kind| kind.guess);
-        cause.parameters.iter().any(|p| match (guess, cause.channel) {
-            (Some(Guess::Onset(_)), _) => p.name == ONSET && p.value >= until_s,
-            (Some(Guess::LargestReading), Some(channel)) => ends_late(channel, 1.0 / p.value),
-            _ => p.name == TIME_CONSTANT && SETTLED * p.value >= longest_s,
-        })
-    };
-    matches!(second.verdict, Verdict::Named | Verdict::Ambiguous) && second.causes.iter().any(is_late)
 }
 
 /// The answer with one way of holding samples out, and whether the nominal bench is wrong in what was held out alone.

@@ -277,9 +277,8 @@ fn log_interval(finished: &Finished) -> usize {
 
 /// The run as a measured log: the bench's sensors at its logging rate.
 fn log_of(finished: &Finished, seed: u64) -> MeasuredLog {
-    let samples: Vec<_> =
-        finished.forced.run.samples.iter().step_by(log_interval(finished)).copied().collect();
-    bench::record::log_of(&Bench::Transmission(Box::new(finished.bench.clone())), &samples, seed)
+    let samples = (finished.forced.run.samples.as_slice(), log_interval(finished));
+    bench::record::log_of(&Bench::Transmission(Box::new(finished.bench.clone())), samples, seed)
 }
 
 impl From<ControllerError> for CliError {

@@ -97,7 +97,7 @@ pub fn bench_runs(bearing: Bearing, seed: u64) -> Result<Vec<BenchRun>, RunError
             let inputs = (bench.drive_profile(), bench.load_profile());
             let times_s = bench.sample_times_s(RATE_HZ);
             let truth = snapshots(&bench, inputs, bench.duration_s(), &times_s, DEFAULT_TOLERANCE)?;
-            let log = log_of(&Bench::Transmission(Box::new(bench)), &truth, seed);
+            let log = log_of(&Bench::Transmission(Box::new(bench)), (&truth, 1), seed);
             Ok(BenchRun { radial_clearance_m, load_n, truth, log })
         })
         .collect()

@@ -251,3 +251,33 @@ pub(super) struct Row {
     /// Angle, speed, y, z, F_cy, F_cz, T_f, fork force.
     pub(super) outputs: [f64; 8],
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bench::Bench;
+
+    #[test]
+    fn the_description_is_the_preset_with_resolutions_and_its_numbers_are_those_of_the_generator() {
+        let preset = include_str!("../../../crates/bench/presets/bench-b.toml");
+        let own = super::super::session::Plant::Bench.description();
+        let plain = own.lines().map(|line| match line.split_once(", resolution = ") {
+            Some((before, _)) => format!("{before} }}"),
+            None => line.to_owned(),
+        });
+        assert!(plain.skip(1).eq(preset.lines().skip(1).map(str::to_owned)), "all but the headline");
+        let mut bench = Bench::parse("bench", own).unwrap();
+        let names = [
+            "geometry.drive_lever_radius_m",
+            "geometry.load_lever_radius_m",
+            "shaft.mass_kg",
+            "shaft.inertia_kg_m2",
+            "bearing.radial_clearance_m",
+            "bearing.youngs_modulus_pa",
+            "friction.level",
+        ];
+        assert_eq!(names.map(|name| *bench.parameter_mut(name).unwrap()), DESCRIBED);
+        let declared = names.map(|name| bench.uncertain()[name]);
+        assert_eq!(declared.as_slice(), super::super::session::Plant::Bench.deviations());
+    }
+}
