@@ -226,6 +226,7 @@ impl Surface {
 mod tests {
     use super::*;
     use crate::Bench;
+    use crate::description::BreakawayTerm;
     use crate::motion::Profile;
 
     fn rig(name: &str) -> FrictionRig {
@@ -303,6 +304,20 @@ mod tests {
         let off = coarse.iter().zip(fine.iter().step_by(160));
         let off: Vec<f64> = off.map(|(a, b)| a.friction - b.friction).collect();
         assert!(largest(&off) < 0.01 * largest(&change(3e-6)), "{}", largest(&off));
+    }
+
+    #[test]
+    fn static_friction_is_as_old_at_the_start_as_the_speed_leaves_it() {
+        // At .014 m/s an age of 1 / (1 + .5 s * .014 m/s / 7 mm), a half.
+        let motion = Motion { value: 0.0, rate: -0.2, acceleration: 0.0 };
+        let mut rig = rig("friction-rig");
+        let run = |rig: &FrictionRig| efforts(rig, &[0.0, 1e-3, 1.0], |_| motion, |_| 1e5);
+        let without = run(&rig);
+        rig.extension.breakaway = Some(BreakawayTerm { excess: 400.0, rest_time_s: 0.5, distance_m: 7e-3 });
+        let more = 200.0 * sign(&rig, -0.014);
+        for (with, without) in run(&rig).iter().zip(&without) {
+            assert!((with.friction - without.friction - more).abs() < 1e-9, "{with:?} {without:?}");
+        }
     }
 
     #[test]

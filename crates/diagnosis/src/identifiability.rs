@@ -25,8 +25,6 @@ const CORRELATED: f64 = 0.95;
 const FLAT: f64 = 0.1;
 /// Components of a unit vector that are named.
 const NAMED: f64 = 0.25;
-/// Distance from a bound in scaled units that counts as on it.
-pub(crate) const ON_BOUND: f64 = 1e-6;
 
 /// Everything that is not well known, plain things first.
 pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
@@ -57,7 +55,7 @@ pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
         say("dead", &[i], scaled[(i, i)], words);
     }
     for (i, p) in parameters.iter().enumerate() {
-        if let Some(bound) = bound(p, end.z.get(i).copied().unwrap_or_default()) {
+        if let Some(bound) = p.bound_at(end.z.get(i).copied().unwrap_or_default()) {
             let words = format!("{} ended at the bound {bound:.4e} of its range", names[i]);
             say("at-bound", &[i], bound, words);
         }
@@ -135,16 +133,4 @@ pub(crate) fn correlated(end: &End) -> Vec<(usize, usize, f64)> {
 
 fn sessions(count: usize) -> String {
     format!("{count} session{}", if count == 1 { "" } else { "s" })
-}
-
-/// The bound that an estimate lies on.
-fn bound(parameter: &Parameter, z: f64) -> Option<f64> {
-    let (least, most) = parameter.bounds();
-    if z >= most - ON_BOUND {
-        Some(parameter.value(most))
-    } else if z <= least + ON_BOUND {
-        Some(parameter.value(least))
-    } else {
-        None
-    }
 }

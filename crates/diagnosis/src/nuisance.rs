@@ -10,10 +10,9 @@
 
 use crate::check::{Finding, Severity};
 use crate::fit::{Fit, Simulation, fit, simulate};
-use crate::identifiability::ON_BOUND;
 use crate::model::{MOST_DEVIATIONS, Model};
 use crate::noise::NoiseModel;
-use crate::parameter::Parameter;
+use crate::parameter::{ON_BOUND, Parameter};
 use crate::session::Data;
 use bench::respond::RespondError;
 use bench::{Bench, Channel};

@@ -8,6 +8,9 @@ const ABSENT_SHARE: f64 = 0.02;
 const NOMINAL_STEP: f64 = 0.03;
 const EFFECT_STEP: f64 = 0.1;
 
+/// Distance from a bound in scaled units that counts as on it.
+pub(crate) const ON_BOUND: f64 = 1e-6;
+
 /// What a parameter moves.
 #[derive(Clone)]
 pub(crate) enum Place {
@@ -61,6 +64,18 @@ impl Parameter {
     /// Whether an effect is gone at its 0.
     pub(crate) fn is_size(&self) -> bool {
         matches!(self.place, Place::Effect { is_size: true, .. })
+    }
+
+    /// Whether it says where or how an effect acts, and not how much.
+    pub(crate) fn is_shape(&self) -> bool {
+        matches!(self.place, Place::Effect { is_size: false, .. })
+    }
+
+    /// The bound that a scaled value lies on.
+    pub(crate) fn bound_at(&self, z: f64) -> Option<f64> {
+        let (least, most) = self.bounds();
+        let bound = (z >= most - ON_BOUND).then_some(most).or((z <= least + ON_BOUND).then_some(least));
+        bound.map(|b| self.value(b))
     }
 
     /// Step of a finite difference in scaled units: large against the integrator's error, which moves the journal by

@@ -3,7 +3,7 @@
 //! Among themselves, nothing and the candidates share by their criterion (chi-square and `p ln n_eff`, [`crate::select`]).
 //! What is unknown gets its odds against all of these from the last residual:
 //!
-//! * where a cause was found that does not stand, from a share of 0;
+//! * where the verdict is unknown (a cause was found that does not stand, or calibration went as far as it may), from a share of 0;
 //! * where structure is left, from the share `s` of the repeatable held-out residual that the causes explain: even odds at
 //!   [`MAIN_SHARE`], where the verdict changes, and a factor of e for every [`SHARE_WIDTH`] beside it. The width is a choice: a
 //!   residual that is explained to 90 % is unknown with 5 %;
@@ -12,7 +12,7 @@
 
 use crate::model::Candidate;
 use crate::noise::NoiseModel;
-use crate::result::{Hypothesis, Member};
+use crate::result::{Hypothesis, Member, Verdict};
 use crate::select::Stage;
 use crate::session::{Columns, Data, Use};
 use crate::verdict::{End, MAIN_SHARE};
@@ -31,18 +31,17 @@ pub(crate) struct Shares {
     pub(crate) hypotheses: Vec<Hypothesis>,
 }
 
-/// The shares after the stages that stand, of which `shown` is the end; `share` is what it explains.
+/// The shares after the stages that stand, of which `shown` is the end; `share` is what it explains. Where the verdict is unknown, something is, whether or
+/// not the leftover tests see it.
 pub(crate) fn shares(
     data: &Data,
     stages: &[Stage],
-    standing: usize,
+    (standing, verdict): (usize, Verdict),
     shown: &End,
     share: Option<f64>,
 ) -> Shares {
-    // A cause that was found and does not stand leaves something unknown, whether or not the leftover tests see it.
-    let is_refuted = standing == 0 && stages.first().is_some_and(|s| s.accepted);
     let odds = match (&shown.left, share) {
-        (left, share) if left.is_some() || is_refuted => {
+        (left, share) if left.is_some() || verdict == Verdict::Unknown => {
             let share = if standing > 0 { share.unwrap_or_default() } else { 0.0 };
             ((MAIN_SHARE - share) / SHARE_WIDTH).exp()
         }

@@ -4,8 +4,9 @@
 //! moves: a score test with one degree less than bins. An effect that only imitates another one is too large at some speeds, loads,
 //! positions or times and too small at others; structure that has nothing to do with it does not change its size there on average. The noise
 //! counts at its floor and with the correlation of neighbouring samples alone: what an imitation leaves must not pass for noise.
-//! An effect with shapes of its own to fit (a speed, a time constant) is not asked: where such a shape is off, the test says so of the shape,
-//! and not of the effect. A misfit counts where it is beyond chance and at least [`LEAST_SHARE`] of what the cause takes off chi-square.
+//! An effect with shapes of its own to fit (a speed, a time constant) is asked for its memory alone, since where such a shape is off, the other tests say so
+//! of the shape and not of the effect: what follows the speed has one size while the speed rises and while it falls.
+//! A misfit counts where it is beyond chance and at least [`LEAST_SHARE`] of what the cause takes off chi-square.
 
 use crate::fit::Fit;
 use crate::linear::{dot, factor, gram, project};
@@ -22,8 +23,24 @@ const LEAST_SHARE: f64 = 0.03;
 /// Eigenvalue, as a share of the largest, from which a direction counts.
 const LEAST_EIGENVALUE: f64 = 1e-6;
 
-/// Largest share of its chi-square by which a cause of a fit misfits beyond chance; 0 where all fit.
-pub(crate) fn misfit(data: &Data, floors: &NoiseModel, noise: &NoiseModel, fit: &Fit) -> f64 {
+/// How a model's causes misfit.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Misfit {
+    /// One of them in any way.
+    pub(crate) any: bool,
+    /// One of them has another size while the speed rises than while it falls.
+    pub(crate) memory: bool,
+}
+
+/// Whether the speed rises or falls.
+const SPEEDING: Feature = Feature {
+    name: "speeding up",
+    bins: 2,
+    read: |s, i| Some(s.speed.get(i + 1).or(s.speed.get(i))?.abs() - s.speed.get(i)?.abs()),
+};
+
+/// How the causes of a fit misfit beyond chance.
+pub(crate) fn misfit(data: &Data, floors: &NoiseModel, noise: &NoiseModel, fit: &Fit) -> Misfit {
     // From the weights of the fit to those of the floors.
     let ratio = |block: usize| {
         data.blocks.get(block).map_or(1.0, |b| floors.weight(b.channel) / noise.weight(b.channel))
@@ -38,17 +55,15 @@ pub(crate) fn misfit(data: &Data, floors: &NoiseModel, noise: &NoiseModel, fit: 
         information[(i, i)] += p.precision;
         left[i] -= p.precision * fit.z[i];
     }
-    let Some(information) = factor(&information) else { return 0.0 };
+    let Some(information) = factor(&information) else { return Misfit::default() };
     let covariance = information.inverse();
     let coloured = neighbours(&residual);
-    let tests = (FEATURES.len() * fit.model.chosen.len()).max(1) as f64;
-    let mut worst = 0.0_f64;
+    let tests = ((FEATURES.len() + 1) * fit.model.chosen.len()).max(1) as f64;
+    let mut misfit = Misfit::default();
     for which in 0..fit.model.chosen.len() {
-        if fit.model.of_effect(which).iter().any(|&i| !fit.model.parameters[i].is_size()) {
-            continue;
-        }
-        let own: Vec<usize> =
-            fit.model.of_effect(which).into_iter().filter(|&i| fit.model.parameters[i].is_size()).collect();
+        let (own, shapes): (Vec<usize>, Vec<usize>) =
+            fit.model.of_effect(which).into_iter().partition(|&i| fit.model.parameters[i].is_size());
+        let features = if shapes.is_empty() { FEATURES } else { &[] };
         let mut effect = vec![0.0; residual.len()];
         for &i in &own {
             effect.iter_mut().zip(&jacobian[i]).for_each(|(e, c)| *e += fit.z[i] * c);
@@ -56,7 +71,7 @@ pub(crate) fn misfit(data: &Data, floors: &NoiseModel, noise: &NoiseModel, fit: 
         let z = DVector::from_iterator(own.len(), own.iter().map(|&i| fit.z[i]));
         let Some(block) = factor(&covariance.select_rows(&own).select_columns(&own)) else { continue };
         let taken = block.solve(&z).dot(&z);
-        for feature in FEATURES {
+        for (feature, is_memory) in features.iter().map(|f| (f, false)).chain([(&SPEEDING, true)]) {
             let Some(places) = bins(data, feature) else { continue };
             let Some((chi, freedom)) =
                 score(&jacobian, &residual, &effect, &places, |k| information.solve(k), &left)
@@ -64,12 +79,13 @@ pub(crate) fn misfit(data: &Data, floors: &NoiseModel, noise: &NoiseModel, fit: 
                 continue;
             };
             let chance = ChiSquared::new(freedom).map_or(1.0, |d| d.sf(chi / coloured));
-            if chance < FAMILY_ERROR / tests {
-                worst = worst.max((chi / coloured - freedom) / (taken / coloured));
+            if chance < FAMILY_ERROR / tests && chi - coloured * freedom >= LEAST_SHARE * taken {
+                misfit.any = true;
+                misfit.memory |= is_memory;
             }
         }
     }
-    if worst >= LEAST_SHARE { worst } else { 0.0 }
+    misfit
 }
 
 /// Variance of a mean over that of white noise, from the correlation of neighbours.

@@ -33,8 +33,8 @@ use crate::rank::candidates;
 use crate::result::{Ambiguous, Diagnosis, Signature, Verdict};
 use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, pair, stage};
 use crate::session::{Columns, Data, Split};
-use crate::shape::misfit;
-use crate::spread::deviations;
+use crate::shape::{Misfit, misfit};
+use crate::spread::{NINETY_FIVE, deviations};
 use bench::log::LogError;
 use bench::respond::RespondError;
 use bench::{Bench, MeasuredLog};
@@ -108,7 +108,7 @@ pub fn diagnose(
             answered(bench, &checked, options.exclude, (Split::Turns, Noise::Grows), &|_, words| {
                 say(0.95, words)
             })?;
-        if comes_late(&judged, &again) {
+        if comes_late(&judged.series, &again.causes) {
             judged = again;
         }
     }
@@ -199,8 +199,9 @@ pub(crate) struct End {
     pub(crate) held_out: Option<Fit>,
     /// Whether calibration has gone as far as it may: what lies beyond is a finding.
     stopped: bool,
-    /// Share by which a cause misfits in shape.
-    misfit: f64,
+    /// Whether a shape of a cause may have, see [`disguised`].
+    disguised: bool,
+    misfit: Misfit,
 }
 
 impl End {
@@ -217,9 +218,33 @@ impl End {
         let left = leftover::find(data, &noise, &residual);
         let misfit = misfit(&views.fitted, floors, used, fit);
         let (deviations, fisher) = (deviations(&views.fitted, used, fit), fit.fisher());
+        let disguised = disguised(fit, &deviations);
         let (model, z, stopped) = (fit.model.clone(), fit.z.clone(), fit.stopped().contains(&true));
-        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left, held_out, stopped, misfit })
+        Ok(Self {
+            causes,
+            model,
+            z,
+            deviations,
+            fisher,
+            residual,
+            noise,
+            left,
+            held_out,
+            stopped,
+            disguised,
+            misfit,
+        })
     }
+}
+
+/// Whether a shape that may be of any order of magnitude may be at the end of its range, within its 95 % interval: there an effect is another one in
+/// disguise, as static friction that is never lost is a level.
+fn disguised(fit: &Fit, deviations: &[f64]) -> bool {
+    let numbers = fit.model.parameters.iter().zip(&fit.z).zip(deviations);
+    numbers.filter(|((p, _), _)| p.is_shape() && p.is_factor).any(|((p, z), deviation)| {
+        let (least, most) = p.bounds();
+        z - NINETY_FIVE * deviation <= least || z + NINETY_FIVE * deviation >= most
+    })
 }
 
 /// Ends after no stage, after the first accepted one, after the second.
@@ -281,26 +306,21 @@ fn trades_off(end: &End) -> bool {
     correlated(end).iter().any(|(i, j, _)| across(i, j) || across(j, i))
 }
 
-/// The number of stages that stand: see the rules above.
+/// The number of stages that stand: see the rules above. What ends with a number where it may not go further, or with two causes of which only a combination
+/// is known, does not.
 fn standing(data: &Data, ends: &[End]) -> usize {
-    let ends = match ends {
-        [before @ .., last] if trades_off(last) => before,
-        _ => ends,
+    let is_strained = |end: &End| end.stopped || end.disguised || trades_off(end);
+    let Some(most) = (1..ends.len()).rev().find(|&k| !is_strained(&ends[k])) else { return 0 };
+    // What leaves nothing has to be all of it, and what leaves something the most of it.
+    let explains = |k: usize| match ends[k].left {
+        None => !ends[k].misfit.any && explains_all(data, &ends[0], &ends[k]),
+        Some(_) => !ends[k].misfit.memory && explains_most(data, &ends[0], &ends[k]),
     };
-    let most = ends.len() - 1;
-    if most == 0 {
-        return 0;
-    }
-    if ends[most].left.is_none() {
-        return if ends[most].misfit == 0.0 && explains_all(data, &ends[0], &ends[most]) { most } else { 0 };
-    }
-    if most == 2
-        && (ends[1].left.is_none() || explains_most(data, &ends[0], &ends[1]))
-        && !explains_most(data, &ends[1], &ends[2])
-    {
+    let is_needless = || !explains_most(data, &ends[1], &ends[2]);
+    if most == 2 && ends[2].left.is_some() && !is_strained(&ends[1]) && explains(1) && is_needless() {
         return 1;
     }
-    if explains_most(data, &ends[0], &ends[most]) { most } else { 0 }
+    if explains(most) { most } else { 0 }
 }
 
 fn judge(
@@ -315,8 +335,6 @@ fn judge(
     let standing = standing(data, &ends);
     let (before, shown) = (&ends[0], &ends[standing]);
     let (gain, (share, interval)) = gains(data, &shown.noise, &before.residual, &shown.residual);
-    let shares = shares(data, stages, standing, shown, share);
-    let known = 1.0 - shares.unknown;
     let deciding = standing.checked_sub(1).and_then(|i| stages.get(i));
     let equals: Vec<&Contender> = deciding.map_or_else(Vec::new, |s| s.equals().collect());
     let checks = at_bounds(data, floors, (&shown.model, &shown.z), shown.held_out.as_ref())?;
@@ -326,6 +344,8 @@ fn judge(
         _ if equals.is_empty() => Verdict::Named,
         _ => Verdict::Ambiguous,
     };
+    let shares = shares(data, stages, (standing, verdict), shown, share);
+    let known = 1.0 - shares.unknown;
     let experiment = match (deciding, shown.causes.last()) {
         (Some(stage), Some((cause, _))) if !equals.is_empty() => {
             propose(bench, data, stage, (*cause, &shown.model, &shown.z))

@@ -1,6 +1,7 @@
 //! Probabilities over nothing, every fitted cause, and something unknown.
 
 use super::{axis, diagnosed, effect, logged, with};
+use bench::effects::Effect;
 use bench::{Bench, Channel, MeasuredLog};
 use diagnosis::{Diagnosis, Verdict};
 
@@ -83,4 +84,46 @@ fn what_is_not_accepted_is_not_probable() {
             d.hypotheses
         );
     }
+}
+
+#[test]
+fn what_calibration_may_not_move_as_far_makes_no_other_cause_probable() {
+    // The mass is declared to 1 kg and is 4.2 kg off: a ripple takes what is left, and is no cause.
+    let truth = with(&axis(6), effect("inertia-mismatch", None, "inertia_change", 4.2));
+    let others = bench::effects::CATALOGUE.iter().map(|k| k.name).filter(|name| *name != "inertia-mismatch");
+    let d = diagnosed(&axis(6), &[logged(&truth, 5)], &others.collect::<Vec<_>>());
+    assert!(d.verdict == Verdict::Unknown && sums_to_one(&d));
+    assert!(d.signature.is_none() && d.probability_unknown > 0.9, "{:?}", d.hypotheses);
+}
+
+#[test]
+fn what_leaves_a_number_at_the_end_of_its_declaration_is_no_cause() {
+    // The viscous friction, declared to 3 N s/m, is 20 N s/m off: a level takes much of the rest, and leaves the number where it may not go further.
+    let truth = with(&axis(6), effect("viscous-friction", None, "viscous_effort", 20.0));
+    let d = diagnosed(&axis(6), &[logged(&truth, 5)], &["coulomb-level"]);
+    assert!(d.verdict == Verdict::Unknown && d.probability_unknown > 0.9, "{:?}", d.causes);
+    assert!(d.ranking[0].evidence > d.threshold, "{:?}", d.ranking);
+}
+
+#[test]
+fn an_effect_that_is_another_one_in_disguise_is_no_cause() {
+    // Static friction that never ages is a level.
+    let bench = axis(6);
+    let truth = with(&bench, effect("coulomb-level", None, "coulomb_effort", 6.0));
+    let d = diagnosed(&bench, &[logged(&truth, 5)], &["breakaway"]);
+    assert!(d.verdict == Verdict::Unknown && sums_to_one(&d), "{:?}", d.causes);
+    assert!(d.probability_unknown > 0.9, "{:?}", d.hypotheses);
+}
+
+#[test]
+fn what_follows_the_speed_alone_is_no_cause_of_friction_with_a_memory() {
+    // A fall with speed takes most of a static friction away, and differs in size while the speed rises and while it falls.
+    let parameters = [("excess_effort", 20.0), ("rest_time_s", 0.15), ("distance_m", 2e-3)];
+    let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let breakaway = Effect { name: "breakaway".into(), channel: None, parameters };
+    let d = diagnosed(&axis(6), &[logged(&with(&axis(6), breakaway), 5)], &["stribeck-friction"]);
+    assert!(d.verdict == Verdict::Unknown && d.probability_unknown > 0.9, "{:?}", d.causes);
+    let fall = with(&axis(6), effect("stribeck-friction", None, "effort_rise", 20.0));
+    let d = diagnosed(&axis(6), &[logged(&fall, 5)], &["stribeck-friction"]);
+    assert_eq!(d.verdict, Verdict::Named);
 }
