@@ -12,7 +12,7 @@
 //! The steps, one file each: `check` (logs read as found: what cannot be right is named and mended or left out), `session` (logs prepared, samples split into fitted and held out), `nuisance` (what is a session's own), `noise` (level and
 //! correlation of the sensors' noise), `model`, `parameter` and `fit` (parameters, least squares with priors), `guess` and `spectrum` (first guesses of
 //! shapes), `repeats` (what repeats from cycle to cycle), `rank` (score test and refits), `contend` (who is refitted, and how far), `select` (forward selection), `shape` (whether a cause fits everywhere), `leftover` (structure in the last residual), `gain` (held-out error),
-//! `experiment` and `menu` (what to measure next), `probability` (shares of all answers), `spread` (intervals), `identifiability` (what the logs do not tell), `again` (what a second question may add), `verdict` (the rules).
+//! `experiment` and `menu` (what to measure next), `probability` (shares of all answers), `spread` (intervals), `identifiability` (what the logs do not tell), `again` (what a second question may add), `standing` (which causes count), `verdict` (the rules).
 //!
 //! What this does not protect from: a cause outside the catalogue that a catalogued one imitates on the given
 //! trajectory; inputs (drive, load) that are themselves measured wrongly; a declared uncertainty that is too wide.
@@ -46,6 +46,7 @@ mod session;
 mod shape;
 mod spectrum;
 mod spread;
+mod standing;
 mod step;
 mod structure;
 mod verdict;
@@ -55,6 +56,6 @@ pub use check::{Finding, Severity};
 pub use places::{Place, PlaceBin};
 pub use result::{
     Ambiguous, Cause, Diagnosis, Experiment, Gain, Hypothesis, Identifiability, Member, Noise,
-    ParameterEstimate, Ranked, Recording, Separation, Series, Signature, Verdict,
+    ParameterEstimate, Ranked, Recording, Refused, Separation, Series, Signature, Verdict,
 };
 pub use verdict::{DiagnosisError, Options, Progress, diagnose};

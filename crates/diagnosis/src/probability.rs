@@ -15,7 +15,8 @@ use crate::noise::NoiseModel;
 use crate::result::{Hypothesis, Member, Verdict};
 use crate::select::Stage;
 use crate::session::{Columns, Data, Use};
-use crate::verdict::{End, MAIN_SHARE};
+use crate::standing::MAIN_SHARE;
+use crate::verdict::End;
 
 /// Change of the explained share that changes the odds of something unknown by e.
 const SHARE_WIDTH: f64 = 0.05;
@@ -87,8 +88,7 @@ fn beside(shown: &End, earlier: Candidate) -> f64 {
 }
 
 fn add(hypotheses: &mut Vec<Hypothesis>, candidates: &[Candidate], probability: f64) {
-    let member = |c: &Candidate| Member { effect: c.kind.name.into(), channel: c.channel };
-    hypotheses.push(Hypothesis { causes: candidates.iter().map(member).collect(), probability });
+    hypotheses.push(Hypothesis { causes: candidates.iter().map(Member::from).collect(), probability });
 }
 
 /// What the best free-form model of some channels takes off chi-square, less its charge; below 0 where it is not worth it.

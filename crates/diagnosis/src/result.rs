@@ -2,6 +2,7 @@
 
 use crate::calibration::{Calibrated, SessionNuisance};
 use crate::check::Finding;
+use crate::model::Candidate;
 use crate::places::Place;
 use bench::{Bench, Channel};
 use serde::Serialize;
@@ -150,6 +151,23 @@ pub struct Member {
     pub channel: Option<Channel>,
 }
 
+impl From<&Candidate> for Member {
+    fn from(candidate: &Candidate) -> Self {
+        Self { effect: candidate.kind.name.into(), channel: candidate.channel }
+    }
+}
+
+/// Causes that passed the selection and do not stand.
+#[derive(Clone, Debug, Serialize)]
+pub struct Refused {
+    /// One cause, or two together.
+    pub causes: Vec<Member>,
+    /// Why, in kebab-case.
+    pub reason: String,
+    /// The same as a clause.
+    pub words: String,
+}
+
 /// A set of causes that was fitted.
 #[derive(Clone, Debug, Serialize)]
 pub struct Hypothesis {
@@ -254,6 +272,8 @@ pub struct Diagnosis {
     pub hypotheses: Vec<Hypothesis>,
     /// Effects that fit as well as the causes.
     pub ambiguous_with: Vec<Ambiguous>,
+    /// Causes that were found beyond those, and what speaks against them.
+    pub refused: Option<Refused>,
     /// Structure that is left.
     pub signature: Option<Signature>,
     /// Where the residual lives, before and after.

@@ -3,16 +3,8 @@
 //! 1. A first cause is accepted by [`crate::select`], and a second one on top of it; the first one goes if the second
 //!    makes it needless.
 //! 2. No cause: `none` where [`crate::leftover`] finds nothing and calibration stays within its bounds, else `unknown`.
-//! 3. Causes and nothing left over: `named`; `ambiguous` where another candidate fits equally. Where nothing is left they have to explain everything:
-//!    with the upper end of the share's interval below [`WHOLE_SHARE`] something was overlooked, and the answer is `unknown`.
-//!    Nor may a cause's size differ from place to place ([`crate::shape`]): it would be an imitation. Beside structure that is left the size of
-//!    a true cause seems to differ, too.
-//! 4. Causes and something left over: they still count where they explain at least [`MAIN_SHARE`] of the repeatable
-//!    residual on held-out samples (the second one: of what the first leaves), with the interval above 0 and up to [`LARGE_SHARE`]: a real bench always has structure beyond any
-//!    library. What is left stands in the signature. Below that share the answer is `unknown`: a cause that explains
-//!    little is more often an imitation than a part.
-//! 5. Two causes of whose sizes only a combination is known are no two, they imitate a third one: the first of them is judged alone.
-//! 6. An axis that is `unknown` by all that is asked for a pair of causes against the noise floor ([`crate::select::pair`]). A pair counts where it leaves nothing and the
+//! 3. Causes that stand ([`crate::standing`]): `named`; `ambiguous` where another candidate fits equally. None that does: `unknown`.
+//! 4. An axis that is `unknown` by all that is asked for a pair of causes against the noise floor ([`crate::select::pair`]). A pair counts where it leaves nothing and the
 //!    upper end of its share reaches [`PAIR_SHARE`], and where no other pair does as well.
 
 use crate::again::comes_late;
@@ -21,12 +13,11 @@ use crate::check::{Checked, check};
 use crate::experiment::propose;
 use crate::fit::{Fit, fit, simulate};
 use crate::gain::gains;
-use crate::identifiability::{correlated, identifiability};
+use crate::identifiability::identifiability;
 use crate::leftover;
 use crate::model::{Candidate, Model};
 use crate::noise::NoiseModel;
 use crate::nuisance::{at_bounds, simulate_all};
-use crate::parameter::Parameter;
 use crate::places::places;
 use crate::probability::shares;
 use crate::rank::candidates;
@@ -34,19 +25,12 @@ use crate::result::{Ambiguous, Diagnosis, Signature, Verdict};
 use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, pair, stage};
 use crate::session::{Columns, Data, Split};
 use crate::shape::{Misfit, misfit};
-use crate::spread::{NINETY_FIVE, deviations};
+use crate::spread::deviations;
+use crate::standing::standing;
 use bench::log::LogError;
 use bench::respond::RespondError;
 use bench::{Bench, MeasuredLog};
 use nalgebra::DMatrix;
-
-/// Share of the repeatable held-out residual that causes have to explain where structure is left.
-pub(crate) const MAIN_SHARE: f64 = 0.75;
-/// Share that the upper end of its interval has to reach where structure is left.
-const LARGE_SHARE: f64 = 0.9;
-/// The same where nothing is left: three of 222 true causes of size .5 to 2 stayed below, slow ones that the turns named, and about half of the wrong
-/// names in the place of a deleted cause.
-const WHOLE_SHARE: f64 = 0.95;
 
 /// What it has to reach for two causes neither of which explains enough alone: two imitate what one cannot.
 const PAIR_SHARE: f64 = 0.985;
@@ -198,10 +182,8 @@ pub(crate) struct End {
     /// Nuisances of sessions that were not fitted.
     pub(crate) held_out: Option<Fit>,
     /// Whether calibration has gone as far as it may: what lies beyond is a finding.
-    stopped: bool,
-    /// Whether a shape of a cause may have, see [`disguised`].
-    disguised: bool,
-    misfit: Misfit,
+    pub(crate) stopped: bool,
+    pub(crate) misfit: Misfit,
 }
 
 impl End {
@@ -218,33 +200,9 @@ impl End {
         let left = leftover::find(data, &noise, &residual);
         let misfit = misfit(&views.fitted, floors, used, fit);
         let (deviations, fisher) = (deviations(&views.fitted, used, fit), fit.fisher());
-        let disguised = disguised(fit, &deviations);
         let (model, z, stopped) = (fit.model.clone(), fit.z.clone(), fit.stopped().contains(&true));
-        Ok(Self {
-            causes,
-            model,
-            z,
-            deviations,
-            fisher,
-            residual,
-            noise,
-            left,
-            held_out,
-            stopped,
-            disguised,
-            misfit,
-        })
+        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left, held_out, stopped, misfit })
     }
-}
-
-/// Whether a shape that may be of any order of magnitude may be at the end of its range, within its 95 % interval: there an effect is another one in
-/// disguise, as static friction that is never lost is a level.
-fn disguised(fit: &Fit, deviations: &[f64]) -> bool {
-    let numbers = fit.model.parameters.iter().zip(&fit.z).zip(deviations);
-    numbers.filter(|((p, _), _)| p.is_shape() && p.is_factor).any(|((p, z), deviation)| {
-        let (least, most) = p.bounds();
-        z - NINETY_FIVE * deviation <= least || z + NINETY_FIVE * deviation >= most
-    })
 }
 
 /// Ends after no stage, after the first accepted one, after the second.
@@ -280,49 +238,6 @@ fn ends(
     Ok(ends)
 }
 
-/// Whether `after` explains most of what `before` leaves, on held-out samples and beyond doubt.
-fn explains_most(data: &Data, before: &End, after: &End) -> bool {
-    let (_, (share, interval)) = gains(data, &after.noise, &before.residual, &after.residual);
-    share.is_some_and(|s| s >= MAIN_SHARE)
-        && interval.is_some_and(|[low, high]| low > 0.0 && high >= LARGE_SHARE)
-}
-
-/// Whether `after` may explain all that `before` leaves on held-out samples. A share that is lost in the noise contradicts nothing.
-fn explains_all(data: &Data, before: &End, after: &End) -> bool {
-    let (_, (_, interval)) = gains(data, &after.noise, &before.residual, &after.residual);
-    interval.is_none_or(|[_, high]| high >= WHOLE_SHARE)
-}
-
-/// Whether only a combination of the sizes of two causes is known.
-fn trades_off(end: &End) -> bool {
-    let is_size = |i: &usize| end.model.parameters.get(*i).is_some_and(Parameter::is_size);
-    let sizes =
-        |which: usize| -> Vec<usize> { end.model.of_effect(which).into_iter().filter(is_size).collect() };
-    if end.causes.len() < 2 {
-        return false;
-    }
-    let (first, second) = (sizes(0), sizes(1));
-    let across = |i: &usize, j: &usize| first.contains(i) && second.contains(j);
-    correlated(end).iter().any(|(i, j, _)| across(i, j) || across(j, i))
-}
-
-/// The number of stages that stand: see the rules above. What ends with a number where it may not go further, or with two causes of which only a combination
-/// is known, does not.
-fn standing(data: &Data, ends: &[End]) -> usize {
-    let is_strained = |end: &End| end.stopped || end.disguised || trades_off(end);
-    let Some(most) = (1..ends.len()).rev().find(|&k| !is_strained(&ends[k])) else { return 0 };
-    // What leaves nothing has to be all of it, and what leaves something the most of it.
-    let explains = |k: usize| match ends[k].left {
-        None => !ends[k].misfit.any && explains_all(data, &ends[0], &ends[k]),
-        Some(_) => !ends[k].misfit.memory && explains_most(data, &ends[0], &ends[k]),
-    };
-    let is_needless = || !explains_most(data, &ends[1], &ends[2]);
-    if most == 2 && ends[2].left.is_some() && !is_strained(&ends[1]) && explains(1) && is_needless() {
-        return 1;
-    }
-    if explains(most) { most } else { 0 }
-}
-
 fn judge(
     bench: &Bench,
     views: &Views,
@@ -332,7 +247,7 @@ fn judge(
 ) -> Result<(Diagnosis, bool), DiagnosisError> {
     let data = &views.whole;
     let ends = ends(views, floors, nominal, stages)?;
-    let standing = standing(data, &ends);
+    let (standing, refused) = standing(data, &ends);
     let (before, shown) = (&ends[0], &ends[standing]);
     let (gain, (share, interval)) = gains(data, &shown.noise, &before.residual, &shown.residual);
     let deciding = standing.checked_sub(1).and_then(|i| stages.get(i));
@@ -372,6 +287,7 @@ fn judge(
                 correlation: c.correlation,
             })
             .collect(),
+        refused,
         signature: shown.left.clone(),
         gain,
         explained_share: share,

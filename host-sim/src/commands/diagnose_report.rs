@@ -2,7 +2,7 @@
 
 use super::diagnose_pictures::{measured_and_simulated, places, ranking, residuals, shares};
 use super::diagnose_tables::{Table, calibrated, causes, checks, gains, noise, nuisances, separation};
-use super::diagnose_words::{channelled, left_words, sentence};
+use super::diagnose_words::{channelled, left_words, refused_words, sentence};
 use crate::page::Page;
 use diagnosis::{Diagnosis, Verdict};
 
@@ -55,6 +55,9 @@ pub(super) fn page(diagnosis: &Diagnosis) -> Result<Page, String> {
         Some(left) => page.text(&left_words(left)),
         None => page.text("Nothing that repeats is left in the error."),
     };
+    if let Some(refused) = &diagnosis.refused {
+        page.text(&refused_words(refused));
+    }
     residuals(&mut page, diagnosis)?;
     if !diagnosis.identifiability.is_empty() {
         page.section("What these logs do not tell");

@@ -1,7 +1,7 @@
 //! A diagnosis on the terminal.
 
 use super::diagnose_tables::{Table, causes, checks, gains, nuisances};
-use super::diagnose_words::{left_words, sentence};
+use super::diagnose_words::{left_words, refused_words, sentence};
 use diagnosis::{Diagnosis, Severity, Verdict};
 use std::fmt::Write as _;
 
@@ -14,8 +14,12 @@ pub(super) fn text(diagnosis: &Diagnosis) -> String {
     for table in [findings, causes(diagnosis), gains(diagnosis), nuisances(diagnosis)] {
         push(&mut out, &table);
     }
-    if let (Some(left), false) = (&diagnosis.signature, diagnosis.verdict == Verdict::Unknown) {
+    let is_told = diagnosis.verdict == Verdict::Unknown;
+    if let (Some(left), false) = (&diagnosis.signature, is_told) {
         let _ = write!(out, "\nleft over: {}\n", left_words(left));
+    }
+    if let (Some(refused), false) = (&diagnosis.refused, is_told) {
+        let _ = write!(out, "\nrefused: {}\n", refused_words(refused));
     }
     for remark in &diagnosis.identifiability {
         let _ = write!(out, "\nnot told by these logs: {}\n", remark.words);

@@ -2,7 +2,7 @@
 
 use bench::Channel;
 use bench::effects::kind;
-use diagnosis::{Cause, Diagnosis, Gain, Signature, Verdict};
+use diagnosis::{Cause, Diagnosis, Gain, Refused, Signature, Verdict};
 
 /// An effect with its channel, if it has one.
 pub(super) fn channelled(effect: &str, channel: Option<Channel>) -> String {
@@ -100,9 +100,17 @@ pub(super) fn sentence(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Unknown => {
             let place = diagnosis.signature.as_ref().map_or_else(String::new, |left| format!(" {}", left_words(left)));
-            format!("Something is wrong that no known effect explains.{place}")
+            let refused = diagnosis.refused.as_ref().map_or_else(String::new, |r| format!(" {}", refused_words(r)));
+            format!("Something is wrong that no known effect explains.{place}{refused}")
         }
     }
+}
+
+/// What was found and does not count, and why, as a sentence.
+pub(super) fn refused_words(refused: &Refused) -> String {
+    let causes: Vec<String> = refused.causes.iter().map(|c| channelled(&c.effect, c.channel)).collect();
+    let does = if causes.len() > 1 { "do" } else { "does" };
+    format!("What comes nearest, {}, {does} not count: {}.", causes.join(" and "), refused.words)
 }
 
 /// What is left, and where, as a sentence.
