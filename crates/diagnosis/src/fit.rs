@@ -104,10 +104,7 @@ impl Fit {
 
     /// Which declared parameters have gone as far as they may.
     pub(crate) fn stopped(&self) -> Vec<bool> {
-        let stops = |(p, z): (&Parameter, &f64)| {
-            let (least, most) = p.bounds();
-            p.is_declared() && (*z <= least || *z >= most)
-        };
+        let stops = |(p, z): (&Parameter, &f64)| p.is_declared() && p.bound_at(*z).is_some();
         self.model.parameters.iter().zip(&self.z).map(stops).collect()
     }
 

@@ -115,7 +115,7 @@ fn told(end: &End) -> Option<DMatrix<f64>> {
 }
 
 /// Pairs of parameters whose estimates correlate by more than [`CORRELATED`], by their places, with the correlation.
-pub(crate) fn correlated(end: &End) -> Vec<(usize, usize, f64)> {
+fn correlated(end: &End) -> Vec<(usize, usize, f64)> {
     let Some(scaled) = told(end) else { return Vec::new() };
     let n = scaled.nrows();
     let mut precise = scaled.clone();

@@ -6,12 +6,10 @@
 //!   first leaves), with the interval above 0 and up to [`LARGE_SHARE`]: a real bench always has structure beyond any library, and a cause that explains
 //!   little is more often an imitation than a part. Beside such structure the size of a true cause seems to differ from place to place, but not while the
 //!   speed rises from while it falls: what differs there lacks a memory.
-//! * In any case: two causes of whose sizes only a combination is known imitate a third one; causes beside which a declared number is at the end of what
-//!   calibration may move are not enough; an effect whose shape may be at the end of its range is another one in disguise. Where it is only the last
-//!   cause with which that is so, the one before is judged alone.
+//! * In any case: causes beside which a declared number is at the end of what calibration may move are not enough; an effect whose shape may be at the end
+//!   of its range is another one in disguise. Where it is only the last cause with which that is so, the one before is judged alone.
 
 use crate::gain::gains;
-use crate::identifiability::correlated;
 use crate::parameter::Parameter;
 use crate::result::{Member, Refused};
 use crate::session::Data;
@@ -31,7 +29,6 @@ const WHOLE_SHARE: f64 = 0.95;
 enum Objection {
     Declared,
     Disguised,
-    TradesOff,
     Memory,
     Misfit,
     Little,
@@ -42,23 +39,29 @@ impl Objection {
         match self {
             Self::Declared => "declared-number-at-bound",
             Self::Disguised => "shape-at-bound",
-            Self::TradesOff => "trades-off",
             Self::Memory => "no-memory",
             Self::Misfit => "size-differs",
             Self::Little => "explains-too-little",
         }
     }
 
-    fn words(self) -> &'static str {
+    /// The same as a clause, of the end that it speaks against.
+    fn words(self, end: &End) -> String {
         match self {
-            Self::Declared => "a declared number would still be as far off as its declaration allows",
-            Self::Disguised => {
-                "a shape may be at the end of its range, where the effect is another one in disguise"
+            Self::Declared => {
+                format!("{} would still be as far off as the description allows", listed(stopped(end)))
             }
-            Self::TradesOff => "only a combination of the two sizes is known, so they imitate something else",
-            Self::Memory => "the size would differ while the speed rises and while it falls",
-            Self::Misfit => "the size would differ with direction, load, speed, position, time or phase",
-            Self::Little => "too little of what was not fitted is explained",
+            Self::Disguised => {
+                format!(
+                    "{} may be at the end of its range, where the effect is another one in disguise",
+                    listed(flat(end))
+                )
+            }
+            Self::Memory => "the size would differ while the speed rises and while it falls".into(),
+            Self::Misfit => {
+                "the size would differ with direction, load, speed, position, time or phase".into()
+            }
+            Self::Little => "too little of what was not fitted is explained".into(),
         }
     }
 }
@@ -79,7 +82,7 @@ pub(crate) fn standing(data: &Data, ends: &[End]) -> (usize, Option<Refused>) {
     let refused = against.map(|objection| {
         let stands = members(&ends[stand]);
         let causes = members(&ends[last]).into_iter().filter(|c| !stands.contains(c)).collect();
-        Refused { causes, reason: objection.name().into(), words: objection.words().into() }
+        Refused { causes, reason: objection.name().into(), words: objection.words(&ends[last]) }
     });
     (stand, refused)
 }
@@ -97,12 +100,10 @@ fn is_needless(data: &Data, ends: &[End]) -> bool {
 fn objection(end: &End) -> Option<Objection> {
     if end.causes.is_empty() {
         None
-    } else if end.stopped {
+    } else if stopped(end).next().is_some() {
         Some(Objection::Declared)
-    } else if is_disguised(end) {
-        Some(Objection::Disguised)
     } else {
-        trades_off(end).then_some(Objection::TradesOff)
+        flat(end).next().map(|_| Objection::Disguised)
     }
 }
 
@@ -115,14 +116,24 @@ fn shortfall(data: &Data, described: &End, end: &End) -> Option<Objection> {
     misfit.or((!explains).then_some(Objection::Little))
 }
 
-/// Whether a shape that may be of any order of magnitude may be at the end of its range, within its 95 % interval: there an effect is another one in
-/// disguise, as static friction that is never lost is a level.
-fn is_disguised(end: &End) -> bool {
-    let numbers = end.model.parameters.iter().zip(&end.z).zip(&end.deviations);
-    numbers.filter(|((p, _), _)| p.is_shape() && p.is_factor).any(|((p, z), deviation)| {
-        let (least, most) = p.bounds();
-        z - NINETY_FIVE * deviation <= least || z + NINETY_FIVE * deviation >= most
-    })
+/// Declared numbers that have gone as far as calibration may move them.
+pub(crate) fn stopped(end: &End) -> impl Iterator<Item = &str> {
+    let numbers = end.model.parameters.iter().zip(&end.z);
+    numbers.filter(|(p, z)| p.is_declared() && p.bound_at(**z).is_some()).map(|(p, _)| p.name())
+}
+
+/// Shapes of any order of magnitude that may be at the end of their range, within their 95 % interval: there an effect is another one in disguise, as static
+/// friction that is never lost is a level.
+fn flat(end: &End) -> impl Iterator<Item = &str> {
+    let reaches = |((p, z), deviation): &((&Parameter, &f64), &f64)| {
+        let ((least, most), reach) = (p.bounds(), NINETY_FIVE * **deviation);
+        p.is_shape() && p.is_factor && (**z - reach <= least || **z + reach >= most)
+    };
+    end.model.parameters.iter().zip(&end.z).zip(&end.deviations).filter(reaches).map(|((p, _), _)| p.name())
+}
+
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(" and ")
 }
 
 /// Whether `after` explains most of what `before` leaves, on held-out samples and beyond doubt.
@@ -136,17 +147,4 @@ fn explains_most(data: &Data, before: &End, after: &End) -> bool {
 fn explains_all(data: &Data, before: &End, after: &End) -> bool {
     let (_, (_, interval)) = gains(data, &after.noise, &before.residual, &after.residual);
     interval.is_none_or(|[_, high]| high >= WHOLE_SHARE)
-}
-
-/// Whether only a combination of the sizes of two causes is known.
-fn trades_off(end: &End) -> bool {
-    let is_size = |i: &usize| end.model.parameters.get(*i).is_some_and(Parameter::is_size);
-    let sizes =
-        |which: usize| -> Vec<usize> { end.model.of_effect(which).into_iter().filter(is_size).collect() };
-    if end.causes.len() < 2 {
-        return false;
-    }
-    let (first, second) = (sizes(0), sizes(1));
-    let across = |i: &usize, j: &usize| first.contains(i) && second.contains(j);
-    correlated(end).iter().any(|(i, j, _)| across(i, j) || across(j, i))
 }

@@ -26,7 +26,7 @@ use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, pa
 use crate::session::{Columns, Data, Split};
 use crate::shape::{Misfit, misfit};
 use crate::spread::deviations;
-use crate::standing::standing;
+use crate::standing::{standing, stopped};
 use bench::log::LogError;
 use bench::respond::RespondError;
 use bench::{Bench, MeasuredLog};
@@ -181,8 +181,6 @@ pub(crate) struct End {
     pub(crate) left: Option<Signature>,
     /// Nuisances of sessions that were not fitted.
     pub(crate) held_out: Option<Fit>,
-    /// Whether calibration has gone as far as it may: what lies beyond is a finding.
-    pub(crate) stopped: bool,
     pub(crate) misfit: Misfit,
 }
 
@@ -200,8 +198,8 @@ impl End {
         let left = leftover::find(data, &noise, &residual);
         let misfit = misfit(&views.fitted, floors, used, fit);
         let (deviations, fisher) = (deviations(&views.fitted, used, fit), fit.fisher());
-        let (model, z, stopped) = (fit.model.clone(), fit.z.clone(), fit.stopped().contains(&true));
-        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left, held_out, stopped, misfit })
+        let (model, z) = (fit.model.clone(), fit.z.clone());
+        Ok(Self { causes, model, z, deviations, fisher, residual, noise, left, held_out, misfit })
     }
 }
 
@@ -254,7 +252,9 @@ fn judge(
     let equals: Vec<&Contender> = deciding.map_or_else(Vec::new, |s| s.equals().collect());
     let checks = at_bounds(data, floors, (&shown.model, &shown.z), shown.held_out.as_ref())?;
     let verdict = match (standing, shown.left.is_some()) {
-        (0, false) if ends.len() == 1 && !before.stopped && checks.is_empty() => Verdict::None,
+        (0, false) if ends.len() == 1 && stopped(before).next().is_none() && checks.is_empty() => {
+            Verdict::None
+        }
         (0, _) => Verdict::Unknown,
         _ if equals.is_empty() => Verdict::Named,
         _ => Verdict::Ambiguous,
