@@ -127,6 +127,7 @@ pub(super) fn left_words(left: &Signature) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use diagnosis::Member;
 
     #[test]
     fn every_effect_has_a_meaning_that_reads_as_a_clause() {
@@ -134,5 +135,16 @@ mod tests {
             let words = meaning(known.name);
             assert!(words != known.name && !words.ends_with('.') && words.contains(' '), "{words}");
         }
+    }
+    #[test]
+    fn what_does_not_count_is_told_with_its_reason() {
+        let member = |effect: &str, channel| Member { effect: effect.into(), channel };
+        let causes = vec![member("breakaway", None), member("sensor-gain", Some(bench::Channel::DriveForce))];
+        let refused =
+            |causes| Refused { causes, reason: "explains-too-little".into(), words: "it is little".into() };
+        let words = refused_words(&refused(causes[..1].to_vec()));
+        assert_eq!(words, "What comes nearest, breakaway, does not count: it is little.");
+        let words = refused_words(&refused(causes));
+        assert!(words.contains("breakaway and sensor-gain of drive_force_n, do not count"), "{words}");
     }
 }

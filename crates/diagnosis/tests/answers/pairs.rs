@@ -47,3 +47,30 @@ fn two_causes_that_trade_off_are_no_third_one() {
     let d = diagnosed(&bench, &log, &["coulomb-level", "stribeck-friction", "viscous-friction"]);
     assert_eq!((d.verdict, names(&d)), (Verdict::Named, vec!["viscous-friction"]));
 }
+
+#[test]
+fn a_refinement_that_a_declared_number_cannot_reach_enters_without_its_main_effect() {
+    // The load coefficient, declared to .001, is .015 off: dry friction takes most of what lies beyond and would leave it at its bound.
+    let mut bench = axis(6);
+    if let Bench::FrictionRig(rig) = &mut bench {
+        rig.uncertain = [("axis.coulomb_effort", 1.0), ("axis.load_coefficient", 1e-3)]
+            .map(|(n, d)| (n.into(), d))
+            .into();
+    }
+    let truth = with(&bench, effect("load-dependent-friction", None, "load_coefficient", 0.015));
+    let truth = with(&truth, effect("coulomb-asymmetry", None, "asymmetry_effort", 10.0));
+    let at = |load_n: f64, seed: u64| {
+        let mut truth = truth.clone();
+        if let Bench::FrictionRig(rig) = &mut truth {
+            rig.load.force_n = load_n;
+        }
+        logged(&truth, seed)
+    };
+    let d = diagnosed(&bench, &[at(450.0, 450), at(600.0, 600)], &[]);
+    assert_eq!(
+        (d.verdict, names(&d)),
+        (Verdict::Named, vec!["coulomb-asymmetry", "load-dependent-friction"]),
+        "{:?}",
+        d.refused
+    );
+}
