@@ -287,7 +287,8 @@ fn refines(name: &str) -> Option<&'static str> {
 }
 
 /// A refinement enters after its main effect, if that is a cause by itself (the principle of marginality): moves the
-/// main effect to the front if it `stands` and leaves no declared number at the end of what calibration may move: that would be the refinement's own.
+/// main effect to the front if it `stands` and leaves no declared number at the end of what calibration may move that the refinement brings back: what lies
+/// beyond is the refinement's own.
 /// Where the refinement was the whole truth, the main effect goes again as needless.
 fn main_effect_first(
     contenders: &mut [Contender],
@@ -296,8 +297,8 @@ fn main_effect_first(
     let main = contenders.first().and_then(|c| refines(c.candidate.kind.name));
     let place = contenders.iter().position(|c| Some(c.candidate.kind.name) == main);
     if let Some(stretch) = place.and_then(|p| contenders.get_mut(..=p))
-        && let Some(main) = stretch.last()
-        && !main.fit.stopped().contains(&true)
+        && let [refinement, .., main] = &*stretch
+        && !main.fit.stopped().iter().zip(refinement.fit.stopped()).any(|(main, own)| *main && !own)
         && stands(main)?
     {
         stretch.rotate_right(1);

@@ -6,7 +6,7 @@
 //!   first leaves), with the interval above 0 and up to [`LARGE_SHARE`]: a real bench always has structure beyond any library, and a cause that explains
 //!   little is more often an imitation than a part. Beside such structure the size of a true cause seems to differ from place to place, but not while the
 //!   speed rises from while it falls: what differs there lacks a memory.
-//! * In any case: causes beside which a declared number is at the end of what calibration may move are not enough; an effect whose shape may be at the end
+//! * In any case: causes beside which a declared number of the bench is at the end of what calibration may move are not enough; an effect whose shape may be at the end
 //!   of its range is another one in disguise. Where it is only the last cause with which that is so, the one before is judged alone.
 
 use crate::gain::gains;
@@ -49,7 +49,10 @@ impl Objection {
     fn words(self, end: &End) -> String {
         match self {
             Self::Declared => {
-                format!("{} would still be as far off as the description allows", listed(stopped(end)))
+                format!(
+                    "{} would still be as far off as the description allows",
+                    listed(stopped_of_bench(end))
+                )
             }
             Self::Disguised => {
                 format!(
@@ -100,7 +103,7 @@ fn is_needless(data: &Data, ends: &[End]) -> bool {
 fn objection(end: &End) -> Option<Objection> {
     if end.causes.is_empty() {
         None
-    } else if stopped(end).next().is_some() {
+    } else if stopped_of_bench(end).next().is_some() {
         Some(Objection::Declared)
     } else {
         flat(end).next().map(|_| Objection::Disguised)
@@ -117,9 +120,14 @@ fn shortfall(data: &Data, described: &End, end: &End) -> Option<Objection> {
 }
 
 /// Declared numbers that have gone as far as calibration may move them.
-pub(crate) fn stopped(end: &End) -> impl Iterator<Item = &str> {
+pub(crate) fn stopped(end: &End) -> impl Iterator<Item = &Parameter> {
     let numbers = end.model.parameters.iter().zip(&end.z);
-    numbers.filter(|(p, z)| p.is_declared() && p.bound_at(**z).is_some()).map(|(p, _)| p.name())
+    numbers.filter(|(p, z)| p.is_declared() && p.bound_at(**z).is_some()).map(|(p, _)| p)
+}
+
+/// Those of the bench. What one session brings along beyond its declaration says nothing of a cause in all of them.
+fn stopped_of_bench(end: &End) -> impl Iterator<Item = &str> {
+    stopped(end).filter(|p| p.is_nominal()).map(Parameter::name)
 }
 
 /// Shapes of any order of magnitude that may be at the end of their range, within their 95 % interval: there an effect is another one in disguise, as static

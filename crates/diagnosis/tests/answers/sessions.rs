@@ -81,6 +81,15 @@ fn an_effect_on_top_of_them_keeps_its_name_and_its_parameters() {
 }
 
 #[test]
+fn a_session_beyond_its_declaration_says_nothing_of_a_cause_in_all_of_them() {
+    let real = with(&axis(4), effect("coulomb-level", None, "coulomb_effort", 8.0));
+    let logs = [off(&real, 16.3, 0.0, 1), off(&real, 1.0, 0.0, 2), off(&real, -2.0, 0.0, 3)];
+    let d = diagnosed(&declaring(4), &logs, &["coulomb-level"]);
+    assert!(d.verdict == Verdict::Named && d.refused.is_none(), "{:?}", d.refused);
+    assert_eq!(d.checks.iter().filter(|f| f.kind == "nuisance-at-bound").count(), 1, "{:?}", d.checks);
+}
+
+#[test]
 fn the_order_of_sessions_changes_nothing() {
     let real = with(&axis(4), effect("coulomb-level", None, "coulomb_effort", 8.0));
     let mut logs: Vec<MeasuredLog> =
