@@ -1,4 +1,4 @@
-//! The quick matrix: every effect of the axes hidden once, clean logs, deleted causes, two effects, pairs, changed questions.
+//! The quick matrix: every effect hidden once, those that no axis shows on the transmission bench; clean logs, deleted causes, two effects, pairs, changed questions on the axes.
 //!
 //! Its figures must not miss a goal by more than those that are checked in (`tests/golden/hidden-effects-quick.json`, written by
 //! `cargo xtask hidden-effects --quick --bless`). The full matrix is a campaign of its own: `docs/hidden-effects.md`, and `docs/hidden-effects-bench.md`.

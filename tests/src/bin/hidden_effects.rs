@@ -104,6 +104,7 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
         seeds: cli.seeds,
         bench_seeds: cli.bench_seeds,
         skipped_seeds: cli.skip_seeds,
+        bench_alone: false,
         plants: cli.plant.clone(),
         sizes: cli.sizes.clone(),
         arms: cli.arms.clone(),

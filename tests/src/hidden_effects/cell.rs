@@ -94,6 +94,13 @@ pub struct Campaign {
     pub sizes: Vec<f64>,
     /// Arms.
     pub arms: Vec<Arm>,
+    /// Whether the transmission bench, a cell of which costs fifty times as much, shows only what no axis can, one effect at a time.
+    #[serde(default, skip_serializing_if = "no")]
+    pub bench_alone: bool,
+}
+
+fn no(alone: &bool) -> bool {
+    !alone
 }
 
 fn none(skipped: &u64) -> bool {
@@ -110,16 +117,22 @@ const CLEAN: usize = 10;
 const CLEAN_HARD: usize = 6;
 
 impl Campaign {
-    /// The part that runs with every change: each effect of the axes once, and each question.
+    /// The part that runs with every change: each effect once, and each question on the axes.
     pub fn quick() -> Self {
         Self {
             seeds: 1,
-            bench_seeds: 0,
+            bench_seeds: 1,
             skipped_seeds: 0,
-            plants: vec![Plant::Rotary, Plant::Linear],
+            plants: vec![Plant::Rotary, Plant::Linear, Plant::Bench],
             sizes: vec![1.0],
             arms: Arm::ALL.to_vec(),
+            bench_alone: true,
         }
+    }
+
+    /// Whether of a plant only what no other one shows is asked for.
+    fn is_alone(&self, plant: Plant) -> bool {
+        self.bench_alone && plant == Plant::Bench
     }
 
     /// The cells, seed by seed and shuffled within one, so that a campaign that is cut short is a fair sample.
@@ -128,7 +141,8 @@ impl Campaign {
         for seed in 1..=self.seeds.max(self.bench_seeds) {
             for &plant in &self.plants {
                 let seeds = if plant == Plant::Bench { self.bench_seeds } else { self.seeds };
-                for &arm in self.arms.iter().filter(|_| seed <= seeds) {
+                let is_asked = |arm: &&Arm| seed <= seeds && (**arm == Arm::Single || !self.is_alone(plant));
+                for &arm in self.arms.iter().filter(is_asked) {
                     self.arm(&mut cells, arm, plant, self.skipped_seeds + seed);
                 }
             }
@@ -143,7 +157,11 @@ impl Campaign {
             let effects = effects.iter().map(|e| (*e).to_owned()).collect();
             cells.push(Cell { index: 0, arm, plant, effects, sizes: sizes.into(), variant, seed });
         };
-        let all = effects(plant);
+        let mut all = effects(plant);
+        if self.is_alone(plant) {
+            let on_axes = [effects(Plant::Rotary), effects(Plant::Linear)].concat();
+            all.retain(|effect| !on_axes.contains(effect));
+        }
         match arm {
             Arm::Clean => (0..CLEAN).for_each(|variant| add(&[], &[], variant)),
             Arm::Single => {
@@ -218,5 +236,22 @@ mod tests {
                 assert_eq!(rig.logging.sample_rate_hz, conditions.axis_rate_hz());
             }
         }
+    }
+    #[test]
+    fn the_quick_campaign_hides_every_effect_and_each_on_the_cheapest_plant() {
+        let cells = Campaign::quick().cells();
+        let alone: Vec<&Cell> = cells.iter().filter(|c| c.arm == Arm::Single).collect();
+        for kind in bench::effects::CATALOGUE.iter().filter(|k| k.name != "misalignment") {
+            let plants: Vec<Plant> =
+                alone.iter().filter(|c| c.effects == [kind.name]).map(|c| c.plant).collect();
+            let on_bench = plants.contains(&Plant::Bench);
+            assert!(
+                !plants.is_empty() && (!on_bench || plants == [Plant::Bench]),
+                "{}: {plants:?}",
+                kind.name
+            );
+        }
+        assert!(cells.iter().all(|c| c.plant != Plant::Bench || c.arm == Arm::Single));
+        assert_eq!(cells.iter().filter(|c| c.plant == Plant::Bench).count(), 10);
     }
 }

@@ -113,6 +113,7 @@ mod tests {
             seeds: 1,
             bench_seeds: 0,
             skipped_seeds: 0,
+            bench_alone: false,
             plants: vec![Plant::Linear],
             sizes: vec![0.5],
             arms: vec![Arm::Clean, Arm::Single, Arm::Deleted],
