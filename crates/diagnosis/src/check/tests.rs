@@ -184,6 +184,12 @@ fn dead_and_stuck_channels_are_left_out_and_named() {
         force[700..1400].fill(value);
     };
     hidden(stuck, "bearing_force_z_n", "stuck");
+    let at_its_largest = |log: &mut MeasuredLog| {
+        let force = log.channels.get_mut(&Channel::BearingForceZ).unwrap();
+        let largest = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        force[700..1400].fill(largest);
+    };
+    hidden(at_its_largest, "bearing_force_z_n", "stuck");
     let missing = |log: &mut MeasuredLog| {
         log.channels.get_mut(&Channel::DriveForce).unwrap()[..1000].fill(f64::NAN);
     };
@@ -205,6 +211,19 @@ fn a_rail_is_told_and_left_to_the_diagnosis() {
         "{findings:#?}"
     );
     assert_eq!((graves(&findings), after), (vec![], log));
+}
+
+#[test]
+fn an_end_of_a_range_that_is_reached_twice_is_no_hang() {
+    // Where the bench is expected to stay below: nothing says that it is a rail, and nothing that the sensor hangs.
+    let mut log = record(&real(4), 4).unwrap();
+    let force = log.channels.get_mut(&Channel::BearingForceZ).unwrap();
+    let largest = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    force[400..700].fill(largest);
+    force[1100..1400].fill(largest);
+    let (after, findings) = found(&log);
+    assert!(!findings.iter().any(|f| f.kind == "stuck"), "{findings:#?}");
+    assert!(after.channels.contains_key(&Channel::BearingForceZ));
 }
 
 #[test]
