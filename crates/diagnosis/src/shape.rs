@@ -4,8 +4,8 @@
 //! moves: a score test with one degree less than bins. An effect that only imitates another one is too large at some speeds, loads,
 //! positions or times and too small at others; structure that has nothing to do with it does not change its size there on average. The noise
 //! counts at its floor and with the correlation of neighbouring samples alone: what an imitation leaves must not pass for noise.
-//! An effect with shapes of its own to fit (a speed, a time constant) is asked for its memory alone, since where such a shape is off, the other tests say so
-//! of the shape and not of the effect: what follows the speed has one size while the speed rises and while it falls.
+//! An effect with shapes of its own to fit (a speed, a time constant) is not asked, since where such a shape is off, the test says so of the shape and not of
+//! the effect; but for what follows the speed alone, which has one size while the speed rises and while it falls.
 //! A misfit counts where it is beyond chance and at least [`LEAST_SHARE`] of what the cause takes off chi-square.
 
 use crate::fit::Fit;
@@ -31,6 +31,9 @@ pub(crate) struct Misfit {
     /// One of them has another size while the speed rises than while it falls.
     pub(crate) memory: bool,
 }
+
+/// Effects with a shape that follow the speed alone.
+const OF_SPEED_ALONE: &[&str] = &["stribeck-friction"];
 
 /// Whether the speed rises or falls.
 const SPEEDING: Feature = Feature {
@@ -63,7 +66,9 @@ pub(crate) fn misfit(data: &Data, floors: &NoiseModel, noise: &NoiseModel, fit: 
     for which in 0..fit.model.chosen.len() {
         let (own, shapes): (Vec<usize>, Vec<usize>) =
             fit.model.of_effect(which).into_iter().partition(|&i| fit.model.parameters[i].is_size());
+        let name = fit.model.chosen[which].kind.name;
         let features = if shapes.is_empty() { FEATURES } else { &[] };
+        let speeding = (shapes.is_empty() || OF_SPEED_ALONE.contains(&name)).then_some((&SPEEDING, true));
         let mut effect = vec![0.0; residual.len()];
         for &i in &own {
             effect.iter_mut().zip(&jacobian[i]).for_each(|(e, c)| *e += fit.z[i] * c);
@@ -71,7 +76,7 @@ pub(crate) fn misfit(data: &Data, floors: &NoiseModel, noise: &NoiseModel, fit: 
         let z = DVector::from_iterator(own.len(), own.iter().map(|&i| fit.z[i]));
         let Some(block) = factor(&covariance.select_rows(&own).select_columns(&own)) else { continue };
         let taken = block.solve(&z).dot(&z);
-        for (feature, is_memory) in features.iter().map(|f| (f, false)).chain([(&SPEEDING, true)]) {
+        for (feature, is_memory) in features.iter().map(|f| (f, false)).chain(speeding) {
             let Some(places) = bins(data, feature) else { continue };
             let Some((chi, freedom)) =
                 score(&jacobian, &residual, &effect, &places, |k| information.solve(k), &left)
