@@ -20,8 +20,7 @@ use crate::verdict::End;
 pub(crate) const MAIN_SHARE: f64 = 0.75;
 /// Share that the upper end of its interval has to reach where structure is left.
 const LARGE_SHARE: f64 = 0.9;
-/// The same where nothing is left: three of 222 true causes of size .5 to 2 stayed below, slow ones that the turns named, and about half of the wrong
-/// names in the place of a deleted cause.
+/// The same where nothing is left. True causes that stay below are slow ones that the turns named; of the wrong names in the place of a deleted cause many do.
 const WHOLE_SHARE: f64 = 0.95;
 
 /// What speaks against the causes of an end.

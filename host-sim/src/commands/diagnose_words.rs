@@ -109,8 +109,7 @@ pub(super) fn sentence(diagnosis: &Diagnosis) -> String {
 /// What was found and does not count, and why, as a sentence.
 pub(super) fn refused_words(refused: &Refused) -> String {
     let causes: Vec<String> = refused.causes.iter().map(|c| channelled(&c.effect, c.channel)).collect();
-    let does = if causes.len() > 1 { "do" } else { "does" };
-    format!("What comes nearest, {}, {does} not count: {}.", causes.join(" and "), refused.words)
+    format!("Found, but not counted as a cause: {}, because {}.", causes.join(" and "), refused.words)
 }
 
 /// What is left, and where, as a sentence.
@@ -136,6 +135,7 @@ mod tests {
             assert!(words != known.name && !words.ends_with('.') && words.contains(' '), "{words}");
         }
     }
+
     #[test]
     fn what_does_not_count_is_told_with_its_reason() {
         let member = |effect: &str, channel| Member { effect: effect.into(), channel };
@@ -143,8 +143,8 @@ mod tests {
         let refused =
             |causes| Refused { causes, reason: "explains-too-little".into(), words: "it is little".into() };
         let words = refused_words(&refused(causes[..1].to_vec()));
-        assert_eq!(words, "What comes nearest, breakaway, does not count: it is little.");
+        assert_eq!(words, "Found, but not counted as a cause: breakaway, because it is little.");
         let words = refused_words(&refused(causes));
-        assert!(words.contains("breakaway and sensor-gain of drive_force_n, do not count"), "{words}");
+        assert!(words.contains("breakaway and sensor-gain of drive_force_n, because"), "{words}");
     }
 }

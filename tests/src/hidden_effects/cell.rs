@@ -237,6 +237,7 @@ mod tests {
             }
         }
     }
+
     #[test]
     fn the_quick_campaign_hides_every_effect_and_each_on_the_cheapest_plant() {
         let cells = Campaign::quick().cells();
