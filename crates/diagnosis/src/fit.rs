@@ -108,6 +108,12 @@ impl Fit {
         self.model.parameters.iter().zip(&self.z).map(stops).collect()
     }
 
+    /// The objective in units of another noise.
+    pub(crate) fn objective_with(&self, data: &Data, noise: &NoiseModel) -> f64 {
+        let residual = noise.stack(data, &data.residual(&self.simulation.columns));
+        dot(&residual, &residual) + prior(&self.model, &self.z)
+    }
+
     /// Gradient that is left, 0 at the optimum.
     pub(crate) fn gradient(&self) -> DVector<f64> {
         gradient(&self.model, &self.jacobian, &self.residual, &self.z)

@@ -7,15 +7,19 @@
 //! * `not-pinned`: its standard deviation is above [`PRIOR_SHARE`] of its prior's: the number is the prior's, not the logs';
 //! * `correlated`: the estimates of a pair correlate by more than [`CORRELATED`]: only a combination of the two is known;
 //! * `flat-direction`: an eigenvector of `P^-1/2 F P^-1/2` whose eigenvalue is below [`FLAT`], with several parameters in it: moving
-//!   them together by their prior's size changes nothing that was measured.
+//!   them together by their prior's size changes nothing that was measured;
+//! * `sign`: a cause with all its sizes of the opposite sign changes chi-square by less than [`SIGN`]: a tilt of a bearing to the other
+//!   side, where the shaft is driven and loaded in its middle.
 //!
 //! A size that a guess gave has no prior; its own step stands for one. Linear at the optimum: a valley that bends is only
 //! seen where it starts.
 
-use crate::linear::factor;
+use crate::fit::simulate;
+use crate::linear::{dot, factor};
 use crate::nuisance::Nuisance;
 use crate::parameter::Parameter;
 use crate::result::Identifiability;
+use crate::session::Data;
 use crate::verdict::End;
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -23,11 +27,12 @@ const DEAD: f64 = 0.01;
 const PRIOR_SHARE: f64 = 0.9;
 const CORRELATED: f64 = 0.95;
 const FLAT: f64 = 0.1;
+const SIGN: f64 = 4.0;
 /// Components of a unit vector that are named.
 const NAMED: f64 = 0.25;
 
 /// Everything that is not well known, plain things first.
-pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
+pub(crate) fn identifiability(data: &Data, end: &End) -> Vec<Identifiability> {
     let parameters = &end.model.parameters;
     let names: Vec<String> = parameters.iter().map(|p| p.name().to_owned()).collect();
     let priors = priors(end);
@@ -79,6 +84,19 @@ pub(crate) fn identifiability(end: &End) -> Vec<Identifiability> {
         );
         say("correlated", &[i, j], rho, words);
     }
+    for which in 0..end.model.chosen.len() {
+        let sizes: Vec<usize> =
+            end.model.of_effect(which).into_iter().filter(|&i| parameters[i].is_size()).collect();
+        if let Some(change) = mirrored(data, end, &sizes).filter(|change| change.abs() < SIGN) {
+            let own: Vec<&str> = sizes.iter().map(|&i| names[i].as_str()).collect();
+            let together = if own.len() > 1 { " together" } else { "" };
+            let words = format!(
+                "the logs do not tell the sign of {}{together}: the opposite fits as well",
+                own.join(" and ")
+            );
+            say("sign", &sizes, change, words);
+        }
+    }
     // Of what is dead any combination is flat.
     let live: Vec<usize> = (0..n).filter(|&i| !dead[i]).collect();
     if live.is_empty() {
@@ -112,6 +130,25 @@ fn told(end: &End) -> Option<DMatrix<f64>> {
     let (priors, n) = (priors(end), end.model.parameters.len());
     (n > 0 && end.fisher.nrows() == n)
         .then(|| DMatrix::from_fn(n, n, |i, j| priors[i] * priors[j] * end.fisher[(i, j)]))
+}
+
+/// Change of chi-square on the fitted samples with all sizes of an effect of the opposite sign; none where they cannot be.
+fn mirrored(data: &Data, end: &End, sizes: &[usize]) -> Option<f64> {
+    let mut z = end.z.clone();
+    for &i in sizes {
+        let (least, most) = end.model.parameters.get(i)?.bounds();
+        let place = z.get_mut(i)?;
+        *place = -*place;
+        if !(least..=most).contains(place) {
+            return None;
+        }
+    }
+    let there = simulate(data, &end.model.at(&z), None).ok()?;
+    let square = |residual| {
+        let stacked = end.noise.stack(data, residual);
+        dot(&stacked, &stacked)
+    };
+    Some(square(&data.residual(&there.columns)) - square(&end.residual))
 }
 
 /// Pairs of parameters whose estimates correlate by more than [`CORRELATED`], by their places, with the correlation.

@@ -16,6 +16,7 @@ use bench::effects::CATALOGUE;
 use bench::respond::RespondError;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Share of an effect's sensitivity that has to survive the projection.
 const LEAST_SURVIVAL: f64 = 1e-13;
@@ -185,6 +186,11 @@ const SIZES: [f64; 6] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 /// Factors on the best of them that are tried, too: oscillations that are out of step have many a valley.
 const BETWEEN: [f64; 4] = [0.6, 0.8, 1.25, 1.6];
 
+/// Factor on the precision of what is declared, to hold it.
+const HELD: f64 = 1e8;
+/// Turns of two sizes against each other that are tried.
+const TURNS_RAD: [f64; 3] = [FRAC_PI_4, FRAC_PI_2, 3.0 * FRAC_PI_4];
+
 /// A base at its described values on few samples, with its sensitivities there: where searches start.
 pub(crate) struct Origin<'a> {
     data: &'a Data,
@@ -214,7 +220,7 @@ impl<'a> Origin<'a> {
         let model = base.model.with(score.candidate, self.noise);
         let added = self.z.len()..model.parameters.len();
         let largest = score.estimate.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
-        let sizes = score
+        let count = score
             .candidate
             .kind
             .parameters(&base.model.at(&base.z).common)
@@ -223,15 +229,16 @@ impl<'a> Origin<'a> {
             .count();
         // Of several sizes the score says how they go together.
         let direction = |k: usize| match score.estimate.get(k) {
-            Some(b) if sizes > 1 && largest > 0.0 => b / largest,
+            Some(b) if count > 1 && largest > 0.0 => b / largest,
             _ => 1.0,
         };
-        let at = |size: f64| {
+        let at = |size: f64, turned_rad: f64| {
             let mut z = self.z.clone();
             z.resize(model.parameters.len(), 0.0);
             let mut inside = true;
             for (k, i) in added.clone().enumerate().filter(|(_, i)| model.parameters[*i].is_size()) {
-                z[i] = size * direction(k);
+                let across = if k == 0 { -direction(1) } else { direction(0) };
+                z[i] = size * (turned_rad.cos() * direction(k) + turned_rad.sin() * across);
                 let (least, most) = model.parameters[i].bounds();
                 inside &= (least..=most).contains(&z[i]);
             }
@@ -247,7 +254,7 @@ impl<'a> Origin<'a> {
             None => SIZES.iter().flat_map(|s| [*s, -s]).collect(),
         };
         let best_of = |sizes: &[f64]| {
-            let tried = sizes.iter().filter_map(|&size| Some((size, at(size)?)));
+            let tried = sizes.iter().filter_map(|&size| Some((size, at(size, 0.0)?)));
             tried.min_by(|a, b| a.1.2.total_cmp(&b.1.2))
         };
         let near = best_of(&sizes).map(|coarse| {
@@ -255,12 +262,29 @@ impl<'a> Origin<'a> {
             let finer = best_of(&between).filter(|f| f.1.2 < coarse.1.2);
             finer.unwrap_or(coarse)
         });
-        let best = near.map(|(_, found)| found);
-        let Some((z, simulation, _)) = best else { return Ok((self.z.clone(), f64::INFINITY)) };
-        let which: Vec<usize> = added.collect();
-        let mut jacobian = self.jacobian.clone();
-        jacobian.extend(sensitivities(self.data, self.noise, &model, &z, &simulation, &which)?);
-        let found = fit_from(self.data, self.noise, model, z, Some(jacobian), Effort::GLANCE)?;
+        let Some((size, straight)) = near else { return Ok((self.z.clone(), f64::INFINITY)) };
+        // Of what is even in its two sizes, as a tilt, a score does not say how they go together.
+        let turned = TURNS_RAD.iter().filter(|_| count == 2).filter_map(|&turn| at(size, turn));
+        let turned = turned.min_by(|a, b| a.2.total_cmp(&b.2));
+        let which: Vec<usize> = added.clone().collect();
+        let near = |z: &[f64], simulation: &Simulation| -> Result<Vec<Vec<f64>>, RespondError> {
+            let own = sensitivities(self.data, self.noise, &model, z, simulation, &which)?;
+            Ok(self.jacobian.iter().cloned().chain(own).collect())
+        };
+        let glance = |(z, simulation, _): (Vec<f64>, Simulation, f64)| -> Result<Fit, RespondError> {
+            let jacobian = near(&z, &simulation)?;
+            if count < 2 {
+                return fit_from(self.data, self.noise, model.clone(), z, Some(jacobian), Effort::GLANCE);
+            }
+            // Alone first: what is declared would bend to the direction that is not yet right.
+            let mut alone = model.clone();
+            alone.parameters.iter_mut().take(self.z.len()).for_each(|p| p.precision *= HELD);
+            let alone = fit_from(self.data, self.noise, alone, z, Some(jacobian), Effort::FAIR)?;
+            fit_from(self.data, self.noise, model.clone(), alone.z, Some(alone.jacobian), Effort::GLANCE)
+        };
+        let straight = glance(straight)?;
+        let turned = turned.map(glance).transpose()?;
+        let found = turned.filter(|t| t.objective < straight.objective).unwrap_or(straight);
         Ok((found.z, found.objective))
     }
 }

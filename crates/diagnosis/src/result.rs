@@ -180,12 +180,12 @@ pub struct Hypothesis {
 /// Something that the logs do not tell of the last model's parameters.
 #[derive(Clone, Debug, Serialize)]
 pub struct Identifiability {
-    /// `dead`, `at-bound`, `not-pinned`, `correlated` or `flat-direction`.
+    /// `dead`, `at-bound`, `not-pinned`, `correlated`, `sign` or `flat-direction`.
     pub kind: &'static str,
     /// The parameters concerned.
     pub parameters: Vec<String>,
     /// Change of chi-square over one prior standard deviation (dead), the bound, the share of the prior's standard
-    /// deviation (not pinned), the correlation, the eigenvalue (flat direction).
+    /// deviation (not pinned), the correlation, the change of chi-square (sign), the eigenvalue (flat direction).
     pub value: f64,
     /// In words.
     pub words: String,

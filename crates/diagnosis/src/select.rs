@@ -67,6 +67,12 @@ impl Stage {
         causes
     }
 
+    /// Whether its base is the model of a `fit` before, and has come out of where that had stuck.
+    pub(crate) fn frees(&self, data: &Data, fit: &Fit) -> bool {
+        self.base.model.chosen == fit.model.chosen
+            && self.base.objective < fit.objective_with(data, &self.noise) - STUCK
+    }
+
     /// Contenders that fit as well as the best one. Not what says the same in more words: a fall with speed that ends far beyond the speeds of the log is a
     /// level, and so is a step before its first sample. They keep their share of the probability.
     pub(crate) fn equals(&self) -> impl Iterator<Item = &Contender> {
@@ -304,4 +310,50 @@ fn main_effect_first(
         stretch.rotate_right(1);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::simulate;
+    use crate::model::Model;
+    use crate::session::Split;
+    use bench::Bench;
+    use bench::effects::{Effect, kind};
+    use bench::record::record;
+
+    #[test]
+    fn a_stage_frees_a_fit_of_its_base_s_model_that_had_stuck_and_no_other() {
+        let bench = Bench::open("friction-rig").unwrap();
+        let mut truth = bench.clone();
+        let parameters = [("coulomb_effort".to_owned(), 40.0)].into();
+        truth.effects_mut().push(Effect { name: "coulomb-level".into(), channel: None, parameters });
+        let data = Data::new(&bench, &[record(&truth, 3).unwrap()], &[], Split::Halves).unwrap();
+        let described = simulate(&data, &bench, None).unwrap();
+        let noise = NoiseModel::floors(&bench, &data, &data.residual(&described.columns));
+        let with = |name| {
+            let model = Model::nominal(&bench, &data.channels);
+            model.with(Candidate { kind: kind(name).unwrap(), channel: None, guess: None }, &noise)
+        };
+        let fitted = |name| {
+            let model = with(name);
+            let start = vec![0.0; model.parameters.len()];
+            fit(&data, &noise, model, start).unwrap()
+        };
+        let stuck = || {
+            let mut stuck = fitted("coulomb-level");
+            *stuck.z.last_mut().unwrap() *= 0.5;
+            stuck.simulation = simulate(&data, &stuck.model.at(&stuck.z), None).unwrap();
+            stuck.objective = stuck.objective_with(&data, &noise);
+            stuck
+        };
+        let stage = |base: Fit| {
+            let (contenders, others) = (Vec::new(), Vec::new());
+            Stage { base, contenders, others, noise: noise.clone(), threshold: 0.0, accepted: false }
+        };
+        assert!(stage(fitted("coulomb-level")).frees(&data, &stuck()));
+        assert!(!stage(fitted("coulomb-level")).frees(&data, &fitted("coulomb-level")));
+        assert!(!stage(stuck()).frees(&data, &fitted("coulomb-level")));
+        assert!(!stage(fitted("viscous-friction")).frees(&data, &stuck()));
+    }
 }

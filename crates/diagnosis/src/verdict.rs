@@ -213,8 +213,11 @@ fn ends(
     let first = stages.first().ok_or(DiagnosisError::NoLog)?;
     let mut ends = vec![End::new(views, floors, (&first.base, &first.noise), Vec::new())?];
     let mut causes = Vec::new();
-    for stage in stages.iter().filter(|s| s.accepted) {
+    for (k, stage) in stages.iter().enumerate().filter(|(_, s)| s.accepted) {
         let Some(best) = stage.contenders.first() else { break };
+        // The next stage begins with the same model and may come out of where this fit had stuck.
+        let freed = stages.get(k + 1).filter(|next| next.frees(&views.fitted, &best.fit));
+        let (reached, used) = freed.map_or((&best.fit, &stage.noise), |next| (&next.base, &next.noise));
         causes.push((best.candidate, best.probability));
         let loss =
             if causes.len() > 1 { loss_without_first(&views.fitted, stage, nominal)? } else { f64::INFINITY };
@@ -230,7 +233,7 @@ fn ends(
                 // Alone it may have lost to its rival; beside it, what counts is what leaving it out would cost.
                 *probability = 1.0 / (1.0 + (0.5 * (stage.threshold - loss)).exp());
             }
-            ends.push(End::new(views, floors, (&best.fit, &stage.noise), causes.clone())?);
+            ends.push(End::new(views, floors, (reached, used), causes.clone())?);
         }
     }
     Ok(ends)
@@ -298,7 +301,7 @@ fn judge(
         calibrated: calibrated(shown),
         nuisances: nuisances(data, shown),
         noise: noises(data, &shown.noise, &before.residual),
-        identifiability: identifiability(shown),
+        identifiability: identifiability(data, shown),
         ranking: ranking(first, known),
         threshold: first.threshold,
         extended: Some(shown.model.at(&shown.z).common),

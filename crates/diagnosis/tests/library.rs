@@ -7,17 +7,18 @@
 
 mod rig;
 
+use bench::description::TwoPlaneSection;
 use bench::effects::{Effect, kind};
 use bench::record::record;
 use bench::{Bench, Channel};
-use diagnosis::{Options, diagnose};
+use diagnosis::{Diagnosis, Options, diagnose};
 use rig::rig;
 use std::time::Instant;
 
 /// Parameters of an effect.
 type Sizes<'a> = &'a [(&'a str, f64)];
 
-fn hide(mut bench: Bench, name: &str, channel: Option<Channel>, sizes: Sizes<'_>, seed: u64) {
+fn hide(mut bench: Bench, name: &str, channel: Option<Channel>, sizes: Sizes<'_>, seed: u64) -> Diagnosis {
     let parameters = sizes.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     let truth = Effect { name: name.into(), channel, parameters };
     truth.check(&bench).unwrap();
@@ -41,12 +42,29 @@ fn hide(mut bench: Bench, name: &str, channel: Option<Channel>, sizes: Sizes<'_>
     assert!(d.causes.len() == 1 && group.contains(&(name, channel)), "{summary}");
     let confounded = kind(name).unwrap().confounded_with;
     assert!(group.iter().all(|(other, _)| *other == name || confounded.contains(other)), "{summary}");
+    d
 }
 
 /// Two cycles of bench B: one fitted, one held out.
 fn bench_b() -> Bench {
     let mut bench = Bench::open("bench-b").unwrap();
     bench.set_cycles(2);
+    bench
+}
+
+/// Bench B whose shaft may tilt; `aside` is where its cranks are beside the bearing's middle, one on either side.
+fn tilting(aside_m: f64) -> Bench {
+    let mut bench = bench_b();
+    if let Bench::Transmission(bench) = &mut bench {
+        bench.two_plane = Some(TwoPlaneSection {
+            slices: 5,
+            drive_offset_m: aside_m,
+            load_offset_m: -aside_m,
+            support_stiffness_nm_rad: 3e6,
+            support_damping_nm_s_rad: 500.0,
+            ..TwoPlaneSection::default()
+        });
+    }
     bench
 }
 
@@ -68,7 +86,7 @@ macro_rules! hidden {
         $(#[test]
         $(#[$meta])*
         fn $test() {
-            hide($bench, $name, $channel, &$sizes, 7);
+            let _ = hide($bench, $name, $channel, &$sizes, 7);
         })*
     };
 }
@@ -141,6 +159,32 @@ hidden! {
     linear_load_ripple: linear(), "load-ripple", None, [("cos_force_n", 2.0), ("sin_force_n", 1.0), ("frequency_hz", 3.7)];
     linear_inertia: linear(), "inertia-mismatch", None, [("inertia_change", 20.0)];
     linear_lag: linear(), "drive-lag", None, [("lag_s", 0.02)];
+}
+
+/// Whether an answer says that the sign of its cause is open.
+fn either_sign(d: &Diagnosis) -> bool {
+    d.identifiability.iter().any(|i| i.kind == "sign" && i.parameters == ["slope_y_rad", "slope_z_rad"])
+}
+
+#[test]
+fn misalignment_of_either_sign_is_the_same_to_a_shaft_that_is_driven_and_loaded_in_its_middle() {
+    let d = hide(tilting(0.0), "misalignment", None, &[("slope_y_rad", 3e-5), ("slope_z_rad", -3e-5)], 7);
+    assert!(either_sign(&d), "{:?}", d.identifiability);
+}
+
+#[test]
+#[ignore = "slow, some 40 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+fn misalignment_of_a_shaft_that_its_loads_tilt_has_a_sign() {
+    let d = hide(tilting(0.02), "misalignment", None, &[("slope_y_rad", 3e-5), ("slope_z_rad", -3e-5)], 7);
+    assert!(!either_sign(&d), "{:?}", d.identifiability);
+}
+
+#[test]
+#[ignore = "slow, some 40 s of a core: cargo test -p diagnosis --test library -- --ignored"]
+fn misalignment_that_lifts_half_of_the_bearing_is_measured() {
+    let d = hide(tilting(0.0), "misalignment", None, &[("slope_y_rad", 4e-4), ("slope_z_rad", -3e-4)], 7);
+    let found: Vec<f64> = d.causes[0].parameters.iter().map(|p| p.value.abs()).collect();
+    assert!((found[0] / 4e-4 - 1.0).abs() < 0.01 && (found[1] / 3e-4 - 1.0).abs() < 0.01, "{found:?}");
 }
 
 /// What the seal of a cylinder adds to an axis has two parts, which have two names.

@@ -31,14 +31,14 @@ struct Cli {
     /// Seeds of every cell on the axes.
     #[arg(long, default_value_t = 100)]
     seeds: u64,
-    /// Seeds of every cell on the transmission bench.
+    /// Seeds of every cell on the transmission benches.
     #[arg(long, default_value_t = 5)]
     bench_seeds: u64,
     /// Seeds to pass over: 10 with three seeds gives the seeds 11 to 13.
     #[arg(long, default_value_t = 0)]
     skip_seeds: u64,
     /// Plants.
-    #[arg(long, value_delimiter = ',', default_value = "rotary,linear,bench", value_parser = plant)]
+    #[arg(long, value_delimiter = ',', default_value = "rotary,linear,bench,two-plane", value_parser = plant)]
     plant: Vec<Plant>,
     /// Sizes of single effects, rms over the noise.
     #[arg(long, value_delimiter = ',', default_value = "0.1,0.2,0.3,0.5,1,2,5")]
@@ -67,17 +67,17 @@ struct Cli {
     /// The part that runs with every change, whatever the other options say.
     #[arg(long)]
     quick: bool,
-    /// Write tests/golden/hidden-effects.json and docs/hidden-effects.md, of the bench alone hidden-effects-bench;
+    /// Write tests/golden/hidden-effects.json and docs/hidden-effects.md, of transmission benches alone hidden-effects-bench;
     /// with --quick its own golden figures.
     #[arg(long)]
     bless: bool,
 }
 
 fn plant(text: &str) -> Result<Plant, String> {
-    [Plant::Rotary, Plant::Linear, Plant::Bench]
+    Plant::ALL
         .into_iter()
         .find(|p| p.name() == text)
-        .ok_or_else(|| format!("found `{text}`; expected rotary, linear or bench"))
+        .ok_or_else(|| format!("found `{text}`; expected rotary, linear, bench or two-plane"))
 }
 
 fn main() -> ExitCode {

@@ -16,6 +16,8 @@ enum PlantChoice {
     Rotary,
     /// The transmission bench.
     Bench,
+    /// The same with a shaft that may tilt in its bearing.
+    TwoPlane,
 }
 
 /// Deal a log that hides an effect, or open the label of one that has been diagnosed.
@@ -81,6 +83,7 @@ fn run(cli: &Cli) -> Result<(), CampaignError> {
         PlantChoice::Linear => Plant::Linear,
         PlantChoice::Rotary => Plant::Rotary,
         PlantChoice::Bench => Plant::Bench,
+        PlantChoice::TwoPlane => Plant::TwoPlane,
     };
     deal(&cli.out, plant, cli.size, cli.seed)?;
     println!("{}", cli.out.join(LOG).display());

@@ -32,6 +32,26 @@ pub const EFFECTS: &[&str] = &[
     "shaft-flexibility",
 ];
 
+/// The same of the bench whose shaft may tilt.
+pub const TILTING: &[&str] = &[
+    "clearance-wear",
+    "contact-stiffness",
+    "restitution",
+    "misalignment",
+    "inertia-mismatch",
+    "lever-ratio",
+    "stribeck-friction",
+    "coulomb-level",
+    "viscous-friction",
+    "viscous-asymmetry",
+    "coulomb-asymmetry",
+    "load-dependent-friction",
+    "friction-step",
+    "seal-friction",
+    "drive-lag",
+    "load-ripple",
+];
+
 /// Draws an effect of the bench.
 pub fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Drawn> {
     let mut between = |low: f64, high: f64| low * (high / low).powf(noise.uniform());
@@ -72,6 +92,9 @@ pub fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Dr
         "journal-out-of-round" => {
             (vec![("cosine_m", phase.cos()), ("sine_m", phase.sin())], 5e-6, 2e-4, vec![])
         }
+        "misalignment" => {
+            (vec![("slope_y_rad", phase.cos()), ("slope_z_rad", phase.sin())], 3e-5, 3e-3, vec![])
+        }
         "squeeze-film" => {
             (vec![("viscosity_pa_s", 1.0)], 1e-3, 0.02, vec![("least_film_m", between(1e-5, 4e-5))])
         }
@@ -89,25 +112,27 @@ mod tests {
 
     #[test]
     fn every_effect_changes_the_log_by_more_than_its_noise() {
-        let mut noise = Noise::new(4);
-        let mut session = Session::draw(Plant::Bench, 0.8, Point::default(), &mut noise);
-        session.cycles = 1.0;
-        let base = session.readings(&session.off, &[]);
-        let sensors = session.sensors();
-        for effect in EFFECTS {
-            let drawn = draw(effect, 1.0, 0.7, &mut noise).unwrap();
-            let mut hidden = drawn.at(drawn.guess);
-            if *effect == "friction-step" {
-                hidden.parameters.insert("time_s".into(), 0.5);
+        for (plant, effects) in [(Plant::Bench, EFFECTS), (Plant::TwoPlane, TILTING)] {
+            let mut noise = Noise::new(4);
+            let mut session = Session::draw(plant, 0.8, Point::default(), &mut noise);
+            session.cycles = 1.0;
+            let base = session.readings(&session.off, &[]);
+            let sensors = session.sensors();
+            for effect in effects {
+                let drawn = draw(effect, 1.0, 0.7, &mut noise).unwrap();
+                let mut hidden = drawn.at(drawn.guess);
+                if *effect == "friction-step" {
+                    hidden.parameters.insert("time_s".into(), 0.5);
+                }
+                let with = session.readings(&session.off, &[hidden]);
+                let most = with.iter().zip(&base).zip(plant.outputs()).map(|((w, b), channel)| {
+                    let floor = sensors.iter().find(|s| s.channel == *channel).unwrap().floor();
+                    let landing = (plant.landing_s() * session.logger.rate_hz).round() as usize;
+                    w.iter().zip(b).skip(landing).map(|(w, b)| (w - b).abs() / floor).fold(0.0, f64::max)
+                });
+                let most = most.fold(0.0, f64::max);
+                assert!(most > 1.0 && most.is_finite(), "{effect}: {most}");
             }
-            let with = session.readings(&session.off, &[hidden]);
-            let most = with.iter().zip(&base).zip(Plant::Bench.outputs()).map(|((w, b), channel)| {
-                let floor = sensors.iter().find(|s| s.channel == *channel).unwrap().floor();
-                let landing = (Plant::Bench.landing_s() * session.logger.rate_hz).round() as usize;
-                w.iter().zip(b).skip(landing).map(|(w, b)| (w - b).abs() / floor).fold(0.0, f64::max)
-            });
-            let most = most.fold(0.0, f64::max);
-            assert!(most > 1.0 && most.is_finite(), "{effect}: {most}");
         }
     }
 }

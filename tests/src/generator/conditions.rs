@@ -62,7 +62,7 @@ impl Conditions {
                 ("load_force_n", 0.5, 0.2),
                 ("drive_force_n", 3.0, 1.5),
             ],
-            (Plant::Bench, _) => planar::SENSORS,
+            (Plant::Bench | Plant::TwoPlane, _) => planar::SENSORS,
         };
         rows.iter().map(of).collect()
     }

@@ -18,6 +18,7 @@ mod planar_plant;
 pub mod sensing;
 pub mod session;
 pub mod size;
+mod tilt;
 pub mod vocabulary;
 
 pub use planar::{Hidden, RealBench};

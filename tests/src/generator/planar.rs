@@ -8,9 +8,10 @@
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
-use super::planar_plant::{Place, Plant};
+use super::planar_plant::Plant;
 use super::sensing::Signals;
-use super::session::Session;
+use super::session::{self, Session};
+use super::tilt::NODES;
 use std::fmt::Write as _;
 
 /// Channel, noise and resolution of every sensor.
@@ -71,6 +72,7 @@ pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signa
         load_n: 10e3 * session.point.load,
         cycles: session.cycles as usize,
         noise_colour: 0.0,
+        tilts: session.plant == session::Plant::TwoPlane,
     };
     let rows = real.run(&Hidden::default(), hidden);
     let kept = || rows.iter().step_by(KEPT);
@@ -131,6 +133,8 @@ pub struct RealBench {
     pub cycles: usize,
     /// Correlation of the sensors' noise from sample to sample; 0: white.
     pub noise_colour: f64,
+    /// Whether the shaft may tilt in its bearing.
+    pub tilts: bool,
 }
 
 impl RealBench {
@@ -146,6 +150,7 @@ impl RealBench {
             load_n: 10e3,
             cycles: 2,
             noise_colour: 0.0,
+            tilts: false,
         }
     }
 
@@ -195,24 +200,28 @@ impl RealBench {
         let plant = Plant::new(self, hidden, effects);
         let (x, v, _) = plant.drive(0.0);
         let angle = (x / plant.drive_lever_m).asin();
-        let mut state = [0.0, -0.999 * plant.clearance_m, 0.0, 0.0, angle, v, angle, v];
+        let (slope_y, slope_z) = plant.tilt.bearing;
+        let start = -0.999 * plant.clearance_m;
+        let mut state = [0.0, start, 0.0, 0.0, angle, v, angle, v, slope_y, slope_z, 0.0, 0.0];
         let steps = (self.cycles as f64 / STEP_S).round() as usize;
         let mut rows = Vec::with_capacity(steps);
-        let (mut touching, mut latched, mut last) = (false, 0.0, (0.0, 0.0));
+        let (mut touching, mut latched, mut last) = ([false; NODES], [0.0; NODES], [(0.0, 0.0); NODES]);
         for step in 0..steps {
             let t = step as f64 * STEP_S;
-            let Place { depth, rate, .. } = plant.place(t, &state);
-            if depth > 0.0 && !touching {
-                let (before, rate_before): (f64, f64) = last;
-                latched = (rate_before + (rate - rate_before) * before / (before - depth)).max(0.0);
+            for (i, place) in plant.places(t, &state).enumerate() {
+                let (depth, rate) = (place.depth, place.rate);
+                if depth > 0.0 && !touching[i] {
+                    let (before, rate_before): (f64, f64) = last[i];
+                    latched[i] = (rate_before + (rate - rate_before) * before / (before - depth)).max(0.0);
+                }
+                touching[i] = depth > 0.0;
+                last[i] = (depth, rate);
             }
-            touching = depth > 0.0;
-            last = (depth, rate);
-            rows.push(plant.row(t, &state, latched));
-            let k1 = plant.derivative(t, &state, latched).0;
-            let k2 = plant.derivative(t + 0.5 * STEP_S, &add(&state, &k1, 0.5 * STEP_S), latched).0;
-            let k3 = plant.derivative(t + 0.5 * STEP_S, &add(&state, &k2, 0.5 * STEP_S), latched).0;
-            let k4 = plant.derivative(t + STEP_S, &add(&state, &k3, STEP_S), latched).0;
+            rows.push(plant.row(t, &state, &latched));
+            let k1 = plant.derivative(t, &state, &latched).0;
+            let k2 = plant.derivative(t + 0.5 * STEP_S, &add(&state, &k1, 0.5 * STEP_S), &latched).0;
+            let k3 = plant.derivative(t + 0.5 * STEP_S, &add(&state, &k2, 0.5 * STEP_S), &latched).0;
+            let k4 = plant.derivative(t + STEP_S, &add(&state, &k3, STEP_S), &latched).0;
             let slope = |i: usize| k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i];
             state = std::array::from_fn(|i| state[i] + STEP_S / 6.0 * slope(i));
         }
@@ -237,8 +246,9 @@ fn round(value: f64, resolution: f64) -> f64 {
     (value / resolution).round() * resolution
 }
 
-/// y, z, y', z', th, th' (these two serve a compliant drive only), angle and speed of the load crank on a shaft that twists.
-pub(super) type State = [f64; 8];
+/// y, z, y', z', th, th' (these two serve a compliant drive only), angle and speed of the load crank on a shaft that twists, slopes of the shaft
+/// in Y and Z and their rates.
+pub(super) type State = [f64; 12];
 
 fn add(a: &State, b: &State, h: f64) -> State {
     std::array::from_fn(|i| a[i] + h * b[i])

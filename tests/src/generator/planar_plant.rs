@@ -6,6 +6,7 @@
 use super::hidden::{HiddenEffect, total};
 use super::planar::{Hidden, RealBench, Row, State};
 use super::planar_added::{Added, wave};
+use super::tilt::{LENGTH_M, NODES, Tilt};
 use std::f64::consts::{PI, TAU};
 
 const GRAVITY: f64 = 9.81;
@@ -17,8 +18,6 @@ const RAMP_S: f64 = 4e-3;
 const FORK: (f64, f64) = (1e10, 1.0);
 /// Share of critical damping of a shaft that twists.
 const TWIST_DAMPING: f64 = 0.02;
-/// Length of the bearing, m.
-const LENGTH_M: f64 = 0.140;
 
 /// A bench under its effects.
 pub(super) struct Plant {
@@ -37,6 +36,7 @@ pub(super) struct Plant {
     drive: Drive,
     /// Stiffness and damping of a shaft that twists.
     shaft: Option<(f64, f64)>,
+    pub(super) tilt: Tilt,
     added: Added,
 }
 
@@ -58,7 +58,7 @@ struct Crank {
     cylinder: (f64, f64, f64),
 }
 
-/// The journal in its bearing.
+/// The journal in its bearing, at one place along it.
 pub(super) struct Place {
     normal: (f64, f64),
     distance: f64,
@@ -67,8 +67,20 @@ pub(super) struct Place {
     pub(super) rate: f64,
     /// Speed of the centres apart.
     radial: f64,
+    /// Speed of the journal's centre around the bearing's.
+    around: f64,
     /// Change of the journal's radius over its angle.
     slope: f64,
+}
+
+/// What the bearing does to the shaft: forces, torque, moments about its middle.
+#[derive(Default)]
+struct Reaction {
+    force_y: f64,
+    force_z: f64,
+    torque: f64,
+    moment_y: f64,
+    moment_z: f64,
 }
 
 impl Plant {
@@ -111,6 +123,7 @@ impl Plant {
             third_harmonic_n: hidden.third_harmonic_n,
             drive,
             shaft,
+            tilt: if real.tilts { Tilt::described(effects) } else { Tilt::none() },
             added: Added::new(effects),
         }
     }
@@ -129,45 +142,65 @@ impl Plant {
         let cylinder = self.drive((t - self.added.lag_s).max(0.0));
         let (sine, speed) = match self.drive {
             Drive::Rigid => {
-                let sine = (cylinder.0 - s[0]) / self.drive_lever_m;
-                (sine, (cylinder.1 - s[2]) / (self.drive_lever_m * (1.0 - sine * sine).sqrt()))
+                let plane = self.tilt.drive_plane_m;
+                let sine = (cylinder.0 - s[0] - plane * s[8]) / self.drive_lever_m;
+                let pin = cylinder.1 - s[2] - plane * s[10];
+                (sine, pin / (self.drive_lever_m * (1.0 - sine * sine).sqrt()))
             }
             _ => (s[4].sin(), s[5]),
         };
         Crank { sine, cosine: (1.0 - sine * sine).sqrt(), speed, cylinder }
     }
 
-    /// The journal in its bearing at a state.
-    pub(super) fn place(&self, t: f64, s: &State) -> Place {
-        self.journal(s, &self.crank(t, s))
+    /// The journal in its bearing at a state, at every node.
+    pub(super) fn places(&self, t: f64, s: &State) -> impl Iterator<Item = Place> {
+        let crank = self.crank(t, s);
+        self.tilt.nodes.iter().map(move |(at, _)| self.journal(*at, s, &crank))
     }
 
-    fn journal(&self, s: &State, crank: &Crank) -> Place {
-        let distance = s[0].hypot(s[1]);
-        let (ny, nz) = (s[0] / distance, s[1] / distance);
-        let radial = ny * s[2] + nz * s[3];
+    fn journal(&self, at: f64, s: &State, crank: &Crank) -> Place {
+        let (slope_y, slope_z) = self.tilt.bearing;
+        let (y, z) = (s[0] + (s[8] - slope_y) * at, s[1] + (s[9] - slope_z) * at);
+        let speed = (s[2] + s[10] * at, s[3] + s[11] * at);
+        let distance = y.hypot(z);
+        let (ny, nz) = (y / distance, z / distance);
+        let radial = ny * speed.0 + nz * speed.1;
         let (cosine, sine) = self.added.oval;
         // The direction of the contact in the journal's own frame.
         let along = ny * crank.cosine + nz * crank.sine;
         let across = nz * crank.cosine - ny * crank.sine;
         let (even, odd) = (along * along - across * across, 2.0 * along * across);
         let slope = 2.0 * (sine * even - cosine * odd);
-        let turning = (ny * s[3] - nz * s[2]) / distance - crank.speed;
+        let around = ny * speed.1 - nz * speed.0;
         Place {
             normal: (ny, nz),
             distance,
             depth: distance - self.clearance_m + cosine * even + sine * odd,
-            rate: radial + slope * turning,
+            rate: radial + slope * (around / distance - crank.speed),
             radial,
+            around,
             slope,
         }
     }
 
-    /// F_cy, F_cz, T_f.
-    fn bearing(&self, t: f64, s: &State, crank: &Crank, latched: f64) -> (f64, f64, f64) {
-        let place = self.journal(s, crank);
+    /// What the bearing does, contacts at its nodes having begun at speeds of their own.
+    fn bearing(&self, t: f64, s: &State, crank: &Crank, latched: &[f64; NODES]) -> Reaction {
+        let mut sum = Reaction::default();
+        for (&(at, share), latched) in self.tilt.nodes.iter().zip(latched) {
+            let (force_y, force_z, torque) = self.contact(t, &self.journal(at, s, crank), crank, *latched);
+            sum.force_y += share * force_y;
+            sum.force_z += share * force_z;
+            sum.torque += share * torque;
+            sum.moment_y += share * force_y * at;
+            sum.moment_z += share * force_z * at;
+        }
+        sum
+    }
+
+    /// F_cy, F_cz, T_f of a bearing that is as one place of it all along.
+    fn contact(&self, t: f64, place: &Place, crank: &Crank, latched: f64) -> (f64, f64, f64) {
         let (ny, nz) = place.normal;
-        let squeeze = self.film(&place);
+        let squeeze = self.film(place);
         let film = (-squeeze * ny, -squeeze * nz);
         let (depth, speed) = (place.depth, crank.speed);
         if depth <= 0.0 {
@@ -180,7 +213,7 @@ impl Plant {
         let rate = place.rate;
         let normal = stiffness * depth.powf(1.5) * (1.0 + self.damping_factor * rate / latched.max(1e-3));
         let normal = normal.max(0.0);
-        let slide = speed * self.journal_radius_m + nz * s[2] - ny * s[3];
+        let slide = speed * self.journal_radius_m - place.around;
         let sign = 1.0 - 2.0 / (1.0 + (2.0 * slide / 1e-3).exp());
         let added = &self.added;
         let mut coefficient = self.friction * (0.14 + 0.08 * (-slide.abs() / 0.02).exp());
@@ -229,18 +262,18 @@ impl Plant {
     }
 
     /// Derivative and everything a row needs.
-    pub(super) fn derivative(&self, t: f64, s: &State, latched: f64) -> (State, Row) {
+    pub(super) fn derivative(&self, t: f64, s: &State, latched: &[f64; NODES]) -> (State, Row) {
         let crank = self.crank(t, s);
         let (Crank { sine, cosine, speed, .. }, (x, v, a)) = (&crank, crank.cylinder);
         let measured = self.load(t);
         let lever = self.drive_lever_m * cosine;
-        let (fy, fz, bearing_torque) = self.bearing(t, s, &crank, latched);
-        let torque = bearing_torque + wave(self.added.position_ripple, sine.asin());
+        let bearing = self.bearing(t, s, &crank, latched);
+        let torque = bearing.torque + wave(self.added.position_ripple, sine.asin());
         let (cosine_n, sine_n, frequency_hz) = self.added.load_ripple;
         // The load crank: on a shaft that twists it has an angle of its own.
         let (load_cosine, load_speed) =
             if self.shaft.is_some() { (s[6].cos(), s[7]) } else { (*cosine, *speed) };
-        let pin = s[2] + self.load_lever_m * load_cosine * load_speed;
+        let pin = s[2] + self.tilt.load_plane_m * s[10] + self.load_lever_m * load_cosine * load_speed;
         let load = measured + wave((cosine_n, sine_n, 1.0 / frequency_hz), t)
             - self.added.seal_n * (pin / 1e-3).tanh();
         let at_load = load * self.load_lever_m * load_cosine;
@@ -252,24 +285,45 @@ impl Plant {
             }
         };
         let extra = self.third_harmonic_n * (3.0 * TAU * t).sin();
-        let vertical = (fz + extra) / self.mass - GRAVITY;
-        let (fork, lateral, angular) = if matches!(self.drive, Drive::Rigid) {
-            let reduced = inertia / (lever * lever);
+        let vertical = (bearing.force_z + extra) / self.mass - GRAVITY;
+        let (tilt, lateral) = (&self.tilt, load + bearing.force_y);
+        let moment_y = load * tilt.load_plane_m + bearing.moment_y + tilt.upright(s[8], s[10]);
+        let moment_z = bearing.moment_z + tilt.upright(s[9], s[11]);
+        let plane = tilt.drive_plane_m;
+        let fork = if matches!(self.drive, Drive::Rigid) {
+            // The force that keeps the crank pin in the fork.
             let given = a + self.drive_lever_m * sine * speed * speed;
-            let lateral = (reduced * given + load + fy - (through + torque) / lever) / (self.mass + reduced);
-            (self.mass * lateral - load - fy, lateral, 0.0)
+            let free =
+                lateral / self.mass + plane * moment_y / tilt.inertia + lever * (through + torque) / inertia;
+            let yields = 1.0 / self.mass + plane * plane / tilt.inertia + lever * lever / inertia;
+            (given - free) / yields
         } else {
-            let fork = self.fork(x - s[0] - self.drive_lever_m * sine, v - s[2] - lever * speed);
-            (fork, (fork + load + fy) / self.mass, (fork * lever + through + torque) / inertia)
+            let gap = x - s[0] - plane * s[8] - self.drive_lever_m * sine;
+            self.fork(gap, v - s[2] - plane * s[10] - lever * speed)
         };
         let (x, v, _) = self.drive(t);
-        let outputs = [sine.asin(), *speed, s[0], s[1], fy, fz, bearing_torque, fork];
+        let outputs =
+            [sine.asin(), *speed, s[0], s[1], bearing.force_y, bearing.force_z, bearing.torque, fork];
         let row = Row { drive: (x, v), load: measured, outputs };
-        ([s[2], s[3], lateral, vertical, *speed, angular, s[7], load_angular], row)
+        let derivative = [
+            s[2],
+            s[3],
+            (fork + lateral) / self.mass,
+            vertical,
+            *speed,
+            (fork * lever + through + torque) / inertia,
+            s[7],
+            load_angular,
+            s[10],
+            s[11],
+            (fork * plane + moment_y) / tilt.inertia,
+            moment_z / tilt.inertia,
+        ];
+        (derivative, row)
     }
 
     /// Everything that a log may show of a state.
-    pub(super) fn row(&self, t: f64, s: &State, latched: f64) -> Row {
+    pub(super) fn row(&self, t: f64, s: &State, latched: &[f64; NODES]) -> Row {
         self.derivative(t, s, latched).1
     }
 }

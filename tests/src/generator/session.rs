@@ -24,15 +24,26 @@ pub enum Plant {
     Linear,
     /// Transmission bench B.
     Bench,
+    /// The same with a shaft that may tilt in its bearing.
+    TwoPlane,
 }
 
 impl Plant {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Rotary, Self::Linear, Self::Bench, Self::TwoPlane];
+
+    /// Whether it is a transmission bench, and no single axis.
+    pub const fn is_transmission(self) -> bool {
+        matches!(self, Self::Bench | Self::TwoPlane)
+    }
+
     /// Its name in the figures.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rotary => "rotary",
             Self::Linear => "linear",
             Self::Bench => "bench",
+            Self::TwoPlane => "two-plane",
         }
     }
 
@@ -42,6 +53,7 @@ impl Plant {
             Self::Rotary => include_str!("rotary.toml"),
             Self::Linear => include_str!("linear.toml"),
             Self::Bench => include_str!("transmission.toml"),
+            Self::TwoPlane => concat!(include_str!("transmission.toml"), include_str!("two-plane.toml")),
         }
     }
 
@@ -50,7 +62,7 @@ impl Plant {
         match self {
             Self::Rotary => &[0.2, 0.2, 0.5, 3e-4],
             Self::Linear => &[2.0, 0.6, 3.0, 6e-4, 6e-4],
-            Self::Bench => &[0.9e-3, 1.08e-3, 3.0, 3.0, 10e-6, 2.5e9, 0.03],
+            Self::Bench | Self::TwoPlane => &[0.9e-3, 1.08e-3, 3.0, 3.0, 10e-6, 2.5e9, 0.03],
         }
     }
 
@@ -59,7 +71,7 @@ impl Plant {
     pub const fn landing_s(self) -> f64 {
         match self {
             Self::Rotary | Self::Linear => 0.0,
-            Self::Bench => 0.06,
+            Self::Bench | Self::TwoPlane => 0.06,
         }
     }
 
@@ -68,7 +80,7 @@ impl Plant {
         match self {
             Self::Rotary => &["drive_torque_nm", "friction_torque_nm"],
             Self::Linear => &["drive_force_n"],
-            Self::Bench => planar::OUTPUTS,
+            Self::Bench | Self::TwoPlane => planar::OUTPUTS,
         }
     }
 }
@@ -121,7 +133,7 @@ impl Session {
     /// Draws a session: uncertain numbers off by up to `spread` deviations, either way alike.
     pub fn draw(plant: Plant, spread: f64, point: Point, noise: &mut Noise) -> Self {
         let off = plant.deviations().iter().map(|_| spread * (2.0 * noise.uniform() - 1.0)).collect();
-        let bench = plant == Plant::Bench;
+        let bench = plant.is_transmission();
         let conditions = Conditions::default();
         let rate_hz = if bench { 1000.0 } else { conditions.axis_rate_hz() };
         let start_s = if bench { 0.0 } else { (noise.uniform() * 1e4).round() / 10.0 };
@@ -148,7 +160,7 @@ impl Session {
 
     /// The same under hard conditions.
     pub fn hard(mut self) -> Self {
-        if self.plant != Plant::Bench {
+        if !self.plant.is_transmission() {
             self.conditions = Conditions::Hard;
             self.point.course = self.conditions.course();
             self.logger.rate_hz = self.conditions.axis_rate_hz();
@@ -163,7 +175,7 @@ impl Session {
 
     /// Length of the log in s.
     pub fn length_s(&self) -> f64 {
-        let cycle_s = if self.plant == Plant::Bench { 1.0 } else { CYCLE_S };
+        let cycle_s = if self.plant.is_transmission() { 1.0 } else { CYCLE_S };
         let cycles = match self.point.course {
             Course::Described { rest, .. } if rest > 0.0 => self.cycles * (1.0 + 2.0 * rest),
             // Turns of a rising frequency.
@@ -184,7 +196,9 @@ impl Session {
         let point = self.point;
         let sign_width_m_s = self.conditions.sign_width_m_s(self.plant);
         let (axis, amplitude, load_n) = match self.plant {
-            Plant::Bench => return planar::signals(self, &(0..7).map(by).collect::<Vec<_>>(), hidden),
+            Plant::Bench | Plant::TwoPlane => {
+                return planar::signals(self, &(0..7).map(by).collect::<Vec<_>>(), hidden);
+            }
             Plant::Rotary => {
                 let axis = RealAxis {
                     rotary: true,

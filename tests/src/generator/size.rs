@@ -8,7 +8,7 @@
 
 use super::hidden::HiddenEffect;
 use super::planar;
-use super::session::{Plant, Session};
+use super::session::Session;
 
 /// Deviations that calibration may move a number by. Farther out it is a finding.
 pub const MOST_DEVIATIONS: f64 = 4.0;
@@ -43,7 +43,7 @@ impl<'a> Scale<'a> {
             stacked(session, &off, &[])
         };
         let moved = |i: usize| {
-            let (ahead, behind, span) = if session.plant == Plant::Bench {
+            let (ahead, behind, span) = if session.plant.is_transmission() {
                 (by(i, 0.5 * STEP), by(i, -0.5 * STEP), STEP)
             } else {
                 (by(i, STEP), base.clone(), STEP)
@@ -107,7 +107,7 @@ impl<'a> Scale<'a> {
     /// numbers shift the instant, which no sum of small answers can imitate, but a calibrated bench can. There calibration is carried out, in some steps.
     pub fn apart(&self, hidden: &[HiddenEffect], named: &[HiddenEffect]) -> f64 {
         let added = self.added(hidden);
-        if self.session.plant != Plant::Bench {
+        if !self.session.plant.is_transmission() {
             let named: Vec<_> = named.iter().map(|n| self.added(std::slice::from_ref(n))).collect();
             return rms(&self.left(&added, &named));
         }

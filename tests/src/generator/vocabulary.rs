@@ -1,7 +1,5 @@
 //! How each effect of the vocabulary is drawn: sign, phase and shape at random within what its documented parameters allow, its
 //! magnitude free, to be scaled to a wanted size.
-//!
-//! An effect that no plant here shows is `misalignment`: it needs the bearing in two planes.
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
@@ -37,6 +35,7 @@ pub fn size_parameters(effect: &str) -> &'static [&'static str] {
         "clearance-wear" => &["clearance_increase_m"],
         "restitution" => &["restitution_change"],
         "journal-out-of-round" => &["cosine_m", "sine_m"],
+        "misalignment" => &["slope_y_rad", "slope_z_rad"],
         "inertia-mismatch" => &["inertia_change", "relative_change"],
         "shaft-flexibility" => &["compliance_rad_nm"],
         "stribeck-friction" => &["effort_rise", "coefficient_rise"],
@@ -88,6 +87,7 @@ pub fn effects(plant: Plant) -> Vec<&'static str> {
         Plant::Rotary => [&ROTARY[..], &SENSOR].concat(),
         Plant::Linear => [&ROTARY[..], &["load-ripple"], &SENSOR].concat(),
         Plant::Bench => [super::bench_vocabulary::EFFECTS, &SENSOR].concat(),
+        Plant::TwoPlane => [super::bench_vocabulary::TILTING, &SENSOR].concat(),
     }
 }
 
@@ -106,7 +106,7 @@ pub fn draw(effect: &str, session: &Session, base: &[Vec<f64>], noise: &mut Nois
         let which = ((noise.uniform() * outputs.len() as f64) as usize).min(outputs.len() - 1);
         return Some(sensor(effect, session, outputs[which], &base[which], sign));
     }
-    if session.plant == Plant::Bench {
+    if session.plant.is_transmission() {
         return super::bench_vocabulary::draw(effect, sign, phase, noise);
     }
     Some(of_axis(effect, session, sign, phase, noise))

@@ -94,7 +94,7 @@ pub struct Campaign {
     pub sizes: Vec<f64>,
     /// Arms.
     pub arms: Vec<Arm>,
-    /// Whether the transmission bench, a cell of which costs fifty times as much, shows only what no axis can, one effect at a time.
+    /// Whether the transmission benches, a cell of which costs fifty times as much, show only what no plant before them can, one effect at a time.
     #[serde(default, skip_serializing_if = "no")]
     pub bench_alone: bool,
 }
@@ -123,7 +123,7 @@ impl Campaign {
             seeds: 1,
             bench_seeds: 1,
             skipped_seeds: 0,
-            plants: vec![Plant::Rotary, Plant::Linear, Plant::Bench],
+            plants: Plant::ALL.to_vec(),
             sizes: vec![1.0],
             arms: Arm::ALL.to_vec(),
             bench_alone: true,
@@ -132,7 +132,7 @@ impl Campaign {
 
     /// Whether of a plant only what no other one shows is asked for.
     fn is_alone(&self, plant: Plant) -> bool {
-        self.bench_alone && plant == Plant::Bench
+        self.bench_alone && plant.is_transmission()
     }
 
     /// The cells, seed by seed and shuffled within one, so that a campaign that is cut short is a fair sample.
@@ -140,7 +140,7 @@ impl Campaign {
         let mut cells = Vec::new();
         for seed in 1..=self.seeds.max(self.bench_seeds) {
             for &plant in &self.plants {
-                let seeds = if plant == Plant::Bench { self.bench_seeds } else { self.seeds };
+                let seeds = if plant.is_transmission() { self.bench_seeds } else { self.seeds };
                 let is_asked = |arm: &&Arm| seed <= seeds && (**arm == Arm::Single || !self.is_alone(plant));
                 for &arm in self.arms.iter().filter(is_asked) {
                     self.arm(&mut cells, arm, plant, self.skipped_seeds + seed);
@@ -159,8 +159,9 @@ impl Campaign {
         };
         let mut all = effects(plant);
         if self.is_alone(plant) {
-            let on_axes = [effects(Plant::Rotary), effects(Plant::Linear)].concat();
-            all.retain(|effect| !on_axes.contains(effect));
+            let cheaper = Plant::ALL.into_iter().take_while(|p| *p != plant).flat_map(effects);
+            let shown: Vec<&str> = cheaper.collect();
+            all.retain(|effect| !shown.contains(effect));
         }
         match arm {
             Arm::Clean => (0..CLEAN).for_each(|variant| add(&[], &[], variant)),
@@ -187,13 +188,13 @@ impl Campaign {
                 }
             }
             Arm::Hard => {
-                if plant != Plant::Bench {
+                if !plant.is_transmission() {
                     (0..CLEAN_HARD).for_each(|variant| add(&[], &[], variant));
                     all.iter().for_each(|effect| add(&[effect], &[CLEAR], 0));
                 }
             }
             Arm::Changed => {
-                if plant != Plant::Bench {
+                if !plant.is_transmission() {
                     (0..super::changed::CHANGES.len()).for_each(|variant| {
                         let effect =
                             ["viscous-friction", "sensor-delay", "coulomb-asymmetry", "position-ripple"]
@@ -214,14 +215,14 @@ mod tests {
 
     #[test]
     fn what_a_description_declares_is_what_the_generator_reads_with() {
-        for plant in [Plant::Rotary, Plant::Linear, Plant::Bench] {
+        for plant in Plant::ALL {
             for conditions in [Conditions::Usual, Conditions::Hard] {
                 let bench = Bench::parse("bench", conditions.description(plant)).unwrap();
                 for reading in conditions.sensors(plant) {
                     // What drives the transmission bench is read without an error worth declaring.
                     let Some((_, sensor)) = bench.sensors().iter().find(|(c, _)| c.name() == reading.channel)
                     else {
-                        assert!(plant == Plant::Bench && !plant.outputs().contains(&reading.channel));
+                        assert!(plant.is_transmission() && !plant.outputs().contains(&reading.channel));
                         continue;
                     };
                     assert_eq!((sensor.noise, sensor.resolution), (reading.noise, reading.resolution));
@@ -242,17 +243,14 @@ mod tests {
     fn the_quick_campaign_hides_every_effect_and_each_on_the_cheapest_plant() {
         let cells = Campaign::quick().cells();
         let alone: Vec<&Cell> = cells.iter().filter(|c| c.arm == Arm::Single).collect();
-        for kind in bench::effects::CATALOGUE.iter().filter(|k| k.name != "misalignment") {
+        for kind in bench::effects::CATALOGUE {
             let plants: Vec<Plant> =
                 alone.iter().filter(|c| c.effects == [kind.name]).map(|c| c.plant).collect();
-            let on_bench = plants.contains(&Plant::Bench);
-            assert!(
-                !plants.is_empty() && (!on_bench || plants == [Plant::Bench]),
-                "{}: {plants:?}",
-                kind.name
-            );
+            let on_bench = plants.iter().any(|p| p.is_transmission());
+            assert!(!plants.is_empty() && (!on_bench || plants.len() == 1), "{}: {plants:?}", kind.name);
         }
-        assert!(cells.iter().all(|c| c.plant != Plant::Bench || c.arm == Arm::Single));
-        assert_eq!(cells.iter().filter(|c| c.plant == Plant::Bench).count(), 10);
+        assert!(cells.iter().all(|c| !c.plant.is_transmission() || c.arm == Arm::Single));
+        let on = |plant| cells.iter().filter(|c| c.plant == plant).count();
+        assert_eq!((on(Plant::Bench), on(Plant::TwoPlane)), (10, 1));
     }
 }

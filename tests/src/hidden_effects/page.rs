@@ -3,7 +3,6 @@
 use super::cell::Campaign;
 use super::goals::Goal;
 use super::score::{Figures, Shares};
-use crate::generator::session::Plant;
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Hidden effects: what the diagnosis finds
@@ -76,7 +75,11 @@ fn mark(goal: &Goal) -> &'static str {
 /// The name of the page and of its golden figures: the transmission bench by itself has its own.
 pub fn stem(figures: &Figures) -> &'static str {
     let plants = figures.campaign.as_ref().map(|c| c.plants.as_slice());
-    if plants == Some(&[Plant::Bench]) { "hidden-effects-bench" } else { "hidden-effects" }
+    if plants.is_some_and(|plants| plants.iter().all(|p| p.is_transmission())) {
+        "hidden-effects-bench"
+    } else {
+        "hidden-effects"
+    }
 }
 
 /// The goals beside what was found, as text.

@@ -7,7 +7,7 @@ use super::{CampaignError, changed, pairs};
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::motion::Course;
 use crate::generator::noise::Noise;
-use crate::generator::session::{Plant, Point, Session};
+use crate::generator::session::{Point, Session};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::draw;
 use bench::effects::CATALOGUE;
@@ -80,9 +80,9 @@ pub(super) fn hide(
 fn clean(cell: &Cell, noise: &mut Noise) -> Session {
     let any = |noise: &mut Noise, choices: &[f64]| choices[(noise.uniform() * choices.len() as f64) as usize];
     let point = Point {
-        speed: if cell.plant == Plant::Bench { 1.0 } else { any(noise, &[0.7, 1.0, 1.3]) },
+        speed: if cell.plant.is_transmission() { 1.0 } else { any(noise, &[0.7, 1.0, 1.3]) },
         load: any(noise, &[0.3, 0.6, 1.0]),
-        stroke: if cell.plant == Plant::Bench { 1.0 } else { any(noise, &[0.6, 1.0]) },
+        stroke: if cell.plant.is_transmission() { 1.0 } else { any(noise, &[0.6, 1.0]) },
         course: if noise.uniform() < 0.2 { Course::Plain } else { Course::Swing },
         ..Point::default()
     };

@@ -6,6 +6,7 @@
 //! supports follows its bearing: without `support_stiffness_nm_rad` the slope leaves no trace in the log.
 //! In a log: journal and bearing force as if the clearance were smaller and the contact softer, by the square of the slope
 //! where the load passes the middle of the bearing.
+//! Where drive and load act in the bearing's middle, a slope and its opposite are the same; cranks beside it tilt the shaft themselves and tell them apart.
 //! Confounded with clearance and contact stiffness.
 
 use super::kind::{EffectKind, EffectParameter, Guess, Plant};
