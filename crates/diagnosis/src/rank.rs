@@ -263,8 +263,9 @@ impl<'a> Origin<'a> {
             finer.unwrap_or(coarse)
         });
         let Some((size, straight)) = near else { return Ok((self.z.clone(), f64::INFINITY)) };
-        // Of what is even in its two sizes, as a tilt, a score does not say how they go together.
-        let turned = TURNS_RAD.iter().filter(|_| count == 2).filter_map(|&turn| at(size, turn));
+        // Of what is even in its two sizes, as a tilt, a score does not say how they go together; of a ripple it does.
+        let turns = count == 2 && score.candidate.guess.is_none();
+        let turned = TURNS_RAD.iter().filter(|_| turns).filter_map(|&turn| at(size, turn));
         let turned = turned.min_by(|a, b| a.2.total_cmp(&b.2));
         let which: Vec<usize> = added.clone().collect();
         let near = |z: &[f64], simulation: &Simulation| -> Result<Vec<Vec<f64>>, RespondError> {
@@ -273,7 +274,7 @@ impl<'a> Origin<'a> {
         };
         let glance = |(z, simulation, _): (Vec<f64>, Simulation, f64)| -> Result<Fit, RespondError> {
             let jacobian = near(&z, &simulation)?;
-            if count < 2 {
+            if !turns {
                 return fit_from(self.data, self.noise, model.clone(), z, Some(jacobian), Effort::GLANCE);
             }
             // Alone first: what is declared would bend to the direction that is not yet right.

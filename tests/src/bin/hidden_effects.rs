@@ -67,7 +67,7 @@ struct Cli {
     /// The part that runs with every change, whatever the other options say.
     #[arg(long)]
     quick: bool,
-    /// Write tests/golden/hidden-effects.json and docs/hidden-effects.md, of transmission benches alone hidden-effects-bench;
+    /// Write tests/golden/hidden-effects.json and docs/hidden-effects.md, of bench or two-plane alone hidden-effects-bench and hidden-effects-two-plane;
     /// with --quick its own golden figures.
     #[arg(long)]
     bless: bool,

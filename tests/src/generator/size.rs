@@ -217,7 +217,7 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::generator::noise::Noise;
-    use crate::generator::session::Point;
+    use crate::generator::session::{Plant, Point};
 
     fn session() -> Session {
         Session::draw(Plant::Linear, 0.8, Point::default(), &mut Noise::new(7))

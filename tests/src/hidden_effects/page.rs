@@ -3,6 +3,7 @@
 use super::cell::Campaign;
 use super::goals::Goal;
 use super::score::{Figures, Shares};
+use crate::generator::session::Plant;
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Hidden effects: what the diagnosis finds
@@ -10,7 +11,8 @@ const HEAD: &str = "# Hidden effects: what the diagnosis finds
 Logs come from generators that share no code with the engine (`tests/src/generator`), hide an effect of the vocabulary or none, and
 the engine answers from the log alone; labels are sealed until it has. This page is written by
 `cargo xtask hidden-effects --bless` from its golden figures under `tests/golden`, which are those of the run named below. The axes have the page
-`hidden-effects.md`, the transmission bench, a cell of which costs fifty times as much, `hidden-effects-bench.md`.
+`hidden-effects.md`, the transmission bench, a cell of which costs fifty times as much, `hidden-effects-bench.md`, and the same with a shaft that may
+tilt in its bearing, a hundred times as much, `hidden-effects-two-plane.md`.
 
 Size is the rms of the part of the effect that calibration cannot absorb over the rms of the noise floor, over all samples of all
 channels, each in units of its own noise; calibration may move what is declared uncertain by four declared deviations. A share counts the
@@ -20,7 +22,7 @@ beside them; of a size with several parameters (the two parts of a phase) the er
 and realised gain are compared in every cell of size .5 and more with a cause and a predicted gain, right or wrong.
 
 Plants: `rotary`, a friction rig with drive torque and friction torque; `linear`, a cylinder of which only the force is
-measured; `bench`, transmission bench B. `misalignment` needs the bearing in two planes and is not among the cells.
+measured; `bench`, transmission bench B; `two-plane`, the same with a shaft that may tilt, the only one that shows `misalignment`.
 
 Hard conditions, on the axes: strokes with rests in place of a swing, a sign of friction 1 mm/s wide in place of 6 and 12, 200 samples a
 second in place of 250, efforts read to half of their noise in place of a tenth, the load five times as noisy on `linear`.
@@ -72,13 +74,12 @@ fn mark(goal: &Goal) -> &'static str {
     }
 }
 
-/// The name of the page and of its golden figures: the transmission bench by itself has its own.
+/// The name of the page and of its golden figures: each transmission bench by itself has its own.
 pub fn stem(figures: &Figures) -> &'static str {
-    let plants = figures.campaign.as_ref().map(|c| c.plants.as_slice());
-    if plants.is_some_and(|plants| plants.iter().all(|p| p.is_transmission())) {
-        "hidden-effects-bench"
-    } else {
-        "hidden-effects"
+    match figures.campaign.as_ref().map(|c| c.plants.as_slice()) {
+        Some([Plant::Bench]) => "hidden-effects-bench",
+        Some([Plant::TwoPlane]) => "hidden-effects-two-plane",
+        _ => "hidden-effects",
     }
 }
 
