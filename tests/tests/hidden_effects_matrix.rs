@@ -1,7 +1,7 @@
-//! The quick matrix: every effect hidden once, those that no axis shows on the transmission bench; clean logs, deleted causes, two effects, pairs, changed questions on the axes.
+//! The quick matrix: every effect hidden once, those that no axis shows on a transmission bench; clean logs, deleted causes, two effects, pairs, changed questions on the axes.
 //!
 //! Its figures must not miss a goal by more than those that are checked in (`tests/golden/hidden-effects-quick.json`, written by
-//! `cargo xtask hidden-effects --quick --bless`). The full matrix is a campaign of its own: `docs/hidden-effects.md`, and `docs/hidden-effects-bench.md`.
+//! `cargo xtask hidden-effects --quick --bless`). The full matrix is a campaign of its own: `docs/hidden-effects*.md`.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use rayon::prelude::*;
@@ -22,6 +22,7 @@ fn the_quick_matrix_is_no_worse_than_its_golden_figures() {
     eprint!("{}", summary(&found));
     let worse = found.worse_than(&golden);
     assert!(worse.is_empty(), "{worse:#?}");
+    assert!(found.out_of_reach.is_empty(), "not hidden: {:?}", found.out_of_reach);
 }
 
 #[test]
@@ -31,6 +32,10 @@ fn the_published_pages_show_the_golden_figures() {
         (
             include_str!("../golden/hidden-effects-bench.json"),
             include_str!("../../docs/hidden-effects-bench.md"),
+        ),
+        (
+            include_str!("../golden/hidden-effects-two-plane.json"),
+            include_str!("../../docs/hidden-effects-two-plane.md"),
         ),
     ];
     for (golden, published) in pages {

@@ -14,6 +14,7 @@
 //! A size that a guess gave has no prior; its own step stands for one. Linear at the optimum: a valley that bends is only
 //! seen where it starts.
 
+use crate::digits::four_digits;
 use crate::fit::simulate;
 use crate::linear::{dot, factor};
 use crate::nuisance::Nuisance;
@@ -61,7 +62,7 @@ pub(crate) fn identifiability(data: &Data, end: &End) -> Vec<Identifiability> {
     }
     for (i, p) in parameters.iter().enumerate() {
         if let Some(bound) = p.bound_at(end.z.get(i).copied().unwrap_or_default()) {
-            let words = format!("{} ended at the bound {bound:.4e} of its range", names[i]);
+            let words = format!("{} ended at the bound {} of its range", names[i], four_digits(bound));
             say("at-bound", &[i], bound, words);
         }
     }

@@ -24,6 +24,7 @@ mod calibration;
 mod check;
 mod contend;
 mod cycles;
+mod digits;
 mod experiment;
 mod fit;
 mod gain;
@@ -53,6 +54,7 @@ mod verdict;
 
 pub use calibration::{Calibrated, SessionNuisance};
 pub use check::{Finding, Severity};
+pub use digits::four_digits;
 pub use places::{Place, PlaceBin};
 pub use result::{
     Ambiguous, Cause, Diagnosis, Experiment, Gain, Hypothesis, Identifiability, Member, Noise,

@@ -8,6 +8,7 @@
 //! both at 1. They are taken from the best model at hand, not from the nominal one: noise that is fitted on the suspect
 //! residual eats slow effects completely.
 
+use crate::digits::four_digits;
 use crate::repeats::{Repeats, repeats};
 use crate::session::{Columns, Data, Use};
 use bench::{Bench, Channel, white_noise};
@@ -81,9 +82,9 @@ impl ChannelNoise {
             _ => "what neighbouring samples show",
         };
         Some(format!(
-            "noise of {channel} is declared as {:.3e} {unit}; {how} is {:.3e} {unit}",
-            self.stated,
-            self.seen,
+            "noise of {channel} is declared as {} {unit}; {how} is {} {unit}",
+            four_digits(self.stated),
+            four_digits(self.seen),
             unit = channel.unit()
         ))
     }

@@ -9,6 +9,7 @@
 //! no friction follows it.
 
 use crate::check::{Finding, Severity};
+use crate::digits::four_digits;
 use crate::fit::{Fit, Simulation, fit, simulate};
 use crate::model::{MOST_DEVIATIONS, Model};
 use crate::noise::NoiseModel;
@@ -175,9 +176,9 @@ pub(crate) fn at_bounds(
         let nuisance = p.nuisance().filter(|_| z.abs() >= MOST_DEVIATIONS - ON_BOUND)?;
         let source = data.sessions.get(nuisance.session)?.source.as_str();
         let found = format!(
-            "{} ends at {:.3e} {}, {MOST_DEVIATIONS:.0} of its declared standard deviations",
+            "{} ends at {} {}, {MOST_DEVIATIONS:.0} of its declared standard deviations",
             nuisance.field(),
-            p.value(z),
+            four_digits(p.value(z)),
             p.unit
         );
         let channel = nuisance.channel().map_or("t_s", Channel::name);

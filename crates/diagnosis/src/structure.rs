@@ -1,5 +1,6 @@
 //! Where structure sits: the quantity over whose bins the residual's mean varies most.
 
+use crate::digits::{four_digits, stretch};
 use crate::session::{Columns, Data, Session, Use};
 use bench::Channel;
 
@@ -43,11 +44,11 @@ pub(crate) fn describe(data: &Data, residual: &Columns, channel: Channel) -> (&'
     let unit = channel.unit();
     let words = match (low, high) {
         (Some(low), Some(high)) => format!(
-            "varies with {}: mean residual {:+.3e} {unit} at {} and {:+.3e} {unit} at {}",
+            "varies with {}: mean residual {} {unit} at {} and {} {unit} at {}",
             feature.name,
-            high.mean,
+            four_digits(high.mean),
             high.words(feature.name),
-            low.mean,
+            four_digits(low.mean),
             low.words(feature.name),
         ),
         _ => String::new(),
@@ -67,7 +68,7 @@ impl Bin {
         match feature {
             "direction" if self.to > 0.0 => "forward motion".into(),
             "direction" => "backward motion".into(),
-            _ => format!("{:.3} to {:.3}", self.from, self.to),
+            _ => stretch(self.from, self.to),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! The pictures of a diagnosis: measured against simulated, where the residual sits, ranking and shares as bars, residuals.
 
-use super::diagnose_words::{channelled, number};
+use super::diagnose_words::channelled;
 use crate::figure::{Chart, Series, Style, lines};
 use crate::page::Page;
 use bench::Channel;
-use diagnosis::{Diagnosis, Series as Residual};
+use diagnosis::{Diagnosis, Series as Residual, four_digits};
 use std::fmt::Write as _;
 
 const WIDE: (u32, u32) = (1040, 300);
@@ -220,7 +220,7 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> String {
             Bar {
                 name: channelled(&r.effect, r.channel),
                 share: share(r.evidence),
-                value: number(r.evidence),
+                value: four_digits(r.evidence),
                 colour,
             }
         })

@@ -1,7 +1,7 @@
 //! The tables of a diagnosis, for the terminal and the page alike.
 
-use super::diagnose_words::{channelled, interval, number, percent, with_unit};
-use diagnosis::{Diagnosis, Finding, Gain};
+use super::diagnose_words::{channelled, interval, percent, with_unit};
+use diagnosis::{Diagnosis, Finding, Gain, four_digits};
 
 /// Share of its declared deviation that a nuisance has to fall below to be told.
 const LEAST_TOLD: f64 = 0.995;
@@ -20,8 +20,8 @@ pub(super) fn causes(diagnosis: &Diagnosis) -> Table {
                 channelled(&cause.effect, cause.channel),
                 format!("{:.1} %", 100.0 * cause.probability),
                 p.name.clone(),
-                with_unit(number(p.value), &p.unit),
-                format!("{} to {}", number(p.ci95[0]), number(p.ci95[1])),
+                with_unit(four_digits(p.value), &p.unit),
+                format!("{} to {}", four_digits(p.ci95[0]), four_digits(p.ci95[1])),
             ]
         })
     });
@@ -33,9 +33,9 @@ pub(super) fn gains(diagnosis: &Diagnosis) -> Table {
     let row = |gain: &Gain| {
         vec![
             gain.channel.name().into(),
-            number(gain.baseline_rms),
-            number(gain.extended_rms),
-            number(gain.noise_rms),
+            four_digits(gain.baseline_rms),
+            four_digits(gain.extended_rms),
+            four_digits(gain.noise_rms),
             percent(gain.explained_share),
             interval(gain.explained_share_ci95),
         ]
@@ -74,10 +74,10 @@ pub(super) fn calibrated(diagnosis: &Diagnosis) -> Table {
     let row = |c: &diagnosis::Calibrated| {
         vec![
             c.name.clone(),
-            number(c.described),
-            number(c.declared_deviation),
-            number(c.value),
-            number(c.deviation),
+            four_digits(c.described),
+            four_digits(c.declared_deviation),
+            four_digits(c.value),
+            four_digits(c.deviation),
         ]
     };
     Table {
@@ -97,9 +97,9 @@ pub(super) fn nuisances(diagnosis: &Diagnosis) -> Table {
             short.into(),
             n.name.into(),
             n.channel.map_or("-", bench::Channel::name).into(),
-            with_unit(number(n.value), &n.unit),
-            number(n.deviation),
-            number(n.declared_deviation),
+            with_unit(four_digits(n.value), &n.unit),
+            four_digits(n.deviation),
+            four_digits(n.declared_deviation),
             format!("{:+.1}", n.deviations_off),
             told_by.into(),
         ]
@@ -124,9 +124,9 @@ pub(super) fn noise(diagnosis: &Diagnosis) -> Table {
     let row = |n: &diagnosis::Noise| {
         vec![
             n.channel.name().into(),
-            number(n.floor),
+            four_digits(n.floor),
             n.source.into(),
-            number(n.measured_floor),
+            four_digits(n.measured_floor),
             n.repeats.to_string(),
             percent(n.repeatable_share),
             format!("{:.2}", n.excess),

@@ -2,7 +2,7 @@
 
 use bench::Channel;
 use bench::effects::kind;
-use diagnosis::{Cause, Diagnosis, Gain, Refused, Signature, Verdict};
+use diagnosis::{Cause, Diagnosis, Gain, Refused, Signature, Verdict, four_digits};
 
 /// An effect with its channel, if it has one.
 pub(super) fn channelled(effect: &str, channel: Option<Channel>) -> String {
@@ -12,19 +12,6 @@ pub(super) fn channelled(effect: &str, channel: Option<Channel>) -> String {
 /// A number with its unit.
 pub(super) fn with_unit(text: String, unit: &str) -> String {
     if unit == "1" { text } else { format!("{text} {unit}") }
-}
-
-/// Four significant digits.
-pub(super) fn number(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    let exponent = value.abs().log10().floor();
-    if (-3.0..5.0).contains(&exponent) {
-        format!("{value:.*}", (3.0 - exponent).max(0.0) as usize)
-    } else {
-        format!("{value:.3e}")
-    }
 }
 
 /// A share in per cent.
@@ -46,7 +33,7 @@ fn cause_words(cause: &Cause) -> String {
     let parameters: Vec<String> = cause
         .parameters
         .iter()
-        .map(|p| format!("{} = {}", p.name, with_unit(number(p.value), &p.unit)))
+        .map(|p| format!("{} = {}", p.name, with_unit(four_digits(p.value), &p.unit)))
         .collect();
     format!(
         "{} ({}: {})",
@@ -71,9 +58,9 @@ fn gain_words(diagnosis: &Diagnosis) -> String {
         " With that the error of {} on data that was not fitted falls from {} to {} (noise {}), and {:.1} % of what repeats in the \
          error of all channels is explained.",
         best.channel,
-        number(best.baseline_rms),
-        with_unit(number(best.extended_rms), best.channel.unit()),
-        with_unit(number(best.noise_rms), best.channel.unit()),
+        four_digits(best.baseline_rms),
+        with_unit(four_digits(best.extended_rms), best.channel.unit()),
+        with_unit(four_digits(best.noise_rms), best.channel.unit()),
         100.0 * share
     )
 }
@@ -118,7 +105,7 @@ pub(super) fn left_words(left: &Signature) -> String {
         "{} {}; {} rms, {:.1} times the sensor's noise.",
         left.channel,
         left.place,
-        with_unit(number(left.rms), left.channel.unit()),
+        with_unit(four_digits(left.rms), left.channel.unit()),
         left.rms_over_noise
     )
 }

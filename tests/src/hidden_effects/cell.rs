@@ -111,6 +111,11 @@ fn none(skipped: &u64) -> bool {
 const TWO: [[f64; 2]; 2] = [[1.0, 1.0], [1.5, 0.5]];
 /// Size at which a cause is deleted, and of one of a pair.
 const CLEAR: f64 = 1.0;
+/// The least size of an effect: play between stiff faces is never small, for the faces give way to any of it.
+fn least(effect: &str) -> f64 {
+    if effect == "fork-backlash" { 10.0 } else { 0.0 }
+}
+
 /// Clean logs per seed.
 const CLEAN: usize = 10;
 /// The same under hard conditions.
@@ -167,16 +172,19 @@ impl Campaign {
             Arm::Clean => (0..CLEAN).for_each(|variant| add(&[], &[], variant)),
             Arm::Single => {
                 for effect in &all {
-                    self.sizes.iter().filter(|s| **s > 0.0).for_each(|size| add(&[effect], &[*size], 0));
+                    let mut sizes: Vec<f64> = self.sizes.iter().map(|s| s.max(least(effect))).collect();
+                    sizes.dedup();
+                    sizes.iter().filter(|s| **s > 0.0).for_each(|size| add(&[effect], &[*size], 0));
                 }
             }
-            Arm::Deleted => all.iter().for_each(|effect| add(&[effect], &[CLEAR], 0)),
+            Arm::Deleted => all.iter().for_each(|effect| add(&[effect], &[CLEAR.max(least(effect))], 0)),
             Arm::Two => {
                 // Each effect with a partner that moves on by one from seed to seed.
                 for (i, effect) in all.iter().enumerate() {
                     let partner = all[(i + seed as usize) % all.len()];
                     if partner != *effect {
-                        let sizes = TWO[(i + seed as usize / all.len()) % TWO.len()];
+                        let [first, second] = TWO[(i + seed as usize / all.len()) % TWO.len()];
+                        let sizes = [first.max(least(effect)), second.max(least(partner))];
                         add(&[effect, partner], &sizes, 0);
                     }
                 }
@@ -237,6 +245,23 @@ mod tests {
                 assert_eq!(rig.logging.sample_rate_hz, conditions.axis_rate_hz());
             }
         }
+    }
+
+    #[test]
+    fn play_is_asked_for_once_where_all_sizes_are_below_its_least() {
+        let campaign = Campaign { sizes: vec![0.1, 1.0, 5.0, 20.0], ..Campaign::quick() };
+        let cells = campaign.cells();
+        let of = |effect: &str| -> Vec<f64> {
+            let mut sizes: Vec<f64> = cells
+                .iter()
+                .filter(|c| c.arm == Arm::Single && c.plant == Plant::Bench && c.effects == [effect])
+                .flat_map(|c| c.sizes.clone())
+                .collect();
+            sizes.sort_by(f64::total_cmp);
+            sizes
+        };
+        assert_eq!(of("fork-backlash"), [10.0, 20.0]);
+        assert_eq!(of("squeeze-film"), [0.1, 1.0, 5.0, 20.0]);
     }
 
     #[test]

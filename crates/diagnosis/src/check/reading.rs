@@ -3,6 +3,7 @@
 use super::finding::{Finding, Severity};
 use super::keep_rows;
 use super::statistics::{range, scatter};
+use crate::digits::four_digits;
 use bench::log::LogError;
 use bench::{Bench, Channel, MeasuredLog, Role};
 
@@ -112,7 +113,12 @@ pub(super) fn outliers<'a>(
                 *keep = false;
             }
         }
-        let words = format!("{} isolated readings up to {largest:.3e} {} off", found.len(), channel.unit());
+        let words = format!(
+            "{} isolated readings up to {} {} off",
+            found.len(),
+            four_digits(largest),
+            channel.unit()
+        );
         findings.push(
             Finding::new(Severity::Doubtful, &log.source, channel.name(), "outliers", words)
                 .cause("external interference, or a loose contact")
@@ -271,7 +277,7 @@ pub(super) fn steps(bench: &Bench, log: &MeasuredLog, findings: &mut Vec<Finding
                 &log.source,
                 channel.name(),
                 "quantised",
-                format!("readings come in steps of {step:.3e} {}", channel.unit()),
+                format!("readings come in steps of {} {}", four_digits(step), channel.unit()),
             )
             .cause("the converter's resolution, or too few digits in the file")
             .evidence("step", step)
