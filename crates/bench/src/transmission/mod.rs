@@ -267,3 +267,29 @@ impl Transmission {
         .closed()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Bench;
+    use crate::effects::Effect;
+
+    #[test]
+    fn friction_s_memory_begins_with_the_age_that_the_first_speed_leaves() {
+        let mut bench = Bench::open("bench-b").unwrap();
+        let parameters = [("excess", 0.5), ("rest_time_s", 0.1), ("distance_m", 1e-3)]
+            .map(|(name, value)| (name.to_owned(), value));
+        bench.effects_mut().push(Effect {
+            name: "breakaway".into(),
+            channel: None,
+            parameters: parameters.into(),
+        });
+        let Bench::Transmission(bench) = bench.resolved() else { panic!("bench-b is no axis") };
+        let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
+        assert_eq!(plant.initial_state(0.0)[REST], 1.0, "what stands has rested for long");
+        let moving = plant.initial_state(0.25);
+        let sliding_m_s = moving[5].abs() * plant.journal_radius_m;
+        let expected = 1.0 / (1.0 + sliding_m_s * 0.1 / 1e-3);
+        assert!((moving[REST] - expected).abs() < 1e-12 && expected < 0.2, "{} {expected}", moving[REST]);
+    }
+}

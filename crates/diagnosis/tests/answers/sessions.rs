@@ -154,7 +154,7 @@ fn a_session_that_is_farther_off_than_declared_is_a_finding() {
     let finding = d.checks.iter().find(|f| f.kind == "nuisance-at-bound");
     let finding = finding.unwrap_or_else(|| panic!("{:?} {:?} {:?}", d.causes, d.nuisances, d.noise));
     assert_eq!((finding.log.as_str(), finding.channel.as_str()), ("session-1.csv", "drive_force_n"));
-    assert!(finding.found.starts_with("offset ends at 1.600e1 N, 4 of its declared"), "{}", finding.found);
+    assert!(finding.found.starts_with("offset ends at 16.00 N, 4 of its declared"), "{}", finding.found);
 }
 
 /// Friction that loses 2 % a kelvin and settles at some 8 K within 15 s.
