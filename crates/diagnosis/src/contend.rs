@@ -140,3 +140,18 @@ fn polished(data: &Data, noise: &NoiseModel, rough: Vec<Fit>) -> Result<Vec<Fit>
     };
     rough.into_par_iter().map(polish).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rank::tests::{calibrated, plain};
+
+    #[test]
+    fn what_moves_a_stopped_number_races_and_nothing_else_does_for_that() {
+        let (_, noise, base) = calibrated(12.0);
+        assert!(moves_stopped(&base, &noise, &plain("coulomb-level")));
+        assert!(!moves_stopped(&base, &noise, &plain("viscous-friction")));
+        let (_, noise, base) = calibrated(1.0);
+        assert!(!moves_stopped(&base, &noise, &plain("coulomb-level")));
+    }
+}

@@ -252,3 +252,30 @@ fn correlation(data: &Data, residual: &Columns, channel: Channel) -> (f64, f64, 
     }
     ((power / count as f64).sqrt(), time, count as f64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::Split;
+    use bench::record::record;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use statrs::distribution::{ContinuousCDF, Normal};
+
+    #[test]
+    fn what_is_left_out_of_a_diagnosis_has_no_part_in_its_noise() {
+        let bench = Bench::open("friction-rig").unwrap();
+        let mut data = Data::new(&bench, &[record(&bench, 3).unwrap()], &[], Split::Halves).unwrap();
+        let uses = &mut data.sessions[0].uses;
+        let used = uses.len() / 3;
+        uses[used..].fill(Use::Skip);
+        let mut draw = ChaCha8Rng::seed_from_u64(5);
+        let normal = Normal::new(0.0, 1.0).unwrap();
+        let mut value =
+            |i: usize| normal.inverse_cdf(draw.random_range(1e-6..1.0)) * if i < used { 1.0 } else { 100.0 };
+        let count = data.sessions[0].uses.len();
+        let residual: Columns = data.blocks.iter().map(|_| (0..count).map(&mut value).collect()).collect();
+        let found = differences(&data, &residual, data.channels[0]);
+        assert!((found - 1.0).abs() < 0.2, "{found}");
+    }
+}

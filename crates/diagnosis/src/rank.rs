@@ -289,3 +289,46 @@ impl<'a> Origin<'a> {
         Ok((found.z, found.objective))
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::session::Split;
+    use bench::effects::{Effect, kind};
+    use bench::record::record;
+
+    /// An effect of the plant as it stands in the catalogue.
+    pub(crate) fn plain(name: &str) -> Candidate {
+        Candidate { kind: kind(name).unwrap(), channel: None, guess: None }
+    }
+
+    /// A rig with `effort` more dry friction than described, of which calibration may take up four.
+    pub(crate) fn calibrated(effort: f64) -> (Data, NoiseModel, Fit) {
+        let mut bench = Bench::open("friction-rig").unwrap();
+        if let Bench::FrictionRig(rig) = &mut bench {
+            rig.uncertain = [("axis.coulomb_effort".to_owned(), 1.0)].into();
+        }
+        let mut truth = bench.clone();
+        let parameters = [("coulomb_effort".to_owned(), effort)].into();
+        truth.effects_mut().push(Effect { name: "coulomb-level".into(), channel: None, parameters });
+        let data = Data::new(&bench, &[record(&truth, 3).unwrap()], &[], Split::Halves).unwrap();
+        let described = simulate(&data, &bench, None).unwrap();
+        let noise = NoiseModel::floors(&bench, &data, &data.residual(&described.columns));
+        let model = Model::nominal(&bench, &data.channels);
+        let start = vec![0.0; model.parameters.len()];
+        let base = fit(&data, &noise, model, start).unwrap();
+        (data, noise, base)
+    }
+
+    #[test]
+    fn a_number_at_its_bound_takes_up_nothing_of_an_effect() {
+        let (data, noise, base) = calibrated(12.0);
+        assert!(base.stopped().contains(&true), "{:?}", base.z);
+        let [score] = &scores(&data, &noise, &base, &[plain("coulomb-level")]).unwrap()[..] else {
+            panic!("one score")
+        };
+        let refitted = refit(&data, &noise, &base, score).unwrap();
+        let fall = base.objective - refitted.objective;
+        assert!((score.evidence / fall - 1.0).abs() < 0.1, "{} of {fall}", score.evidence);
+    }
+}

@@ -316,27 +316,13 @@ fn main_effect_first(
 mod tests {
     use super::*;
     use crate::fit::simulate;
-    use crate::model::Model;
-    use crate::session::Split;
-    use bench::Bench;
-    use bench::effects::{Effect, kind};
-    use bench::record::record;
+    use crate::rank::tests::{calibrated, plain};
 
     #[test]
     fn a_stage_frees_a_fit_of_its_base_s_model_that_had_stuck_and_no_other() {
-        let bench = Bench::open("friction-rig").unwrap();
-        let mut truth = bench.clone();
-        let parameters = [("coulomb_effort".to_owned(), 40.0)].into();
-        truth.effects_mut().push(Effect { name: "coulomb-level".into(), channel: None, parameters });
-        let data = Data::new(&bench, &[record(&truth, 3).unwrap()], &[], Split::Halves).unwrap();
-        let described = simulate(&data, &bench, None).unwrap();
-        let noise = NoiseModel::floors(&bench, &data, &data.residual(&described.columns));
-        let with = |name| {
-            let model = Model::nominal(&bench, &data.channels);
-            model.with(Candidate { kind: kind(name).unwrap(), channel: None, guess: None }, &noise)
-        };
+        let (data, noise, base) = calibrated(40.0);
         let fitted = |name| {
-            let model = with(name);
+            let model = base.model.with(plain(name), &noise);
             let start = vec![0.0; model.parameters.len()];
             fit(&data, &noise, model, start).unwrap()
         };
