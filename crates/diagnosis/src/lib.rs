@@ -11,8 +11,8 @@
 //!
 //! The steps, one file each: `check` (logs read as found: what cannot be right is named and mended or left out), `session` (logs prepared, samples split into fitted and held out), `nuisance` (what is a session's own), `noise` (level and
 //! correlation of the sensors' noise), `model`, `parameter` and `fit` (parameters, least squares with priors), `guess` and `spectrum` (first guesses of
-//! shapes), `repeats` (what repeats from cycle to cycle), `rank` (score test and refits), `contend` (who is refitted, and how far), `select` (forward selection), `shape` (whether a cause fits everywhere), `leftover` (structure in the last residual), `gain` (held-out error),
-//! `experiment` and `menu` (what to measure next), `probability` (shares of all answers), `spread` (intervals), `identifiability` (what the logs do not tell), `again` (what a second question may add), `standing` (which causes count), `verdict` (the rules).
+//! shapes), `repeats` (what repeats from cycle to cycle), `rank` (score test and refits), `search` (starts far from an effect's absence), `contend` (who is refitted, and how far), `select` (forward selection), `shape` (whether a cause fits everywhere), `leftover` (structure in the last residual), `gain` (held-out error),
+//! `experiment` and `menu` (what to measure next), `probability` (shares of all answers), `spread` (intervals), `identifiability` (what the logs do not tell), `again` (what a second question may add), `standing` (which causes count), `verdict` (the rules), `digits` (numbers in words).
 //!
 //! What this does not protect from: a cause outside the catalogue that a catalogued one imitates on the given
 //! trajectory; inputs (drive, load) that are themselves measured wrongly; a declared uncertainty that is too wide.
@@ -42,6 +42,7 @@ mod probability;
 mod rank;
 mod repeats;
 mod result;
+mod search;
 mod select;
 mod session;
 mod shape;

@@ -4,7 +4,7 @@
 //! (with their priors as pseudo-observations), and gives the fall of chi-square that the effect promises, `g' M^-1 g`
 //! with `M = C'C - (J'C)' A^-1 (J'C)`, `g = C'r - (J'C)' A^-1 (J'r - P z)`, `A = J'J + P`.
 
-use crate::fit::{Effort, Fit, Simulation, fit, fit_from, sensitivities, simulate};
+use crate::fit::{Effort, Fit, fit, fit_from, sensitivities, simulate};
 use crate::guess;
 use crate::linear::{dot, factor, gram, project};
 use crate::model::{Candidate, Model};
@@ -16,7 +16,6 @@ use bench::effects::CATALOGUE;
 use bench::respond::RespondError;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Share of an effect's sensitivity that has to survive the projection.
 const LEAST_SURVIVAL: f64 = 1e-13;
@@ -27,7 +26,7 @@ pub(crate) struct Score {
     /// Promised fall of chi-square.
     pub(crate) evidence: f64,
     /// Promised scaled parameters.
-    estimate: Vec<f64>,
+    pub(crate) estimate: Vec<f64>,
     /// Signature of those: weighted, before the projection.
     signature: Vec<f64>,
     /// `J'` of the signature.
@@ -178,116 +177,6 @@ pub(crate) fn refit(data: &Data, noise: &NoiseModel, base: &Fit, score: &Score) 
     let mut jacobian = base.jacobian.clone();
     jacobian.extend(sensitivities(data, noise, &model, &z, &simulation, &added)?);
     fit_from(data, noise, model, z, Some(jacobian), Effort::GLANCE)
-}
-
-/// Sizes of an effect, in multiples of its scale, that a search tries.
-const SIZES: [f64; 6] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
-
-/// Factors on the best of them that are tried, too: oscillations that are out of step have many a valley.
-const BETWEEN: [f64; 4] = [0.6, 0.8, 1.25, 1.6];
-
-/// Factor on the precision of what is declared, to hold it.
-const HELD: f64 = 1e8;
-/// Turns of two sizes against each other that are tried.
-const TURNS_RAD: [f64; 3] = [FRAC_PI_4, FRAC_PI_2, 3.0 * FRAC_PI_4];
-
-/// A base at its described values on few samples, with its sensitivities there: where searches start.
-pub(crate) struct Origin<'a> {
-    data: &'a Data,
-    noise: &'a NoiseModel,
-    z: Vec<f64>,
-    simulation: Simulation,
-    jacobian: Vec<Vec<f64>>,
-}
-
-impl<'a> Origin<'a> {
-    /// The origin of a base; the effects that it has stay as fitted.
-    pub(crate) fn new(data: &'a Data, noise: &'a NoiseModel, base: &Fit) -> Result<Self, RespondError> {
-        let z: Vec<f64> = base
-            .z
-            .iter()
-            .zip(&base.model.parameters)
-            .map(|(z, p)| if p.is_declared() { 0.0 } else { *z })
-            .collect();
-        let simulation = simulate(data, &base.model.at(&z), None)?;
-        let all: Vec<usize> = (0..z.len()).collect();
-        let jacobian = sensitivities(data, noise, &base.model, &z, &simulation, &all)?;
-        Ok(Self { data, noise, z, simulation, jacobian })
-    }
-
-    /// A glance at a candidate from the size that fits best: scaled parameters and objective.
-    pub(crate) fn search(&self, base: &Fit, score: &Score) -> Result<(Vec<f64>, f64), RespondError> {
-        let model = base.model.with(score.candidate, self.noise);
-        let added = self.z.len()..model.parameters.len();
-        let largest = score.estimate.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
-        let count = score
-            .candidate
-            .kind
-            .parameters(&base.model.at(&base.z).common)
-            .iter()
-            .filter(|p| p.is_size)
-            .count();
-        // Of several sizes the score says how they go together.
-        let direction = |k: usize| match score.estimate.get(k) {
-            Some(b) if count > 1 && largest > 0.0 => b / largest,
-            _ => 1.0,
-        };
-        let at = |size: f64, turned_rad: f64| {
-            let mut z = self.z.clone();
-            z.resize(model.parameters.len(), 0.0);
-            let mut inside = true;
-            for (k, i) in added.clone().enumerate().filter(|(_, i)| model.parameters[*i].is_size()) {
-                let across = if k == 0 { -direction(1) } else { direction(0) };
-                z[i] = size * (turned_rad.cos() * direction(k) + turned_rad.sin() * across);
-                let (least, most) = model.parameters[i].bounds();
-                inside &= (least..=most).contains(&z[i]);
-            }
-            let simulation =
-                simulate(self.data, &model.at(&z), Some(&self.simulation)).ok().filter(|_| inside)?;
-            let residual = self.noise.stack(self.data, &self.data.residual(&simulation.columns));
-            Some((z, simulation, dot(&residual, &residual)))
-        };
-        // A guessed size is no order of magnitude but nearly right.
-        let guessed = score.candidate.guess.filter(|_| score.candidate.guesses_size());
-        let sizes: Vec<f64> = match guessed {
-            Some(guess) => vec![guess.value / guess.step],
-            None => SIZES.iter().flat_map(|s| [*s, -s]).collect(),
-        };
-        let best_of = |sizes: &[f64]| {
-            let tried = sizes.iter().filter_map(|&size| Some((size, at(size, 0.0)?)));
-            tried.min_by(|a, b| a.1.2.total_cmp(&b.1.2))
-        };
-        let near = best_of(&sizes).map(|coarse| {
-            let between: Vec<f64> = BETWEEN.iter().map(|factor| factor * coarse.0).collect();
-            let finer = best_of(&between).filter(|f| f.1.2 < coarse.1.2);
-            finer.unwrap_or(coarse)
-        });
-        let Some((size, straight)) = near else { return Ok((self.z.clone(), f64::INFINITY)) };
-        // Of what is even in its two sizes, as a tilt, a score does not say how they go together; of a ripple it does.
-        let turns = count == 2 && score.candidate.guess.is_none();
-        let turned = TURNS_RAD.iter().filter(|_| turns).filter_map(|&turn| at(size, turn));
-        let turned = turned.min_by(|a, b| a.2.total_cmp(&b.2));
-        let which: Vec<usize> = added.clone().collect();
-        let near = |z: &[f64], simulation: &Simulation| -> Result<Vec<Vec<f64>>, RespondError> {
-            let own = sensitivities(self.data, self.noise, &model, z, simulation, &which)?;
-            Ok(self.jacobian.iter().cloned().chain(own).collect())
-        };
-        let glance = |(z, simulation, _): (Vec<f64>, Simulation, f64)| -> Result<Fit, RespondError> {
-            let jacobian = near(&z, &simulation)?;
-            if !turns {
-                return fit_from(self.data, self.noise, model.clone(), z, Some(jacobian), Effort::GLANCE);
-            }
-            // Alone first: what is declared would bend to the direction that is not yet right.
-            let mut alone = model.clone();
-            alone.parameters.iter_mut().take(self.z.len()).for_each(|p| p.precision *= HELD);
-            let alone = fit_from(self.data, self.noise, alone, z, Some(jacobian), Effort::FAIR)?;
-            fit_from(self.data, self.noise, model.clone(), alone.z, Some(alone.jacobian), Effort::GLANCE)
-        };
-        let straight = glance(straight)?;
-        let turned = turned.map(glance).transpose()?;
-        let found = turned.filter(|t| t.objective < straight.objective).unwrap_or(straight);
-        Ok((found.z, found.objective))
-    }
 }
 
 #[cfg(test)]
