@@ -1,6 +1,6 @@
 //! Benches that are not the engine's: the source of "measured" logs for the tests of the diagnosis.
 //!
-//! [`axis`] is the friction rig and the linear axis, [`planar`] the transmission bench, both written from their equations alone, with
+//! [`axis`] is the friction rig and the linear axis, [`planar`] the transmission bench, whose shaft may tilt (`tilt`), both written from their equations alone, with
 //! other integrators and steps than the engine's; [`session`] puts one to an operating point with nuisances of its own,
 //! [`conditions`] are those under which it is logged,
 //! [`sensing`] makes readings of it, [`hidden`] says what a log hides and [`vocabulary`] draws it, [`size`] measures how large that is.

@@ -1,6 +1,6 @@
 //! The equations of the planar transmission bench for [`super::planar`], with what effects add to them.
 //!
-//! Fork on a crank pin, shaft with journal in a clearance bearing, load on a second crank: see the head of
+//! The shaft may tilt as [`super::tilt`] says; else the bearing is one place. Fork on a crank pin, shaft with journal in a clearance bearing, load on a second crank: see the head of
 //! `bench::transmission` for the drawing. Effects have the meaning that `docs/effects.md` documents.
 
 use super::hidden::{HiddenEffect, total};
