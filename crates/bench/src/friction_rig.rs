@@ -33,6 +33,12 @@ const LEAST_PRESSURE_MPA: f64 = 0.01;
 const MEMORY_STEP_S: f64 = 1e-3;
 /// The same where bristles bend: over micrometres, about the reversal.
 const BRISTLE_STEP_S: f64 = 2.5e-4;
+/// Widths beyond which the sign is 1 to a rounding.
+const SURE_WIDTHS: f64 = 20.0;
+/// Bending lengths beyond which nothing is left of how bristles were bent.
+const SURE_BENDS: f64 = 40.0;
+/// What rounding may add to a count of steps.
+const WHOLE_STEP: f64 = 1e-6;
 
 /// Effort of the drive and its friction share, in N or N m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,12 +71,16 @@ struct Moment {
 }
 
 /// The sign of a sliding speed, as wide as the description says.
+///
+/// `tanh` through one exponential: right to a rounding of 1, which is what friction needs, and not of a tiny result, which the library's pays for.
 fn sign(rig: &FrictionRig, sliding_m_s: f64) -> f64 {
-    (sliding_m_s / rig.axis.regularisation_m_s).tanh()
+    let widths = sliding_m_s / rig.axis.regularisation_m_s;
+    let fallen = (-2.0 * widths.abs().min(SURE_WIDTHS)).exp();
+    ((1.0 - fallen) / (1.0 + fallen)).copysign(widths)
 }
 
-/// The effort at a moment.
-fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
+/// The friction at a moment.
+fn friction_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> f64 {
     let (axis, extension) = (&rig.axis, &rig.extension);
     let speed = now.motion.rate * axis.friction_radius_m;
     let sign = sign(rig, speed);
@@ -90,11 +100,17 @@ fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
         dry *= term.level(memory.rise_k);
     }
     let turned = if extension.presliding_distance_m > 0.0 { memory.turned } else { sign };
-    let friction = dry * turned
+    dry * turned
         + 0.5 * axis.coulomb_asymmetry * sign * sign
         + axis.viscous_effort * now.motion.rate
-        + extension.viscous_asymmetry * now.motion.rate * sign;
-    let ripple = ripples(&extension.position_ripples, now.motion.value);
+        + extension.viscous_asymmetry * now.motion.rate * sign
+}
+
+/// The effort at a moment.
+fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
+    let axis = &rig.axis;
+    let friction = friction_at(rig, now, memory);
+    let ripple = ripples(&rig.extension.position_ripples, now.motion.value);
     Effort {
         effort: axis.load_gain * now.load_n + axis.inertia * now.motion.acceleration + friction + ripple,
         friction,
@@ -115,26 +131,54 @@ fn remembered(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) ->
         next.rest = steady + (last.rest - steady) * (-rate * step_s).exp();
     }
     if let Some(term) = &extension.thermal {
-        let heat = (effort_at(rig, now, &last).friction * now.motion.rate).max(0.0);
+        let heat = (friction_at(rig, now, &last) * now.motion.rate).max(0.0);
         let steady = term.resistance_k_w * heat;
         next.rise_k = steady + (last.rise_k - steady) * (-step_s / term.time_constant_s).exp();
     }
     next
 }
 
-/// The turned sign of pre-sliding behind a step from one sliding speed to another, over which the sign moves evenly. As the distance goes to 0
+/// A sliding speed and its sign.
+#[derive(Clone, Copy)]
+struct Sliding {
+    speed_m_s: f64,
+    sign: f64,
+}
+
+/// The turned sign of pre-sliding behind a step from one sliding to another, over which the sign moves evenly. As the distance goes to 0
 /// it becomes the sign at the step's end.
-fn turned(rig: &FrictionRig, last: f64, [from, to]: [f64; 2], step_s: f64) -> f64 {
-    let [begin, end] = [from, to].map(|speed| sign(rig, speed));
+fn turned(distance_m: f64, last: f64, [begin, end]: [Sliding; 2], step_s: f64) -> f64 {
+    let (from, to) = (begin.speed_m_s, end.speed_m_s);
     // Mean of the magnitude of a speed that changes evenly.
     let mean = if from * to < 0.0 {
         0.5 * (from * from + to * to) / (from - to).abs()
     } else {
         0.5 * (from + to).abs()
     };
-    let bends = mean * step_s / rig.extension.presliding_distance_m;
-    let behind = if bends > 1e-6 { -(-bends).exp_m1() / bends } else { 1.0 - 0.5 * bends };
-    end + (last - begin) * (-bends).exp() - (end - begin) * behind
+    let bends = mean * step_s / distance_m;
+    let gone = -(-bends.min(SURE_BENDS)).exp_m1();
+    let behind = if bends > 1e-6 { gone / bends } else { 1.0 - 0.5 * bends };
+    end.sign + (last - begin.sign) * (1.0 - gone) - (end.sign - begin.sign) * behind
+}
+
+/// What drives an axis at a time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Given {
+    pub(crate) time_s: f64,
+    pub(crate) motion: Motion,
+    pub(crate) load_n: f64,
+}
+
+impl Given {
+    /// A share of the way to a later one.
+    fn towards(&self, later: &Self, share: f64) -> Self {
+        let step_s = later.time_s - self.time_s;
+        Self {
+            time_s: self.time_s + share * step_s,
+            motion: self.motion.towards(&later.motion, step_s, share),
+            load_n: self.load_n + share * (later.load_n - self.load_n),
+        }
+    }
 }
 
 /// The efforts at ascending times under a motion and a load.
@@ -144,54 +188,86 @@ pub fn efforts(
     motion: impl Fn(f64) -> Motion,
     load_n: impl Fn(f64) -> f64,
 ) -> Vec<Effort> {
+    let given = |&time_s: &f64| Given { time_s, motion: motion(time_s), load_n: load_n(time_s) };
+    let course: Vec<Given> = times_s.iter().map(given).collect();
+    efforts_along(rig, &course, 1, motion)
+}
+
+/// The efforts at the first of every `every` places of a course with ascending times, whose motion is also known at other times.
+///
+/// Memory is marched through all places, so that an effort does not depend on `every`.
+pub(crate) fn efforts_along(
+    rig: &FrictionRig,
+    course: &[Given],
+    every: usize,
+    motion: impl Fn(f64) -> Motion,
+) -> Vec<Effort> {
+    let Some(first) = course.first() else { return Vec::new() };
     let extension = &rig.extension;
-    let start_s = times_s.first().copied().unwrap_or_default();
-    let motion = |t: f64| motion(t - extension.drive_lag_s);
-    let moment = |t: f64| {
-        let (motion_now, load_n) = (motion(t), load_n(t) + ripples(&extension.load_ripples, t));
+    let lag_s = extension.drive_lag_s;
+    let motion = |t: f64| motion(t - lag_s);
+    let lagged = |given: &Given| match lag_s {
+        0.0 => *given,
+        _ => Given { motion: motion(given.time_s), ..*given },
+    };
+    let moment = |given: &Given| {
+        let load_n = given.load_n + ripples(&extension.load_ripples, given.time_s);
         let slid = |s: &Surface| {
-            let then = motion((t - s.lag_s).max(start_s));
+            let then = motion((given.time_s - s.lag_s).max(first.time_s));
             coefficient(s.material, (then.rate * rig.axis.friction_radius_m).abs(), load_n)
         };
         let coefficient = rig.surface.as_ref().map_or(0.0, slid);
-        Moment { time_s: t, motion: motion_now, load_n, coefficient }
+        Moment { time_s: given.time_s, motion: given.motion, load_n, coefficient }
     };
-    let has_memory = rig.surface.is_some()
-        || extension.presliding_distance_m > 0.0
-        || extension.breakaway.is_some()
-        || extension.thermal.is_some();
-    let sliding = |t: f64| motion(t).rate * rig.axis.friction_radius_m;
-    let (mut last, mut speed) = (start_s, sliding(start_s));
+    let sliding = |motion: &Motion| {
+        let speed_m_s = motion.rate * rig.axis.friction_radius_m;
+        Sliding { speed_m_s, sign: sign(rig, speed_m_s) }
+    };
+    let distance_m = extension.presliding_distance_m;
+    let bends = distance_m > 0.0;
+    let remembers = rig.surface.is_some() || extension.breakaway.is_some() || extension.thermal.is_some();
+    let mut last = lagged(first);
+    let mut slides = sliding(&last.motion);
     // Who looks at an axis in motion finds its bristles bent that way, and as old as this speed leaves them; at rest it has rested.
     let mut memory = AxisMemory {
-        turned: sign(rig, speed),
-        rest: extension.breakaway.as_ref().map_or(0.0, |term| term.steady(speed).0),
+        turned: slides.sign,
+        rest: extension.breakaway.as_ref().map_or(0.0, |term| term.steady(slides.speed_m_s).0),
         rise_k: extension.temperature_start_k,
         ..AxisMemory::default()
     };
-    let at = |&t: &f64| {
-        if has_memory {
+    let mut efforts = Vec::with_capacity(course.len().div_ceil(every));
+    for (place, given) in course.iter().enumerate() {
+        let is_asked = place % every == 0;
+        if !is_asked && !remembers && !bends {
+            continue;
+        }
+        let given = lagged(given);
+        if remembers || bends {
             // The memory is marched in steps that follow the speed.
-            let longest = if extension.presliding_distance_m > 0.0 { BRISTLE_STEP_S } else { MEMORY_STEP_S };
-            let steps = ((t - last) / longest).ceil().max(1.0);
-            let step = (t - last) / steps;
+            let longest = if bends { BRISTLE_STEP_S } else { MEMORY_STEP_S };
+            let steps = ((given.time_s - last.time_s) / longest - WHOLE_STEP).ceil().max(1.0);
+            let step = (given.time_s - last.time_s) / steps;
             for k in 0..steps as usize {
-                let mut middle = moment(last + (k as f64 + 0.5) * step);
-                middle.coefficient *= 1.0 + memory.excess;
-                memory = remembered(rig, &middle, memory, step);
-                if extension.presliding_distance_m > 0.0 {
-                    let there = sliding(last + (k as f64 + 1.0) * step);
-                    memory.turned = turned(rig, memory.turned, [speed, there], step);
-                    speed = there;
+                if remembers {
+                    let mut middle = moment(&last.towards(&given, (k as f64 + 0.5) / steps));
+                    middle.coefficient *= 1.0 + memory.excess;
+                    memory = remembered(rig, &middle, memory, step);
+                }
+                if bends {
+                    let there = sliding(&last.towards(&given, (k as f64 + 1.0) / steps).motion);
+                    memory.turned = turned(distance_m, memory.turned, [slides, there], step);
+                    slides = there;
                 }
             }
-            last = t;
+            last = given;
         }
-        let mut now = moment(t);
-        now.coefficient *= 1.0 + memory.excess;
-        effort_at(rig, &now, &memory)
-    };
-    times_s.iter().map(at).collect()
+        if is_asked {
+            let mut now = moment(&given);
+            now.coefficient *= 1.0 + memory.excess;
+            efforts.push(effort_at(rig, &now, &memory));
+        }
+    }
+    efforts
 }
 
 /// Coefficient of a dry pair at a sliding speed in m/s (not negative) and a load in N.
@@ -304,6 +380,35 @@ mod tests {
         let off = coarse.iter().zip(fine.iter().step_by(160));
         let off: Vec<f64> = off.map(|(a, b)| a.friction - b.friction).collect();
         assert!(largest(&off) < 0.01 * largest(&change(3e-6)), "{}", largest(&off));
+    }
+
+    #[test]
+    fn the_sign_is_tanh() {
+        let rig = rig("friction-rig");
+        for i in -4000..=4000 {
+            let widths = 1e-2 * f64::from(i);
+            let off = sign(&rig, widths * rig.axis.regularisation_m_s) - widths.tanh();
+            assert!(off.abs() < 3e-16, "{widths}: {off}");
+        }
+    }
+
+    #[test]
+    fn efforts_at_some_places_of_a_course_are_those_at_all_of_them() {
+        let drive = Profile::Cycles { stroke: 0.8, period_s: 4.0, cycles: 2.0 };
+        let given = |i: i32| {
+            let time_s = 1e-3 * f64::from(i);
+            Given { time_s, motion: drive.at(time_s), load_n: 1e5 + 100.0 * f64::from(i) }
+        };
+        let course: Vec<Given> = (0..4001).map(given).collect();
+        let mut rig = rig("friction-rig-babbitt");
+        rig.extension.presliding_distance_m = 3e-6;
+        rig.extension.breakaway = Some(BreakawayTerm { excess: 400.0, rest_time_s: 0.5, distance_m: 7e-3 });
+        for lag_s in [0.0, 3.3e-3] {
+            rig.extension.drive_lag_s = lag_s;
+            let at = |every| efforts_along(&rig, &course, every, |t| drive.at(t));
+            let all: Vec<Effort> = at(1).into_iter().step_by(4).collect();
+            assert_eq!(at(4), all);
+        }
     }
 
     #[test]

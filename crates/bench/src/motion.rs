@@ -14,6 +14,21 @@ pub struct Motion {
     pub acceleration: f64,
 }
 
+impl Motion {
+    /// Interpolation towards the motion `h` later, at a share of the way: each quantity from its own two values, with the next derivative as
+    /// slope.
+    ///
+    /// One curve for all three would turn noise of a nanometre on neighbouring values into an acceleration of
+    /// `60 * 1e-9/h^2`; a plant takes the three as given and does not need the one to be the other's exact derivative.
+    pub(crate) fn towards(&self, later: &Self, h: f64, share: f64) -> Self {
+        Self {
+            value: cubic(self.value, self.rate, later.value, later.rate, h, share),
+            rate: cubic(self.rate, self.acceleration, later.rate, later.acceleration, h, share),
+            acceleration: self.acceleration + share * (later.acceleration - self.acceleration),
+        }
+    }
+}
+
 /// A signal over time that a plant is driven by.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Profile {
@@ -116,7 +131,7 @@ impl Profile {
                     return nodes.first().copied().unwrap_or_default();
                 };
                 match (nodes.get(after - 1), nodes.get(after)) {
-                    (Some(a), Some(b)) => between(a, b, t1 - t0, ((time_s - t0) / (t1 - t0)).clamp(0.0, 1.0)),
+                    (Some(a), Some(b)) => a.towards(b, t1 - t0, ((time_s - t0) / (t1 - t0)).clamp(0.0, 1.0)),
                     _ => Motion::default(),
                 }
             }
@@ -201,19 +216,6 @@ fn node_after(times: &[f64], time_s: f64) -> usize {
         }
     }
     times.partition_point(|&t| t <= time_s).clamp(1, last)
-}
-
-/// Interpolation between two nodes `h` apart at `s` in 0..1: each quantity from its own nodes, with the next
-/// derivative as slope.
-///
-/// One curve for all three would turn noise of a nanometre on neighbouring values into an acceleration of
-/// `60 * 1e-9/h^2`; a plant takes the three as given and does not need the one to be the other's exact derivative.
-fn between(a: &Motion, b: &Motion, h: f64, s: f64) -> Motion {
-    Motion {
-        value: cubic(a.value, a.rate, b.value, b.rate, h, s),
-        rate: cubic(a.rate, a.acceleration, b.rate, b.acceleration, h, s),
-        acceleration: a.acceleration + s * (b.acceleration - a.acceleration),
-    }
 }
 
 /// Cubic Hermite interpolation.

@@ -3,7 +3,7 @@
 use crate::channel::Channel;
 use crate::description::{Bench, FrictionRig};
 use crate::follow::follow;
-use crate::friction_rig;
+use crate::friction_rig::{Given, efforts_along};
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
 use crate::motion::{Motion, Profile};
@@ -53,6 +53,8 @@ pub struct Inputs {
     fineness: usize,
     drive: Profile,
     load: Profile,
+    /// Drive and load at the times at which the truth of an axis is simulated: always the same, and half of a simulation.
+    course: Vec<Given>,
     outputs: Vec<Channel>,
 }
 
@@ -88,6 +90,7 @@ impl Inputs {
                     fineness: TRANSMISSION_FINENESS,
                     drive: Profile::through(time_s, displacement, velocity, half, 4),
                     load,
+                    course: Vec::new(),
                     outputs,
                 })
             }
@@ -103,7 +106,17 @@ impl Inputs {
                     None => Profile::Ramp { level: rig.load.force_n, ramp_s: f64::MIN_POSITIVE },
                 };
                 let fine_s = refined(time_s, AXIS_FINENESS);
-                Ok(Self { time_s: time_s.clone(), fine_s, fineness: AXIS_FINENESS, drive, load, outputs })
+                let given = |&t: &f64| Given { time_s: t, motion: drive.at(t), load_n: load.at(t).value };
+                let course = fine_s.iter().map(given).collect();
+                Ok(Self {
+                    time_s: time_s.clone(),
+                    fine_s,
+                    fineness: AXIS_FINENESS,
+                    drive,
+                    load,
+                    course,
+                    outputs,
+                })
             }
         }
     }
@@ -113,6 +126,7 @@ impl Inputs {
         let mut inputs = self.clone();
         inputs.time_s.truncate(count);
         inputs.fine_s.truncate(count.saturating_sub(1) * self.fineness + count.min(1));
+        inputs.course.truncate(inputs.fine_s.len());
         inputs
     }
 
@@ -152,31 +166,55 @@ fn integrated(time_s: &[f64], rate: &[f64]) -> Profile {
 /// Simulates `bench` (effects applied, sensors' electronics included, noise not) under the inputs of a log.
 pub fn respond(bench: &Bench, inputs: &Inputs) -> Result<Response, RespondError> {
     let resolved = bench.resolved();
-    let truth = truth(&resolved, inputs)?;
+    let truth = Truth::of(&resolved, inputs)?;
     Ok(sensed(&resolved, inputs, &truth))
 }
 
-/// The true outputs of a resolved bench under the inputs of a log, at times that are finer than its samples: the costly half of [`respond`].
-pub fn truth(resolved: &Bench, inputs: &Inputs) -> Result<Response, RespondError> {
-    Ok(match resolved {
-        Bench::Transmission(bench) => {
-            let end_s = inputs.time_s.last().copied().unwrap_or_default();
-            let profiles = (inputs.drive.clone(), inputs.load.clone());
-            let samples = snapshots(bench, profiles, end_s, &inputs.fine_s, DEFAULT_TOLERANCE)?;
-            outputs_of(&samples, &inputs.outputs)
-        }
-        Bench::FrictionRig(rig) => axis_outputs(rig, inputs),
-    })
+/// The true outputs of a plant under the inputs of a log, as far between its samples as the sensors need: the costly half of [`respond`].
+#[derive(Debug)]
+pub struct Truth {
+    outputs: Response,
+    /// Values a sample.
+    fineness: usize,
 }
 
-/// What the sensors' electronics of a resolved bench make of true outputs: the cheap half of [`respond`].
-pub fn sensed(resolved: &Bench, inputs: &Inputs, truth: &Response) -> Response {
+impl Truth {
+    /// Simulates a resolved bench.
+    pub fn of(resolved: &Bench, inputs: &Inputs) -> Result<Self, RespondError> {
+        Ok(match resolved {
+            Bench::Transmission(bench) => {
+                let end_s = inputs.time_s.last().copied().unwrap_or_default();
+                let profiles = (inputs.drive.clone(), inputs.load.clone());
+                let samples = snapshots(bench, profiles, end_s, &inputs.fine_s, DEFAULT_TOLERANCE)?;
+                Self { outputs: outputs_of(&samples, &inputs.outputs), fineness: inputs.fineness }
+            }
+            Bench::FrictionRig(rig) => {
+                let fineness = if is_prompt(resolved, inputs) { 1 } else { inputs.fineness };
+                Self { outputs: axis_outputs(rig, inputs, inputs.fineness / fineness), fineness }
+            }
+        })
+    }
+
+    /// Whether it is fine enough for the sensors of a resolved bench.
+    pub fn serves(&self, resolved: &Bench, inputs: &Inputs) -> bool {
+        self.fineness == inputs.fineness || is_prompt(resolved, inputs)
+    }
+}
+
+/// Whether all readings of a bench are of their own time.
+fn is_prompt(resolved: &Bench, inputs: &Inputs) -> bool {
+    inputs.outputs.iter().all(|channel| resolved.sensors().get(channel).is_none_or(Sensor::is_prompt))
+}
+
+/// What the sensors' electronics of a resolved bench make of true outputs that serve it: the cheap half of [`respond`].
+pub fn sensed(resolved: &Bench, inputs: &Inputs, truth: &Truth) -> Response {
     let perfect = Sensor::default();
+    let times_s = if truth.fineness == 1 { &inputs.time_s } else { &inputs.fine_s };
     let sense = |(channel, values): (&Channel, &Vec<f64>)| {
         let sensor = resolved.sensors().get(channel).unwrap_or(&perfect);
-        (*channel, reading(sensor, &inputs.fine_s, values, inputs.fineness))
+        (*channel, reading(sensor, times_s, values, truth.fineness))
     };
-    truth.iter().map(sense).collect()
+    truth.outputs.iter().map(sense).collect()
 }
 
 /// The true outputs of a run on the channels asked for; channels that the bench does not have are left out.
@@ -202,9 +240,10 @@ pub fn outputs_of(samples: &[Snapshot], channels: &[Channel]) -> Response {
     response
 }
 
-fn axis_outputs(rig: &FrictionRig, inputs: &Inputs) -> Response {
+/// The outputs of an axis at the first of every `every` places of its course.
+fn axis_outputs(rig: &FrictionRig, inputs: &Inputs, every: usize) -> Response {
     let (_, _, effort_channel) = rig.channels();
-    let efforts = friction_rig::efforts(rig, &inputs.fine_s, |t| inputs.drive(t), |t| inputs.load_n(t));
+    let efforts = efforts_along(rig, &inputs.course, every, |t| inputs.drive(t));
     let mut response = Response::new();
     for &channel in &inputs.outputs {
         if channel == effort_channel {
@@ -236,6 +275,26 @@ mod tests {
         };
         let (coarse, fine) = (largest(1), largest(TRANSMISSION_FINENESS));
         assert!(coarse > 10.0 && fine < 1.0, "{coarse} {fine}");
+    }
+
+    #[test]
+    fn a_truth_at_the_samples_serves_no_late_sensor_and_no_other_truth_is_finer_there() {
+        let mut bench = Bench::open("friction-rig").unwrap();
+        bench.set_cycles(1);
+        let log = crate::record::record(&bench, 1).unwrap();
+        let inputs = Inputs::new(&bench, &log).unwrap();
+        let late = |delay_s: f64| {
+            let mut bench = bench.clone();
+            let Bench::FrictionRig(rig) = &mut bench else { unreachable!("an axis") };
+            rig.sensors.entry(Channel::DriveTorque).or_default().delay_s = delay_s;
+            bench.resolved()
+        };
+        let (prompt, late) = (late(0.0), late(1e-3));
+        let [at_samples, between] = [&prompt, &late].map(|bench| Truth::of(bench, &inputs).unwrap());
+        assert!(at_samples.serves(&prompt, &inputs) && !at_samples.serves(&late, &inputs));
+        assert!(between.serves(&prompt, &inputs) && between.serves(&late, &inputs));
+        assert_eq!(sensed(&prompt, &inputs, &at_samples), sensed(&prompt, &inputs, &between));
+        assert_ne!(sensed(&late, &inputs, &between), sensed(&prompt, &inputs, &between));
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::parameter::Parameter;
 use crate::session::{Columns, Data};
 use crate::step::bounded_step;
 use bench::Bench;
-use bench::respond::{RespondError, Response, sensed, truth};
+use bench::respond::{RespondError, Response, Truth, sensed};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ const HELD: f64 = 1e4;
 pub(crate) struct Simulation {
     /// Resolved and without sensors, one a session: what the truths depend on.
     plants: Vec<Bench>,
-    truths: Vec<Arc<Response>>,
+    truths: Vec<Arc<Truth>>,
     pub(crate) columns: Columns,
 }
 
@@ -56,8 +56,10 @@ pub(crate) fn simulate(
     let resolved: Vec<Bench> = data.sessions.iter().map(|s| benches.of(s.number).resolved()).collect();
     let plants: Vec<Bench> = resolved.iter().map(without_sensors).collect();
     let truth_of = |i: usize| {
+        let (bench, inputs) = (&resolved[i], &data.sessions[i].inputs);
         let same = known.filter(|k| k.plants.get(i) == plants.get(i)).and_then(|k| k.truths.get(i));
-        let anew = || truth(&resolved[i], &data.sessions[i].inputs).map(Arc::new);
+        let same = same.filter(|truth| truth.serves(bench, inputs));
+        let anew = || Truth::of(bench, inputs).map(Arc::new);
         same.map_or_else(anew, |truth| Ok(Arc::clone(truth)))
     };
     let truths = (0..resolved.len()).into_par_iter().map(truth_of).collect::<Result<Vec<_>, _>>()?;

@@ -140,7 +140,8 @@ impl RealAxis {
         for i in 0..before + count {
             let t = (i as f64 - before as f64) * STEP_S;
             let logged = run.motion.at(run.phase_s + t);
-            let driven = run.motion.at(run.phase_s + t - added.lag_s);
+            let driven =
+                if added.lag_s == 0.0 { logged } else { run.motion.at(run.phase_s + t - added.lag_s) };
             let load = run.load.at(t);
             let (effort, friction) =
                 axis.effort(&added, run.start_s + t, driven, load, (&mut turned, &mut rest, &mut warmth));
