@@ -8,11 +8,12 @@
 //! is the difference of the variances (Hausman), so noise alone moves an estimate by about the root of that; what moves
 //! further is the motion. (Choice of the window: Goldenshluger and Nemirovski 1997, "intersection of confidence intervals".)
 //!
-//! Where the speed is measured well it comes out nearly as measured, and only the acceleration is smoothed. Units: those of the
-//! log. Limit: a position alone that is noisy within the time in which the sign turns leaves an error there that no window
-//! can take away.
+//! Where the axis rests it stands still ([`crate::rest`]). Where the speed is measured well it comes out nearly as measured, and only the
+//! acceleration is smoothed. Units: those of the log. Limit: a position alone that is noisy within the time in which the sign turns leaves
+//! an error there that no window can take away.
 
 use crate::motion::{Motion, Profile};
+use crate::rest::stop_at_rest;
 use crate::white_noise;
 use nalgebra::{Matrix4, Vector4};
 
@@ -20,6 +21,9 @@ use nalgebra::{Matrix4, Vector4};
 const HALF_WINDOWS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];
 /// Deviations of the difference of two windows' estimates that noise explains.
 const AGREEMENT: f64 = 3.0;
+
+/// Fewest samples of a rest: those of the widest window.
+const REST_SAMPLES: usize = 33;
 
 /// An estimate with its standard deviation.
 type Estimate = (f64, f64);
@@ -54,10 +58,13 @@ pub(crate) fn follow(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> P
     let count = time_s.len().min(values.len()).min(rates.map_or(usize::MAX, <[f64]>::len));
     let span = time_s.last().zip(time_s.first()).map_or(0.0, |(b, a)| b - a);
     let step = (span / count.saturating_sub(1).max(1) as f64).max(f64::MIN_POSITIVE);
-    let of_value = 1.0 / white_noise::of(time_s, values);
+    let noise = white_noise::of(time_s, values);
+    let of_value = 1.0 / noise;
     let rates = rates.map(|r| (r, 1.0 / (step * white_noise::of(time_s, r))));
     let node = |i: usize| {
-        let (Some(&centre), Some(&base)) = (time_s.get(i), values.get(i)) else { return Motion::default() };
+        let (Some(&centre), Some(&base)) = (time_s.get(i), values.get(i)) else {
+            return (Motion::default(), 0.0);
+        };
         let mut cubic = Cubic { matrix: Matrix4::zeros(), right: Vector4::zeros() };
         let add = |cubic: &mut Cubic, k: usize| {
             let (Some(t), Some(value)) = (time_s.get(k), values.get(k)) else { return };
@@ -92,15 +99,15 @@ pub(crate) fn follow(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> P
             acceleration_of.push((2.0 * solution[2] / (step * step), 2.0 * deviation(2) / (step * step)));
         }
         let best = |estimates: &[Estimate], none: f64| {
-            widest(estimates).and_then(|k| estimates.get(k)).map_or(none, |e| e.0)
+            widest(estimates).and_then(|k| estimates.get(k)).copied().unwrap_or((none, 0.0))
         };
-        Motion {
-            value: best(&value_of, base),
-            rate: best(&rate_of, 0.0),
-            acceleration: best(&acceleration_of, 0.0),
-        }
+        let (rate, deviation) = best(&rate_of, 0.0);
+        let motion =
+            Motion { value: best(&value_of, base).0, rate, acceleration: best(&acceleration_of, 0.0).0 };
+        (motion, deviation)
     };
-    let nodes = (0..count).map(node).collect();
+    let (mut nodes, deviations): (Vec<Motion>, Vec<f64>) = (0..count).map(node).unzip();
+    stop_at_rest(&mut nodes, &deviations, (values, noise), REST_SAMPLES);
     Profile::Curve { time_s: time_s.get(..count).unwrap_or(time_s).to_vec(), nodes }
 }
 

@@ -28,6 +28,7 @@ pub mod multibody;
 pub mod peaks;
 pub mod record;
 pub mod respond;
+mod rest;
 pub mod rig_groups;
 pub mod run;
 pub mod sensor;

@@ -138,10 +138,17 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
         bar.inc(1);
         Some(outcome)
     };
-    let new: Result<Vec<Outcome>, _> =
+    // A cell that fails is told at the end, when hours of others are in the journal; it is asked again when the campaign goes on.
+    let new: Vec<Result<Outcome, CampaignError>> =
         pool.install(|| open.par_iter().with_max_len(1).filter_map(one).collect());
     bar.finish_and_clear();
-    finished.extend(new?.into_iter().map(|o| (o.cell.index, o)));
+    let mut failed = Vec::new();
+    for outcome in new {
+        match outcome {
+            Ok(outcome) => drop(finished.insert(outcome.cell.index, outcome)),
+            Err(error) => failed.push(error),
+        }
+    }
     let outcomes: Vec<Outcome> = finished.into_values().collect();
     let mut figures = figures(&cli.date.clone().unwrap_or_else(today), &campaign, &outcomes);
     figures.notes.clone_from(&cli.note);
@@ -152,6 +159,10 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
         print!("{json}");
     } else {
         print!("{}", summary(&figures));
+    }
+    if let Some(last) = failed.pop() {
+        failed.iter().for_each(|error| eprintln!("error: {error}"));
+        return Err(last);
     }
     if cli.bless {
         bless(&figures, &json, cli.quick)?;

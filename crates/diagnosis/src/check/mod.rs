@@ -55,6 +55,7 @@ pub(crate) fn check(
 }
 
 fn one(bench: &Bench, log: &MeasuredLog, findings: &mut Vec<Finding>) -> Result<MeasuredLog, LogError> {
+    let (had_outputs, first) = (log.outputs().next().is_some(), findings.len());
     let mut log = log.clone();
     clock::order(&mut log, findings)?;
     reading::missing(&mut log, findings)?;
@@ -73,6 +74,15 @@ fn one(bench: &Bench, log: &MeasuredLog, findings: &mut Vec<Finding>) -> Result<
         let inlying = reading::outliers(bench, &log, Role::Output, |c| simulated.of(c), findings);
         let keep: Vec<bool> = moving.into_iter().zip(inlying).map(|(a, b)| a && b).collect();
         keep_rows(&mut log, &keep);
+    }
+    if had_outputs && log.outputs().next().is_none() {
+        let grave = findings.iter().skip(first).filter(|f| f.severity == Severity::Wrong);
+        let words: Vec<String> = grave.map(|f| format!("{}: {}, {}", f.channel, f.found, f.cause)).collect();
+        return Err(LogError::Content {
+            file: log.source,
+            found: format!("no output that can be right ({})", words.join("; ")),
+            expected: "at least one output that moves with the bench".into(),
+        });
     }
     pairs::outputs(&log, interval_s, findings);
     Ok(log)

@@ -3,7 +3,7 @@
 use super::finding::{Finding, Severity};
 use super::reading::step;
 use super::simulated::Simulated;
-use super::statistics::{range, runs, scatter};
+use super::statistics::{median, range, runs, scatter};
 use bench::{Bench, MeasuredLog};
 
 /// Equal readings in a row from which on a channel stands still.
@@ -17,6 +17,8 @@ const LEAST_RAILED_RUN: usize = 3;
 const BEYOND: f64 = 0.7;
 /// The same where the channel comes to it again and again.
 const BEYOND_OFTEN: f64 = 0.4;
+/// Share of the readings at a rail at which the bench may be inside of it.
+const INSIDE: f64 = 0.1;
 /// Share of stuck readings from which on a channel is left out.
 const MOST_STUCK: f64 = 0.05;
 /// Steps of a coarse channel that the simulation has to move meanwhile: within one a reading stands still by right.
@@ -60,25 +62,37 @@ pub(super) fn check(
             }
             continue;
         }
+        let margin = 4.0 * declared;
         let railed: usize =
-            [1.0, -1.0].into_iter().filter_map(|sign| rail(values, expected, sign, 4.0 * declared)).sum();
+            [1.0, -1.0].into_iter().filter_map(|sign| rail(values, expected, sign, margin)).sum();
         // One rail seen, the other one may be hidden by what the bench does there. Nor does a sensor hang twice at the very end of what it reads.
-        let at_end = |value: f64| values.iter().all(|v| *v <= value) || values.iter().all(|v| *v >= value);
+        let at_top = |value: f64| values.iter().all(|v| *v <= value);
+        let at_end = |value: f64| at_top(value) || values.iter().all(|v| *v >= value);
         let still = || runs(values).filter(|(_, length)| *length >= LEAST_RUN);
         let comes_back =
             |value: f64| still().filter(|(from, _)| values.get(*from) == Some(&value)).count() > 1;
         let is_rail = |value: f64| at_end(value) && (railed > 0 || comes_back(value));
-        let (mut stuck, mut longest) = (Vec::new(), 0);
+        let (mut stuck, mut longest, mut clipped) = (Vec::new(), 0, 0);
         for (from, length) in still() {
             let run = from..from + length;
-            let (Some(expected), Some(value)) = (expected.get(run.clone()), values.get(from)) else {
+            let (Some(meanwhile), Some(&value)) = (expected.get(run.clone()), values.get(from)) else {
                 continue;
             };
-            if range(expected) >= moved && !is_rail(*value) {
-                longest = longest.max(length);
-                stuck.push(run);
+            if range(meanwhile) < moved || is_rail(value) {
+                continue;
             }
+            // Nor does a sensor that hangs at the end of what it reads wait for the bench to come back there: a rail that is reached once.
+            let sign = if at_top(value) { 1.0 } else { -1.0 };
+            let is_inside = |off: &f64| -sign * off > margin;
+            let inside = passed(values, expected, run.clone()).iter().filter(|off| is_inside(off)).count();
+            if at_end(value) && inside as f64 <= INSIDE * length as f64 {
+                clipped += length;
+                continue;
+            }
+            longest = longest.max(length);
+            stuck.push(run);
         }
+        let railed = railed + clipped;
         if railed > 0 {
             findings.push(
                 note(
@@ -115,6 +129,21 @@ pub(super) fn check(
     }
     log.channels.retain(|c, _| !dead.contains(c));
     keep
+}
+
+/// By how much the bench would have gone beyond a run of equal readings: the simulation, moved to the readings before and behind the run.
+fn passed(values: &[f64], expected: &[f64], run: std::ops::Range<usize>) -> Vec<f64> {
+    let off = |places: std::ops::Range<usize>| {
+        let beside = values.get(places.clone()).zip(expected.get(places)).filter(|(v, _)| !v.is_empty());
+        beside.map(|(v, s)| median(v.iter().zip(s).map(|(v, s)| v - s)))
+    };
+    let before = off(run.start.saturating_sub(LEAST_RUN)..run.start);
+    let behind = off(run.end..(run.end + LEAST_RUN).min(values.len()));
+    let [before, behind] = [before.or(behind), behind.or(before)].map(Option::unwrap_or_default);
+    let value = values.get(run.start).copied().unwrap_or_default();
+    let (start, span) = (run.start as f64, run.len() as f64);
+    let moved = |i: usize, s: &f64| s + before + (behind - before) * (i as f64 - start) / span - value;
+    run.filter_map(|i| Some(moved(i, expected.get(i)?))).collect()
 }
 
 /// How often the largest reading (smallest for a negative sign) occurs, where the bench goes beyond it.

@@ -3,6 +3,7 @@
 use super::*;
 use bench::log_format::LogFormat;
 use bench::record::record;
+use bench::respond::{Inputs, respond};
 
 /// The real bench is not quite the described one.
 pub(super) fn real(seed: u64) -> Bench {
@@ -211,6 +212,36 @@ fn a_rail_is_told_and_left_to_the_diagnosis() {
         "{findings:#?}"
     );
     assert_eq!((graves(&findings), after), (vec![], log));
+}
+
+#[test]
+fn a_rail_that_is_reached_once_is_no_hang_and_one_that_the_bench_leaves_is() {
+    // A torque that is more than described, so that nothing says that the bench goes beyond the limit.
+    let mut bench = Bench::open("friction-rig").unwrap();
+    bench.set_cycles(1);
+    let mut log = record(&bench, 4).unwrap();
+    let swing = |t: &f64| 1e5 * (1.0 + 0.3 * (core::f64::consts::TAU * t / 40.0).sin());
+    *log.channels.get_mut(&Channel::LoadForce).unwrap() = log.time_s.iter().map(swing).collect();
+    let simulated = respond(&bench, &Inputs::new(&bench, &log).unwrap()).unwrap();
+    let more = |t: &f64| t + 60.0 + 3.0 * (0.37 * t).fract();
+    let torque: Vec<f64> = simulated[&Channel::DriveTorque].iter().map(more).collect();
+    let limit = torque.iter().copied().fold(f64::NEG_INFINITY, f64::max) - 55.0;
+    log.channels.insert(Channel::DriveTorque, torque.iter().map(|t| t.min(limit)).collect());
+    let checked = check(&bench, std::slice::from_ref(&log), &[]).unwrap();
+    let of = |f: &&Finding| f.channel == Channel::DriveTorque.name();
+    let kinds: Vec<_> = checked.findings.iter().filter(of).map(|f| f.kind).collect();
+    assert_eq!(kinds, ["saturated"]);
+    let from = torque.iter().position(|t| *t >= limit).unwrap();
+    let mut hung = torque;
+    hung[from..from + 1100].fill(limit);
+    let hung: Vec<f64> = hung.iter().map(|t| t.min(limit)).collect();
+    log.channels.insert(Channel::DriveTorque, hung);
+    // Nothing is left to compare with: it was the only output.
+    let error = check(&bench, &[log], &[]).map(|_| ()).unwrap_err().to_string();
+    assert!(
+        error.contains("drive_torque_nm: 1100 readings") && error.contains("a sensor that hangs"),
+        "{error}"
+    );
 }
 
 #[test]
