@@ -3,7 +3,7 @@
 //! Logs of 25 s at 1 kHz of bench B, all channels, the whole library of effects: the time that a diagnosis is allowed is 60 s
 //! on two cores. Beside them the friction rig over 25 cycles. One sample each, as a diagnosis is long and deterministic.
 //! `cargo bench -p diagnosis --bench diagnose -- seal_friction` runs one of them. On a machine that does other things only the time of
-//! the cores says something: 44 s of a core for the hidden seal friction (November 2026, virtual x86-64 server).
+//! the cores says something. What was measured: `docs/diagnosis.md`.
 
 use bench::effects::Effect;
 use bench::record::record;
