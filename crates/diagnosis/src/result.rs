@@ -157,12 +157,13 @@ impl From<&Candidate> for Member {
     }
 }
 
-/// Causes that passed the selection and do not stand.
+/// Causes that passed the selection and do not stand; where nothing passed it, the one with clear evidence that came nearest.
 #[derive(Clone, Debug, Serialize)]
 pub struct Refused {
     /// One cause, or two together.
     pub causes: Vec<Member>,
-    /// Why, in kebab-case.
+    /// Why: `declared-number-at-bound`, `shape-at-bound`, `no-memory`, `size-differs`, `explains-too-little`, `size-uncertain` or
+    /// `held-out-no-better`.
     pub reason: String,
     /// The same as a clause.
     pub words: String,

@@ -58,7 +58,23 @@ pub(crate) struct Stage {
     pub(crate) accepted: bool,
 }
 
+/// What keeps the best candidate of a stage from being a cause, clear as its evidence is.
+#[derive(Clone, Copy)]
+pub(crate) enum Doubt {
+    /// Beside what else moves its size may be nothing.
+    Size,
+    /// Samples that were not fitted do not gain by it for certain.
+    HeldOut,
+}
+
 impl Stage {
+    /// What keeps its best candidate from being a cause, if that is not its evidence.
+    pub(crate) fn doubt(&self) -> Option<(&Candidate, Doubt)> {
+        let best = self.contenders.first().filter(|c| !self.accepted && c.evidence > self.threshold)?;
+        let is_clear = stands_out(&self.base, &best.fit, self.threshold);
+        Some((&best.candidate, if is_clear { Doubt::HeldOut } else { Doubt::Size }))
+    }
+
     /// The causes that it ends with, in the order of their names.
     fn causes(&self) -> Vec<(&'static str, Option<bench::Channel>)> {
         let chosen = self.contenders.first().map(|c| &c.fit.model.chosen);

@@ -12,6 +12,7 @@
 use crate::gain::gains;
 use crate::parameter::Parameter;
 use crate::result::{Member, Refused};
+use crate::select::{Doubt, Stage};
 use crate::session::Data;
 use crate::spread::NINETY_FIVE;
 use crate::verdict::End;
@@ -87,6 +88,18 @@ pub(crate) fn standing(data: &Data, ends: &[End]) -> (usize, Option<Refused>) {
         Refused { causes, reason: objection.name().into(), words: objection.words(&ends[last]) }
     });
     (stand, refused)
+}
+
+/// The best candidate of a first stage that accepts none, where its evidence is clear, and what speaks against it.
+pub(crate) fn nearest(first: &Stage) -> Option<Refused> {
+    let (candidate, doubt) = first.doubt()?;
+    let (reason, words) = match doubt {
+        Doubt::Size => ("size-uncertain", "beside the uncertain numbers its size may be nothing"),
+        Doubt::HeldOut => {
+            ("held-out-no-better", "the error of what was not fitted does not fall for certain")
+        }
+    };
+    Some(Refused { causes: vec![Member::from(candidate)], reason: reason.into(), words: words.into() })
 }
 
 /// Whether beside structure that is left the first of two causes stands alone, and the second explains little of what it leaves.

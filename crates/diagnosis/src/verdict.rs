@@ -26,7 +26,7 @@ use crate::select::{Contender, MOST_CAUSES, Stage, Views, loss_without_first, pa
 use crate::session::{Columns, Data, Split};
 use crate::shape::{Misfit, misfit};
 use crate::spread::deviations;
-use crate::standing::{standing, stopped};
+use crate::standing::{nearest, standing, stopped};
 use bench::log::LogError;
 use bench::respond::RespondError;
 use bench::{Bench, MeasuredLog};
@@ -262,6 +262,8 @@ fn judge(
         _ if equals.is_empty() => Verdict::Named,
         _ => Verdict::Ambiguous,
     };
+    let first = stages.first().ok_or(DiagnosisError::NoLog)?;
+    let refused = refused.or_else(|| if verdict == Verdict::Unknown { nearest(first) } else { None });
     let shares = shares(data, stages, (standing, verdict), shown, share);
     let known = 1.0 - shares.unknown;
     let experiment = match (deciding, shown.causes.last()) {
@@ -270,7 +272,6 @@ fn judge(
         }
         _ => None,
     };
-    let first = stages.first().ok_or(DiagnosisError::NoLog)?;
     // Of a log without two cycles the turns would be the same.
     let halved = data.sessions.iter().any(|s| s.is_halved());
     let late = halved && leftover::is_late(data, &before.noise, &before.residual);

@@ -122,3 +122,20 @@ fn nor_does_one_read_to_half_of_its_noise() {
 fn nor_one_whose_inputs_declare_no_noise() {
     nothing_is_found(PRECISE, "", 0.5, 1.1);
 }
+
+#[test]
+fn what_comes_nearest_is_told_with_what_speaks_against_it() {
+    // Calibration takes 1.154 N m of an offset; what is left of 1.25 is clear where it was fitted, and not where it was not.
+    let bench = bench(0.5, DECLARED);
+    let answer = |offset: f64| {
+        let mut log = log(&bench, PRECISE, 0.5, 1);
+        log.channels.get_mut(&Channel::DriveTorque).unwrap().iter_mut().for_each(|t| *t += offset);
+        diagnose(&bench, &[log], &[], &Options::default()).unwrap()
+    };
+    let (far, near) = (answer(-1.6), answer(-1.25));
+    assert!(far.verdict == Verdict::Named && far.refused.is_none(), "{:?}", far.refused);
+    let refused = near.refused.unwrap();
+    assert_eq!((near.verdict, refused.reason.as_str()), (Verdict::Unknown, "held-out-no-better"));
+    let causes: Vec<_> = refused.causes.iter().map(|c| (c.effect.as_str(), c.channel)).collect();
+    assert_eq!(causes, [("sensor-offset", Some(Channel::DriveTorque))]);
+}

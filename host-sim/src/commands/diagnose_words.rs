@@ -2,7 +2,9 @@
 
 use bench::Channel;
 use bench::effects::kind;
-use diagnosis::{Cause, Diagnosis, Gain, Refused, Signature, Verdict, four_digits};
+use diagnosis::{
+    Calibrated, Cause, Diagnosis, Gain, Identifiability, Refused, Signature, Verdict, four_digits,
+};
 
 /// An effect with its channel, if it has one.
 pub(super) fn channelled(effect: &str, channel: Option<Channel>) -> String {
@@ -88,9 +90,23 @@ pub(super) fn sentence(diagnosis: &Diagnosis) -> String {
         Verdict::Unknown => {
             let place = diagnosis.signature.as_ref().map_or_else(String::new, |left| format!(" {}", left_words(left)));
             let refused = diagnosis.refused.as_ref().map_or_else(String::new, |r| format!(" {}", refused_words(r)));
-            format!("Something is wrong that no known effect explains.{place}{refused}")
+            let bounds = bounds_words(&diagnosis.identifiability, &diagnosis.calibrated);
+            format!("Something is wrong that no known effect explains.{place}{bounds}{refused}")
         }
     }
+}
+
+/// The described numbers that calibration has moved as far as it may, as a sentence.
+fn bounds_words(told: &[Identifiability], calibrated: &[Calibrated]) -> String {
+    let at_bound = |name: &String| told.iter().any(|f| f.kind == "at-bound" && f.parameters.contains(name));
+    let stopped = calibrated.iter().filter(|c| at_bound(&c.name));
+    let numbers: Vec<String> = stopped
+        .map(|c| format!("{} = {} (described: {})", c.name, four_digits(c.value), four_digits(c.described)))
+        .collect();
+    if numbers.is_empty() {
+        return String::new();
+    }
+    format!(" As far off as the description allows: {}.", numbers.join("; "))
 }
 
 /// What was found and does not count, and why, as a sentence.
@@ -121,6 +137,30 @@ mod tests {
             let words = meaning(known.name);
             assert!(words != known.name && !words.ends_with('.') && words.contains(' '), "{words}");
         }
+    }
+
+    #[test]
+    fn numbers_that_calibration_moved_as_far_as_it_may_are_told() {
+        let told = |kind, names: &[&str]| Identifiability {
+            kind,
+            parameters: names.iter().map(|n| (*n).into()).collect(),
+            value: 0.0,
+            words: String::new(),
+        };
+        let number = |name: &str, described, value| Calibrated {
+            name: name.into(),
+            described,
+            value,
+            declared_deviation: 1.0,
+            deviation: 1.0,
+        };
+        let numbers = [number("axis.inertia", 10.0, 10.8), number("axis.load_gain", 1.0, 1.0024)];
+        let words = bounds_words(&[told("at-bound", &["axis.load_gain"])], &numbers);
+        assert_eq!(
+            words,
+            " As far off as the description allows: axis.load_gain = 1.002 (described: 1.000)."
+        );
+        assert_eq!(bounds_words(&[told("dead", &["axis.inertia"])], &numbers), "");
     }
 
     #[test]
