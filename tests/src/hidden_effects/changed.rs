@@ -2,7 +2,7 @@
 //!
 //! Foreign names, units and signs; other time stamps; other order of the columns, or a counter before them, in a file without names
 //! whose columns the description tells by number; the log twice; a second session (intervals shrink by about the root of two);
-//! the residual shuffled (nothing is left to find). Order and counter put the reader to the test, not the engine, which
+//! the residual shuffled, asked of the bench as calibrated (nothing is left to find). Order and counter put the reader to the test, not the engine, which
 //! knows channels by name and nothing else.
 
 use super::CampaignError;
@@ -13,6 +13,7 @@ use crate::generator::noise::Noise;
 use crate::generator::session::{Plant, Point, Session};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::size_parameters;
+use bench::effects::CATALOGUE;
 use bench::{Bench, MeasuredLog};
 use diagnosis::{Diagnosis, Verdict};
 use std::fmt::Write as _;
@@ -94,21 +95,33 @@ fn translated(plant: Plant, text: &str) -> (String, String) {
     (csv(&names, &rows), tables)
 }
 
-/// The log with the residual of the calibrated bench shuffled over the samples of its channel.
-fn shuffled(log: &MeasuredLog, answer: &Diagnosis, noise: &mut Noise) -> MeasuredLog {
+/// The bench as calibrated where no effect may be named, and the log with the residual of that bench shuffled over the samples of
+/// its channel. Of the bench as described the calibration's own moves, which end at bounds, would be left to find.
+fn shuffled(
+    desk: &Desk<'_>,
+    bench: &Bench,
+    log: &MeasuredLog,
+    noise: &mut Noise,
+) -> Result<(Bench, MeasuredLog), CampaignError> {
+    let every: Vec<String> = CATALOGUE.iter().map(|kind| kind.name.to_owned()).collect();
+    let nominal = desk.ask(bench, std::slice::from_ref(log), &every)?;
     let mut log = log.clone();
-    for series in &answer.series {
-        let mut order: Vec<usize> = (0..series.before.len()).collect();
-        for i in (1..order.len()).rev() {
-            order.swap(i, (noise.uniform() * (i + 1) as f64) as usize);
+    for series in &nominal.series {
+        let mut others = series.before.clone();
+        for i in (1..others.len()).rev() {
+            others.swap(i, (noise.uniform() * (i + 1) as f64) as usize);
         }
-        if let Some(values) = log.channels.get_mut(&series.channel) {
-            for ((value, own), from) in values.iter_mut().zip(&series.before).zip(order) {
-                *value += series.before[from] - own;
+        // The engine may have left samples out.
+        let mut kept = series.time_s.iter().zip(series.before.iter().zip(&others)).peekable();
+        for (time, value) in
+            log.time_s.iter().zip(log.channels.get_mut(&series.channel).into_iter().flatten())
+        {
+            if let Some((_, (own, other))) = kept.next_if(|(t, _)| *t == time) {
+                *value += other - own;
             }
         }
     }
-    log
+    Ok((nominal.extended.unwrap_or_else(|| bench.clone()), log))
 }
 
 /// Width of the interval of the size's first parameter.
@@ -160,7 +173,10 @@ pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
             let second = desk.log("second", &second, &bench)?;
             desk.ask(&bench, &[log, second], &[])?
         }
-        "shuffled" => desk.ask(&bench, &[shuffled(&log, &answer, &mut noise)], &[])?,
+        "shuffled" => {
+            let (bench, log) = shuffled(desk, &bench, &log, &mut noise)?;
+            desk.ask(&bench, &[log], &[])?
+        }
         _ => desk.ask(&bench, &[desk.log("changed", &later(&text), &bench)?], &[])?,
     };
     let label = sealed.open(&Answer::write(desk.folder, &name, &(&answer, &again))?)?;
