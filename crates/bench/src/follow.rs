@@ -8,12 +8,12 @@
 //! is the difference of the variances (Hausman), so noise alone moves an estimate by about the root of that; what moves
 //! further is the motion. (Choice of the window: Goldenshluger and Nemirovski 1997, "intersection of confidence intervals".)
 //!
-//! Where the axis rests it stands still ([`crate::rest`]). Where the speed is measured well it comes out nearly as measured, and only the
+//! Where the axis rests it stands still ([`crate::rest`]), which a position tells and a speed alone does not. Where the speed is measured well it comes out nearly as measured, and only the
 //! acceleration is smoothed. Units: those of the log. Limit: a position alone that is noisy within the time in which the sign turns leaves
 //! an error there that no window can take away.
 
 use crate::motion::{Motion, Profile};
-use crate::rest::stop_at_rest;
+use crate::rest::{Positions, stop_at_rest};
 use crate::white_noise;
 use nalgebra::{Matrix4, Vector4};
 
@@ -23,7 +23,7 @@ const HALF_WINDOWS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];
 const AGREEMENT: f64 = 3.0;
 
 /// Fewest samples of a rest: those of the widest window.
-const REST_SAMPLES: usize = 33;
+const REST_SAMPLES: usize = 2 * HALF_WINDOWS[HALF_WINDOWS.len() - 1] + 1;
 
 /// An estimate with its standard deviation.
 type Estimate = (f64, f64);
@@ -53,13 +53,30 @@ impl Cubic {
     }
 }
 
-/// The curve of an axis through measured values and, where given, rates.
-pub(crate) fn follow(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> Profile {
+/// The curve of an axis through measured positions and, where given, speeds.
+pub(crate) fn follow(time_s: &[f64], positions: &[f64], speeds: Option<&[f64]>) -> Profile {
+    let (mut nodes, deviations): (Vec<Motion>, Vec<f64>) =
+        nodes(time_s, positions, speeds).into_iter().unzip();
+    let noise = white_noise::of(time_s, positions);
+    stop_at_rest(&mut nodes, &deviations, Positions { time_s, values: positions, noise }, REST_SAMPLES);
+    curve(time_s, nodes)
+}
+
+/// The curve of a speed that was measured without a position: a steady one is no rest.
+pub(crate) fn smoothed(time_s: &[f64], speeds: &[f64]) -> Profile {
+    curve(time_s, nodes(time_s, speeds, None).into_iter().map(|(node, _)| node).collect())
+}
+
+fn curve(time_s: &[f64], nodes: Vec<Motion>) -> Profile {
+    Profile::Curve { time_s: time_s.get(..nodes.len()).unwrap_or(time_s).to_vec(), nodes }
+}
+
+/// What the windows tell at every sample, and the deviation of its rate.
+fn nodes(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> Vec<(Motion, f64)> {
     let count = time_s.len().min(values.len()).min(rates.map_or(usize::MAX, <[f64]>::len));
     let span = time_s.last().zip(time_s.first()).map_or(0.0, |(b, a)| b - a);
     let step = (span / count.saturating_sub(1).max(1) as f64).max(f64::MIN_POSITIVE);
-    let noise = white_noise::of(time_s, values);
-    let of_value = 1.0 / noise;
+    let of_value = 1.0 / white_noise::of(time_s, values);
     let rates = rates.map(|r| (r, 1.0 / (step * white_noise::of(time_s, r))));
     let node = |i: usize| {
         let (Some(&centre), Some(&base)) = (time_s.get(i), values.get(i)) else {
@@ -106,14 +123,15 @@ pub(crate) fn follow(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> P
             Motion { value: best(&value_of, base).0, rate, acceleration: best(&acceleration_of, 0.0).0 };
         (motion, deviation)
     };
-    let (mut nodes, deviations): (Vec<Motion>, Vec<f64>) = (0..count).map(node).unzip();
-    stop_at_rest(&mut nodes, &deviations, (values, noise), REST_SAMPLES);
-    Profile::Curve { time_s: time_s.get(..count).unwrap_or(time_s).to_vec(), nodes }
+    (0..count).map(node).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
 
     #[test]
     fn the_peak_of_a_speed_without_a_position_is_not_smoothed_away() {
@@ -125,10 +143,45 @@ mod tests {
         };
         let time_s: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();
         let speed: Vec<f64> = time_s.iter().map(|t| (core::f64::consts::TAU * t).sin() + noise()).collect();
-        let curve = follow(&time_s, &speed, None);
+        let curve = smoothed(&time_s, &speed);
         for peak_s in [1.25, 1.75, 2.25, 2.75] {
             let off = curve.at(peak_s).value.abs() - 1.0;
             assert!(off.abs() < 2e-4, "{peak_s}: {off}");
+        }
+    }
+
+    /// How many of six hundred readings a millisecond apart stand still, read to unit noise.
+    fn stopped(position: impl Fn(f64) -> f64, seed: u64) -> usize {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let time_s: Vec<f64> = (-300..300).map(|i| 1e-3 * f64::from(i)).collect();
+        let noise = |_: &f64| -> f64 { StandardNormal.sample(&mut rng) };
+        let noise: Vec<f64> = time_s.iter().map(noise).collect();
+        let values: Vec<f64> = time_s.iter().zip(noise).map(|(t, noise)| position(1e3 * t) + noise).collect();
+        let Profile::Curve { nodes, .. } = follow(&time_s, &values, None) else { return 0 };
+        nodes.iter().filter(|n| n.rate == 0.0 && n.acceleration == 0.0).count()
+    }
+
+    #[test]
+    fn the_end_of_a_slow_stroke_is_no_rest() {
+        // Ten thousand deviations of the noise high; at its end within the noise for 35 samples to 80.
+        for bend in [3e-3, 5e-3, 8e-3, 1.1e-2] {
+            let stroke = |samples: f64| 1e4 * (samples * f64::sqrt(bend / 1e4)).cos();
+            let rests: Vec<u64> = (0..8).filter(|seed| stopped(stroke, *seed) > 0).collect();
+            assert!(rests.is_empty(), "{bend}: {rests:?}");
+        }
+    }
+
+    #[test]
+    fn an_axis_rests_between_motions_of_any_kind() {
+        for bend in [0.05, 1.0, 20.0] {
+            let away = |samples: f64| 0.5 * bend * (samples.abs() - 32.0).max(0.0).powi(2);
+            for seed in 0..4 {
+                let back = stopped(away, seed);
+                let on = stopped(|samples| samples.signum() * away(samples), seed);
+                let off = stopped(|samples| if samples < -32.0 { 0.0 } else { away(samples) }, seed);
+                assert!([back, on].iter().all(|n| (40..=80).contains(n)), "{bend} {seed}: {back} {on}");
+                assert!((310..=350).contains(&off), "{bend} {seed}: {off}");
+            }
         }
     }
 }

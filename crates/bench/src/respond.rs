@@ -2,7 +2,7 @@
 
 use crate::channel::Channel;
 use crate::description::{Bench, FrictionRig};
-use crate::follow::follow;
+use crate::follow::{follow, smoothed};
 use crate::friction_rig::{Given, efforts_along};
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
@@ -148,7 +148,7 @@ impl Inputs {
 
 /// A motion whose rate is measured and whose value is not needed.
 fn integrated(time_s: &[f64], rate: &[f64]) -> Profile {
-    let smooth = follow(time_s, rate, None);
+    let smooth = smoothed(time_s, rate);
     let mut value = 0.0;
     let mut nodes: Vec<Motion> = Vec::with_capacity(time_s.len());
     let mut last: Option<(f64, f64)> = None;

@@ -19,32 +19,41 @@ fn moved(time_s: f64) -> [f64; 3] {
 }
 
 /// Numbers of unit variance, evenly spread.
-fn spread(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    12.0_f64.sqrt() * ((*state >> 11) as f64 / (1u64 << 53) as f64 - 0.5)
+fn spread() -> impl FnMut() -> f64 {
+    let mut state: u64 = 7;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        12.0_f64.sqrt() * ((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5)
+    }
+}
+
+/// A log of these channels of the friction rig, as inputs.
+fn inputs(channels: &str, mut at: impl FnMut(f64) -> Vec<f64>) -> Inputs {
+    let bench = Bench::open("friction-rig").unwrap();
+    let mut text = format!("t_s,{channels},drive_torque_nm\n");
+    for t in (0..(4.0 * RATE_HZ) as usize).map(|i| i as f64 / RATE_HZ) {
+        let _ = write!(text, "{t:.5}");
+        for value in at(t) {
+            let _ = write!(text, ",{value:.9e}");
+        }
+        text.push_str(",0.0\n");
+    }
+    let log = MeasuredLog::parse("log.csv", &text, &bench.log_format()).unwrap();
+    Inputs::new(&bench, &log).unwrap()
 }
 
 /// Rms errors of speed and acceleration, and the largest of the speed while it turns friction round (below 30 mrad/s), from
 /// angle noise and, where measured, speed noise. The ends of the log, where no window is whole, are left out.
 fn errors(angle_noise: f64, speed_noise: Option<f64>) -> [f64; 3] {
-    let bench = Bench::open("friction-rig").unwrap();
-    let mut state = 7;
-    let mut text = String::from("t_s,spindle_angle_rad,spindle_speed_rad_s,drive_torque_nm\n");
-    if speed_noise.is_none() {
-        text = text.replace("spindle_speed_rad_s,", "");
-    }
-    let times: Vec<f64> = (0..(4.0 * RATE_HZ) as usize).map(|i| i as f64 / RATE_HZ).collect();
-    for &t in &times {
-        let [angle, speed, _] = moved(t);
-        let _ = write!(text, "{t:.5},{:.9e}", angle + angle_noise * spread(&mut state));
-        if let Some(deviation) = speed_noise {
-            let _ = write!(text, ",{:.9e}", speed + deviation * spread(&mut state));
-        }
-        text.push_str(",0.0\n");
-    }
-    let log = MeasuredLog::parse("log.csv", &text, &bench.log_format()).unwrap();
-    let inputs = Inputs::new(&bench, &log).unwrap();
-    let inside: Vec<f64> = times.iter().copied().filter(|t| (0.1..3.9).contains(t)).collect();
+    let mut noise = spread();
+    let inputs = match speed_noise {
+        None => inputs("spindle_angle_rad", |t| vec![moved(t)[0] + angle_noise * noise()]),
+        Some(deviation) => inputs("spindle_angle_rad,spindle_speed_rad_s", |t| {
+            vec![moved(t)[0] + angle_noise * noise(), moved(t)[1] + deviation * noise()]
+        }),
+    };
+    let times = (0..(4.0 * RATE_HZ) as usize).map(|i| i as f64 / RATE_HZ);
+    let inside: Vec<f64> = times.filter(|t| (0.1..3.9).contains(t)).collect();
     let (mut rate, mut acceleration, mut turning) = (0.0, 0.0, 0.0_f64);
     for &t in &inside {
         let ([_, speed, a], found) = (moved(t), inputs.drive(t));
@@ -77,4 +86,25 @@ fn a_speed_that_comes_from_positions_is_better_than_their_difference() {
 fn a_noisy_speed_is_smoothed() {
     let [rate, _, _] = errors(2e-6, Some(5e-3));
     assert!(rate < 5e-4, "{rate}");
+}
+
+#[test]
+fn an_axis_that_rests_stands_still() {
+    let mut noise = spread();
+    let inputs = inputs("spindle_angle_rad", |t| vec![moved(t)[0] + 2e-6 * noise()]);
+    for time_s in [0.0, 0.5, 3.5] {
+        let found = inputs.drive(time_s);
+        assert_eq!((found.rate, found.acceleration), (0.0, 0.0), "{time_s} s");
+    }
+}
+
+#[test]
+fn a_steady_speed_without_a_position_is_no_rest() {
+    let mut noise = spread();
+    let speed = |t: f64| 0.5 + 5e-4 * (core::f64::consts::TAU * 0.5 * t).sin();
+    let inputs = inputs("spindle_speed_rad_s", |t| vec![speed(t) + 1e-3 * noise()]);
+    // High and low for half a second each.
+    let mean =
+        |from_s: f64| (0..100).map(|i| inputs.drive(from_s + 5e-3 * f64::from(i)).rate).sum::<f64>() / 100.0;
+    assert!(mean(0.25) - mean(1.25) > 7e-4, "{} {}", mean(0.25), mean(1.25));
 }
