@@ -127,20 +127,22 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build().map_err(|e| {
         CampaignError::File { file: "threads".into(), found: e.to_string(), expected: "a pool of threads" }
     })?;
-    let one = |cell: &&_| -> Option<Result<Outcome, CampaignError>> {
+    // A cell that fails is told at the end, when hours of others are in the journal; it is asked again when the campaign goes on. A journal
+    // that cannot be written ends the campaign, for what came behind half a line would be lost.
+    let one = |cell: &&_| -> Option<Result<Result<Outcome, CampaignError>, CampaignError>> {
         if late() {
             return None;
         }
-        let outcome = run(&cli.out, cell).and_then(|outcome| {
-            journal.lock().unwrap_or_else(std::sync::PoisonError::into_inner).line(&outcome)?;
-            Ok(outcome)
-        });
+        let outcome = run(&cli.out, cell);
+        let line = |outcome: &Outcome| {
+            journal.lock().unwrap_or_else(std::sync::PoisonError::into_inner).line(outcome)
+        };
+        let written = outcome.as_ref().map_or(Ok(()), line);
         bar.inc(1);
-        Some(outcome)
+        Some(written.map(|()| outcome).map_err(CampaignError::from))
     };
-    // A cell that fails is told at the end, when hours of others are in the journal; it is asked again when the campaign goes on.
-    let new: Vec<Result<Outcome, CampaignError>> =
-        pool.install(|| open.par_iter().with_max_len(1).filter_map(one).collect());
+    let new: Vec<Result<Outcome, CampaignError>> = pool
+        .install(|| open.par_iter().with_max_len(1).filter_map(one).collect::<Result<_, CampaignError>>())?;
     bar.finish_and_clear();
     let mut failed = Vec::new();
     for outcome in new {

@@ -58,6 +58,12 @@ impl Desk<'_> {
     ) -> Result<Diagnosis, CampaignError> {
         diagnose(bench, logs, &[], &Options { exclude, ..Options::default() }).map_err(|e| self.failed(&e))
     }
+
+    /// What calibration alone makes of a log, where no effect may be named.
+    pub(super) fn nominal(&self, bench: &Bench, log: &MeasuredLog) -> Result<Diagnosis, CampaignError> {
+        let every: Vec<String> = CATALOGUE.iter().map(|kind| kind.name.to_owned()).collect();
+        self.ask(bench, std::slice::from_ref(log), &every)
+    }
 }
 
 /// Draws the effects of a cell at their sizes; `None` where the plant cannot show one of them as large.
@@ -155,8 +161,7 @@ fn realised(
     answer: &Diagnosis,
 ) -> Result<Option<f64>, CampaignError> {
     let fresh = desk.log("fresh", text, bench)?;
-    let nothing: Vec<String> = CATALOGUE.iter().map(|k| k.name.to_owned()).collect();
-    let nominal = desk.ask(bench, std::slice::from_ref(seen), &nothing)?;
+    let nominal = desk.nominal(bench, seen)?;
     let (Some(before), Some(after)) = (&nominal.extended, &answer.extended) else { return Ok(None) };
     let sensors = desk.cell.conditions().sensors(desk.cell.plant);
     let left = |bench: &Bench| -> Result<f64, CampaignError> {
