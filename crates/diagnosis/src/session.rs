@@ -219,7 +219,7 @@ impl Data {
 }
 
 /// Outputs that the plant simulates under the log's inputs.
-fn simulable(bench: &Bench, log: &MeasuredLog) -> Vec<Channel> {
+pub(crate) fn simulable(bench: &Bench, log: &MeasuredLog) -> Vec<Channel> {
     let channels = log.outputs().map(|(c, _)| c);
     match bench {
         Bench::Transmission(_) => {

@@ -5,6 +5,7 @@ use super::reading::step;
 use super::simulated::Simulated;
 use super::statistics::{median, range, runs, scatter};
 use bench::{Bench, MeasuredLog};
+use std::ops::Range;
 
 /// Equal readings in a row from which on a channel stands still.
 const LEAST_RUN: usize = 8;
@@ -65,34 +66,31 @@ pub(super) fn check(
         let margin = 4.0 * declared;
         let railed: usize =
             [1.0, -1.0].into_iter().filter_map(|sign| rail(values, expected, sign, margin)).sum();
-        // One rail seen, the other one may be hidden by what the bench does there. Nor does a sensor hang twice at the very end of what it reads.
-        let at_top = |value: f64| values.iter().all(|v| *v <= value);
-        let at_end = |value: f64| at_top(value) || values.iter().all(|v| *v >= value);
         let still = || runs(values).filter(|(_, length)| *length >= LEAST_RUN);
         let comes_back =
             |value: f64| still().filter(|(from, _)| values.get(*from) == Some(&value)).count() > 1;
-        let is_rail = |value: f64| at_end(value) && (railed > 0 || comes_back(value));
         let (mut stuck, mut longest, mut clipped) = (Vec::new(), 0, 0);
         for (from, length) in still() {
             let run = from..from + length;
             let (Some(meanwhile), Some(&value)) = (expected.get(run.clone()), values.get(from)) else {
                 continue;
             };
-            if range(meanwhile) < moved || is_rail(value) {
+            if range(meanwhile) < moved {
                 continue;
             }
-            // Nor does a sensor that hangs at the end of what it reads wait for the bench to come back there: a rail that is reached once.
-            let sign = if at_top(value) { 1.0 } else { -1.0 };
-            let is_inside = |off: &f64| -sign * off > margin;
-            let inside = passed(values, expected, run.clone()).iter().filter(|off| is_inside(off)).count();
-            if at_end(value) && inside as f64 <= INSIDE * length as f64 {
+            // One rail seen, the other one may be hidden by what the bench does there. Nor does a sensor hang twice at the very end of what it reads.
+            if let Some(sign) = end(values, value)
+                && (railed > 0
+                    || comes_back(value)
+                    || is_clipped(values, expected, run.clone(), sign, margin))
+            {
                 clipped += length;
                 continue;
             }
             longest = longest.max(length);
             stuck.push(run);
         }
-        let railed = railed + clipped;
+        let railed = if railed > 0 { railed } else { clipped };
         if railed > 0 {
             findings.push(
                 note(
@@ -104,7 +102,7 @@ pub(super) fn check(
                 .evidence("readings", railed as f64),
             );
         }
-        let count: usize = stuck.iter().map(std::ops::Range::len).sum();
+        let count: usize = stuck.iter().map(Range::len).sum();
         if count == 0 {
             continue;
         }
@@ -131,9 +129,21 @@ pub(super) fn check(
     keep
 }
 
+/// At which end of the readings a value is: 1 at the top, -1 at the bottom.
+fn end(values: &[f64], value: f64) -> Option<f64> {
+    [1.0, -1.0].into_iter().find(|sign| values.iter().all(|v| sign * v <= sign * value))
+}
+
+/// Whether a run at an end of the readings ends when the bench comes back there, as at a rail; a sensor that hangs does not wait for that.
+fn is_clipped(values: &[f64], expected: &[f64], run: Range<usize>, sign: f64, margin: f64) -> bool {
+    let most = INSIDE * run.len() as f64;
+    let inside = passed(values, expected, run).into_iter().filter(|off| -sign * off > margin).count();
+    inside as f64 <= most
+}
+
 /// By how much the bench would have gone beyond a run of equal readings: the simulation, moved to the readings before and behind the run.
-fn passed(values: &[f64], expected: &[f64], run: std::ops::Range<usize>) -> Vec<f64> {
-    let off = |places: std::ops::Range<usize>| {
+fn passed(values: &[f64], expected: &[f64], run: Range<usize>) -> Vec<f64> {
+    let off = |places: Range<usize>| {
         let beside = values.get(places.clone()).zip(expected.get(places)).filter(|(v, _)| !v.is_empty());
         beside.map(|(v, s)| median(v.iter().zip(s).map(|(v, s)| v - s)))
     };
