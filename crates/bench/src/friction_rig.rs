@@ -181,7 +181,8 @@ impl Given {
     }
 }
 
-/// The efforts at ascending times under a motion and a load.
+/// The efforts at ascending times under a motion and a load. Memory is marched from one of the times to the next along what is given
+/// there: they have to be as near to each other as a log's samples.
 pub fn efforts(
     rig: &FrictionRig,
     times_s: &[f64],

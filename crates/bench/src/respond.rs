@@ -208,6 +208,7 @@ fn is_prompt(resolved: &Bench, inputs: &Inputs) -> bool {
 
 /// What the sensors' electronics of a resolved bench make of true outputs that serve it: the cheap half of [`respond`].
 pub fn sensed(resolved: &Bench, inputs: &Inputs, truth: &Truth) -> Response {
+    debug_assert!(truth.serves(resolved, inputs), "a late sensor reads between the samples");
     let perfect = Sensor::default();
     let times_s = if truth.fineness == 1 { &inputs.time_s } else { &inputs.fine_s };
     let sense = |(channel, values): (&Channel, &Vec<f64>)| {

@@ -5,7 +5,8 @@
 //! would go wherever the linearisation points.
 //!
 //! Sensitivities are finite differences of whole simulations, computed in parallel and put together in order, so that
-//! the number of threads changes nothing. A parameter that only concerns a sensor needs no simulation.
+//! the number of threads changes nothing. A parameter that only concerns a sensor needs no simulation of the plant, but for the
+//! first delay or bandwidth of a log whose sensors were prompt: a late sensor reads between the samples.
 
 use crate::linear::{dot, factor, gram, project};
 use crate::model::Model;
@@ -32,7 +33,7 @@ const HELD: f64 = 1e4;
 
 /// A bench simulated under all sessions.
 pub(crate) struct Simulation {
-    /// Resolved and without sensors, one a session: what the truths depend on.
+    /// Resolved and without sensors, one a session: what the truths depend on, but for how fine they are.
     plants: Vec<Bench>,
     truths: Vec<Arc<Truth>>,
     pub(crate) columns: Columns,

@@ -14,14 +14,14 @@ pub struct Place {
     pub quantity: &'static str,
     /// Share of the power of the residual before that its means over the bins make up.
     pub share: f64,
-    /// Bins of equal counts, ascending.
+    /// Bins of equal counts, ascending; what is equal, as every speed at rest, is in one bin.
     pub bins: Vec<PlaceBin>,
 }
 
 /// One bin: measured less simulated, mean, in the unit of the channel.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlaceBin {
-    /// Lower end, SI; of a direction -1 or 1.
+    /// Lower end, SI; of a direction -1, 1 or, at rest, 0.
     pub from: f64,
     /// Upper end.
     pub to: f64,

@@ -163,7 +163,7 @@ pub struct Refused {
     /// One cause, or two together.
     pub causes: Vec<Member>,
     /// Why: `declared-number-at-bound`, `shape-at-bound`, `no-memory`, `size-differs`, `explains-too-little`, `size-uncertain` or
-    /// `held-out-no-better`.
+    /// `held-out-uncertain`.
     pub reason: String,
     /// The same as a clause.
     pub words: String,
@@ -273,7 +273,7 @@ pub struct Diagnosis {
     pub hypotheses: Vec<Hypothesis>,
     /// Effects that fit as well as the causes.
     pub ambiguous_with: Vec<Ambiguous>,
-    /// Causes that were found beyond those, and what speaks against them.
+    /// Causes that were found beyond those, or where none was the candidate that comes nearest, and what speaks against them.
     pub refused: Option<Refused>,
     /// Structure that is left.
     pub signature: Option<Signature>,

@@ -333,6 +333,7 @@ mod tests {
     use super::*;
     use crate::fit::simulate;
     use crate::rank::tests::{calibrated, plain};
+    use crate::standing::nearest;
 
     #[test]
     fn a_stage_frees_a_fit_of_its_base_s_model_that_had_stuck_and_no_other() {
@@ -357,5 +358,26 @@ mod tests {
         assert!(!stage(fitted("coulomb-level")).frees(&data, &fitted("coulomb-level")));
         assert!(!stage(stuck()).frees(&data, &fitted("coulomb-level")));
         assert!(!stage(fitted("viscous-friction")).frees(&data, &stuck()));
+    }
+
+    #[test]
+    fn what_keeps_the_nearest_candidate_from_being_a_cause_is_told() {
+        // Of forty too much calibration takes four, and the level's size is clear; of one it takes all, and the size may be nothing.
+        let stage = |effort: f64, evidence: f64, accepted: bool| {
+            let (data, noise, base) = calibrated(effort);
+            let model = base.model.with(plain("coulomb-level"), &noise);
+            let start = vec![0.0; model.parameters.len()];
+            let fit = fit(&data, &noise, model, start).unwrap();
+            let candidate = plain("coulomb-level");
+            let best =
+                Contender { candidate, fit, evidence, probability: 0.0, correlation: 0.0, criterion: 0.0 };
+            Stage { base, contenders: vec![best], others: Vec::new(), noise, threshold: 10.0, accepted }
+        };
+        let reason = |stage: Stage| nearest(&stage).map(|r| (r.causes[0].effect.clone(), r.reason));
+        let of = |reason: &str| Some(("coulomb-level".to_owned(), reason.to_owned()));
+        assert_eq!(reason(stage(40.0, 11.0, false)), of("held-out-uncertain"));
+        assert_eq!(reason(stage(1.0, 11.0, false)), of("size-uncertain"));
+        assert_eq!(reason(stage(40.0, 11.0, true)), None);
+        assert_eq!(reason(stage(40.0, 9.0, false)), None);
     }
 }

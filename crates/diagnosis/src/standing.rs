@@ -94,9 +94,11 @@ pub(crate) fn standing(data: &Data, ends: &[End]) -> (usize, Option<Refused>) {
 pub(crate) fn nearest(first: &Stage) -> Option<Refused> {
     let (candidate, doubt) = first.doubt()?;
     let (reason, words) = match doubt {
-        Doubt::Size => ("size-uncertain", "beside the uncertain numbers its size may be nothing"),
+        Doubt::Size => {
+            ("size-uncertain", "its size cannot be told from 0 beside the numbers that are uncertain")
+        }
         Doubt::HeldOut => {
-            ("held-out-no-better", "the error of what was not fitted does not fall for certain")
+            ("held-out-uncertain", "the error of what was not fitted does not fall for certain")
         }
     };
     Some(Refused { causes: vec![Member::from(candidate)], reason: reason.into(), words: words.into() })

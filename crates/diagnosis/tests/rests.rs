@@ -135,7 +135,7 @@ fn what_comes_nearest_is_told_with_what_speaks_against_it() {
     let (far, near) = (answer(-1.6), answer(-1.25));
     assert!(far.verdict == Verdict::Named && far.refused.is_none(), "{:?}", far.refused);
     let refused = near.refused.unwrap();
-    assert_eq!((near.verdict, refused.reason.as_str()), (Verdict::Unknown, "held-out-no-better"));
+    assert_eq!((near.verdict, refused.reason.as_str()), (Verdict::Unknown, "held-out-uncertain"));
     let causes: Vec<_> = refused.causes.iter().map(|c| (c.effect.as_str(), c.channel)).collect();
     assert_eq!(causes, [("sensor-offset", Some(Channel::DriveTorque))]);
 }

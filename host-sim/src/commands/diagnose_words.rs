@@ -101,12 +101,16 @@ fn bounds_words(told: &[Identifiability], calibrated: &[Calibrated]) -> String {
     let at_bound = |name: &String| told.iter().any(|f| f.kind == "at-bound" && f.parameters.contains(name));
     let stopped = calibrated.iter().filter(|c| at_bound(&c.name));
     let numbers: Vec<String> = stopped
-        .map(|c| format!("{} = {} (described: {})", c.name, four_digits(c.value), four_digits(c.described)))
+        .map(|c| {
+            let [moved, described, deviation] =
+                [c.value - c.described, c.described, c.declared_deviation].map(four_digits);
+            format!("{} by {moved} from {described} (± {deviation})", c.name)
+        })
         .collect();
     if numbers.is_empty() {
         return String::new();
     }
-    format!(" As far off as the description allows: {}.", numbers.join("; "))
+    format!(" Calibration has moved as far as it may: {}.", numbers.join("; "))
 }
 
 /// What was found and does not count, and why, as a sentence.
@@ -151,14 +155,14 @@ mod tests {
             name: name.into(),
             described,
             value,
-            declared_deviation: 1.0,
-            deviation: 1.0,
+            declared_deviation: 6e-6,
+            deviation: 1e-6,
         };
-        let numbers = [number("axis.inertia", 10.0, 10.8), number("axis.load_gain", 1.0, 1.0024)];
+        let numbers = [number("axis.inertia", 10.0, 10.8), number("axis.load_gain", 1.0, 1.000_024)];
         let words = bounds_words(&[told("at-bound", &["axis.load_gain"])], &numbers);
         assert_eq!(
             words,
-            " As far off as the description allows: axis.load_gain = 1.002 (described: 1.000)."
+            " Calibration has moved as far as it may: axis.load_gain by 2.400e-5 from 1.000 (± 6.000e-6)."
         );
         assert_eq!(bounds_words(&[told("dead", &["axis.inertia"])], &numbers), "");
     }
