@@ -38,12 +38,11 @@ pub(crate) fn stop_at_rest(nodes: &mut [Motion], deviations: &[f64], positions: 
             return;
         };
         let mean = rest.values.iter().sum::<f64>() / rest.values.len() as f64;
-        if rest.are(|_| mean) && !around.turn() {
-            nodes
-                .get_mut(places)
-                .into_iter()
-                .flatten()
-                .for_each(|n| *n = Motion { value: mean, ..Motion::default() });
+        if rest.are(|_| mean)
+            && !around.turn()
+            && let Some(nodes) = nodes.get_mut(places)
+        {
+            nodes.fill(Motion { value: mean, ..Motion::default() });
         }
     }
 }
