@@ -8,9 +8,9 @@
 //! is the difference of the variances (Hausman), so noise alone moves an estimate by about the root of that; what moves
 //! further is the motion. (Choice of the window: Goldenshluger and Nemirovski 1997, "intersection of confidence intervals".)
 //!
-//! Where the axis rests it stands still ([`crate::rest`]), which a position tells and a speed alone does not. Where the speed is measured well it comes out nearly as measured, and only the
-//! acceleration is smoothed. Units: those of the log. Limit: a position alone that is noisy within the time in which the sign turns leaves
-//! an error there that no window can take away.
+//! Where the axis rests it stands still ([`crate::rest`]), which a position tells and a speed alone does not. Where the speed is
+//! measured well it comes out nearly as measured, and only the acceleration is smoothed. Units: those of the log. Limit: a position alone
+//! that is noisy within the time in which the sign turns leaves an error there that no window can take away.
 
 use crate::motion::{Motion, Profile};
 use crate::rest::{Positions, stop_at_rest};
@@ -105,7 +105,7 @@ fn nodes(time_s: &[f64], values: &[f64], rates: Option<&[f64]>) -> Vec<(Motion, 
             }
             done = half;
             let samples = 1 + half.min(i) + half.min(count - 1 - i);
-            // A window without a reading to spare passes on all of their noise: at the ends, where it is one-sided, much of it.
+            // A window without a reading to spare passes on all of its readings' noise, many times over at the ends, where it is one-sided.
             if samples * (1 + usize::from(rates.is_some())) <= 4 {
                 continue;
             }

@@ -214,7 +214,8 @@ fn a_rail_is_told_and_left_to_the_diagnosis() {
     assert_eq!((graves(&findings), after), (vec![], log));
 }
 
-/// A log of the friction rig whose torque is more than described, so that nothing says that the bench goes beyond a limit, with the torque that no sensor limits; mirrored for a negative sign.
+/// A log of the friction rig whose torque is more than described, so that nothing says that the bench goes beyond a limit, with the torque
+/// that no sensor limits; mirrored for a negative sign.
 fn torque_beyond_the_described(sign: f64) -> (Bench, MeasuredLog, Vec<f64>) {
     let mut bench = Bench::open("friction-rig").unwrap();
     bench.set_cycles(1);
