@@ -1,7 +1,7 @@
-//! Finds out whether the target has the DSP instructions, which stable Rust does not tell by itself.
+//! Decides whether the target has the DSP instructions, which stable Rust does not expose.
 //!
-//! `thumbv7em` always has them; `thumbv8m.main` has them on every Cortex-M33, M35P, M55 and M85 that is built with the option:
-//! there the feature `dsp` says so.
+//! `thumbv7em` always has them. `thumbv8m.main` has them on every Cortex-M33, M35P, M55 and M85
+//! built with the option; there the feature `dsp` enables them.
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(pintle_dsp)");

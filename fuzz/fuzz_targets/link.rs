@@ -1,8 +1,9 @@
-//! Any bytes at all through decoder and session; the promises are those of the bounded run in `firmware/tests/link`.
+//! Arbitrary bytes through decoder and session. The requirements are those of the bounded run in
+//! `crates/controller/tests/link`.
 #![no_main]
 
-#[allow(dead_code, reason = "the bounded run asks the subject for more")]
-#[path = "../../firmware/tests/link/survives.rs"]
+#[allow(dead_code, reason = "only the bounded run uses these functions")]
+#[path = "../../crates/controller/tests/link/survives.rs"]
 mod survives;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| survives::Subject::default().survives(data));

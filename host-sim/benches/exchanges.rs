@@ -1,17 +1,18 @@
-//! Exchanges with the emulated controller, one at a time, and the same natively.
+//! Rate of exchanges with the emulated controller, one at a time, and with the native one.
 //!
-//! `cargo xtask firmware && cargo bench -p host-sim --bench exchanges`. `link_alone`: a sample's frame in and decoded, a refusal encoded and out,
-//! because nothing is configured; `whole_tick`: the sample estimated. Items are exchanges. Compare figures of one run only.
+//! `cargo xtask firmware && cargo bench -p host-sim --bench exchanges`. `link_alone`: the
+//! controller decodes a sample's frame and encodes a refusal, because it is not configured.
+//! `whole_tick`: it also estimates the sample. Compare figures of one benchmark run only.
 #![allow(clippy::expect_used, reason = "a benchmark that cannot set itself up has nothing to measure")]
 
+use controller::configuration::BENCH_B;
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use firmware::configuration::BENCH_B;
 use host_sim::controller::{Controller, EmulatedController, NativeController};
 use link::track::SensorStatus;
 use link::{MAX_FRAME, SensorFrame, ToController, encode};
 
-/// Exchanges of a round.
+/// Exchanges per round.
 const EXCHANGES: u32 = 10_000;
 
 fn main() {

@@ -1,4 +1,4 @@
-//! `host-sim accuracy` as a user meets it: figures, verdicts, files, exit codes.
+//! `host-sim accuracy` on the command line: figures, verdicts, files, exit codes.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use serde_json::Value;
@@ -9,7 +9,7 @@ fn number(value: &Value, path: &str) -> f64 {
 }
 
 #[test]
-fn every_clearance_and_load_is_judged_and_a_goal_not_met_is_no_failure() {
+fn every_clearance_and_load_is_evaluated_and_a_missed_goal_is_no_failure() {
     let directory = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_host-sim"))
         .current_dir(directory.path())
@@ -32,11 +32,12 @@ fn every_clearance_and_load_is_judged_and_a_goal_not_met_is_no_failure() {
         assert_eq!(number(run, "/gap/network_n"), 0.0, "{run}");
         assert_eq!(number(run, "/gap/estimator_n"), 0.0, "{run}");
         assert!(number(run, "/gap/samples") > 10_000.0);
-        // On the same signals float and quantised networks are close; noise makes every estimate worse.
+        // On the same signals float and quantised networks are close; noise makes every estimate
+        // worse.
         let force = |of: &str| number(run, &format!("/estimate/{of}/force_rms_n"));
         assert!((force("network") / force("float_network") - 1.0).abs() < 0.1, "{run}");
         assert!(force("perfect_sensors") < force("network"), "{run}");
-        // Where the step is small the held law is the law.
+        // With a small step the held law agrees with the law.
         assert!(number(run, "/in_the_loop/held_law/peak").abs() < 0.02, "{run}");
     }
     let folder = directory.path().join("accuracy");
@@ -52,4 +53,51 @@ fn a_step_out_of_range_is_refused_before_any_run() {
         Command::new(env!("CARGO_BIN_EXE_host-sim")).args(["accuracy", "--step-us", "-3"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("--step-us: found -3; expected"));
+}
+
+#[test]
+fn a_number_of_worlds_out_of_range_is_refused() {
+    for count in ["0", "-1", "10001", "99999999999", "ten"] {
+        let arguments = ["accuracy", "--worlds", count, "--out", "/dev/null/none"];
+        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(arguments).output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{count}: {message}");
+        assert!(message.contains("--worlds") && message.contains(count), "{count}: {message}");
+    }
+}
+
+#[test]
+fn worlds_are_measured_with_every_estimator_and_stored_with_a_page() {
+    let directory = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .current_dir(directory.path())
+        .args(["accuracy", "--worlds", "1", "--bearing", "plastic", "--json", "--out", "worlds"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let cases = found["cases"].as_array().unwrap();
+    // Exact, drawn, 14 with a parameter off, 5 with an effect; at 4 operating points.
+    assert_eq!(cases.len(), 4 * 21 * 3);
+    let of = |world: &str, estimator: &str| {
+        let mut chosen = cases.iter().filter(|c| c["world"] == world && c["estimator"] == estimator);
+        chosen.find(|c| c["clearance_mm"] == 0.5 && c["load_kn"] == 10.0).unwrap()
+    };
+    for world in ["exact", "draw-1", "clearance+", "mass-", "drive-lag"] {
+        let (filter, tick) = (of(world, "filter"), of(world, "tick"));
+        assert_eq!(number(filter, "/full_scale_n"), number(tick, "/full_scale_n"), "{world}");
+        assert!(number(filter, "/rms_n") < number(filter, "/max_n"), "{filter}");
+        assert!((0.0..=1.0).contains(&number(filter, "/inside_2sd")), "{filter}");
+        assert!((0.0..=1.0).contains(&number(filter, "/torque_inside_2sd")), "{filter}");
+        assert!(number(filter, "/torque_rms_nm") < number(filter, "/torque_full_scale_nm"), "{filter}");
+        assert!(tick["inside_2sd"].is_null() && tick["torque_inside_2sd"].is_null(), "{tick}");
+    }
+    // The described world is the bench of the physics: 6241 N along Y with friction.
+    let full_scale = number(of("exact", "filter"), "/full_scale_n");
+    assert!((full_scale / 6258.0 - 1.0).abs() < 0.01, "{full_scale}");
+    let with_drive_force = number(of("draw-1", "filter with drive force"), "/rms_n");
+    assert!(with_drive_force < number(of("draw-1", "tick"), "/rms_n"));
+    for name in ["worlds.json", "worlds.html", "world-force.svg", "worlds-every.svg"] {
+        assert!(directory.path().join("worlds").join(name).metadata().unwrap().len() > 1000, "{name}");
+    }
 }

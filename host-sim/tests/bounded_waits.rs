@@ -1,5 +1,5 @@
-//! Either side goes at a random moment, 200 times: nothing hangs, the error tells the last sample that was answered and why there are no more, and
-//! whoever comes next finds things in order.
+//! Host or controller ends at a random moment, 200 times: nothing hangs, the error names the last
+//! answered sample and the cause, and the next host or controller works normally.
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
@@ -8,30 +8,30 @@ mod trial;
 mod twin;
 
 use host_sim::controller::{
-    AttachedController, Bounds, Controller, ControllerError, NativeController, RemoteController,
+    AttachedController, Controller, ControllerError, NativeController, RemoteController, Timeouts,
 };
-use host_sim::estimator::{bit_differences, track};
+use host_sim::run::exchange::{bit_differences, exchange};
 use rustix::process::{Pid, Signal, kill_process};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use trial::{SAMPLES, gone_on, stopped};
+use trial::{SAMPLES, continued, stopped};
 use twin::{CONFIGURATION, Plan, Random, Trouble, Twin, frames};
 
 const SEEDS: u64 = 200;
-/// Seeds at once; most of a trial is waiting.
+/// Number of seeds tried in parallel; a trial mostly waits.
 const AT_ONCE: u64 = 10;
 /// Long enough for a twin on a busy machine.
-const BOUNDS: Bounds = Bounds { answer: Duration::from_millis(1_500), again: Duration::from_millis(100) };
+const TIMEOUTS: Timeouts = Timeouts { answer: Duration::from_secs(4), retry: Duration::from_millis(100) };
 /// Likely causes that the errors name.
 const UNPLUGGED: &str = "may have been unplugged";
-const SILENT: &str = "may be wrong, or the firmware hang";
-const RESTARTED: &str = "it does not say why";
+const SILENT: &str = "may be wrong, or the firmware may hang";
+const RESTARTED: &str = "reason not reported";
 
 #[test]
-fn whoever_goes_at_whatever_moment_nothing_hangs_and_the_error_says_where_and_why() {
+fn a_fault_at_any_moment_ends_in_time_with_the_place_and_the_cause() {
     std::thread::scope(|scope| {
         for first in 0..AT_ONCE {
             scope.spawn(move || (first..SEEDS).step_by(AT_ONCE as usize).for_each(try_seed));
@@ -41,7 +41,7 @@ fn whoever_goes_at_whatever_moment_nothing_hangs_and_the_error_says_where_and_wh
 
 fn try_seed(seed: u64) {
     let mut random = Random(seed);
-    // The samples after the trouble too: an answer of 54 bytes, so many of which still come.
+    // An answer has 54 bytes; the trouble occurs after a random number of them.
     let plan = |random: &mut Random, trouble| Plan {
         at: random.below(u64::from(SAMPLES)) as u32,
         bytes: random.below(60) as usize,
@@ -63,25 +63,26 @@ fn try_seed(seed: u64) {
             let (controller, _twin) = started(plan);
             stopped(controller, seed, plan, |e| matches!(e, ControllerError::Restarted { .. }), RESTARTED);
             let (controller, _twin) = started(plan);
-            gone_on(controller, seed, plan);
+            continued(controller, seed, plan);
         }
         _ => host_gone(seed, random.below(u64::from(SAMPLES)) as usize, random.below(40) as usize),
     }
 }
 
-/// A twin with a plan, and the controller configured at it.
+/// Starts a twin with a plan and configures the controller attached to it.
 fn started(plan: Plan) -> (RemoteController, Twin) {
     let twin = Twin::start(vec![plan], 1);
-    let mut controller = AttachedController::open_within(&twin.port, BOUNDS).unwrap();
+    let mut controller = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap();
     controller.configure(CONFIGURATION).unwrap();
     (controller, twin)
 }
 
-/// The host goes after some samples and some bytes of the next; the next host's run is as any other.
+/// The host ends after some samples and some bytes of the next one; the run of the next host is
+/// normal.
 fn host_gone(seed: u64, samples: usize, bytes: usize) {
     let frames = frames(SAMPLES, seed);
     let twin = Twin::start(vec![], 1);
-    let mut first = AttachedController::open_within(&twin.port, BOUNDS).unwrap();
+    let mut first = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap();
     first.configure(CONFIGURATION).unwrap();
     for frame in &frames[..samples] {
         first.exchange(frame).unwrap();
@@ -90,10 +91,10 @@ fn host_gone(seed: u64, samples: usize, bytes: usize) {
     let mut port = std::fs::File::options().write(true).open(&twin.port).unwrap();
     port.write_all(&vec![0x21; bytes]).unwrap();
     drop(port);
-    let mut second = AttachedController::open_within(&twin.port, BOUNDS).unwrap();
+    let mut second = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap();
     second.configure(CONFIGURATION).unwrap();
-    let there = track(Box::new(second), &frames).unwrap();
-    let here = track(Box::new(NativeController::start(CONFIGURATION).unwrap()), &frames).unwrap();
+    let there = exchange(Box::new(second), &frames).unwrap();
+    let here = exchange(Box::new(NativeController::start(CONFIGURATION).unwrap()), &frames).unwrap();
     assert_eq!(bit_differences(&there, &here), 0, "seed {seed}");
 }
 
@@ -111,13 +112,13 @@ fn host_sim(folder: &Path, port: &Path, more: &[&str]) -> Child {
 }
 
 #[test]
-fn a_killed_host_leaves_whole_files_or_none_and_the_next_one_runs_as_ever() {
+fn a_killed_host_leaves_complete_files_or_none_and_the_next_host_works() {
     let folder = tempfile::tempdir().unwrap();
     let twin = Twin::start(vec![], 1);
     let mut random = Random(99);
     for _ in 0..4 {
         let mut host = host_sim(folder.path(), &twin.port, &[]);
-        // Somewhere between its start and its end.
+        // A random moment between the start and the end of the run.
         let samples = twin.samples.load(Ordering::Relaxed) + random.below(9_000) as u32;
         let started = Instant::now();
         while twin.samples.load(Ordering::Relaxed) < samples && started.elapsed() < Duration::from_secs(60) {
@@ -125,7 +126,7 @@ fn a_killed_host_leaves_whole_files_or_none_and_the_next_one_runs_as_ever() {
         }
         kill_process(Pid::from_child(&host), Signal::KILL).unwrap();
         host.wait().unwrap();
-        assert!(!folder.path().join("out").exists(), "left something behind");
+        assert!(!folder.path().join("out").exists(), "left output");
     }
     let output = host_sim(folder.path(), &twin.port, &[]).wait_with_output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -141,7 +142,7 @@ fn a_killed_host_leaves_whole_files_or_none_and_the_next_one_runs_as_ever() {
 }
 
 #[test]
-fn a_controller_that_goes_or_restarts_in_the_middle_ends_the_command_with_1_and_no_files() {
+fn a_controller_that_ends_or_restarts_gives_exit_code_1_and_no_files() {
     for (trouble, expected) in
         [(Trouble::Dies, "the port is closed"), (Trouble::Restarts, "the controller restarted")]
     {
@@ -151,7 +152,7 @@ fn a_controller_that_goes_or_restarts_in_the_middle_ends_the_command_with_1_and_
         let text = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{text}");
         assert!(text.contains(expected) && text.contains("last sequence number answered: 4999"), "{text}");
-        assert!(!folder.path().join("out").exists(), "left something behind");
+        assert!(!folder.path().join("out").exists(), "left output");
     }
     let folder = tempfile::tempdir().unwrap();
     let twin = Twin::start(vec![Plan { at: 5_000, bytes: 10, trouble: Trouble::Restarts }], 1);

@@ -1,4 +1,4 @@
-//! The command line as a user meets it: exit codes, messages, files, stable names.
+//! The command line: exit codes, messages, files, stable names.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use std::path::Path;
@@ -18,7 +18,7 @@ fn json(output: &Output) -> serde_json::Value {
 }
 
 #[test]
-fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
+fn wrong_input_exits_with_2_names_the_field_and_leaves_no_files() {
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(
         directory.path().join("broken.toml"),
@@ -33,7 +33,7 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
         (&["run", "--bench", "no-such.toml"], "neither a preset"),
         (&["run", "--bench", "broken.toml"], "broken.toml"),
         (&["run", "--bench", "friction-rig"], "expected `transmission-bench`"),
-        (&["run", "--bench", "slider-crank", "--load-kn", "1"], "belong to a transmission bench"),
+        (&["run", "--bench", "slider-crank", "--load-kn", "1"], "--load-kn: found plant `slider-crank`"),
         (&["run", "--bench", "slider-crank", "--record", "a.rec"], "--record: found plant `slider-crank`"),
         (&["record", "--bench", "slider-crank"], "found plant `slider-crank`"),
         (&["run", "--cycles", "4000000000"], "drive.cycles is 4e9; expected 1 to 1000000"),
@@ -47,19 +47,19 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_nothing_behind() {
         (&["link", "--controller", "attached", "--port", "a", "--probe"], "cannot be used with"),
         (&["link", "--controller", "attached", "--probe", "st-link"], "expected VID:PID or VID:PID:SERIAL"),
         (&["link", "--controller", "attached", "--probe", "--board", "a"], "expected one of stm32f405"),
-        (&["run", "--dropout-samples", "1.5"], "--dropout-samples: found 1.5; expected a whole number"),
+        (&["run", "--dropout-samples", "1.5"], "--dropout-samples: found 1.5; expected an integer"),
     ] {
         let output = host_sim(directory.path(), arguments);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(expected), "{arguments:?}: {message}");
-        assert!(!directory.path().join("out").exists(), "{arguments:?} left something behind");
+        assert!(!directory.path().join("out").exists(), "{arguments:?} left output");
     }
 }
 
 #[test]
 #[cfg(not(feature = "probe"))]
-fn a_build_without_probes_says_how_to_make_one_with_them() {
+fn a_build_without_probe_support_names_the_feature_to_build_with() {
     let directory = tempfile::tempdir().unwrap();
     for arguments in [
         &["link", "--controller", "attached", "--probe"][..],
@@ -79,7 +79,7 @@ fn a_build_without_probes_says_how_to_make_one_with_them() {
 fn an_output_that_cannot_be_written_exits_with_1() {
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(directory.path().join("taken"), "a file, not a folder").unwrap();
-    // The long ones say so before their work, or this test would take minutes.
+    // Long runs are refused before their work, or this test would take minutes.
     for arguments in [
         &["run", "--force", "law", "--controller", "none", "--out", "taken"][..],
         &["accuracy", "--out", "taken"],
@@ -94,7 +94,7 @@ fn an_output_that_cannot_be_written_exits_with_1() {
 }
 
 #[test]
-fn the_main_job_follows_the_law_and_its_estimator_follows_the_bench() {
+fn a_run_follows_the_law_and_its_estimator_follows_the_bench() {
     let directory = tempfile::tempdir().unwrap();
     let run = json(&host_sim(directory.path(), &["run", "--json"]));
     let number = |name: &str| {
@@ -153,7 +153,7 @@ fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
 }
 
 #[test]
-fn readings_that_do_not_come_are_told_and_cost_accuracy() {
+fn missing_readings_are_reported_and_reduce_accuracy() {
     let directory = tempfile::tempdir().unwrap();
     let figures = |more: &[&str]| {
         let arguments = [&["run", "--force", "law", "--json"], more].concat();
@@ -161,11 +161,11 @@ fn readings_that_do_not_come_are_told_and_cost_accuracy() {
         let number = |name: &str| run.pointer(&format!("/estimator/{name}")).unwrap().as_f64().unwrap();
         (number("suspect_share"), number("force_rms_error_n"))
     };
-    let whole = figures(&[]);
+    let complete = figures(&[]);
     let gaps = figures(&["--dropout-share", "0.02", "--dropout-samples", "5"]);
-    // Four channels of 2 % each, and what follows a gap.
-    assert!(gaps.0 > whole.0 + 0.05, "{whole:?}, {gaps:?}");
-    assert!(gaps.1 > whole.1, "{whole:?}, {gaps:?}");
+    // Four channels with 2 % of gaps each, and the samples after every gap.
+    assert!(gaps.0 > complete.0 + 0.05, "{complete:?}, {gaps:?}");
+    assert!(gaps.1 > complete.1, "{complete:?}, {gaps:?}");
 }
 
 #[test]
@@ -245,7 +245,7 @@ fn every_command_has_help_with_an_example() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_error() {
+fn a_closed_output_pipe_is_no_error() {
     let directory = tempfile::tempdir().unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_host-sim"))
         .current_dir(directory.path())

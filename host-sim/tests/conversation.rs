@@ -1,30 +1,30 @@
-//! Host and session over a line that loses, damages, repeats and reorders frames in both directions: every command is carried out once, in
-//! order, and both ends agree on where they are.
+//! Host and session over a line that loses, damages, repeats and reorders frames in both
+//! directions: every command is executed once and in order, and both ends agree on their state.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-use firmware::configuration::BENCH_B;
-use firmware::{Identity, NoTicks, Session};
-use host_sim::controller::{Conversation, Heard};
+use controller::configuration::BENCH_B;
+use controller::{Identity, NoTicks, Session};
+use host_sim::controller::{Conversation, Received};
 use link::track::SensorStatus;
 use link::{
-    Answer, BuildId, ClockSource, Command, ControllerConfiguration, Decoder, MAX_FRAME, Refused, SensorFrame,
+    Answer, BuildId, ClockSource, Command, ControllerConfiguration, Decoder, MAX_FRAME, Refusal, SensorFrame,
     SlowReport, State, Target, ToController, ToHost, encode,
 };
 use proptest::prelude::*;
 use std::collections::VecDeque;
 
-/// What the line does to a frame.
+/// Effect of the line on a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fate {
     Arrives,
     IsLost,
     IsDamaged(u8),
     ComesTwice,
-    /// Overtaken by so many frames that are behind it, or that come later.
+    /// Arrives after the given number of later frames.
     IsOvertaken(u8),
 }
 
-/// One direction. Whoever runs out of fates has a good line.
+/// One direction of the line. It works without errors once its list of fates is used up.
 struct Line {
     frames: VecDeque<Vec<u8>>,
     overtaken: Vec<(u8, Vec<u8>)>,
@@ -123,8 +123,8 @@ impl World {
         }
     }
 
-    /// Carries one frame over; false if none is on the way.
-    fn carry(&mut self, conversation: &mut Conversation, heard: &mut Vec<Heard>) -> bool {
+    /// Transfers one frame; returns false if none is in transit.
+    fn carry(&mut self, conversation: &mut Conversation, heard: &mut Vec<Received>) -> bool {
         if let Some(bytes) = self.to_controller.take() {
             for byte in bytes {
                 let answer = match self.at_controller.push::<ToController>(byte) {
@@ -139,7 +139,7 @@ impl World {
         if let Some(bytes) = self.to_host.take() {
             for byte in bytes {
                 if let Some(Ok(message)) = self.at_host.push::<ToHost>(byte) {
-                    heard.push(conversation.hear(message));
+                    heard.push(conversation.receive(message));
                 }
             }
             return true;
@@ -147,13 +147,13 @@ impl World {
         false
     }
 
-    /// Sends a message as often as it takes.
+    /// Sends a message until it is answered.
     fn ask(
         &mut self,
         conversation: &mut Conversation,
         message: ToController,
-        is_answer: fn(&Heard) -> bool,
-    ) -> Heard {
+        is_answer: fn(&Received) -> bool,
+    ) -> Received {
         let mut next = Some(message);
         for _ in 0..1_000 {
             if let Some(message) = next.take() {
@@ -161,7 +161,7 @@ impl World {
             }
             let mut heard = Vec::new();
             if !self.carry(conversation, &mut heard) {
-                next = conversation.again();
+                next = conversation.repeat();
             }
             if let Some(answer) = heard.into_iter().find(is_answer) {
                 return answer;
@@ -172,24 +172,25 @@ impl World {
 
     fn greet(&mut self, conversation: &mut Conversation) {
         let asking = conversation.identify();
-        self.ask(conversation, asking, |heard| matches!(heard, Heard::Greeting(_)));
+        self.ask(conversation, asking, |heard| matches!(heard, Received::Identified(_)));
     }
 
-    fn order(&mut self, conversation: &mut Conversation, command: Command) -> Result<Answer, Refused> {
+    fn order(&mut self, conversation: &mut Conversation, command: Command) -> Result<Answer, Refusal> {
         loop {
             let message = conversation.order(command);
-            match self.ask(conversation, message, |heard| matches!(heard, Heard::Outcome(_))) {
-                // Only after a change of hosts: a command of the other one was still on the way.
-                Heard::Outcome(Err(Refused::OutOfOrder { .. } | Refused::NumberTaken)) => {
+            match self.ask(conversation, message, |heard| matches!(heard, Received::Outcome(_))) {
+                // Only after a change of hosts: a command of the earlier one was still in transit.
+                Received::Outcome(Err(Refusal::OutOfOrder { .. } | Refusal::NumberTaken)) => {
                     self.greet(conversation)
                 }
-                Heard::Outcome(outcome) => return outcome,
+                Received::Outcome(outcome) => return outcome,
                 other => panic!("{other:?}"),
             }
         }
     }
 
-    /// A sample that the line lets through, so that a run that was started anew by mistake would be seen.
+    /// Sends a sample that the line does not disturb. It would reveal a run that was restarted by
+    /// mistake.
     fn sample(&mut self, sequence: u32) -> bool {
         let frame = SensorFrame { sequence, time_us: sequence * 100, ..SensorFrame::default() };
         let message = ToController::Sensor(frame, SensorStatus::GOOD);
@@ -197,8 +198,8 @@ impl World {
     }
 }
 
-/// An outcome without what a bad line makes it count.
-fn of_the_run(mut outcome: Result<Answer, Refused>) -> Result<Answer, Refused> {
+/// An outcome without the counters that a bad line changes.
+fn run_counters(mut outcome: Result<Answer, Refusal>) -> Result<Answer, Refusal> {
     if let Ok(
         Answer::Counters(counters)
         | Answer::Stopped(counters)
@@ -211,12 +212,12 @@ fn of_the_run(mut outcome: Result<Answer, Refused>) -> Result<Answer, Refused> {
     outcome
 }
 
-/// Gives commands over a line; returns every outcome and how things stand in the end.
+/// Sends commands over a line; returns every outcome and the final state.
 fn played(
     commands: &[Command],
     to_controller: Vec<Fate>,
     to_host: Vec<Fate>,
-) -> (Vec<Result<Answer, Refused>>, State, u32, u32) {
+) -> (Vec<Result<Answer, Refusal>>, State, u32, u32) {
     let mut world = World::new(to_controller, to_host);
     let mut conversation = Conversation::new(100);
     world.greet(&mut conversation);
@@ -225,7 +226,7 @@ fn played(
         .map(|(sequence, command)| {
             let outcome = world.order(&mut conversation, *command);
             world.sample(sequence);
-            of_the_run(outcome)
+            run_counters(outcome)
         })
         .collect();
     let hello = world.session.hello(0);
@@ -236,7 +237,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
-    fn whatever_the_line_does_the_commands_come_out_as_on_a_good_one(
+    fn commands_have_the_same_outcomes_on_a_bad_line_as_on_a_good_one(
         commands in prop::collection::vec(command(), 1..12),
         to_controller in fates(),
         to_host in fates(),
@@ -245,7 +246,7 @@ proptest! {
     }
 
     #[test]
-    fn a_host_that_takes_over_ends_where_the_session_is(
+    fn a_host_that_takes_over_agrees_with_the_session(
         first in prop::collection::vec(command(), 1..6),
         abandoned in command(),
         second in prop::collection::vec(command(), 1..6),
@@ -258,7 +259,7 @@ proptest! {
         for command in first {
             let _ = world.order(&mut old, command);
         }
-        // The old host goes while its last command is on the way.
+        // The old host ends while its last command is in transit.
         let last = old.order(abandoned);
         world.to_controller.put(frame(&last));
         let mut new = Conversation::new(5_000);
@@ -266,13 +267,13 @@ proptest! {
         for command in second {
             let _ = world.order(&mut new, command);
         }
-        // Let everything arrive that is still on its way.
+        // Deliver all frames that are still in transit.
         let mut heard = Vec::new();
         while world.carry(&mut new, &mut heard) {}
-        let told = world.order(&mut new, Command::GetConfiguration);
-        let crc = match told {
+        let answer = world.order(&mut new, Command::GetConfiguration);
+        let crc = match answer {
             Ok(Answer::Configuration(configuration)) => {
-                configuration.as_ref().map_or(0, firmware::configuration::check_sum)
+                configuration.as_ref().map_or(0, controller::configuration::checksum)
             }
             other => panic!("{other:?}"),
         };

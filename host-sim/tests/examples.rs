@@ -1,4 +1,4 @@
-//! Every file in `examples/` does what its head says.
+//! Every file in `examples/` works as its head describes.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use serde_json::Value;
@@ -16,7 +16,7 @@ fn host_sim(directory: &Path, arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The benches among the examples.
+/// Bench descriptions among the examples.
 fn benches() -> Vec<(String, String)> {
     let mut out: Vec<(String, String)> = std::fs::read_dir(examples())
         .unwrap()
@@ -54,12 +54,15 @@ fn the_servo_axis_is_diagnosed_from_a_mat_file_and_from_parquet() {
     let bench = examples().join("servo-axis.toml").display().to_string();
     for log in ["logs/servo-axis.mat", "logs/servo-axis.parquet"] {
         let log = examples().join(log).display().to_string();
-        let said = host_sim(directory.path(), &["diagnose", &log, "--bench", &bench, "--json"]);
-        assert_eq!(said["verdict"], "named", "{said}");
-        assert_eq!(said["causes"][0]["effect"], "viscous-friction");
-        let value = said["causes"][0]["parameters"][0]["value"].as_f64().unwrap();
+        let diagnosis = host_sim(directory.path(), &["diagnose", &log, "--bench", &bench, "--json"]);
+        assert_eq!(diagnosis["verdict"], "named", "{diagnosis}");
+        assert_eq!(diagnosis["causes"][0]["effect"], "viscous-friction");
+        let value = diagnosis["causes"][0]["parameters"][0]["value"].as_f64().unwrap();
         assert!((value / 2.0 - 1.0).abs() < 0.1, "{value}");
-        assert!(said["checks"].as_array().unwrap().iter().all(|f| f["severity"] != "wrong"), "{said}");
+        assert!(
+            diagnosis["checks"].as_array().unwrap().iter().all(|f| f["severity"] != "wrong"),
+            "{diagnosis}"
+        );
     }
 }
 
@@ -68,10 +71,11 @@ fn the_sticking_rig_is_recorded_and_diagnosed() {
     let directory = tempfile::tempdir().unwrap();
     let bench = examples().join("sticking-rig.toml").display().to_string();
     host_sim(directory.path(), &["record", "--bench", &bench, "--seed", "3", "--out", "log.mat", "--json"]);
-    let said = host_sim(directory.path(), &["diagnose", "log.mat", "--bench", "friction-rig", "--json"]);
+    let diagnosis = host_sim(directory.path(), &["diagnose", "log.mat", "--bench", "friction-rig", "--json"]);
     let causes: Vec<&str> =
-        said["causes"].as_array().unwrap().iter().filter_map(|c| c["effect"].as_str()).collect();
-    assert!(causes.contains(&"position-ripple"), "{said}");
-    // On a sine of one speed the catalogue calls these two confounded: friction falls after each reversal either way.
-    assert!(causes.contains(&"stribeck-friction") || causes.contains(&"breakaway"), "{said}");
+        diagnosis["causes"].as_array().unwrap().iter().filter_map(|c| c["effect"].as_str()).collect();
+    assert!(causes.contains(&"position-ripple"), "{diagnosis}");
+    // On a sine of one speed the catalogue calls these two confounded: in both cases friction falls
+    // after each reversal.
+    assert!(causes.contains(&"stribeck-friction") || causes.contains(&"breakaway"), "{diagnosis}");
 }

@@ -1,12 +1,12 @@
-//! `host-sim flash` on the command line: what is planned, and what is refused with which exit code.
+//! `host-sim flash` on the command line: the plan, and the refusals with their exit codes.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use std::process::Command;
 
 fn flash(arguments: &[&str]) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).arg("flash").args(arguments).output().unwrap();
-    let said = [output.stdout, output.stderr].concat();
-    (output.status.code(), String::from_utf8(said).unwrap())
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8(text).unwrap())
 }
 
 #[test]
@@ -21,8 +21,8 @@ fn wrong_input_is_refused_before_any_probe_is_touched() {
         (&["--board", "mps2-an505", "--elf", name], "a board of the emulator"),
     ];
     for (arguments, expected) in cases {
-        let (code, said) = flash(arguments);
-        assert_eq!(code, Some(2), "{said}");
-        assert!(said.contains(expected), "{said}");
+        let (code, text) = flash(arguments);
+        assert_eq!(code, Some(2), "{text}");
+        assert!(text.contains(expected), "{text}");
     }
 }

@@ -1,4 +1,5 @@
-//! Measured logs as a user meets them: three formats that say the same, refusals with a way out, faults that are named.
+//! Measured logs on the command line: three formats with the same content, refusals with a remedy,
+//! named faults.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use std::path::Path;
@@ -27,7 +28,7 @@ fn every_format_replays_to_the_same_estimates() {
         .collect();
     assert!(estimates[0].len() > 10_000);
     assert!(estimates.windows(2).all(|pair| pair[0] == pair[1]));
-    // The name says nothing: the content does.
+    // The format is recognised by the content, not by the file name.
     std::fs::rename(directory.path().join("log.mat"), directory.path().join("renamed.csv")).unwrap();
     done(directory.path(), &["replay", "renamed.csv"]);
 }
@@ -40,8 +41,8 @@ fn a_log_that_cannot_be_read_exits_with_2_and_says_what_to_do() {
     new.resize(512, b' ');
     write("new.mat", &new);
     done(directory.path(), &["record", "--out", "whole.parquet"]);
-    let whole = std::fs::read(directory.path().join("whole.parquet")).unwrap();
-    write("cut.parquet", &whole[..whole.len() / 2]);
+    let complete = std::fs::read(directory.path().join("whole.parquet")).unwrap();
+    write("cut.parquet", &complete[..complete.len() / 2]);
     write("zeros.csv", &[0; 300]);
     write("foreign.csv", b"time,force\n0,1\n1,2\n");
     for (log, expected) in [
@@ -49,7 +50,7 @@ fn a_log_that_cannot_be_read_exits_with_2_and_says_what_to_do() {
             "new.mat",
             "new.mat: a MAT-file of version 7.3, which is HDF5; expected version 5 to 7: in MATLAB, save",
         ),
-        ("cut.parquet", "expected whole Parquet"),
+        ("cut.parquet", "expected complete Parquet"),
         ("zeros.csv", "zeros.csv: an unknown binary file"),
         ("foreign.csv", "foreign.csv: no column `t_s` among `time`, `force`"),
     ] {
@@ -75,7 +76,7 @@ fn faults_of_a_log_are_named_on_the_terminal_and_in_json() {
             let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
             match row {
                 0 => {}
-                // A reading that is missing, and a sign the wrong way round.
+                // A missing reading, and a wrong sign.
                 500 => fields[column].clear(),
                 _ => fields[column] = (-fields[column].parse::<f64>().unwrap()).to_string(),
             }
@@ -84,12 +85,12 @@ fn faults_of_a_log_are_named_on_the_terminal_and_in_json() {
         .collect();
     std::fs::write(directory.path().join("log.csv"), faulty.join("\n")).unwrap();
     let arguments = ["diagnose", "log.csv", "--bench", "friction-rig"];
-    let said = done(directory.path(), &arguments);
-    assert!(said.contains("verdict: none"), "{said}");
+    let output = done(directory.path(), &arguments);
+    assert!(output.contains("verdict: none"), "{output}");
     for word in
         ["wrong", "sign", "missing-values", "drive_torque_nm = { from = \"drive_torque_nm\", scale = -1.0 }"]
     {
-        assert!(said.contains(word), "{word} in {said}");
+        assert!(output.contains(word), "{word} in {output}");
     }
     let json: serde_json::Value =
         serde_json::from_str(&done(directory.path(), &[&arguments[..], &["--json"]].concat())).unwrap();

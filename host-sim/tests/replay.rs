@@ -1,22 +1,25 @@
-//! `host-sim run --record` and `host-sim replay` as a user meets them: nothing differs on any end, what differs is listed, what is damaged is refused,
-//! and a measured log gives the estimates of its controller.
+//! `host-sim run --record` and `host-sim replay`: a replay gives the recorded bits on every
+//! controller, differences are listed, damaged files are refused, and a measured log gives the
+//! estimates of its run.
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 mod twin;
 
-use host_sim::controller::replay::replay;
 use host_sim::controller::{
-    AttachedController, Bounds, Controller, NativeController, RecordedFrame, Recorder, Recording, Way,
+    AttachedController, Controller, Direction, NativeController, RecordedFrame, Recorder, Recording, Timeouts,
 };
-use host_sim::estimator::{OnRestart, track_through};
+use host_sim::replay::replay;
+use host_sim::run::exchange::{OnRestart, exchange_observed};
 use link::{Decoder, MAX_FRAME, ToController, ToHost, encode};
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 use twin::{CONFIGURATION, Plan, Trouble, Twin, frames};
 
-const BOUNDS: Bounds = Bounds { answer: Duration::from_secs(2), again: Duration::from_millis(100) };
+/// The timeout of an answer only matters after a failure, so it leaves room for a busy machine.
+const TIMEOUTS: Timeouts = Timeouts { answer: Duration::from_secs(30), retry: Duration::from_millis(100) };
 
 fn host_sim(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_host-sim")).current_dir(folder).args(arguments).output().unwrap()
@@ -30,48 +33,76 @@ fn json(output: &Output) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output.stderr)))
 }
 
-/// A recording over a twin to which things happen, with telemetry on.
+/// Records a run over a twin with planned troubles, with telemetry on.
 fn recorded(plan: Vec<Plan>) -> Recording {
+    // On a line without losses nothing is repeated, however busy the machine.
+    let retry = if plan.is_empty() { TIMEOUTS.answer } else { TIMEOUTS.retry };
+    recorded_at(&Twin::start(plan, 1), retry)
+}
+
+fn recorded_at(twin: &Twin, retry: Duration) -> Recording {
     let mut configuration = CONFIGURATION;
     configuration.limits.slow_every = 20;
-    // Where nothing happens nothing is to be said again, however busy the machine.
-    let again = if plan.is_empty() { BOUNDS.answer } else { BOUNDS.again };
-    let twin = Twin::start(plan, 1);
-    let mut controller = AttachedController::open_within(&twin.port, Bounds { again, ..BOUNDS }).unwrap();
+    let mut controller = AttachedController::open_with(&twin.port, Timeouts { retry, ..TIMEOUTS }).unwrap();
     let recorder = Recorder::default();
     controller.listen(recorder.clone());
     controller.configure(configuration).unwrap();
     let build_id = controller.hello().build_id;
-    track_through(Box::new(controller), configuration, &frames(400, 1), OnRestart::Continue).unwrap();
+    exchange_observed(Box::new(controller), configuration, &frames(400, 1), OnRestart::Continue, None)
+        .unwrap();
     Recording { build_id, frames: recorder.take() }
 }
 
-fn count(recording: &Recording, way: Way) -> usize {
+fn count(recording: &Recording, way: Direction) -> usize {
     recording.frames.iter().filter(|frame| frame.way == way).count()
 }
 
 #[test]
-fn a_conversation_is_recorded_whole_and_replayed_to_the_bit_on_another_end() {
+fn a_link_session_is_recorded_completely_and_replays_to_the_bit_on_another_controller() {
     let recording = recorded(vec![]);
-    // Two commands and 400 samples; the greeting, their answers and a frame of telemetry every 20 samples.
-    assert_eq!((count(&recording, Way::ToController), count(&recording, Way::ToHost)), (402, 423));
+    // Two commands and 400 samples; their answers and a frame of telemetry every 20 samples.
+    assert_eq!(
+        (count(&recording, Direction::ToController), count(&recording, Direction::ToHost)),
+        (402, 422)
+    );
     let last = recording.frames.last().unwrap();
-    assert_eq!((last.way, last.sequence), (Way::ToHost, Some(399)));
-    let read = Recording::of(&recording.to_bytes()).unwrap();
+    assert_eq!((last.way, last.sequence), (Direction::ToHost, Some(399)));
+    let read = Recording::from_bytes(&recording.to_bytes()).unwrap();
     assert_eq!(read, recording);
     let replayed = replay(&read, &mut NativeController::open().unwrap()).unwrap();
     assert_eq!((replayed.samples, replayed.commands), (400, 2));
     assert_eq!(replayed.differences, []);
-    // On a controller whose numbers have gone on, too.
+    // The same with a controller whose command numbers have advanced.
     let twin = Twin::start(vec![], 1);
     for _ in 0..2 {
-        let mut controller = AttachedController::open_within(&twin.port, BOUNDS).unwrap();
+        let mut controller = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap();
         assert_eq!(replay(&read, &mut controller).unwrap().differences, []);
     }
 }
 
 #[test]
-fn what_was_repeated_or_restarted_in_a_recording_is_said_once() {
+fn a_recording_does_not_depend_on_when_the_controller_started() {
+    // The hello of a start before the host's is discarded with the rest of the port's input. The
+    // hello of a start during the handshake arrives just before the answer to the host's request,
+    // and that answer belongs to the handshake.
+    let started_before = recorded(vec![]);
+    let started_during = recorded_at(&Twin::start_on_first_bytes(), TIMEOUTS.answer);
+    assert_eq!(started_before, started_during);
+}
+
+#[test]
+fn requests_that_only_the_replaying_line_needed_are_no_differences() {
+    let recording = recorded(vec![]);
+    let at = |at, trouble| Plan { at, bytes: 0, trouble };
+    // The host requests the counters before it repeats such a sample.
+    let twin = Twin::start(vec![at(3, Trouble::SampleLost), at(200, Trouble::SampleDamaged)], 1);
+    let mut controller = AttachedController::open_with(&twin.port, TIMEOUTS).unwrap();
+    assert_eq!(replay(&recording, &mut controller).unwrap().differences, []);
+    assert!(twin.samples.load(Ordering::Relaxed) > 400);
+}
+
+#[test]
+fn repetitions_and_restarts_in_a_recording_are_replayed_once() {
     let at = |at, bytes, trouble| Plan { at, bytes, trouble };
     let plan = vec![
         at(0, 0, Trouble::SampleLost),
@@ -79,16 +110,16 @@ fn what_was_repeated_or_restarted_in_a_recording_is_said_once() {
         at(200, 20, Trouble::Restarts),
     ];
     let recording = recorded(plan);
-    assert!(count(&recording, Way::ToController) > 405);
+    assert!(count(&recording, Direction::ToController) > 405);
     let replayed = replay(&recording, &mut NativeController::open().unwrap()).unwrap();
     assert_eq!(replayed.samples, 400);
     assert_eq!(replayed.differences, []);
 }
 
-/// The recording with one of its answers changed.
+/// Returns the recording with one answer changed.
 fn falsified(recording: &Recording, change: impl Fn(&mut ToHost) -> bool) -> Recording {
     let mut frames: Vec<RecordedFrame> = recording.frames.clone();
-    for frame in frames.iter_mut().filter(|frame| frame.way == Way::ToHost) {
+    for frame in frames.iter_mut().filter(|frame| frame.way == Direction::ToHost) {
         let mut decoder = Decoder::new();
         let mut message = frame.bytes.iter().find_map(|&byte| decoder.push::<ToHost>(byte)).unwrap().unwrap();
         if change(&mut message) {
@@ -144,7 +175,7 @@ fn every_kind_of_difference_is_found_and_named() {
         _ => false,
     });
     assert_eq!(found(&counters), (Some(399), "outcome of a command".into()));
-    // Ticks belong to the end.
+    // Ticks are in the report at the end.
     let ticks = falsified(&recording, |message| match message {
         ToHost::Estimate(e) => {
             e.estimate.instruction_ticks += 9;
@@ -156,14 +187,16 @@ fn every_kind_of_difference_is_found_and_named() {
 }
 
 #[test]
-fn a_recording_that_is_no_run_is_refused() {
+fn a_recording_of_something_else_than_a_run_is_refused() {
     let recording = recorded(vec![]);
     let foreign = encode(&ToController::Update(link::update::UpdateRequest::Status), &mut [0; MAX_FRAME])
         .unwrap()
         .to_vec();
-    for (bytes, expected) in
-        [(foreign, "an update of models"), (vec![1, 2, 0], "expected a frame"), (vec![], "one whole frame")]
-    {
+    for (bytes, expected) in [
+        (foreign, "an update of models"),
+        (vec![1, 2, 0], "expected a frame"),
+        (vec![], "one complete frame"),
+    ] {
         let mut changed = recording.clone();
         changed.frames[0].bytes = bytes;
         let error = replay(&changed, &mut NativeController::open().unwrap()).unwrap_err().to_string();
@@ -172,7 +205,7 @@ fn a_recording_that_is_no_run_is_refused() {
 }
 
 #[test]
-fn the_commands_agree_and_damage_is_the_users_error() {
+fn run_and_replay_agree_and_a_damaged_file_exits_with_2() {
     let folder = tempfile::tempdir().unwrap();
     let run = host_sim(folder.path(), &["run", "--force", "law", "--record", "link.rec"]);
     assert!(run.status.success(), "{}", text(&run.stderr));
@@ -185,7 +218,7 @@ fn the_commands_agree_and_damage_is_the_users_error() {
     assert_eq!(table.lines().count(), 10_001);
 
     let bytes = std::fs::read(folder.path().join("link.rec")).unwrap();
-    let force = falsified(&Recording::of(&bytes).unwrap(), |message| match message {
+    let force = falsified(&Recording::from_bytes(&bytes).unwrap(), |message| match message {
         ToHost::Estimate(e) if e.estimate.sequence == 7_000 => {
             e.estimate.deformation_m += 1.0;
             true
@@ -195,8 +228,8 @@ fn the_commands_agree_and_damage_is_the_users_error() {
     std::fs::write(folder.path().join("false.rec"), force.to_bytes()).unwrap();
     let output = host_sim(folder.path(), &["replay", "false.rec"]);
     assert_eq!(output.status.code(), Some(1));
-    let said = text(&output.stdout);
-    assert!(said.contains("7000  deformation_m") && said.contains("1 differences"), "{said}");
+    let listing = text(&output.stdout);
+    assert!(listing.contains("7000  deformation_m") && listing.contains("1 differences"), "{listing}");
     assert!(text(&output.stderr).contains("false.rec: 1 differences on the native controller"));
 
     let mut cut = bytes.clone();
@@ -220,9 +253,10 @@ fn the_commands_agree_and_damage_is_the_users_error() {
 }
 
 #[test]
-fn a_measured_log_gives_the_estimates_of_the_run_that_it_is_of() {
+fn a_measured_log_gives_the_estimates_of_its_run() {
     let folder = tempfile::tempdir().unwrap();
-    // A log at the controller's own rate from perfect sensors: then it holds what the controller was given.
+    // A log at the controller's own rate from perfect sensors contains the exact input of the
+    // controller.
     let preset = include_str!("../../crates/bench/presets/bench-b.toml");
     let perfect = preset.replace("noise = 20e-6", "noise = 0.0").replace("noise = 0.2e-6", "noise = 0.0");
     let rate = preset.lines().find(|line| line.starts_with("sample_rate_hz")).unwrap();
@@ -231,8 +265,8 @@ fn a_measured_log_gives_the_estimates_of_the_run_that_it_is_of() {
     let run =
         host_sim(folder.path(), &["run", "--bench", "fast.toml", "--force", "law", "--record", "a.rec"]);
     assert!(run.status.success(), "{}", text(&run.stderr));
-    let again = host_sim(folder.path(), &["replay", "a.rec", "--out", "a"]);
-    assert!(again.status.success(), "{}", text(&again.stderr));
+    let replayed = host_sim(folder.path(), &["replay", "a.rec", "--out", "a"]);
+    assert!(replayed.status.success(), "{}", text(&replayed.stderr));
     let output = host_sim(
         folder.path(),
         &["replay", "out/run/log.csv", "--bench", "fast.toml", "--out", "b", "--json"],
@@ -245,7 +279,7 @@ fn a_measured_log_gives_the_estimates_of_the_run_that_it_is_of() {
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name).join("estimates.csv")).unwrap();
     assert!(read("a") == read("b"), "the log's estimates are not the run's");
 
-    // Logs that the controller cannot be given.
+    // Logs that the controller cannot process.
     let log = std::fs::read_to_string(folder.path().join("out/run/log.csv")).unwrap();
     let thinned: String = log
         .lines()
@@ -256,7 +290,7 @@ fn a_measured_log_gives_the_estimates_of_the_run_that_it_is_of() {
     std::fs::write(folder.path().join("slow.csv"), thinned).unwrap();
     std::fs::write(folder.path().join("few.csv"), "t_s,journal_y_m\n0,0\n1e-4,0\n2e-4,0\n").unwrap();
     for (name, expected) in [
-        ("slow.csv", "slow.csv: found 5000 us from sample to sample; expected 50 to 1000 us"),
+        ("slow.csv", "slow.csv: found 5000 us between samples; expected 50 to 1000 us"),
         ("few.csv", "few.csv: no column `journal_z_m`"),
     ] {
         let output = host_sim(folder.path(), &["replay", name, "--out", "c"]);

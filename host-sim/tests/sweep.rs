@@ -1,4 +1,5 @@
-//! Sweeps as a user meets them: stable names, messages, the same bytes whatever the threads and after a kill.
+//! Sweeps on the command line: stable names and messages, and the same bytes for any number of
+//! threads and after a kill.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use serde_json::Value;
@@ -6,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
-/// 24 runs, some of them long enough to be caught in the middle.
+/// 24 runs, some of them long enough to be interrupted.
 const SWEEP: &str = r#"
 bearings = ["babbitt", "plastic"]
 [[parameters]]
@@ -16,7 +17,7 @@ range = { from = 1e-4, to = 1e-3, count = 4, scale = "log" }
 path = "shaft.mass_kg"
 values = [120.0, 150.0, 180.0]
 "#;
-/// Everything that must not depend on the clock.
+/// Files that must not depend on the clock.
 const DETERMINISTIC: [&str; 3] = ["runs.csv", "sweep.json", "report.html"];
 
 fn host_sim(directory: &Path, arguments: &[&str]) -> Output {
@@ -63,21 +64,21 @@ fn any_number_of_threads_gives_the_same_bytes() {
 }
 
 #[test]
-fn a_resumed_sweep_gives_the_same_bytes_and_runs_only_what_is_missing() {
+fn a_resumed_sweep_gives_the_same_bytes_and_executes_only_missing_runs() {
     let directory = tempfile::tempdir().unwrap();
     sweep_in(directory.path());
     done(directory.path(), &["sweep", "sweep.toml", "--out", "whole"]);
     let journal = std::fs::read_to_string(directory.path().join("whole/journal.jsonl")).unwrap();
     let lines: Vec<&str> = journal.lines().collect();
     assert_eq!(lines.len(), 25);
-    // Killed after ten runs, in the middle of writing the eleventh.
+    // Killed after ten runs, while it wrote the eleventh.
     let torn = format!("{}\n{}", lines[..11].join("\n"), &lines[11][..40]);
     let resumed = directory.path().join("resumed");
     std::fs::create_dir(&resumed).unwrap();
     std::fs::write(resumed.join("journal.jsonl"), torn).unwrap();
     let output = done(directory.path(), &["sweep", "sweep.toml", "--out", "resumed"]);
     assert!(
-        text(&output.stdout).contains("10 of 24 runs were in the journal already"),
+        text(&output.stdout).contains("10 of 24 runs were already in the journal"),
         "{}",
         text(&output.stdout)
     );
@@ -88,9 +89,10 @@ fn a_resumed_sweep_gives_the_same_bytes_and_runs_only_what_is_missing() {
 }
 
 #[test]
-fn a_killed_sweep_goes_on_where_it_was() {
+fn a_killed_sweep_resumes_after_its_last_complete_run() {
     let directory = tempfile::tempdir().unwrap();
-    // Slow enough to be killed between its runs: the networks take some hundred times the law's time.
+    // Slow enough to be killed between its runs: the networks take some hundred times as long as
+    // the law.
     std::fs::write(directory.path().join("slow.toml"), format!("force = \"float-net\"\n{SWEEP}")).unwrap();
     let mut child = Command::new(PROGRAM)
         .current_dir(directory.path())
@@ -115,7 +117,7 @@ fn a_killed_sweep_goes_on_where_it_was() {
 }
 
 #[test]
-fn a_journal_of_another_sweep_is_refused_and_left_alone() {
+fn a_journal_of_another_sweep_is_refused_and_not_changed() {
     let directory = tempfile::tempdir().unwrap();
     sweep_in(directory.path());
     done(directory.path(), &["sweep", "sweep.toml", "--out", "out"]);
@@ -128,15 +130,15 @@ fn a_journal_of_another_sweep_is_refused_and_left_alone() {
         assert!(message.contains(expected), "{message}");
     };
     let force = ["sweep", "sweep.toml", "--force", "float-net", "--out", "out"];
-    refused(&force, "it belongs to another sweep: networks.babbitt: found null, expected");
+    refused(&force, "it belongs to other work: networks.babbitt: found null, expected");
     std::fs::write(directory.path().join("sweep.toml"), SWEEP.replace("150.0", "151.0")).unwrap();
-    refused(&["sweep", "sweep.toml", "--out", "out"], "another sweep: specification.parameters");
+    refused(&["sweep", "sweep.toml", "--out", "out"], "other work: specification.parameters");
     assert_eq!(before, std::fs::read(&journal).unwrap());
-    // A damaged line in the middle is no torn end.
+    // A damaged line in the middle of the journal is not an incomplete last line.
     sweep_in(directory.path());
     let damaged = text(&before).replacen("{\"index\"", "{\"indx\"", 3);
     std::fs::write(&journal, damaged).unwrap();
-    refused(&["sweep", "sweep.toml", "--out", "out"], "line 2: found no record of a run");
+    refused(&["sweep", "sweep.toml", "--out", "out"], "line 2: found no result");
 }
 
 #[test]
@@ -173,20 +175,21 @@ fn wrong_input_exits_with_2_and_names_the_field() {
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(expected), "{arguments:?}: {message}");
-        assert!(!directory.path().join("out").exists(), "{arguments:?} left something behind");
+        assert!(!directory.path().join("out").exists(), "{arguments:?} left output");
     }
 }
 
 #[test]
-fn a_run_that_fails_is_recorded_and_the_rest_is_done() {
+fn a_failed_run_is_recorded_and_the_others_are_executed() {
     let directory = tempfile::tempdir().unwrap();
-    // Johnson's law ends far below the load where there is next to no clearance.
+    // With almost no clearance, Johnson's law ends far below the load.
     let bench = include_str!("../../crates/bench/presets/bench-b.toml");
     let johnson = bench.replace("\"hybrid-as-printed\"", "\"johnson\"");
     std::fs::write(directory.path().join("johnson.toml"), johnson).unwrap();
     std::fs::write(
         directory.path().join("s.toml"),
-        "bench = \"johnson.toml\"\n[[parameters]]\npath = \"bearing.radial_clearance_m\"\nvalues = [5e-4, 1e-7]",
+        "bench = \"johnson.toml\"\n[[parameters]]\npath = \"bearing.radial_clearance_m\"\n\
+         values = [5e-4, 1e-7]",
     )
     .unwrap();
     let output = host_sim(directory.path(), &["sweep", "s.toml", "--out", "out"]);
@@ -289,7 +292,7 @@ fn figures_writes_every_picture_of_both_series() {
 }
 
 #[test]
-fn the_latch_sweep_shows_what_hangs_on_the_floor_and_that_a_bound_tames_it() {
+fn the_latch_sweep_shows_the_effect_of_the_floor_and_that_a_bound_limits_it() {
     let directory = tempfile::tempdir().unwrap();
     let output = done(directory.path(), &["sweep", "latch", "--json", "--out", "latch"]);
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();

@@ -2,11 +2,11 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use inference::Bearing;
-use model_quant::dataset::collision::CollisionSet;
-use model_quant::dataset::sink::{Format, Part};
-use model_quant::dataset::split::Split;
-use model_quant::ranges::RangeKind;
+use inference::BearingMaterial;
+use model_quant::data::collision::CollisionSet;
+use model_quant::data::ranges::RangeKind;
+use model_quant::data::sink::{Format, FormattedRows};
+use model_quant::data::split::Split;
 
 /// Rows of a block.
 const ROWS: u64 = 65_536;
@@ -17,19 +17,19 @@ fn main() {
 
 #[divan::bench(args = [RangeKind::Paper, RangeKind::Bench])]
 fn rows(bencher: Bencher, kind: RangeKind) {
-    let set = CollisionSet::new(Bearing::Babbitt, kind, 2);
+    let set = CollisionSet::new(BearingMaterial::Babbitt, kind, 2);
     bencher.counter(ItemsCount::new(ROWS)).bench(|| set.block(Split::Training, 0..ROWS, false));
 }
 
 #[divan::bench(args = [RangeKind::Paper, RangeKind::Bench])]
 fn rows_as_csv(bencher: Bencher, kind: RangeKind) {
-    let set = CollisionSet::new(Bearing::Babbitt, kind, 2);
-    let block = || Part::new(set.block(Split::Training, 0..ROWS, false).0, Format::Csv);
+    let set = CollisionSet::new(BearingMaterial::Babbitt, kind, 2);
+    let block = || FormattedRows::new(set.block(Split::Training, 0..ROWS, false).0, Format::Csv);
     bencher.counter(ItemsCount::new(ROWS)).bench(block);
 }
 
 #[divan::bench]
 fn windows(bencher: Bencher) {
-    let set = CollisionSet::new(Bearing::Babbitt, RangeKind::Bench, 2);
+    let set = CollisionSet::new(BearingMaterial::Babbitt, RangeKind::Bench, 2);
     bencher.counter(ItemsCount::new(ROWS / 16)).bench(|| set.block(Split::Training, 0..ROWS / 16, true));
 }

@@ -1,12 +1,15 @@
-//! Training steps of 1024 windows: the reference network, one with odd channels, and the shipped shape.
+//! Training steps of 1024 windows: the reference network, one with odd channels, and the shipped
+//! shape.
 //!
-//! `cargo bench -p model-quant --bench training`; `benches/peers/` compares with other frameworks in one interleaved run.
+//! `cargo bench -p model-quant --bench training`; `benches/peers/` compares with other frameworks
+//! in one interleaved run.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use model_quant::draw::{Draw, Purpose};
-use model_quant::network::{ConvolutionShape, Network, Padding, Shape};
-use model_quant::train::{InstructionSet, Loss, Trainer, Windows};
+use model_quant::data::draw::{Draw, Purpose};
+use model_quant::network::recipe::InstructionSet;
+use model_quant::network::{ConvolutionShape, Network, NetworkKind, Padding, Shape};
+use model_quant::train::{Loss, Trainer, Windows};
 
 const BATCH: usize = 1024;
 
@@ -44,7 +47,7 @@ fn reference_network(bencher: Bencher<'_, '_>, set: InstructionSet) {
     run(bencher, reference([16, 32, 32]), set);
 }
 
-/// 15, 30 and 30 channels, filled up to 16, 32 and 32.
+/// 15, 30 and 30 channels, padded to 16, 32 and 32.
 #[divan::bench(args = [InstructionSet::Avx2Fma, InstructionSet::Portable])]
 fn odd_channels(bencher: Bencher<'_, '_>, set: InstructionSet) {
     run(bencher, reference([15, 30, 30]), set);
@@ -52,5 +55,5 @@ fn odd_channels(bencher: Bencher<'_, '_>, set: InstructionSet) {
 
 #[divan::bench(args = [InstructionSet::Avx2Fma, InstructionSet::Portable])]
 fn shipped_collision_network(bencher: Bencher<'_, '_>, set: InstructionSet) {
-    run(bencher, model_quant::shapes::collision(), set);
+    run(bencher, NetworkKind::Collision.shape(), set);
 }

@@ -1,24 +1,25 @@
-//! What the collision network should learn: the force itself, its root, or its root over the deformation.
+//! Comparison of targets for the collision network: the force, its root, and its root over the
+//! deformation.
 //!
-//! The same network, rows, seed and epochs for each target; printed are mean absolute errors of the normal force by band
-//! of the law's force, and the largest force at states without contact before any gate.
-//! `cargo run --release -p model-quant --example companding [babbitt|plastic] [epochs]`
+//! Network, rows, seed and epochs are the same for each target. The output has mean absolute errors
+//! of the normal force by band of the law's force, and the largest force at states without contact
+//! before it is set to 0. `cargo run --release -p model-quant --example companding
+//! [babbitt|plastic] [epochs]`
 
-use inference::{Bearing, ContactState};
-use model_quant::checkpoint::bearing_named;
-use model_quant::draw::{Draw, Purpose};
-use model_quant::features::FloatFeatures;
-use model_quant::ranges::{RangeKind, header};
-use model_quant::recipe::Recipe;
-use model_quant::rows::{Row, rows};
-use model_quant::shapes::collision;
-use model_quant::train::{InstructionSet, Loss, Source, Training, Windows};
-use model_quant::window::history;
+use inference::{BearingMaterial, ContactState};
+use model_quant::data::draw::{Draw, Purpose};
+use model_quant::data::features::FloatFeatures;
+use model_quant::data::ranges::{RangeKind, header};
+use model_quant::data::rows::{Row, draw_rows};
+use model_quant::data::window::draw_history;
+use model_quant::network::NetworkKind;
+use model_quant::network::recipe::{InstructionSet, Recipe};
+use model_quant::train::{Loss, Source, Training, Windows};
 use std::process::ExitCode;
 
 const BANDS_N: [f64; 5] = [100.0, 1000.0, 5000.0, 14_000.0, 40_000.0];
 
-/// How a force becomes a target and an output a force.
+/// Conversion of a force to a target and of an output to a force.
 #[derive(Clone, Copy)]
 enum Target {
     Plain,
@@ -27,7 +28,7 @@ enum Target {
 }
 
 impl Target {
-    fn of(self, features: &FloatFeatures, row: &Row) -> f64 {
+    fn for_row(self, features: &FloatFeatures, row: &Row) -> f64 {
         let factor = f64::from(features.collision(&row.state).root_force_factor);
         match self {
             Self::Plain => row.normal_force_n,
@@ -62,19 +63,20 @@ impl Source for Part<'_> {
 
     fn add(&self, row: u64, draw: &mut Draw, windows: &mut Windows) {
         let row = &self.rows[row as usize];
-        let columns = history(&self.features, row, draw).map(|state| self.features.collision(&state).inputs);
+        let columns =
+            draw_history(&self.features, row, draw).map(|state| self.features.collision(&state).inputs);
         windows.columns.extend(columns.as_flattened());
-        windows.targets.push(self.target.of(&self.features, row) as f32);
+        windows.targets.push(self.target.for_row(&self.features, row) as f32);
     }
 }
 
-/// Bearing and epochs, of what was typed or by default.
-fn arguments() -> Result<(Bearing, usize), String> {
-    let mut words = std::env::args().skip(1);
-    let bearing = words.next().map_or(Ok(Bearing::Babbitt), |name| {
-        bearing_named(&name).ok_or(format!("found `{name}`, expected `babbitt` or `plastic`"))
+/// Bearing and number of epochs from the command line, or the defaults.
+fn arguments() -> Result<(BearingMaterial, usize), String> {
+    let mut given = std::env::args().skip(1);
+    let bearing = given.next().map_or(Ok(BearingMaterial::Babbitt), |name| {
+        BearingMaterial::from_name(&name).ok_or(format!("found `{name}`, expected `babbitt` or `plastic`"))
     })?;
-    let epochs = words.next().map_or(Ok(60), |text| {
+    let epochs = given.next().map_or(Ok(60), |text| {
         let epochs = text.parse().ok().filter(|epochs| (1..=100_000).contains(epochs));
         epochs.ok_or(format!("found `{text}`, expected 1 to 100000 epochs"))
     })?;
@@ -94,8 +96,8 @@ fn main() -> ExitCode {
     }
 }
 
-fn compare(bearing: Bearing, epochs: usize) {
-    let features = FloatFeatures::of(&header(bearing, RangeKind::Bench));
+fn compare(bearing: BearingMaterial, epochs: usize) {
+    let features = FloatFeatures::from_header(&header(bearing, RangeKind::Bench));
     let recipe = Recipe {
         epochs,
         grid_epochs: 0,
@@ -103,7 +105,7 @@ fn compare(bearing: Bearing, epochs: usize) {
         instruction_set: InstructionSet::best(),
         ..Recipe::standard(bearing)
     };
-    let drawn = |purpose, count| rows(bearing, RangeKind::Bench, recipe.seed, purpose, count);
+    let drawn = |purpose, count| draw_rows(bearing, RangeKind::Bench, recipe.seed, purpose, count);
     let training = drawn(Purpose::TrainingRows, recipe.rows);
     let validation = drawn(Purpose::ValidationRows, 4096);
     let test = drawn(Purpose::TestRows, 8192);
@@ -117,7 +119,13 @@ fn compare(bearing: Bearing, epochs: usize) {
     ] {
         let part = |rows| Part { features, rows, target };
         let (training, validation) = (part(training.as_slice()), part(validation.as_slice()));
-        let mut fit = Training::new(&recipe, collision(), (&training, &validation), Loss::Clamped, 0);
+        let mut fit = Training::new(
+            &recipe,
+            NetworkKind::Collision.shape(),
+            (&training, &validation),
+            Loss::Clamped,
+            0,
+        );
         while !fit.is_done() {
             fit.epoch();
         }
@@ -126,7 +134,7 @@ fn compare(bearing: Bearing, epochs: usize) {
         let mut without_contact = 0.0_f64;
         for (index, row) in test.iter().enumerate() {
             let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 1 << 41 | index as u64);
-            let states = history(&features, row, &mut draw);
+            let states = draw_history(&features, row, &mut draw);
             let found = |states: &[ContactState]| {
                 let columns: Vec<f32> = states.iter().flat_map(|s| features.collision(s).inputs).collect();
                 target.force_n(&features, &states[states.len() - 1], network.evaluate(&columns)[0])

@@ -1,11 +1,13 @@
-//! Samples/s of the trainer on the reference network, one round for every line on standard input.
+//! Trainer speed in samples/s on the reference network, one round for each line on standard input.
 //!
-//! `benches/peers/rounds.py` runs it in turns with other frameworks. Argument: `reference` (default), `odd` (15, 30 and 30
-//! channels), `portable` (the reference network in plain arithmetic).
+//! `benches/peers/rounds.py` runs it alternately with other frameworks. Argument: `reference`
+//! (default), `odd` (15, 30 and 30 channels) or `portable` (the reference network with portable
+//! arithmetic).
 
-use model_quant::draw::{Draw, Purpose};
+use model_quant::data::draw::{Draw, Purpose};
+use model_quant::network::recipe::InstructionSet;
 use model_quant::network::{ConvolutionShape, Network, Padding, Shape};
-use model_quant::train::{InstructionSet, Loss, Trainer, Windows};
+use model_quant::train::{Loss, Trainer, Windows};
 use std::io::BufRead;
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! The command line: what it writes, what it refuses, and how it says so.
+//! Tests of the command line: written files, refused inputs and their messages.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use std::path::Path;
@@ -23,7 +23,7 @@ fn as_str(path: &Path) -> &str {
 }
 
 #[test]
-fn a_data_set_is_the_same_on_any_number_of_threads_and_begins_like_a_shorter_one() {
+fn a_data_set_is_independent_of_threads_and_begins_with_a_shorter_one() {
     let directory = tempfile::tempdir().expect("directory");
     let write = |name: &str, range: &str, rows: &str, threads: &str| {
         let file = directory.path().join(name);
@@ -54,7 +54,7 @@ fn a_data_set_is_the_same_on_any_number_of_threads_and_begins_like_a_shorter_one
 }
 
 #[test]
-fn a_small_training_goes_through_the_whole_chain() {
+fn a_small_training_passes_every_command() {
     let directory = tempfile::tempdir().expect("directory");
     let out = as_str(directory.path());
     let trained = json(&model_quant(&[
@@ -104,13 +104,13 @@ fn a_small_training_goes_through_the_whole_chain() {
     let refused = model_quant(&["verify", "--image", as_str(&image)]);
     assert_eq!(refused.status.code(), Some(2));
     let message = text(&refused.stderr);
-    assert!(message.contains("plastic.pintle") && message.contains("check sum"), "{message}");
+    assert!(message.contains("plastic.pintle") && message.contains("checksum"), "{message}");
 }
 
 #[test]
-fn a_killed_training_is_taken_up_again_to_the_same_bytes() {
+fn an_interrupted_training_resumes_to_the_same_bytes() {
     let directory = tempfile::tempdir().expect("directory");
-    let (whole, parts) = (directory.path().join("whole"), directory.path().join("parts"));
+    let (uninterrupted, parts) = (directory.path().join("uninterrupted"), directory.path().join("parts"));
     let arguments = |out: &Path| -> Vec<String> {
         let fixed = "train --rows 4096 --epochs 25 --grid-epochs 15 --keep-s 0 --json --out";
         fixed.split(' ').map(str::to_owned).chain([as_str(out).to_owned()]).collect()
@@ -119,7 +119,7 @@ fn a_killed_training_is_taken_up_again_to_the_same_bytes() {
         let mut command = Command::new(env!("CARGO_BIN_EXE_model-quant"));
         command.args(arguments(out)).args(more).output().expect("model-quant")
     };
-    json(&run(&whole, &[]));
+    json(&run(&uninterrupted, &[]));
     let mut command = Command::new(env!("CARGO_BIN_EXE_model-quant"));
     command.args(arguments(&parts)).stdout(Stdio::null()).stderr(Stdio::null());
     let mut killed = command.spawn().expect("model-quant");
@@ -137,9 +137,13 @@ fn a_killed_training_is_taken_up_again_to_the_same_bytes() {
     json(&run(&parts, &["--resume"]));
     for file in ["babbitt.float", "babbitt.history.json"] {
         let read = |directory: &Path| std::fs::read(directory.join(file)).expect("file");
-        assert!(read(&whole) == read(&parts), "{file}");
+        assert!(read(&uninterrupted) == read(&parts), "{file}");
     }
     assert_eq!(std::fs::read_dir(&parts).expect("entries").count(), 2, "no states are left");
+    // Without a state the training starts again, and says so.
+    let again = run(&parts, &["--resume"]);
+    assert!(text(&again.stderr).contains("no state of a training in"), "{}", text(&again.stderr));
+    json(&again);
 }
 
 #[test]
@@ -152,6 +156,7 @@ fn wrong_input_exits_with_2_and_names_what_was_expected() {
         (vec!["train", "--bearing", "wood", "--out", out], "expected `babbitt` or `plastic`"),
         (vec!["train", "--rows", "3", "--out", out], "expected at least a batch"),
         (vec!["train", "--epochs", "0", "--out", out], "--epochs: found 0"),
+        (vec!["train", "--threads", "99999", "--out", out], "99999 is not in 0..=1024"),
         (vec!["dataset", "--rows", "0", "--out", as_str(&not_a_model)], "--rows: found 0"),
         (vec!["dataset", "--range", "moon", "--out", as_str(&not_a_model)], "paper"),
         (vec!["quantize", "--checkpoint", as_str(&not_a_model), "--out", out], "float checkpoint"),
@@ -174,7 +179,7 @@ fn wrong_input_exits_with_2_and_names_what_was_expected() {
 #[test]
 fn sums_of_a_controller_are_compared_bit_for_bit() {
     let directory = tempfile::tempdir().expect("directory");
-    // What ONNX Runtime found is what a controller should find.
+    // A controller must give the same sums as ONNX Runtime.
     let mut sums = include_bytes!("../peers/onnxruntime.bin").to_vec();
     let file = directory.path().join("sums.bin");
     std::fs::write(&file, &sums).expect("sums");
@@ -207,7 +212,7 @@ fn sums_of_a_controller_are_compared_bit_for_bit() {
 }
 
 #[test]
-fn an_image_that_is_too_far_off_is_refused_and_nothing_is_written() {
+fn an_image_above_the_error_limit_is_refused_and_nothing_is_written() {
     let directory = tempfile::tempdir().expect("directory");
     let out = as_str(directory.path());
     let quantize = |limit: &str| {
@@ -227,7 +232,7 @@ fn an_image_that_is_too_far_off_is_refused_and_nothing_is_written() {
     assert!(error > 50.0 && error < 500.0, "{error}");
     let card = std::fs::read_to_string(directory.path().join("babbitt.md")).expect("card");
     assert!(card.contains("w8a8"), "{card}");
-    // The compact image is loaded by its own width.
+    // The loader recognises the width of the compact image.
     let image = directory.path().join("babbitt.pintle");
     let verified = json(&model_quant(&["verify", "--image", as_str(&image), "--json"]));
     assert_eq!(verified[0]["mae_quantisation_n"].as_f64(), Some(error));
@@ -245,7 +250,7 @@ fn every_command_has_help_with_an_example() {
 }
 
 #[test]
-fn what_a_training_would_not_heed_is_refused() {
+fn options_without_effect_on_a_training_are_refused() {
     let directory = tempfile::tempdir().expect("directory");
     let out = directory.path().join("out");
     let refused = |arguments: &[&str]| {
@@ -268,16 +273,16 @@ fn what_a_training_would_not_heed_is_refused() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_file_without_an_end_is_refused() {
+fn an_endless_file_is_refused() {
     let output = model_quant(&["import", "/dev/zero"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("/dev/zero: found more bytes"), "{}", text(&output.stderr));
 }
 
 #[test]
-fn an_image_of_another_checkpoint_is_told_from_its_own() {
+fn an_image_of_another_checkpoint_is_reported() {
     let directory = tempfile::tempdir().expect("directory");
-    let mut image = inference::shipped(inference::Bearing::Plastic).to_vec();
+    let mut image = inference::shipped(inference::BearingMaterial::Plastic).to_vec();
     let verify = |name: &str, image: &mut [u8]| {
         inference::image::write::seal(image);
         let file = directory.path().join(name);

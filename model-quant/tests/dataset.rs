@@ -1,4 +1,5 @@
-//! `model-quant dataset collision` and `friction`: what it writes, that it is the same however it is made, and what it refuses.
+//! Tests of `model-quant dataset collision` and `friction`: content, reproducibility, refused
+//! inputs.
 #![allow(
     clippy::expect_used,
     clippy::panic,
@@ -32,7 +33,7 @@ fn read(directory: &Path, name: &str) -> String {
 }
 
 #[test]
-fn files_are_the_same_on_any_number_of_threads_and_begin_like_shorter_ones() {
+fn files_are_independent_of_threads_and_begin_with_shorter_ones() {
     let directory = tempfile::tempdir().expect("directory");
     for range in ["paper", "bench"] {
         let make = |name: &str, rows: &str, threads: &str| {
@@ -51,7 +52,7 @@ fn files_are_the_same_on_any_number_of_threads_and_begin_like_shorter_ones() {
             ];
             (json(&arguments, &out), out)
         };
-        // Several blocks in every part, and a last one that is not full.
+        // Each part has several blocks, the last of them incomplete.
         let (one, one_files) = make("one", "700000", "1");
         let (three, three_files) = make("three", "700000", "3");
         let (short, short_files) = make("short", "60", "2");
@@ -65,16 +66,16 @@ fn files_are_the_same_on_any_number_of_threads_and_begin_like_shorter_ones() {
             assert!(text.starts_with(&read(&short_files, &file)));
         }
         assert_eq!(short["rows"]["training"], 40);
-        // Three parts and a card, nothing temporary.
+        // Three parts and a card, no temporary files.
         assert_eq!(fs::read_dir(&one_files).expect("files").count(), 4);
-        for kept in [one_files, three_files, short_files] {
-            fs::remove_dir_all(kept).expect("files");
+        for directory in [one_files, three_files, short_files] {
+            fs::remove_dir_all(directory).expect("files");
         }
     }
 }
 
 #[test]
-fn parquet_reads_back_as_the_numbers_of_the_csv() {
+fn parquet_and_csv_have_the_same_numbers() {
     let directory = tempfile::tempdir().expect("directory");
     let out = directory.path();
     for more in [
@@ -114,7 +115,7 @@ fn parquet_reads_back_as_the_numbers_of_the_csv() {
 }
 
 #[test]
-fn the_whole_of_table_two_has_its_counts_and_a_force_that_the_rule_has_tamed() {
+fn the_complete_table_2_has_the_expected_counts_and_limited_forces() {
     let summary = json(&["collision", "--summary", "--json"], Path::new(""));
     assert_eq!(
         summary["rows"],
@@ -122,8 +123,8 @@ fn the_whole_of_table_two_has_its_counts_and_a_force_that_the_rule_has_tamed() {
     );
     assert_eq!(summary["files"], serde_json::json!([]));
     let number = |path: &str| summary.pointer(path).and_then(serde_json::Value::as_f64).expect(path);
-    // P(x > 6 max(y, .001)) of two independent exponentials with a mean of a fifth, cut off at 1: by integration over the latched
-    // rate. The axes are drawn, hence the width.
+    // P(x > 6 max(y, .001)) for two independent truncated exponentials with a mean of a fifth, by
+    // integration over the approach speed. The axes are random, hence the tolerance.
     let density = |y: f64| 5.0 * (-5.0 * y).exp() / (1.0 - (-5.0_f64).exp());
     let above =
         |x: f64| if x < 1.0 { ((-5.0 * x).exp() - (-5.0_f64).exp()) / (1.0 - (-5.0_f64).exp()) } else { 0.0 };
@@ -149,7 +150,7 @@ fn wrong_input_exits_with_2_and_a_failed_write_with_1_and_neither_leaves_a_file(
         (&["collision", "--rows", "5"][..], "--rows: found 5, expected 6 to 15000000"),
         (&["collision", "--rows", "15000001"], "--rows: found 15000001"),
         (&["collision", "--rows", "many"], "invalid"),
-        (&["collision", "--source", "bench", "--rows", "60"], "the runs have their length"),
+        (&["collision", "--source", "bench", "--rows", "60"], "the length of the runs is fixed"),
         (&["collision", "--source", "moon"], "table"),
         (&["collision", "--format", "xlsx"], "parquet"),
         (&["collision", "--bearing", "wood"], "expected `babbitt` or `plastic`"),
@@ -168,7 +169,7 @@ fn wrong_input_exits_with_2_and_a_failed_write_with_1_and_neither_leaves_a_file(
 }
 
 #[test]
-fn a_friction_set_comes_from_the_rig_and_its_picture_shows_both_curves() {
+fn a_friction_set_of_the_rig_has_a_picture_with_both_curves() {
     let directory = tempfile::tempdir().expect("directory");
     let make = |name: &str, threads: &str, more: &[&str]| {
         let out = directory.path().join(name);
@@ -194,7 +195,7 @@ fn a_friction_set_comes_from_the_rig_and_its_picture_shows_both_curves() {
         let name = entry.expect("entry").file_name();
         assert!(fs::read(out.join(&name)).unwrap() == fs::read(other.join(&name)).unwrap(), "{name:?}");
     }
-    // What is written reads back to the scale that the card tells.
+    // The file has the scale that the card states.
     let test = read(&out, "friction-plastic-test.csv");
     assert_eq!(test.lines().count(), 1 + 20 * 2048);
     let scale = |of: &str| summary["scales"]["friction_torque_nm"][of].as_f64().expect("scale");
@@ -209,7 +210,7 @@ fn a_friction_set_comes_from_the_rig_and_its_picture_shows_both_curves() {
     assert_eq!(reader.metadata().file_metadata().num_rows(), 20 * 2048);
 }
 
-/// A log of `samples` samples at 100 Hz in degrees and kilonewtons.
+/// Writes a log of `samples` samples at 100 Hz in degrees and kilonewtons.
 fn foreign_log(path: &Path, samples: usize, hole: bool) {
     let mut text = String::from("time;speed;load;torque\n");
     for i in 0..samples {
@@ -222,7 +223,7 @@ fn foreign_log(path: &Path, samples: usize, hole: bool) {
 }
 
 #[test]
-fn measured_logs_take_the_rigs_place() {
+fn measured_logs_replace_the_rig() {
     let directory = tempfile::tempdir().expect("directory");
     let at = |name: &str| directory.path().join(name);
     let path = |name: &str| at(name).to_str().expect("path").to_owned();
@@ -254,7 +255,10 @@ fn measured_logs_take_the_rigs_place() {
         (vec!["friction", "--bench", &rig, "--logs", &a, &b, &short], "short.csv: found 2000 samples"),
         (vec!["friction", "--bench", &rig, "--logs", &a, &b, &hole], "line 42, friction_torque_nm: found"),
         (vec!["friction", "--logs", &a, &b, &c], "no column `t_s` among"),
-        (vec!["friction", "--bench", "bench-b"], "bench-b: found another plant, expected a friction rig"),
+        (
+            vec!["friction", "--bench", "bench-b"],
+            "bench-b: found plant `transmission-bench`; expected `friction-rig`",
+        ),
         (vec!["friction", "--bench", "nowhere.toml"], "nowhere.toml"),
         (vec!["friction", "--smoothing-ms", "0"], "--smoothing-ms: found 0, expected 1 to 10000"),
         (vec!["friction", "--smoothing-ms", "NaN"], "--smoothing-ms: found NaN"),
@@ -268,7 +272,7 @@ fn measured_logs_take_the_rigs_place() {
 }
 
 #[test]
-fn whole_sets_have_help_with_examples() {
+fn subcommands_have_help_with_examples() {
     for set in ["collision", "friction"] {
         let output =
             Command::new(env!("CARGO_BIN_EXE_model-quant")).args(["dataset", set, "--help"]).output();

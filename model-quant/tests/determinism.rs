@@ -1,16 +1,17 @@
-//! The same recipe gives the same bytes, whatever the number of threads.
+//! Tests that the same recipe gives the same bytes on any number of threads.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
-use inference::Bearing;
-use model_quant::checkpoint::Checkpoint;
-use model_quant::draw::{Draw, Purpose};
-use model_quant::mode::{Mode, Packing, Plan};
-use model_quant::pipeline::{Network, train_both};
+use inference::BearingMaterial;
+use model_quant::data::draw::{Draw, Purpose};
+use model_quant::network::NetworkKind;
+use model_quant::network::checkpoint::Checkpoint;
+use model_quant::network::checkpoint::Trained;
+use model_quant::network::recipe::{GridMethod, Recipe, TrainingSet};
+use model_quant::quantise::mode::{Mode, Packing, Plan};
 use model_quant::quantise::quantise;
-use model_quant::recipe::{GridMethod, Recipe, TrainingSet};
-use model_quant::shapes::collision;
-use model_quant::sources::Sources;
-use model_quant::train::{Loss, Progress, Source, StateError, Trained, Training, Windows};
+use model_quant::train::pipeline::train_both;
+use model_quant::train::sources::Sources;
+use model_quant::train::{Loss, Progress, Source, StateError, Training, Windows};
 
 fn small() -> Recipe {
     Recipe {
@@ -18,7 +19,7 @@ fn small() -> Recipe {
         validation_rows: 500,
         epochs: 3,
         grid_epochs: 3,
-        ..Recipe::standard(Bearing::Plastic)
+        ..Recipe::standard(BearingMaterial::Plastic)
     }
 }
 
@@ -27,7 +28,7 @@ fn train(threads: usize) -> (Vec<u8>, Vec<f64>) {
     let mut losses = Vec::new();
     let mut report = |_, progress: Progress| losses.push(progress.validation_loss);
     let outcome =
-        pool.install(|| train_both(Bearing::Plastic, &small(), None, &mut report)).expect("training");
+        pool.install(|| train_both(BearingMaterial::Plastic, &small(), None, &mut report)).expect("training");
     (outcome.checkpoint.to_bytes().expect("bytes"), losses)
 }
 
@@ -44,7 +45,7 @@ fn training_and_quantising_do_not_depend_on_the_number_of_threads() {
             || quantise(&checkpoint, id, Plan { mode, packing: Packing::Speed }).expect("image").image;
         assert_eq!(image(), image());
     }
-    // It did learn something, of both networks: the last loss is well below the first.
+    // Both networks learn: the last loss is far below the first.
     for network in losses.chunks(losses.len() / 2) {
         assert!(network[network.len() - 1] < 0.5 * network[0], "{network:?}");
     }
@@ -54,19 +55,20 @@ fn training_and_quantising_do_not_depend_on_the_number_of_threads() {
 fn another_seed_gives_other_weights() {
     let recipe = |seed| Recipe { seed, epochs: 1, grid_epochs: 0, ..small() };
     let train = |seed| {
-        let outcome = train_both(Bearing::Plastic, &recipe(seed), None, &mut |_, _| ()).expect("training");
+        let outcome =
+            train_both(BearingMaterial::Plastic, &recipe(seed), None, &mut |_, _| ()).expect("training");
         outcome.checkpoint.collision.float
     };
     assert_ne!(train(1), train(2));
 }
 
-/// Stops after some epochs by not being asked for more, and goes on from the bytes.
+/// Trains some epochs, saves the state and continues from it.
 fn in_two_parts(recipe: &Recipe, first: usize) -> Trained {
-    let sources = Sources::new(Bearing::Plastic, recipe);
-    let (rows, validation) = sources.of(Network::Collision);
+    let sources = Sources::new(BearingMaterial::Plastic, recipe);
+    let (rows, validation) = sources.parts_for(NetworkKind::Collision);
     let start = || {
         let parts: (&dyn Source, &dyn Source) = (&rows, &validation);
-        Training::new(recipe, collision(), parts, Loss::Clamped, 0)
+        Training::new(recipe, NetworkKind::Collision.shape(), parts, Loss::Clamped, 0)
     };
     let mut training = start();
     for _ in 0..first {
@@ -74,7 +76,7 @@ fn in_two_parts(recipe: &Recipe, first: usize) -> Trained {
     }
     let bytes = training.to_bytes().expect("bytes");
     let mut training = start();
-    training.take_up(&bytes).expect("state");
+    training.resume_from(&bytes).expect("state");
     assert_eq!(training.history().len(), first);
     while !training.is_done() {
         training.epoch();
@@ -83,54 +85,62 @@ fn in_two_parts(recipe: &Recipe, first: usize) -> Trained {
 }
 
 #[test]
-fn a_training_taken_up_again_gives_the_same_bytes_and_the_full_set_continues_the_drawn_one() {
+fn a_resumed_training_gives_the_same_bytes_and_the_full_set_continues_the_drawn_one() {
     for grid_method in [GridMethod::Freeze, GridMethod::Exact, GridMethod::ExactFreeze] {
         let recipe = Recipe { rows: 2000, grid_method, ..small() };
-        let whole = in_two_parts(&recipe, 0);
+        let uninterrupted = in_two_parts(&recipe, 0);
         for first in [1, 3, 4, 6] {
-            assert_eq!(in_two_parts(&recipe, first), whole, "{grid_method:?}, stopped after {first} epochs");
+            assert_eq!(
+                in_two_parts(&recipe, first),
+                uninterrupted,
+                "{grid_method:?}, stopped after {first} epochs"
+            );
         }
     }
     let full = Recipe { set: TrainingSet::Full, ..small() };
-    let sources = Sources::new(Bearing::Plastic, &full);
-    let (rows, validation) = sources.of(Network::Collision);
+    let sources = Sources::new(BearingMaterial::Plastic, &full);
+    let (rows, validation) = sources.parts_for(NetworkKind::Collision);
     assert_eq!((rows.count(), validation.count()), (10_000_000, 500));
     let drawn = Recipe { rows: 60, ..small() };
-    let kept = Sources::new(Bearing::Plastic, &drawn);
+    let in_memory = Sources::new(BearingMaterial::Plastic, &drawn);
     let window = |part: &dyn Source| {
         let mut windows = Windows::default();
         part.add(57, &mut Draw::new(1, Purpose::Histories, 0), &mut windows);
         windows.columns
     };
-    assert_eq!(window(&rows), window(&kept.of(Network::Collision).0), "row for row those of the drawn set");
+    assert_eq!(
+        window(&rows),
+        window(&in_memory.parts_for(NetworkKind::Collision).0),
+        "row for row those of the drawn set"
+    );
 }
 
 #[test]
-fn a_state_that_does_not_fit_is_refused() {
+fn a_state_of_another_training_is_refused() {
     let recipe = Recipe { rows: 1000, ..small() };
-    let sources = Sources::new(Bearing::Plastic, &recipe);
-    let (rows, validation) = sources.of(Network::Collision);
+    let sources = Sources::new(BearingMaterial::Plastic, &recipe);
+    let (rows, validation) = sources.parts_for(NetworkKind::Collision);
     let parts: (&dyn Source, &dyn Source) = (&rows, &validation);
-    let mut training = Training::new(&recipe, collision(), parts, Loss::Clamped, 0);
+    let mut training = Training::new(&recipe, NetworkKind::Collision.shape(), parts, Loss::Clamped, 0);
     training.epoch();
     let bytes = training.to_bytes().expect("bytes");
     for length in (0..bytes.len()).step_by(509) {
-        assert!(training.take_up(&bytes[..length]).is_err(), "{length} bytes");
+        assert!(training.resume_from(&bytes[..length]).is_err(), "{length} bytes");
     }
     for at in (0..bytes.len()).step_by(257) {
         let mut damaged = bytes.clone();
         damaged[at] ^= 4;
-        assert!(training.take_up(&damaged).is_err(), "byte {at}");
+        assert!(training.resume_from(&damaged).is_err(), "byte {at}");
     }
     let other = Recipe { seed: 3, ..recipe.clone() };
-    let mut training = Training::new(&other, collision(), parts, Loss::Clamped, 0);
-    assert!(matches!(training.take_up(&bytes), Err(StateError::Other { .. })));
+    let mut training = Training::new(&other, NetworkKind::Collision.shape(), parts, Loss::Clamped, 0);
+    assert!(matches!(training.resume_from(&bytes), Err(StateError::Other { .. })));
 }
 
 #[test]
-fn without_improvement_the_free_passes_end_and_the_best_weights_are_kept() {
+fn without_improvement_the_free_epochs_end_and_the_best_weights_are_returned() {
     let recipe = Recipe { rows: 512, epochs: 60, patience: Some(2), learning_rate: 0.05, ..small() };
-    let outcome = train_both(Bearing::Plastic, &recipe, None, &mut |_, _| ()).expect("training");
+    let outcome = train_both(BearingMaterial::Plastic, &recipe, None, &mut |_, _| ()).expect("training");
     for epochs in &outcome.histories {
         let free: Vec<f64> = epochs.iter().filter(|e| !e.on_grid).map(|e| e.validation_loss).collect();
         assert!((3..60).contains(&free.len()), "{} epochs", free.len());

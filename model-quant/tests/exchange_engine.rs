@@ -1,16 +1,16 @@
-//! What `model-quant import` writes is a piece of Rust that compiles, tests itself, and gives in the engine the sums that the
-//! interpreter found.
+//! Tests that the output of `model-quant import` compiles, passes its self-test, and gives the
+//! interpreter's sums in the engine.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 #![allow(unreachable_pub, reason = "the written sources are made for a module of a crate")]
 
 use inference::chain::Sums;
 use inference::image::{CRC_LENGTH, HEADER_LENGTH, LayerShape, SHAPE_LENGTH};
-use inference::{Bearing, Model, Streaming, shipped};
-use model_quant::draw::{Draw, Purpose};
+use inference::{BearingMaterial, Model, Streaming, shipped};
+use model_quant::data::draw::{Draw, Purpose};
+use model_quant::exchange::input_scale::InputScale;
 use model_quant::exchange::interpreter::Interpreter;
-use model_quant::exchange::recognise::import;
+use model_quant::exchange::onnx_import::import;
 use model_quant::exchange::samples::Samples;
-use model_quant::exchange::scaling::InputScale;
 use model_quant::network::Padding;
 use std::path::PathBuf;
 use std::process::Command;
@@ -32,7 +32,7 @@ fn read(path: &str) -> Vec<u8> {
     std::fs::read(at(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// A window over all 16-bit numbers; every fourth has nothing but the ends.
+/// A window of random 16-bit values; every fourth window has only the extreme values.
 fn window(draw: &mut Draw, index: u64, length: usize) -> Vec<i16> {
     let ends = [i16::MIN, i16::MAX, 0, -i16::MAX];
     let value = |draw: &mut Draw| (draw.unit() * 65536.0 - 32768.0).floor() as i16;
@@ -41,7 +41,7 @@ fn window(draw: &mut Draw, index: u64, length: usize) -> Vec<i16> {
         .collect()
 }
 
-/// The engine's network of a module against the interpreter, and its samples against its own scaling.
+/// Compares the engine's network of a module with the interpreter, and its counts with the scaling.
 macro_rules! agrees {
     ($module:ident, $padding:expr, $streams:expr) => {{
         use $module::{COLUMNS, FULL_SCALE, INPUTS, Window, counts, load, self_test, values};
@@ -71,7 +71,7 @@ macro_rules! agrees {
         let onnx = import(&read(&format!("peers/exchange/golden/{name}.onnx"))).expect(name);
         let file = read(&format!("peers/exchange/golden/{name}.safetensors"));
         let samples = Samples::read(&file, onnx.network.shape(), onnx.layout).expect(name);
-        let scale = InputScale::of(&samples, INPUTS);
+        let scale = InputScale::from_samples(&samples, INPUTS);
         assert_eq!(scale.full_scales(), FULL_SCALE);
         let mut largest = 0.0_f32;
         for (window, outputs) in samples.windows.iter().zip(&samples.outputs) {
@@ -89,8 +89,8 @@ macro_rules! agrees {
 }
 
 #[test]
-fn written_sources_give_the_interpreters_sums_in_the_engine() {
-    // Largest difference from the framework's outputs, which reach 2 to 6.
+fn generated_sources_give_the_sums_of_the_interpreter_in_the_engine() {
+    // Largest difference from the framework's outputs, whose magnitude is 2 to 6.
     let same = agrees!(torch_same, Padding::Same, false);
     let eight = agrees!(keras_valid, Padding::Valid, true);
     let wide = agrees!(torch_hidden, Padding::Valid, true);
@@ -126,7 +126,7 @@ fn importing_again_writes_the_same_files() {
     }
 }
 
-/// The layers of both networks of a shipped image.
+/// Layers of both networks of a shipped image.
 fn networks(image: &[u8]) -> [&[u8]; 2] {
     let layers = &image[HEADER_LENGTH..image.len() - CRC_LENGTH];
     let mut length = 0;
@@ -139,8 +139,8 @@ fn networks(image: &[u8]) -> [&[u8]; 2] {
 }
 
 #[test]
-fn the_interpreter_runs_the_shipped_networks_as_the_engine_does() {
-    for bearing in Bearing::ALL {
+fn the_interpreter_agrees_with_the_engine_on_the_shipped_networks() {
+    for bearing in BearingMaterial::ALL {
         let image = shipped(bearing);
         let model: Model = Model::load(image).expect("image");
         let [collision, friction] =
@@ -163,12 +163,12 @@ fn the_interpreter_runs_the_shipped_networks_as_the_engine_does() {
 }
 
 #[test]
-fn bytes_that_are_no_layers_are_refused() {
+fn bytes_other_than_layers_are_refused() {
     let layers = read("tests/exchange/torch_same.layers");
-    // A cut at the end of a layer leaves a shorter network; any other is refused.
-    let whole =
+    // A cut at the end of a layer leaves a shorter network; any other cut is refused.
+    let accepted =
         (1..layers.len()).filter(|&length| Interpreter::new(&layers[..length], Padding::Same).is_ok());
-    assert_eq!(whole.count(), 2);
+    assert_eq!(accepted.count(), 2);
     assert!(Interpreter::new(&layers[..layers.len() - 1], Padding::Same).is_err());
     assert!(Interpreter::new(&[0; 64], Padding::Same).is_err());
 }

@@ -1,17 +1,17 @@
-//! Export and the way back: the same weights bit for bit, the same numbers in another runtime; the commands and what they refuse.
+//! Tests of the export: reimport bit for bit, agreement with another runtime, refused inputs.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
-use inference::Bearing;
-use model_quant::checkpoint::Checkpoint;
-use model_quant::draw::{Draw, Purpose};
-use model_quant::exchange::description::Which;
-use model_quant::exchange::frameworks::from_convolution;
-use model_quant::exchange::onnx;
+use inference::BearingMaterial;
+use model_quant::data::draw::{Draw, Purpose};
+use model_quant::exchange::onnx_export;
+use model_quant::exchange::onnx_import::{Layout, import};
 use model_quant::exchange::proto::Model;
-use model_quant::exchange::recognise::{Layout, import};
+use model_quant::exchange::safetensors_export::to_bytes;
 use model_quant::exchange::samples::Samples;
-use model_quant::exchange::weights::{to_bytes, trained};
-use model_quant::float_pair::shipped;
+use model_quant::exchange::weight_order::from_convolution;
+use model_quant::network::NetworkKind;
+use model_quant::network::checkpoint::Checkpoint;
+use model_quant::network::shipped::shipped_checkpoint;
 use model_quant::network::{ConvolutionShape, Network, Padding, Shape};
 use proptest::prelude::*;
 use prost::Message;
@@ -43,7 +43,7 @@ fn shape() -> impl Strategy<Value = Shape> {
     let convolution =
         (1usize..5, 1usize..6).prop_map(|(kernel, outputs)| ConvolutionShape { kernel, outputs });
     let convolutions = prop::collection::vec(convolution, 1..4);
-    // A kernel above 1 tells the padding.
+    // A kernel above 1 makes the padding visible.
     (13usize..20, 1usize..5, any::<bool>(), convolutions, 1usize..4).prop_map(
         |(columns, inputs, same, mut convolutions, outputs)| {
             convolutions[0].kernel += 1;
@@ -55,9 +55,9 @@ fn shape() -> impl Strategy<Value = Shape> {
 
 proptest! {
     #[test]
-    fn networks_come_back_bit_for_bit(shape in shape(), seed in any::<u64>()) {
+    fn exported_networks_are_imported_bit_for_bit(shape in shape(), seed in any::<u64>()) {
         let network = Network::start(shape, &mut Draw::new(seed, Purpose::Weights, 0));
-        let found = import(&onnx::to_bytes(&network, "any", &[])).expect("import");
+        let found = import(&onnx_export::to_bytes(&network, "any", &[])).expect("import");
         prop_assert_eq!(found.layout, Layout::ChannelsFirst);
         prop_assert_eq!(found.network.shape(), network.shape());
         let bits = |network: &Network| network.parameters().map(f32::to_bits).collect::<Vec<_>>();
@@ -65,12 +65,12 @@ proptest! {
     }
 }
 
-/// The network that the checked-in exported file has: PyTorch's with 'same' padding.
+/// Network of the checked-in exported file: PyTorch's with 'same' padding.
 fn exported() -> Network {
     import(&read(&golden("torch_same.onnx"))).expect("golden").network
 }
 
-/// ONNX Runtime ran this very file; `peers/exchange/README.md` says how.
+/// ONNX Runtime evaluated this file; `peers/exchange/README.md` describes how.
 #[test]
 fn an_exported_file_gives_the_same_numbers_in_onnx_runtime() {
     let network = exported();
@@ -79,7 +79,7 @@ fn an_exported_file_gives_the_same_numbers_in_onnx_runtime() {
         model.producer_version = String::new();
         model
     };
-    let written = onnx::to_bytes(&network, "exported-same", &[]);
+    let written = onnx_export::to_bytes(&network, "exported-same", &[]);
     assert!(plain(&written) == plain(&read(&golden("exported-same.onnx"))), "the exported file has changed");
     let file = read(&golden("exported-same-onnxruntime.safetensors"));
     let samples = Samples::read(&file, network.shape(), Layout::ChannelsFirst).expect("samples");
@@ -87,25 +87,25 @@ fn an_exported_file_gives_the_same_numbers_in_onnx_runtime() {
     assert!(difference.relative() < 2e-6 && samples.windows.len() == 32, "{difference:?}");
 }
 
-/// Writes the file of the test above, for ONNX Runtime to run.
+/// Writes the file of the test above for ONNX Runtime.
 #[test]
 #[ignore = "writes a golden file"]
 fn write_the_exported_file() {
-    let bytes = onnx::to_bytes(&exported(), "exported-same", &[]);
+    let bytes = onnx_export::to_bytes(&exported(), "exported-same", &[]);
     std::fs::write(golden("exported-same.onnx"), bytes).expect("written");
 }
 
 #[test]
-fn safetensors_have_every_weight_of_the_training_and_say_where_it_comes_from() {
-    let bytes = shipped(Bearing::Plastic);
+fn safetensors_have_every_weight_and_the_origin_of_the_training() {
+    let bytes = shipped_checkpoint(BearingMaterial::Plastic);
     let checkpoint = Checkpoint::from_bytes(bytes).expect("checkpoint");
     let training_id = Checkpoint::training_id(bytes);
     let file = to_bytes(&checkpoint, training_id).expect("safetensors");
     assert_eq!(file, to_bytes(&checkpoint, training_id).expect("again"), "the same bytes every time");
     let tensors = SafeTensors::deserialize(&file).expect("file");
     assert_eq!(tensors.len(), 2 * 2 * 8);
-    for which in Which::ALL {
-        let found = trained(&checkpoint, which);
+    for which in NetworkKind::ALL {
+        let found = checkpoint.trained(which);
         for (prefix, network) in
             [(which.name().to_owned(), &found.float), (format!("{}_on_grid", which.name()), &found.tuned)]
         {
@@ -127,19 +127,20 @@ fn safetensors_have_every_weight_of_the_training_and_say_where_it_comes_from() {
     let entry: serde_json::Value = serde_json::from_str(entry).expect("json");
     assert_eq!(entry["training_id"], format!("{training_id:016x}"));
     assert_eq!(entry["bearing"], "plastic");
-    for which in Which::ALL {
+    for which in NetworkKind::ALL {
         let inputs = entry[which.name()]["inputs"].as_array().expect("inputs");
-        assert_eq!(inputs.len(), trained(&checkpoint, which).float.shape().inputs);
+        assert_eq!(inputs.len(), checkpoint.trained(which).float.shape().inputs);
     }
 }
 
 #[test]
-fn exported_networks_are_imported_again_and_can_replace_those_of_a_checkpoint() {
+fn exported_networks_can_be_imported_and_replace_those_of_a_checkpoint() {
     let directory = tempfile::tempdir().expect("directory");
     let out = as_str(directory.path());
     let exported = model_quant(&["export", "--bearing", "babbitt", "--out", out]);
     assert!(exported.status.success(), "{}", text(&exported.stderr));
-    let checkpoint = Checkpoint::from_bytes(shipped(Bearing::Babbitt)).expect("checkpoint");
+    let checkpoint =
+        Checkpoint::from_bytes(shipped_checkpoint(BearingMaterial::Babbitt)).expect("checkpoint");
     let [onnx, samples] = ["babbitt-friction.onnx", "babbitt-friction-samples.safetensors"]
         .map(|name| directory.path().join(name));
     assert_eq!(import(&read(&onnx)).expect("import").network, checkpoint.friction.float);
@@ -162,7 +163,7 @@ fn exported_networks_are_imported_again_and_can_replace_those_of_a_checkpoint() 
     let replaced =
         Checkpoint::from_bytes(&read(&directory.path().join("plastic.float"))).expect("checkpoint");
     assert_eq!(replaced.friction.float, checkpoint.friction.float);
-    let before = Checkpoint::from_bytes(shipped(Bearing::Plastic)).expect("checkpoint");
+    let before = Checkpoint::from_bytes(shipped_checkpoint(BearingMaterial::Plastic)).expect("checkpoint");
     assert_eq!(replaced.collision, before.collision);
 }
 
@@ -208,7 +209,7 @@ fn commands_refuse_what_is_wrong_by_name_and_write_nothing() {
         assert!(message.contains(expected), "{arguments:?}: {message}");
     }
     assert!(!out.exists(), "nothing was written");
-    // Without samples there is a description and nothing to write.
+    // Without samples the command only describes the network.
     let described = model_quant(&["import", same, "--json", "--out", as_str(&out)]);
     let summary: serde_json::Value = serde_json::from_slice(&described.stdout).expect("json");
     assert_eq!((&summary["shape"]["columns"], &summary["layout"]), (&12.into(), &"channels-first".into()));

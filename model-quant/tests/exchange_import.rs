@@ -1,9 +1,9 @@
-//! Networks as Keras and PyTorch write them: what is read equals what the framework computes; what is no network of the family is
-//! refused by its node; damaged files are refused, too.
+//! Tests of the import of Keras and PyTorch networks: agreement with the framework, refusal of
+//! unsupported nodes and damaged files.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
+use model_quant::exchange::onnx_import::{Imported, Layout, OPERATORS, import};
 use model_quant::exchange::proto::Model;
-use model_quant::exchange::recognise::{Imported, Layout, OPERATORS, import};
 use model_quant::exchange::samples::Samples;
 use model_quant::network::{ConvolutionShape, Padding, Shape};
 use proptest::prelude::*;
@@ -29,7 +29,7 @@ fn shape<const N: usize>(
     Shape { columns, inputs, padding, convolutions, outputs }
 }
 
-/// Every network that can be read: its file, its samples when they have another name, its shape.
+/// Every supported network: its file, its samples if they have another name, its shape.
 fn accepted() -> Vec<(&'static str, &'static str, Layout, Shape)> {
     use Layout::{ChannelsFirst, ColumnsFirst};
     use Padding::{Same, Valid};
@@ -57,7 +57,7 @@ fn accepted() -> Vec<(&'static str, &'static str, Layout, Shape)> {
 }
 
 #[test]
-fn networks_of_both_frameworks_compute_what_the_framework_computed() {
+fn imported_networks_agree_with_their_framework() {
     for (name, samples, layout, shape) in accepted() {
         let found = imported(name);
         assert_eq!((found.network.shape(), found.layout), (&shape, layout), "{name}");
@@ -66,15 +66,16 @@ fn networks_of_both_frameworks_compute_what_the_framework_computed() {
         let samples = Samples::read(&golden(&format!("{samples}.safetensors")), &shape, layout).expect(name);
         assert_eq!(samples.windows.len(), 32);
         let difference = samples.difference(&found.network);
-        // f32 sums of up to 1024 terms in another order.
+        // f32 sums of up to 1024 terms in different orders.
         assert!(difference.relative() < 2e-6, "{name}: {difference:?}");
         assert!(difference.full_scale > 0.1, "{name}: {difference:?}");
     }
 }
 
 #[test]
-fn the_order_of_flattening_matters_and_is_told_from_the_graph() {
-    // Reading the head in the other order gives another network: the check with samples would see it.
+fn the_order_of_flattening_is_read_from_the_graph() {
+    // Flattening in the wrong order gives a different network, which the check with samples
+    // detects.
     let found = imported("torch_asymmetric");
     let shape = found.network.shape().clone();
     let samples =
@@ -91,7 +92,7 @@ fn the_order_of_flattening_matters_and_is_told_from_the_graph() {
 }
 
 #[test]
-fn what_is_no_network_of_the_family_is_refused_by_its_node() {
+fn unsupported_networks_are_refused_with_the_name_of_the_node() {
     for (name, expected) in [
         ("torch_stride", "node `node_conv1d` (Conv): strides: found [2], expected [1]"),
         ("torch_dilation", "node `node_conv1d` (Conv): dilations: found [2], expected [1]"),
@@ -101,11 +102,12 @@ fn what_is_no_network_of_the_family_is_refused_by_its_node() {
         ("torch_lstm", "LSTM (node `node_lstm__2`)"),
         (
             "torch_linear",
-            "node `node_conv1d_1` (Conv): input: found Conv behind `node_conv1d` (Conv), expected ReLU",
+            "node `node_conv1d_1` (Conv): input: found Conv after `node_conv1d` (Conv), expected ReLU",
         ),
         (
             "torch_causal",
-            "node `node_conv1d` (Conv): pads along the columns: found [2, 0], expected [0, 0] ('valid') or [1, 1] ('same')",
+            "node `node_conv1d` (Conv): pads along the columns: found [2, 0], \
+             expected [0, 0] ('valid') or [1, 1] ('same')",
         ),
         ("keras_max_pool", "MaxPool (node `"),
         ("keras_stride", "/convolution` (Conv): strides: found [1, 2], expected [1, 1]"),
@@ -120,34 +122,35 @@ fn what_is_no_network_of_the_family_is_refused_by_its_node() {
 }
 
 #[test]
-fn who_wrote_a_file_is_told_in_one_line_whatever_it_says() {
+fn the_producer_of_a_file_is_reported_in_one_line() {
     let mut model = Model::decode(&*golden("torch_hidden.onnx")).expect("model");
-    model.producer_name = "pytorch\ncompile_error!(\"a line of its own\");\r\n//! ".to_owned();
+    model.producer_name = "pytorch\ncompile_error!(\"a separate line\");\r\n//! ".to_owned();
     let found = import(&model.encode_to_vec()).expect("network");
     assert!(!found.producer.contains(char::is_control), "{:?}", found.producer);
     assert!(found.producer.starts_with("pytorch compile_error!"), "{:?}", found.producer);
 }
 
 #[test]
-fn files_of_another_kind_and_cut_files_are_refused() {
+fn files_of_another_kind_and_truncated_files_are_refused() {
     assert!(import(b"").is_err());
     assert!(import(b"nothing of the kind").is_err());
     assert!(import(&golden("torch_shipped.safetensors")).is_err());
-    let whole = golden("torch_asymmetric.onnx");
-    let cut = (0..whole.len()).filter(|&length| import(&whole[..length]).is_ok()).count();
-    // The versions of the operators stand at the end; nothing shorter is a whole file.
+    let complete = golden("torch_asymmetric.onnx");
+    let cut = (0..complete.len()).filter(|&length| import(&complete[..length]).is_ok()).count();
+    // The operator versions are at the end of the file, so a shorter file is incomplete.
     assert_eq!(cut, 0);
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 
-    /// Damage is refused or gives some network: nothing panics, nothing takes more memory than the file has.
+    /// A damaged file is refused or gives some network, without a panic and without more memory
+    /// than the file.
     #[test]
     fn damaged_files_do_not_panic(
         which in 0usize..5,
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
-        keep in any::<prop::sample::Index>(),
+        length in any::<prop::sample::Index>(),
         is_cut in prop::bool::weighted(0.2),
     ) {
         let names = ["torch_hidden", "torch_same", "keras_valid", "keras_even", "torch_columns_first"];
@@ -157,24 +160,33 @@ proptest! {
             bytes[place] = value;
         }
         if is_cut {
-            bytes.truncate(keep.index(bytes.len()));
+            bytes.truncate(length.index(bytes.len()));
         }
         if let Ok(found) = import(&bytes) {
             prop_assert!(found.network.parameters().all(f32::is_finite));
         }
     }
 
-    /// Files that are well-formed but say something else: sizes, lists, wiring, operators.
+    /// Well-formed files with changed sizes, lists, connections and operators.
     #[test]
-    fn altered_graphs_do_not_panic(
+    fn corrupted_graphs_do_not_panic(
         which in 0usize..6,
-        changes in prop::collection::vec((0usize..8, any::<prop::sample::Index>(), any::<prop::sample::Index>(), number()), 1..4),
+        changes in prop::collection::vec(
+            (0usize..8, any::<prop::sample::Index>(), any::<prop::sample::Index>(), number()),
+            1..4,
+        ),
     ) {
-        let names =
-            ["torch_hidden", "torch_same", "keras_valid", "keras_even", "torch_columns_first", "torchscript_asymmetric"];
+        let names = [
+            "torch_hidden",
+            "torch_same",
+            "keras_valid",
+            "keras_even",
+            "torch_columns_first",
+            "torchscript_asymmetric",
+        ];
         let mut model = Model::decode(&golden(&format!("{}.onnx", names[which]))[..]).expect("golden");
         for (kind, place, other, number) in changes {
-            alter(&mut model, kind, place, other, number);
+            corrupt(&mut model, kind, place, other, number);
         }
         if let Ok(found) = import(&model.encode_to_vec()) {
             let shape = found.network.shape();
@@ -184,12 +196,13 @@ proptest! {
     }
 }
 
-/// Small numbers, numbers at the ends, and any.
+/// Small numbers, extreme numbers, and random ones.
 fn number() -> impl Strategy<Value = i64> {
     prop_oneof![4 => -4i64..20, 1 => Just(i64::MAX), 1 => Just(i64::MIN), 1 => any::<i64>()]
 }
 
-fn alter(
+/// Changes one size, list, connection or operator.
+fn corrupt(
     model: &mut Model,
     kind: usize,
     place: prop::sample::Index,
@@ -207,7 +220,7 @@ fn alter(
             }
         }
         1 if tensors > 0 => {
-            // Lists of whole numbers: axes, shapes.
+            // Integer lists: axes, shapes.
             let tensor = &mut graph.initializer[place.index(tensors)];
             if tensor.data_type == 7 && !tensor.raw_data.is_empty() {
                 let at = other.index(tensor.raw_data.len() / 8) * 8;

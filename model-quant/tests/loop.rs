@@ -1,19 +1,19 @@
-//! The networks as the force of a simulated bearing: held over steps of 5 us, they do what the law does.
+//! Tests of the networks as the force of a simulated bearing, with a zero-order hold of 5 us.
 //!
-//! A mass of 150 kg meets the surface at 1 mm/s under a load that grows to 10 kN and swings by a tenth at 40 Hz. The
-//! contact damps with `chi d'/floor`, so a force that answered a few samples late would chatter or diverge.
+//! A mass of 150 kg meets the surface at 1 mm/s under a load that rises to 10 kN and oscillates by
+//! a tenth at 40 Hz. The contact damps with `chi d'/floor`, so a force with a delay of a few
+//! samples would chatter or diverge.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
-use inference::{Bearing, ContactState, Flags, Model, Pair, shipped};
-use model_quant::float_pair::FloatPair;
-use model_quant::law::normal_law;
+use inference::{BearingMaterial, ContactState, Flags, Model, Pair, shipped};
+use model_quant::network::float_pair::FloatPair;
 
 const STEP_S: f64 = 5e-6;
 const MASS_KG: f64 = 150.0;
 const CLEARANCE_M: f64 = 0.5e-3;
 const APPROACH_M_S: f64 = 1e-3;
 
-/// Largest force, and the force and deformation every millisecond.
+/// Returns the largest force, and force and deformation at every millisecond.
 fn run(mut force: impl FnMut(f64, f64) -> f64) -> (f64, Vec<(f64, f64)>) {
     let (mut deformation, mut rate) = (-2e-6, APPROACH_M_S);
     let mut largest = 0.0_f64;
@@ -44,9 +44,9 @@ fn state(deformation: f64, rate: f64) -> ContactState {
 }
 
 #[test]
-fn a_bearing_made_of_networks_moves_like_one_made_of_the_law() {
-    for bearing in Bearing::ALL {
-        let law = normal_law(bearing, CLEARANCE_M, 1e-3);
+fn a_bearing_with_networks_moves_like_one_with_the_law() {
+    for bearing in BearingMaterial::ALL {
+        let law = bearing.normal_law(CLEARANCE_M, 1e-3);
         let (peak, expected) = run(|d, rate| law.force_n(d, rate, APPROACH_M_S));
         let mut image: Pair = Pair::new(Model::load(shipped(bearing)).expect("image"));
         let (mut flags, mut fastest) = (Flags::NONE, 0.0_f64);

@@ -1,30 +1,32 @@
-//! The modes of quantisation: what each costs in bytes and in newtons, and that storage changes no estimate.
+//! Tests of the quantisation modes: size in bytes, error in newtons, independence of the storage
+//! form.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
-use inference::{Bearing, ContactState, Estimate};
-use model_quant::checkpoint::Checkpoint;
-use model_quant::float_pair::shipped;
-use model_quant::image::{AlignedImage, AnyModel, AnyPair};
-use model_quant::layers::{LayerError, layer_errors};
-use model_quant::mode::{Mode, Packing, Plan};
+use inference::{BearingMaterial, ContactState, Estimate};
+use model_quant::evaluate::layers::{LayerError, layer_errors};
+use model_quant::evaluate::test_set::draw_test_set;
+use model_quant::evaluate::verify::verify;
+use model_quant::network::checkpoint::Checkpoint;
+use model_quant::network::shipped::shipped_checkpoint;
+use model_quant::quantise::image::{AlignedImage, AnyModel, AnyPair};
+use model_quant::quantise::mode::{Mode, Packing, Plan};
 use model_quant::quantise::quantise;
-use model_quant::verify::{test_set, verify};
 
-fn checkpoint(bearing: Bearing) -> (Checkpoint, u64) {
-    let bytes = shipped(bearing);
+fn checkpoint(bearing: BearingMaterial) -> (Checkpoint, u64) {
+    let bytes = shipped_checkpoint(bearing);
     (Checkpoint::from_bytes(bytes).expect("checkpoint"), Checkpoint::training_id(bytes))
 }
 
-fn image(bearing: Bearing, mode: Mode, packing: Packing) -> AlignedImage {
+fn image(bearing: BearingMaterial, mode: Mode, packing: Packing) -> AlignedImage {
     let (checkpoint, id) = checkpoint(bearing);
     quantise(&checkpoint, id, Plan { mode, packing }).expect("image").image
 }
 
 #[test]
-fn storage_changes_bytes_and_no_estimate() {
-    for bearing in Bearing::ALL {
+fn the_storage_form_changes_the_size_and_no_estimate() {
+    for bearing in BearingMaterial::ALL {
         let states: Vec<ContactState> =
-            test_set(&checkpoint(bearing).0, 500).into_iter().flat_map(|(_, states)| states).collect();
+            draw_test_set(&checkpoint(bearing).0, 500).into_iter().flat_map(|(_, states)| states).collect();
         for mode in [Mode::W8a16, Mode::W8a8] {
             let [fast, small] = [Packing::Speed, Packing::Flash].map(|packing| image(bearing, mode, packing));
             assert!(small.len() < fast.len(), "{} {}", small.len(), fast.len());
@@ -39,8 +41,8 @@ fn storage_changes_bytes_and_no_estimate() {
 }
 
 #[test]
-fn more_bits_come_nearer_to_the_float_networks() {
-    for bearing in Bearing::ALL {
+fn more_bits_reduce_the_quantisation_error() {
+    for bearing in BearingMaterial::ALL {
         let (checkpoint, id) = checkpoint(bearing);
         let [default, compact, reference] = Mode::ALL.map(|mode| {
             let verdicts = verify(&checkpoint, id, &image(bearing, mode, Packing::Speed)).expect("image");
@@ -57,8 +59,8 @@ fn more_bits_come_nearer_to_the_float_networks() {
 }
 
 #[test]
-fn layers_of_16_bits_cost_less_than_those_of_8() {
-    let bearing = Bearing::Plastic;
+fn layers_of_16_bits_have_a_smaller_error_than_those_of_8() {
+    let bearing = BearingMaterial::Plastic;
     let (checkpoint, id) = checkpoint(bearing);
     let errors = |mode| -> Vec<LayerError> {
         let plan = Plan { mode, packing: Packing::Speed };

@@ -1,4 +1,4 @@
-//! Keys and packages on the command line: what is written, what is refused and how that is said.
+//! Tests of keys and packages on the command line: written files, refused inputs, messages.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use std::path::Path;
@@ -22,7 +22,7 @@ fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
 }
 
 #[test]
-fn a_package_is_signed_for_its_key_and_the_same_bytes_every_time() {
+fn a_package_is_signed_for_its_key_and_reproducible() {
     let directory = tempfile::tempdir().expect("directory");
     let folder = directory.path();
     let public = json(folder, &["key", "--out", "one.key", "--json"])["public_key"].clone();
@@ -31,19 +31,19 @@ fn a_package_is_signed_for_its_key_and_the_same_bytes_every_time() {
         let made = json(folder, &["package", "--version", "4", "--key", "one.key", "--out", out, "--json"]);
         (made, std::fs::read(folder.join(out)).expect("package"))
     };
-    let ((made, bytes), (_, again)) = (make("a.package"), make("b.package"));
-    assert_eq!(bytes, again);
+    let ((made, bytes), (_, repeated)) = (make("a.package"), make("b.package"));
+    assert_eq!(bytes, repeated);
     assert_eq!((&made["signed_for"], made["version"].as_u64()), (&public, Some(4)));
     assert_eq!(made["images"].as_array().map(Vec::len), Some(2));
     let foreign = json(folder, &["package", "--show", "a.package", "--json"]);
     assert!(foreign["signed_for"].is_null(), "the development key is not the one it was signed with");
-    // A key is never replaced by another one.
+    // An existing key is never replaced.
     assert!(refused(folder, &["key", "--out", "one.key"]).contains("one.key"));
 }
 
 #[cfg(unix)]
 #[test]
-fn of_many_at_once_one_makes_the_key_and_only_its_owner_may_read_it() {
+fn of_concurrent_processes_one_makes_the_key_and_only_its_owner_may_read_it() {
     use std::os::unix::fs::PermissionsExt;
     let directory = tempfile::tempdir().expect("directory");
     let folder = directory.path();
@@ -60,15 +60,15 @@ fn of_many_at_once_one_makes_the_key_and_only_its_owner_may_read_it() {
     assert_eq!(made[0].stdout, shown.stdout);
     let mode = folder.join("one.key").metadata().expect("file").permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
-    assert_eq!(folder.read_dir().expect("folder").count(), 1, "nothing else is left behind");
-    // Nor is a link that leads nowhere taken for nothing.
+    assert_eq!(folder.read_dir().expect("folder").count(), 1, "no other file remains");
+    // A dangling link is not replaced, either.
     std::os::unix::fs::symlink("nowhere", folder.join("link.key")).expect("link");
-    assert!(refused(folder, &["key", "--out", "link.key"]).contains("a file that is not there yet"));
+    assert!(refused(folder, &["key", "--out", "link.key"]).contains("a file that does not exist yet"));
     assert!(folder.join("link.key").is_symlink());
 }
 
 #[test]
-fn what_is_no_image_no_key_or_no_package_is_refused_by_name() {
+fn files_other_than_images_keys_and_packages_are_refused_by_name() {
     let directory = tempfile::tempdir().expect("directory");
     let folder = directory.path();
     std::fs::write(folder.join("wrong"), "# a remark\nzz\n").expect("file");

@@ -1,20 +1,22 @@
-//! Other runtimes on the shipped images' parameters, from their checked-in results: neither Python nor the runtimes are
-//! needed here.
+//! Comparison of other runtimes with the shipped images, from checked-in results: neither Python
+//! nor the runtimes are needed.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use inference::kernel::Portable;
-use inference::{Bearing, Model, Valid, WINDOW, Windowed, shipped};
-use model_quant::peers::{CHECKED_IN, RANDOM_WINDOWS, ROW_WINDOWS, Results, ResultsError, to_bytes, windows};
+use inference::{BearingMaterial, Model, Valid, WINDOW, Windowed, shipped};
+use model_quant::evaluate::peers::{
+    CHECKED_IN, RANDOM_WINDOWS, ROW_WINDOWS, Results, ResultsError, generate_windows, to_bytes,
+};
 
 fn results() -> [Results; 2] {
     CHECKED_IN.map(|(bytes, exact)| Results::from_bytes(bytes, exact).expect("results"))
 }
 
 #[test]
-fn the_checked_in_windows_are_those_of_the_shipped_images() {
+fn the_checked_in_windows_belong_to_the_shipped_images() {
     let stored: &[u8] = include_bytes!("../peers/windows.bin");
     assert!(
-        stored == to_bytes(&windows().expect("windows")),
+        stored == to_bytes(&generate_windows().expect("windows")),
         "run `model-quant verify --windows` and peers.py"
     );
 }
@@ -22,7 +24,7 @@ fn the_checked_in_windows_are_those_of_the_shipped_images() {
 #[test]
 fn onnxruntime_gives_the_same_sums_bit_for_bit() {
     let [onnxruntime, _] = results();
-    let all = windows().expect("windows");
+    let all = generate_windows().expect("windows");
     assert!(onnxruntime.name.starts_with("ONNX Runtime"));
     for (network, (_, found)) in all.iter().zip(&onnxruntime.networks) {
         assert_eq!(&network.sums, found, "{} {}", network.bearing.name(), network.network);
@@ -34,9 +36,9 @@ fn onnxruntime_gives_the_same_sums_bit_for_bit() {
 }
 
 #[test]
-fn litert_differs_by_its_own_rounding_only() {
+fn litert_differs_by_its_rounding_alone() {
     let [_, litert] = results();
-    let all = windows().expect("windows");
+    let all = generate_windows().expect("windows");
     for network in &all {
         let name = format!("{} {}", network.bearing.name(), network.network);
         let verdict = litert
@@ -47,27 +49,29 @@ fn litert_differs_by_its_own_rounding_only() {
 }
 
 #[test]
-fn a_change_of_one_sum_is_found() {
+fn a_single_changed_sum_is_detected() {
     let [mut onnxruntime, _] = results();
-    let all = windows().expect("windows");
+    let all = generate_windows().expect("windows");
     onnxruntime.networks[3].1[RANDOM_WINDOWS + 7] += 1;
     let compare = |network| {
-        onnxruntime.compare(&all, Bearing::Plastic, network, shipped(Bearing::Plastic)).expect("same image")
+        onnxruntime
+            .compare(&all, BearingMaterial::Plastic, network, shipped(BearingMaterial::Plastic))
+            .expect("same image")
     };
     assert_eq!(compare("collision").different, 0);
     assert_eq!((compare("friction").different, compare("friction").largest_counts), (1, 1));
 }
 
 #[test]
-fn the_stream_gives_the_sums_of_the_whole_window() {
-    for network in windows().expect("windows") {
+fn the_stream_gives_the_sums_of_the_complete_window() {
+    for network in generate_windows().expect("windows") {
         let model: Model = Model::load(shipped(network.bearing)).expect("image");
         macro_rules! evaluate {
             ($network:expr, $inputs:literal) => {{
-                let mut whole = Windowed::<_, i16, $inputs, WINDOW, Valid, Portable>::new($network);
+                let mut complete = Windowed::<_, i16, $inputs, WINDOW, Valid, Portable>::new($network);
                 let (columns, _) = network.features.as_chunks::<$inputs>();
                 let (windows, _) = columns.as_chunks::<WINDOW>();
-                windows.iter().map(|window| whole.evaluate(window).0.0[0]).collect::<Vec<i32>>()
+                windows.iter().map(|window| complete.evaluate(window).0.0[0]).collect::<Vec<i32>>()
             }};
         }
         let found = match network.network {

@@ -1,4 +1,4 @@
-//! The training report and what `verify` says of goals, as a user meets them.
+//! Tests of the training report and of the goals in `verify`.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use serde_json::Value;
@@ -77,7 +77,7 @@ fn a_history_of_another_training_is_refused() {
 }
 
 #[test]
-fn networks_of_the_rig_are_held_against_its_records_and_other_files_are_refused() {
+fn networks_of_the_rig_are_compared_with_its_records_and_other_files_are_refused() {
     let folder = tempfile::tempdir().expect("folder");
     let (out, rig) = (folder.path().join("out"), folder.path().join("babbitt.rig.json"));
     let train = ["train", "--friction", "rig", "--bearing", "babbitt", "--rows", "8192", "--epochs", "8"];
@@ -92,7 +92,7 @@ fn networks_of_the_rig_are_held_against_its_records_and_other_files_are_refused(
     assert_eq!(facts["bearing"], "babbitt");
     let errors = facts["errors"].as_array().expect("groups");
     assert_eq!((errors.len(), &errors[0]["group"]), (5, &Value::from("all")));
-    // The training judges drawn samples, the report all of them.
+    // The training measures the drawn samples, the report all samples.
     let number = |value: &Value, path: &str| value.pointer(path).and_then(Value::as_f64).expect("number");
     let r2 = number(&errors[0], "/truth/r2");
     assert!((r2 - number(&trained, "/test_against_truth/r2")).abs() < 1e-3, "{r2}");
@@ -122,7 +122,7 @@ fn networks_of_the_rig_are_held_against_its_records_and_other_files_are_refused(
 }
 
 #[test]
-fn verify_holds_both_networks_against_their_goals_and_gives_friction_as_a_torque() {
+fn verify_compares_both_networks_with_their_goals_and_reports_friction_as_a_torque() {
     let found = json(&model_quant(&["verify", "--bearing", "plastic", "--json"]));
     let [collision, friction] = [&found[0], &found[1]];
     assert!(collision.get("mae_nm").is_none());
@@ -136,24 +136,31 @@ fn verify_holds_both_networks_against_their_goals_and_gives_friction_as_a_torque
 }
 
 #[test]
-fn where_nothing_can_be_written_no_work_is_begun() {
+fn no_work_is_begun_if_the_output_cannot_be_written() {
     let folder = tempfile::tempdir().expect("folder");
     let file = folder.path().join("file");
     std::fs::write(&file, "in the way").expect("file");
     let out = file.join("out");
-    // Each names a file that is not there, too: it would be missed first if the work were begun.
+    // Each command line also names a missing file: its error would come first if the work had
+    // begun.
     let report = ["report", "--rig", "no-such.json", "--out", name(&out)];
     let train = ["train", "--friction", "rig", "--rig", "no-such.toml", "--out", name(&out)];
-    for arguments in [&report[..], &train[..]] {
+    let dataset = ["dataset", "friction", "--bench", "no-such.toml", "--out", name(&out)];
+    for arguments in [&report[..], &train[..], &dataset[..]] {
         let output = model_quant(arguments);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(1), "{message}");
         assert!(message.contains("file") && !message.contains("no-such"), "{message}");
     }
+    let law = ["train", "--rows", "512", "--epochs", "1", "--grid-epochs", "0", "--out", name(&out)];
+    let output = model_quant(&law);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("file") && !message.contains("epoch"), "{message}");
 }
 
 #[test]
-fn the_history_beside_a_checkpoint_may_be_named_as_well() {
+fn the_history_next_to_a_checkpoint_may_also_be_an_option() {
     let folder = tempfile::tempdir().expect("folder");
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("models");
     let [checkpoint, history] = ["plastic.float", "plastic.history.json"].map(|file| {
@@ -161,7 +168,7 @@ fn the_history_beside_a_checkpoint_may_be_named_as_well() {
         std::fs::copy(models.join(file), &copy).expect("copy");
         copy
     });
-    // All is read and fits together when what is in the way of the output is found.
+    // All inputs are valid; only the output directory is unusable.
     let out = history.join("out");
     let output = model_quant(&[
         "report",

@@ -1,33 +1,36 @@
-//! The checked-in models: made from their checkpoints byte for byte, and as accurate as their cards say.
+//! Tests of the shipped models: made from their checkpoints byte for byte, as accurate as their
+//! cards state.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
-use inference::{Bearing, Flags, Model, Pair, shipped};
-use model_quant::bench_loop;
-use model_quant::card::{Facts, card};
-use model_quant::checkpoint::Checkpoint;
-use model_quant::float_pair::{FloatPair, shipped as shipped_checkpoint};
-use model_quant::held_out::judged;
-use model_quant::image::AnyModel;
-use model_quant::layers::layer_errors;
-use model_quant::limits;
-use model_quant::mode::Plan;
+use inference::{BearingMaterial, Flags, Model, Pair, shipped};
+use model_quant::evaluate::bench_loop;
+use model_quant::evaluate::layers::layer_errors;
+use model_quant::evaluate::limits;
+use model_quant::evaluate::verdict::Verdict;
+use model_quant::evaluate::verify::add_held_out_errors;
+use model_quant::evaluate::verify::verify;
+use model_quant::network::checkpoint::Checkpoint;
+use model_quant::network::float_pair::FloatPair;
+use model_quant::network::recipe::Recipe;
+use model_quant::network::shipped::shipped_checkpoint;
+use model_quant::quantise::image::AnyModel;
+use model_quant::quantise::mode::Plan;
 use model_quant::quantise::quantise;
-use model_quant::recipe::Recipe;
-use model_quant::verify::{Verdict, verify};
+use model_quant::report::card::{Facts, card};
 
-fn checkpoint(bearing: Bearing) -> (Checkpoint, u64) {
+fn checkpoint(bearing: BearingMaterial) -> (Checkpoint, u64) {
     let bytes = shipped_checkpoint(bearing);
     (Checkpoint::from_bytes(bytes).expect("checkpoint"), Checkpoint::training_id(bytes))
 }
 
-fn verdicts(bearing: Bearing) -> [Verdict; 2] {
+fn verdicts(bearing: BearingMaterial) -> [Verdict; 2] {
     let (checkpoint, id) = checkpoint(bearing);
     verify(&checkpoint, id, shipped(bearing)).expect("shipped image")
 }
 
 #[test]
-fn quantising_the_checkpoint_again_gives_the_shipped_image() {
-    for bearing in Bearing::ALL {
+fn quantising_the_shipped_checkpoint_gives_the_shipped_image() {
+    for bearing in BearingMaterial::ALL {
         let (checkpoint, id) = checkpoint(bearing);
         assert_eq!(checkpoint.recipe, Recipe::standard(bearing), "the default recipe made it");
         let image = quantise(&checkpoint, id, Plan::default()).expect("image").image;
@@ -36,14 +39,15 @@ fn quantising_the_checkpoint_again_gives_the_shipped_image() {
 }
 
 #[test]
-fn images_follow_the_laws_on_rows_that_no_training_saw() {
-    for bearing in Bearing::ALL {
+fn images_follow_the_laws_on_test_rows() {
+    for bearing in BearingMaterial::ALL {
         for verdict in verdicts(bearing) {
             let name = format!("{} {}", verdict.bearing, verdict.network);
             assert!(verdict.r2_quantised > 0.999, "{name}: R^2 {}", verdict.r2_quantised);
             assert!(verdict.r2_float > 0.999, "{name}: R^2 of the float networks {}", verdict.r2_float);
             assert!(verdict.working_error_median < 0.01, "{name}: {}", verdict.working_error_median);
-            // Friction has a further 2 %: relative errors below 1 mm/s, where it goes to 0 with the speed.
+            // Friction has a further 2 %: relative errors below 1 mm/s, where friction goes to 0
+            // with the speed.
             let limit = if verdict.network == "friction" { 0.05 } else { 0.03 };
             assert!(verdict.working_error_p95 < limit, "{name}: {}", verdict.working_error_p95);
             assert_eq!(verdict.zero_contact_output, 0.0, "{name}");
@@ -54,10 +58,10 @@ fn images_follow_the_laws_on_rows_that_no_training_saw() {
 }
 
 #[test]
-fn cards_say_what_verification_finds() {
+fn cards_have_the_figures_of_the_verification() {
     for (bearing, found) in [
-        (Bearing::Babbitt, include_str!("../../crates/inference/models/babbitt.md")),
-        (Bearing::Plastic, include_str!("../../crates/inference/models/plastic.md")),
+        (BearingMaterial::Babbitt, include_str!("../../crates/inference/models/babbitt.md")),
+        (BearingMaterial::Plastic, include_str!("../../crates/inference/models/plastic.md")),
     ] {
         let (checkpoint, id) = checkpoint(bearing);
         let plan = Plan::default();
@@ -69,10 +73,10 @@ fn cards_say_what_verification_finds() {
             plan,
             header: &model.header(),
             image: shipped(bearing),
-            verdicts: &judged(verdicts(bearing), &checkpoint, model).expect("bench"),
+            verdicts: &add_held_out_errors(verdicts(bearing), &checkpoint, model).expect("bench"),
             layers: &layer_errors(&checkpoint, &quantised, plan).expect("layers"),
             limits: &limits::measure(model).expect("bench"),
-            bench_loop: bench_loop::of_image(&bench_loop::shipped().expect("measurements"), sum),
+            bench_loop: bench_loop::for_image(&bench_loop::shipped().expect("measurements"), sum),
         });
         assert_eq!(found, expected, "{}: run `model-quant quantize`", bearing.name());
     }
@@ -80,7 +84,7 @@ fn cards_say_what_verification_finds() {
 
 #[test]
 fn friction_opposes_the_sliding_and_is_odd_in_both_chains() {
-    for bearing in Bearing::ALL {
+    for bearing in BearingMaterial::ALL {
         let mut image: Pair = Pair::new(Model::load(shipped(bearing)).expect("image"));
         let mut float = FloatPair::new(bearing).expect("checkpoint");
         let state = |speed| inference::ContactState {

@@ -1,7 +1,8 @@
-//! What the system tests share.
+//! Library of the system tests: campaigns, and the generators of logs and faults.
 
 pub mod faults;
 pub mod generator;
 pub mod hidden_effects;
 pub mod journal;
+pub mod random;
 pub mod soak;

@@ -1,26 +1,31 @@
-//! The soak: the emulated controller follows bench B for hours of bench time, estimate by estimate the same as the controller's code in this process.
+//! Soak test: the emulated controller follows bench B for hours of bench time and must give the
+//! same bits as the controller's code in this process.
 //!
-//! The samples are those of the bench's run through its sensors: several drive cycles, then the last one over and over, with fresh noise each time. Sequence
-//! numbers and times start where they are told, near the end of their 32 bits if so, and go round. Samples are written as fast as they are taken
-//! and compared in batches; memory of both processes is read after every batch. Every wait is bounded.
+//! The samples are a run of the bench, read by its sensors: several drive cycles, then the last one
+//! repeatedly with fresh noise. Sequence numbers and times start at given values, for example near
+//! the end of their 32 bits, and wrap. Samples are written as fast as the controller reads them,
+//! and compared in batches. The memory of both processes is read after every batch. Every wait has
+//! a timeout.
 //!
-//! What is asked: no estimate that differs in any bit, no tick that takes longer than a sample period, no restart, one estimate for every sample,
-//! counters and tracked quantities the same at the end, memory of this process that does not grow by more than [`GROWTH_BYTES`] once a tenth has passed. The
-//! emulator's own memory is told and not judged: it keeps what it has translated.
+//! A soak passes if no estimate differs in any bit, no tick takes longer than a sample period, the
+//! controller does not restart, every sample has one estimate, and counters and tracked quantities
+//! are equal at the end. After a tenth of the samples, the memory of this process may grow by at
+//! most [`GROWTH_BYTES`]. The emulator's memory is reported without a limit, because it stores
+//! translated code.
 
 use crate::faults::CampaignError;
-use crate::faults::attempt::BOUND;
-use crate::faults::emulator::{Emulator, Pumped};
+use crate::faults::attempt::TIMEOUT;
+use crate::faults::emulator::{Emulator, PumpEnd};
 use crate::faults::image::Image;
 use crate::faults::streams::bytes;
 use bench::Bench;
-use bench::transmission::{Snapshot, Transmission};
-use firmware::flags::ONSET_NOT_SEEN;
+use bench::description::TransmissionBench;
+use bench::plants::transmission::{Snapshot, Transmission};
+use controller::flags::ONSET_NOT_SEEN;
 use host_sim::controller::{Controller, NativeController};
-use host_sim::estimator::controller_configuration;
-use host_sim::force::{DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ, run_bench};
-use host_sim::paper::resolved;
-use host_sim::sensing;
+use host_sim::run::configuration::controller_configuration;
+use host_sim::run::force::{DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ, run_bench};
+use host_sim::run::sensing;
 use link::{
     Answer, Command, ControllerConfiguration, NumberedCommand, ReportKind, SensorFrame, ToController, ToHost,
 };
@@ -28,23 +33,23 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::Instant;
 
-/// Growth of this process's memory that is still flat.
+/// Maximum growth of this process's memory, in bytes.
 pub const GROWTH_BYTES: u64 = 8 << 20;
-/// Most instructions of a tick: one a cycle at 168 MHz in 100 us.
+/// Maximum instructions of a tick: one in each cycle of 100 us at 168 MHz.
 pub const PERIOD_INSTRUCTIONS: f64 = 16_800.0;
-/// SysTick's ticks of one emulated instruction: 64 ns at 168 MHz.
+/// SysTick ticks of one emulated instruction: 64 ns at 168 MHz.
 const TICKS_PER_INSTRUCTION: f64 = 10.752;
-/// Drive cycles before the one that is repeated.
+/// Drive cycles up to the one that is repeated.
 const CYCLES: u32 = 3;
-/// Samples of a batch: what the pipes hold, about.
+/// Samples in a batch; the pipes hold about as many.
 const BATCH: usize = 1_000;
 
-/// How long, from where and with which noise.
+/// Length, start and noise of a soak.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
-    /// Samples.
+    /// Number of samples.
     pub ticks: u64,
-    /// Seed of the noise.
+    /// Seed of the sensor noise.
     pub seed: u64,
     /// Sequence number of the first sample.
     pub sequence: u32,
@@ -52,39 +57,39 @@ pub struct Plan {
     pub time_us: u32,
 }
 
-/// What came of it.
+/// Result of a soak.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Soaked {
-    /// Samples.
+pub struct SoakResult {
+    /// Number of samples.
     pub ticks: u64,
-    /// Times that the sequence number went round.
+    /// Wraps of the sequence number.
     pub sequence_wraps: u32,
-    /// Times that the time went round.
+    /// Wraps of the time.
     pub time_wraps: u32,
-    /// Estimates that differ from those of this process in any bit.
+    /// Estimates that differ from the host's in any bit.
     pub bit_differences: u64,
     /// Ticks longer than a sample period.
     pub deadline_misses: u64,
-    /// Fewest instructions of a tick.
+    /// Minimum instructions of a tick.
     pub instructions_per_tick_min: u64,
-    /// Most.
+    /// Maximum instructions of a tick.
     pub instructions_per_tick_max: u64,
-    /// Estimates with any remark but that the onset of the contact was not seen: bench B stands on its bearing from the start.
+    /// Estimates with any flag. "Onset not seen" does not count: bench B starts in contact.
     pub marked: u64,
-    /// Whether counters and tracked quantities were the same at the end.
+    /// True if counters and tracked quantities were equal at the end.
     pub same_reports: bool,
-    /// Most memory of this process after a tenth of the samples, above what it had then, bytes.
+    /// Largest growth of this process's memory after a tenth of the samples, bytes.
     pub host_growth_bytes: u64,
-    /// The same of the emulator.
+    /// Largest growth of the emulator's memory after a tenth of the samples, bytes.
     pub emulator_growth_bytes: u64,
-    /// Samples a second, wall time.
+    /// Samples a second of wall time.
     pub ticks_per_s: f64,
 }
 
-impl Soaked {
-    /// Whether everything is as it has to be.
+impl SoakResult {
+    /// Returns whether all criteria are met.
     #[must_use]
-    pub fn is_sound(&self) -> bool {
+    pub fn has_passed(&self) -> bool {
         self.bit_differences == 0
             && self.deadline_misses == 0
             && self.same_reports
@@ -92,7 +97,7 @@ impl Soaked {
     }
 }
 
-/// The samples, one after the other for ever.
+/// Endless sequence of samples.
 struct Samples {
     bench: Bench,
     cycle: Vec<Snapshot>,
@@ -105,11 +110,8 @@ struct Samples {
 
 impl Samples {
     fn new(plan: &Plan) -> Result<(ControllerConfiguration, Self), CampaignError> {
-        let Bench::Transmission(base) = Bench::open("bench-b").map_err(host_sim::error::CliError::from)?
-        else {
-            return Err(CampaignError::Unexpected { found: "another plant".into(), expected: "bench-b" });
-        };
-        let mut bench = resolved(*base)?;
+        let base = TransmissionBench::open("bench-b").map_err(host_sim::cli::error::CliError::from)?;
+        let mut bench = base.resolved();
         bench.drive.cycles = CYCLES;
         let forced = run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?;
         let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
@@ -117,8 +119,8 @@ impl Samples {
         let cycle_samples = (bench.drive.period_s * SAMPLE_RATE_HZ).round() as usize;
         let run = forced.run.samples;
         let cycle = run.get(run.len().saturating_sub(cycle_samples)..).unwrap_or_default().to_vec();
-        let bench = Bench::Transmission(Box::new(bench));
-        // All of it once: the controller sees the journal land.
+        let bench = Bench::from(bench);
+        // The complete run once, so that the controller sees the journal land.
         let frames = sensing::frames(&bench, &run, plan.seed).into_iter();
         let samples = Self {
             bench,
@@ -152,47 +154,51 @@ impl Iterator for Samples {
     }
 }
 
-/// Runs a soak; `done` hears how many samples every batch had.
-pub fn soak(elf: &Path, plan: &Plan, mut done: impl FnMut(u64)) -> Result<Soaked, CampaignError> {
-    // Anything else would be silent for long before it is told.
+/// Runs a soak; `done` is called with the size of every batch.
+pub fn soak(elf: &Path, plan: &Plan, mut done: impl FnMut(u64)) -> Result<SoakResult, CampaignError> {
+    // An unusable image would run into a long timeout.
     Image::read(elf)?;
     let (configuration, mut samples) = Samples::new(plan)?;
     let mut native = NativeController::start(configuration)?;
     let mut emulator = Emulator::start(elf, false, &["-no-reboot"])?;
     let mut commands = 0;
     order(&mut emulator, &mut commands, Command::Configure(configuration))?;
-    let mut soaked = Soaked { ticks: plan.ticks, instructions_per_tick_min: u64::MAX, ..Soaked::default() };
+    let mut result =
+        SoakResult { ticks: plan.ticks, instructions_per_tick_min: u64::MAX, ..SoakResult::default() };
     let (mut left, mut memory, begun) = (plan.ticks, None, Instant::now());
     let mut last = SensorFrame { sequence: plan.sequence, time_us: plan.time_us, ..SensorFrame::default() };
     while left > 0 {
         let batch: Vec<_> = samples.by_ref().take(BATCH.min(left.try_into().unwrap_or(BATCH))).collect();
-        emulator.said.clear();
+        emulator.received.clear();
         for frame in &batch {
             emulator.send(&bytes(&ToController::Sensor(*frame, Default::default()))?);
         }
-        let is_estimate = |said: &&_| matches!(said, Ok(ToHost::Estimate(_)));
-        let pumped = emulator.pump(BOUND, |said| said.iter().filter(is_estimate).count() >= batch.len())?;
-        let told = emulator.said.iter().filter(is_estimate).count();
-        let estimates = emulator.said.iter().filter_map(|said| match said {
+        let is_estimate = |received: &&_| matches!(received, Ok(ToHost::Estimate(_)));
+        let end =
+            emulator.pump(TIMEOUT, |received| received.iter().filter(is_estimate).count() >= batch.len())?;
+        let count = emulator.received.iter().filter(is_estimate).count();
+        let estimates = emulator.received.iter().filter_map(|received| match received {
             Ok(ToHost::Estimate(numbered)) => Some(&numbered.estimate),
             _ => None,
         });
         for (frame, estimate) in batch.iter().zip(estimates) {
-            soaked.take(
+            result.add(
                 native.exchange(frame)?.same_bits(estimate),
                 estimate.flags,
                 estimate.instruction_ticks,
             );
-            soaked.sequence_wraps += u32::from(frame.sequence < last.sequence);
-            soaked.time_wraps += u32::from(frame.time_us < last.time_us);
+            result.sequence_wraps += u32::from(frame.sequence < last.sequence);
+            result.time_wraps += u32::from(frame.time_us < last.time_us);
             last = *frame;
         }
-        let others =
-            emulator.said.iter().find(|said| !matches!(said, Ok(ToHost::Estimate(_) | ToHost::Slow(_))));
-        if pumped != Pumped::Come || told != batch.len() || others.is_some() {
+        let others = emulator
+            .received
+            .iter()
+            .find(|received| !matches!(received, Ok(ToHost::Estimate(_) | ToHost::Slow(_))));
+        if end != PumpEnd::Arrived || count != batch.len() || others.is_some() {
             return Err(CampaignError::Unexpected {
                 found: format!(
-                    "{pumped:?} after sample {}, {told} estimates to {} samples, {others:?}",
+                    "{end:?} after sample {}, {count} estimates to {} samples, {others:?}",
                     last.sequence,
                     batch.len()
                 ),
@@ -203,56 +209,55 @@ pub fn soak(elf: &Path, plan: &Plan, mut done: impl FnMut(u64)) -> Result<Soaked
         if left <= plan.ticks - plan.ticks / 10 {
             let now = [std::process::id(), emulator.process_id()].map(resident_bytes);
             let [host, other] = *memory.get_or_insert(now);
-            soaked.host_growth_bytes = soaked.host_growth_bytes.max(now[0].saturating_sub(host));
-            soaked.emulator_growth_bytes = soaked.emulator_growth_bytes.max(now[1].saturating_sub(other));
+            result.host_growth_bytes = result.host_growth_bytes.max(now[0].saturating_sub(host));
+            result.emulator_growth_bytes = result.emulator_growth_bytes.max(now[1].saturating_sub(other));
         }
         done(batch.len() as u64);
     }
-    soaked.ticks_per_s = plan.ticks as f64 / begun.elapsed().as_secs_f64();
-    soaked.same_reports = true;
+    result.ticks_per_s = plan.ticks as f64 / begun.elapsed().as_secs_f64();
+    result.same_reports = true;
     for command in
         [Command::GetReport(ReportKind::Track), Command::GetReport(ReportKind::Sensors), Command::GetCounters]
     {
         let emulated = order(&mut emulator, &mut commands, command)?;
-        soaked.same_reports &= native.order(command)? == emulated;
+        result.same_reports &= native.order(command)? == emulated;
     }
-    Ok(soaked)
+    Ok(result)
 }
 
-impl Soaked {
-    fn take(&mut self, same: bool, flags: u32, timer_ticks: u32) {
+impl SoakResult {
+    fn add(&mut self, same: bool, flags: u32, timer_ticks: u32) {
         let instructions = f64::from(timer_ticks) / TICKS_PER_INSTRUCTION;
         self.bit_differences += u64::from(!same);
         self.marked += u64::from(flags & !ONSET_NOT_SEEN.bits() != 0);
         self.deadline_misses += u64::from(instructions > PERIOD_INSTRUCTIONS);
         self.instructions_per_tick_max = self.instructions_per_tick_max.max(instructions.round() as u64);
-        // The first estimate tells of no tick before it.
+        // The first estimate reports no earlier tick.
         if timer_ticks > 0 {
             self.instructions_per_tick_min = self.instructions_per_tick_min.min(instructions.round() as u64);
         }
     }
 }
 
-/// Gives the emulated controller a command and takes its answer.
+/// Sends a command to the emulated controller and returns the reply.
 fn order(emulator: &mut Emulator, commands: &mut u32, command: Command) -> Result<Answer, CampaignError> {
     *commands += 1;
     let id = *commands;
-    emulator.said.clear();
+    emulator.received.clear();
     emulator.send(&bytes(&ToController::Command(NumberedCommand { id, command }))?);
-    let answers =
-        |said: &_| matches!(said, Ok(ToHost::Acknowledged(acknowledgement)) if acknowledgement.id == id);
-    emulator.pump(2 * BOUND, |said| said.iter().any(answers))?;
-    let answer = emulator.said.iter().find_map(|said| match said {
+    let answers = |message: &_| matches!(message, Ok(ToHost::Acknowledged(reply)) if reply.id == id);
+    emulator.pump(2 * TIMEOUT, |received| received.iter().any(answers))?;
+    let answer = emulator.received.iter().find_map(|received| match received {
         Ok(ToHost::Acknowledged(acknowledgement)) if acknowledgement.id == id => acknowledgement.outcome.ok(),
         _ => None,
     });
     answer.ok_or_else(|| CampaignError::Unexpected {
-        found: format!("{:?}", emulator.said),
+        found: format!("{:?}", emulator.received),
         expected: "a command carried out",
     })
 }
 
-/// Memory of a process that is in RAM, bytes; 0 where the system does not tell.
+/// Returns the resident memory of a process in bytes; 0 if the system does not report it.
 fn resident_bytes(process: u32) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
@@ -265,21 +270,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn memory_is_told_where_the_system_tells_it() {
+    fn the_memory_of_a_process_is_read_and_0_without_one() {
         assert!(resident_bytes(std::process::id()) > 100_000);
         assert_eq!(resident_bytes(u32::MAX), 0);
     }
 
     #[test]
-    fn one_difference_or_a_long_tick_or_growing_memory_is_not_sound() {
-        let sound = Soaked { same_reports: true, ..Soaked::default() };
-        assert!(sound.is_sound());
-        let mut other = sound.clone();
-        other.take(false, 0, 10);
-        assert!(!other.is_sound());
-        let mut long = sound.clone();
-        long.take(true, 0, (PERIOD_INSTRUCTIONS * TICKS_PER_INSTRUCTION) as u32 + 11);
-        assert_eq!((long.deadline_misses, long.is_sound()), (1, false));
-        assert!(!Soaked { host_growth_bytes: GROWTH_BYTES + 1, ..sound }.is_sound());
+    fn one_difference_or_a_long_tick_or_growing_memory_fails_the_soak() {
+        let passed = SoakResult { same_reports: true, ..SoakResult::default() };
+        assert!(passed.has_passed());
+        let mut other = passed.clone();
+        other.add(false, 0, 10);
+        assert!(!other.has_passed());
+        let mut long = passed.clone();
+        long.add(true, 0, (PERIOD_INSTRUCTIONS * TICKS_PER_INSTRUCTION) as u32 + 11);
+        assert_eq!((long.deadline_misses, long.has_passed()), (1, false));
+        assert!(!SoakResult { host_growth_bytes: GROWTH_BYTES + 1, ..passed }.has_passed());
     }
 }

@@ -1,20 +1,17 @@
-//! The paper's claims through the whole chain: the verdicts are those of the model, not of the networks or the threads.
+//! Claims of the paper through the complete chain: the verdicts follow from the model, not from the
+//! networks or the number of threads.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
-use bench::Bench;
 use bench::description::TransmissionBench;
-use host_sim::claims::facts::Facts;
-use host_sim::claims::gather::gather;
-use host_sim::claims::{Claim, Verdict, judge};
-use host_sim::force::{DEFAULT_STEP_S, ForceSource};
-use host_sim::paper::PaperRuns;
-use host_sim::swing::power_law;
+use host_sim::reproduction::claims::facts::Facts;
+use host_sim::reproduction::claims::gather::gather;
+use host_sim::reproduction::claims::{Claim, Verdict, evaluate};
+use host_sim::reproduction::runs::PaperRuns;
+use host_sim::reproduction::swing::power_law;
+use host_sim::run::force::{DEFAULT_STEP_S, ForceSource};
 
 fn base() -> TransmissionBench {
-    match Bench::open("bench-b").unwrap() {
-        Bench::Transmission(bench) => *bench,
-        Bench::FrictionRig(_) => panic!("bench-b is a transmission bench"),
-    }
+    TransmissionBench::open("bench-b").unwrap()
 }
 
 fn facts(source: ForceSource, threads: usize) -> Facts {
@@ -28,9 +25,9 @@ fn verdicts(claims: &[Claim]) -> Vec<(u8, Verdict)> {
 
 #[test]
 fn the_networks_and_the_law_lead_to_the_same_verdicts() {
-    let (law, net) = (judge(&facts(ForceSource::Law, 1)), judge(&facts(ForceSource::QuantisedNet, 2)));
+    let (law, net) = (evaluate(&facts(ForceSource::Law, 1)), evaluate(&facts(ForceSource::QuantisedNet, 2)));
     assert_eq!(verdicts(&law), verdicts(&net));
-    // What the documents say about this model; the reasons are measured, not assumed, so a change here is a finding.
+    // Verdicts that the documents state. The reasons are measured, so a change here is a finding.
     let of = |id: u8| law.iter().find(|c| c.id == id).map(|c| c.verdict).unwrap();
     for (id, expected) in [
         (2, Verdict::Holds),
@@ -59,11 +56,11 @@ fn the_fluctuation_is_a_pendulum_of_the_clearance_and_hardly_feels_the_modulus()
 
 #[test]
 fn another_bench_gives_other_verdicts() {
-    // At a crawl nothing swings: the verdicts follow the runs.
+    // At very low speed nothing oscillates: the verdicts follow the runs.
     let mut slow = base();
     slow.drive.period_s = 6.0;
     let runs = PaperRuns::execute(&slow, ForceSource::Law, DEFAULT_STEP_S, 0, || {}).unwrap();
-    let slow = judge(&gather(&slow, &runs, 0).unwrap());
-    let fast = judge(&facts(ForceSource::Law, 0));
+    let slow = evaluate(&gather(&slow, &runs, 0).unwrap());
+    let fast = evaluate(&facts(ForceSource::Law, 0));
     assert_ne!(verdicts(&slow), verdicts(&fast));
 }

@@ -1,8 +1,9 @@
-//! A log from an independent generator hides an effect: the diagnosis has to name it, and nothing in a clean log.
+//! A log of an independent generator hides an effect, and the diagnosis must name it; in a clean
+//! log it must name none.
 //!
-//! Sizes: each effect lies outside what the bench declares as uncertain. The real bench differs from its description in
-//! every uncertain number, so a parameter that adds to an uncertain one (clearance, friction level) cannot be known
-//! better than that.
+//! Each effect exceeds the declared uncertainty of the bench. The real bench differs from its
+//! description in every uncertain parameter. Therefore a parameter that adds to an uncertain one
+//! (clearance, friction level) cannot be determined more exactly.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use bench::{Bench, MeasuredLog};
@@ -10,7 +11,8 @@ use diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use system_tests::generator::noise::Noise;
 use system_tests::generator::{Hidden, RealBench};
 
-/// Deviations of the real bench from its description in the hidden-effect arm, in declared standard deviations.
+/// Maximum deviation of the real bench from its description beside a hidden effect, in declared
+/// standard deviations.
 const DEVIATIONS: f64 = 0.8;
 
 fn diagnosed(hidden: &Hidden, deviations: f64, seed: u64, change: impl Fn(&mut RealBench)) -> Diagnosis {
@@ -96,7 +98,8 @@ fn sensor_offset_is_named() {
 #[test]
 fn clean_logs_give_none() {
     for seed in 1..=6 {
-        // Other loads and lengths than the description's; every uncertain number off by up to two deviations.
+        // Other loads and lengths than described; every uncertain parameter off by up to two
+        // deviations.
         let d = diagnosed(&Hidden::default(), 2.0, seed, |real| {
             real.load_n = [10e3, 6e3, 3e3][seed as usize % 3];
             real.cycles = 2 + seed as usize % 2;

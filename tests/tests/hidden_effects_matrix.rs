@@ -1,7 +1,9 @@
-//! The quick matrix: every effect hidden once, those that no axis shows on a transmission bench; clean logs, deleted causes, two effects, pairs, changed questions on the axes.
+//! The quick matrix of hidden effects: every effect once, on the cheapest plant that shows it;
+//! clean logs, deleted causes, two effects, pairs and changed questions on the axes.
 //!
-//! Its figures must not miss a goal by more than those that are checked in (`tests/golden/hidden-effects-quick.json`, written by
-//! `cargo xtask hidden-effects --quick --bless`). The full matrix is a campaign of its own: `docs/hidden-effects*.md`.
+//! No figure may miss its goal by more than the golden one
+//! (`tests/golden/hidden-effects-quick.json`, written by `cargo xtask hidden-effects --quick
+//! --bless`). The full matrix is a separate campaign: `docs/hidden-effects*.md`.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use rayon::prelude::*;

@@ -1,9 +1,10 @@
-//! The whole chain in lockstep: bench, quantised networks, emulated controller, one cycle, bit for bit.
+//! The complete chain in lockstep over one cycle, bit for bit: bench, quantised networks, emulated
+//! controller.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 #![cfg(feature = "emulated")]
 
 use clap::Parser;
-use host_sim::commands::run::{RunArgs, execute};
+use host_sim::run::{RunArgs, execute};
 
 #[derive(Parser)]
 struct Options {
@@ -11,7 +12,7 @@ struct Options {
     run: RunArgs,
 }
 
-fn run(arguments: &[&str]) -> host_sim::summary::Summary {
+fn run(arguments: &[&str]) -> host_sim::run::summary::Summary {
     let line = std::iter::once("run").chain(arguments.iter().copied()).chain(["--json"]);
     execute(&Options::parse_from(line).run).unwrap().summary
 }

@@ -1,60 +1,78 @@
-//! What the firmware's image takes, against its budgets and against what is checked in.
+//! Sizes of the firmware image, compared with budgets and with golden figures.
 //!
-//! Flash may differ by the length of the build's name, which is in the image; everything else must be the same number. With another
-//! compiler than the pinned one only the budgets hold.
+//! Flash may differ by the length of the build name, which is part of the image. All other figures
+//! must be equal. With a compiler other than the pinned one, only the budgets are compared.
 
+use crate::document::Block;
 use crate::firmware::{DEFAULT, OTHER_CORE};
-use crate::run::{ChoreError, root, write_whole};
-use crate::setup::{TARGET, Way, target};
+use crate::golden::Comparison;
+use crate::run::{ChoreError, root, write_atomically};
+use crate::setup::{TARGET, Toolchain, target};
 use crate::size::{Figures, Sizes, measure};
 use std::path::PathBuf;
 
-/// The file with the figures.
+/// File with the golden figures.
 const FILE: &str = "tests/golden/firmware.json";
-/// Most flash, bytes: what is left below the sectors that are written at run time.
-const MOST_FLASH: u64 = 512 * 1024;
-/// Most static RAM, bytes: what is above the stack's room.
-const MOST_RAM: u64 = 80 * 1024;
-/// Longest name of a build with padding, bytes.
-const NAME: u64 = 40;
+/// Place of the table.
+const TABLE: Block = Block { file: "docs/figures.md", name: "sizes" };
+/// Flash budget in bytes: the sectors below those that are written at run time.
+const MAX_FLASH: u64 = 512 * 1024;
+/// RAM budget in bytes: static memory beside the stack's reserve.
+const MAX_RAM: u64 = 80 * 1024;
+/// Maximum length of a build name with padding, in bytes.
+const MAX_NAME_LENGTH: u64 = 40;
 
 fn path() -> PathBuf {
     root().join(FILE)
 }
 
-/// Refuses an image that no board could run for long.
+/// Rejects an image that exceeds a budget or can panic.
 fn within_budgets(board: &str, sizes: &Sizes) -> Result<(), ChoreError> {
-    if sizes.flash_bytes <= MOST_FLASH && sizes.ram_bytes <= MOST_RAM && !sizes.panic_symbol {
+    if sizes.flash_bytes <= MAX_FLASH && sizes.ram_bytes <= MAX_RAM && !sizes.panic_symbol {
         return Ok(());
     }
     Err(ChoreError::Differs {
         what: format!("the image for {board}"),
         found: serde_json::to_string_pretty(sizes).unwrap_or_default(),
-        expected: format!("at most {MOST_FLASH} bytes of flash, {MOST_RAM} of RAM, no reachable panic"),
+        expected: format!("at most {MAX_FLASH} bytes of flash, {MAX_RAM} bytes of RAM, no reachable panic"),
     })
 }
 
-fn same(found: &Figures, golden: &Figures) -> bool {
-    let flash = found.sizes.flash_bytes.abs_diff(golden.sizes.flash_bytes) <= NAME;
+fn is_equal(found: &Figures, golden: &Figures) -> bool {
+    let flash = found.sizes.flash_bytes.abs_diff(golden.sizes.flash_bytes) <= MAX_NAME_LENGTH;
     let sizes = Sizes { flash_bytes: golden.sizes.flash_bytes, ..found.sizes.clone() };
     flash && *golden == Figures { sizes, ..found.clone() }
 }
 
-/// Measures anew and writes the figures.
+/// Measures the image and writes the golden figures.
 pub(crate) fn bless() -> Result<(), ChoreError> {
     let figures = measure()?;
-    within_budgets(DEFAULT.name, &figures.sizes)?;
+    within_budgets(DEFAULT.0.name, &figures.sizes)?;
     let json = serde_json::to_string_pretty(&figures).unwrap_or_default() + "\n";
-    write_whole(path(), &json)
+    write_atomically(path(), &json)?;
+    TABLE.write(&render(&figures))
 }
 
-/// Measures anew and compares with budgets and golden figures; then builds the image of the other core.
-pub(crate) fn check() -> Result<(), ChoreError> {
+/// Returns the figures as a Markdown table.
+fn render(figures: &Figures) -> String {
+    let Sizes { flash_bytes, ram_bytes, panic_symbol } = &figures.sizes;
+    format!(
+        "| flash, bytes | static RAM, bytes | stack, bound and deepest use seen, bytes | reachable panic |\n\
+         |---|---|---|---|\n| {flash_bytes} | {ram_bytes} | {} and {} | {} |",
+        figures.stack_bound_bytes,
+        figures.stack_painted_bytes,
+        if *panic_symbol { "yes" } else { "none" },
+    )
+}
+
+/// Measures the image and compares it with the budgets and the golden figures; then builds the
+/// image of the other core.
+pub(crate) fn check() -> Result<Comparison, ChoreError> {
     let found = measure()?;
-    within_budgets(DEFAULT.name, &found.sizes)?;
-    within_budgets(OTHER_CORE.name, &Sizes::of(&OTHER_CORE.build()?)?)?;
-    if target(TARGET)? == Way::Debian {
-        return Ok(());
+    within_budgets(DEFAULT.0.name, &found.sizes)?;
+    within_budgets(OTHER_CORE.0.name, &Sizes::of(&OTHER_CORE.build()?)?)?;
+    if target(TARGET)? == Toolchain::Debian {
+        return Ok(Comparison::BudgetsOnly);
     }
     let wrong = |found: String| ChoreError::File {
         file: path(),
@@ -63,11 +81,11 @@ pub(crate) fn check() -> Result<(), ChoreError> {
     };
     let golden = std::fs::read_to_string(path()).map_err(|error| wrong(error.to_string()))?;
     let golden: Figures = serde_json::from_str(&golden).map_err(|error| wrong(error.to_string()))?;
-    if same(&found, &golden) {
-        return Ok(());
+    if is_equal(&found, &golden) {
+        return Ok(Comparison::Complete);
     }
     Err(ChoreError::Differs {
-        what: format!("figures of the firmware ({FILE}; if the change is meant: cargo xtask bless)"),
+        what: format!("figures of the firmware ({FILE}; if the change is intended: cargo xtask bless)"),
         found: serde_json::to_string_pretty(&found).unwrap_or_default(),
         expected: serde_json::to_string_pretty(&golden).unwrap_or_default(),
     })
@@ -84,33 +102,34 @@ mod tests {
     };
 
     #[test]
-    fn only_the_name_of_the_build_may_make_a_difference() {
+    fn only_the_build_name_may_change_the_flash_size() {
         let with = |flash_bytes| Figures { sizes: Sizes { flash_bytes, ..FIGURES.sizes.clone() }, ..FIGURES };
-        assert!(same(&with(90_040), &FIGURES) && same(&with(89_960), &FIGURES));
-        assert!(!same(&with(90_041), &FIGURES));
-        assert!(!same(&Figures { stack_bound_bytes: 10_001, ..FIGURES }, &FIGURES));
-        assert!(!same(
+        assert!(is_equal(&with(90_040), &FIGURES) && is_equal(&with(89_960), &FIGURES));
+        assert!(!is_equal(&with(90_041), &FIGURES));
+        assert!(!is_equal(&Figures { stack_bound_bytes: 10_001, ..FIGURES }, &FIGURES));
+        assert!(!is_equal(
             &Figures { sizes: Sizes { ram_bytes: 8_999, ..FIGURES.sizes.clone() }, ..FIGURES },
             &FIGURES
         ));
     }
 
     #[test]
-    fn a_reachable_panic_or_a_full_memory_is_refused() {
+    fn a_reachable_panic_or_an_exceeded_budget_is_rejected() {
         assert!(within_budgets("any", &FIGURES.sizes).is_ok());
         for sizes in [
             Sizes { panic_symbol: true, ..FIGURES.sizes.clone() },
-            Sizes { ram_bytes: MOST_RAM + 1, ..FIGURES.sizes.clone() },
-            Sizes { flash_bytes: MOST_FLASH + 1, ..FIGURES.sizes.clone() },
+            Sizes { ram_bytes: MAX_RAM + 1, ..FIGURES.sizes.clone() },
+            Sizes { flash_bytes: MAX_FLASH + 1, ..FIGURES.sizes.clone() },
         ] {
             assert!(within_budgets("any", &sizes).is_err());
         }
     }
 
     #[test]
-    fn what_is_checked_in_is_within_the_budgets() {
+    fn the_golden_figures_are_within_the_budgets_and_on_the_page() {
         let golden: Figures = serde_json::from_str(&std::fs::read_to_string(path()).unwrap()).unwrap();
-        assert!(within_budgets(DEFAULT.name, &golden.sizes).is_ok());
+        assert!(within_budgets(DEFAULT.0.name, &golden.sizes).is_ok());
+        TABLE.check(&render(&golden)).unwrap();
         assert!(
             golden.stack_painted_bytes <= golden.stack_bound_bytes && golden.stack_bound_bytes <= 64 * 1024
         );

@@ -1,13 +1,14 @@
-//! The campaigns: programs of the package `system-tests`. The arguments are the program's own, and so is the exit code.
+//! Campaigns: programs of the package `system-tests`. Arguments and exit code are those of the
+//! program.
 
 use crate::run::{ChoreError, cargo};
 use crate::{firmware, setup};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Builds the controller's image and runs a program that has it emulated.
+/// Builds the controller's image and runs a program that emulates it.
 pub(crate) fn emulated(program: &'static str, arguments: &[OsString]) -> Result<ExitCode, ChoreError> {
-    // Help needs no image.
+    // The help text needs no image.
     if !arguments.iter().any(|argument| argument == "--help" || argument == "-h") {
         setup::setup()?;
         firmware::DEFAULT.build()?;
@@ -15,7 +16,7 @@ pub(crate) fn emulated(program: &'static str, arguments: &[OsString]) -> Result<
     run(program, &[], arguments)
 }
 
-/// Runs a program that only computes, built for speed.
+/// Runs a program without emulator, in the release profile.
 pub(crate) fn computed(program: &'static str, arguments: &[OsString]) -> Result<ExitCode, ChoreError> {
     run(program, &["--release"], arguments)
 }

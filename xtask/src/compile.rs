@@ -1,18 +1,18 @@
 //! Building for a controller, with rustup's core library or with Debian's sources.
 
 use crate::run::{ChoreError, cargo};
-use crate::setup::{DEBIAN_CARGO, DEBIAN_RUSTC, Way, linker};
+use crate::setup::{DEBIAN_CARGO, DEBIAN_RUSTC, Toolchain, linker};
 use std::path::Path;
 use std::process::Command;
 
-/// `cargo build` for a target in a folder, still without the arguments that say what.
-pub(crate) fn build(way: &Way, target: &str, folder: &Path) -> Result<Command, ChoreError> {
-    let mut command = match way {
-        Way::Rustup => cargo(),
-        Way::Debian => Command::new(DEBIAN_CARGO),
+/// Returns `cargo build` for a target in a folder; the caller adds the package.
+pub(crate) fn build(toolchain: &Toolchain, target: &str, folder: &Path) -> Result<Command, ChoreError> {
+    let mut command = match toolchain {
+        Toolchain::Rustup => cargo(),
+        Toolchain::Debian => Command::new(DEBIAN_CARGO),
     };
     command.current_dir(folder).args(["build", "--target", target]);
-    if *way == Way::Debian {
+    if *toolchain == Toolchain::Debian {
         let variable = target.to_uppercase().replace(['-', '.'], "_");
         command
             .arg("-Zbuild-std=core")

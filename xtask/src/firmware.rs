@@ -1,62 +1,42 @@
-//! Building the firmware's image for one of the boards.
+//! Building the firmware's image for a board of the table.
 
 use crate::run::{ChoreError, root, run, target_folder};
-use crate::setup::{self, TARGET};
-use std::path::PathBuf;
-
-/// A board that an image can be built for. Its crystal, light and pins are in `firmware/src/boards/pins.rs`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Board {
-    /// Its name, which the image is told.
-    pub(crate) name: &'static str,
-    /// The compiler's target.
-    pub(crate) target: &'static str,
-    /// The firmware's feature.
-    pub(crate) feature: &'static str,
-}
-
-const fn stm32f405(name: &'static str) -> Board {
-    Board { name, target: TARGET, feature: "stm32f405" }
-}
-
-/// Every board; the first is the default.
-pub(crate) const BOARDS: [Board; 5] = [
-    stm32f405("stm32f405"),
-    stm32f405("feather-stm32f405"),
-    stm32f405("olimex-stm32-h405"),
-    stm32f405("netduino-plus-2"),
-    Board { name: "mps2-an505", target: "thumbv8m.main-none-eabihf", feature: "mps2-an505" },
-];
+use crate::setup;
+use controller::boards::{self, BOARDS, Board};
+use std::path::{Path, PathBuf};
 
 /// The image that serves every board with an STM32F405.
-pub(crate) const DEFAULT: Board = BOARDS[0];
-/// The board of a different core.
-pub(crate) const OTHER_CORE: Board = BOARDS[4];
+pub(crate) const DEFAULT: Firmware = Firmware(&BOARDS[0]);
+/// The image for a board with another core.
+pub(crate) const OTHER_CORE: Firmware = match boards::find("mps2-an505") {
+    Some(board) => Firmware(board),
+    None => DEFAULT,
+};
 
-/// The board of a name, for the command line.
-pub(crate) fn board(name: &str) -> Result<Board, String> {
-    let names = || BOARDS.map(|board| board.name).join(", ");
-    BOARDS.into_iter().find(|board| board.name == name).ok_or_else(|| format!("expected one of {}", names()))
+/// The firmware for one board.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Firmware(pub(crate) &'static Board);
+
+/// Parses the argument of `--board`.
+pub(crate) fn parse_board(name: &str) -> Result<Firmware, boards::UnknownBoard> {
+    boards::find(name).map(Firmware).ok_or(boards::UnknownBoard)
 }
 
-impl Board {
-    /// Builds the image and says where it is: `estimator`, or `estimator-NAME` for a named board of the default's kind.
+impl Firmware {
+    /// Builds the image and returns its path.
     pub(crate) fn build(&self) -> Result<PathBuf, ChoreError> {
         let image = self.compile(&[], &[])?;
-        if self.target == DEFAULT.target && self.name != DEFAULT.name {
-            self.set_aside(&image, self.name)
-        } else {
-            Ok(image)
-        }
+        copy(&image, &self.0.image_name().to_string())
     }
 
-    /// Builds the image that commits faults on demand, for the emulator's tests.
+    /// Builds the image that provokes faults on demand, for the emulator's tests.
     pub(crate) fn build_provoking(&self) -> Result<PathBuf, ChoreError> {
         let image = self.compile(&["provoke"], &[])?;
-        self.set_aside(&image, "provoke")
+        copy(&image, "estimator-provoke")
     }
 
-    /// Builds the image in a folder of its own with the sizes of its stack frames in it; the code is the same.
+    /// Builds the image with the sizes of its stack frames, in a separate folder. The code is the
+    /// same.
     pub(crate) fn build_with_stack_sizes(&self) -> Result<PathBuf, ChoreError> {
         let folder = target_folder().join("stack");
         let folder = folder.to_string_lossy();
@@ -66,32 +46,36 @@ impl Board {
         )
     }
 
-    fn compile(&self, more: &[&str], variables: &[(&str, &str)]) -> Result<PathBuf, ChoreError> {
-        let way = setup::target(self.target)?;
-        let mut command = crate::compile::build(&way, self.target, root())?;
+    fn compile(&self, features: &[&str], variables: &[(&str, &str)]) -> Result<PathBuf, ChoreError> {
+        let microcontroller = self.0.microcontroller;
+        let toolchain = setup::target(microcontroller.target)?;
+        let mut command = crate::compile::build(&toolchain, microcontroller.target, root())?;
         command.args(["--profile", "firmware", "--package", "firmware", "--bin", "estimator", "--features"]);
-        command.arg([&[self.feature], more].concat().join(","));
-        // Without it defmt leaves every line but errors out of the image.
+        command.arg([&[microcontroller.feature], features].concat().join(","));
+        // Without it defmt omits every line but errors.
         command.env("DEFMT_LOG", "info");
-        command.env("PINTLE_BOARD", self.name).envs(variables.iter().copied());
+        command.env("PINTLE_BOARD", self.0.name).envs(variables.iter().copied());
         run(&mut command)?;
         let folder = variables.iter().find(|(name, _)| *name == "CARGO_TARGET_DIR");
         let folder = folder.map_or_else(target_folder, |(_, folder)| PathBuf::from(folder));
-        let image = folder.join(self.target).join("firmware/estimator");
-        crate::seal::seal(&image, self.target == OTHER_CORE.target)?;
+        let image = folder.join(microcontroller.target).join("firmware/estimator");
+        crate::memory_map::check(&image, &microcontroller.memory_map)?;
+        crate::seal::seal(&image, microcontroller.is_emulated_only())?;
         Ok(image)
     }
+}
 
-    /// Cargo's next build writes over an image: a copy stays.
-    fn set_aside(&self, image: &std::path::Path, name: &str) -> Result<PathBuf, ChoreError> {
-        let copy = image.with_file_name(format!("estimator-{name}"));
+/// Copies an image beside itself under another name: cargo's next build overwrites the original.
+fn copy(image: &Path, name: &str) -> Result<PathBuf, ChoreError> {
+    let copy = image.with_file_name(name);
+    if copy != image {
         std::fs::copy(image, &copy).map_err(|error| ChoreError::File {
             file: copy.clone(),
             found: error.to_string(),
             expected: "a file that can be written",
         })?;
-        Ok(copy)
     }
+    Ok(copy)
 }
 
 #[cfg(test)]
@@ -99,11 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_boards_are_those_that_the_firmware_knows() {
-        let pins = std::fs::read_to_string(root().join("firmware/src/boards/pins.rs")).unwrap();
-        let known: Vec<_> =
-            pins.split("name: \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
-        assert_eq!(known, BOARDS.map(|board| board.name));
-        assert!(board("stm32f4").is_err());
+    fn the_second_image_is_for_another_core() {
+        assert_ne!(DEFAULT.0.microcontroller.target, OTHER_CORE.0.microcontroller.target);
     }
 }

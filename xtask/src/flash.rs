@@ -1,27 +1,29 @@
-//! Building an image and writing it to a board: `host-sim flash` does the latter, with probe-rs built in only when something is written.
+//! Building an image and writing it to a board. `host-sim flash` writes it; probe-rs is only built
+//! in if something is written.
 
-use crate::firmware::Board;
+use crate::firmware::Firmware;
 use crate::run::{ChoreError, cargo, run};
 use clap::Args;
 
-/// What to flash.
+/// Arguments of `cargo xtask flash`.
 #[derive(Args)]
 pub(crate) struct FlashArgs {
-    /// The board: stm32f405 (any of them), feather-stm32f405, olimex-stm32-h405, netduino-plus-2.
-    #[arg(long, value_parser = crate::firmware::board)]
-    board: Board,
-    /// Check the image and say what would be written; needs no probe.
+    /// Name of the board, as in `docs/firmware.md`; `stm32f405` fits every board with that
+    /// microcontroller.
+    #[arg(long, value_parser = crate::firmware::parse_board)]
+    board: Firmware,
+    /// Check the image and print what would be written; requires no probe.
     #[arg(long)]
     dry_run: bool,
-    /// The probe, VID:PID or VID:PID:SERIAL in hexadecimal; by default the only one there is.
+    /// Probe as VID:PID or VID:PID:SERIAL in hexadecimal; by default the only one connected.
     #[arg(long, value_name = "PROBE")]
     probe: Option<String>,
-    /// Go on showing the controller's log after writing, until interrupted.
+    /// Show the controller's log after writing, until interrupted.
     #[arg(long)]
     follow: bool,
 }
 
-/// Builds and writes.
+/// Builds the image and writes it.
 pub(crate) fn flash(args: &FlashArgs) -> Result<(), ChoreError> {
     let image = args.board.build()?;
     let mut command = cargo();
@@ -29,7 +31,7 @@ pub(crate) fn flash(args: &FlashArgs) -> Result<(), ChoreError> {
     if !args.dry_run {
         command.args(["--features", "probe"]);
     }
-    command.args(["--", "flash", "--board", args.board.name, "--elf"]).arg(image);
+    command.args(["--", "flash", "--board", args.board.0.name, "--elf"]).arg(image);
     for (given, option) in [(args.dry_run, "--dry-run"), (args.follow, "--follow")] {
         if given {
             command.arg(option);

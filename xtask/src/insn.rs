@@ -1,49 +1,53 @@
-//! Instructions on the Cortex-M4, counted by the emulator: the reference network, the layers, the shipped pairs, and a controller
-//! tick over a cycle of bench B with either bearing, and over troubled samples.
+//! Instructions on the Cortex-M4, counted by the emulator.
+//!
+//! Counted are the reference network, its layers, the shipped pairs of networks, and a controller
+//! tick. The tick runs over a cycle of bench B with either bearing, and over disturbed samples.
 
 use crate::boards::COUNTED;
-use crate::kernels::Least;
+use crate::kernels::SmallestImage;
 use crate::run::{ChoreError, cargo, output_of};
 use crate::{firmware, setup};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Everything counted.
+/// All counts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Counts {
-    /// The reference network over a whole window of 32 columns.
+    /// Instructions of the reference network over a complete window of 32 columns.
     pub(crate) reference_window: u64,
-    /// The same as a causal stream, per new column.
+    /// Instructions of the same network as a causal stream, for each new column.
     pub(crate) reference_stream: u64,
-    /// The same over a window that moved on by one column, 'same' padding, exact reuse.
+    /// Instructions of the same network over a window that moved by one column ('same' padding,
+    /// exact reuse).
     pub(crate) reference_reuse: u64,
-    /// Fewest instructions of any controller tick.
+    /// Minimum instructions of a controller tick.
     pub(crate) estimator_tick_min: u64,
-    /// Most instructions of any controller tick.
+    /// Maximum instructions of a controller tick.
     pub(crate) estimator_tick_max: u64,
-    /// Most instructions of a controller tick over samples with every fault there is, restarts of the history among them.
+    /// Maximum instructions of a controller tick over disturbed samples: every kind of fault, and
+    /// restarts of the history.
     pub(crate) troubled_tick_max: u64,
     /// RAM of the two networks of a bearing with their history, in bytes.
     pub(crate) pair_ram_bytes: u64,
-    /// Flash of the least image that estimates, model included, in bytes.
+    /// Flash of the smallest image that estimates, model included, in bytes.
     pub(crate) least_flash_bytes: u64,
-    /// Every figure by name.
+    /// All figures by name.
     pub(crate) figures: BTreeMap<String, Figure>,
 }
 
-/// One figure over 1000 random inputs.
+/// Cost of one operation over 1000 random inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Figure {
-    /// Fewest instructions.
+    /// Minimum instructions.
     pub(crate) min: u64,
-    /// Most instructions.
+    /// Maximum instructions.
     pub(crate) max: u64,
     /// Multiply-accumulates.
     pub(crate) macs: u64,
 }
 
 impl Figure {
-    /// A line of the image: name, min, max, multiply-accumulates.
+    /// Parses a line of the image's output: name, min, max, multiply-accumulates.
     fn parse(line: &str) -> Option<(String, Self)> {
         let mut words = line.split_whitespace();
         let name = words.next()?.to_owned();
@@ -67,15 +71,15 @@ pub(crate) fn count() -> Result<Counts, ChoreError> {
         })?;
         figures.insert(name, figure);
     }
-    let most = |name: &str| {
+    let max = |name: &str| {
         figures.get(name).map(|figure: &Figure| figure.max).ok_or_else(|| ChoreError::File {
             file: image.clone(),
             found: format!("no `{name}`"),
-            expected: "every figure",
+            expected: "all figures",
         })
     };
-    let (reference_window, reference_stream) = (most("reference_window")?, most("reference_stream")?);
-    let (reference_reuse, pair_ram_bytes) = (most("reference_reuse")?, most("pair_bytes")?);
+    let (reference_window, reference_stream) = (max("reference_window")?, max("reference_stream")?);
+    let (reference_reuse, pair_ram_bytes) = (max("reference_reuse")?, max("pair_bytes")?);
     figures.remove("pair_bytes");
     firmware::DEFAULT.build()?;
     let (estimator_tick_min, estimator_tick_max) = ticks()?;
@@ -87,15 +91,16 @@ pub(crate) fn count() -> Result<Counts, ChoreError> {
         estimator_tick_max,
         troubled_tick_max: troubled_ticks()?,
         pair_ram_bytes,
-        least_flash_bytes: Least::of(COUNTED)?.flash_bytes,
+        least_flash_bytes: SmallestImage::build(COUNTED)?.flash_bytes,
         figures,
     })
 }
 
-/// Fewest and most instructions of a tick over a cycle of bench B, both bearings.
+/// Returns the minimum and maximum instructions of a tick over a cycle of bench B, for both
+/// bearings.
 fn ticks() -> Result<(u64, u64), ChoreError> {
     let folder = crate::run::target_folder().join("insn");
-    let (mut least, mut most) = (u64::MAX, 0);
+    let (mut min, mut max) = (u64::MAX, 0);
     for bearing in ["babbitt", "plastic"] {
         let mut command = cargo();
         command.args(["run", "--quiet", "--package", "host-sim", "--", "run"]);
@@ -111,30 +116,30 @@ fn ticks() -> Result<(u64, u64), ChoreError> {
                     expected: "an estimator that counts its instructions",
                 })
         };
-        least = least.min(count("instructions_per_tick_min")?);
-        most = most.max(count("instructions_per_tick_max")?);
+        min = min.min(count("instructions_per_tick_min")?);
+        max = max.max(count("instructions_per_tick_max")?);
     }
-    Ok((least, most))
+    Ok((min, max))
 }
 
-/// What the test of the emulator's ticks says of troubled samples.
+/// Reads the maximum over disturbed samples from the output of the test that measures it.
 fn troubled_ticks() -> Result<u64, ChoreError> {
     const TEST: &str = "ticks::no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data";
     let mut command = cargo();
     command.args(["test", "--quiet", "--package", "system-tests", "--features", "emulated"]);
     let text = output_of(command.args(["--test", "emulator", "--", "--exact", TEST, "--nocapture"]))?;
-    let most = text.lines().find_map(|line| {
-        let (_, most) = line.split_once("troubled ticks: ")?.1.split_once(" to ")?;
-        most.strip_suffix(" instructions")?.parse().ok()
+    let max = text.lines().find_map(|line| {
+        let (_, max) = line.split_once("troubled ticks: ")?.1.split_once(" to ")?;
+        max.strip_suffix(" instructions")?.parse().ok()
     });
-    most.ok_or_else(|| ChoreError::Differs {
-        what: format!("what {TEST} says"),
+    max.ok_or_else(|| ChoreError::Differs {
+        what: format!("output of {TEST}"),
         found: text,
         expected: "`troubled ticks: A to B instructions`".into(),
     })
 }
 
-/// Counts and prints.
+/// Counts and prints the figures.
 pub(crate) fn insn(json: bool) -> Result<(), ChoreError> {
     let counts = count()?;
     if json {

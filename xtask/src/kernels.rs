@@ -1,4 +1,4 @@
-//! Whether every core computes the same bits, and what the crate brings along on a controller.
+//! Comparison of the kernels between cores, and what the crate `inference` adds to an image.
 
 use crate::boards::{BOARDS, Board, COUNTED};
 use crate::run::ChoreError;
@@ -9,11 +9,11 @@ use on_target::agreement::digest;
 use on_target::network::Room;
 use std::collections::BTreeSet;
 
-/// Seeds that the image runs.
+/// Number of seeds that the image runs.
 const SEEDS: u64 = 4;
 
-/// Runs every shape and mode on every board with both of its engines and compares the digests with the host's; then looks at
-/// the least image.
+/// Compares the digests of every board with those of the host, for every shape, mode and engine;
+/// then checks the smallest image.
 pub(crate) fn kernels() -> Result<(), ChoreError> {
     setup::setup()?;
     let mut room = Room([0; 20_000]);
@@ -23,8 +23,10 @@ pub(crate) fn kernels() -> Result<(), ChoreError> {
             expected += &format!("{seed} {:016x}\n", found.map_or(0, |digest| digest.0));
         }
     }
+    let filter = format!("filter {:016x}\n", on_target::filter::digest().unwrap_or(0));
     for board in BOARDS {
         let found = board.run(&board.build("agree")?)?;
+        let expected = if board.has_fpu() { format!("{expected}{filter}") } else { expected.clone() };
         if found != expected {
             return Err(ChoreError::Differs {
                 what: format!("digests on {} ({})", board.name, board.core),
@@ -33,28 +35,30 @@ pub(crate) fn kernels() -> Result<(), ChoreError> {
             });
         }
         println!(
-            "{:<14} {:<10} portable and SMLAD kernels agree with the host: {SEEDS} seeds",
-            board.name, board.core
+            "{:<14} {:<10} portable and SMLAD kernels{} agree with the host: {SEEDS} seeds",
+            board.name,
+            board.core,
+            if board.has_fpu() { " and the filter" } else { "" }
         );
     }
-    let least = Least::of(COUNTED)?;
-    println!("least image: flash {} bytes, no reachable panic", least.flash_bytes);
-    // The core without an FPU: the compiler would call a routine for every float operation.
-    Least::of(Board { target: "thumbv7em-none-eabi", ..COUNTED })?.has_no_float()?;
-    println!("least image without FPU: no floating-point routine");
+    let image = SmallestImage::build(COUNTED)?;
+    println!("smallest image: flash {} bytes, no reachable panic", image.flash_bytes);
+    // On a core without FPU the compiler calls a routine for every float operation.
+    SmallestImage::build(Board { target: "thumbv7em-none-eabi", ..COUNTED })?.has_no_float()?;
+    println!("smallest image without FPU: no floating-point routine");
     Ok(())
 }
 
-/// An image that does nothing but estimate.
-pub(crate) struct Least {
-    /// Code and constants, the model among them.
+/// An image that only estimates.
+pub(crate) struct SmallestImage {
+    /// Bytes of code and constants, the model included.
     pub(crate) flash_bytes: u64,
     symbols: BTreeSet<String>,
 }
 
-impl Least {
-    /// Builds it for a board and refuses a reachable panic.
-    pub(crate) fn of(board: Board) -> Result<Self, ChoreError> {
+impl SmallestImage {
+    /// Builds the image for a board and rejects a reachable panic.
+    pub(crate) fn build(board: Board) -> Result<Self, ChoreError> {
         let file = board.build("estimate")?;
         let wrong = |found: String| ChoreError::File {
             file: file.clone(),
@@ -68,8 +72,8 @@ impl Least {
         if symbols.contains("PINTLE_PANIC_MARKER") {
             return Err(wrong("a reachable panic".into()));
         }
-        // A model that the compiler saw through would leave nothing to look at.
-        let weights = inference::shipped(inference::Bearing::Babbitt).len() as u64;
+        // If the compiler had evaluated the model at compile time, the image would not contain it.
+        let weights = inference::shipped(inference::BearingMaterial::Babbitt).len() as u64;
         let loaded = [SectionKind::Text, SectionKind::ReadOnlyData, SectionKind::Data];
         let flash_bytes = image
             .sections()
@@ -93,7 +97,7 @@ impl Least {
         match self.symbols.iter().find(float) {
             None => Ok(()),
             Some(name) => Err(ChoreError::Differs {
-                what: "routines of the least image".into(),
+                what: "routines of the smallest image".into(),
                 found: name.clone(),
                 expected: "no floating point".into(),
             }),

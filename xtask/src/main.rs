@@ -1,29 +1,36 @@
-//! Workspace chores: set-up, tests, instruction counts, sizes. CI calls nothing else.
+//! Commands of the workspace: setup, tests, instruction counts, sizes, campaigns. CI calls nothing
+//! else.
 
 mod boards;
 mod budget;
 mod campaigns;
 mod compile;
+mod document;
 mod firmware;
 mod flash;
 mod golden;
 mod insn;
 mod kernels;
+mod language;
+mod memory_map;
 mod miri;
+mod readme;
 mod run;
 mod seal;
 mod setup;
 mod size;
 mod stack;
 mod table;
+mod tally;
 mod test;
 mod verify;
 
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Chores of the Pintle workspace.
+/// Commands of the Pintle workspace.
 #[derive(Parser)]
 #[command(
     after_help = "Examples:\n  cargo xtask test\n  cargo xtask firmware\n  cargo xtask insn --json\n\n\
@@ -36,70 +43,83 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Install what is missing: the controller's target and the emulator.
+    /// Install missing tools: the controller's target and the emulator.
     Setup,
-    /// Set up, build the firmware, run every test, the emulated ones included.
-    Test,
+    /// Set up, build the firmware and run all tests, including those on the emulator.
+    Test {
+        /// Also run the ignored tests: some 20 minutes more on two cores.
+        #[arg(long)]
+        long: bool,
+    },
     /// Build the firmware's image for a board.
     Firmware {
-        /// The board: stm32f405 (any of them), feather-stm32f405, olimex-stm32-h405, netduino-plus-2, mps2-an505.
-        #[arg(long, default_value = "stm32f405", value_parser = firmware::board)]
-        board: firmware::Board,
-        /// With faults on demand, for the emulator's tests; never for a bench.
+        /// Name of the board, as in `docs/firmware.md`; `stm32f405` serves every board with that
+        /// microcontroller.
+        #[arg(long, default_value = "stm32f405", value_parser = firmware::parse_board)]
+        board: firmware::Firmware,
+        /// Include faults on demand for the emulator's tests; never for a bench.
         #[arg(long)]
         provoke: bool,
     },
-    /// Compare the kernels of every emulated core with the host's, bit for bit.
+    /// Compare the kernels of every emulated core with those of the host, bit for bit.
     Kernels,
-    /// Run the inference crate's tests under Miri (nightly toolchain).
+    /// Check the language rules: words, line widths, functions; see `xtask/README.md`.
+    Language {
+        /// Files or folders to check; default: the complete workspace.
+        paths: Vec<PathBuf>,
+        /// Print one count for each file instead of one line for each departure.
+        #[arg(long)]
+        by_file: bool,
+    },
+    /// Run the tests of the crate `inference` under Miri (nightly toolchain).
     Miri,
-    /// Verify the shipped images against laws, float networks, other runtimes and the emulated core.
+    /// Verify the shipped model images against laws, float networks and other runtimes.
     Verify,
-    /// Count anew and write the golden figures and the README's tables.
+    /// Measure and write the golden figures, the tables of `docs/figures.md` and the README's run.
     Bless,
-    /// Hide effects in logs of independent generators and tell how well the diagnosis finds them (its own `--help` tells more).
+    /// Hide effects in generated logs and report how well the diagnosis finds them.
     #[command(disable_help_flag = true)]
     HiddenEffects {
-        /// As `cargo xtask hidden-effects --help` says.
+        /// See `cargo xtask hidden-effects --help`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
-    /// Deal a log that hides an effect, for you to find, and open its label afterwards (its own `--help` tells more).
+    /// Write a log with a hidden effect for you to find, and show its label later.
     #[command(disable_help_flag = true)]
     Mystery {
-        /// As `cargo xtask mystery --help` says.
+        /// See `cargo xtask mystery --help`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
-    /// Instructions of the reference network, the layers and a controller tick, from the emulator.
+    /// Count instructions of the reference network, its layers and a controller tick.
     Insn {
         /// Print as JSON.
         #[arg(long)]
         json: bool,
     },
-    /// Build the firmware's image and write it to a board, or check what would be written.
+    /// Build the firmware image and write it to a board, or check what would be written.
     Flash(flash::FlashArgs),
-    /// Static bound and emulated high-water mark of the stack.
+    /// Report the static bound and the emulated high-water mark of the stack.
     Stack {
         /// Print as JSON.
         #[arg(long)]
         json: bool,
     },
-    /// Disturb the emulated controller with seeded faults and class what the host gets to hear (its own `--help` tells more).
+    /// Inject seeded faults into the emulated controller and classify the reactions.
     #[command(disable_help_flag = true)]
     Faults {
-        /// As `cargo xtask faults --help` says.
+        /// See `cargo xtask faults --help`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
-    /// Run the emulated controller beside the host's for many samples and compare every bit.
+    /// Compare the emulated controller with the host's over many samples, bit for bit.
     #[command(disable_help_flag = true)]
     Soak {
-        /// As `cargo xtask soak --help` says.
+        /// See `cargo xtask soak --help`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
-    /// Flash, RAM and stack of the image, and whether it contains a reachable panic.
+    /// Report flash, RAM and stack of the image, and whether it contains a reachable panic.
     Size {
         /// Print as JSON.
         #[arg(long)]
@@ -110,13 +130,14 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Setup => setup::setup().map(|_| ()),
-        Command::Test => test::test(),
+        Command::Test { long } => test::test(long),
         Command::Firmware { board, provoke } => if provoke { board.build_provoking() } else { board.build() }
             .map(|elf| println!("{}", elf.display())),
+        Command::Language { paths, by_file } => language::language(&paths, by_file),
         Command::Miri => miri::miri(),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
-        Command::Bless => golden::bless().and_then(|()| budget::bless()),
+        Command::Bless => golden::bless().and_then(|()| budget::bless()).and_then(|()| readme::bless()),
         Command::Insn { json } => insn::insn(json),
         Command::Flash(args) => flash::flash(&args),
         Command::Stack { json } => stack::stack(json),
@@ -131,7 +152,7 @@ fn main() -> ExitCode {
     exit(result.map(|()| ExitCode::SUCCESS))
 }
 
-/// The exit code of a chore; what failed is told.
+/// Returns the exit code of a command and prints the error, if any.
 fn exit(result: Result<ExitCode, run::ChoreError>) -> ExitCode {
     match result {
         Ok(code) => code,

@@ -1,12 +1,12 @@
-//! Running other programs: what is run is shown, a failure says what failed.
+//! Running other programs. Every command line is printed; a failure names the command.
 
 use std::ffi::OsStr;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Why a chore failed.
+/// Reason why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ChoreError {
     /// A program could not be started.
@@ -14,7 +14,7 @@ pub(crate) enum ChoreError {
     NotStarted {
         /// The program.
         program: String,
-        /// Cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A program failed.
@@ -22,48 +22,54 @@ pub(crate) enum ChoreError {
     Failed {
         /// The command line.
         line: String,
-        /// How it ended.
+        /// Exit status.
         status: String,
     },
-    /// Something has to be done by hand.
+    /// A step that the user has to do, or a sentence that explains the failure.
     #[error("{0}")]
     ByHand(String),
-    /// Something came out differently.
+    /// A result differs from the expected one.
     #[error("{what}: found\n{found}\nexpected\n{expected}")]
     Differs {
-        /// What was compared.
+        /// Quantity that was compared.
         what: String,
-        /// What was found.
+        /// Measured value.
         found: String,
-        /// What was expected.
+        /// Expected value.
         expected: String,
     },
-    /// A file is not what it should be.
+    /// A file does not hold what it should.
     #[error("{file}: {found}; expected {expected}", file = file.display())]
     File {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What was found.
+        /// Content or error that was found.
         found: String,
-        /// What was expected.
+        /// Content that was expected.
         expected: &'static str,
     },
 }
 
-/// The workspace's root.
+/// Returns the root folder of the workspace.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
-/// Cargo's target folder.
+/// Returns cargo's target folder.
 pub(crate) fn target_folder() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }
 
-/// The cargo that called, or the one on the path.
+/// Returns a command for the calling cargo, or for the one on the path.
+///
+/// Its builds are not incremental unless the environment says so: the files for a next build would
+/// take 4 GB, a third of what a run of all tests writes.
 pub(crate) fn cargo() -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root());
+    if std::env::var_os("CARGO_INCREMENTAL").is_none() {
+        command.env("CARGO_INCREMENTAL", "0");
+    }
     command
 }
 
@@ -81,7 +87,7 @@ fn not_started(command: &Command) -> impl Fn(std::io::Error) -> ChoreError {
     move |source| ChoreError::NotStarted { program: program.clone(), source }
 }
 
-/// Runs a program with its output shown.
+/// Runs a program and shows its output.
 pub(crate) fn run(command: &mut Command) -> Result<(), ChoreError> {
     eprintln!("+ {}", line(command));
     let status = command.status().map_err(not_started(command))?;
@@ -92,13 +98,22 @@ pub(crate) fn run(command: &mut Command) -> Result<(), ChoreError> {
     }
 }
 
-/// Starts a program, waits for its end and kills it when that does not come in time; takes what it printed if its output is piped.
-pub(crate) fn run_for(command: &mut Command, longest: Duration) -> Result<String, ChoreError> {
+/// Starts a program with its output piped; returns it with its command line.
+pub(crate) fn spawn_piped(command: &mut Command) -> Result<(Child, String), ChoreError> {
+    let line = line(command);
+    eprintln!("+ {line}");
+    let child = command.stdout(Stdio::piped()).spawn().map_err(not_started(command))?;
+    Ok((child, line))
+}
+
+/// Runs a program with a timeout, after which it is killed. Returns the program's output if it is
+/// piped.
+pub(crate) fn run_with_timeout(command: &mut Command, timeout: Duration) -> Result<String, ChoreError> {
     let line = line(command);
     let failed = |status: String| ChoreError::Failed { line: line.clone(), status };
     let cause = |error: std::io::Error| failed(error.to_string());
     let mut child = command.spawn().map_err(not_started(command))?;
-    // Read while it runs: it would wait for ever with a full pipe.
+    // Read while the program runs: it would block on a full pipe.
     let output = child.stdout.take().map(|mut output| {
         std::thread::spawn(move || {
             let mut text = String::new();
@@ -109,8 +124,8 @@ pub(crate) fn run_for(command: &mut Command, longest: Duration) -> Result<String
     let (status, in_time) = loop {
         match child.try_wait().map_err(cause)? {
             Some(status) => break (status, true),
-            None if start.elapsed() > longest => {
-                // It may have ended by itself in this moment.
+            None if start.elapsed() > timeout => {
+                // The kill fails if the program has just ended; that is fine.
                 let _ = child.kill();
                 break (child.wait().map_err(cause)?, false);
             }
@@ -124,20 +139,20 @@ pub(crate) fn run_for(command: &mut Command, longest: Duration) -> Result<String
     if status.success() {
         return Ok(text);
     }
-    let late = if in_time { String::new() } else { format!(" after {} s", longest.as_secs()) };
+    let late = if in_time { String::new() } else { format!(" after {} s", timeout.as_secs()) };
     let printed = if text.is_empty() { String::new() } else { format!("; it printed: {text}") };
     Err(failed(format!("{status}{late}{printed}")))
 }
 
-/// Writes a file under another name and renames it: the file is whole at any time.
-pub(crate) fn write_whole(file: PathBuf, content: impl AsRef<[u8]>) -> Result<(), ChoreError> {
+/// Writes a file atomically: under another name, then renamed.
+pub(crate) fn write_atomically(file: PathBuf, content: impl AsRef<[u8]>) -> Result<(), ChoreError> {
     let temporary = file.with_extension("new");
     std::fs::write(&temporary, content).and_then(|()| std::fs::rename(&temporary, &file)).map_err(|error| {
         ChoreError::File { file, found: error.to_string(), expected: "a file that can be written" }
     })
 }
 
-/// Runs a program and takes its standard output.
+/// Runs a program and returns its standard output.
 pub(crate) fn output_of(command: &mut Command) -> Result<String, ChoreError> {
     let output = command.stderr(Stdio::inherit()).output().map_err(not_started(command))?;
     if output.status.success() {
@@ -147,7 +162,7 @@ pub(crate) fn output_of(command: &mut Command) -> Result<String, ChoreError> {
     }
 }
 
-/// Whether a program runs and succeeds; its output is not shown.
+/// Returns whether a program runs and succeeds; its output is not shown.
 pub(crate) fn succeeds(command: &mut Command) -> bool {
     command
         .stdin(Stdio::null())
@@ -161,13 +176,13 @@ pub(crate) fn succeeds(command: &mut Command) -> bool {
 mod tests {
     use super::*;
 
-    fn shell(script: &str, longest: Duration) -> Result<String, ChoreError> {
+    fn shell(script: &str, timeout: Duration) -> Result<String, ChoreError> {
         let mut command = Command::new("sh");
-        run_for(command.args(["-c", script]).stdout(Stdio::piped()), longest)
+        run_with_timeout(command.args(["-c", script]).stdout(Stdio::piped()), timeout)
     }
 
     #[test]
-    fn more_than_a_pipe_holds_is_read_and_what_does_not_end_is_killed() {
+    fn long_output_is_read_and_a_program_that_does_not_end_is_killed() {
         let long = Duration::from_secs(60);
         let text = shell(
             "i=0; while [ $i -lt 4000 ]; do echo 0123456789012345678901234567890123456789; i=$((i+1)); done",

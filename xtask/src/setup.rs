@@ -1,60 +1,61 @@
-//! What the tests need beyond the toolchain: the controllers' targets and the emulator.
+//! Tools that the tests need beyond the toolchain: the controllers' targets and the emulator.
 //!
-//! The target comes from rustup. Where its server cannot be reached, Debian's compiler with its library sources builds the
-//! core library itself; where neither is to be had, the reason is said.
+//! The target comes from rustup. If its server is not reachable, Debian's compiler builds the core
+//! library from its sources. If neither works, the error gives the reason.
 
 use crate::run::{ChoreError, cargo, output_of, run, succeeds};
 use std::process::Command;
 
-/// The controller's target: Cortex-M4F.
+/// Target of the default controller: Cortex-M4F.
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 const DEBIAN_TOOLCHAIN: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
 pub(crate) const EMULATOR: &str = "qemu-system-arm";
-/// Set to any value, rustup is left out: for trying Debian's way on a machine that has the target.
+/// Variable that disables rustup if it is set: for testing Debian's toolchain on any machine.
 const WITHOUT_RUSTUP: &str = "PINTLE_WITHOUT_RUSTUP";
 
-/// How the firmware is to be built.
+/// Toolchain that builds the firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Way {
-    /// With the pinned toolchain and rustup's core library.
+pub(crate) enum Toolchain {
+    /// The pinned toolchain with rustup's core library.
     Rustup,
-    /// With Debian's compiler, core library built from its sources.
+    /// Debian's compiler; the core library is built from its sources.
     Debian,
 }
 
-/// Installs everything.
-pub(crate) fn setup() -> Result<Way, ChoreError> {
-    let way = target(TARGET)?;
-    target(crate::firmware::OTHER_CORE.target)?;
+/// Installs all missing tools.
+pub(crate) fn setup() -> Result<Toolchain, ChoreError> {
+    let toolchain = target(TARGET)?;
+    for board in &controller::boards::BOARDS {
+        target(board.microcontroller.target)?;
+    }
     emulator()?;
-    Ok(way)
+    Ok(toolchain)
 }
 
-/// Makes sure that one can build for a target.
-pub(crate) fn target(target: &str) -> Result<Way, ChoreError> {
+/// Installs a target if it is missing, and returns the toolchain to build with.
+pub(crate) fn target(target: &str) -> Result<Toolchain, ChoreError> {
     let allowed = std::env::var_os(WITHOUT_RUSTUP).is_none();
-    if allowed
-        && (target_is_there(target) || run(Command::new("rustup").args(["target", "add", target])).is_ok())
+    if allowed && (has_target(target) || run(Command::new("rustup").args(["target", "add", target])).is_ok())
     {
-        return Ok(Way::Rustup);
+        return Ok(Toolchain::Rustup);
     }
-    eprintln!("rustup gave no core library for {target}; trying Debian's compiler");
-    if !debian_is_there() {
+    eprintln!("rustup has no core library for {target}; trying Debian's compiler");
+    if !has_debian_toolchain() {
         install(&DEBIAN_TOOLCHAIN)?;
     }
-    if debian_is_there() {
-        Ok(Way::Debian)
+    if has_debian_toolchain() {
+        Ok(Toolchain::Debian)
     } else {
         Err(ChoreError::ByHand(format!(
-            "the target {target} is missing: rustup's server gave none, and Debian's {} are not usable either. \
-             With a network, type: rustup target add {target}",
+            "the target {target} is missing: rustup could not install it, and Debian's packages {} \
+             cannot be used either. With a network connection, type: rustup target add {target}",
             DEBIAN_TOOLCHAIN.join(", ")
         )))
     }
 }
 
-/// Whether the toolchain in use has the target's core library.
-fn target_is_there(target: &str) -> bool {
+/// Returns whether the current toolchain has the target's core library.
+fn has_target(target: &str) -> bool {
     let mut rustc = Command::new("rustc");
     rustc.args(["--print", "target-libdir", "--target", target]).current_dir(crate::run::root());
     output_of(&mut rustc).is_ok_and(|folder| {
@@ -63,19 +64,19 @@ fn target_is_there(target: &str) -> bool {
     })
 }
 
-/// Debian's own programs, not rustup's of the same name.
+/// Debian's cargo; rustup's may come first on the path.
 pub(crate) const DEBIAN_CARGO: &str = "/usr/bin/cargo";
-/// See [`DEBIAN_CARGO`].
+/// Debian's compiler; see [`DEBIAN_CARGO`].
 pub(crate) const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 
-fn debian_is_there() -> bool {
+fn has_debian_toolchain() -> bool {
     let sources = output_of(Command::new(DEBIAN_RUSTC).args(["--print", "sysroot"])).is_ok_and(|root| {
         std::path::Path::new(root.trim()).join("lib/rustlib/src/rust/library/core").exists()
     });
     sources && succeeds(Command::new(DEBIAN_CARGO).arg("--version"))
 }
 
-/// rust-lld of the pinned toolchain, which Debian's compiler does not bring.
+/// Returns the path of rust-lld in the pinned toolchain; Debian's compiler has none.
 pub(crate) fn linker() -> Result<String, ChoreError> {
     let root = output_of(Command::new("rustc").args(["--print", "sysroot"]).current_dir(crate::run::root()))?;
     let version = output_of(cargo().arg("-vV"))?;
@@ -90,7 +91,7 @@ fn emulator() -> Result<(), ChoreError> {
     install(&[EMULATOR])
 }
 
-/// Installs Debian packages where that is possible, else says what to type.
+/// Installs Debian packages; if that is not possible, the error says what to type.
 fn install(packages: &[&str]) -> Result<(), ChoreError> {
     let by_hand =
         || ChoreError::ByHand(format!("missing; type: sudo apt-get install {}", packages.join(" ")));

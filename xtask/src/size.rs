@@ -1,7 +1,8 @@
-//! Flash, RAM and stack of the image, and whether a panic is reachable in it.
+//! Flash, RAM and stack of the image, and whether a panic is reachable.
 //!
-//! Flash is what the image loads, RAM what it claims statically; the stack has room of its own below that. The panic handler refers to a
-//! marker symbol: an image without the symbol contains no reachable panic.
+//! Flash is what the image loads, RAM what it allocates statically; the stack has a separate region
+//! below. The panic handler refers to a marker symbol: an image without the symbol contains no
+//! reachable panic.
 
 use crate::run::ChoreError;
 use crate::{firmware, stack};
@@ -14,23 +15,23 @@ const PANIC_MARKER: &str = "PINTLE_PANIC_MARKER";
 /// Sizes of an image.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Sizes {
-    /// What is written to flash.
+    /// Bytes written to flash.
     pub(crate) flash_bytes: u64,
-    /// What is claimed of the RAM besides the stack.
+    /// Bytes of static RAM without the stack.
     pub(crate) ram_bytes: u64,
-    /// Whether a panic is reachable.
+    /// True if a panic is reachable.
     pub(crate) panic_symbol: bool,
 }
 
-/// Sizes and stack.
+/// Sizes and use of the stack.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Figures {
     /// The sizes.
     #[serde(flatten)]
     pub(crate) sizes: Sizes,
-    /// Most bytes that the stack can take.
+    /// Upper bound of the stack, bytes.
     pub(crate) stack_bound_bytes: u32,
-    /// Most bytes that it took in the emulator.
+    /// Stack used in the emulator, bytes.
     pub(crate) stack_painted_bytes: u32,
 }
 
@@ -47,7 +48,8 @@ impl Sizes {
             if sh_flags & u64::from(elf::SHF_ALLOC) == 0 {
                 continue;
             }
-            // What can be written is in RAM; initialised data stand in flash too, from where they are copied.
+            // Writable sections are in RAM. Initialised data are in flash as well, from where they
+            // are copied.
             let in_ram = sh_flags & u64::from(elf::SHF_WRITE) != 0;
             if in_ram {
                 sizes.ram_bytes += section.size();

@@ -1,22 +1,21 @@
-//! The table of instruction counts as the README shows it.
+//! Tables of instruction counts in Markdown, as the README shows them.
 
 use crate::insn::Counts;
 use std::fmt::Write;
 
-/// Rows of the network: name in the figures without the mode, what it is.
-const MODES: [(&str, &str); 4] = [
+/// Rows of the reference network: name of the figure without the mode, and its description.
+const MODES: [(&str, &str); 3] = [
     ("reference_window", "reference network, whole window of 32 columns, 'same' padding"),
     ("reference_reuse", "the same moved on by one column, exact reuse"),
     ("reference_stream", "causal stream, per new column"),
-    ("reference_interleaved_4", "stream in 4 pieces, the largest piece"),
 ];
 
-/// Rows of the layers at one and two positions.
+/// Shapes of the layers, with counts at one and two positions.
 const CONVOLUTIONS: [&str; 6] =
     ["5x6_to_16", "5x16_to_32", "3x32_to_32", "3x4_to_16", "3x8_to_16", "3x16_to_16"];
 const HEADS: [&str; 2] = ["32x32", "2x16"];
 
-/// Both tables and the sizes, in Markdown.
+/// Returns both tables and the sizes.
 pub(crate) fn render(counts: &Counts) -> String {
     let mut text = String::new();
     let figure = |name: &str| {
@@ -53,11 +52,16 @@ pub(crate) fn render(counts: &Counts) -> String {
         counts.estimator_tick_min, counts.estimator_tick_max
     ));
     line(format!(
-        "| the same over troubled samples (jumps, gaps, wrong times, missing values), the largest | {} | | | |",
+        "| the same over troubled samples (jumps, gaps, wrong times, missing values), the largest \
+         | {} | | | |",
         counts.troubled_tick_max
     ));
     line(String::new());
-    line("| instructions per multiply-accumulate, at one / two positions | 16x8 wide | 16x8 packed | 8x8 compact |".into());
+    line(
+        "| instructions per multiply-accumulate, at one / two positions \
+         | 16x8 wide | 16x8 packed | 8x8 compact |"
+            .into(),
+    );
     line("|---|---|---|---|".into());
     for shape in CONVOLUTIONS {
         let [wide, packed, compact] = ["wide", "packed", "compact"].map(|mode| {
@@ -73,7 +77,7 @@ pub(crate) fn render(counts: &Counts) -> String {
     }
     line(String::new());
     line(format!(
-        "A pair takes {} bytes of RAM; the least image that estimates, model included, {} bytes of flash.",
+        "RAM of a pair: {} bytes. Flash of the smallest estimating image, with model: {} bytes.",
         counts.pair_ram_bytes, counts.least_flash_bytes
     ));
     text

@@ -1,23 +1,99 @@
-//! Every test there is.
+//! All tests of the workspace, and a summary that names what was not compared or not run.
 
+use crate::golden::Comparison;
 use crate::run::{ChoreError, cargo, run, succeeds};
-use crate::{firmware, setup};
+use crate::tally::Tally;
+use crate::{budget, firmware, golden, kernels, language, readme, setup, verify};
+use std::process::Command;
+use std::time::Instant;
 
-/// Sets up, builds the images, checks the format where rustfmt is there, and compares kernels and instruction counts on the
-/// emulated cores, and runs the tests with the emulated ones.
-pub(crate) fn test() -> Result<(), ChoreError> {
+/// Ignored tests that write golden files: `--long` does not run them.
+const WRITERS: &str = "write_the_exported_file";
+
+/// Runs all checks and tests; with `is_long` also the ignored tests.
+///
+/// All tests run even if one fails. A failed check ends the run at once. The last
+/// line has the format of cargo's own summary.
+pub(crate) fn test(is_long: bool) -> Result<(), ChoreError> {
+    let start = Instant::now();
+    let mut skipped = checks()?;
+    let mut tally = Tally::default();
+    tally.run(&mut workspace_tests())?;
+    // Separate, because the probe's library takes longer to build than all the rest of `host-sim`.
+    tally.run(cargo().args(["test", "--package", "host-sim"]).args([
+        "--features",
+        "fake-probe",
+        "--test",
+        "fake_probe",
+    ]))?;
+    if is_long {
+        let ignored = std::mem::take(&mut tally.ignored);
+        let long = Instant::now();
+        tally.run(workspace_tests().args(["--tests", "--", "--ignored", "--skip", WRITERS]))?;
+        println!("\nran the ignored tests in {:.0} s", long.elapsed().as_secs_f64());
+        tally.ignored.extend(ignored.into_iter().filter(|name| name.contains(WRITERS)));
+    }
+    for test in &tally.ignored {
+        skipped.push(format!("ignored test: {test}"));
+    }
+    report(&skipped, is_long);
+    println!("{}", tally.summary(start.elapsed().as_secs_f64()));
+    match tally.failed_commands.first() {
+        None => Ok(()),
+        Some(line) => Err(ChoreError::Failed { line: line.clone(), status: "tests failed".into() }),
+    }
+}
+
+/// Runs everything but the tests: format, kernels, golden figures, budgets. Returns what was
+/// skipped.
+fn checks() -> Result<Vec<String>, ChoreError> {
+    let mut skipped = vec![];
     setup::setup()?;
     firmware::OTHER_CORE.build()?;
     firmware::DEFAULT.build_provoking()?;
     firmware::DEFAULT.build()?;
     if succeeds(cargo().args(["fmt", "--version"])) {
         run(cargo().args(["fmt", "--all", "--check"]))?;
+    } else {
+        skipped.push("format of the code: rustfmt is not installed".into());
     }
-    crate::kernels::kernels()?;
-    crate::verify::verify()?;
-    crate::golden::check()?;
-    crate::budget::check()?;
-    run(cargo().args(["test", "--workspace", "--no-fail-fast", "--features", "system-tests/emulated"]))?;
-    // By itself: the probe's library takes longer to build than all the rest of `host-sim`.
-    run(cargo().args(["test", "--package", "host-sim", "--features", "fake-probe", "--test", "fake_probe"]))
+    let long_functions = language::check()?;
+    if long_functions > 0 {
+        skipped.push(format!(
+            "{long_functions} functions over 80 lines or 20 branches, see `cargo xtask language`"
+        ));
+    }
+    kernels::kernels()?;
+    verify::verify()?;
+    for (figures, comparison) in
+        [("instruction counts", golden::check()?), ("sizes of the firmware", budget::check()?)]
+    {
+        if comparison == Comparison::BudgetsOnly {
+            skipped.push(format!(
+                "golden {figures}: not the pinned compiler, so only the budgets were compared"
+            ));
+        }
+    }
+    readme::check()?;
+    Ok(skipped)
+}
+
+/// Returns the command that runs the tests of all packages, those on the emulator included.
+fn workspace_tests() -> Command {
+    let mut command = cargo();
+    command.args(["test", "--workspace", "--no-fail-fast", "--features", "system-tests/emulated"]);
+    command
+}
+
+/// Prints what was not compared or not run.
+fn report(skipped: &[String], is_long: bool) {
+    if skipped.is_empty() {
+        println!("\neverything was compared and run");
+        return;
+    }
+    println!("\nnot compared or not run ({}):", skipped.len());
+    skipped.iter().for_each(|what| println!("  {what}"));
+    if !is_long {
+        println!("`cargo xtask test --long` runs the ignored tests, too");
+    }
 }

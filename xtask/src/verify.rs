@@ -1,34 +1,35 @@
-//! `model-quant verify` with the emulated core among those it compares.
+//! `model-quant verify` with the emulated core as one of the runtimes.
 
 use crate::boards::COUNTED;
 use crate::run::{ChoreError, cargo, run, target_folder};
-use inference::{Bearing, shipped};
+use inference::{BearingMaterial, shipped};
 
-/// The runtime's name in a file of results, and the bytes it takes there.
+/// Name of the runtime in a file of results, and the length of the name field in bytes.
 const NAME: &[u8] = b"emulated Cortex-M4";
 const NAME_LENGTH: usize = 48;
 
-/// Runs the windows of `model-quant/peers` on the emulated core and verifies the shipped images against its sums, too.
+/// Runs the windows of `model-quant/peers` on the emulated core and verifies the shipped images
+/// against its results.
 pub(crate) fn verify() -> Result<(), ChoreError> {
     crate::setup::setup()?;
     let image = COUNTED.build("replay")?;
     let text = COUNTED.run(&image)?;
     let sums: Option<Vec<i32>> = text.lines().map(|line| line.parse().ok()).collect();
-    let networks = 2 * Bearing::ALL.len();
+    let networks = 2 * BearingMaterial::ALL.len();
     let windows = sums.as_ref().map_or(0, |sums| sums.len() / networks);
     let sums = sums.filter(|sums| windows > 0 && sums.len() == networks * windows).ok_or_else(|| {
         ChoreError::File {
             file: image,
             found: format!("{} lines", text.lines().count()),
-            expected: "a whole number for every window of four networks",
+            expected: "an integer for every window of four networks",
         }
     })?;
-    // The format is told in model-quant/peers/README.md.
+    // The format is documented in model-quant/peers/README.md.
     let mut bytes = b"PINTLER\n".to_vec();
     bytes.extend([1, networks as u32].map(u32::to_le_bytes).as_flattened());
     bytes.extend(NAME);
     bytes.resize(bytes.len() + NAME_LENGTH - NAME.len(), 0);
-    let bearings = Bearing::ALL.iter().flat_map(|&bearing| [bearing, bearing]);
+    let bearings = BearingMaterial::ALL.iter().flat_map(|&bearing| [bearing, bearing]);
     for (sums, bearing) in sums.chunks(windows).zip(bearings) {
         bytes.extend(shipped(bearing).last_chunk::<4>().into_iter().flatten());
         bytes.extend(sums.iter().flat_map(|sum| sum.to_le_bytes()));

@@ -1,27 +1,29 @@
 //! Wall time of the integrator: `cargo bench -p bench`.
 //!
-//! The slider-crank with a clearance joint is solved twice in the same run, by the located-event integrator and by
-//! fixed-step RK4 at a step small enough for the same error of the slider's position after .6 revolutions; the ratio is
-//! printed. Bench B is one cycle with its analytic law.
+//! The slider-crank with a clearance joint is solved twice in the same run: by the integrator with
+//! located events, and by fixed-step RK4 with a step small enough for the same error of the
+//! slider's position after 0.6 revolutions. The ratio of the times is printed. Bench B is one cycle
+//! with its analytic law.
 
+use bench::BearingMaterial;
 use bench::description::TwoPlaneSection;
+use bench::description::{SliderCrankBench, TransmissionBench};
 use bench::integrate::{ContactPlant, integrate};
-use bench::run::{DEFAULT_TOLERANCE, run_with_law};
-use bench::slider_crank::{self, SliderCrank};
-use bench::slider_crank_description::reference_problem;
-use bench::transmission::Transmission;
-use bench::two_plane::{TwoPlane, run_two_plane};
-use bench::{BearingMaterial, Bench};
+use bench::plants::slider_crank::{self, SliderCrank};
+use bench::plants::transmission::Transmission;
+use bench::plants::two_plane::{TwoPlane, run_two_plane};
+use bench::simulate::{DEFAULT_TOLERANCE, run_with_law};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Slider position after .6 revolutions, confirmed by three independent codes.
+/// Slider position after 0.6 revolutions, confirmed by three independent codes.
 const REFERENCE_M: f64 = 0.0754435223;
-/// The error that the integrator has to stay below.
+/// Maximum error of the integrator.
 const BOUND_M: f64 = 2e-7;
 
 fn problem() -> (SliderCrank, f64) {
-    let bench = reference_problem().unwrap_or_else(|e| unreachable!("the preset is sound: {e}"));
+    let bench =
+        SliderCrankBench::open("slider-crank").unwrap_or_else(|e| unreachable!("the preset is valid: {e}"));
     (bench.plant(), bench.duration_s())
 }
 
@@ -31,7 +33,7 @@ fn located(plant: &SliderCrank, end_s: f64) -> f64 {
         .map_or(f64::NAN, |run| run.state[1])
 }
 
-/// Classical RK4 that notices a contact at the end of the step in which it begins.
+/// Classical RK4 that detects a contact at the end of the step in which it begins.
 fn fixed_step(plant: &SliderCrank, end_s: f64, step_s: f64) -> f64 {
     let count = (end_s / step_s).round() as usize;
     let h = end_s / count as f64;
@@ -65,7 +67,7 @@ fn seconds(solve: impl Fn() -> f64, times: u32) -> (f64, f64) {
     (value, best)
 }
 
-/// The same problem to the same error, twice.
+/// Solves the same problem to the same error with both methods.
 fn compare() {
     let (plant, end_s) = problem();
     let (position, wall_s) = seconds(|| located(&plant, end_s), 50);
@@ -79,7 +81,8 @@ fn compare() {
         let (position, fixed_s) = seconds(|| fixed_step(&plant, end_s, step_s), 1);
         let error = (position - REFERENCE_M).abs();
         println!(
-            "slider-crank, RK4 at {step_s:.1e} s: {:.1} wall s per simulated s, error {error:.1e} m, ratio {:.0}",
+            "slider-crank, RK4 at {step_s:.1e} s: {:.1} wall s per simulated s, error {error:.1e} m, \
+             ratio {:.0}",
             fixed_s / end_s,
             fixed_s / wall_s
         );
@@ -109,19 +112,20 @@ fn slider_crank_fixed_step(bencher: divan::Bencher<'_, '_>) {
     bencher.bench(|| fixed_step(&plant, end_s, 1e-8));
 }
 
-/// A tenth of a cycle of bench B with its bearing in 11 slices and the load off the bearing's middle.
+/// A tenth of a cycle of bench B with its bearing in 11 slices and the load outside the bearing's
+/// middle.
 #[divan::bench(sample_count = 10)]
 fn bench_b_in_two_planes(bencher: divan::Bencher<'_, '_>) {
-    let Ok(Bench::Transmission(mut bench)) = Bench::open("bench-b") else { return };
+    let Ok(mut bench) = TransmissionBench::open("bench-b") else { return };
     bench.two_plane = Some(TwoPlaneSection { load_offset_m: 0.02, ..TwoPlaneSection::default() });
     let plant = TwoPlane::new(&bench, bench.drive_profile(), bench.load_profile());
     bencher.bench(|| run_two_plane(&plant, 0.1, &[], DEFAULT_TOLERANCE).map(|r| r.steps));
 }
 
-/// One cycle of bench B lasts a second: the figure is wall seconds per simulated second.
+/// One cycle of bench B takes one second: the result is wall seconds per simulated second.
 #[divan::bench(args = ["babbitt", "plastic"])]
 fn bench_b_with_the_law(bencher: divan::Bencher<'_, '_>, bearing: &str) {
-    let Ok(Bench::Transmission(mut bench)) = Bench::open("bench-b") else { return };
+    let Ok(mut bench) = TransmissionBench::open("bench-b") else { return };
     bench.set_material(if bearing == "babbitt" {
         BearingMaterial::Babbitt
     } else {

@@ -1,44 +1,34 @@
 //! Plants of the test benches, their measured logs and the integrator.
 //!
-//! A [`description::Bench`] (TOML) says what a bench is; [`transmission`], [`friction_rig`] and [`slider_crank`] hold
-//! the equations; [`run`] integrates a transmission bench; [`respond`] gives what a bench would have logged under a
-//! measured log's own inputs, which is what a diagnosis compares; [`effects`] are what may be missing from a model.
+//! * [`signals`]: channels, motions over time, sensors, white noise.
+//! * [`log`]: measured logs as CSV, Parquet and MAT files.
+//! * [`description`]: the data of a bench description, [`Bench`], and the interface of its plants.
+//! * [`effects`]: deviations from the nominal model, by name.
+//! * [`integrate`]: error-controlled integration with located contacts.
+//! * [`plants`]: equations of motion, friction and energy of each plant.
+//! * [`reading`]: presets, parsing and checking of a description.
+//! * [`simulate`]: runs, records and responses of a bench.
+//! * [`known_answers`]: the plants against published references.
 #![forbid(unsafe_code)]
 
 pub mod atomic;
-pub mod channel;
-mod contact_laws;
 pub mod description;
-mod description_io;
 pub mod effects;
-pub mod energy;
-mod extended_friction;
-pub mod falling_ball;
-mod follow;
-pub mod friction_rig;
-pub mod impact_log;
 pub mod integrate;
 pub mod known_answers;
-pub mod law_names;
-pub mod limits;
 pub mod log;
-pub mod log_format;
-pub mod motion;
-pub mod multibody;
-pub mod peaks;
-pub mod record;
-pub mod respond;
-mod rest;
-pub mod rig_groups;
-pub mod run;
-pub mod sensor;
-pub mod slider_crank;
-pub mod slider_crank_description;
-pub mod transmission;
-pub mod two_plane;
-pub mod white_noise;
+pub mod plants;
+pub mod reading;
+pub mod signals;
+pub mod simulate;
 
-pub use channel::{Channel, Role};
-pub use description::{BearingMaterial, Bench, DescriptionError, integrates_friction};
-pub use description_io::PRESETS;
+pub use contact::BearingMaterial;
+pub use description::{Bench, DescriptionError, integrates_friction};
 pub use log::MeasuredLog;
+pub use reading::PRESETS;
+pub use signals::{Channel, Role};
+
+/// Compiles and runs the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDoctests;

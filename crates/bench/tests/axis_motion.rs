@@ -1,13 +1,15 @@
-//! The motion of an axis that a simulation is driven by follows its log no worse than the log's own noise.
+//! The motion of an axis that is estimated from a log deviates from the true one by no more than
+//! the log's noise.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use bench::respond::Inputs;
+use bench::simulate::Inputs;
 use bench::{Bench, MeasuredLog};
 use std::fmt::Write as _;
 
 const RATE_HZ: f64 = 200.0;
 
-/// Angle, speed, acceleration of a stroke that starts at 1 s along `35 u^4 - 84 u^5 + 70 u^6 - 20 u^7` and takes 1.6 s.
+/// Angle, speed and acceleration of a stroke that starts at 1 s along `35 u^4 - 84 u^5 + 70 u^6 -
+/// 20 u^7` and takes 1.6 s.
 fn moved(time_s: f64) -> [f64; 3] {
     let (way, length) = (0.8, 1.6);
     let u = ((time_s - 1.0) / length).clamp(0.0, 1.0);
@@ -18,7 +20,7 @@ fn moved(time_s: f64) -> [f64; 3] {
     ]
 }
 
-/// Numbers of unit variance, evenly spread.
+/// Evenly distributed numbers of unit variance.
 fn spread() -> impl FnMut() -> f64 {
     let mut state: u64 = 7;
     move || {
@@ -27,7 +29,7 @@ fn spread() -> impl FnMut() -> f64 {
     }
 }
 
-/// A log of these channels of the friction rig, as inputs.
+/// Inputs from a log of the friction rig with these channels.
 fn inputs(channels: &str, mut at: impl FnMut(f64) -> Vec<f64>) -> Inputs {
     let bench = Bench::open("friction-rig").unwrap();
     let mut text = format!("t_s,{channels},drive_torque_nm\n");
@@ -42,8 +44,9 @@ fn inputs(channels: &str, mut at: impl FnMut(f64) -> Vec<f64>) -> Inputs {
     Inputs::new(&bench, &log).unwrap()
 }
 
-/// Rms errors of speed and acceleration, and the largest of the speed while it turns friction round (below 30 mrad/s), from
-/// angle noise and, where measured, speed noise. The ends of the log, where no window is whole, are left out.
+/// RMS errors of speed and acceleration, and the largest error of the speed while friction reverses
+/// (below 30 mrad/s), from angle noise and, where measured, speed noise. The ends of the log, where
+/// windows are incomplete, are left out.
 fn errors(angle_noise: f64, speed_noise: Option<f64>) -> [f64; 3] {
     let mut noise = spread();
     let inputs = match speed_noise {
@@ -68,15 +71,15 @@ fn errors(angle_noise: f64, speed_noise: Option<f64>) -> [f64; 3] {
 }
 
 #[test]
-fn a_precise_speed_comes_out_as_precise() {
+fn a_precise_speed_keeps_its_precision() {
     let [rate, acceleration, turning] = errors(2e-6, Some(5e-5));
     assert!(rate < 3e-5 && turning < 1e-4, "{rate} {turning}");
-    // Neighbouring differences alone would leave .007 rad/s2.
+    // Neighbouring differences alone would leave 0.007 rad/s2.
     assert!(acceleration < 5e-3, "{acceleration}");
 }
 
 #[test]
-fn a_speed_that_comes_from_positions_is_better_than_their_difference() {
+fn a_speed_from_positions_is_better_than_their_difference() {
     let [rate, _, turning] = errors(2e-6, None);
     // Central differences: 2e-6 rad 200/s / root of 2 = 2.8e-4 rad/s.
     assert!(rate < 1e-4 && turning < 1e-3, "{rate} {turning}");
@@ -89,7 +92,7 @@ fn a_noisy_speed_is_smoothed() {
 }
 
 #[test]
-fn an_axis_that_rests_stands_still() {
+fn an_axis_at_standstill_has_speed_0() {
     let mut noise = spread();
     let inputs = inputs("spindle_angle_rad", |t| vec![moved(t)[0] + 2e-6 * noise()]);
     for time_s in [0.0, 0.5, 3.5] {
@@ -99,7 +102,7 @@ fn an_axis_that_rests_stands_still() {
 }
 
 #[test]
-fn a_steady_speed_without_a_position_is_no_rest() {
+fn a_constant_speed_without_a_position_is_no_standstill() {
     let mut noise = spread();
     let speed = |t: f64| 0.5 + 5e-4 * (core::f64::consts::TAU * 0.5 * t).sin();
     let inputs = inputs("spindle_speed_rad_s", |t| vec![speed(t) + 1e-3 * noise()]);

@@ -1,18 +1,18 @@
-//! The energy balance of runs closes, and would not with a wrong sign.
+//! The energy balance of runs closes, and a wrong sign leaves a residual.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+use bench::BearingMaterial;
 use bench::description::{Fork, LoadFriction, TransmissionBench};
-use bench::energy::EnergyAudit;
-use bench::run::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law};
-use bench::transmission::Transmission;
-use bench::{BearingMaterial, Bench};
+use bench::plants::energy::EnergyAudit;
+use bench::plants::transmission::Transmission;
+use bench::simulate::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law};
 
 /// Share of the drive's work that a run at the default tolerance of 1e-7 may leave unexplained.
 const BOUND: f64 = 1e-8;
 
 fn bench_b(material: BearingMaterial) -> TransmissionBench {
-    let Bench::Transmission(mut bench) = Bench::open("bench-b").unwrap() else { panic!("bench-b") };
+    let mut bench = TransmissionBench::open("bench-b").unwrap();
     bench.set_material(material);
-    *bench
+    bench
 }
 
 fn run(bench: &TransmissionBench) -> Run {
@@ -56,7 +56,7 @@ fn the_balance_of_every_variant_closes() {
 type Change = fn(EnergyAudit) -> EnergyAudit;
 
 #[test]
-fn a_wrong_sign_or_a_missing_term_would_be_seen() {
+fn a_wrong_sign_or_a_missing_term_leaves_a_residual() {
     for (name, bench) in variants() {
         let right = run(&bench).energy;
         let wrongs: [(&str, Change); 6] = [
@@ -68,15 +68,16 @@ fn a_wrong_sign_or_a_missing_term_would_be_seen() {
             ("gravity", |a| EnergyAudit { gravity_work_j: -a.gravity_work_j, ..a }),
         ];
         for (term, wrong) in wrongs {
-            let found = wrong(right).closed().residual_rel;
+            let found = wrong(right).with_residuals().residual_rel;
             assert!(found > 10.0 * BOUND, "{name}, {term}: {found}");
         }
     }
 }
 
-/// Where equations and audit disagree about the direction of friction, the balance does not close either.
+/// If equations and audit disagree about the direction of friction, the balance does not close
+/// either.
 #[test]
-fn friction_that_drives_shows_as_negative_heat() {
+fn friction_of_the_wrong_sign_shows_as_negative_heat() {
     let bench = bench_b(BearingMaterial::Babbitt);
     let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
     let held = |sign: f64| {
@@ -91,18 +92,19 @@ fn friction_that_drives_shows_as_negative_heat() {
     let (right, wrong) = (held(1.0), held(-1.0));
     assert!(right.friction_heat_j > 10.0 && wrong.friction_heat_j < -10.0, "{right:?} {wrong:?}");
     assert!(right.residual_rel < 1e-6 && wrong.residual_rel < 1e-6, "{right:?} {wrong:?}");
-    // The held run spends its energy where the located one does.
+    // The run with held force has the same energy terms as the run with located events.
     let located = run(&bench).energy;
     assert!((right.friction_heat_j / located.friction_heat_j - 1.0).abs() < 1e-2, "{right:?} {located:?}");
     assert!((right.load_work_j / located.load_work_j - 1.0).abs() < 1e-3, "{right:?} {located:?}");
 }
 
-/// A tight, stiff fork is the rigid one; play frees the shaft where the fork changes sides, and only then.
+/// A stiff fork without play equals the rigid one. Play frees the shaft only where the fork changes
+/// sides.
 #[test]
-fn play_shows_where_the_fork_changes_sides() {
+fn play_is_visible_only_where_the_fork_changes_sides() {
     let times: Vec<f64> = (0..10_000).map(|i| 1e-4 * f64::from(i)).collect();
     let run = |fork: Option<Fork>| {
-        // A load that the inertia overcomes twice a cycle.
+        // The inertia overcomes this load twice per cycle.
         let mut bench = TransmissionBench { fork, ..bench_b(BearingMaterial::Plastic) };
         bench.load.force_n = 1e3;
         let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
@@ -110,13 +112,13 @@ fn play_shows_where_the_fork_changes_sides() {
     };
     let fork = |backlash_m, stiffness_n_m| Some(Fork { backlash_m, stiffness_n_m, damping_s_m: 1.0 });
     let (rigid, tight, loose) = (run(None), run(fork(0.0, 1e9)), run(fork(0.5e-3, 1e9)));
-    let angle = |a: &[bench::transmission::Snapshot], b: &[bench::transmission::Snapshot]| {
+    let angle = |a: &[bench::plants::transmission::Snapshot], b: &[bench::plants::transmission::Snapshot]| {
         a.iter().zip(b).map(|(a, b)| (a.angle_rad - b.angle_rad).abs()).fold(0.0, f64::max)
     };
-    // 3 kN on 1e9 N/m at a lever of 0.3 m and its ringing, against half a millimetre of play.
+    // 3 kN on 1e9 N/m at a lever of 0.3 m with its oscillation, against half a millimetre of play.
     assert!(angle(&rigid, &tight) < 2e-4, "{}", angle(&rigid, &tight));
     assert!((5e-4..3e-3).contains(&angle(&rigid, &loose)), "{}", angle(&rigid, &loose));
-    let free = |samples: &[bench::transmission::Snapshot]| {
+    let free = |samples: &[bench::plants::transmission::Snapshot]| {
         samples.iter().filter(|s| s.time_s > 0.05 && s.drive_force_n == 0.0).count()
     };
     assert_eq!(free(&rigid), 0);
@@ -124,7 +126,7 @@ fn play_shows_where_the_fork_changes_sides() {
 }
 
 #[test]
-fn the_residual_follows_the_tolerance() {
+fn the_residual_decreases_with_the_tolerance() {
     let bench = bench_b(BearingMaterial::Plastic);
     let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
     let at = |tolerance| run_with_law(&plant, 1.0, &[], tolerance).unwrap().energy.residual_rel;

@@ -1,17 +1,16 @@
-//! The transmission bench against an independent multibody code's published table.
+//! The transmission bench against the published table of an independent multibody code.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-use bench::description::{BearingMaterial, Bench, TransmissionBench};
-use bench::run::{Run, run_with_held_force, run_with_law};
-use bench::transmission::Transmission;
+use bench::BearingMaterial;
+use bench::description::TransmissionBench;
+use bench::plants::transmission::Transmission;
+use bench::simulate::{Run, run_with_held_force, run_with_law};
 
 fn bench_b(material: BearingMaterial, clearance_mm: f64, load_n: f64) -> TransmissionBench {
-    let Bench::Transmission(mut bench) = Bench::open("bench-b").unwrap() else {
-        panic!("bench-b is a transmission bench")
-    };
+    let mut bench = TransmissionBench::open("bench-b").unwrap();
     bench.set_material(material);
     bench.set_radial_clearance(clearance_mm * 1e-3);
     bench.load.force_n = load_n;
-    *bench
+    bench
 }
 
 fn run(bench: &TransmissionBench) -> Run {
@@ -19,8 +18,8 @@ fn run(bench: &TransmissionBench) -> Run {
     run_with_law(&plant, bench.duration_s(), &bench.sample_times_s(10_000.0), 1e-8).unwrap()
 }
 
-/// The published peaks leave out the start: they count from the end of the load's ramp.
-fn peak(run: &Run, read: impl Fn(&bench::transmission::Snapshot) -> f64) -> f64 {
+/// The published peaks exclude the start: they count from the end of the load's ramp.
+fn peak(run: &Run, read: impl Fn(&bench::plants::transmission::Snapshot) -> f64) -> f64 {
     run.samples.iter().filter(|s| s.time_s >= 0.05).map(|s| read(s).abs()).fold(0.0, f64::max)
 }
 
@@ -63,7 +62,7 @@ fn bench_b_reproduces_the_table() {
                 run.impacts.len()
             );
             for (found, expected) in found.iter().zip([normal, y, z, torque, deepest_um]) {
-                // The table is printed in whole micrometres and newton metres.
+                // The table is printed in integer micrometres and newton metres.
                 let tolerance = 0.02 * expected + if expected < 300.0 { 0.5 } else { 0.0 };
                 assert!(
                     (found - expected).abs() < tolerance,
@@ -92,8 +91,9 @@ fn the_load_sweep_matches_the_published_forces() {
     }
 }
 
-/// The loop with a force from outside must not add an error of its own: fed with the law itself, it follows the
-/// error-controlled run. A force held in the direction of the step's start would fail here by 3 %.
+/// A force from outside must not add an error of the loop: with the law itself as this force, the
+/// run follows the error-controlled run. A force that is held in the direction of the step's start
+/// would deviate by 3 %.
 #[test]
 fn a_law_held_over_the_communication_step_follows_the_located_run() {
     for (material, step_s) in [(BearingMaterial::Babbitt, 10e-6), (BearingMaterial::Plastic, 20e-6)] {

@@ -1,8 +1,9 @@
-//! Every law of the catalogue that a description may name runs on bench B and keeps the energy balance.
+//! Every law of the catalogue that a description may name runs on bench B and keeps the energy
+//! balance.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 use bench::integrate::IntegrationError;
-use bench::run::{DEFAULT_TOLERANCE, Run, run_with_law};
-use bench::transmission::Transmission;
+use bench::plants::transmission::Transmission;
+use bench::simulate::{DEFAULT_TOLERANCE, Run, run_with_law};
 use bench::{Bench, DescriptionError};
 use contact::{Dissipation, FrictionKind, StiffnessKind};
 
@@ -16,7 +17,7 @@ fn parse(changes: &[(&str, &str)]) -> Result<Bench, DescriptionError> {
         text.replace(from, to)
     });
     let bench = Bench::parse("x.toml", &text)?;
-    // What was read can be written and read again.
+    // A parsed description survives a round trip.
     assert_eq!(Bench::parse("again", &bench.to_toml().unwrap()).unwrap(), bench);
     Ok(bench)
 }
@@ -33,7 +34,7 @@ fn peak(run: &Run) -> f64 {
 }
 
 #[test]
-fn every_stiffness_carries_the_bench_or_says_that_it_ends() {
+fn every_stiffness_carries_the_bench_or_reports_its_limit() {
     let mut deep = Vec::new();
     for kind in StiffnessKind::ALL {
         let name = kind.entry().name;
@@ -81,7 +82,7 @@ fn every_dissipation_and_damping_keeps_the_balance() {
 }
 
 #[test]
-fn laws_with_a_damping_of_their_own_keep_the_balance() {
+fn laws_with_their_own_damping_keep_the_balance() {
     for (name, more) in [
         ("kelvin-voigt", "coefficient = 3e8\ndamping_n_s_m = 2e4"),
         ("anagnostopoulos", "coefficient = 3e8"),
@@ -102,12 +103,13 @@ fn laws_with_a_damping_of_their_own_keep_the_balance() {
 }
 
 #[test]
-fn every_friction_law_that_is_a_rate_keeps_the_balance() {
+fn every_integrable_friction_law_keeps_the_balance() {
     let nominal = run(&[]).unwrap().energy.friction_heat_j;
     for kind in FrictionKind::ALL {
         let name = kind.entry().name;
         let law = format!(
-            "shape = \"tustin\"\nlaw = \"{name}\"\nbristle_stiffness_per_m = 1e4\nbristle_damping_s_m = 1.0\ntransition_force_n = 100.0"
+            "shape = \"tustin\"\nlaw = \"{name}\"\nbristle_stiffness_per_m = 1e4\n\
+             bristle_damping_s_m = 1.0\ntransition_force_n = 100.0"
         );
         let changes = [("shape = \"tustin\"", law.as_str())];
         if matches!(kind, FrictionKind::Coulomb | FrictionKind::Karnopp | FrictionKind::SevenParameter) {

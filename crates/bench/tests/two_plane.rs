@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 use bench::Bench;
 use bench::description::{LoadFriction, TransmissionBench, TwoPlaneSection};
-use bench::run::{DEFAULT_TOLERANCE, run_with_law};
-use bench::transmission::Transmission;
-use bench::two_plane::{TwoPlane, TwoPlaneRun, TwoPlaneSnapshot, run_two_plane};
+use bench::plants::transmission::Transmission;
+use bench::plants::two_plane::{TwoPlane, TwoPlaneRun, TwoPlaneSnapshot, run_two_plane};
+use bench::simulate::{DEFAULT_TOLERANCE, run_with_law};
 
 fn bench(stiffness: &str, section: TwoPlaneSection) -> TransmissionBench {
     let text = include_str!("../presets/bench-b.toml").replace("hybrid-as-printed", stiffness);
@@ -19,14 +19,14 @@ fn run(bench: &TransmissionBench, end_s: f64) -> TwoPlaneRun {
     run_two_plane(&plant, end_s, &times, DEFAULT_TOLERANCE).unwrap()
 }
 
-/// Mean over a run after the start.
+/// Mean over a run after its start.
 fn mean(run: &TwoPlaneRun, read: impl Fn(&TwoPlaneSnapshot) -> f64) -> f64 {
     let samples: Vec<f64> = run.samples.iter().filter(|s| s.planar.time_s > 0.1).map(read).collect();
     samples.iter().sum::<f64>() / samples.len() as f64
 }
 
 #[test]
-fn without_tilt_it_is_the_planar_bench() {
+fn without_tilt_the_result_is_that_of_the_planar_bench() {
     for stiffness in ["hybrid-as-printed", "liu-times-length", "johnson"] {
         for slices in [1, 11] {
             let bench = bench(stiffness, TwoPlaneSection { slices, ..TwoPlaneSection::default() });
@@ -43,11 +43,12 @@ fn without_tilt_it_is_the_planar_bench() {
                     a.planar.friction_torque_nm - b.friction_torque_nm,
                 ];
                 worst = std::array::from_fn(|i| worst[i].max(distances[i].abs()));
-                // Rounding alone: a billionth of the tilt that the clearance allows.
+                // Rounding only: a billionth of the tilt that the clearance allows.
                 assert!(a.tilt_about_y_rad.abs() + a.tilt_about_z_rad.abs() < 1e-12);
             }
             eprintln!("{stiffness}, {slices} slices: {worst:?}");
-            // The two differ by the integrator's tolerance; sensors of the bench have .2 um, 15 N and .4 N m of noise.
+            // The two differ by the integrator's tolerance; the bench's sensors have noise of 0.2
+            // um, 15 N and 0.4 N m.
             for (worst, bound) in worst.iter().zip([1e-9, 0.5, 0.5, 0.05]) {
                 assert!(worst < &bound, "{stiffness}, {slices} slices: {worst:.1e} of {bound:.1e}");
             }
@@ -72,14 +73,14 @@ fn a_misaligned_bearing_loads_one_edge() {
     let down = run(&bench("liu-times-length", section(-5e-4)), 0.3);
     assert!((mean(&even, ratio) - 1.0).abs() < 1e-6);
     assert!(mean(&up, ratio) > 1.5, "{}", mean(&up, ratio));
-    // The mirrored misalignment loads the other edge just as much.
+    // The mirrored misalignment loads the other edge equally.
     let ends = |run: &TwoPlaneRun| {
         (mean(run, |s| s.slices[0].line_load_n_m), mean(run, |s| s.slices[10].line_load_n_m))
     };
     let ((a, b), (c, d)) = (ends(&up), ends(&down));
     assert!(a.max(b) > 3.0 * a.min(b), "{a} {b}");
     assert!((a / d - 1.0).abs() < 1e-3 && (b / c - 1.0).abs() < 1e-3, "{a} {b} {c} {d}");
-    // On the mean the load falls from the loaded edge on.
+    // On average the load decreases from the loaded edge on.
     let loads: Vec<f64> = (0..11).map(|k| mean(&up, |s| s.slices[k].line_load_n_m)).collect();
     let rising = b > a;
     assert!(loads.windows(2).all(|w| (w[1] > w[0]) == rising || w[0] == w[1]), "{loads:?}");
@@ -98,9 +99,9 @@ fn offset_loads_tilt_the_shaft_and_the_bearing_s_moment_balances_them() {
     assert!(run.energy.residual_rel < 1e-6, "{:?}", run.energy);
     let tilt = mean(&run, |s| s.tilt_about_z_rad);
     assert!(tilt.abs() > 1e-5, "{tilt}");
-    // Slices touch and leave on their own.
+    // Slices begin and end contact independently.
     assert!(run.impacts.iter().any(|i| i.contact == 0) && run.impacts.iter().any(|i| i.contact == 10));
-    // Over a window the moments of drive, load and bearing change the angular momentum, and nothing else does.
+    // Over a window only the moments of drive, load and bearing change the angular momentum.
     let moment =
         |s: &TwoPlaneSnapshot| 0.05 * s.planar.drive_force_n - 0.05 * s.planar.load_force_n + s.moment_y_nm;
     let window: Vec<&TwoPlaneSnapshot> = run.samples.iter().filter(|s| s.planar.time_s > 0.1).collect();
@@ -141,7 +142,7 @@ fn a_tilted_record_has_the_channels_of_a_planar_one() {
     tilted.logging.sample_rate_hz = 200.0;
     let mut planar = tilted.clone();
     planar.two_plane = None;
-    let record = |b: TransmissionBench| bench::record::record(&Bench::Transmission(Box::new(b)), 1).unwrap();
+    let record = |b: TransmissionBench| bench::simulate::record(&Bench::from(b), 1).unwrap();
     let (a, b) = (record(tilted), record(planar));
     assert!(a.channels.keys().eq(b.channels.keys()) && a.time_s == b.time_s);
     assert_ne!(a.channels[&bench::Channel::JournalY], b.channels[&bench::Channel::JournalY]);

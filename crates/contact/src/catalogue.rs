@@ -1,45 +1,45 @@
 //! Every law by its stable name, for descriptions and for lists on a command line.
 
+use crate::contact_law::CompleteLawKind;
 use crate::dissipation::Dissipation;
 use crate::friction::kind::FrictionKind;
 use crate::stiffness_kind::StiffnessKind;
-use crate::whole::WholeKind;
 
-/// What a name of the catalogue selects.
+/// Kind of law that a name selects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
     /// Dissipation factor, [`Dissipation`].
     Dissipation,
     /// Stiffness part, [`crate::Stiffness`].
     Stiffness,
-    /// Normal law with its own damping, [`WholeKind`].
-    Whole,
+    /// Complete normal law with its own damping, [`CompleteLawKind`].
+    Complete,
     /// Friction law, [`FrictionKind`].
     Friction,
 }
 
-/// One law.
+/// Catalogue entry of one law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// What the name selects.
+    /// Kind of law.
     pub group: Group,
     /// Stable name, in kebab case.
     pub name: &'static str,
-    /// The law in a line.
+    /// Description in one line.
     pub description: &'static str,
     /// Author and year.
     pub source: &'static str,
-    /// Where it holds.
+    /// Range of validity.
     pub range: &'static str,
 }
 
-/// Every law: dissipation factors, stiffness parts, whole laws, friction laws.
+/// Returns every law: dissipation factors, stiffness parts, complete normal laws, friction laws.
 pub fn all() -> impl Iterator<Item = Entry> {
     let dissipation = Dissipation::ALL.into_iter().map(Dissipation::entry);
     let stiffness = StiffnessKind::ALL.into_iter().map(StiffnessKind::entry);
-    let whole = WholeKind::ALL.into_iter().map(WholeKind::entry);
+    let complete = CompleteLawKind::ALL.into_iter().map(CompleteLawKind::entry);
     let friction = FrictionKind::ALL.into_iter().map(FrictionKind::entry);
-    dissipation.chain(stiffness).chain(whole).chain(friction)
+    dissipation.chain(stiffness).chain(complete).chain(friction)
 }
 
 #[cfg(test)]
@@ -66,8 +66,8 @@ mod tests {
         for law in StiffnessKind::ALL {
             assert_eq!(StiffnessKind::from_name(law.entry().name), Some(law));
         }
-        for law in WholeKind::ALL {
-            assert_eq!(WholeKind::from_name(law.entry().name), Some(law));
+        for law in CompleteLawKind::ALL {
+            assert_eq!(CompleteLawKind::from_name(law.entry().name), Some(law));
         }
         for law in FrictionKind::ALL {
             assert_eq!(FrictionKind::from_name(law.entry().name), Some(law));

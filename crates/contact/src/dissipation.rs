@@ -1,15 +1,16 @@
-//! Dissipation factors `chi(e)`: how much of the approach energy a contact turns into heat.
+//! Dissipation factors `chi(e)`: the share of the approach energy that a contact dissipates.
 //!
-//! A factor multiplies the elastic force: `F = F_el(d) (1 + chi(e) d'/d'0)`. `e` is the nominal restitution; what a factor
-//! really produces is [`produced_restitution`] of it. The factors were compared with public implementations; Hu and Guo's,
-//! which one of them halves, with the exact relation (it then agrees within 6 % down to `e = 0.4`).
+//! A factor multiplies the elastic force: `F = F_el(d) (1 + chi(e) d'/d'0)`. `e` is the nominal
+//! restitution; [`produced_restitution`] gives the restitution that a factor really produces. The
+//! factors were compared with public implementations. Hu and Guo's, which one of them halves, was
+//! compared with the exact relation (it then agrees within 6 % down to `e = 0.4`).
 
 use crate::catalogue::{Entry, Group};
 use crate::error::{LawError, expect};
 use crate::real::Real;
 use crate::restitution;
 
-/// A published relation between nominal restitution and damping.
+/// Published relation between nominal restitution and damping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Dissipation {
     /// No loss: `chi = 0` (Hertz).
@@ -24,7 +25,8 @@ pub enum Dissipation {
     LankaraniNikravesh,
     /// `chi = (1-e^2)/e`, Gonthier et al. 2004.
     Gonthier,
-    /// `chi = (3/4)(1-e^2) exp(2(1-e))`, Zhiying and Qishao 2006: the factor in the paper's hybrid law.
+    /// `chi = (3/4)(1-e^2) exp(2(1-e))`, Zhiying and Qishao 2006: the factor in the paper's hybrid
+    /// law.
     ZhiyingQishao,
     /// `chi = 8(1-e)/(5e)`, Flores et al. 2011.
     Flores,
@@ -52,10 +54,11 @@ impl Dissipation {
         Self::Exact,
     ];
 
-    /// The dimensionless factor for a nominal restitution; infinite at 0 where [`Dissipation::needs_rebound`] says so.
+    /// Returns the dimensionless factor for a nominal restitution; infinite at 0 if
+    /// [`Dissipation::needs_rebound`].
     pub fn factor<T: Real>(self, restitution: T) -> T {
         let e = restitution;
-        let (one, of) = (T::ONE, T::of);
+        let (one, of) = (T::ONE, T::from_f64);
         match self {
             Self::None => T::ZERO,
             Self::HuntCrossley => of(1.5) * (one - e),
@@ -74,7 +77,7 @@ impl Dissipation {
         }
     }
 
-    /// Whether the factor is infinite at a restitution of 0.
+    /// Decides whether the factor is infinite at a restitution of 0.
     pub const fn needs_rebound(self) -> bool {
         matches!(self, Self::Gonthier | Self::Flores | Self::HuGuo | Self::Exact)
     }
@@ -90,7 +93,7 @@ impl Dissipation {
         }
     }
 
-    /// The factor of a name of the catalogue.
+    /// Returns the factor of a name of the catalogue.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|law| law.entry().name == name)
     }
@@ -125,12 +128,13 @@ impl Dissipation {
     }
 }
 
-/// The restitution that a law `F_el(d) (1 + chi d'/d'0)` produces in a free impact, whatever its stiffness,
-/// exponent, mass and approach speed.
+/// Returns the restitution that a law `F_el(d) (1 + chi d'/d'0)` produces in a free impact. It does
+/// not depend on stiffness, exponent, mass and approach speed.
 ///
-/// Solves `chi (1 + e) = ln((1 + chi)/(1 - chi e))` for its positive root; 1 for `chi <= 0`. Computed in double precision.
+/// Solves `chi (1 + e) = ln((1 + chi)/(1 - chi e))` for its positive root; 1 for `chi <= 0`.
+/// Computed in double precision.
 pub fn produced_restitution<T: Real>(factor: T) -> T {
-    T::of(restitution::produced(factor.to_f64()))
+    T::from_f64(restitution::from_factor(factor.to_f64()))
 }
 
 #[cfg(test)]

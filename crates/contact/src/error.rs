@@ -1,8 +1,8 @@
-//! What can be wrong with the parameters of a law, and the checks that say so.
+//! Errors of the laws' parameters, and the checks that return them.
 
 use crate::real::Real;
 
-/// A law that cannot be built, or is asked outside its range.
+/// Error of a law that cannot be built or is evaluated outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
     /// A quantity outside the range in which the law holds.
@@ -12,10 +12,10 @@ pub enum LawError {
         quantity: &'static str,
         /// Its value.
         found: f64,
-        /// The range.
+        /// Range of validity.
         expected: &'static str,
     },
-    /// A quantity that this law needs and that was not given.
+    /// A required quantity that was not given.
     #[error("{law} needs {quantity}, found none")]
     Missing {
         /// Name of the law.
@@ -23,10 +23,10 @@ pub enum LawError {
         /// Name of the quantity.
         quantity: &'static str,
     },
-    /// A name that is in no list; the lists are in [`crate::catalogue`].
+    /// An unknown name; [`crate::catalogue`] lists the known ones.
     #[error("unknown {group} law, expected a name of the catalogue")]
     UnknownName {
-        /// Which list was searched.
+        /// Kind of law that was searched.
         group: &'static str,
     },
 }
@@ -52,7 +52,8 @@ pub(crate) fn at_least_zero<T: Real>(quantity: &'static str, value: T) -> Result
     check(value >= T::ZERO, quantity, value, "a finite number, 0 or more")
 }
 
-/// `holds` says whether the value is in the range that `expected` names.
+/// Checks that a value is in a range; `holds` is the result of the comparison, `expected` describes
+/// the range.
 pub(crate) fn expect<T: Real>(
     quantity: &'static str,
     value: T,

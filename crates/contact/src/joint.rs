@@ -1,4 +1,5 @@
-//! Geometry and materials of a cylindrical clearance joint: what the stiffness parts are computed from.
+//! Geometry and materials of a cylindrical clearance joint, from which the stiffness parts are
+//! computed.
 
 use crate::error::{LawError, above_zero, expect};
 use crate::material::{Material, effective_modulus_pa};

@@ -1,9 +1,10 @@
-//! Contact and friction laws of a dry cylindrical clearance joint: pure functions of the state.
 #![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+mod bearing_material;
 pub mod catalogue;
+mod contact_law;
 mod damping;
 mod dissipation;
 mod error;
@@ -18,8 +19,9 @@ mod restitution;
 mod spring_dashpot;
 mod stiffness;
 mod stiffness_kind;
-mod whole;
 
+pub use bearing_material::{BearingMaterial, RigFriction};
+pub use contact_law::{AdamsImpact, CompleteLawKind, CompleteLawParameters, ContactLaw};
 pub use damping::{DEFAULT_LATCH_FLOOR_M_S, Damping};
 pub use dissipation::{Dissipation, produced_restitution};
 pub use error::LawError;
@@ -32,7 +34,6 @@ pub use logarithmic::{Logarithmic, LogarithmicKind};
 pub use material::{Material, effective_modulus_pa};
 pub use normal::{FactorisedLaw, NormalLaw};
 pub use real::Real;
-pub use spring_dashpot::{SpringDashpot, damping_ratio_of, restitution_without_tension};
+pub use spring_dashpot::{SpringDashpot, damping_ratio_for, restitution_without_tension};
 pub use stiffness::{Stiffness, hertz_sphere_in_sphere};
 pub use stiffness_kind::{StiffnessKind, StiffnessParameters};
-pub use whole::{AdamsImpact, ContactLaw, WholeKind, WholeParameters};

@@ -1,36 +1,39 @@
-//! The cylindrical laws that give the deformation over the force and hold a logarithm: Johnson, Radzimovsky, Goldsmith,
-//! Dubowsky and Freudenstein, ESDU-78035.
+//! Cylindrical laws that give the deformation as a function of the force and contain a logarithm:
+//! Johnson, Radzimovsky, Goldsmith, Dubowsky and Freudenstein, ESDU-78035.
 //!
-//! All are `d = A F (ln(B/F) + C)`. The slope `A (ln(B/F) + C - 1)` is zero at `F_max = B exp(C - 1)`: beyond it a larger
-//! force would mean a smaller deformation, so the law ends there, at `d_max = A F_max`. With `u = F/F_max`:
+//! All have the form `d = A F (ln(B/F) + C)`. The slope `A (ln(B/F) + C - 1)` is zero at `F_max = B
+//! exp(C - 1)`. Beyond it a larger force would mean a smaller deformation, so the law ends there,
+//! at `d_max = A F_max`. With `u = F/F_max`:
 //!
 //! `d/d_max = u (1 - ln u)`, `0 <= u <= 1`
 //!
-//! one curve for all of them, solved for `u` by Newton's method inside a bracket. `A`, `B` and `C` with
-//! `h = (1-nu_i^2)/E_i + (1-nu_j^2)/E_j = 1/E*`, `R = R_B R_J/D`:
+//! is one curve for all of them. Newton's method inside a bracket solves it for `u`. `A`, `B` and
+//! `C` with `h = (1-nu_i^2)/E_i + (1-nu_j^2)/E_j = 1/E*`, `R = R_B R_J/D`:
 //!
 //! | law | A | B | C | d_max |
 //! |---|---|---|---|---|
 //! | Johnson | h/(pi L) | 4 pi D L/h | -1 | 4 D/e^2 |
-//! | Radzimovsky, `b = 1.60 sqrt(F R h/L)` | h/(pi L) | 16 D L/(1.60^2 h) | 2/3 | 16 D/(1.60^2 pi e^(1/3)) |
+//! | Radzimovsky | h/(pi L) | 16 D L/(1.60^2 h) | 2/3 | 16 D/(1.60^2 pi e^(1/3)) |
 //! | Goldsmith | h/L | L/(R h) | 1 | 1/R, in m |
 //! | Dubowsky-Freudenstein | h/L | L^3 D/(R_B R_J h) | 1 | L^2 D/(R_B R_J) |
 //! | ESDU-78035 | pi h/L | 4 L D/h | 1 | 4 pi D |
 //!
-//! What to know. In Radzimovsky's law the radii cancel. Goldsmith's logarithm has a unit: it is evaluated in SI, and in mm it
-//! would be another law. The last three are printed as the later reviews have them, with `h = (1-nu^2)/E`. They
-//! are then 3 to 11 times as soft as Johnson's solution of the same contact, a half-plane's; with `(1-nu^2)/(pi E)` in place
-//! of `h`, and no second `pi` in ESDU's, Dubowsky-Freudenstein and ESDU come within 45 % of it (tested below). Older texts
-//! define `h` so; this was recalled, not confirmed from their print. Hence the `HalfPlane` kinds beside the printed ones.
+//! Radzimovsky's law has `b = 1.60 sqrt(F R h/L)`; its radii cancel. Goldsmith's logarithm has a
+//! unit: it is evaluated in SI, and in mm it would be another law. The last three are implemented
+//! as the later reviews print them, with `h = (1-nu^2)/E`. They are then 3 to 11 times as soft as
+//! Johnson's solution of the same contact, a half-plane's. With `(1-nu^2)/(pi E)` in place of `h`,
+//! and no second `pi` in ESDU's, Dubowsky-Freudenstein and ESDU come within 45 % of it (tested
+//! below). Older texts define `h` so; this was recalled, not confirmed from their print. Hence the
+//! `HalfPlane` kinds in addition to the printed ones.
 //!
-//! None of them is smooth at the limit, where the stiffness is infinite; half of `d_max` is already far beyond the small
-//! angles of contact that the derivations assume.
+//! None of them is smooth at the limit, where the stiffness is infinite. Half of `d_max` is already
+//! far beyond the small angles of contact that the derivations assume.
 
 use crate::joint::Joint;
 use crate::logarithmic_curve::share_at;
 use crate::real::Real;
 
-/// Which logarithmic law.
+/// Kind of a logarithmic law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LogarithmicKind {
     /// Johnson 1985.
@@ -51,7 +54,7 @@ pub enum LogarithmicKind {
     Esdu78035HalfPlane,
 }
 
-/// A logarithmic law of one joint: its limit, which is all it needs.
+/// Logarithmic law of one joint, defined by its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Logarithmic<T = f64> {
     kind: LogarithmicKind,
@@ -60,11 +63,11 @@ pub struct Logarithmic<T = f64> {
 }
 
 impl<T: Real> Logarithmic<T> {
-    /// The law of a joint that [`Joint::check`] accepts.
+    /// Creates the law of a joint that [`Joint::check`] accepts.
     pub(crate) fn new(kind: LogarithmicKind, joint: &Joint<T>) -> Self {
         use LogarithmicKind as Kind;
         let (clearance, length) = (joint.radial_clearance_m, joint.length_m);
-        let pi = T::of(core::f64::consts::PI);
+        let pi = T::from_f64(core::f64::consts::PI);
         let printed = T::ONE / joint.effective_modulus_pa();
         let h = match kind {
             Kind::GoldsmithHalfPlane | Kind::DubowskyFreudensteinHalfPlane | Kind::Esdu78035HalfPlane => {
@@ -73,24 +76,26 @@ impl<T: Real> Logarithmic<T> {
             _ => printed,
         };
         let (slope, scale, constant) = match kind {
-            Kind::Johnson => (h / (pi * length), T::of(4.0) * pi * clearance * length / h, -T::ONE),
-            Kind::Radzimovsky => {
-                (h / (pi * length), T::of(16.0 / (1.6 * 1.6)) * clearance * length / h, T::of(2.0 / 3.0))
-            }
+            Kind::Johnson => (h / (pi * length), T::from_f64(4.0) * pi * clearance * length / h, -T::ONE),
+            Kind::Radzimovsky => (
+                h / (pi * length),
+                T::from_f64(16.0 / (1.6 * 1.6)) * clearance * length / h,
+                T::from_f64(2.0 / 3.0),
+            ),
             Kind::Goldsmith | Kind::GoldsmithHalfPlane => {
                 (h / length, length / (joint.relative_radius_m() * h), T::ONE)
             }
             Kind::DubowskyFreudenstein | Kind::DubowskyFreudensteinHalfPlane => {
                 (h / length, length * length * length / (joint.relative_radius_m() * h), T::ONE)
             }
-            Kind::Esdu78035 => (pi * h / length, T::of(4.0) * length * clearance / h, T::ONE),
-            Kind::Esdu78035HalfPlane => (h / length, T::of(4.0) * length * clearance / h, T::ONE),
+            Kind::Esdu78035 => (pi * h / length, T::from_f64(4.0) * length * clearance / h, T::ONE),
+            Kind::Esdu78035HalfPlane => (h / length, T::from_f64(4.0) * length * clearance / h, T::ONE),
         };
         let largest_force_n = scale * (constant - T::ONE).exp();
         Self { kind, largest_force_n, largest_deformation_m: slope * largest_force_n }
     }
 
-    /// Which law.
+    /// Kind of the law.
     pub fn kind(&self) -> LogarithmicKind {
         self.kind
     }
@@ -105,7 +110,8 @@ impl<T: Real> Logarithmic<T> {
         self.largest_deformation_m
     }
 
-    /// Deformation in m under a force in N: the law as printed. 0 without force, held at the limit beyond it.
+    /// Deformation in m under a force in N: the law as printed. 0 without force, clamped beyond the
+    /// limit.
     pub fn deformation_m(&self, force_n: T) -> T {
         let share = force_n / self.largest_force_n;
         if share >= T::ONE {
@@ -117,12 +123,13 @@ impl<T: Real> Logarithmic<T> {
         }
     }
 
-    /// Force in N at a deformation in m. 0 without contact, held at the limit beyond it.
+    /// Force in N at a deformation in m. 0 without contact, clamped beyond the limit.
     pub fn force_n(&self, deformation_m: T) -> T {
         self.force_near_n(deformation_m, T::ZERO)
     }
 
-    /// As [`Logarithmic::force_n`], searched from a force that is expected to be close, such as the last one.
+    /// Returns [`Logarithmic::force_n`], searched from a force that is expected to be close, such
+    /// as the last one.
     pub fn force_near_n(&self, deformation_m: T, expected_n: T) -> T {
         let target = deformation_m / self.largest_deformation_m;
         if target >= T::ONE {
@@ -138,6 +145,7 @@ impl<T: Real> Logarithmic<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::BearingMaterial;
     use crate::material::Material;
     use proptest::prelude::*;
     use std::f64::consts::PI;
@@ -158,12 +166,12 @@ mod tests {
             bearing_radius_m: 0.07,
             radial_clearance_m,
             length_m: 0.14,
-            bearing: Material::BABBITT,
+            bearing: BearingMaterial::Babbitt.elastic(),
             journal: Material::STEEL,
         }
     }
 
-    /// The laws as they are printed, without the shared curve.
+    /// Evaluates the laws as they are printed, without the shared curve.
     fn printed(kind: LogarithmicKind, joint: &Joint, force: f64) -> f64 {
         let (length, clearance) = (joint.length_m, joint.radial_clearance_m);
         let (outer, inner) = (joint.bearing_radius_m, joint.journal_radius_m());

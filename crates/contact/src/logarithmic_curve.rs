@@ -1,18 +1,21 @@
-//! The curve `y = u (1 - ln u)` on 0..1, inverted: the shape of every logarithmic law, see `logarithmic`.
+//! Inverse of the curve `y = u (1 - ln u)` on 0..1: the shape of every logarithmic law, see
+//! `logarithmic`.
 //!
-//! Dimensionless. It rises from 0 to 1 and is flat at 1, so near there half of the digits of `u` are lost, as in any law that ends so.
+//! Dimensionless. The curve rises from 0 to 1 and is flat at 1, so near 1 half of the digits of `u`
+//! are lost, as in any law with such an end.
 
 use crate::real::Real;
 
-/// Steps of the search; a bracket that is halved so often is a single number.
+/// Steps of the search; after that many halvings the bracket is a single number.
 const SEARCH_STEPS: u32 = 120;
 
-/// The root `u` of `u (1 - ln u) = y` for `0 < y < 1`.
+/// Returns the root `u` of `u (1 - ln u) = y` for `0 < y < 1`.
 ///
-/// Bracket: `u` lies above `1 - sqrt(2(1-y))`, as the curve lies below its parabola at 1, and below `y/(1 - ln y)`, as
-/// `u < y`. The curve is concave: Newton's steps cannot cycle, and one that leaves the bracket is replaced by its middle.
+/// Bracket: `u` is above `1 - sqrt(2(1-y))`, as the curve is below its parabola at 1, and below
+/// `y/(1 - ln y)`, as `u < y`. The curve is concave: Newton's steps cannot cycle, and a step that
+/// leaves the bracket is replaced by its middle.
 pub(crate) fn share_at<T: Real>(y: T, start: T) -> T {
-    let mut low = (T::ONE - (T::of(2.0) * (T::ONE - y)).sqrt()).max(T::ZERO);
+    let mut low = (T::ONE - (T::from_f64(2.0) * (T::ONE - y)).sqrt()).max(T::ZERO);
     let mut high = (y / (T::ONE - y.ln())).min(T::ONE);
     let mut u = if start > low && start < high { start } else { high };
     for _ in 0..SEARCH_STEPS {
@@ -25,7 +28,7 @@ pub(crate) fn share_at<T: Real>(y: T, start: T) -> T {
         }
         let mut next = u + residual / logarithm;
         if !(next > low && next < high) {
-            next = T::of(0.5) * (low + high);
+            next = T::from_f64(0.5) * (low + high);
         }
         if (next - u).abs() <= T::EPSILON * u {
             return next;

@@ -13,16 +13,13 @@ pub struct Material<T = f64> {
 }
 
 impl Material {
-    /// The steel of the shaft (206 GPa, 0.3). The paper names no shaft material: an assumption of this project.
+    /// Steel of the shaft (206 GPa, 0.3). The paper names no shaft material: an assumption of this
+    /// project.
     pub const STEEL: Self = Self { youngs_modulus_pa: 206e9, poisson_ratio: 0.3 };
-    /// Babbitt alloy of the bearing, Table 2 of the paper.
-    pub const BABBITT: Self = Self { youngs_modulus_pa: 50e9, poisson_ratio: 0.3 };
-    /// Engineering plastic alloy of the bearing, Table 2 of the paper.
-    pub const PLASTIC: Self = Self { youngs_modulus_pa: 2.5e9, poisson_ratio: 0.4 };
 }
 
 impl<T: Real> Material<T> {
-    /// A material whose modulus is above 0 and whose Poisson's ratio is 0 to 0.5.
+    /// Creates a material with a modulus above 0 and a Poisson's ratio from 0 to 0.5.
     pub fn new(youngs_modulus_pa: T, poisson_ratio: T) -> Result<Self, LawError> {
         let material = Self { youngs_modulus_pa, poisson_ratio };
         material.check()?;
@@ -32,7 +29,7 @@ impl<T: Real> Material<T> {
     pub(crate) fn check(&self) -> Result<(), LawError> {
         above_zero("Young's modulus (Pa)", self.youngs_modulus_pa)?;
         let nu = self.poisson_ratio;
-        expect("Poisson's ratio", nu, nu >= T::ZERO && nu <= T::of(0.5), "0 to 0.5")?;
+        expect("Poisson's ratio", nu, nu >= T::ZERO && nu <= T::from_f64(0.5), "0 to 0.5")?;
         Ok(())
     }
 

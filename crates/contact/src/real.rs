@@ -1,8 +1,8 @@
-//! The number type of the laws: `f64` on the host, `f32` where a controller has only single precision.
+//! Number type of the laws: `f64` on the host, `f32` on a controller with single precision only.
 //!
-//! A sealed trait of its own rather than `num-traits`: there the functions come from the standard library or from `libm`
-//! depending on which features the rest of a build turns on, so the bits of a force would too. Here every function is
-//! `libm`'s, on every machine.
+//! This sealed trait replaces `num-traits`. There the functions come from the standard library or
+//! from `libm`, depending on the features of the build, and so would the bits of a force. Here
+//! every function is `libm`'s, on every machine.
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
@@ -31,9 +31,9 @@ pub trait Real:
     const ONE: Self;
     /// Distance from 1 to the next larger number.
     const EPSILON: Self;
-    /// The nearest number to a constant.
-    fn of(value: f64) -> Self;
-    /// The same number in double precision.
+    /// Returns the nearest number to a constant.
+    fn from_f64(value: f64) -> Self;
+    /// Returns the same number in double precision.
     fn to_f64(self) -> f64;
     /// Square root.
     fn sqrt(self) -> Self;
@@ -49,13 +49,13 @@ pub trait Real:
     fn acos(self) -> Self;
     /// Magnitude.
     fn abs(self) -> Self;
-    /// The larger of two; the other one if one is not a number.
+    /// Larger of two numbers; the other one if one is not a number.
     fn max(self, other: Self) -> Self;
-    /// The smaller of two; the other one if one is not a number.
+    /// Smaller of two numbers; the other one if one is not a number.
     fn min(self, other: Self) -> Self;
-    /// The magnitude of `self` with the sign of another.
+    /// Magnitude of `self` with the sign of another number.
     fn copysign(self, sign: Self) -> Self;
-    /// Neither infinite nor not-a-number.
+    /// Decides whether the number is neither infinite nor not-a-number.
     fn is_finite(self) -> bool;
 
     /// -1, 0 or 1; 0 at both zeros.
@@ -65,13 +65,13 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($type:ident: $sqrt:ident $exp:ident $log:ident $pow:ident $tanh:ident $acos:ident $abs:ident $max:ident $min:ident
-     $copysign:ident) => {
+    ($type:ident: $sqrt:ident $exp:ident $log:ident $pow:ident $tanh:ident $acos:ident $abs:ident
+     $max:ident $min:ident $copysign:ident) => {
         impl Real for $type {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $type::EPSILON;
-            fn of(value: f64) -> Self {
+            fn from_f64(value: f64) -> Self {
                 value as Self
             }
             fn to_f64(self) -> f64 {

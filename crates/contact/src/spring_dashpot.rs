@@ -1,16 +1,20 @@
-//! Spring and dashpot in parallel: Kelvin-Voigt, and the same set by a restitution (Anagnostopoulos).
+//! Spring and dashpot in parallel: Kelvin-Voigt, and the same with the dashpot set by a restitution
+//! (Anagnostopoulos).
 //!
-//! `F = K d + c d'`, clamped at 0. Two relations tie its damping ratio `zeta = c/(2 sqrt(K m))` to the restitution of a mass
-//! `m` in a free impact, and they differ in when the contact ends:
+//! `F = K d + c d'`, clamped at 0. Two relations connect its damping ratio `zeta = c/(2 sqrt(K m))`
+//! with the restitution of a mass `m` in a free impact. They differ in the end of the contact:
 //!
-//! * at `d = 0`, the force having pulled before: `e = exp(-pi zeta/sqrt(1-zeta^2))`, hence
-//!   `zeta = -ln e/sqrt(pi^2 + ln^2 e)`. This is the relation by which Anagnostopoulos (1988, 2004) sets the dashpot.
-//! * at `F = 0`, as here: `e = exp(-2 zeta/sqrt(1-zeta^2) acos zeta)` (Schwager and Poeschel 2007), which is larger. So a
-//!   dashpot set by the first relation for `e = .4` produces .4720 without tension.
+//! * at `d = 0`, after a phase in which the force pulls: `e = exp(-pi zeta/sqrt(1-zeta^2))`, hence
+//!   `zeta = -ln e/sqrt(pi^2 + ln^2 e)`. By this relation Anagnostopoulos (1988, 2004) sets the
+//!   dashpot.
+//! * at `F = 0`, as here: `e = exp(-2 zeta/sqrt(1-zeta^2) acos zeta)` (Schwager and Poeschel 2007),
+//!   which is larger. So a dashpot set by the first relation for `e = .4` produces .4720 without
+//!   tension.
 //!
-//! Both are solutions of `m d'' + c d' + K d = 0` and are verified below by integrating it. The second agrees with public
-//! implementations that quote its article; that Anagnostopoulos used the first is recalled, not confirmed.
-//! The force jumps to `c d'0` at the onset, which no measured contact does; that is the known weakness of the model.
+//! Both are solutions of `m d'' + c d' + K d = 0` and are verified below by integrating it. The
+//! second agrees with public implementations that quote its article; that Anagnostopoulos used the
+//! first is recalled, not confirmed. The force jumps to `c d'0` at the onset, unlike every measured
+//! contact: the known weakness of the model.
 
 use crate::error::{LawError, above_zero, at_least_zero, expect};
 use crate::real::Real;
@@ -30,15 +34,15 @@ impl<T: Real> SpringDashpot<T> {
         Ok(Self { stiffness_n_m, damping_n_s_m })
     }
 
-    /// Anagnostopoulos: `c = 2 zeta sqrt(K m)` with the damping ratio of a restitution `0 < e <= 1` at an effective mass in
-    /// kg, `1/m = 1/m_1 + 1/m_2`.
+    /// Anagnostopoulos: `c = 2 zeta sqrt(K m)` with the damping ratio of a restitution `0 < e <= 1`
+    /// at an effective mass in kg, `1/m = 1/m_1 + 1/m_2`.
     pub fn anagnostopoulos(stiffness_n_m: T, restitution: T, effective_mass_kg: T) -> Result<Self, LawError> {
         let e = restitution;
         expect("restitution", e, e > T::ZERO && e <= T::ONE, "above 0, at most 1")?;
         above_zero("stiffness (N/m)", stiffness_n_m)?;
         above_zero("effective mass (kg)", effective_mass_kg)?;
-        let critical = T::of(2.0) * (stiffness_n_m * effective_mass_kg).sqrt();
-        Self::kelvin_voigt(stiffness_n_m, damping_ratio_of(e) * critical)
+        let critical = T::from_f64(2.0) * (stiffness_n_m * effective_mass_kg).sqrt();
+        Self::kelvin_voigt(stiffness_n_m, damping_ratio_for(e) * critical)
     }
 
     /// `c` in N s/m.
@@ -55,31 +59,35 @@ impl<T: Real> SpringDashpot<T> {
         }
     }
 
-    /// Restitution of a free impact of an effective mass in kg; 0 from critical damping on, where the contact only creeps back.
+    /// Restitution of a free impact of an effective mass in kg; 0 from critical damping on, where
+    /// the contact only creeps back.
     pub fn produced_restitution(&self, effective_mass_kg: T) -> T {
         restitution_without_tension(
-            self.damping_n_s_m / (T::of(2.0) * (self.stiffness_n_m * effective_mass_kg).sqrt()),
+            self.damping_n_s_m / (T::from_f64(2.0) * (self.stiffness_n_m * effective_mass_kg).sqrt()),
         )
     }
 }
 
-/// `zeta = -ln e/sqrt(pi^2 + ln^2 e)`: the damping ratio that returns `e` if the dashpot may pull until `d = 0`.
-pub fn damping_ratio_of<T: Real>(restitution: T) -> T {
+/// Returns `zeta = -ln e/sqrt(pi^2 + ln^2 e)`: the damping ratio for a restitution `e` if the
+/// dashpot may pull until `d = 0`.
+pub fn damping_ratio_for<T: Real>(restitution: T) -> T {
     let logarithm = restitution.ln();
-    let pi = T::of(core::f64::consts::PI);
+    let pi = T::from_f64(core::f64::consts::PI);
     -logarithm / (pi * pi + logarithm * logarithm).sqrt()
 }
 
-/// `e = exp(-2 zeta/sqrt(1-zeta^2) acos zeta)`: the restitution if the contact ends when its force does.
+/// Returns `e = exp(-2 zeta/sqrt(1-zeta^2) acos zeta)`: the restitution if the contact ends with
+/// its force.
 ///
-/// At `zeta = 1` the limit is `exp(-2)`; above it, with `acos` and the root turned into their hyperbolic forms, it goes on to
-/// fall.
+/// At `zeta = 1` the limit is `exp(-2)`. Above it, with `acos` and the root replaced by their
+/// hyperbolic forms, it falls further.
 pub fn restitution_without_tension<T: Real>(damping_ratio: T) -> T {
     let zeta = damping_ratio;
-    let two = T::of(2.0);
+    let two = T::from_f64(2.0);
     let gap = T::ONE - zeta * zeta;
-    // acos(z)/sqrt(1-z^2) and its continuation ln(z + sqrt(z^2-1))/sqrt(z^2-1) are smooth through 1, where both are 1.
-    let quotient = if gap.abs() <= T::of(16.0) * T::EPSILON {
+    // acos(z)/sqrt(1-z^2) and its continuation ln(z + sqrt(z^2-1))/sqrt(z^2-1) are smooth at 1,
+    // where both are 1.
+    let quotient = if gap.abs() <= T::from_f64(16.0) * T::EPSILON {
         T::ONE
     } else if gap > T::ZERO {
         zeta.acos() / gap.sqrt()
@@ -95,7 +103,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Rebound speed over approach speed of a spring and dashpot, by RK4; `pulls` ends it at `d = 0`, else at `F = 0`.
+    /// Returns rebound speed over approach speed of a spring and dashpot by RK4. The contact ends
+    /// at `d = 0` if `pulls`, else at `F = 0`.
     fn rebound(zeta: f64, pulls: bool) -> f64 {
         let force = |d: f64, v: f64| d + 2.0 * zeta * v;
         let step = 1e-4;
@@ -116,7 +125,7 @@ mod tests {
     #[test]
     fn both_relations_are_those_of_the_equation_of_motion() {
         for e in [0.1, 0.2, 0.4, 0.6, 0.8, 0.95] {
-            let zeta = damping_ratio_of(e);
+            let zeta = damping_ratio_for(e);
             assert!((rebound(zeta, true) - e).abs() < 2e-4, "pulling, e = {e}");
             let free = restitution_without_tension(zeta);
             assert!((rebound(zeta, false) - free).abs() < 2e-4, "free, e = {e}: {free}");

@@ -1,4 +1,4 @@
-//! The stiffness parts by name, and their checked construction from a joint.
+//! Stiffness parts by name, and their checked construction from a joint.
 
 use crate::catalogue::{Entry, Group};
 use crate::error::{LawError, above_zero, needed};
@@ -7,7 +7,7 @@ use crate::logarithmic::{Logarithmic, LogarithmicKind};
 use crate::real::Real;
 use crate::stiffness::{Stiffness, hertz_sphere_in_sphere};
 
-/// Which stiffness part.
+/// Kind of a stiffness part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StiffnessKind {
     /// [`Stiffness::Linear`].
@@ -26,26 +26,27 @@ pub enum StiffnessKind {
     Logarithmic(LogarithmicKind),
 }
 
-/// What the stiffness parts are built from.
+/// Parameters of the stiffness parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StiffnessParameters<T = f64> {
     /// Geometry and materials.
     pub joint: Joint<T>,
-    /// `K` in N/m^n: needed by `linear` and `power`, replaces the spheres' `K` in `hertz`, not used by the others.
+    /// `K` in N/m^n: required by `linear` and `power`, replaces the spheres' `K` in `hertz`, not
+    /// used by the others.
     pub coefficient: Option<T>,
-    /// `n`: needed by `power` only.
+    /// `n`: required by `power` only.
     pub exponent: Option<T>,
 }
 
 impl<T> StiffnessParameters<T> {
-    /// A joint without own coefficient and exponent.
-    pub const fn of(joint: Joint<T>) -> Self {
+    /// Parameters of a joint without explicit coefficient and exponent.
+    pub const fn from_joint(joint: Joint<T>) -> Self {
         Self { joint, coefficient: None, exponent: None }
     }
 }
 
 impl<T: Real> Stiffness<T> {
-    /// The stiffness part of a name of the catalogue.
+    /// Builds the stiffness part of a name of the catalogue.
     pub fn from_name(name: &str, parameters: &StiffnessParameters<T>) -> Result<Self, LawError> {
         StiffnessKind::from_name(name).ok_or(LawError::UnknownName { group: "stiffness" })?.build(parameters)
     }
@@ -70,12 +71,12 @@ impl StiffnessKind {
         Self::Logarithmic(LogarithmicKind::Esdu78035HalfPlane),
     ];
 
-    /// The part of a name of the catalogue.
+    /// Returns the kind of a name of the catalogue.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.entry().name == name)
     }
 
-    /// Builds the part, after checking every figure that it uses.
+    /// Builds the part after checking every parameter that it uses.
     pub fn build<T: Real>(self, parameters: &StiffnessParameters<T>) -> Result<Stiffness<T>, LawError> {
         let joint = &parameters.joint;
         let own = || {
@@ -169,14 +170,15 @@ impl StiffnessKind {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::BearingMaterial;
     use crate::material::Material;
 
     fn parameters() -> StiffnessParameters {
-        StiffnessParameters::of(Joint {
+        StiffnessParameters::from_joint(Joint {
             bearing_radius_m: 0.07,
             radial_clearance_m: 0.5e-3,
             length_m: 0.14,
-            bearing: Material::BABBITT,
+            bearing: BearingMaterial::Babbitt.elastic(),
             journal: Material::STEEL,
         })
     }

@@ -22,8 +22,9 @@ fn karnopp() -> Karnopp {
     Karnopp::new(0.15, 0.25, 0.5, 1e-5).unwrap()
 }
 
-/// What a mass of 1 kg on a spring does on a belt, in the last quarter of 8 s: its swing in m, and the share of the time in
-/// which it moves with the belt to within a hundredth of the belt's speed.
+/// Simulates a mass of 1 kg on a spring on a belt for 8 s. Returns its swing in m over the last
+/// quarter and the share of that time in which it moves with the belt to within a hundredth of the
+/// belt's speed.
 fn on_a_belt(belt_m_s: f64, mut friction_n: impl FnMut(f64, f64) -> f64) -> (f64, f64) {
     let count = 800_000;
     let (mut x, mut v) = (0.0_f64, belt_m_s);
@@ -71,7 +72,8 @@ fn karnopp_sticks_and_slips_on_a_slow_belt_and_slides_on_a_fast_one() {
     assert!(swing < 1e-5 && stuck == 0.0, "fast: {swing} m, {stuck}");
 }
 
-/// Largest friction in N met by a mass of 1 kg under a ramp of the applied force, until it slides at 50 mm/s.
+/// Returns the largest friction in N on a mass of 1 kg under a ramp of the applied force, until it
+/// slides at 50 mm/s.
 fn lugre_break_away_n(rate_n_s: f64) -> f64 {
     let (mut z, mut v, mut t, mut largest) = (0.0, 0.0_f64, 0.0, 0.0_f64);
     while v < 0.05 {

@@ -1,14 +1,16 @@
-//! Free impacts, integrated: every factor on every stiffness returns with the restitution of the closed relation.
+//! Integrated free impacts: every factor on every stiffness rebounds with the restitution of the
+//! closed relation.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use contact::{
-    ContactLaw, Damping, Dissipation, FactorisedLaw, Joint, Material, NormalLaw, SpringDashpot, Stiffness,
-    StiffnessKind, StiffnessParameters, produced_restitution,
+    BearingMaterial, ContactLaw, Damping, Dissipation, FactorisedLaw, Joint, Material, NormalLaw,
+    SpringDashpot, Stiffness, StiffnessKind, StiffnessParameters, produced_restitution,
 };
 use proptest::prelude::*;
 
-/// What an impact did: rebound speed over approach speed, depth in m, largest force in N, duration in s.
+/// Result of an impact: rebound speed over approach speed, depth in m, largest force in N, duration
+/// in s.
 struct Impact {
     restitution: f64,
     depth_m: f64,
@@ -16,7 +18,8 @@ struct Impact {
     duration_s: f64,
 }
 
-/// A mass meets a contact at a speed; RK4 in steps of a share of `duration_s`, a guess of its duration.
+/// Integrates the impact of a mass by RK4, in steps of a fraction of `duration_s`, an estimate of
+/// its duration.
 fn impact(law: &ContactLaw, mass_kg: f64, speed_m_s: f64, duration_s: f64, steps: f64) -> Impact {
     let step = duration_s / steps;
     let acceleration = |d: f64, v: f64| -law.force_n(d, v, speed_m_s) / mass_kg;
@@ -62,7 +65,7 @@ fn every_stiffness() -> Vec<(StiffnessKind, Stiffness)> {
         bearing_radius_m: 0.07,
         radial_clearance_m: 0.5e-3,
         length_m: 0.14,
-        bearing: Material::BABBITT,
+        bearing: BearingMaterial::Babbitt.elastic(),
         journal: Material::STEEL,
     };
     let parameters = StiffnessParameters { joint, coefficient: Some(1e9), exponent: Some(1.2) };

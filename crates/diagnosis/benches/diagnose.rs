@@ -1,21 +1,22 @@
 //! Wall time of a diagnosis: `cargo bench -p diagnosis`.
 //!
-//! Logs of 25 s at 1 kHz of bench B, all channels, the whole library of effects: the time that a diagnosis is allowed is 60 s
-//! on two cores. Beside them the friction rig over 25 cycles. One sample each, as a diagnosis is long and deterministic.
-//! `cargo bench -p diagnosis --bench diagnose -- seal_friction` runs one of them. On a machine that does other things only the time of
-//! the cores says something. What was measured: `docs/diagnosis.md`.
+//! Logs of 25 s at 1 kHz of bench B with all channels and the complete catalogue; the allowed time
+//! is 60 s on two cores. Also the friction rig over 25 cycles. Each case runs once, because a
+//! diagnosis is long and deterministic. `cargo bench -p diagnosis --bench diagnose --
+//! seal_friction` runs one case. On a loaded machine only the CPU time is meaningful. Measured
+//! times: `docs/diagnosis.md`.
 
 use bench::effects::Effect;
-use bench::record::record;
+use bench::simulate::record;
 use bench::{Bench, Channel, MeasuredLog};
 use diagnosis::{Diagnosis, Options, diagnose};
 
-/// Cycles of a log; those of bench B last 1 s.
+/// Cycles of a log; a cycle of bench B lasts 1 s.
 const CYCLES: u32 = 25;
 
-/// A bench as described, and a log of it in which an effect hides.
+/// A described bench, and a log of it with a hidden effect.
 fn hidden(preset: &str, effect: Option<(&str, Option<Channel>, &str, f64)>) -> (Bench, MeasuredLog) {
-    let mut bench = Bench::open(preset).unwrap_or_else(|e| unreachable!("the preset is sound: {e}"));
+    let mut bench = Bench::open(preset).unwrap_or_else(|e| unreachable!("the preset is valid: {e}"));
     bench.set_cycles(CYCLES);
     let nominal = bench.clone();
     bench.effects_mut().extend(effect.map(|(name, channel, parameter, value)| Effect {

@@ -1,6 +1,6 @@
-//! Numbers as people read them.
+//! Numbers in text.
 
-/// Four significant digits, with a power of ten where there would be many noughts.
+/// Four significant digits, with a power of ten for very small and very large numbers.
 pub fn four_digits(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
@@ -13,8 +13,8 @@ pub fn four_digits(value: f64) -> String {
     }
 }
 
-/// A stretch in four significant digits; one number where they do not tell its ends apart.
-pub(crate) fn stretch(from: f64, to: f64) -> String {
+/// A range in four significant digits; a single number if both ends print the same.
+pub(crate) fn four_digit_range(from: f64, to: f64) -> String {
     match (four_digits(from), four_digits(to)) {
         (from, to) if from == to => from,
         (from, to) => format!("{from} to {to}"),
@@ -26,10 +26,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_four_digits_and_no_needless_power() {
+    fn numbers_have_four_digits_and_a_power_of_ten_only_if_needed() {
         let texts = [2.061, -0.001_234_56, 12_345.6, 1.5e-7, 123_456.0, 0.0].map(four_digits);
         assert_eq!(texts, ["2.061", "-0.001235", "12346", "1.500e-7", "1.235e5", "0"]);
-        assert_eq!(stretch(0.1, 0.25), "0.1000 to 0.2500");
-        assert_eq!(stretch(-0.400_01, -0.399_98), "-0.4000");
+        assert_eq!(four_digit_range(0.1, 0.25), "0.1000 to 0.2500");
+        assert_eq!(four_digit_range(-0.400_01, -0.399_98), "-0.4000");
     }
 }

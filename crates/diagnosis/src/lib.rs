@@ -1,64 +1,133 @@
-//! From the residual of a measured log to a named cause, an extended bench and its gain.
-//!
-//! [`diagnose`] simulates the logs with the bench's description, calibrates what the description declares uncertain
-//! (with its stated standard deviations as priors), asks every effect of [`bench::effects::CATALOGUE`] how much of the
-//! remaining residual it explains, refits the likely ones together with the uncertain parameters, and decides:
-//!
-//! * `none`: no effect passes the threshold, and no structure repeats in the residual;
-//! * `named`: one or two effects pass it, lower the error on samples that were not fitted, and have no equivalent;
-//! * `ambiguous`: as `named`, but another effect fits as well on these logs; `next_experiment` tells them apart;
-//! * `unknown`: structure repeats in the residual, and no effect explains most of it.
-//!
-//! The steps, one file each: `check` (logs read as found: what cannot be right is named and mended or left out), `session` (logs prepared, samples split into fitted and held out), `nuisance` (what is a session's own), `noise` (level and
-//! correlation of the sensors' noise), `model`, `parameter` and `fit` (parameters, least squares with priors), `guess` and `spectrum` (first guesses of
-//! shapes), `repeats` (what repeats from cycle to cycle), `rank` (score test and refits), `search` (starts far from an effect's absence), `contend` (who is refitted, and how far), `select` (forward selection), `shape` (whether a cause fits everywhere), `leftover` (structure in the last residual), `gain` (held-out error),
-//! `experiment` and `menu` (what to measure next), `probability` (shares of all answers), `spread` (intervals), `identifiability` (what the logs do not tell), `again` (what a second question may add), `standing` (which causes count), `verdict` (the rules), `digits` (numbers in words).
-//!
-//! What this does not protect from: a cause outside the catalogue that a catalogued one imitates on the given
-//! trajectory; inputs (drive, load) that are themselves measured wrongly; a declared uncertainty that is too wide.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-mod again;
-mod answer;
-mod calibration;
 mod check;
-mod contend;
-mod cycles;
+mod data;
 mod digits;
 mod experiment;
 mod fit;
-mod gain;
-mod guess;
-mod identifiability;
-mod leftover;
-mod linear;
-mod menu;
-mod model;
-mod noise;
-mod nuisance;
-mod parameter;
-mod places;
-mod probability;
-mod rank;
-mod repeats;
+#[cfg(test)]
+mod fixtures;
+mod pass;
+mod progress;
 mod result;
 mod search;
-mod select;
-mod session;
-mod shape;
-mod spectrum;
-mod spread;
-mod standing;
-mod step;
-mod structure;
+mod statistics;
 mod verdict;
 
-pub use calibration::{Calibrated, SessionNuisance};
 pub use check::{Finding, Severity};
 pub use digits::four_digits;
-pub use places::{Place, PlaceBin};
-pub use result::{
-    Ambiguous, Cause, Diagnosis, Experiment, Gain, Hypothesis, Identifiability, Member, Noise,
-    ParameterEstimate, Ranked, Recording, Refused, Separation, Series, Signature, Verdict,
-};
-pub use verdict::{DiagnosisError, Options, Progress, diagnose};
+pub use experiment::proposal::{Experiment, Recording, Separation};
+pub use fit::held_out_gain::Gain;
+pub use result::{Diagnosis, DiagnosisError, Verdict};
+pub use verdict::acceptance::Rejection;
+pub use verdict::causes::{Cause, EffectName, EquivalentEffect, ParameterEstimate};
+pub use verdict::estimates::{CalibratedParameter, LogNuisance};
+pub use verdict::identifiability::Identifiability;
+pub use verdict::noise_summary::Noise;
+pub use verdict::probability::Hypothesis;
+pub use verdict::ranking::RankedCandidate;
+pub use verdict::remaining_structure::Signature;
+pub use verdict::residual_bins::{BinnedResidual, ResidualBin};
+pub use verdict::series::Series;
+
+use bench::{Bench, MeasuredLog};
+use check::{Checked, check};
+use data::split::Split;
+use pass::Pass;
+use progress::Step;
+use search::selection::NoisePolicy;
+use verdict::second_pass::names_late_cause;
+use verdict::tuning::PAIR_SHARE_UPPER;
+
+/// Receiver of progress reports: the share done (0 to 1) and the next step.
+pub type Progress = dyn Fn(f64, &str) + Sync;
+
+/// Options of a diagnosis.
+#[derive(Clone, Copy, Default)]
+pub struct Options<'a> {
+    /// Effects that are not considered.
+    pub exclude: &'a [String],
+    /// Called before each step.
+    pub progress: Option<&'a Progress>,
+}
+
+/// Diagnoses logs of one bench.
+///
+/// Logs are checked first, so they may contain wrong units, signs or outliers. Without `held_out`
+/// logs, the second half of the cycles of each log is held out. Up to three passes follow:
+///
+/// 1. Causes are selected with the second half held out and the noise inflated by the residual.
+/// 2. If that names no cause, samples are held out in interleaved blocks instead.
+///    Transmission-bench logs are expensive to simulate, so they are split again only if the error
+///    is confined to the second half. The second pass counts if it names a cause that the first one
+///    could not learn: a change in the second half, an effect too slow to settle in the first half,
+///    or a sensor limit that is reached mostly in the second half.
+/// 3. If the verdict for a driven axis is still `unknown`, pairs of causes are selected against the
+///    noise floor alone, because with inflated noise each of two causes hides the other. A pair
+///    counts if no structure remains and it may explain the complete residual.
+pub fn diagnose(
+    bench: &Bench,
+    logs: &[MeasuredLog],
+    held_out: &[MeasuredLog],
+    options: &Options<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    if logs.is_empty() {
+        return Err(DiagnosisError::NoLog);
+    }
+    let report = |step: Step| {
+        if let Some(progress) = options.progress {
+            progress(step.share, step.name);
+        }
+    };
+    report(progress::CHECK);
+    let checked = check(bench, logs, held_out)?;
+    let diagnosis = diagnose_checked(bench, &checked, options.exclude, &report)?;
+    report(progress::DONE);
+    let mut checks = checked.findings;
+    checks.extend(diagnosis.checks);
+    checks.sort_by_key(|f| f.severity);
+    Ok(Diagnosis { checks, ..diagnosis })
+}
+
+/// Runs the passes that checked logs need, and returns the diagnosis of the one that counts.
+fn diagnose_checked(
+    bench: &Bench,
+    checked: &Checked,
+    exclude: &[String],
+    report: &dyn Fn(Step),
+) -> Result<Diagnosis, DiagnosisError> {
+    let is_axis = bench.is_axis();
+    let pass = Pass { bench, exclude, split: Split::Halves, noise_policy: NoisePolicy::InflateByResidual };
+    let first = pass.run(checked, report)?;
+    let mut diagnosis = first.diagnosis;
+    if matches!(diagnosis.verdict, Verdict::Unknown | Verdict::None)
+        && checked.held_out.is_empty()
+        && (first.is_wrong_late || is_axis)
+    {
+        let interleaved = Pass { split: Split::Interleaved, ..pass };
+        let report = |step: Step| report(Step { share: progress::INTERLEAVED_SHARE, ..step });
+        let second = interleaved.run(checked, &report)?.diagnosis;
+        if names_late_cause(&diagnosis.series, &second.causes) {
+            diagnosis = second;
+        }
+    }
+    if diagnosis.verdict == Verdict::Unknown && is_axis {
+        let floor_only = Pass { noise_policy: NoisePolicy::FloorOnly, ..pass };
+        let report = |step: Step| report(Step { share: progress::PAIR_SHARE, ..step });
+        let pair = floor_only.run(checked, &report)?.diagnosis;
+        if is_complete_pair(&pair) {
+            diagnosis = pair;
+        }
+    }
+    Ok(diagnosis)
+}
+
+/// Returns whether a diagnosis names two causes that leave no structure and may explain the
+/// complete residual.
+fn is_complete_pair(diagnosis: &Diagnosis) -> bool {
+    matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous)
+        && diagnosis.causes.len() > 1
+        && diagnosis.signature.is_none()
+        && diagnosis.explained_share_ci95.is_some_and(|[_, high]| high >= PAIR_SHARE_UPPER)
+}

@@ -1,8 +1,9 @@
-//! What is wrong with a log is no plant's doing: outliers and wrong units change neither verdict nor cause.
+//! Faults of a log are no effects of the plant: outliers and wrong units change neither verdict nor
+//! cause.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use bench::effects::Effect;
-use bench::record::record;
+use bench::simulate::record;
 use bench::{Bench, Channel, MeasuredLog};
 use diagnosis::{Diagnosis, Options, Severity, Verdict, diagnose};
 
@@ -18,7 +19,7 @@ fn log(viscous_effort: f64) -> (Bench, MeasuredLog) {
     (described, record(&bench, 11).unwrap())
 }
 
-fn answer(bench: &Bench, log: &MeasuredLog) -> Diagnosis {
+fn diagnosed(bench: &Bench, log: &MeasuredLog) -> Diagnosis {
     diagnose(bench, std::slice::from_ref(log), &[], &Options::default()).unwrap()
 }
 
@@ -41,21 +42,21 @@ fn twenty_outliers_do_not_change_the_verdict() {
         [(0.0, Verdict::None, None), (300.0, Verdict::Named, Some("viscous-friction"))]
     {
         let (bench, clean) = log(effort);
-        let (without, with) = (answer(&bench, &clean), answer(&bench, &with_outliers(&clean)));
+        let (without, with) = (diagnosed(&bench, &clean), diagnosed(&bench, &with_outliers(&clean)));
         assert_eq!((without.verdict, causes(&without)), (verdict, cause.into_iter().collect()));
         assert_eq!((with.verdict, causes(&with)), (without.verdict, causes(&without)), "{:?}", with.checks);
-        let told = with.checks.iter().find(|f| f.kind == "outliers").unwrap();
-        assert_eq!((told.channel.as_str(), told.evidence["outliers"]), ("drive_torque_nm", 20.0));
+        let finding = with.checks.iter().find(|f| f.kind == "outliers").unwrap();
+        assert_eq!((finding.channel.as_str(), finding.evidence["outliers"]), ("drive_torque_nm", 20.0));
     }
 }
 
 #[test]
-fn a_wrong_unit_is_named_and_is_no_cause() {
+fn a_wrong_unit_is_reported_and_is_no_cause() {
     let (bench, mut log) = log(0.0);
     for value in log.channels.get_mut(&Channel::DriveTorque).unwrap() {
         *value *= -1e-3;
     }
-    let d = answer(&bench, &log);
+    let d = diagnosed(&bench, &log);
     assert_eq!((d.verdict, causes(&d)), (Verdict::None, vec![]), "{:?}", d.checks);
     let wrong = d.checks.first().unwrap();
     assert_eq!((wrong.severity, wrong.kind), (Severity::Wrong, "unit"));

@@ -1,17 +1,17 @@
-//! A change late in a log is as much a finding as an early one.
+//! A change late in a log is found as an early one is.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 mod rig;
 
 use bench::Bench;
 use bench::effects::{CATALOGUE, Effect};
-use bench::record::record;
+use bench::simulate::record;
 use diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use rig::rig;
 
 const LENGTH_S: f64 = 4.0 * 4.013;
 
-/// What is said of a step of friction after a share of the log.
+/// Diagnosis of a step of friction after a share of the log.
 fn stepped(share: f64, change: f64, seed: u64) -> Diagnosis {
     let nominal = rig();
     let time_s = share * LENGTH_S;
@@ -23,7 +23,7 @@ fn stepped(share: f64, change: f64, seed: u64) -> Diagnosis {
     diagnose(&nominal, &[log], &[], &Options::default()).unwrap()
 }
 
-fn step_is_named(share: f64, change: f64, seed: u64) {
+fn assert_step_is_named(share: f64, change: f64, seed: u64) {
     let (d, time_s) = (stepped(share, change, seed), share * LENGTH_S);
     let summary = format!(
         "{share} of the log, seed {seed}: {:?} {:?} left {:?}; {:?}",
@@ -41,45 +41,46 @@ fn step_is_named(share: f64, change: f64, seed: u64) {
 }
 
 #[test]
-fn a_step_of_friction_is_named_wherever_it_comes() {
+fn a_friction_step_is_named_at_any_time_of_the_log() {
     for (i, share) in [0.2, 0.55, 0.7, 0.85].into_iter().enumerate() {
-        step_is_named(share, 20.0, 41 + i as u64);
+        assert_step_is_named(share, 20.0, 41 + i as u64);
     }
     for (i, share) in [0.55, 0.7, 0.85].into_iter().enumerate() {
-        step_is_named(share, 6.0, 52 + i as u64);
+        assert_step_is_named(share, 6.0, 52 + i as u64);
     }
 }
 
 #[test]
-fn for_a_late_step_every_part_of_the_log_and_of_a_cycle_is_fitted_and_held_out() {
-    let held = |share: f64| {
+fn a_late_step_is_found_with_interleaved_hold_out_over_all_phases() {
+    let held_out_shares = |share: f64| {
         let d = stepped(share, 20.0, 43);
         let series = &d.series[0];
         let (start, end) = (series.time_s[0], *series.time_s.last().unwrap());
         let phase = series.phase.as_ref().unwrap();
         let parts = |place: &dyn Fn(usize) -> f64| -> [f64; 8] {
             let part = |part: usize| {
-                let of: Vec<bool> = (0..series.held_out.len())
+                let in_part: Vec<bool> = (0..series.held_out.len())
                     .filter(|i| (8.0 * place(*i)) as usize == part)
                     .map(|i| series.held_out[i])
                     .collect();
-                of.iter().filter(|held| **held).count() as f64 / of.len() as f64
+                in_part.iter().filter(|held_out| **held_out).count() as f64 / in_part.len() as f64
             };
             std::array::from_fn(part)
         };
         let in_time = parts(&|i| (series.time_s[i] - start) / (end - start));
         (in_time, parts(&|i| phase[i].rem_euclid(1.0)))
     };
-    let (in_time, in_phase) = held(0.7);
+    let (in_time, in_phase) = held_out_shares(0.7);
     assert!(
         in_time.iter().chain(&in_phase).all(|share| (share - 0.5).abs() < 0.1),
         "{in_time:?} {in_phase:?}"
     );
-    // An early one is found with whole halves.
-    assert_eq!(held(0.2).0.map(f64::round), [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+    // An early step is found with the halves of the first pass.
+    assert_eq!(held_out_shares(0.2).0.map(f64::round), [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
 }
 
-/// Two cycles of the transmission bench, the second of which is held out, with another friction from 1.4 s on.
+/// Two cycles of the transmission bench, the second of which is held out, with other friction from
+/// 1.4 s on.
 fn late_on_the_bench(exclude: &[&str]) -> Diagnosis {
     let mut nominal = Bench::open("bench-b").unwrap();
     nominal.set_cycles(2);
@@ -96,7 +97,7 @@ fn late_on_the_bench(exclude: &[&str]) -> Diagnosis {
 }
 
 #[test]
-fn what_is_wrong_in_the_held_out_half_of_the_transmission_bench_alone_is_not_passed_over() {
+fn an_error_in_the_held_out_half_of_the_transmission_bench_is_found() {
     let all: Vec<&str> = CATALOGUE.iter().map(|k| k.name).collect();
     let d = late_on_the_bench(&all);
     assert_eq!(d.verdict, Verdict::Unknown);
@@ -105,7 +106,8 @@ fn what_is_wrong_in_the_held_out_half_of_the_transmission_bench_alone_is_not_pas
     let others: Vec<&str> = all.into_iter().filter(|name| *name != "friction-step").collect();
     let d = late_on_the_bench(&others);
     let [cause] = d.causes.as_slice() else { panic!("{:?} {:?}", d.verdict, d.causes) };
-    // Its instant to a few stretches: what was held out between two of them says nothing of it.
+    // The time is known to a few blocks, because held-out samples between two of them do not
+    // constrain it.
     for (name, truth) in [("time_s", 1.4), ("relative_change", 0.04)] {
         let found = cause.parameters.iter().find(|p| p.name == name).unwrap();
         assert!((found.value / truth - 1.0).abs() < 0.05, "{cause:?}");

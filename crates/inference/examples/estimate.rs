@@ -1,18 +1,22 @@
 //! Forces of a bearing from a table of samples.
 //!
 //! ```text
-//! cargo run -p inference --example estimate                          # a made-up press and release
-//! cargo run -p inference --example estimate -- plastic samples.csv   # babbitt or plastic; `-` reads standard input
+//! # a made-up press and release
+//! cargo run -p inference --example estimate
+//! # babbitt or plastic; `-` reads standard input
+//! cargo run -p inference --example estimate -- plastic samples.csv
 //! ```
 //!
-//! Columns of the table, in SI units: radial clearance, deformation, its rate, latched approach speed, sliding speed. The first
-//! line is a heading. The output has a line for each: normal force and friction force in N, bits of the flags.
+//! Columns of the table, in SI units: radial clearance, deformation, its rate, latched approach
+//! speed, sliding speed. The first line is a heading. The output has one line per sample: normal
+//! force and friction force in N, bits of the flags.
 
-use inference::{Bearing, ContactState, Model, Pair, shipped};
+use inference::{BearingMaterial, ContactState, Model, Pair, shipped};
 use std::error::Error;
 use std::io::Write;
 
-/// A clearance of 0.5 mm pressed together by 40 um and let go again within 40 ms, sliding at 0.1 m/s.
+/// Returns a press at a clearance of 0.5 mm by 40 um and its release within 40 ms, sliding at 0.1
+/// m/s.
 fn press() -> Vec<ContactState> {
     let (depth_m, duration_s) = (4e-5_f32, 0.04_f32);
     let per_second = std::f32::consts::PI / duration_s;
@@ -59,13 +63,13 @@ fn read(file: &str) -> Result<Vec<ContactState>, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let name = arguments.next().unwrap_or_else(|| Bearing::Babbitt.name().to_owned());
-    let bearing = Bearing::ALL.into_iter().find(|bearing| bearing.name() == name);
+    let name = arguments.next().unwrap_or_else(|| BearingMaterial::Babbitt.name().to_owned());
+    let bearing = BearingMaterial::ALL.into_iter().find(|bearing| bearing.name() == name);
     let bearing = bearing.ok_or_else(|| format!("found bearing `{name}`, expected babbitt or plastic"))?;
     let states = arguments.next().map_or_else(|| Ok(press()), |file| read(&file))?;
 
     let mut pair: Pair = Pair::new(Model::load(shipped(bearing))?);
-    // `println!` panics when its reader has gone.
+    // `println!` panics if its reader has closed.
     let mut output = std::io::stdout().lock();
     writeln!(output, "normal_force_n,friction_force_n,flags")?;
     for state in &states {

@@ -1,25 +1,28 @@
-//! A network of one's own: its type, its bytes, and the four ways to run it.
+//! A user-defined network: its type, its bytes, and the three modes that run it.
 //!
 //! `cargo run -p inference --example own_network`
 //!
-//! Two convolutions and a head over columns of two inputs. The weights are made up; a real network's come from its training,
-//! each layer's multiplier being (scale of its inputs x scale of its weights / scale of its outputs) x 2^32.
+//! Two convolutions and a head over columns of two inputs. The weights are made up. Those of a real
+//! network come from training, where each layer's multiplier is (scale of its inputs x scale of its
+//! weights / scale of its outputs) x 2^32.
 
 use inference::chain::{Chain, Sums, Then};
 use inference::image::write::{LayerParts, layers};
-use inference::image::{WeightForm, load};
-use inference::{Causal, Convolution, Head, Interleaved, Scale, Streaming, Windowed};
+use inference::image::{WeightForm, load_layers};
+use inference::{Causal, Convolution, Head, Scale, Streaming, Windowed};
 use std::error::Error;
 
-/// Inputs of a column.
+/// Number of values in an input column.
 const INPUTS: usize = 2;
-/// 2 inputs -> 4 over 3 columns -> 4 over 3 columns -> 1 sum over the newest 2 columns; 16 bits between the layers.
+/// 2 inputs -> 4 over 3 columns -> 4 over 3 columns -> 1 sum over the newest 2 columns.
+///
+/// The values between the layers have 16 bits.
 type First<'a> = Convolution<'a, i16, i16, INPUTS, 4, 3>;
 type Second<'a> = Convolution<'a, i16, i16, 4, 4, 3>;
 type Last<'a> = Head<'a, i16, 4, 2, 1>;
 type Own<'a> = Then<First<'a>, Then<Second<'a>, Last<'a>>>;
 
-/// The network's bytes, in words so that they lie at an address that weights can be read from.
+/// Returns the network's bytes, in words so that weights can be read at their address.
 fn bytes() -> Result<Vec<u32>, Box<dyn Error>> {
     let weights: Vec<i16> = (0..48).map(|tap| (tap * 37 % 101) - 40).collect();
     let shapes =
@@ -30,7 +33,7 @@ fn bytes() -> Result<Vec<u32>, Box<dyn Error>> {
         LayerParts {
             shape,
             biases: &biases[..outputs],
-            // A head's sums are not brought to another scale.
+            // A head's sums are not requantised.
             multipliers: if shape.output_bits == 32 { &[] } else { &multipliers },
             // One count of the head's sum is worth 2^-10.
             scale: Scale { multiplier: 1 << 30, shift: 40 },
@@ -42,16 +45,15 @@ fn bytes() -> Result<Vec<u32>, Box<dyn Error>> {
     Ok(words)
 }
 
-/// Columns of a window: all that one result depends on.
+/// Number of columns in a window: all that one result depends on.
 const WINDOW: usize = <Own<'_> as Chain<'_, i16, INPUTS>>::WINDOW;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words = bytes()?;
-    let network: Own<'_> = load(bytemuck::cast_slice(&words), "own")?;
+    let network: Own<'_> = load_layers(bytemuck::cast_slice(&words), "own")?;
     println!("{} bytes, {WINDOW} columns a window", 4 * words.len());
 
     let mut stream = Streaming::<_, i16, INPUTS>::new(network);
-    let mut pieces = Interleaved::<_, i16, INPUTS, 3>::new(network);
     let mut moved = Windowed::<_, i16, INPUTS, WINDOW, Causal>::new(network);
     let mut whole = Windowed::<_, i16, INPUTS, WINDOW, Causal>::new(network);
     let mut window = [[0; INPUTS]; WINDOW];
@@ -60,22 +62,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         window.rotate_left(1);
         window[WINDOW - 1] = column;
 
-        let (Sums([sum]), clipped) = stream.push(&column);
-        if !pieces.begin(&column) {
-            return Err("the work of the column before is not done".into());
-        }
-        let in_pieces = (0..3).find_map(|_| pieces.tick());
+        let (Sums([sum]), _) = stream.push(&column);
         let (moved, _) = moved.slide(&column);
         let (whole, _) = whole.evaluate(&window);
-        // Until a stream has seen a whole window, it and the windows do not have the same zeros before the first column.
+        // Before a stream has seen a full window, stream and windows have different zeros before
+        // the first column.
         let full = step >= WINDOW as i16 - 1;
-        let equal =
-            in_pieces == Some((Sums([sum]), clipped)) && moved == whole && (!full || whole == Sums([sum]));
+        let equal = moved == whole && (!full || whole == Sums([sum]));
         println!("column {step:2}: {:9.3}", f64::from(sum) * network.rest.rest.scale().to_f64());
         if !equal {
-            return Err(format!("column {step}: the ways to run the network differ").into());
+            return Err(format!("column {step}: the modes differ").into());
         }
     }
-    println!("stream, pieces, moved and whole windows agree");
+    println!("stream, moved and whole windows agree");
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Widths of an activation: 16 bits (default and reference) or 8 bits (compact).
 //!
-//! Activations have no zero point: zero padding is 0, and no kernel subtracts an offset. Behind a ReLU they are 0 to
-//! [`Activation::MAX`]; features use the negative half, too.
+//! Activations have no zero point: zero padding is 0, and no kernel subtracts an offset. After a
+//! ReLU they are 0 to [`Activation::MAX`]. Features also use the negative half.
 
 use crate::weights::{PackedWeights, Weights16, WeightsOf};
 
@@ -17,16 +17,16 @@ pub trait Activation: sealed::Sealed + bytemuck::Pod + Default + Ord + core::fmt
     const BITS: u8;
     /// Largest value: full scale.
     const MAX: i32;
-    /// The forms in which the weights of a layer with such inputs may be stored.
+    /// Forms in which the weights of a layer with such inputs may be stored.
     type Weights<'a>: WeightsOf<'a, Self>;
 
-    /// The value, widened.
+    /// Returns the value with 32 bits.
     fn widen(self) -> i32;
 
-    /// The lowest bits of a value.
+    /// Returns the lowest bits of a value.
     fn from_i32(value: i32) -> Self;
 
-    /// ReLU and saturation: clipped to 0..=[`Self::MAX`].
+    /// Applies ReLU and saturation: clips to 0..=[`Self::MAX`].
     fn clip(value: i32) -> Self;
 }
 

@@ -1,13 +1,14 @@
-//! Networks as types: layers in a chain, each with its shape, and the memory that running them takes.
+//! Networks as types: a chain of layers, each with its shape, and the memory that running them
+//! takes.
 //!
-//! `Then<Convolution<..>, Then<Convolution<..>, Head<..>>>` is a network; the compiler sizes its streams and windows. A chain
-//! runs in four ways that give the same sums:
+//! `Then<Convolution<..>, Then<Convolution<..>, Head<..>>>` is a network. The compiler computes the
+//! size of its streams and windows. A chain runs in three modes that give the same sums:
 //!
-//! * as a stream ([`Chain::accept`] and [`Chain::run`]): one new column a sample, causal, every layer keeps the columns it
-//!   looks at ([`crate::Streaming`]);
-//! * as a stream in pieces: the same with the units of work spread over several ticks ([`crate::Interleaved`]);
-//! * over a whole window ([`crate::Windowed::evaluate`]);
-//! * over a window that moved on by one column, computing only what has changed ([`crate::Windowed::slide`]).
+//! * as a causal stream ([`Chain::accept`] and [`Chain::run`]): one new column per sample; every
+//!   layer keeps the columns that it needs ([`crate::Streaming`]);
+//! * over a complete window ([`crate::Windowed::evaluate`]);
+//! * over a window that moved by one column, where only the changed outputs are computed
+//!   ([`crate::Windowed::slide`]).
 
 use crate::activation::Activation;
 use crate::convolution::Convolution;
@@ -18,77 +19,71 @@ use crate::kernel::Engine;
 use crate::ring::Ring;
 use crate::windowed::Padding;
 use core::hash::Hasher;
-use core::ops::Range;
 
-/// A layer and what follows it.
+/// A layer and the rest of the chain.
 #[derive(Clone, Copy, Debug)]
 pub struct Then<L, R> {
-    /// The layer.
+    /// First layer of this chain.
     pub layer: L,
-    /// What takes its outputs.
+    /// Chain that takes the layer's outputs.
     pub rest: R,
 }
 
-/// A chain of layers that takes columns of `IN` activations `A`.
+/// Chain of layers that takes columns of `IN` activations `A`.
 pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
-    /// Units of work of a streaming step.
-    const UNITS: usize;
     /// Multiply-accumulates of a streaming step.
     const MACS: usize;
-    /// Columns that one result depends on.
+    /// Number of columns that one result depends on.
     const WINDOW: usize;
-    /// Columns of the last convolution that the head takes.
+    /// Number of columns of the last convolution that the head takes.
     const HEAD_COLUMNS: usize;
-    /// The head's sums.
+    /// Sums of the head.
     type Output: Copy + Default + PartialEq + core::fmt::Debug;
-    /// What a stream keeps.
+    /// State of a stream.
     type Stream: Clone + core::fmt::Debug;
-    /// What a window of `P` columns keeps.
+    /// State of a window of `P` columns.
     type Window<const P: usize>: Clone + core::fmt::Debug;
 
-    /// Takes the chain from an image and checks it against its type.
+    /// Reads the chain from an image and checks it against its type.
     fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError>;
 
-    /// A stream that has seen nothing but zeros.
+    /// Returns a stream whose history is zeros.
     fn stream() -> Self::Stream;
 
-    /// Forgets what the stream has seen; its result is none until the next column has been run.
+    /// Clears the history. The stream has no valid output until the next column has been run.
     fn clear(stream: &mut Self::Stream);
 
-    /// Takes the newest column.
+    /// Appends the newest column.
     fn accept(stream: &mut Self::Stream, column: &[A; IN]);
 
-    /// Takes some units of the newest column from the layer in front; gives how many activations were clipped.
+    /// Computes the newest column with the preceding layer; returns the number of clipped
+    /// activations.
     fn receive<E: Engine, F: Activation, const FRONT: usize, const TAPS: usize>(
         stream: &mut Self::Stream,
         layer: &Convolution<'_, F, A, FRONT, IN, TAPS>,
         columns: &[[F; FRONT]; TAPS],
-        units: Range<usize>,
     ) -> u32;
 
-    /// Does some units of the work that the newest column brought, in order; gives how many activations were clipped.
-    fn run<E: Engine>(&self, stream: &mut Self::Stream, units: Range<usize>) -> u32;
+    /// Computes everything that depends on the newest column; returns the number of clipped
+    /// activations.
+    fn run<E: Engine>(&self, stream: &mut Self::Stream) -> u32;
 
-    /// Not 0 where something that the stream remembers has been found to be no longer what was put there, with the last column, or where the way through a layer's
-    /// numbers did not end where they end.
-    fn altered(stream: &Self::Stream) -> usize;
+    /// Non-zero if the history or a layer's weight pointer was corrupted since the last column.
+    fn corruption(stream: &Self::Stream) -> usize;
 
-    /// Gives whatever must stay as it is to a sum: where the layers' numbers lie, and the head's scale.
-    fn constants(&self, sum: &mut impl Hasher);
+    /// Hashes the configuration: the addresses of the layers' parameters and the head's scale.
+    fn hash_config(&self, state: &mut impl Hasher);
 
-    /// The sums after the last unit.
+    /// Sums after [`Self::run`].
     fn output(stream: &Self::Stream) -> Self::Output;
 
-    /// Multiply-accumulates of one unit.
-    fn unit_macs(unit: usize) -> usize;
-
-    /// A window of zeros.
+    /// Returns a window of zeros.
     fn window<const P: usize>() -> Self::Window<P>;
 
-    /// The columns at the chain's entrance.
+    /// Input columns of the chain.
     fn columns<const P: usize>(window: &mut Self::Window<P>) -> &mut [[A; IN]; P];
 
-    /// Computes everything behind the first `count` columns of a window.
+    /// Computes all outputs that follow from the first `count` columns of a window.
     fn evaluate<E: Engine, const P: usize>(
         &self,
         window: &mut Self::Window<P>,
@@ -96,8 +91,9 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
         count: usize,
     ) -> (Self::Output, u32);
 
-    /// After a move by one column: computes what depends on the first `left` or the last `right` of `count` columns, or on
-    /// padding. The columns at the entrance have moved already; those behind are moved here.
+    /// Updates the outputs after the input columns moved by one place. Computes what depends on the
+    /// first `left` or the last `right` of `count` columns, or on padding. The columns of the
+    /// following layers are moved here.
     fn slide<E: Engine, const P: usize>(
         &self,
         window: &mut Self::Window<P>,
@@ -107,14 +103,14 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
     ) -> (Self::Output, u32);
 }
 
-/// Stream of a convolution and what follows it.
+/// Stream of a convolution and of the rest of the chain.
 #[derive(Clone, Debug)]
 pub struct ConvolutionStream<A, const IN: usize, const K: usize, R> {
     history: Ring<A, IN, K>,
     rest: R,
 }
 
-/// Window of a convolution's inputs and what follows it.
+/// Window of a convolution's inputs and of the rest of the chain.
 #[derive(Clone, Debug)]
 #[repr(align(4))]
 pub struct ConvolutionWindow<A, const IN: usize, const P: usize, R> {
@@ -143,7 +139,6 @@ where
     B: Activation,
     R: Chain<'a, B, OUT>,
 {
-    const UNITS: usize = Convolution::<A, B, IN, OUT, K>::UNITS + R::UNITS;
     const MACS: usize = Convolution::<A, B, IN, OUT, K>::MACS + R::MACS;
     const WINDOW: usize = K - 1 + R::WINDOW;
     const HEAD_COLUMNS: usize = R::HEAD_COLUMNS;
@@ -175,49 +170,29 @@ where
         stream: &mut Self::Stream,
         layer: &Convolution<'_, F, A, FRONT, IN, TAPS>,
         columns: &[[F; FRONT]; TAPS],
-        units: Range<usize>,
     ) -> u32 {
-        receive::<E, F, A, FRONT, IN, TAPS, K>(&mut stream.history, layer, columns, units)
+        receive::<E, F, A, FRONT, IN, TAPS, K>(&mut stream.history, layer, columns)
     }
 
     #[inline]
-    fn run<E: Engine>(&self, stream: &mut Self::Stream, units: Range<usize>) -> u32 {
-        let own = Convolution::<A, B, IN, OUT, K>::UNITS;
-        let mut clipped = 0u32;
-        if units.start < own {
-            let here = units.start..units.end.min(own);
-            clipped =
-                R::receive::<E, A, IN, K>(&mut stream.rest, &self.layer, stream.history.columns(), here);
-        }
-        if units.end > own {
-            let there = units.start.saturating_sub(own)..units.end.wrapping_sub(own);
-            clipped = clipped.wrapping_add(self.rest.run::<E>(&mut stream.rest, there));
-        }
-        clipped
+    fn run<E: Engine>(&self, stream: &mut Self::Stream) -> u32 {
+        let clipped = R::receive::<E, A, IN, K>(&mut stream.rest, &self.layer, stream.history.columns());
+        clipped.wrapping_add(self.rest.run::<E>(&mut stream.rest))
     }
 
     #[inline]
-    fn altered(stream: &Self::Stream) -> usize {
-        stream.history.altered() | R::altered(&stream.rest)
+    fn corruption(stream: &Self::Stream) -> usize {
+        stream.history.corruption() | R::corruption(&stream.rest)
     }
 
-    fn constants(&self, sum: &mut impl Hasher) {
-        self.layer.constants(sum);
-        self.rest.constants(sum);
+    fn hash_config(&self, state: &mut impl Hasher) {
+        self.layer.hash_config(state);
+        self.rest.hash_config(state);
     }
 
     #[inline]
     fn output(stream: &Self::Stream) -> Self::Output {
         R::output(&stream.rest)
-    }
-
-    fn unit_macs(unit: usize) -> usize {
-        let own = Convolution::<A, B, IN, OUT, K>::UNITS;
-        match unit.checked_sub(own) {
-            Some(there) => R::unit_macs(there),
-            None if unit < OUT / crate::kernel::BLOCK => K * IN * crate::kernel::BLOCK,
-            None => K * IN * (OUT % crate::kernel::BLOCK),
-        }
     }
 
     fn window<const P: usize>() -> Self::Window<P> {
@@ -238,8 +213,8 @@ where
         let count = padding.outputs(count, K);
         let outputs = R::columns(&mut window.rest);
         let clipped = self.layer.positions::<E>(inputs, padding.before(K), 0..count, outputs);
-        let (output, behind) = self.rest.evaluate::<E, P>(&mut window.rest, padding, count);
-        (output, clipped.wrapping_add(behind))
+        let (output, clipped_after) = self.rest.evaluate::<E, P>(&mut window.rest, padding, count);
+        (output, clipped.wrapping_add(clipped_after))
     }
 
     fn slide<E: Engine, const P: usize>(
@@ -259,15 +234,15 @@ where
         let mut clipped = self.layer.positions::<E>(inputs, before, 0..left, outputs);
         let fresh = count.saturating_sub(right)..count;
         clipped = clipped.wrapping_add(self.layer.positions::<E>(inputs, before, fresh, outputs));
-        let (output, behind) = self.rest.slide::<E, P>(&mut window.rest, padding, count, [left, right]);
-        (output, clipped.wrapping_add(behind))
+        let (output, clipped_after) =
+            self.rest.slide::<E, P>(&mut window.rest, padding, count, [left, right]);
+        (output, clipped.wrapping_add(clipped_after))
     }
 }
 
 impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize> Chain<'a, A, IN>
     for Head<'a, A, IN, COLUMNS, OUT>
 {
-    const UNITS: usize = 1;
     const MACS: usize = Self::MACS;
     const WINDOW: usize = COLUMNS;
     const HEAD_COLUMNS: usize = COLUMNS;
@@ -298,35 +273,28 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
         stream: &mut Self::Stream,
         layer: &Convolution<'_, F, A, FRONT, IN, TAPS>,
         columns: &[[F; FRONT]; TAPS],
-        units: Range<usize>,
     ) -> u32 {
-        receive::<E, F, A, FRONT, IN, TAPS, COLUMNS>(&mut stream.history, layer, columns, units)
+        receive::<E, F, A, FRONT, IN, TAPS, COLUMNS>(&mut stream.history, layer, columns)
     }
 
     #[inline]
-    fn run<E: Engine>(&self, stream: &mut Self::Stream, units: Range<usize>) -> u32 {
-        if units.start == 0 && units.end > 0 {
-            stream.sums = self.apply::<E>(stream.history.columns());
-        }
+    fn run<E: Engine>(&self, stream: &mut Self::Stream) -> u32 {
+        stream.sums = self.apply::<E>(stream.history.columns());
         0
     }
 
     #[inline]
-    fn altered(stream: &Self::Stream) -> usize {
-        stream.history.altered()
+    fn corruption(stream: &Self::Stream) -> usize {
+        stream.history.corruption()
     }
 
-    fn constants(&self, sum: &mut impl Hasher) {
-        Head::constants(self, sum);
+    fn hash_config(&self, state: &mut impl Hasher) {
+        Head::hash_config(self, state);
     }
 
     #[inline]
     fn output(stream: &Self::Stream) -> Self::Output {
         Sums(stream.sums)
-    }
-
-    fn unit_macs(unit: usize) -> usize {
-        if unit == 0 { Self::MACS } else { 0 }
     }
 
     fn window<const P: usize>() -> Self::Window<P> {
@@ -358,7 +326,7 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
     }
 }
 
-/// The sums of a head.
+/// Sums of a head.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sums<const OUT: usize>(pub [i32; OUT]);
 
@@ -368,7 +336,8 @@ impl<const OUT: usize> Default for Sums<OUT> {
     }
 }
 
-/// Writes some units of a layer's outputs into a history, both copies at once: nothing is kept elsewhere meanwhile, where a bit could flip unseen.
+/// Computes the newest column of a history and writes both copies at once. No other copy exists
+/// meanwhile in which a bit flip would go unnoticed.
 #[inline]
 fn receive<
     E: Engine,
@@ -382,18 +351,13 @@ fn receive<
     history: &mut Ring<B, OUT, N>,
     layer: &Convolution<'_, A, B, IN, OUT, K>,
     columns: &[[A; IN]; K],
-    units: Range<usize>,
 ) -> u32 {
-    if units.is_empty() {
-        return 0;
-    }
-    let newest = if units.start == 0 { history.open() } else { history.newest() };
-    let done = layer.units::<E, N>(units, columns, newest);
-    history.mark(done.astray);
-    done.clipped
+    let outcome = layer.compute::<E, N>(columns, history.advance());
+    history.mark_corrupted(outcome.corruption);
+    outcome.clipped
 }
 
-/// Moves every column to the place of its elder; the newest place keeps a copy.
+/// Moves every column one place towards the oldest; the newest place keeps its value.
 pub(crate) fn forget_oldest<T: Copy>(columns: &mut [T]) {
     if columns.len() > 1 {
         columns.copy_within(1.., 0);

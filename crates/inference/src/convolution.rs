@@ -3,15 +3,15 @@
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
-use crate::kernel::{BLOCK, Done, Engine};
+use crate::kernel::{Engine, LayerOutcome};
 use crate::weights::{Around, WeightsOf};
 use core::hash::Hasher;
 use core::ops::Range;
 
-/// A convolution over columns of `IN` activations `A` to columns of `OUT` activations `B`, looking at `K` columns.
+/// Convolution over `K` columns of `IN` activations `A`, giving columns of `OUT` activations `B`.
 ///
-/// Output = ReLU(bias + sum weight x input) times a factor of its own, rounded to nearest (halves up) and clipped to the
-/// full scale of `B`.
+/// Each output is ReLU(bias + sum of weight x input) times the multiplier of the output, rounded to
+/// nearest (halves up) and clipped to the full scale of `B`.
 #[derive(Clone, Copy, Debug)]
 pub struct Convolution<'a, A: Activation, B, const IN: usize, const OUT: usize, const K: usize> {
     weights: A::Weights<'a>,
@@ -21,12 +21,10 @@ pub struct Convolution<'a, A: Activation, B, const IN: usize, const OUT: usize, 
 impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const K: usize>
     Convolution<'a, A, B, IN, OUT, K>
 {
-    /// Units of work at one position: whole blocks of outputs, and what is left over.
-    pub const UNITS: usize = OUT.div_ceil(BLOCK);
     /// Multiply-accumulates at one position.
     pub const MACS: usize = K * IN * OUT;
 
-    /// The shape with weights in this form.
+    /// Returns the shape with weights in this form.
     pub const fn shape(form: WeightForm) -> LayerShape {
         const {
             assert!(K > 0 && K <= u8::MAX as usize && IN > 0 && IN <= u16::MAX as usize);
@@ -43,7 +41,7 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
         }
     }
 
-    /// Takes the layer from an image.
+    /// Reads the layer from an image.
     pub(crate) fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
         let form = reader.shape(layer, Self::shape)?;
         Ok(Self {
@@ -52,35 +50,34 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
         })
     }
 
-    /// Where its numbers lie.
-    pub(crate) fn constants(&self, sum: &mut impl Hasher) {
-        self.weights.constants(sum);
+    /// Hashes the addresses of the layer's parameters.
+    pub(crate) fn hash_config(&self, state: &mut impl Hasher) {
+        self.weights.hash_config(state);
     }
 
-    /// Computes some units of the outputs at one position, written to the first of the columns in `outputs` and, unless `N` is 0, to the one
-    /// `N` behind it as well. Nothing is computed where there are no such columns.
+    /// Computes the outputs at one position. They are written to the first of the columns in
+    /// `outputs` and, unless `N` is 0, also to the column `N` places after it. Nothing is computed
+    /// if there are no such columns.
     #[inline]
-    pub fn units<E: Engine, const N: usize>(
+    pub(crate) fn compute<E: Engine, const N: usize>(
         &self,
-        units: Range<usize>,
         columns: &[[A; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> Done {
-        self.weights.units::<E, B, IN, OUT, K, N>(units, columns, outputs)
+    ) -> LayerOutcome {
+        self.weights.outputs::<E, B, IN, OUT, K, N>(columns, outputs)
     }
 
-    /// Computes the outputs at one position; gives how many were clipped. (Whether the way through the layer's numbers went astray only streams tell.)
+    /// Computes the outputs at one position; returns the number of clipped activations.
     #[inline]
     pub fn apply<E: Engine>(&self, columns: &[[A; IN]; K], outputs: &mut [B; OUT]) -> u32 {
-        let Done { clipped, .. } =
-            self.units::<E, 0>(0..Self::UNITS, columns, core::slice::from_mut(outputs));
-        clipped
+        self.compute::<E, 0>(columns, core::slice::from_mut(outputs)).clipped
     }
 
-    /// Computes the outputs at some positions of a window; output `p` looks at the inputs from `p - before` on, and what
-    /// lies outside the window is zero. Gives how many activations were clipped.
+    /// Computes the outputs at some positions of a window; returns the number of clipped
+    /// activations.
     ///
-    /// Nothing is computed if not all of the positions are in `outputs`.
+    /// Output `p` depends on the inputs from `p - before` on. Columns outside the window are zero.
+    /// Nothing is computed if `outputs` does not contain all positions.
     pub fn positions<E: Engine>(
         &self,
         inputs: &[[A; IN]],
@@ -95,7 +92,7 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
             let inside = position.checked_sub(before).and_then(|start| inputs.get(start..));
             let neighbours = inside.and_then(|columns| columns.get(..K + 1));
             let together = if rest.len() > 1 && neighbours.is_some() { 2 } else { 1 };
-            let Some((now, behind)) = rest.split_at_mut_checked(together) else { break };
+            let Some((now, later)) = rest.split_at_mut_checked(together) else { break };
             clipped = clipped.wrapping_add(match (now, neighbours, inside.and_then(<[_]>::first_chunk)) {
                 ([first, second], Some(columns), _) => {
                     self.weights.pair::<E, B, IN, OUT, K>(columns, [first, second])
@@ -104,7 +101,7 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
                 ([output, ..], _, None) => self.apply::<E>(&padded(inputs, position, before), output),
                 ([], ..) => 0,
             });
-            (position, rest) = (position.wrapping_add(together), behind);
+            (position, rest) = (position.wrapping_add(together), later);
         }
         clipped
     }
@@ -133,7 +130,7 @@ impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const 
     }
 }
 
-/// The columns that a position at the edge looks at, with zeros for those outside.
+/// Returns the columns of a position at the edge, with zeros for columns outside the window.
 fn padded<A: Activation, const IN: usize, const K: usize>(
     inputs: &[[A; IN]],
     position: usize,

@@ -1,9 +1,11 @@
-//! Why a model image was refused.
+//! Reasons for refusing a model image.
+
+use contact::BearingMaterial;
 
 use crate::image::{LayerName, LayerShape};
 use core::fmt;
 
-/// Why an image was refused.
+/// Reason for refusing a model image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageError {
     /// The image ends before its networks do.
@@ -19,18 +21,18 @@ pub enum ImageError {
     Alignment,
     /// The first eight bytes are not those of a model image.
     Magic,
-    /// The format version is not the one this code reads.
+    /// The format version is not the one that this code reads.
     Version {
         /// Version found.
         found: u16,
         /// Version expected.
         expected: u16,
     },
-    /// The check sum over the image differs from the one at its end.
+    /// The checksum over the image differs from the one at its end.
     Crc {
-        /// Check sum of the bytes.
+        /// Checksum of the bytes.
         found: u32,
-        /// Check sum at the end of the image.
+        /// Checksum at the end of the image.
         expected: u32,
     },
     /// No bearing has this code.
@@ -38,7 +40,7 @@ pub enum ImageError {
         /// Code found.
         found: u8,
     },
-    /// A number of the header is out of its range.
+    /// A header field is out of its range.
     Field {
         /// Name of the field and its unit.
         name: &'static str,
@@ -47,13 +49,13 @@ pub enum ImageError {
         /// Smallest and largest number expected.
         expected: [u32; 2],
     },
-    /// A layer's shape is not that of the model's type.
+    /// A layer's shape does not match the model's type.
     Shape {
         /// The layer.
         layer: LayerName,
-        /// Shape found; `None` if it is no shape at all.
+        /// Shape found; `None` if the bytes are not a shape.
         found: Option<LayerShape>,
-        /// Shape expected, with the form of storage that was found.
+        /// Shape expected, in the storage form that was found.
         expected: LayerShape,
     },
     /// A layer's 32-bit sum can overflow.
@@ -70,12 +72,13 @@ pub enum ImageError {
         /// The layer.
         layer: LayerName,
     },
-    /// Something follows the last layer.
+    /// Bytes follow the last layer.
     Trailing,
 }
 
 impl ImageError {
-    /// The reason as one byte, for reports that have no more room: its position among these, in the order in which they came to be.
+    /// Returns the reason as one byte for compact reports. The codes never change; new reasons get
+    /// new codes.
     pub const fn cause(&self) -> u8 {
         match self {
             Self::Length { .. } => 0,
@@ -108,9 +111,11 @@ impl fmt::Display for ImageError {
                 write!(f, "found format version {found}, expected {expected}")
             }
             Self::Crc { found, expected } => {
-                write!(f, "check sum of its bytes is {found:#010x}, the one at its end {expected:#010x}")
+                write!(f, "found checksum {found:#010x}, expected {expected:#010x} as at its end")
             }
-            Self::Bearing { found } => write!(f, "found bearing code {found}, expected 0 or 1"),
+            Self::Bearing { found } => {
+                write!(f, "found bearing code {found}, expected below {}", BearingMaterial::COUNT)
+            }
             Self::Field { name, found, expected: [low, high] } => {
                 write!(f, "{name}: found {found}, expected {low} to {high}")
             }

@@ -1,7 +1,7 @@
-//! What comes out of one step.
+//! Output of one step.
 
 use crate::flags::Flags;
-use crate::held::{WordSum, read_anew};
+use crate::word_sum::{WordSum, read_anew};
 
 /// Outputs of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,32 +10,32 @@ pub struct Estimate {
     pub normal_force_mn: i32,
     /// Friction force in mN along the sliding direction: opposed to the sliding speed.
     pub friction_force_mn: i32,
-    /// Remarks on this estimate.
+    /// Flags of this estimate.
     pub flags: Flags,
     /// Number of activations clipped at full scale in this sample.
     pub saturated: u16,
-    /// Of the forces as they were computed.
+    /// Word sum of both forces, formed when they were computed.
     sum: WordSum,
 }
 
 impl Estimate {
-    /// An estimate with the sum of its forces.
+    /// Creates an estimate and forms the sum of its forces.
     #[inline]
     pub(crate) fn new(normal_force_mn: i32, friction_force_mn: i32, flags: Flags, saturated: u16) -> Self {
         let sum = Self::summed(normal_force_mn, friction_force_mn);
         Self { normal_force_mn, friction_force_mn, flags, saturated, sum }
     }
 
-    /// Whether a bit of the forces is not what was computed, as far as they have waited in memory.
+    /// Decides whether a bit of the forces has flipped in memory since they were computed.
     #[inline]
-    pub fn is_spoilt(&mut self) -> bool {
+    pub fn is_corrupted(&mut self) -> bool {
         read_anew(self);
         Self::summed(self.normal_force_mn, self.friction_force_mn) != self.sum
     }
 
     #[inline]
     fn summed(normal_force_mn: i32, friction_force_mn: i32) -> WordSum {
-        WordSum::of(&[normal_force_mn.cast_unsigned(), friction_force_mn.cast_unsigned()])
+        WordSum::from_words(&[normal_force_mn.cast_unsigned(), friction_force_mn.cast_unsigned()])
     }
 
     /// Normal force in N.
@@ -58,12 +58,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_force_that_is_not_the_one_computed_shows() {
-        let mut sound = Estimate::new(40_000, -300, Flags::NONE, 0);
-        assert!(!sound.is_spoilt() && !Estimate::default().is_spoilt());
+    fn a_flipped_bit_of_either_force_is_detected() {
+        let mut intact = Estimate::new(40_000, -300, Flags::NONE, 0);
+        assert!(!intact.is_corrupted() && !Estimate::default().is_corrupted());
         for bit in 0..32 {
-            assert!(Estimate { normal_force_mn: 40_000 ^ 1 << bit, ..sound }.is_spoilt());
-            assert!(Estimate { friction_force_mn: -300 ^ 1 << bit, ..sound }.is_spoilt());
+            assert!(Estimate { normal_force_mn: 40_000 ^ 1 << bit, ..intact }.is_corrupted());
+            assert!(Estimate { friction_force_mn: -300 ^ 1 << bit, ..intact }.is_corrupted());
         }
     }
 }

@@ -1,13 +1,14 @@
-//! The dense layer at the end: raw sums and what one count of them is worth.
+//! Dense output layer: raw sums and their scale.
 
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
 use crate::kernel::Engine;
-use crate::weights::{Around, WeightsOf, place};
+use crate::weights::{Around, WeightsOf, hash_place};
 use core::hash::{Hash, Hasher};
 
-/// A dense layer over `COLUMNS` columns of `IN` activations, oldest first, with `OUT` sums that are not requantised.
+/// Dense layer over `COLUMNS` columns of `IN` activations, oldest first. Its `OUT` sums are not
+/// requantised.
 #[derive(Clone, Copy, Debug)]
 pub struct Head<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize> {
     scale: Scale,
@@ -15,17 +16,18 @@ pub struct Head<'a, A: Activation, const IN: usize, const COLUMNS: usize, const 
     weights: A::Weights<'a>,
 }
 
-/// What one count of a head's sum is worth: `multiplier / 2^shift`.
+/// Value of one count of a head's sum: `multiplier / 2^shift`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Scale {
-    /// Above 0; with full precision from 2^30 on.
+    /// Multiplier above 0, with full precision from 2^30 on.
     pub multiplier: i32,
     /// Power of two to divide by: 25 to 78.
     pub shift: u32,
 }
 
 impl Scale {
-    /// A sum in the scale's unit, times 2^`fraction_bits` (15 to 25), rounded down; 0 for a negative sum, at most `u32::MAX`.
+    /// Returns a sum in the scale's unit, times 2^`fraction_bits` (15 to 25), rounded down; 0 for a
+    /// negative sum, at most `u32::MAX`.
     #[inline]
     pub fn apply(self, sum: i32, fraction_bits: u32) -> u32 {
         let product = (sum.max(0) as u32 as u64).wrapping_mul(self.multiplier as u32 as u64);
@@ -34,7 +36,7 @@ impl Scale {
         value.min(u64::from(u32::MAX)) as u32
     }
 
-    /// The scale as a number, for reports.
+    /// Returns the scale as a floating-point number, for reports.
     pub fn to_f64(self) -> f64 {
         f64::from(self.multiplier) / libm::exp2(f64::from(self.shift))
     }
@@ -46,14 +48,14 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
     /// Multiply-accumulates.
     pub const MACS: usize = COLUMNS * IN * OUT;
 
-    /// Its scale, and where its numbers lie.
-    pub(crate) fn constants(&self, sum: &mut impl Hasher) {
-        self.scale.hash(sum);
-        place(self.biases, sum);
-        self.weights.constants(sum);
+    /// Hashes the scale and the addresses of the layer's parameters.
+    pub(crate) fn hash_config(&self, state: &mut impl Hasher) {
+        self.scale.hash(state);
+        hash_place(self.biases, state);
+        self.weights.hash_config(state);
     }
 
-    /// The shape with weights in this form.
+    /// Returns the shape with weights in this form.
     pub const fn shape(form: WeightForm) -> LayerShape {
         const {
             assert!(COLUMNS > 0 && COLUMNS <= u8::MAX as usize && IN > 0 && IN <= u16::MAX as usize);
@@ -70,7 +72,7 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
         }
     }
 
-    /// Takes the layer from an image.
+    /// Reads the layer from an image.
     pub(crate) fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
         let form = reader.shape(layer, Self::shape)?;
         Ok(Self {
@@ -80,7 +82,7 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
         })
     }
 
-    /// The raw sums.
+    /// Computes the raw sums.
     #[inline]
     pub fn apply<E: Engine>(&self, columns: &[[A; IN]; COLUMNS]) -> [i32; OUT] {
         let mut sums = *self.biases;
@@ -88,7 +90,7 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
         sums
     }
 
-    /// What one count of a sum is worth.
+    /// Scale of the sums.
     pub fn scale(&self) -> Scale {
         self.scale
     }
@@ -113,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_scale_is_what_it_says() {
+    fn a_scale_multiplies_rounds_down_and_saturates() {
         let scale = Scale { multiplier: 3 << 29, shift: 45 };
         assert!((scale.to_f64() - 1.5 / 32768.0).abs() < 1e-18);
         assert_eq!(scale.apply(32768, 16), 3 << 15);

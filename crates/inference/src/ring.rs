@@ -1,24 +1,30 @@
-//! The newest columns of a stream as one slice of memory, without moving any.
+//! Newest columns of a stream as one slice of memory, without moving any column.
 
 use crate::kernel::difference;
 
-/// The newest `N` columns. Every column is kept twice, `N` places apart, so that wherever the oldest stands, the `N` columns from it on are
-/// in order and side by side. When a column leaves, its two copies have to be the same still: whoever writes a column writes both. In front there are `N` - 1 columns of zeros for good:
-/// the first columns after [`Self::clear`] have those before them.
+/// The newest `N` columns.
+///
+/// Every column is stored twice, `N` places apart. Wherever the oldest column is, the `N` columns
+/// from there on are contiguous and in order. When a column leaves, its two copies must still be
+/// equal; every write writes both copies. `N` - 1 columns of zeros precede them permanently: the
+/// first columns after [`Self::clear`] use them as their predecessors.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(4))]
 pub(crate) struct Ring<A, const IN: usize, const N: usize> {
-    /// The first of three times `N` is never shown: arrays have no length of `3 N - 1`.
+    /// The first of the `3 N` columns is never used: `3 N - 1` is no valid array length here.
     columns: [[[A; IN]; N]; 3],
-    /// The place behind the zeros' first at which the newest `N` columns begin; `usize::MAX` before there is any.
+    /// Place, counted from the second column of zeros, where the newest `N` columns begin;
+    /// `usize::MAX` before the first column.
     start: usize,
-    /// Its complement.
+    /// Complement of `start`.
     not_start: usize,
-    /// Bits in which the copies of the column that left last were different, and what was found since; 0 is none.
-    altered: usize,
+    /// Bits that differed between the copies of the column that left last, and what
+    /// [`Self::mark_corrupted`] added; 0 if none.
+    corruption: usize,
 }
 
-/// Not 0 where two columns differ. Word by word where both stand at a word's address, as they do wherever a column takes whole words.
+/// Returns non-zero if two columns differ. Compares words if both columns are word-aligned, which
+/// every column with an integer number of words is.
 #[inline]
 fn compare<A: bytemuck::Pod + PartialEq, const IN: usize>(first: &[A; IN], second: &[A; IN]) -> usize {
     match (bytemuck::try_cast_slice(first), bytemuck::try_cast_slice(second)) {
@@ -28,54 +34,55 @@ fn compare<A: bytemuck::Pod + PartialEq, const IN: usize>(first: &[A; IN], secon
 }
 
 impl<A: bytemuck::Pod + Default + PartialEq, const IN: usize, const N: usize> Ring<A, IN, N> {
-    /// `N` columns of zeros: the causal padding.
+    /// Creates `N` columns of zeros: the causal padding.
     pub(crate) fn new() -> Self {
-        Self { columns: [[[A::default(); IN]; N]; 3], start: usize::MAX, not_start: 0, altered: 0 }
+        Self { columns: [[[A::default(); IN]; N]; 3], start: usize::MAX, not_start: 0, corruption: 0 }
     }
 
-    /// Forgets the columns: from the next push on it is as [`Self::new`].
+    /// Clears the columns. After the next push the ring equals a new one with that column.
     #[inline]
     pub(crate) const fn clear(&mut self) {
         self.start = usize::MAX;
         self.not_start = 0;
     }
 
-    /// Puts a column in the place of the oldest.
+    /// Replaces the oldest column.
     #[inline]
     pub(crate) fn push(&mut self, column: &[A; IN]) {
-        if let Some((first, second)) = self.open().split_first_mut()
+        if let Some((first, second)) = self.advance().split_first_mut()
             && let Some(second) = second.get_mut(N - 1)
         {
             (*first, *second) = (*column, *column);
         }
     }
 
-    /// Lets the oldest column go; its place is the newest's, which is to be written by [`Self::newest`].
+    /// Drops the oldest column and returns the memory of the newest, as [`Self::newest`]; the
+    /// caller must write it.
     #[inline]
-    pub(crate) fn open(&mut self) -> &mut [[A; IN]] {
+    pub(crate) fn advance(&mut self) -> &mut [[A; IN]] {
         let [_, first, second] = &self.columns;
         let order = self.start ^ !self.not_start;
-        // Over the zeros at first, then over the two copies: 0, 1, .., 2 N - 2, N - 1, ..
+        // First through the zeros, then through the two copies: 0, 1, .., 2 N - 2, N - 1, ..
         let start = self.start.wrapping_add(1);
         let start = if start < 2 * N - 1 { start } else { N - 1 };
         (self.start, self.not_start) = (start, !start);
         let slot = Self::slot(start);
-        // A place that there is not is one that has been altered.
+        // An index outside the array is corrupted.
         let difference = match (first.get(slot), second.get(slot)) {
             (Some(first), Some(second)) => compare(first, second),
             _ => 1,
         };
-        self.altered = difference | order;
+        self.corruption = difference | order;
         self.newest()
     }
 
-    /// Takes what was found wrong while the newest column was written for something altered, unless it is 0.
+    /// Marks the newest column as corrupted if `found` is non-zero.
     #[inline]
-    pub(crate) const fn mark(&mut self, found: u32) {
-        self.altered |= found as usize;
+    pub(crate) const fn mark_corrupted(&mut self, found: u32) {
+        self.corruption |= found as usize;
     }
 
-    /// Memory from the newest column's first copy on: the second one is its column `N`.
+    /// Memory from the newest column's first copy on; the second copy is its column `N`.
     #[inline]
     pub(crate) fn newest(&mut self) -> &mut [[A; IN]] {
         let slot = Self::slot(self.start);
@@ -83,19 +90,20 @@ impl<A: bytemuck::Pod + Default + PartialEq, const IN: usize, const N: usize> Ri
         copies.as_flattened_mut().get_mut(slot..).unwrap_or_default()
     }
 
-    /// The newest column's place in either copy, told by where the columns begin.
+    /// Returns the newest column's place in each copy, given where the columns begin.
     #[inline]
     const fn slot(start: usize) -> usize {
         if start < N { start } else { start.wrapping_sub(N) }
     }
 
-    /// Not 0 where the column that left last was no longer what had been put there, the order of the columns is not, or the newest one has been marked.
+    /// Non-zero if the column that left last or the order of the columns was corrupted, or if the
+    /// newest column has been marked.
     #[inline]
-    pub(crate) const fn altered(&self) -> usize {
-        self.altered
+    pub(crate) const fn corruption(&self) -> usize {
+        self.corruption
     }
 
-    /// The columns, oldest first.
+    /// Columns in order, oldest first.
     #[inline]
     pub(crate) fn columns(&self) -> &[[A; IN]; N] {
         let [zeros, first, _] = &self.columns;
@@ -113,7 +121,7 @@ impl<A: bytemuck::Pod + Default + PartialEq, const IN: usize, const N: usize> De
 
 #[cfg(test)]
 impl<A: bytemuck::Pod, const IN: usize, const N: usize> Ring<A, IN, N> {
-    /// Its memory, to be disturbed.
+    /// Memory of both copies, for tests that flip bits.
     pub(crate) fn bytes(&mut self) -> &mut [u8] {
         let [_, copies @ ..] = &mut self.columns;
         bytemuck::cast_slice_mut(copies.as_flattened_mut().as_flattened_mut())
@@ -125,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cleared_ring_is_a_new_one() {
+    fn a_cleared_ring_equals_a_new_one() {
         for pushed in 0..7 {
             let (mut cleared, mut new) = (Ring::<i16, 2, 3>::new(), Ring::<i16, 2, 3>::new());
             (0..pushed).for_each(|_| cleared.push(&[7, 8]));
@@ -139,15 +147,15 @@ mod tests {
     }
 
     #[test]
-    fn a_bit_that_flips_in_either_copy_is_found_when_its_column_leaves() {
+    fn a_flipped_bit_in_either_copy_is_found_when_its_column_leaves() {
         let mut ring = Ring::<i16, 4, 3>::new();
         (0..10).for_each(|newest| ring.push(&[newest; 4]));
         let leaves = |mut ring: Ring<i16, 4, 3>| {
             let pushes = (1..5).find(|_| {
                 ring.push(&[7; 4]);
-                ring.altered() != 0
+                ring.corruption() != 0
             });
-            assert!((ring.push(&[7; 4]), ring.altered()).1 == 0, "and is gone then");
+            assert!((ring.push(&[7; 4]), ring.corruption()).1 == 0, "and is gone then");
             pushes
         };
         assert_eq!(leaves(ring), None);
@@ -168,16 +176,16 @@ mod tests {
     }
 
     #[test]
-    fn a_mark_is_told_with_its_column_and_is_gone_with_the_next() {
+    fn a_mark_is_reported_with_its_column_and_cleared_with_the_next() {
         let mut ring = Ring::<i16, 2, 3>::new();
         ring.push(&[1, 2]);
-        ring.mark(0);
-        assert_eq!(ring.altered(), 0);
-        ring.mark(8);
-        ring.mark(0);
-        assert_ne!(ring.altered(), 0);
+        ring.mark_corrupted(0);
+        assert_eq!(ring.corruption(), 0);
+        ring.mark_corrupted(8);
+        ring.mark_corrupted(0);
+        assert_ne!(ring.corruption(), 0);
         ring.push(&[3, 4]);
-        assert_eq!(ring.altered(), 0);
+        assert_eq!(ring.corruption(), 0);
     }
 
     #[test]

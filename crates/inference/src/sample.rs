@@ -1,15 +1,16 @@
-//! What goes into one step.
+//! Input of one step.
 
-/// Physical inputs of one sample as whole numbers, as the controller has them.
+/// Physical inputs of one sample as integers, as the controller measures them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sample {
     /// Radial clearance `R_B - R_J` in nm.
     pub radial_clearance_nm: u32,
-    /// Deformation `d = a - D` in pm; below 0 there is a gap of that width.
+    /// Deformation `d = a - D` in pm; negative values are the width of a gap.
     pub deformation_pm: i32,
     /// Rate `d'` of the deformation in nm/s, positive while approaching.
     pub deformation_rate_nm_s: i32,
-    /// Approach speed latched at the onset of the contact in nm/s; the image's floor is applied inside.
+    /// Approach speed latched at the onset of the contact, in nm/s; the image's floor is applied
+    /// inside.
     pub approach_speed_nm_s: u32,
     /// Relative tangential speed of the contact points in nm/s.
     pub sliding_speed_nm_s: i32,
@@ -20,18 +21,19 @@ pub struct Sample {
 pub struct ContactState {
     /// Radial clearance `R_B - R_J` in m.
     pub radial_clearance_m: f32,
-    /// Deformation `d = a - D` in m; below 0 there is a gap of that width.
+    /// Deformation `d = a - D` in m; negative values are the width of a gap.
     pub deformation_m: f32,
     /// Rate `d'` of the deformation in m/s, positive while approaching.
     pub deformation_rate_m_s: f32,
-    /// Approach speed latched at the onset of the contact in m/s; the image's floor is applied inside.
+    /// Approach speed latched at the onset of the contact, in m/s; the image's floor is applied
+    /// inside.
     pub approach_speed_m_s: f32,
     /// Relative tangential speed of the contact points in m/s.
     pub sliding_speed_m_s: f32,
 }
 
 impl ContactState {
-    /// Whether every input is a finite number.
+    /// Decides whether every input is finite.
     pub fn is_finite(&self) -> bool {
         self.radial_clearance_m.is_finite()
             && self.deformation_m.is_finite()
@@ -40,18 +42,22 @@ impl ContactState {
             && self.sliding_speed_m_s.is_finite()
     }
 
-    /// Whether the rate of the deformation and the approach speed fit into a [`Sample`]: if not, their ratio there is another one.
+    /// Decides whether the rate of the deformation and the approach speed fit into a [`Sample`]. If
+    /// not, their ratio changes in the conversion.
     pub fn rates_fit(&self) -> bool {
         let rate_nm_s = scaled(self.deformation_rate_m_s, 1e9);
-        // 2^31 and 2^32, which a conversion to whole numbers does not reach.
+        // The conversion to integers saturates below 2^31 and 2^32.
         rate_nm_s > -2_147_483_648.0
             && rate_nm_s < 2_147_483_648.0
             && scaled(self.approach_speed_m_s, 1e9) < 4_294_967_296.0
     }
 
-    /// The same as whole numbers, rounded to nearest; beyond 2.1 m of clearance, 2.1 mm of deformation, 4.2 m/s of approach and 2.1 m/s of rate
-    /// and sliding the nearest that there is. No image is trained that far on clearance, deformation and sliding;
-    /// whether the other two fit says [`Self::rates_fit`]. Negative clearance and approach speed become 0. `None` if an input is not finite.
+    /// Converts to integers, rounded to nearest. `None` if an input is not finite.
+    ///
+    /// Values saturate at 2.1 m of clearance, 2.1 mm of deformation, 4.2 m/s of approach and 2.1
+    /// m/s of rate and sliding. No image is trained up to these clearances, deformations and
+    /// sliding speeds; [`Self::rates_fit`] reports the other two. Negative clearance and approach
+    /// speed become 0.
     pub fn sample(&self) -> Option<Sample> {
         self.is_finite().then(|| Sample {
             radial_clearance_nm: rounded(self.radial_clearance_m, 1e9).max(0).cast_unsigned(),
@@ -63,13 +69,13 @@ impl ContactState {
     }
 }
 
-/// A number of units, to be cut off to a whole one: halves go away from zero.
+/// Scales a value so that truncation rounds it to nearest, halves away from zero.
 fn scaled(value: f32, per_unit: f32) -> f32 {
     let scaled = value * per_unit;
     if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }
 }
 
-/// The nearest whole number of units.
+/// Returns the nearest integer number of units.
 fn rounded(value: f32, per_unit: f32) -> i32 {
     scaled(value, per_unit) as i32
 }

@@ -1,9 +1,11 @@
-//! How the weights of a layer lie in memory.
+//! Storage formats of a layer's weights.
 //!
-//! The taps of an output (column by column, oldest first, inputs of a column in order) are cut into groups; the last
-//! group is filled up with zero weights. A group is a word of four bytes, lowest first. Outputs are taken four at a time: `[block of 4 outputs][word][output]`; what is
-//! left over (outputs not divisible by 4) follows row by row: `[output][word]`. The words of an output are its groups of weights; in a convolution its bias
-//! stands in front of them and its multiplier behind, so that a kernel reads a layer from one end to the other.
+//! The taps of an output (column by column, oldest first, inputs of a column in order) are split
+//! into groups. The last group is padded with zero weights. A group is a word of four bytes, lowest
+//! first. Outputs are stored in blocks of four: `[block of 4 outputs][word][output]`. The remaining
+//! outputs (if not divisible by 4) follow row by row: `[output][word]`. The words of an output are
+//! its groups of weights. In a convolution the bias precedes them and the multiplier follows them,
+//! so that a kernel reads a layer from start to end.
 //!
 //! | form | weights | activations | a group | for |
 //! |---|---|---|---|---|
@@ -11,8 +13,9 @@
 //! | [`Packed16`] | 8 bits | 16 bits | taps 0 2 1 3 | half the flash |
 //! | [`Packed8`] | 8 bits | 8 bits | taps 0 1 2 3 | half the flash and half the RAM |
 //!
-//! The order inside a packed group is that of the instruction SXTB16, which widens bytes 0 and 2 of a word (and, rotated
-//! by 8, bytes 1 and 3): 16-bit activations lie in memory as pairs (0 1) (2 3), 8-bit ones unpack to (0 2) (1 3).
+//! The order inside a packed group suits the instruction SXTB16, which widens bytes 0 and 2 of a
+//! word (and, rotated by 8, bytes 1 and 3). In memory 16-bit activations are pairs (0 1) (2 3);
+//! 8-bit activations unpack to (0 2) (1 3).
 
 use crate::activation::Activation;
 
@@ -23,31 +26,32 @@ mod sealed {
     impl Sealed for super::Packed8 {}
 }
 
-/// A form of storage.
+/// Storage form of weights.
 pub trait Storage: sealed::Sealed + Copy + core::fmt::Debug + 'static {
     /// Activations that these weights are multiplied with.
     type Activation: Activation;
-    /// Taps of a group.
+    /// Number of taps in a group.
     const TAPS: usize;
 
-    /// Weight of a tap of a group.
+    /// Returns the weight of a tap of a group.
     fn weight(group: u32, tap: usize) -> i32;
 
-    /// Puts a weight in its place in a group. Weights that do not fit their width are cut off.
+    /// Writes a weight into a group. Weights that do not fit are truncated.
     fn put(group: &mut u32, tap: usize, weight: i16);
 }
 
-/// Groups that so many taps take.
+/// Number of groups for a number of taps.
 pub const fn groups<S: Storage>(taps: usize) -> usize {
     taps.div_ceil(S::TAPS)
 }
 
-/// Words that an output of a convolution with so many taps takes: its groups, its bias and its multiplier.
+/// Number of words of a convolution's output with this number of taps: its groups, its bias and its
+/// multiplier.
 pub const fn scaled_groups<S: Storage>(taps: usize) -> usize {
     groups::<S>(taps).wrapping_add(2)
 }
 
-/// 16-bit weights (8-bit ones widened, or of more than 8 bits) for 16-bit activations.
+/// 16-bit weights (also 8-bit weights, widened) for 16-bit activations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wide;
 
@@ -125,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_put_is_read() {
+    fn written_weights_are_read_back() {
         round_trip::<Wide>();
         round_trip::<Packed16>();
         round_trip::<Packed8>();

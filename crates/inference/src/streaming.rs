@@ -1,14 +1,15 @@
-//! A network as a stream: one column in, the sums of the newest window out, the work of one column only.
+//! A network as a stream: each new column gives the sums of the newest window for the work of one
+//! column.
 
 use crate::activation::Activation;
 use crate::chain::Chain;
 use crate::kernel::{Engine, Native};
 use core::marker::PhantomData;
 
-/// A network and the columns that its layers look back at.
+/// A network with the columns that its layers depend on.
 ///
-/// After [`Chain::WINDOW`] columns the sums are those of the newest window without padding; before that, of a window with
-/// causal zeros.
+/// After [`Chain::WINDOW`] columns the sums are those of the newest window without padding; before
+/// that, of a window with causal zeros.
 #[derive(Clone, Debug)]
 pub struct Streaming<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, E = Native> {
     network: N,
@@ -17,25 +18,26 @@ pub struct Streaming<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, E 
 }
 
 impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, E: Engine> Streaming<'a, N, A, IN, E> {
-    /// A stream that has seen nothing.
+    /// Creates a stream with an empty history.
     pub fn new(network: N) -> Self {
         Self { network, stream: N::stream(), engine: PhantomData }
     }
 
-    /// Takes one column and gives the head's sums and how many activations were clipped.
+    /// Appends a column; returns the head's sums and the number of clipped activations.
     #[inline]
     pub fn push(&mut self, column: &[A; IN]) -> (N::Output, u32) {
         N::accept(&mut self.stream, column);
-        let clipped = self.network.run::<E>(&mut self.stream, 0..N::UNITS);
+        let clipped = self.network.run::<E>(&mut self.stream);
         (N::output(&self.stream), clipped)
     }
 
-    /// Whether a bit of the column that left last in any layer was not what it had been: the sums rested on it. Every column is kept twice for that.
-    pub fn altered(&self) -> bool {
-        N::altered(&self.stream) != 0
+    /// Decides whether the column that left last in any layer was corrupted, so that the sums
+    /// depended on a flipped bit. Every column is stored twice for this check.
+    pub fn is_history_corrupted(&self) -> bool {
+        N::corruption(&self.stream) != 0
     }
 
-    /// Forgets every column.
+    /// Clears the history.
     pub fn reset(&mut self) {
         self.stream = N::stream();
     }

@@ -1,12 +1,11 @@
-//! The weights of one layer, read in place, and the loops over its outputs.
+//! Weights of one layer, read in place, and the loops over its outputs.
 
 use crate::activation::Activation;
 use crate::error::ImageError;
 use crate::image::{Reader, WeightForm};
-use crate::kernel::{BLOCK, Done, Engine, Kernel, Quad, copy, finish, scaling};
+use crate::kernel::{BLOCK, Engine, Kernel, LayerOutcome, Quad, copy, finish, scaling};
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups, scaled_groups};
 use core::hash::{Hash, Hasher};
-use core::ops::Range;
 
 mod sealed {
     pub trait Sealed {}
@@ -14,18 +13,18 @@ mod sealed {
     impl Sealed for super::PackedWeights<'_> {}
 }
 
-/// What lies around the weights of an output.
+/// Words around the weights of an output.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Around {
-    /// Nothing: a head.
+    /// None, as in a head.
     Nothing,
-    /// Its bias in front and its multiplier behind: a convolution.
+    /// Bias before and multiplier after the weights, as in a convolution.
     Scaling,
 }
 
 impl Around {
-    /// Words in front of the weights, and as many behind them.
+    /// Number of words before the weights; the same number follows them.
     const fn words(self) -> usize {
         match self {
             Self::Nothing => 0,
@@ -34,7 +33,8 @@ impl Around {
     }
 }
 
-/// Weights of a layer in one form of storage: whole blocks of four outputs, then the outputs left over.
+/// Weights of a layer in one storage form: complete blocks of four outputs, then the remaining
+/// outputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Stored<'a, S: Storage> {
     quads: &'a [Quad],
@@ -42,19 +42,19 @@ pub struct Stored<'a, S: Storage> {
     form: core::marker::PhantomData<S>,
 }
 
-/// Gives the place and the length of numbers in memory to a sum.
-pub(crate) fn place<T>(numbers: &[T], sum: &mut impl Hasher) {
-    sum.write_usize(numbers.as_ptr().addr());
-    sum.write_usize(numbers.len());
+/// Hashes the address and the length of numbers in memory.
+pub(crate) fn hash_place<T>(numbers: &[T], state: &mut impl Hasher) {
+    state.write_usize(numbers.as_ptr().addr());
+    state.write_usize(numbers.len());
 }
 
 impl<'a, S: Storage> Stored<'a, S> {
-    fn constants(&self, sum: &mut impl Hasher) {
-        place(self.quads, sum);
-        place(self.rows, sum);
+    fn hash_config(&self, state: &mut impl Hasher) {
+        hash_place(self.quads, state);
+        hash_place(self.rows, state);
     }
 
-    /// Words of one output.
+    /// Number of words of one output.
     const fn words(taps: usize, around: Around) -> usize {
         match around {
             Around::Nothing => groups::<S>(taps),
@@ -76,7 +76,7 @@ impl<'a, S: Storage> Stored<'a, S> {
         })
     }
 
-    /// One of an output's words.
+    /// Returns a word of an output.
     fn word(&self, output: usize, index: usize, words: usize) -> Option<u32> {
         match self.quads.chunks_exact(words).nth(output / BLOCK) {
             Some(block) => block.get(index)?.get(output % BLOCK).copied(),
@@ -140,7 +140,7 @@ impl<'a, S: Storage> Stored<'a, S> {
     }
 
     #[inline]
-    fn units<
+    fn outputs<
         E: Engine + Kernel<S>,
         B: Activation,
         const IN: usize,
@@ -149,22 +149,19 @@ impl<'a, S: Storage> Stored<'a, S> {
         const N: usize,
     >(
         &self,
-        units: Range<usize>,
         columns: &[[S::Activation; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> Done {
+    ) -> LayerOutcome {
         let groups = scaled_groups::<S>(K * IN);
-        let (start, end) =
-            (units.start.wrapping_mul(groups), units.end.min(OUT / BLOCK).wrapping_mul(groups));
-        let blocks = self.quads.get(start..end).unwrap_or_default();
-        let done = <E as Kernel<S>>::blocks::<B, IN, OUT, K, N>(blocks, units.start, columns, outputs);
-        if units.end <= OUT / BLOCK {
-            return done;
+        let blocks = self.quads.get(..(OUT / BLOCK).wrapping_mul(groups)).unwrap_or_default();
+        let outcome = <E as Kernel<S>>::blocks::<B, IN, OUT, K, N>(blocks, columns, outputs);
+        if OUT.is_multiple_of(BLOCK) {
+            return outcome;
         }
         let (_, left) = outputs.first_mut().map(|column| column.as_chunks_mut::<BLOCK>()).unwrap_or_default();
-        let behind = self.left::<E, B, IN, K>(columns, left);
+        let clipped = self.left::<E, B, IN, K>(columns, left);
         copy::<B, OUT, N>(outputs, OUT / BLOCK * BLOCK..OUT);
-        Done { clipped: done.clipped.wrapping_add(behind), ..done }
+        LayerOutcome { clipped: outcome.clipped.wrapping_add(clipped), ..outcome }
     }
 
     #[inline]
@@ -184,9 +181,9 @@ impl<'a, S: Storage> Stored<'a, S> {
     }
 }
 
-/// Weights for activations of one width, in whichever form they are stored.
+/// Weights for activations of one width, in any storage form.
 pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug {
-    /// Takes the weights of `outputs` times `taps` from an image, stored in this form.
+    /// Reads the weights of `outputs` times `taps` from an image, stored in this form.
     #[doc(hidden)]
     fn read(
         reader: &mut Reader<'a>,
@@ -196,21 +193,21 @@ pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug
         around: Around,
     ) -> Result<Self, ImageError>;
 
-    /// All outputs of a convolution at two neighbouring positions from `K + 1` columns; gives how many were clipped.
+    /// Computes all outputs of a convolution at two neighbouring positions from `K + 1` columns;
+    /// returns the number of clipped activations.
     fn pair<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
         &self,
         columns: &[[A; IN]],
         outputs: [&mut [B; OUT]; 2],
     ) -> u32;
 
-    /// Some units (blocks, then what is left over) of a convolution's outputs at one position, to the first of some columns and, unless `N` is 0, to
-    /// the one `N` behind it.
-    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
+    /// Computes all outputs of a convolution at one position. They are written to the first of the
+    /// columns in `outputs` and, unless `N` is 0, also to the column `N` places after it.
+    fn outputs<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         &self,
-        units: Range<usize>,
         columns: &[[A; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> Done;
+    ) -> LayerOutcome;
 
     /// Adds a head's products to its sums.
     fn sums<E: Engine, const IN: usize, const OUT: usize, const K: usize>(
@@ -219,15 +216,15 @@ pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug
         sums: &mut [i32; OUT],
     );
 
-    /// Gives their form and where they lie to a sum.
+    /// Hashes the storage form and the addresses.
     #[doc(hidden)]
-    fn constants(&self, sum: &mut impl Hasher);
+    fn hash_config(&self, state: &mut impl Hasher);
 
-    /// Weight of an output at one of `taps`, if there is such a one.
+    /// Returns the weight of an output at one of `taps`, if it exists.
     #[doc(hidden)]
     fn weight(&self, output: usize, tap: usize, taps: usize, around: Around) -> Option<i32>;
 
-    /// Bias and multiplier of a convolution's output, if there is such a one.
+    /// Returns bias and multiplier of a convolution's output, if it exists.
     #[doc(hidden)]
     fn around(&self, output: usize, taps: usize) -> Option<[i32; 2]>;
 }
@@ -268,15 +265,21 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
     }
 
     #[inline]
-    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
+    fn outputs<
+        E: Engine,
+        B: Activation,
+        const IN: usize,
+        const OUT: usize,
+        const K: usize,
+        const N: usize,
+    >(
         &self,
-        units: Range<usize>,
         columns: &[[i16; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> Done {
+    ) -> LayerOutcome {
         match self {
-            Self::Wide(weights) => weights.units::<E, B, IN, OUT, K, N>(units, columns, outputs),
-            Self::Packed(weights) => weights.units::<E, B, IN, OUT, K, N>(units, columns, outputs),
+            Self::Wide(weights) => weights.outputs::<E, B, IN, OUT, K, N>(columns, outputs),
+            Self::Packed(weights) => weights.outputs::<E, B, IN, OUT, K, N>(columns, outputs),
         }
     }
 
@@ -292,11 +295,11 @@ impl<'a> WeightsOf<'a, i16> for Weights16<'a> {
         }
     }
 
-    fn constants(&self, sum: &mut impl Hasher) {
-        core::mem::discriminant(self).hash(sum);
+    fn hash_config(&self, state: &mut impl Hasher) {
+        core::mem::discriminant(self).hash(state);
         match self {
-            Self::Wide(weights) => weights.constants(sum),
-            Self::Packed(weights) => weights.constants(sum),
+            Self::Wide(weights) => weights.hash_config(state),
+            Self::Packed(weights) => weights.hash_config(state),
         }
     }
 
@@ -327,7 +330,7 @@ impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
         taps: usize,
         around: Around,
     ) -> Result<Self, ImageError> {
-        // A shape with wide weights on 8-bit inputs is none.
+        // Wide weights on 8-bit inputs are not a valid shape.
         Stored::read(reader, outputs, taps, around).map(Self)
     }
 
@@ -341,13 +344,19 @@ impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
     }
 
     #[inline]
-    fn units<E: Engine, B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
+    fn outputs<
+        E: Engine,
+        B: Activation,
+        const IN: usize,
+        const OUT: usize,
+        const K: usize,
+        const N: usize,
+    >(
         &self,
-        units: Range<usize>,
         columns: &[[i8; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> Done {
-        self.0.units::<E, B, IN, OUT, K, N>(units, columns, outputs)
+    ) -> LayerOutcome {
+        self.0.outputs::<E, B, IN, OUT, K, N>(columns, outputs)
     }
 
     #[inline]
@@ -359,8 +368,8 @@ impl<'a> WeightsOf<'a, i8> for PackedWeights<'a> {
         self.0.sums::<E, IN, OUT, K>(columns, sums);
     }
 
-    fn constants(&self, sum: &mut impl Hasher) {
-        self.0.constants(sum);
+    fn hash_config(&self, state: &mut impl Hasher) {
+        self.0.hash_config(state);
     }
 
     fn weight(&self, output: usize, tap: usize, taps: usize, around: Around) -> Option<i32> {

@@ -1,23 +1,24 @@
-//! A network over a window of `P` columns at once, or moved on by one column.
+//! A network over a complete window of `P` columns, or over one that moved by a column.
 
 use crate::activation::Activation;
 use crate::chain::{Chain, forget_oldest};
 use crate::kernel::{Engine, Native};
 use core::marker::PhantomData;
 
-/// What a convolution sees beyond the ends of a window.
+/// Columns that a convolution sees outside a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Padding {
-    /// Zeros before the oldest column: as many outputs as inputs, none of them knows the future.
+    /// Zeros before the oldest column: as many outputs as inputs, none depends on later columns.
     Causal,
-    /// Zeros on both sides (one more behind for even kernels): as many outputs as inputs, each in the middle of what it sees.
+    /// Zeros on both sides (one more after the newest for even kernels): as many outputs as inputs,
+    /// each centred on its inputs.
     Same,
-    /// Nothing: fewer outputs than inputs.
+    /// No padding: fewer outputs than inputs.
     Valid,
 }
 
 impl Padding {
-    /// Zero columns before the oldest.
+    /// Number of zero columns before the oldest.
     pub const fn before(self, kernel: usize) -> usize {
         match self {
             Self::Causal => kernel.saturating_sub(1),
@@ -26,7 +27,7 @@ impl Padding {
         }
     }
 
-    /// Outputs of a convolution over so many columns.
+    /// Number of outputs of a convolution over this number of columns.
     pub const fn outputs(self, columns: usize, kernel: usize) -> usize {
         match self {
             Self::Causal | Self::Same => columns,
@@ -34,12 +35,12 @@ impl Padding {
         }
     }
 
-    /// Further outputs at the old end that a move of the window changes: those that see padding.
+    /// Number of outputs at the old end that a move of the window changes because they see padding.
     pub(crate) const fn stale_left(self, kernel: usize) -> usize {
         self.before(kernel)
     }
 
-    /// Further outputs at the new end that a move of the window changes.
+    /// Number of outputs at the new end that a move of the window changes because they see padding.
     pub(crate) const fn stale_right(self, kernel: usize) -> usize {
         match self {
             Self::Causal | Self::Valid => 0,
@@ -76,7 +77,8 @@ impl Pad for Valid {
 
 /// A network over a window of `P` columns.
 ///
-/// The head takes the newest columns of the last convolution. A window with too few columns for it does not compile.
+/// The head takes the newest columns of the last convolution. A window with too few columns for it
+/// does not compile.
 #[derive(Clone, Debug)]
 pub struct Windowed<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, const P: usize, D, E = Native> {
     network: N,
@@ -87,7 +89,7 @@ pub struct Windowed<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, con
 impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, const P: usize, D: Pad, E: Engine>
     Windowed<'a, N, A, IN, P, D, E>
 {
-    /// A window of zeros, its layers computed.
+    /// Creates a window of zeros and computes its layers.
     pub fn new(network: N) -> Self {
         const {
             let least = match D::PADDING {
@@ -101,14 +103,16 @@ impl<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize, const P: usize, D:
         windowed
     }
 
-    /// Takes a whole window, oldest column first, and gives the head's sums and how many activations were clipped.
+    /// Replaces the complete window, oldest column first; returns the head's sums and the number of
+    /// clipped activations.
     pub fn evaluate(&mut self, columns: &[[A; IN]; P]) -> (N::Output, u32) {
         *N::columns(&mut self.window) = *columns;
         self.network.evaluate::<E, P>(&mut self.window, D::PADDING, P)
     }
 
-    /// Drops the oldest column, takes a new one, and computes what that changes: the same sums as [`Self::evaluate`] over the
-    /// moved window. The count of clipped activations is of those that were computed.
+    /// Drops the oldest column, appends a new one and computes what changes: the same sums as
+    /// [`Self::evaluate`] over the moved window. Only activations that were computed are counted as
+    /// clipped.
     pub fn slide(&mut self, newest: &[A; IN]) -> (N::Output, u32) {
         let columns = N::columns(&mut self.window);
         forget_oldest(columns);

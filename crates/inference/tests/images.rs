@@ -1,19 +1,21 @@
-//! Bad images are refused with a reason; nothing that can be read from a file makes the loader panic.
+//! Bad images are refused with a reason; no bytes make the loader panic.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use inference::image::write::{LayerParts, WriteError, image, image_length, seal};
 use inference::image::{CRC_LENGTH, HEADER_LENGTH, LayerName, LayerShape, SHAPE_LENGTH, WeightForm};
-use inference::{Bearing, Convolution, Head, ImageError, Model, Network, Pair, Sample, Scale, shipped};
+use inference::{
+    BearingMaterial, Convolution, Head, ImageError, Model, Network, Pair, Sample, Scale, shipped,
+};
 use proptest::prelude::*;
 
-/// A copy at an address that it can be read from.
+/// A copy of an image at an address that it can be read from.
 struct Copied {
     words: Vec<u32>,
     length: usize,
 }
 
 impl Copied {
-    fn of(bytes: &[u8]) -> Self {
+    fn new(bytes: &[u8]) -> Self {
         let mut words = vec![0; bytes.len().div_ceil(4)];
         bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
         Self { words, length: bytes.len() }
@@ -32,9 +34,9 @@ fn load(image: &Copied) -> Result<(), ImageError> {
     Model::<i16>::load(image.bytes()).map(|_| ())
 }
 
-/// Loads a shipped image after a change that its check sum was made to fit.
+/// Loads a shipped image after a change, with the checksum adapted.
 fn resealed(change: impl FnOnce(&mut [u8])) -> Result<(), ImageError> {
-    let mut image = Copied::of(shipped(Bearing::Babbitt));
+    let mut image = Copied::new(shipped(BearingMaterial::Babbitt));
     change(image.bytes_mut());
     seal(image.bytes_mut());
     load(&image)
@@ -46,8 +48,8 @@ fn put(image: &mut [u8], at: usize, bytes: &[u8]) {
 
 #[test]
 fn every_flipped_byte_is_refused() {
-    for bearing in Bearing::ALL {
-        let mut image = Copied::of(shipped(bearing));
+    for bearing in BearingMaterial::ALL {
+        let mut image = Copied::new(shipped(bearing));
         for at in 0..image.length {
             image.bytes_mut()[at] ^= 0xff;
             assert!(load(&image).is_err(), "byte {at}");
@@ -58,10 +60,10 @@ fn every_flipped_byte_is_refused() {
 }
 
 #[test]
-fn every_truncation_and_every_extension_is_refused() {
-    let whole = shipped(Bearing::Plastic);
+fn every_truncation_and_extension_is_refused() {
+    let whole = shipped(BearingMaterial::Plastic);
     for length in 0..whole.len() {
-        let error = load(&Copied::of(&whole[..length])).expect_err("short image");
+        let error = load(&Copied::new(&whole[..length])).expect_err("short image");
         let expected = match length {
             0..68 => ImageError::TooShort,
             _ => ImageError::Length { found: length, expected: whole.len() as u32 },
@@ -69,18 +71,18 @@ fn every_truncation_and_every_extension_is_refused() {
         assert_eq!(error, expected);
     }
     let longer = [whole, &[0; 4]].concat();
-    assert!(matches!(load(&Copied::of(&longer)), Err(ImageError::Length { .. })));
+    assert!(matches!(load(&Copied::new(&longer)), Err(ImageError::Length { .. })));
 }
 
 #[test]
 fn an_address_that_weights_cannot_be_read_from_is_refused() {
-    let moved = Copied::of(&[&[0], shipped(Bearing::Plastic)].concat());
+    let moved = Copied::new(&[&[0], shipped(BearingMaterial::Plastic)].concat());
     assert_eq!(Model::<i16>::load(&moved.bytes()[1..]).map(|_| ()), Err(ImageError::Alignment));
 }
 
 #[test]
-fn each_field_of_the_header_has_its_own_reason() {
-    let length = shipped(Bearing::Babbitt).len();
+fn each_header_field_is_refused_with_its_name() {
+    let length = shipped(BearingMaterial::Babbitt).len();
     assert_eq!(resealed(|_| ()), Ok(()));
     assert_eq!(resealed(|image| put(image, 0, b"ELF")), Err(ImageError::Magic));
     assert_eq!(resealed(|image| put(image, 8, &[9, 0])), Err(ImageError::Version { found: 9, expected: 3 }));
@@ -94,7 +96,7 @@ fn each_field_of_the_header_has_its_own_reason() {
     assert_eq!(half_powers.to_string(), "model image: half powers: found 3, expected 0 to 2");
     let reserved = ImageError::Field { name: "reserved number", found: 1, expected: [0, 0] };
     assert_eq!(resealed(|image| put(image, 60, &[1])), Err(reserved));
-    // No rate at all would be inside the range at the floor.
+    // No rate would be inside the range at the floor.
     let floor = resealed(|image| {
         put(image, 24 + 4 * 3, &(1u32 << 12).to_le_bytes());
         put(image, 24 + 4 * 6, &15u32.to_le_bytes());
@@ -134,7 +136,7 @@ fn layers_are_refused_by_name() {
         if layer == first && shape.columns == 5));
     let nonsense = resealed(|image| put(image, HEADER_LENGTH, &[9]));
     assert!(matches!(nonsense, Err(ImageError::Shape { layer, found: None, .. }) if layer == first));
-    // The first layer's multipliers stand behind four biases and four times 12 groups of weights.
+    // The first layer's multipliers follow four biases and four times 12 groups of weights.
     let zero = resealed(|image| put(image, HEADER_LENGTH + SHAPE_LENGTH + 13 * 16, &[0; 4]));
     assert_eq!(zero, Err(ImageError::Scale { layer: first }));
     let bias = resealed(|image| put(image, HEADER_LENGTH + SHAPE_LENGTH + 8, &i32::MAX.to_le_bytes()));
@@ -143,8 +145,8 @@ fn layers_are_refused_by_name() {
         if layer == first && largest >= i64::from(i32::MAX)),
         "{bias:?}"
     );
-    // A model of another type does not take the image.
-    let other = Model::<i8>::load(shipped(Bearing::Babbitt)).map(|_| ());
+    // A model of another type refuses the image.
+    let other = Model::<i8>::load(shipped(BearingMaterial::Babbitt)).map(|_| ());
     assert!(matches!(other, Err(ImageError::Shape { layer, .. }) if layer == first), "{other:?}");
 }
 
@@ -164,9 +166,9 @@ fn shapes<B: inference::model::Between>(features: WeightForm, between: WeightFor
     ]
 }
 
-/// An image whose weights all have one value.
+/// Returns an image whose weights are all equal.
 fn uniform(shapes: &[LayerShape], weight: i16) -> Result<Copied, WriteError> {
-    let header = Model::<i16>::load(shipped(Bearing::Babbitt)).expect("shipped image").header();
+    let header = Model::<i16>::load(shipped(BearingMaterial::Babbitt)).expect("shipped image").header();
     let (weights, ones) = (vec![weight; 768], [1; 16]);
     let parts: Vec<LayerParts<'_>> = (shapes.iter())
         .map(|&shape| LayerParts {
@@ -183,7 +185,7 @@ fn uniform(shapes: &[LayerShape], weight: i16) -> Result<Copied, WriteError> {
 }
 
 #[test]
-fn the_bound_of_a_sum_is_that_of_the_actual_weights() {
+fn the_bound_of_a_sum_follows_from_the_actual_weights() {
     let wide = shapes::<i16>(WeightForm::Wide, WeightForm::Wide);
     // 48 taps of 1365 stay below 2^31 / 2^15 = 65536; 48 of 1366 do not.
     assert_eq!(load(&uniform(&wide, 1365).expect("image")), Ok(()));
@@ -215,9 +217,9 @@ fn wide_weights_on_8_bit_activations_have_no_kernel() {
 }
 
 #[test]
-fn a_room_too_small_and_parts_of_other_lengths_are_refused() {
+fn a_small_buffer_and_parts_of_wrong_lengths_are_refused() {
     let shapes = shapes::<i16>(WeightForm::Packed, WeightForm::Packed);
-    let header = Model::<i16>::load(shipped(Bearing::Babbitt)).expect("shipped image").header();
+    let header = Model::<i16>::load(shipped(BearingMaterial::Babbitt)).expect("shipped image").header();
     let part = LayerParts {
         shape: shapes[0],
         biases: &[0; 16],
@@ -231,11 +233,11 @@ fn a_room_too_small_and_parts_of_other_lengths_are_refused() {
     assert!(image(&header, &[part], &mut [0; 1000]).is_ok());
 }
 
-/// What an image takes in flash, as the README says.
+/// Bytes of an image in flash, as in the README.
 #[test]
 fn sizes_are_as_documented() {
     let readme = include_str!("../README.md");
-    let image = shipped(Bearing::Babbitt).len();
+    let image = shipped(BearingMaterial::Babbitt).len();
     assert_eq!(image, image_length(&shapes::<i16>(WeightForm::Wide, WeightForm::Wide)));
     assert!(readme.contains(&format!("{image} bytes")), "README: {image} bytes of an image");
     let packed = image_length(&shapes::<i16>(WeightForm::Packed, WeightForm::Packed));
@@ -245,8 +247,10 @@ fn sizes_are_as_documented() {
 
 proptest! {
     #[test]
-    fn any_bytes_are_refused_or_run(mut bytes in proptest::collection::vec(any::<u8>(), 0..400), sealed in any::<bool>()) {
-        let mut image = Copied::of(shipped(Bearing::Babbitt));
+    fn any_bytes_are_refused_or_run(
+        mut bytes in proptest::collection::vec(any::<u8>(), 0..400), sealed in any::<bool>(),
+    ) {
+        let mut image = Copied::new(shipped(BearingMaterial::Babbitt));
         let start = bytes.first().copied().map_or(0, usize::from) * 30 % image.length;
         bytes.truncate(image.length - start);
         put(image.bytes_mut(), start, &bytes);
@@ -255,7 +259,11 @@ proptest! {
         }
         if let Ok(model) = Model::<i16>::load(image.bytes()) {
             let mut pair: Pair = Pair::new(model);
-            let sample = Sample { radial_clearance_nm: 500_000, deformation_pm: 30_000_000, ..Sample::default() };
+            let sample = Sample {
+                radial_clearance_nm: 500_000,
+                deformation_pm: 30_000_000,
+                ..Sample::default()
+            };
             for _ in 0..10 {
                 prop_assert!(pair.step(&sample).normal_force_mn >= 0);
             }

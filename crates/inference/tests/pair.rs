@@ -1,17 +1,17 @@
-//! The chained networks of the shipped images: flags, history, gaps, bearings.
+//! The networks of the shipped images in series: flags, history, gaps, bearings.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 use inference::image::write::seal;
 use inference::image::{CRC_LENGTH, HEADER_LENGTH, LayerShape, SHAPE_LENGTH};
 use inference::kernel::Portable;
-use inference::{Bearing, ContactState, Estimate, Flags, Model, Pair, Sample, WINDOW, shipped};
+use inference::{BearingMaterial, ContactState, Estimate, Flags, Model, Pair, Sample, WINDOW, shipped};
 use proptest::prelude::*;
 
-fn model(bearing: Bearing) -> Model<'static> {
+fn model(bearing: BearingMaterial) -> Model<'static> {
     Model::load(shipped(bearing)).expect("shipped image")
 }
 
-/// A press and release of the bearing, sliding to and fro.
+/// Returns a sample of a press and release with sliding in both directions.
 fn sample(step: usize) -> Sample {
     let phase = step as f64 * 0.3;
     Sample {
@@ -35,16 +35,22 @@ prop_compose! {
         approach_speed_nm_s in any::<u32>(),
         sliding_speed_nm_s in any::<i32>(),
     ) -> Sample {
-        Sample { radial_clearance_nm, deformation_pm, deformation_rate_nm_s, approach_speed_nm_s, sliding_speed_nm_s }
+        Sample {
+            radial_clearance_nm,
+            deformation_pm,
+            deformation_rate_nm_s,
+            approach_speed_nm_s,
+            sliding_speed_nm_s,
+        }
     }
 }
 
 proptest! {
     #[test]
-    fn any_samples_give_sound_estimates_equal_on_both_engines(
+    fn any_samples_give_valid_estimates_equal_on_both_engines(
         samples in proptest::collection::vec(any_sample(), 1..20),
     ) {
-        for bearing in Bearing::ALL {
+        for bearing in BearingMaterial::ALL {
             let mut native: Pair = Pair::new(model(bearing));
             let mut portable: Pair<'_, i16, Portable> = Pair::new(model(bearing));
             for sample in &samples {
@@ -60,7 +66,7 @@ proptest! {
     }
 
     #[test]
-    fn any_numbers_give_sound_estimates(
+    fn any_numbers_give_valid_estimates(
         clearance in any::<f32>(), deformation in any::<f32>(), rate in any::<f32>(),
         approach in any::<f32>(), sliding in any::<f32>(),
     ) {
@@ -71,7 +77,7 @@ proptest! {
             approach_speed_m_s: approach,
             sliding_speed_m_s: sliding,
         };
-        let mut pair: Pair = Pair::new(model(Bearing::Babbitt));
+        let mut pair: Pair = Pair::new(model(BearingMaterial::Babbitt));
         let estimate = pair.push(&state);
         prop_assert!(estimate.normal_force_n() >= 0.0);
         prop_assert_eq!(estimate.flags.contains(Flags::NON_FINITE), !state.is_finite());
@@ -82,8 +88,8 @@ proptest! {
 }
 
 #[test]
-fn reset_forgets_everything_and_the_start_is_flagged() {
-    let mut pair: Pair = Pair::new(model(Bearing::Babbitt));
+fn reset_clears_the_history_and_flags_the_start() {
+    let mut pair: Pair = Pair::new(model(BearingMaterial::Babbitt));
     let first = run(&mut pair, 0..20);
     let warm = run(&mut pair, 0..20);
     assert_ne!(first, warm, "the history matters");
@@ -94,13 +100,14 @@ fn reset_forgets_everything_and_the_start_is_flagged() {
     }
 }
 
-/// Puts the weights of the friction network's convolutions in another order, each row's among themselves.
+/// Permutes the weights of the friction network's convolutions within each row.
 fn reorder_friction(image: &mut [u8], by: usize) {
     let mut at = HEADER_LENGTH;
     for layer in 0.. {
         let Some(shape) = image[at..].first_chunk().and_then(LayerShape::from_bytes) else { break };
         let end = at + shape.length();
-        // Four layers a network. In a convolution a block of four outputs has biases in front of its weights and multipliers behind.
+        // Four layers per network. In a convolution a block of four outputs has biases before its
+        // weights and multipliers after them.
         if (4..7).contains(&layer) {
             let blocks = image[at + SHAPE_LENGTH..end].chunks_exact_mut(16 * (shape.groups() + 2));
             for block in blocks {
@@ -112,18 +119,20 @@ fn reorder_friction(image: &mut [u8], by: usize) {
     seal(image);
 }
 
-/// Collision estimates are free of the start after one window, friction estimates after the second, as `WARMING_UP` says. The
-/// trained networks hardly feel forces so old; with their weights in another order they do.
+/// Collision estimates are independent of the start after one window, friction estimates after two,
+/// as `WARMING_UP` documents. The trained networks hardly depend on forces that old; with permuted
+/// weights they do.
 #[test]
-fn the_start_is_forgotten_when_the_flag_says_so() {
-    // In contact from the first sample on, so that the first estimates matter to the later ones.
+fn estimates_are_independent_of_the_start_when_the_flag_ends() {
+    // In contact from the first sample, so that the first estimates affect the later ones.
     let press = |mut pair: Pair<'_>| -> Vec<Estimate> {
         (0..20)
             .map(|step| pair.step(&Sample { deformation_pm: 20_000_000 + 1_000_000 * step, ..sample(3) }))
             .collect()
     };
     let mut longest = 0;
-    for (bearing, order) in Bearing::ALL.into_iter().flat_map(|bearing| (0..20).map(move |by| (bearing, by)))
+    for (bearing, order) in
+        BearingMaterial::ALL.into_iter().flat_map(|bearing| (0..20).map(move |by| (bearing, by)))
     {
         let mut words = vec![0u32; shipped(bearing).len() / 4];
         let image: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
@@ -146,7 +155,7 @@ fn the_start_is_forgotten_when_the_flag_says_so() {
 }
 
 #[test]
-fn speeds_that_no_sample_holds_are_flagged() {
+fn speeds_beyond_the_range_of_a_sample_are_flagged() {
     let slow = ContactState {
         radial_clearance_m: 0.5e-3,
         deformation_m: 2e-5,
@@ -154,9 +163,11 @@ fn speeds_that_no_sample_holds_are_flagged() {
         approach_speed_m_s: 1.0,
         sliding_speed_m_s: 0.0,
     };
-    let flags = |state: ContactState| Pair::<'_, i16>::new(model(Bearing::Babbitt)).push(&state).flags;
+    let flags =
+        |state: ContactState| Pair::<'_, i16>::new(model(BearingMaterial::Babbitt)).push(&state).flags;
     assert!(!flags(slow).intersects(Flags::OUTSIDE_TRAINING));
-    // The ratios are -50 (outside) and 0.01, but would be -1 and 0.25 of what is left of the numbers.
+    // The ratios are -50 (outside) and 0.01, but would be -1 and 0.25 after saturation of the
+    // integers.
     for (rate, approach) in [(-100.0, 2.0), (-100.0, 4.2), (1.0, 100.0)] {
         let state = ContactState { deformation_rate_m_s: rate, approach_speed_m_s: approach, ..slow };
         assert!(flags(state).contains(Flags::OUTSIDE_RATE_RATIO), "{state:?}");
@@ -165,8 +176,8 @@ fn speeds_that_no_sample_holds_are_flagged() {
 }
 
 #[test]
-fn a_bad_or_missing_sample_gives_zero_is_flagged_and_starts_the_history_anew() {
-    let mut pair: Pair = Pair::new(model(Bearing::Babbitt));
+fn a_bad_or_missing_sample_gives_zero_is_flagged_and_restarts_the_history() {
+    let mut pair: Pair = Pair::new(model(BearingMaterial::Babbitt));
     let fresh = run(&mut pair, 0..12);
     let bad = pair.push(&ContactState { deformation_m: f32::NAN, ..ContactState::default() });
     assert!(bad.flags.contains(Flags::NON_FINITE | Flags::WARMING_UP));
@@ -180,21 +191,21 @@ fn a_bad_or_missing_sample_gives_zero_is_flagged_and_starts_the_history_anew() {
 
 #[test]
 fn bearings_switch_between_two_samples() {
-    let mut pair: Pair = Pair::new(model(Bearing::Babbitt));
+    let mut pair: Pair = Pair::new(model(BearingMaterial::Babbitt));
     let babbitt = run(&mut pair, 0..30);
-    pair.switch(model(Bearing::Plastic));
+    pair.switch(model(BearingMaterial::Plastic));
     let switched = run(&mut pair, 30..60);
-    let mut plastic: Pair = Pair::new(model(Bearing::Plastic));
+    let mut plastic: Pair = Pair::new(model(BearingMaterial::Plastic));
     assert_eq!(run(&mut plastic, 30..60), switched);
     assert!(switched[0].flags.contains(Flags::WARMING_UP));
-    pair.switch(model(Bearing::Babbitt));
+    pair.switch(model(BearingMaterial::Babbitt));
     assert_eq!(run(&mut pair, 0..30), babbitt);
-    assert_eq!(pair.model().header().bearing, Bearing::Babbitt);
+    assert_eq!(pair.model().header().bearing, BearingMaterial::Babbitt);
 }
 
 #[test]
 fn each_input_outside_the_training_range_has_its_flag() {
-    let model = model(Bearing::Plastic);
+    let model = model(BearingMaterial::Plastic);
     let header = model.header();
     let inside = Sample {
         radial_clearance_nm: 500_000,
@@ -236,13 +247,13 @@ fn each_input_outside_the_training_range_has_its_flag() {
 }
 
 #[test]
-fn a_coefficient_of_one_is_no_friction() {
+fn a_coefficient_of_one_is_flagged_as_implausible() {
     let coefficient_times = |power: u32| {
-        let mut words = vec![0u32; shipped(Bearing::Babbitt).len() / 4];
+        let mut words = vec![0u32; shipped(BearingMaterial::Babbitt).len() / 4];
         let image: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
-        image.copy_from_slice(shipped(Bearing::Babbitt));
+        image.copy_from_slice(shipped(BearingMaterial::Babbitt));
         // The friction network's head is the last layer: scale, one bias, 16 groups of weights.
-        let shift = &mut image[shipped(Bearing::Babbitt).len() - CRC_LENGTH - 4 * 18..][..4];
+        let shift = &mut image[shipped(BearingMaterial::Babbitt).len() - CRC_LENGTH - 4 * 18..][..4];
         let found = u32::from_le_bytes(shift.try_into().expect("four bytes"));
         shift.copy_from_slice(&(found - power).to_le_bytes());
         seal(image);
@@ -259,10 +270,11 @@ fn a_coefficient_of_one_is_no_friction() {
 
 #[test]
 fn a_single_clipped_activation_is_counted_and_flagged() {
-    let mut words = vec![0u32; shipped(Bearing::Babbitt).len() / 4];
+    let mut words = vec![0u32; shipped(BearingMaterial::Babbitt).len() / 4];
     let image: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
-    image.copy_from_slice(shipped(Bearing::Babbitt));
-    // The first multiplier stands behind the layer's shape, four biases and four times 12 groups of weights: the first output at the largest factor.
+    image.copy_from_slice(shipped(BearingMaterial::Babbitt));
+    // The first multiplier follows the layer's shape, four biases and four times 12 groups of
+    // weights; it gives the first output the largest factor.
     let at = HEADER_LENGTH + SHAPE_LENGTH + 13 * 16;
     image[at..at + 4].copy_from_slice(&i32::MAX.to_le_bytes());
     seal(image);

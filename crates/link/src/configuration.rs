@@ -1,19 +1,21 @@
-//! What the controller is told: the bench, the channels' calibration, the limits.
+//! Configuration of the controller: bench, calibration of the channels, limits.
 //!
-//! A [`ControllerConfiguration`] is checked as a whole before anything changes, and refused with every reason at once
-//! ([`Reasons`]). The ranges that are served are those of `firmware::configuration`. Whole numbers, the unit in the name.
+//! A [`ControllerConfiguration`] is checked completely before anything changes. A refusal carries
+//! every reason at once ([`Reasons`]). The accepted ranges are those of
+//! `controller::configuration`. All fields are integers with the unit in the name.
 
 use serde::{Deserialize, Serialize};
 
 use crate::track::{CHANNELS, MonitorConfiguration, MonitorField, SensorChannel};
 use crate::{Wiring, WiringField};
 
-/// Version of the layout and meaning of [`ControllerConfiguration`]; a record of another version is not read.
+/// Version of the layout and meaning of [`ControllerConfiguration`]. Records of other versions are
+/// not read.
 pub const CONFIGURATION_VERSION: u8 = 2;
 
-/// The bench that the controller is beside.
+/// Bench that the controller observes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Configuration {
+pub struct BenchConfiguration {
     /// Bearing code: 0 Babbitt, 1 plastic.
     pub bearing: u8,
     /// Radial clearance, nm.
@@ -22,43 +24,46 @@ pub struct Configuration {
     pub journal_radius_nm: u32,
     /// Time between samples, us.
     pub sample_period_us: u32,
-    /// Least approach speed that is latched at an onset, um/s.
+    /// Minimum approach speed that is latched at an onset, um/s.
     pub latch_floor_um_s: u32,
-    /// Approach speed assumed for a contact whose onset was not seen, um/s: what is known of how the bench starts.
+    /// Approach speed assumed for a contact whose onset was not seen, um/s. It follows from how the
+    /// bench starts.
     pub unseen_approach_um_s: u32,
 }
 
-/// How a channel's raw value becomes the true one: `true = (raw - offset) * gain`.
+/// Calibration of a channel: `true = (raw - offset) * gain`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Calibration {
     /// Offset in the channel's unit: nm, nrad or mN.
     pub offset: i32,
-    /// Gain, millionths: 1,000,000 leaves the value as it is.
+    /// Gain in millionths; 1,000,000 leaves the value unchanged.
     pub gain_ppm: u32,
 }
 
 impl Calibration {
-    /// Leaves every value as it is.
+    /// Calibration that leaves every value unchanged.
     pub const NONE: Self = Self { offset: 0, gain_ppm: 1_000_000 };
 }
 
-/// Limits of the session and how often it reports.
+/// Limits of a run, and the period of its reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
     /// Normal contact force above which an estimate is flagged, N; 0 for none.
     pub force_limit_n: u32,
-    /// Friction level above which the slow telemetry says so, thousandths of the trained friction; 0 for none.
+    /// Friction level above which the slow telemetry raises an alarm, in thousandths of the trained
+    /// friction; 0 for none.
     pub friction_level_limit_per_mille: u32,
-    /// Late estimates one after the other at which the controller trips; 0 for never.
+    /// Number of consecutive late estimates that trips the controller; 0 for never.
     pub deadline_trip_count: u16,
-    /// Samples of one unchanging code after which a sensor counts as stuck.
+    /// Number of samples with one unchanged code after which a sensor counts as stuck.
     pub stuck_samples: u16,
-    /// Samples from one frame of slow telemetry to the next; 0 for none.
+    /// Number of samples between two frames of slow telemetry; 0 for none.
     pub slow_every: u16,
 }
 
 impl Limits {
-    /// No limit on the forces, a trip after ten late estimates in a row, slow telemetry ten times a second at 10 kHz.
+    /// No limit on forces, a trip after ten late estimates in a row, ten frames of slow telemetry a
+    /// second at 10 kHz.
     pub const DEFAULT: Self = Self {
         force_limit_n: 0,
         friction_level_limit_per_mille: 0,
@@ -68,27 +73,28 @@ impl Limits {
     };
 }
 
-/// Everything the controller is told.
+/// Complete configuration of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ControllerConfiguration {
     /// [`CONFIGURATION_VERSION`].
     pub version: u8,
-    /// The bench.
-    pub bench: Configuration,
-    /// By [`SensorChannel`].
+    /// Bench.
+    pub bench: BenchConfiguration,
+    /// Calibration by [`SensorChannel`].
     pub calibration: [Calibration; CHANNELS],
-    /// What the monitor has to know.
+    /// Configuration of the monitor.
     pub monitor: MonitorConfiguration,
     /// Limits.
     pub limits: Limits,
-    /// The controller's own sensors.
+    /// Wiring of the controller's own sensors.
     pub wiring: Wiring,
 }
 
 impl ControllerConfiguration {
-    /// A bench with calibrated channels, the limits and the wiring left as they are.
+    /// Creates the configuration of a bench with calibrated channels, default limits and default
+    /// wiring.
     #[must_use]
-    pub const fn new(bench: Configuration, monitor: MonitorConfiguration) -> Self {
+    pub const fn new(bench: BenchConfiguration, monitor: MonitorConfiguration) -> Self {
         Self {
             version: CONFIGURATION_VERSION,
             bench,
@@ -100,7 +106,7 @@ impl ControllerConfiguration {
     }
 }
 
-/// A field of a [`ControllerConfiguration`].
+/// Field of a [`ControllerConfiguration`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Field {
     /// `version`.
@@ -137,33 +143,33 @@ pub enum Field {
     Wiring(WiringField),
 }
 
-/// A value that cannot be served.
+/// Value outside its accepted range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OutOfRange {
-    /// Which.
+    /// Field with the value.
     pub field: Field,
-    /// Found.
+    /// Value found.
     pub found: i64,
-    /// Least.
+    /// Minimum accepted value.
     pub min: i64,
-    /// Most.
+    /// Maximum accepted value.
     pub max: i64,
 }
 
-/// Reasons that go into one answer.
+/// Maximum number of reasons in one answer.
 pub const MAX_REASONS: usize = 12;
 
-/// Why a configuration was refused: every field that is out of range.
+/// Reasons of a refusal: every field that is out of range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Reasons {
-    /// How many fields are out of range.
+    /// Number of fields that are out of range.
     pub count: u8,
-    /// The first of them.
+    /// First [`MAX_REASONS`] of them.
     pub first: [Option<OutOfRange>; MAX_REASONS],
 }
 
 impl Reasons {
-    /// Adds a reason; beyond [`MAX_REASONS`] it is only counted.
+    /// Adds a reason. Reasons beyond [`MAX_REASONS`] are only counted.
     pub fn add(&mut self, reason: OutOfRange) {
         if let Some(free) = self.first.get_mut(usize::from(self.count)) {
             *free = Some(reason);
@@ -171,31 +177,27 @@ impl Reasons {
         self.count = self.count.saturating_add(1);
     }
 
-    /// The reasons that are told in full.
+    /// Iterates over the reasons that are stored.
     pub fn iter(&self) -> impl Iterator<Item = &OutOfRange> {
         self.first.iter().flatten()
     }
 }
 
-/// The configuration as accepted, with what will serve it.
+impl From<OutOfRange> for Reasons {
+    fn from(reason: OutOfRange) -> Self {
+        let mut reasons = Self::default();
+        reasons.add(reason);
+        reasons
+    }
+}
+
+/// Accepted configuration, with the model and window that serve it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Configured {
     /// CRC-32 of the configuration in its serialised form.
     pub configuration_crc: u32,
-    /// The model in use.
+    /// Model in use.
     pub model: crate::ModelId,
     /// Samples in the conditioning's window.
     pub window: u16,
-}
-
-/// Why an estimator was not made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
-    /// The bench is outside what can be served; the first field that is.
-    OutOfRange(OutOfRange),
-    /// The model image on board is damaged or not for this bearing.
-    Image {
-        /// Position of the cause in the inference crate's list of image errors.
-        cause: u8,
-    },
 }

@@ -1,15 +1,15 @@
-//! What happened, in numbers: nothing is lost without being counted.
+//! Counters of events, so that no loss goes unnoticed.
 
 use serde::{Deserialize, Serialize};
 
-/// What the controller counted since it was configured (link: since it started). The counts stop at their maximum.
+/// Counts since the last configuration; those of the link since the start. All counters saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
     /// Samples served.
     pub samples: u32,
     /// Samples whose estimate carried a sensor flag.
     pub flagged: u32,
-    /// Samples whose sequence number did not follow.
+    /// Samples with a sequence number out of order.
     pub sequence_gaps: u32,
     /// Samples whose time did not advance by the sample period.
     pub time_faults: u32,
@@ -17,37 +17,37 @@ pub struct Counters {
     pub over_force: u32,
     /// Estimates that took longer than the sample period.
     pub deadline_overruns: u32,
-    /// Times that the controller tripped.
+    /// Number of trips.
     pub trips: u32,
     /// Estimates held because the controller had tripped.
     pub held: u32,
-    /// Timer ticks that found no sample waiting (silicon).
+    /// Timer ticks without a waiting sample (silicon).
     pub idle_ticks: u32,
-    /// Samples of the link dropped: the queue was full, or the controller takes its own.
+    /// Samples of the link that were dropped: full queue, or a controller that takes its own.
     pub dropped_samples: u32,
-    /// Estimates dropped because the queue was full or the line took none.
+    /// Estimates dropped because the queue was full or the line accepted none.
     pub dropped_estimates: u32,
     /// Other answers that were dropped.
     pub dropped_answers: u32,
-    /// Commands that came again and were answered again.
+    /// Commands that were repeated and answered again.
     pub repeated_commands: u32,
     /// Commands that were refused.
     pub refused_commands: u32,
     /// Received bytes dropped because the buffer was full.
     pub dropped_bytes: u32,
-    /// Bytes that the serial port itself received wrongly.
+    /// Receive errors of the serial port.
     pub line_errors: LineErrors,
     /// Frames that were refused.
     pub bad_frames: crate::BadFrames,
 }
 
-/// What the serial port's hardware found wrong with what it received, each found at most once a byte.
+/// Receive errors that the serial port's hardware detected, each at most once per byte.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LineErrors {
-    /// A byte came before the one before it was fetched: one of them is lost.
+    /// A byte arrived before the previous one was fetched: one of them is lost.
     pub overruns: u32,
-    /// No stop bit where it had to be: another baud rate, a broken or unconnected line.
+    /// No stop bit: another baud rate, or a broken or unconnected line.
     pub framing: u32,
-    /// The samples of a bit did not agree: disturbances.
+    /// The samples of a bit did not agree: noise.
     pub noise: u32,
 }

@@ -1,7 +1,8 @@
-//! Bytes to messages: an incremental decoder that survives anything.
+//! Incremental decoder of messages that accepts any bytes.
 //!
-//! Bytes go in one at a time; at each delimiter comes either a message or the reason why the bytes before it were not one. After a
-//! damaged frame the decoder is in step again at the next delimiter. Every refused frame is counted by cause.
+//! Bytes enter one at a time. Each delimiter yields a message, or the reason why the bytes before
+//! it are not a message. After a damaged frame the decoder is synchronous again at the next
+//! delimiter. Rejected frames are counted by cause.
 
 use cobs::{DecodeResult, DecoderState};
 use heapless::Vec;
@@ -9,20 +10,20 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::{MAGIC, MAX_PAYLOAD, PROTOCOL_VERSION, crc32};
 
-/// Why the bytes up to a delimiter are not a message.
+/// Reason why the bytes up to a delimiter are not a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FrameError {
-    /// The stuffing does not end where the frame does.
+    /// The stuffing does not end where the frame ends.
     Cobs,
-    /// The check sum does not match.
+    /// The checksum does not match.
     Crc,
-    /// Longer than any frame.
+    /// The frame is longer than the maximum.
     Overlong,
-    /// Sound, but no message of this protocol.
+    /// The frame is intact but holds no message of this protocol.
     Unknown,
-    /// Sound, but a greeting of another protocol version.
+    /// The frame is an intact hello frame of another protocol version.
     OtherVersion {
-        /// The version found.
+        /// Version found.
         found: u8,
     },
 }
@@ -31,7 +32,7 @@ impl core::fmt::Display for FrameError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Cobs => f.write_str("broken stuffing"),
-            Self::Crc => f.write_str("check sum does not match"),
+            Self::Crc => f.write_str("checksum does not match"),
             Self::Overlong => write!(f, "longer than {MAX_PAYLOAD} bytes"),
             Self::Unknown => f.write_str("no message of this protocol"),
             Self::OtherVersion { found } => {
@@ -43,7 +44,7 @@ impl core::fmt::Display for FrameError {
 
 impl core::error::Error for FrameError {}
 
-/// Refused frames by cause. The counts stop at their maximum.
+/// Rejected frames by cause. The counts saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BadFrames {
     /// [`FrameError::Cobs`].
@@ -57,13 +58,13 @@ pub struct BadFrames {
 }
 
 impl BadFrames {
-    /// All causes together.
+    /// Returns the sum over all causes.
     #[must_use]
     pub const fn total(&self) -> u32 {
         self.cobs.saturating_add(self.crc).saturating_add(self.overlong).saturating_add(self.unknown)
     }
 
-    /// Counts one refused frame.
+    /// Counts one rejected frame.
     pub fn count(&mut self, error: FrameError) {
         let counter = match error {
             FrameError::Cobs => &mut self.cobs,
@@ -98,13 +99,13 @@ impl Decoder {
         Self { stuffing: DecoderState::Idle, payload: Vec::new(), overlong: false, bad }
     }
 
-    /// Frames refused so far.
+    /// Returns the counts of rejected frames.
     #[must_use]
     pub const fn bad_frames(&self) -> BadFrames {
         self.bad
     }
 
-    /// Takes one byte. Returns something only at a delimiter that closes a frame.
+    /// Takes one byte. Returns a result only at a delimiter that ends a frame.
     pub fn push<M: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<M, FrameError>> {
         let result = match self.stuffing.feed(byte) {
             Ok(DecodeResult::NoData) => return None,
@@ -125,7 +126,7 @@ impl Decoder {
     }
 }
 
-/// Checks the CRC, then reads the message, which must use up the payload.
+/// Checks the CRC and reads the message, which must use the complete payload.
 fn parse<M: DeserializeOwned>(payload: &[u8]) -> Result<M, FrameError> {
     let (message, sum) = payload.split_last_chunk::<4>().ok_or(FrameError::Crc)?;
     if crc32(message) != u32::from_le_bytes(*sum) {
@@ -140,7 +141,8 @@ fn parse<M: DeserializeOwned>(payload: &[u8]) -> Result<M, FrameError> {
     }
 }
 
-/// Version of a greeting that is not ours. A greeting starts with its variant (0), the magic and the version in every version.
+/// Returns the version of a hello frame of another protocol. In every version a hello frame starts
+/// with its variant (0), the magic and the version.
 fn other_version(message: &[u8]) -> Option<u8> {
     let rest = message.strip_prefix(&[0])?.strip_prefix(&MAGIC)?;
     rest.first().copied().filter(|&version| version != PROTOCOL_VERSION)

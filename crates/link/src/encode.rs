@@ -1,18 +1,19 @@
-//! Message to frame.
+//! Encoding of messages as frames.
 //!
-//! The COBS stage is written out here because a controller that must not contain a panic cannot link the `cobs` crate's encoder
-//! with overflow checks on; the crate is the oracle in the tests.
+//! COBS is written out here because a controller without panics cannot link the encoder of the
+//! `cobs` crate with overflow checks on. The tests use that crate as the oracle.
 //!
-//! Estimates have a way of their own, [`encode_estimate`]: same bytes, a fixed number of instructions, for the controller's tick.
+//! [`encode_estimate`] encodes estimates separately: the same bytes in a constant number of
+//! instructions, for the controller's tick.
 
 use core::hint::black_box;
 
 use serde::Serialize;
 
-use crate::check_sum::{START, take_word};
+use crate::crc32::{INITIAL, update_word};
 use crate::{DELIMITER, EstimateLayout, MAX_FRAME, MAX_PAYLOAD, NumberedEstimate, crc32};
 
-/// The message does not fit into a frame.
+/// Error: the message does not fit into a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EncodeError;
 
@@ -24,11 +25,11 @@ impl core::fmt::Display for EncodeError {
 
 impl core::error::Error for EncodeError {}
 
-/// Encodes a message into `frame` and returns the part that goes on the wire, delimiter included.
+/// Encodes a message into `frame` and returns the part to send, delimiter included.
 ///
 /// # Errors
 ///
-/// The message does not fit; none of this crate's messages is that long.
+/// The message does not fit. None of this crate's messages is that long.
 pub fn encode<'a, M: Serialize>(
     message: &M,
     frame: &'a mut [u8; MAX_FRAME],
@@ -43,29 +44,36 @@ pub fn encode<'a, M: Serialize>(
     frame.get(..len).ok_or(EncodeError)
 }
 
-/// Bytes of an estimate's message with its CRC.
+/// Length of an estimate's message with its CRC, in bytes.
 const ESTIMATE_PAYLOAD: usize = 52;
-/// Bytes of an estimate on the wire.
+/// Length of an estimate on the wire, in bytes.
 pub const ESTIMATE_FRAME: usize = ESTIMATE_PAYLOAD + 2;
-/// Position of [`crate::ToHost::Estimate`] among the variants.
+/// Index of [`crate::ToHost::Estimate`] among the variants.
 const ESTIMATE_KIND: u8 = 2;
 
-/// Encodes an estimate: the bytes that [`encode`] gives for [`crate::ToHost::Estimate`], word by word and without a branch on data.
+/// Encodes an estimate: the bytes that [`encode`] gives for [`crate::ToHost::Estimate`], word by
+/// word and without a branch on data.
 ///
-/// `parity` is that of its floats as they were computed ([`crate::EstimateFrame::parity`]). With another one, a bit of them has flipped since; the check sum
-/// is then wrong, so that nobody takes the frame. It is looked at behind the check sum: what flips before that or later shows, too.
+/// `difference` gets the bits of the six floats ([`crate::EstimateFrame::value_bits`]). It returns
+/// 0 if they are those that were computed. If not, the CRC of the frame is made wrong, so the host
+/// rejects it. The floats are checked after the CRC was computed, so that a later flip is detected
+/// too.
 #[inline]
-pub fn encode_estimate(estimate: &NumberedEstimate, parity: u32, frame: &mut [u8; ESTIMATE_FRAME]) {
+pub fn encode_estimate(
+    estimate: &NumberedEstimate,
+    difference: impl FnOnce(&[u32; 6]) -> u32,
+    frame: &mut [u8; ESTIMATE_FRAME],
+) {
     let EstimateLayout([dropped, low, high], fields) = (*estimate).into();
     let [a, b, c, d, e, f, g, h, i, j, k] = fields;
     let first = [ESTIMATE_KIND, dropped, low, high];
     let mut words = [first, a, b, c, d, e, f, g, h, i, j, k, [0; 4]].map(u32::from_le_bytes);
     let [message @ .., sum] = &mut words;
-    *sum = !message.iter().fold(START, |sum, word| take_word(sum, *word));
-    let [_, _, _, _, numbers @ .., _, _] = &*black_box(message);
-    *sum ^= numbers.iter().fold(parity, |found, number| found ^ number);
+    *sum = !message.iter().fold(INITIAL, |sum, word| update_word(sum, *word));
+    let [_, _, _, _, values @ .., _, _] = &*black_box(message);
+    *sum ^= difference(values);
 
-    // From the end: a zero becomes the distance to the next one, the delimiter being the last.
+    // Backwards: a zero becomes the distance to the next one; the delimiter is the last zero.
     let mut distance = 1_u32;
     for word in words.iter_mut().rev() {
         let Zeros { within, open, passed, kept } = ZEROS[zeros(*word)];
@@ -81,16 +89,18 @@ pub fn encode_estimate(estimate: &NumberedEstimate, parity: u32, frame: &mut [u8
     *delimiter = DELIMITER;
 }
 
-/// What stuffing makes of the zeros of a word, by which of its four bytes are zeros.
+/// Stuffing of one word, selected by which of its four bytes are zeros.
 #[derive(Clone, Copy)]
 struct Zeros {
-    /// In place of each zero but the last the distance to the next one in the word, of the last one that to the word's end.
+    /// Distances in place of zeros: to the next zero in the word, or from the last zero to the end
+    /// of the word.
     within: u32,
-    /// 1 in place of the last zero: times the distance from the word's end to the next zero.
+    /// Has a 1 in place of the last zero. It is multiplied by the distance from the word's end to
+    /// the next zero.
     open: u32,
-    /// Distance from the first zero to the word's start; of all four bytes without one.
+    /// Distance from the first zero to the start of the word; 4 without a zero.
     passed: u32,
-    /// 1 without a zero: the distance goes on growing.
+    /// 1 if the word has no zero, so that the distance grows on.
     kept: u32,
 }
 
@@ -116,16 +126,17 @@ static ZEROS: [Zeros; 16] = {
     table
 };
 
-/// Which bytes of a word are zeros, a bit each.
+/// Returns one bit for each byte of a word that is zero.
 fn zeros(word: u32) -> usize {
     const LOW: u32 = 0x7F7F_7F7F;
-    // The highest bit of each byte: set unless all of its bits are clear.
+    // Sets the highest bit of each byte unless all its bits are clear.
     let others = (word & LOW).wrapping_add(LOW) | word;
-    // Bits 7, 15, 23 and 31 side by side.
+    // Collects bits 7, 15, 23 and 31.
     ((!others & !LOW).wrapping_mul(1 << 21 | 1 << 14 | 1 << 7 | 1) >> 28) as usize
 }
 
-/// COBS for payloads below 254 bytes: zeros are replaced by the distance to the next one. Returns the bytes written.
+/// Applies COBS to a payload of fewer than 254 bytes: each zero becomes the distance to the next
+/// one. Returns the number of bytes written.
 fn stuff(payload: &[u8], frame: &mut [u8]) -> Option<usize> {
     let mut code_at = 0_usize;
     let mut end = 1_usize;
@@ -155,7 +166,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn stuffing_is_that_of_the_cobs_crate(payload in prop::collection::vec(prop_oneof![Just(0_u8), any::<u8>()], 1..MAX_PAYLOAD)) {
+        fn stuffing_equals_that_of_the_cobs_crate(
+            payload in prop::collection::vec(prop_oneof![Just(0_u8), any::<u8>()], 1..MAX_PAYLOAD),
+        ) {
             let mut ours = [0xAA; MAX_FRAME];
             let len = stuff(&payload, &mut ours).unwrap();
             let mut theirs = cobs::encode_vec(&payload);
@@ -164,29 +177,35 @@ mod tests {
         }
 
         #[test]
-        fn an_estimate_s_own_way_gives_the_same_bytes(dropped in any::<u8>(), low in any::<u8>(), high in prop_oneof![Just(0_u8), any::<u8>()], words in prop::array::uniform11(prop_oneof![Just(0_u32), 0..300_u32, any::<u32>()])) {
-            let estimate = NumberedEstimate::from(EstimateLayout([dropped, low, high], words.map(u32::to_le_bytes)));
+        fn the_encoding_of_estimates_gives_the_bytes_of_the_general_one(
+            dropped in any::<u8>(),
+            low in any::<u8>(),
+            high in prop_oneof![Just(0_u8), any::<u8>()],
+            words in prop::array::uniform11(prop_oneof![Just(0_u32), 0..300_u32, any::<u32>()]),
+        ) {
+            let layout = EstimateLayout([dropped, low, high], words.map(u32::to_le_bytes));
+            let estimate = NumberedEstimate::from(layout);
             let mut frame = [0; MAX_FRAME];
             let mut own = [0xAA; ESTIMATE_FRAME];
-            encode_estimate(&estimate, estimate.estimate.parity(), &mut own);
+            encode_estimate(&estimate, |_| 0, &mut own);
             prop_assert_eq!(encode(&ToHost::Estimate(estimate), &mut frame).unwrap(), &own);
         }
     }
 
     #[test]
-    fn a_number_that_is_not_what_it_was_spoils_the_frame() {
+    fn a_flipped_bit_of_a_number_corrupts_the_frame() {
         let sound = EstimateFrame { normal_force_n: 7.5, flags: 3, ..EstimateFrame::default() };
-        let frames = |estimate, parity| {
+        let frames = |estimate: EstimateFrame, computed: [u32; 6]| {
             let mut frame = [0; ESTIMATE_FRAME];
             encode_estimate(
                 &NumberedEstimate { estimate, ..NumberedEstimate::default() },
-                parity,
+                |values| values.iter().zip(computed).fold(0, |found, (now, then)| found | (now ^ then)),
                 &mut frame,
             );
             let mut decoder = Decoder::new();
             frame.iter().filter_map(|&byte| decoder.push::<ToHost>(byte)).collect::<Vec<_>>()
         };
-        assert!(matches!(frames(sound, sound.parity())[..], [Ok(ToHost::Estimate(_))]));
+        assert!(matches!(frames(sound, sound.value_bits())[..], [Ok(ToHost::Estimate(_))]));
         for bit in 0..32 {
             let flip = |value: f32| f32::from_bits(value.to_bits() ^ 1 << bit);
             let flipped = [
@@ -198,7 +217,7 @@ mod tests {
                 EstimateFrame { contact_angle_rad: flip(sound.contact_angle_rad), ..sound },
             ];
             for estimate in flipped {
-                assert_eq!(frames(estimate, sound.parity()), [Err(FrameError::Crc)], "{estimate:?}");
+                assert_eq!(frames(estimate, sound.value_bits()), [Err(FrameError::Crc)], "{estimate:?}");
             }
         }
     }

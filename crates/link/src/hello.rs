@@ -1,4 +1,4 @@
-//! The greeting: who the controller is, how it started and what it carries.
+//! The hello frame: identity of the controller, cause of its start, models on board.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ pub const MAGIC: [u8; 4] = *b"PNTL";
 /// Version of the messages. Host and controller must agree; the host refuses any other.
 pub const PROTOCOL_VERSION: u8 = 3;
 
-/// Room for the build's name in a [`Hello`].
+/// Length of the build's name in a [`Hello`], in bytes.
 pub const BUILD_ID_LEN: usize = 32;
 
 /// Name of a build (`git describe`, or the crate's version), padded with zeros.
@@ -37,7 +37,7 @@ impl BuildId {
     }
 }
 
-/// Where the controller runs.
+/// Place where the controller runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Target {
     /// In the host's own process.
@@ -48,31 +48,34 @@ pub enum Target {
     Silicon,
 }
 
-/// What drives the controller's core after start-up.
+/// Clock source of the controller's core after start-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ClockSource {
-    /// The host's clock; nothing was brought up.
+    /// Clock of the host; no clock was started.
     Host,
     /// PLL on the crystal.
     PllCrystal,
     /// PLL on the internal oscillator.
     PllInternal,
-    /// The crystal without PLL.
+    /// Crystal without PLL.
     Crystal,
-    /// The internal oscillator: all else failed, or is not there (the emulator).
+    /// Internal oscillator: the other sources failed or do not exist (emulator).
     Internal,
 }
 
-/// Identifies one model image on board.
+/// Number of bearing materials with a model. A change also changes [`PROTOCOL_VERSION`].
+pub const MODELS: usize = 2;
+
+/// Identity of a model image on board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModelId {
-    /// CRC-32 of the image; 0 when the image was refused at start-up.
+    /// CRC-32 of the image; 0 if the image was rejected at start-up.
     pub crc: u32,
-    /// Identifier of the training run that made it; 0 when the image was refused.
+    /// Identifier of the training run; 0 if the image was rejected.
     pub training_id: u64,
 }
 
-/// Who the controller is and what it carries.
+/// Identity and state of a controller, with the models that it carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hello {
     /// [`MAGIC`].
@@ -81,25 +84,26 @@ pub struct Hello {
     pub protocol: u8,
     /// Name of the firmware's build.
     pub build_id: BuildId,
-    /// Where it runs.
+    /// Place where it runs.
     pub target: Target,
-    /// Clock that start-up arrived at.
+    /// Clock source after start-up.
     pub clock: ClockSource,
     /// Core frequency, Hz.
     pub core_hz: u32,
     /// Samples in the conditioning's window.
     pub window: u16,
     /// Model images by bearing code.
-    pub models: [ModelId; 2],
-    /// The token of the [`crate::ToController::Identify`] that asked for this; 0 when nobody asked: the controller has just started.
+    pub models: [ModelId; MODELS],
+    /// Token of the [`crate::ToController::Identify`] that requested this frame. It is 0 if the
+    /// controller sent the frame on its own after a start.
     pub token: u32,
     /// Number of the last command carried out; the next one must carry the number after it.
     pub last_command: u32,
-    /// What the controller is doing.
+    /// State of the run.
     pub state: State,
     /// CRC-32 of the configuration in use in its serialised form; 0 without one.
     pub configuration_crc: u32,
-    /// Why the controller started, and the fault before that.
+    /// Cause of the last start, and the fault before it.
     pub start: StartReport,
     /// Use of the stack.
     pub stack: StackReport,

@@ -1,11 +1,13 @@
-//! The messages: what goes in a frame either way.
+//! Messages in both directions.
 //!
-//! The order of variants and fields is the wire format: any change here raises [`crate::PROTOCOL_VERSION`].
+//! The order of variants and fields is the wire format. Any change here raises
+//! [`crate::PROTOCOL_VERSION`].
 //!
-//! A [`Command`] carries a number and is answered with it. The controller carries a command out if its number follows the last one's; the
-//! same number with the same command is answered again without being carried out again; any other number is refused with the one
-//! that was expected. A host that repeats a command until it is answered, and only then goes on, therefore ends
-//! where the controller is, whatever the line loses, repeats or reorders.
+//! A [`Command`] carries a number, and its answer carries the same number. The controller executes
+//! a command if its number follows the last one's. The same number with the same command gets the
+//! same answer again without a second execution. Any other number is refused, and the refusal
+//! states the expected number. A host that repeats each command until it is answered therefore
+//! agrees with the controller on what was executed, whatever the line loses, repeats or reorders.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,85 +19,87 @@ use crate::{
     SensorFrame,
 };
 
-/// What the host sends.
+/// Message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ToController {
-    /// Asks for a [`Hello`], changes nothing.
+    /// Requests a [`Hello`]; changes nothing.
     Identify {
-        /// Comes back in the greeting; not 0.
+        /// Token that the hello frame returns; not 0.
         token: u32,
     },
-    /// Wants something done; the answer is [`ToHost::Acknowledged`].
+    /// Requests an action. The answer is [`ToHost::Acknowledged`].
     Command(NumberedCommand),
-    /// One sample and what the drivers say about it; the answer is [`ToHost::Estimate`] or a [`Fault`].
+    /// Carries one sample and the status of its sensors. The answer is [`ToHost::Estimate`] or a
+    /// [`Fault`].
     Sensor(SensorFrame, SensorStatus),
-    /// Asks about the models kept on board, or for an update of them; the answer is [`ToHost::Update`]. Not numbered: every such request
-    /// may be repeated.
+    /// Requests information about the models on board, or an update of them. The answer is
+    /// [`ToHost::Update`]. These requests are not numbered: each of them may be repeated.
     Update(UpdateRequest),
 }
 
-/// A command with its number.
+/// Command with its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NumberedCommand {
-    /// One more than the last command's, modulo 2^32.
+    /// Number of the last command plus 1, modulo 2^32.
     pub id: u32,
-    /// What to do.
+    /// Requested action.
     pub command: Command,
 }
 
-/// What the controller can be told to do.
+/// Actions of the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Command {
-    /// Take a configuration and run with it. Checked as a whole: refused, it changes nothing.
+    /// Takes a configuration and starts a run. A configuration that is refused changes nothing.
     Configure(ControllerConfiguration),
-    /// Say what the configuration is.
+    /// Returns the configuration.
     GetConfiguration,
-    /// Keep the configuration in use over a power cut.
+    /// Stores the configuration in use, so that it survives a power cut.
     Keep,
-    /// Say what was counted.
+    /// Returns the counters.
     GetCounters,
-    /// Run again after a trip.
+    /// Runs again after a trip.
     ClearTrip,
-    /// End the run and wait to be configured again.
+    /// Ends the run and waits for a configuration.
     Stop,
-    /// Go on with the run on samples of the controller's own sensors, one every timer tick, until it ends. The bench's sample period is 100 us then.
+    /// Continues the run on samples of the controller's own sensors, one per timer tick, until the
+    /// run ends. The sample period of the bench must be 100 us.
     SampleYourself,
-    /// Give one of the reports of slow telemetry now.
+    /// Returns one of the reports of slow telemetry.
     GetReport(ReportKind),
 }
 
-/// What the controller sends.
+/// Message from the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToHost {
-    /// Who is speaking. With token 0 it means that the controller has just started.
+    /// Identity of the controller. With token 0 the controller has just started.
     Hello(Hello),
-    /// What became of a command.
+    /// Result of a command.
     Acknowledged(Acknowledgement),
-    /// The estimate for one sample.
+    /// Estimate for one sample.
     Estimate(NumberedEstimate),
     /// Slow telemetry.
     Slow(SlowFrame),
-    /// The last frame could not be served.
+    /// Reason why the last frame was not served.
     Fault(Fault),
-    /// What became of a request about models.
+    /// Result of a request about models.
     Update(UpdateAnswer),
 }
 
-/// What became of a command.
+/// Result of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Acknowledgement {
-    /// The command's number.
+    /// Number of the command.
     pub id: u32,
-    /// Carried out, or why not.
-    pub outcome: Result<Answer, Refused>,
+    /// Answer, or the reason of a refusal.
+    pub outcome: Result<Answer, Refusal>,
 }
 
-/// The answer to a command that was carried out.
+/// Answer to a command that was executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Answer {
     /// To [`Command::Configure`].
     Configured(Configured),
-    /// To [`Command::GetConfiguration`]; none before there is one.
+    /// To [`Command::GetConfiguration`]; `None` before the first configuration.
     Configuration(Option<ControllerConfiguration>),
     /// To [`Command::Keep`].
     Kept,
@@ -103,75 +107,75 @@ pub enum Answer {
     Counters(Counters),
     /// To [`Command::ClearTrip`].
     Cleared,
-    /// To [`Command::Stop`]: what the run counted.
+    /// To [`Command::Stop`]: the counters of the run.
     Stopped(Counters),
-    /// To [`Command::SampleYourself`]: one estimate in so many is sent.
+    /// To [`Command::SampleYourself`]: only some of the estimates are sent.
     Sampling {
-        /// Samples from one sent estimate to the next.
+        /// Number of samples from one sent estimate to the next.
         every: u16,
     },
     /// To [`Command::GetReport`].
     Report(SlowReport),
 }
 
-/// Why a command was not carried out.
+/// Reason why a command was not executed, or why no estimator was made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Refused {
-    /// The number is neither the next one nor the last one's.
+pub enum Refusal {
+    /// The number is neither the next one nor that of the last command.
     OutOfOrder {
-        /// The number that would have been carried out.
+        /// Number that would have been executed.
         expected: u32,
     },
-    /// The last command had this number and was another one.
+    /// The last command had this number and a different content.
     NumberTaken,
     /// Fields of the configuration are out of range.
     Configuration(Reasons),
-    /// The model image on board is damaged or not for this bearing.
+    /// The model image on board is damaged or made for another bearing.
     Image {
-        /// Position of the cause in the inference crate's list of image errors.
+        /// Index of the cause in the inference crate's list of image errors.
         cause: u8,
     },
     /// Nothing is configured.
     NotConfigured,
-    /// Only served while no run is on.
+    /// The command is refused during a run.
     Running,
-    /// The controller has nowhere to keep it, or it could not be written.
+    /// The controller has no storage, or writing failed.
     NotKept,
-    /// The controller has no sensors of its own, or no timer that paces it.
+    /// The controller has no sensors or no timer that paces samples.
     NoSensors,
 }
 
-/// What the controller is doing.
+/// State of the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum State {
-    /// Waiting to be configured.
+    /// Waiting for a configuration.
     #[default]
     Waiting,
     /// Estimating.
     Running,
-    /// Too many late estimates: the last good one is held until [`Command::ClearTrip`].
+    /// Tripped by late estimates: the last good estimate is held until [`Command::ClearTrip`].
     Tripped,
 }
 
-/// A frame of slow telemetry. The reports take turns.
+/// Frame of slow telemetry. The reports take turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SlowFrame {
-    /// Counts up by one a frame of slow telemetry, modulo 2^32.
+    /// Number of the frame, modulo 2^32.
     pub number: u32,
     /// Sequence number of the last sample.
     pub sequence: u32,
-    /// What the controller is doing.
+    /// State of the controller.
     pub state: State,
-    /// The report whose turn it is.
+    /// Report of this turn.
     pub report: SlowReport,
 }
 
-/// The reports of slow telemetry, in the order of their turns.
+/// Kinds of reports, in the order of their turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ReportKind {
-    /// [`SlowReport::Track`]; of a run.
+    /// [`SlowReport::Track`]; only during a run.
     Track,
-    /// [`SlowReport::Sensors`]; of a run.
+    /// [`SlowReport::Sensors`]; only during a run.
     Sensors,
     /// [`SlowReport::Counters`].
     Counters,
@@ -179,14 +183,14 @@ pub enum ReportKind {
     Supervisor,
     /// [`SlowReport::Models`].
     Models,
-    /// [`SlowReport::Estimate`]; of a run.
+    /// [`SlowReport::Estimate`]; only during a run.
     Estimate,
-    /// [`SlowReport::Sample`]; of a controller with sensors.
+    /// [`SlowReport::Sample`]; only from a controller with sensors.
     Sample,
 }
 
 impl ReportKind {
-    /// Every report, in order.
+    /// All kinds, in order.
     pub const ALL: [Self; 7] = [
         Self::Track,
         Self::Sensors,
@@ -198,29 +202,30 @@ impl ReportKind {
     ];
 }
 
-/// A report of slow telemetry.
+/// Report of slow telemetry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SlowReport {
     /// Clearance, friction level, wear, safe state.
     Track(TrackReport),
-    /// What was wrong with the sensors.
+    /// Faults of the sensors.
     Sensors(SensorHealth),
-    /// What the session counted.
+    /// Counters of the link session.
     Counters(Counters),
-    /// Who has checked in, and the last fault.
+    /// Check-ins of the supervised tasks, and the last fault.
     Supervisor(SupervisorReport),
-    /// Where the networks come from, the slots, the last package refused.
+    /// Origin of the networks in use, state of the slots, last package refused.
     Models(UpdateStatus),
-    /// The last estimate that was in time, without a number: a [`NumberedEstimate`] in the form that has an equality.
+    /// Last estimate that was in time, without a number. The layout type is used because it
+    /// implements equality.
     Estimate(EstimateLayout),
-    /// The last sample of the controller's own sensors, as it is before calibration.
+    /// Last sample of the controller's own sensors, before calibration.
     Sample(SensorFrame),
 }
 
-/// Why a frame was not served.
+/// Reason why a frame was not served.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fault {
-    /// A sample came before any configuration.
+    /// A sample arrived before any configuration.
     NotConfigured {
         /// Sequence number of the sample.
         sequence: u32,

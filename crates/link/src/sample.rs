@@ -1,14 +1,14 @@
-//! The two frames of every tick: a sample of the sensors, the estimate for it.
+//! The two frames of a tick: one sample of the sensors and its estimate.
 //!
-//! An estimate has a fixed layout on the wire ([`EstimateLayout`]): 47 bytes behind the byte of its kind, so that it is framed word by word
-//! ([`crate::encode_estimate`]).
+//! An estimate has a fixed layout on the wire ([`EstimateLayout`]): one byte for its kind and 47
+//! bytes of content, so that it can be encoded word by word ([`crate::encode_estimate`]).
 
 use serde::{Deserialize, Serialize};
 
 /// One sample of the sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SensorFrame {
-    /// Counts up by one a sample, modulo 2^32.
+    /// Number of the sample, modulo 2^32.
     pub sequence: u32,
     /// Time of the sample, us, modulo 2^32.
     pub time_us: u32,
@@ -18,11 +18,12 @@ pub struct SensorFrame {
     pub journal_z_nm: i32,
     /// Shaft angle, nrad, modulo 2^32: only its differences are used.
     pub shaft_angle_nrad: i32,
-    /// Load force along y, mN; carried for the log, not used by the estimator.
+    /// Load force along y, mN. It enters no force; it limits the plausible swing and feeds the
+    /// tracking.
     pub load_force_mn: i32,
 }
 
-/// The estimate for one sample.
+/// Estimate for one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EstimateFrame {
     /// Sequence number of the sample.
@@ -33,40 +34,33 @@ pub struct EstimateFrame {
     pub normal_force_n: f32,
     /// Force of the bearing on the journal along y, N: normal and friction together.
     pub force_y_n: f32,
-    /// Force of the bearing on the journal along z, N.
+    /// Force of the bearing on the journal along z, N: normal and friction together.
     pub force_z_n: f32,
     /// Torque of the bearing on the shaft, N m: `F_f R_J`, negative while the shaft slides forward.
     pub friction_torque_nm: f32,
-    /// Deformation, m; negative is the gap.
+    /// Deformation, m; negative values are the gap.
     pub deformation_m: f32,
     /// Direction of the journal from the bearing's centre, rad, from +y towards +z.
     pub contact_angle_rad: f32,
     /// Flags of the networks (bits 0 to 14) and of the sensors (bits 15 to 31).
     pub flags: u32,
-    /// Activations that saturated in this sample.
+    /// Number of activations that saturated in this sample.
     pub saturated: u16,
-    /// Timer ticks that the estimator took; natively 0. Not part of the result.
+    /// Timer ticks of the previous complete tick; 0 on the host. Not part of the result.
     pub instruction_ticks: u32,
 }
 
 impl EstimateFrame {
-    /// Whether two estimates agree in every bit of every field but the tick count.
+    /// Returns `true` if two estimates agree in every bit of every field except the tick count.
     #[must_use]
     pub fn same_bits(&self, other: &Self) -> bool {
         self.bits() == other.bits()
     }
 
-    /// Exclusive or of the bits of its six floats: one that flips anywhere in them shows.
+    /// The bits of the six floats, in their order.
     #[must_use]
     #[inline]
-    pub const fn parity(&self) -> u32 {
-        let [normal, y, z, torque, deformation, angle] = self.numbers();
-        normal ^ y ^ z ^ torque ^ deformation ^ angle
-    }
-
-    /// The bits of its six floats, in their order.
-    #[inline]
-    const fn numbers(&self) -> [u32; 6] {
+    pub const fn value_bits(&self) -> [u32; 6] {
         [
             self.normal_force_n.to_bits(),
             self.force_y_n.to_bits(),
@@ -78,26 +72,26 @@ impl EstimateFrame {
     }
 
     fn bits(&self) -> [u32; 10] {
-        let [normal, y, z, torque, deformation, angle] = self.numbers();
+        let [normal, y, z, torque, deformation, angle] = self.value_bits();
         let saturated = u32::from(self.saturated);
         [self.sequence, self.time_us, normal, y, z, torque, deformation, angle, self.flags, saturated]
     }
 }
 
-/// An estimate as it goes on the wire.
+/// Estimate with its number, as it is sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "EstimateLayout", into = "EstimateLayout")]
 pub struct NumberedEstimate {
-    /// Counts up by one an estimate put on the line, modulo 2^32: a gap is a loss on the line or at the host.
+    /// Number of the estimate, modulo 2^32. A gap is a loss on the line or at the host.
     pub number: u32,
-    /// Estimates that the controller itself had to drop since it was configured, modulo 256.
+    /// Number of estimates that the controller dropped since it was configured, modulo 256.
     pub dropped: u8,
-    /// The estimate.
+    /// Estimate.
     pub estimate: EstimateFrame,
 }
 
-/// An estimate's bytes behind that of its kind: `dropped` and `saturated`, then little-endian words: number, sequence, time, the
-/// six floats in their order, flags, ticks.
+/// Bytes of an estimate after the byte of its kind: `dropped` and `saturated`, then little-endian
+/// words: number, sequence, time, the six floats in order, flags, ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EstimateLayout(pub [u8; 3], pub [[u8; 4]; 11]);
 
@@ -105,7 +99,7 @@ impl From<NumberedEstimate> for EstimateLayout {
     fn from(numbered: NumberedEstimate) -> Self {
         let estimate = numbered.estimate;
         let [low, high] = estimate.saturated.to_le_bytes();
-        let [normal, y, z, torque, deformation, angle] = estimate.numbers();
+        let [normal, y, z, torque, deformation, angle] = estimate.value_bits();
         let words = [
             numbered.number,
             estimate.sequence,

@@ -1,50 +1,50 @@
-//! How the controller came to start: the reset's reason and the record of the fault before it. The greeting carries [`StartReport`] and
-//! [`StackReport`].
+//! Cause of the controller's start: reason of the reset and record of the fault before it. The
+//! hello frame carries [`StartReport`] and [`StackReport`].
 //!
-//! Addresses and registers are the core's own, as a debugger would show them. Bits of CFSR and HFSR: Arm v7-M Architecture Reference
-//! Manual B3.2.15-18 (v8-M adds the stack limit's bit).
+//! Addresses and registers are those of the core, as a debugger shows them. Bits of CFSR and HFSR:
+//! Arm v7-M Architecture Reference Manual B3.2.15-18 (v8-M adds the bit of the stack limit).
 
 use serde::{Deserialize, Serialize};
 
-/// Why the core started.
+/// Reason why the core started.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResetReason {
-    /// The reset controller does not say (the emulator models none), and no record was left.
+    /// The reset controller states no reason (the emulator models none), and there is no record.
     #[default]
     Unknown,
-    /// The supply came on.
+    /// The supply was switched on.
     PowerOn,
     /// The supply dipped.
     BrownOut,
-    /// The reset pin alone.
+    /// Only the reset pin was active.
     Pin,
-    /// The firmware asked for it and left no record: after an update, or on command.
+    /// The firmware requested the reset and left no record: after an update, or on command.
     Software,
-    /// The independent watchdog: nobody could kick it, not even the supervisor.
+    /// The independent watchdog: not even the supervisor could refresh it.
     Watchdog,
     /// The window watchdog, which this firmware never starts.
     WindowWatchdog,
     /// A forbidden low-power mode.
     LowPower,
-    /// A fault; the record says which.
+    /// A fault; the record names it.
     Fault,
-    /// The supervisor missed a check-in; the record says whose.
+    /// The supervisor missed a check-in; the record names the task.
     Starved,
 }
 
-/// What happened.
+/// Kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FaultKind {
-    /// The core took a fault; [`FaultRecord::cause`] reads the status registers.
+    /// Fault of the core; [`FaultRecord::cause`] reads the status registers.
     Core,
-    /// The core took a fault with its stack at or below the lowest address the stack may reach.
+    /// Fault of the core with its stack at or below the lowest allowed address.
     StackOverflow,
-    /// A party of the supervisor did not check in. Bits: [`MISSING_SAMPLING`] and following.
+    /// A supervised task did not check in. Bits: [`MISSING_SAMPLING`] and following.
     Starved {
-        /// Who was missing.
+        /// Tasks that were missing.
         missing: u8,
     },
-    /// A panic was reached, which a release image does not contain.
+    /// A panic was reached. A release image contains none.
     Panic,
 }
 
@@ -54,88 +54,88 @@ pub const MISSING_SAMPLING: u8 = 1;
 pub const MISSING_INFERENCE: u8 = 1 << 1;
 /// [`FaultKind::Starved`]: the link was not served.
 pub const MISSING_LINK: u8 = 1 << 2;
-/// [`FaultKind::Starved`]: the self-test did not come round, or failed.
+/// [`FaultKind::Starved`]: the self-test did not finish in time, or failed.
 pub const MISSING_SELF_TEST: u8 = 1 << 3;
 
-/// Names of the supervisor's parties, lowest bit first.
+/// Names of the supervised tasks, lowest bit first.
 pub const PARTIES: [&str; 4] = ["sampling", "inference", "link", "self-test"];
 
-/// A fault as recorded before the reset.
+/// Record of a fault, written before the reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaultRecord {
-    /// What happened.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// Program counter of the instruction; 0 when the core could not save it (the stack was gone).
+    /// Program counter of the instruction; 0 if the core could not save it (stack lost).
     pub pc: u32,
-    /// Link register there; 0 as above.
+    /// Link register at that instruction; 0 in the same case.
     pub lr: u32,
     /// Configurable fault status register.
     pub cfsr: u32,
     /// Hard fault status register.
     pub hfsr: u32,
-    /// Address that was accessed, where the core knows it (MMFAR or BFAR).
+    /// Address that was accessed, if the core knows it (MMFAR or BFAR).
     pub address: Option<u32>,
-    /// Main stack pointer when the fault was taken.
+    /// Main stack pointer at the fault.
     pub msp: u32,
-    /// CRC-32 of the name of the build that faulted; it may be another than the one that reports it.
+    /// CRC-32 of the name of the build that faulted. It can differ from the build that reports it.
     pub build: u32,
-    /// Faults since power came on, this one included.
+    /// Number of faults since power-on, this one included.
     pub count: u32,
 }
 
-/// Start-up as the greeting tells it.
+/// Start-up as the hello frame reports it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StartReport {
-    /// Why the core started.
+    /// Reason why the core started.
     pub reason: ResetReason,
-    /// The fault before this start, if that was the reason; or the last one since power came on.
+    /// Fault that caused this start, or the last one since power-on.
     pub fault: Option<FaultRecord>,
 }
 
 /// Use of the stack so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StackReport {
-    /// Room for the stack, bytes; 0 in the host's process.
+    /// Size of the stack, bytes; 0 in the host's process.
     pub reserved_bytes: u32,
-    /// Deepest use seen (paint overwritten), bytes.
+    /// Deepest use seen so far, bytes (overwritten paint).
     pub used_bytes: u32,
 }
 
-/// One party as the supervisor sees it.
+/// State of one supervised task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Presence {
-    /// Whether it is expected; one that rests is not.
+    /// `true` if the task must check in. A suspended task need not.
     pub expected: bool,
     /// Time since its last check-in, us.
     pub away_us: u32,
-    /// The longest such time that was seen since the start, us.
+    /// Longest time between two of its check-ins since the start, us.
     pub longest_us: u32,
-    /// How long it may stay away before the controller restarts, us.
+    /// Time without check-in after which the controller restarts, us.
     pub period_us: u32,
 }
 
 impl Presence {
-    /// How near it came to a restart: what was left of its period at the worst moment, us.
+    /// Returns the smallest remaining time before a restart, us.
     #[must_use]
     pub const fn margin_us(&self) -> u32 {
         self.period_us.saturating_sub(self.longest_us)
     }
 }
 
-/// What the supervisor knows.
+/// Report of the supervisor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SupervisorReport {
     /// Time since the start, us, modulo 2^32.
     pub uptime_us: u32,
-    /// In the order of [`PARTIES`].
+    /// Tasks in the order of [`PARTIES`].
     pub parties: [Presence; PARTIES.len()],
-    /// Why the controller started, and the fault before that.
+    /// Cause of the last start, and the fault before it.
     pub start: StartReport,
     /// Use of the stack.
     pub stack: StackReport,
 }
 
-/// What a core fault's status registers say, most telling first.
+/// Meaning of the status bits of a core fault, most specific first.
 const CAUSES: [(u32, &str); 17] = [
     (1 << 20, "stack limit"),
     (1 << 4, "memory protection, saving registers"),
@@ -157,7 +157,7 @@ const CAUSES: [(u32, &str); 17] = [
 ];
 
 impl FaultRecord {
-    /// The cause in words.
+    /// Returns the cause as text.
     #[must_use]
     pub fn cause(&self) -> &'static str {
         const VECTOR: u32 = 1 << 1;
@@ -166,8 +166,8 @@ impl FaultRecord {
             FaultKind::Starved { .. } => "missed check-in",
             FaultKind::Panic => "panic",
             FaultKind::Core => {
-                let told = CAUSES.iter().find(|(bits, _)| self.cfsr & bits != 0);
-                match told {
+                let named = CAUSES.iter().find(|(bits, _)| self.cfsr & bits != 0);
+                match named {
                     Some((_, name)) => name,
                     None if self.hfsr & VECTOR != 0 => "vector table",
                     None => "hard fault",
@@ -176,7 +176,7 @@ impl FaultRecord {
         }
     }
 
-    /// Names of the parties that did not check in.
+    /// Returns the names of the tasks that did not check in.
     pub fn missing(&self) -> impl Iterator<Item = &'static str> {
         let mask = match self.kind {
             FaultKind::Starved { missing } => missing,
@@ -227,8 +227,8 @@ mod tests {
     fn a_record_reads_as_a_line() {
         assert_eq!(
             RECORD.to_string(),
-            "bus error, data at address 0xd0000000 (pc 0x08001234, lr 0x08001001, msp 0x20007f00, cfsr 0x00008200, \
-             hfsr 0x40000000, build deadbeef, fault 2)"
+            "bus error, data at address 0xd0000000 (pc 0x08001234, lr 0x08001001, msp 0x20007f00, \
+             cfsr 0x00008200, hfsr 0x40000000, build deadbeef, fault 2)"
         );
         let kind = FaultKind::Starved { missing: MISSING_LINK | MISSING_INFERENCE };
         let starved = FaultRecord { kind, address: None, ..RECORD };
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn every_cause_has_bits_of_its_own() {
+    fn every_cause_has_separate_bits() {
         let mut seen = 0;
         for (bits, name) in CAUSES {
             assert_eq!(seen & bits, 0, "{name}");
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn the_longest_report_leaves_room_in_a_greeting() {
+    fn the_longest_report_leaves_room_in_a_hello_frame() {
         let all = u32::MAX;
         let record = FaultRecord {
             kind: FaultKind::Starved { missing: 0xFF },

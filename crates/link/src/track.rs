@@ -1,13 +1,16 @@
-//! Slow telemetry: what the controller has learnt about bearing and sensors over many samples, and what it has to be told for that.
+//! Slow telemetry about bearing and sensors, and the configuration that the monitor requires for
+//! it.
 //!
-//! Whole numbers of fixed size, SI multiples in the names. A [`TrackReport`] says what is tracked, a [`SensorHealth`] what was wrong with
-//! the sensors since the last configuration; both fit into one frame each and are meant for a few times a second. [`SensorStatus`] goes
-//! with every [`crate::SensorFrame`]. [`MonitorConfiguration`] is part of what a bench's description says; the ranges that
-//! are served are those of `firmware::monitor`, which refuses the rest by [`MonitorField`].
+//! All fields are integers of fixed size with SI multiples in their names. A [`TrackReport`]
+//! carries the tracked quantities, a [`SensorHealth`] the sensor faults since the last
+//! configuration. Each fits into one frame and is sent a few times a second. [`SensorStatus`]
+//! accompanies every [`crate::SensorFrame`]. [`MonitorConfiguration`] is a part of the bench
+//! description. The accepted ranges are those of `controller::monitor`, which names the refused
+//! [`MonitorField`].
 
 use serde::{Deserialize, Serialize};
 
-/// Channels of a sensor frame, in the order of every per-channel list here.
+/// Channels of a sensor frame, in the order of all per-channel lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SensorChannel {
     /// Journal centre along y.
@@ -24,10 +27,10 @@ pub enum SensorChannel {
 pub const CHANNELS: usize = 4;
 
 impl SensorChannel {
-    /// Every channel, in order.
+    /// All channels, in order.
     pub const ALL: [Self; CHANNELS] = [Self::JournalY, Self::JournalZ, Self::ShaftAngle, Self::LoadForce];
 
-    /// Lower-case name for reports.
+    /// Returns the lower-case name for reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -39,48 +42,49 @@ impl SensorChannel {
     }
 }
 
-/// What the drivers say about the channels of one sample: bits 0 to 3 missing, bits 4 to 7 at the rail, by channel.
+/// Status of the channels of one sample: bits 0 to 3 missing, bits 4 to 7 at the rail, by channel.
 ///
-/// A channel is missing when its transaction failed, timed out, had a parity or error flag, or its wire is broken: its value in the
-/// frame is the last good one. At the rail means that the value is the end of the converter's or transmitter's range.
+/// A channel is missing if its transaction failed, timed out, had a parity or error flag, or its
+/// wire is broken. Its value in the frame is then the last good one. A channel at the rail shows
+/// the end of the converter's or transmitter's range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SensorStatus(pub u8);
 
 impl SensorStatus {
-    /// Nothing to remark.
+    /// No channel missing or at its rail.
     pub const GOOD: Self = Self(0);
 
-    /// This status with a channel's value missing.
+    /// Returns this status with one channel marked as missing.
     #[must_use]
     pub const fn missing(self, channel: SensorChannel) -> Self {
         Self(self.0 | 1 << channel as u8)
     }
 
-    /// This status with a channel at its rail.
+    /// Returns this status with one channel marked as at its rail.
     #[must_use]
     pub const fn at_rail(self, channel: SensorChannel) -> Self {
         Self(self.0 | 0x10 << channel as u8)
     }
 
-    /// The channels that are missing, a bit each.
+    /// Returns one bit per missing channel.
     #[must_use]
     pub const fn missing_bits(self) -> u8 {
         self.0 & 0x0f
     }
 
-    /// The channels at their rail, a bit each.
+    /// Returns one bit per channel at its rail.
     #[must_use]
     pub const fn rail_bits(self) -> u8 {
         self.0 >> 4
     }
 }
 
-/// How often each thing was wrong with one channel, in samples, saturating.
+/// Number of samples with each fault of one channel, saturating.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChannelCounts {
     /// The driver had no value.
     pub missing: u32,
-    /// The value stood at the end of the range.
+    /// The value was at the end of the range.
     pub saturated: u32,
     /// The value did not change for the stuck time.
     pub stuck: u32,
@@ -90,30 +94,30 @@ pub struct ChannelCounts {
     pub jumped: u32,
 }
 
-/// What was wrong since the last configuration, in samples, saturating.
+/// Sensor faults since the last configuration, in samples, saturating.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SensorHealth {
     /// Time of the report's last sample, us.
     pub time_us: u32,
-    /// By [`SensorChannel`].
+    /// Counts by [`SensorChannel`].
     pub channels: [ChannelCounts; CHANNELS],
-    /// Samples whose sequence number did not follow.
+    /// Samples with a sequence number out of order.
     pub sequence_gaps: u32,
     /// Samples whose time did not advance by the period.
     pub time_faults: u32,
-    /// Journal farther out than the clearance and the largest deformation.
+    /// Samples with the journal farther out than clearance and largest deformation allow.
     pub implausible_positions: u32,
-    /// Journal swinging faster along the clearance than it can.
+    /// Samples with the journal moving along the clearance faster than possible.
     pub implausible_swings: u32,
     /// Estimates outside the envelope of the analytic law.
     pub outside_law: u32,
     /// Samples whose estimate was held.
     pub held: u32,
-    /// Times that holding began.
+    /// Number of times that holding began.
     pub holds: u32,
 }
 
-/// Whether the estimates can be used.
+/// State of trust in the estimates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SafeState {
     /// No estimate has been trusted since the configuration.
@@ -121,13 +125,13 @@ pub enum SafeState {
     Starting,
     /// The estimates are live.
     Live,
-    /// A fault is present, or has not been gone for long enough: the last trusted estimate is repeated.
+    /// A fault is present or has ended too recently: the last trusted estimate is repeated.
     Held,
-    /// As held, for so long that the repeated estimate means nothing any more: its forces are 0.
+    /// Held for so long that the repeated estimate has no meaning: its forces are 0.
     Lost,
 }
 
-/// What is known about wear.
+/// State of the wear alarm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Wear {
     /// Not enough evidence yet.
@@ -139,7 +143,7 @@ pub enum Wear {
     Alarm,
 }
 
-/// What is known about the friction level.
+/// State of the friction alarm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FrictionState {
     /// No limit is configured.
@@ -153,47 +157,50 @@ pub enum FrictionState {
     Alarm,
 }
 
-/// What is tracked.
+/// Tracked quantities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TrackReport {
     /// Time of the report's last sample, us.
     pub time_us: u32,
     /// Radial clearance, nm.
     pub radial_clearance_nm: u32,
-    /// One standard deviation of it, nm, the stated errors of stiffness, inertia and levers included; `u32::MAX` before there is evidence.
+    /// One standard deviation of the clearance, nm, including the declared errors of stiffness,
+    /// inertia and levers; `u32::MAX` before there is evidence.
     pub radial_clearance_deviation_nm: u32,
-    /// Friction over what the friction network says, thousandths: 1000 is the friction that it was trained on.
+    /// Measured friction over the friction network's prediction, thousandths: 1000 is the friction
+    /// that it was trained on.
     pub friction_level_per_mille: u32,
-    /// One standard deviation of it, thousandths; `u32::MAX` before there is evidence.
+    /// One standard deviation of the friction level, thousandths; `u32::MAX` before there is
+    /// evidence.
     pub friction_level_deviation_per_mille: u32,
-    /// Blocks of samples that the clearance rests on, saturating.
+    /// Number of sample blocks used for the clearance, saturating.
     pub clearance_blocks: u32,
-    /// Blocks of samples that the friction level rests on, saturating.
+    /// Number of sample blocks used for the friction level, saturating.
     pub friction_blocks: u32,
     /// Wear alarm.
     pub wear: Wear,
-    /// Times that the wear alarm was raised, saturating.
+    /// Number of wear alarms, saturating.
     pub wear_alarms: u32,
     /// Friction alarm.
     pub friction: FrictionState,
-    /// Times that the friction alarm was raised, saturating.
+    /// Number of friction alarms, saturating.
     pub friction_alarms: u32,
     /// Safe state.
     pub safe_state: SafeState,
 }
 
-/// What the monitor has to be told about a bench.
+/// Properties of a bench that the monitor requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MonitorConfiguration {
     /// Mass of the shaft, g.
     pub mass_g: u32,
-    /// Moment of inertia of the shaft with what turns with it, g m2.
+    /// Moment of inertia of the shaft and all parts that turn with it, g m2.
     pub inertia_g_m2: u32,
     /// Radius of the drive crank, um.
     pub drive_lever_um: u32,
     /// Radius of the load crank, um.
     pub load_lever_um: u32,
-    /// Reading of the shaft angle at which the drive crank is vertical, nrad.
+    /// Shaft angle reading with the drive crank vertical, nrad.
     pub crank_vertical_nrad: i32,
     /// Effective modulus of bearing and journal, kPa: `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`.
     pub effective_modulus_kpa: u32,
@@ -209,7 +216,8 @@ pub struct MonitorConfiguration {
     pub lever_deviation_ppht: u16,
     /// One standard deviation of either journal coordinate's offset, nm.
     pub offset_deviation_nm: u32,
-    /// One standard deviation of a journal coordinate's noise, nm: the conditioning takes no more than that for noise.
+    /// Standard deviation of a journal coordinate's noise, nm. Conditioning treats no larger
+    /// deviation as noise.
     pub journal_noise_nm: u16,
     /// Largest short-term standard deviation of a journal coordinate, nm.
     pub journal_noise_limit_nm: u32,
@@ -217,23 +225,24 @@ pub struct MonitorConfiguration {
     pub angle_noise_limit_nrad: u32,
     /// Largest short-term standard deviation of the load, mN.
     pub load_noise_limit_mn: u32,
-    /// Samples of one code after which the load counts as stuck; 0: it may stand still, as a steady load behind a coarse converter does.
+    /// Number of equal load codes after which the load counts as stuck. With 0 it never does,
+    /// because a steady load read by a coarse converter can stay constant.
     pub load_stuck_samples: u32,
-    /// A journal coordinate so far out or farther stands at its rail, nm.
+    /// Magnitude at and above which a journal coordinate counts as at its rail, nm.
     pub journal_rail_nm: u32,
-    /// A load so large or larger, either way, stands at its rail, mN.
+    /// Magnitude at and above which the load counts as at its rail, mN.
     pub load_rail_mn: u32,
     /// Half width of the analytic law's envelope, thousandths of the law's force.
     pub envelope_per_mille: u32,
-    /// Half width of the envelope at no force, mN.
+    /// Half width of the envelope at zero force, mN.
     pub envelope_floor_mn: u32,
-    /// Samples without a fault after which a held estimate is live again.
+    /// Number of samples without a fault after which a held estimate is live again.
     pub recovery_samples: u32,
-    /// Held samples after which the estimate is lost.
+    /// Number of held samples after which the estimate is lost.
     pub lost_samples: u32,
     /// Radial clearance at which the wear alarm is raised, nm.
     pub wear_limit_nm: u32,
-    /// How far below the limit the clearance must be for the alarm to end, nm.
+    /// Distance below the limit at which the alarm ends, nm.
     pub wear_hysteresis_nm: u32,
 }
 
@@ -290,16 +299,16 @@ pub enum MonitorField {
     WearHysteresis,
 }
 
-/// A value of a [`MonitorConfiguration`] that cannot be served.
+/// Value of a [`MonitorConfiguration`] outside its accepted range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MonitorRefusal {
-    /// Which.
+    /// Field with the value.
     pub field: MonitorField,
-    /// Found.
+    /// Value found.
     pub found: u32,
-    /// Least.
+    /// Minimum accepted value.
     pub min: u32,
-    /// Most.
+    /// Maximum accepted value.
     pub max: u32,
 }
 
@@ -308,7 +317,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_channel_has_a_bit_of_its_own_for_missing_and_for_rail() {
+    fn every_channel_has_separate_bits_for_missing_and_for_rail() {
         for (channel, bit) in SensorChannel::ALL.into_iter().zip(0..) {
             assert_eq!(SensorStatus::GOOD.missing(channel).missing_bits(), 1 << bit);
             assert_eq!(SensorStatus::GOOD.missing(channel).rail_bits(), 0);
@@ -336,7 +345,7 @@ mod tests {
             held: u32::MAX,
             holds: u32::MAX,
         };
-        // Four bytes of check sum and one of the message's kind go with it.
+        // The frame also holds four bytes of CRC and one for the message's kind.
         let mut room = [0; crate::MAX_PAYLOAD - 5];
         assert!(postcard::to_slice(&health, &mut room).is_ok());
     }

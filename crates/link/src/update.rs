@@ -1,81 +1,86 @@
-//! The update of the model over the link: its messages, their units and limits.
+//! Messages that update the models over the link, with their units and limits.
 //!
-//! A package is a [`SignedManifest`] and the bytes that it speaks of (`firmware::store::package` tells how they are made up). The host asks, the
-//! controller answers each request once; every request may be repeated, and a repeated one changes nothing:
+//! A package is a [`SignedManifest`] followed by the bytes that it describes
+//! (`controller::store::package` defines their layout). The host sends requests, and the controller
+//! answers each once. Every request may be repeated, and a repeated one changes nothing:
 //!
-//! | request | does | answer |
-//! |---|---|---|
-//! | [`UpdateRequest::Status`] | nothing | [`UpdateAnswer::Status`] |
-//! | [`UpdateRequest::Begin`] | checks the manifest and its signature; erases the slot not in use, or goes on where the same package was left | status with the next offset, or a refusal |
-//! | [`UpdateRequest::Chunk`] | writes the bytes if they are the next | status with the next offset, whether they were written or not |
-//! | [`UpdateRequest::Finish`] | checks everything, marks the slot, switches the networks | status that names the new model, or a refusal |
-//! | [`UpdateRequest::Abort`] | forgets the update begun; what is written stays and can be gone on with | status |
-//! | [`UpdateRequest::Refusals`] | nothing | [`UpdateAnswer::Record`] |
+//! * [`UpdateRequest::Status`] changes nothing. The answer is [`UpdateAnswer::Status`], as for the
+//!   next four, which may also be refused.
+//! * [`UpdateRequest::Begin`] checks manifest and signature. It erases the slot not in use, or
+//!   resumes the same package. The status states the next offset.
+//! * [`UpdateRequest::Chunk`] writes the bytes if they are the next. The status states the next
+//!   offset, whether they were written or not.
+//! * [`UpdateRequest::Finish`] checks everything, marks the slot and switches the networks. The
+//!   status names the new model.
+//! * [`UpdateRequest::Abort`] forgets the update. Written bytes stay, and the update can be
+//!   resumed.
+//! * [`UpdateRequest::Refusals`] changes nothing. The answer is [`UpdateAnswer::Record`].
 //!
-//! After a lost link or a reset the host begins again with the same manifest and goes on from the offset in the answer. Beginning erases flash
-//! and so takes up to four seconds on a board, the checks up to a tenth of a second; chunks take less than ten milliseconds.
+//! After a lost link or a reset the host begins again with the same manifest and resumes at the
+//! offset in the answer. Beginning erases flash and takes up to four seconds on a board. The checks
+//! take up to a tenth of a second, a chunk less than ten milliseconds.
 
 use serde::{Deserialize, Serialize};
 
-/// Bytes of a chunk; the last one of a package is filled up with anything.
+/// Length of a chunk in bytes. The last chunk of a package is padded with any bytes.
 pub const CHUNK_LENGTH: usize = 128;
-/// Bytes of a manifest.
+/// Length of a manifest in bytes.
 pub const MANIFEST_LENGTH: usize = 96;
-/// Bytes of a signature.
+/// Length of a signature in bytes.
 pub const SIGNATURE_LENGTH: usize = 64;
-/// Records of refused packages that the controller keeps: the last ones since it started.
+/// Number of refused packages on record: the last ones since the start.
 pub const REFUSALS: usize = 8;
 
-/// A package's manifest and the ed25519 signature over it.
+/// Manifest of a package with its ed25519 signature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SignedManifest {
-    /// The manifest: version, board, lengths and the hash of the bytes that follow it.
+    /// Manifest: version, board, lengths, and the hash of the bytes that follow it.
     pub manifest: [[u8; 32]; MANIFEST_LENGTH / 32],
-    /// The signature.
+    /// Signature over the manifest.
     pub signature: [[u8; 32]; SIGNATURE_LENGTH / 32],
 }
 
-/// A part of a package's bytes behind the manifest.
+/// Part of a package's bytes after the manifest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UpdateChunk {
-    /// Where the bytes belong: a multiple of [`CHUNK_LENGTH`], counted from the end of manifest and signature.
+    /// Offset of the bytes: a multiple of [`CHUNK_LENGTH`], counted from the end of the signature.
     pub offset: u32,
-    /// The bytes; of the last chunk those past the package's end are ignored.
+    /// Bytes. In the last chunk those past the package's end are ignored.
     pub bytes: [[u8; 32]; CHUNK_LENGTH / 32],
 }
 
-/// What the host asks for.
+/// Requests of the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum UpdateRequest {
-    /// How things stand.
+    /// Returns the state of the update.
     Status,
-    /// A package is to come.
+    /// Announces a package.
     Begin(SignedManifest),
-    /// A part of it.
+    /// Carries a part of the package.
     Chunk(UpdateChunk),
-    /// All parts are there: check and switch.
+    /// Ends the package: check everything and switch.
     Finish,
-    /// The update is given up.
+    /// Gives up the update.
     Abort,
-    /// A record of a refused package.
+    /// Returns the record of a refused package.
     Refusals {
-        /// 0 is the newest.
+        /// Index of the record; 0 is the newest.
         index: u8,
     },
 }
 
-/// What the controller answers.
+/// Answers of the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum UpdateAnswer {
-    /// The request was served, or had been before.
+    /// The request was served now or earlier.
     Status(UpdateStatus),
-    /// It was not.
+    /// The request was refused.
     Refused(UpdateRefusal),
-    /// The record asked for; none if there are not so many.
+    /// Requested record; `None` if there are fewer.
     Record(Option<RefusedPackage>),
 }
 
-/// Where the networks in use come from.
+/// Origin of the networks in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ModelSource {
     /// Built into the firmware.
@@ -83,169 +88,171 @@ pub enum ModelSource {
     BuiltIn,
     /// From a slot.
     Slot {
-        /// 0 or 1.
+        /// Number of the slot, 0 or 1.
         slot: u8,
-        /// The package's version.
+        /// Version of the package.
         version: u32,
-        /// First four bytes of the package's hash: tells it from another one of the same version.
+        /// First four bytes of the package's hash. They distinguish packages of one version.
         hash: [u8; 4],
     },
 }
 
-/// What the packages are kept in.
+/// Kind of memory that holds the packages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ModelMemory {
-    /// Flash: kept without power.
+    /// Flash: keeps its content without power.
     Flash,
-    /// Memory that lasts until the power is switched off: the emulator, which ignores stores to flash.
+    /// Memory that lasts until power-off: the emulator ignores writes to flash.
     #[default]
     Volatile,
 }
 
-/// What a slot holds.
+/// Content of a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SlotState {
-    /// Nothing.
+    /// No package.
     #[default]
     Blank,
-    /// A package that was begun and not finished.
+    /// Package that was begun and not finished.
     Unfinished,
-    /// A whole one that passed every check.
+    /// Complete package that passed every check.
     Sound {
-        /// Its version.
+        /// Version of the package.
         version: u32,
     },
-    /// A whole one that was refused when the controller looked for its models.
+    /// Complete package that was refused when the controller selected its models.
     Refused,
 }
 
-/// How an update stands.
+/// State of models and updates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UpdateStatus {
     /// The networks in use.
     pub running: ModelSource,
-    /// What the slots are made of.
+    /// Memory of the slots.
     pub memory: ModelMemory,
-    /// Longest package that fits, bytes behind the manifest.
+    /// Maximum length of a package after the manifest, in bytes.
     pub capacity: u32,
-    /// The update begun, if one is.
+    /// Update in progress, if any.
     pub receiving: Option<Receiving>,
-    /// Packages refused since the controller started, at start-up or over the link.
+    /// Number of packages refused since the start, at start-up or over the link.
     pub refused: u16,
-    /// Times that the networks in use were found altered since the controller started.
-    pub altered: u16,
-    /// Whether the firmware trusts the published development key: good for trying, for nothing else.
+    /// Number of times that the networks in use were found corrupted since the start.
+    #[serde(rename = "altered")]
+    pub corrupted: u16,
+    /// `true` if the firmware trusts the published development key, which is for trials only.
     pub development_key: bool,
-    /// The slots.
+    /// Content of the slots.
     pub slots: [SlotState; 2],
-    /// The package refused last.
+    /// Last package refused.
     pub last_refusal: Option<RefusedPackage>,
 }
 
-/// An update that has begun.
+/// Update in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Receiving {
-    /// The package's version.
+    /// Version of the package.
     pub version: u32,
-    /// Where the next chunk belongs, bytes.
+    /// Offset of the next chunk, in bytes.
     pub next_offset: u32,
-    /// Bytes of the package behind the manifest.
+    /// Length of the package after the manifest, in bytes.
     pub length: u32,
 }
 
-/// A package that was refused.
+/// Record of a refused package.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RefusedPackage {
-    /// Counts refusals since the controller started, from 0.
+    /// Number of the refusal since the start, from 0.
     pub number: u16,
-    /// The slot that it lay in; none if its manifest was already refused.
+    /// Slot of the package; `None` if its manifest was refused.
     pub slot: Option<u8>,
-    /// Version that it claims; 0 if it has no manifest.
+    /// Version that the package claims; 0 without a manifest.
     pub version: u32,
-    /// Why.
+    /// Reason of the refusal.
     pub reason: UpdateRefusal,
 }
 
-/// Which of a flash memory's operations failed.
+/// Flash operation that failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FlashOperation {
-    /// Setting a sector to ones.
+    /// Set a sector to ones.
     Erase,
-    /// Clearing bits.
+    /// Clear bits.
     Program,
-    /// Reading.
+    /// Read.
     Read,
-    /// What was read is not what was programmed.
+    /// Read back what was programmed.
     ReadBack,
 }
 
-/// Why a package, or a request, was refused.
+/// Reason why a package or a request was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum UpdateRefusal {
-    /// The manifest does not begin like one.
+    /// The manifest has a wrong magic number.
     Magic,
-    /// The manifest's format is another one.
+    /// The manifest has another format.
     Format {
-        /// Found.
+        /// Format found.
         found: u16,
-        /// Expected.
+        /// Format expected.
         expected: u16,
     },
-    /// Made for another board.
+    /// The package was made for another board.
     Board {
-        /// The board it was made for.
+        /// Board that the package was made for.
         found: u16,
-        /// This one.
+        /// Board of this controller.
         expected: u16,
     },
-    /// Not newer than what runs, and not signed to be taken all the same.
+    /// The package is not newer than what runs, and not signed to be accepted anyway.
     Version {
-        /// The package's.
+        /// Version of the package.
         found: u32,
-        /// The least that would be taken.
+        /// Lowest accepted version.
         least: u32,
     },
-    /// Not signed with the key whose other half this firmware holds.
+    /// The signature does not match the public key of this firmware.
     Signature,
-    /// Longer than a slot.
+    /// The package is longer than a slot.
     TooLong {
-        /// Bytes behind the manifest.
+        /// Length after the manifest, in bytes.
         found: u32,
-        /// Bytes that fit.
+        /// Maximum length, in bytes.
         most: u32,
     },
-    /// The lengths of its parts are not those of a package, or there is no image in it.
+    /// The lengths of the parts are not those of a package, or it has no image.
     Lengths,
-    /// There is no update to go on with.
+    /// There is no update to continue.
     NotBegun,
     /// Parts are missing.
     Unfinished {
-        /// Where the next one belongs.
+        /// Offset of the next part.
         next_offset: u32,
     },
-    /// The bytes are not those that were signed.
+    /// The bytes do not match the signed hash.
     Hash,
-    /// An image is not one that this firmware runs.
+    /// The firmware cannot run an image of the package.
     Image {
         /// Bearing code of the image.
         bearing: u8,
-        /// Position of the cause in the inference crate's list of image errors; 100 is an image of another bearing.
+        /// Index of the cause in the inference crate's list of image errors; 100 means an image of
+        /// another bearing.
         cause: u8,
     },
-    /// The networks do not give what the package says that they give.
+    /// The networks do not give the results that the package states.
     SelfTest {
         /// Bearing code of the image.
         bearing: u8,
-        /// First sample with another result.
+        /// First sample with a different result.
         sample: u16,
     },
-    /// The slot was begun but never marked as whole.
+    /// The slot was begun but never marked as complete.
     NotMarked,
-    /// The flash did not do what it was told.
+    /// A flash operation failed.
     Flash(FlashOperation),
-    /// This board's core stands still while its flash is written: the run has to be stopped before.
+    /// The core of this board halts while flash is written, so the run must be stopped first.
     Estimating,
-    /// The controller has nowhere to keep a model.
+    /// The controller has no memory for models.
     NoMemory,
 }
 
@@ -254,9 +261,15 @@ impl core::fmt::Display for UpdateRefusal {
         match self {
             Self::Magic => f.write_str("the manifest is not that of a model package"),
             Self::Format { found, expected } => write!(f, "package format {found}, expected {expected}"),
-            Self::Board { found, expected } => write!(f, "made for board {found:#06x}, this is board {expected:#06x}"),
+            Self::Board { found, expected } => {
+                write!(f, "made for board {found:#06x}, this is board {expected:#06x}")
+            }
             Self::Version { found, least } => {
-                write!(f, "version {found}, expected at least {least}: older packages are taken only when signed as such")
+                write!(
+                    f,
+                    "version {found}; expected at least {least}: older packages are accepted only if \
+                     signed as such"
+                )
             }
             Self::Signature => f.write_str("not signed with the key that this firmware trusts"),
             Self::TooLong { found, most } => write!(f, "{found} bytes, expected at most {most}"),
@@ -264,20 +277,31 @@ impl core::fmt::Display for UpdateRefusal {
             Self::NotBegun => f.write_str("no update was begun"),
             Self::Unfinished { next_offset } => write!(f, "bytes are missing from offset {next_offset}"),
             Self::Hash => f.write_str("the bytes are not those that were signed"),
-            Self::Image { bearing, cause: 100 } => write!(f, "the image for bearing {bearing} is for another one"),
-            Self::Image { bearing, cause } => write!(f, "the image for bearing {bearing} is refused, cause {cause}"),
+            Self::Image { bearing, cause: 100 } => {
+                write!(f, "the image for bearing {bearing} is for another one")
+            }
+            Self::Image { bearing, cause } => {
+                write!(f, "the image for bearing {bearing} is refused, cause {cause}")
+            }
             Self::SelfTest { bearing, sample } => {
                 write!(f, "the networks for bearing {bearing} fail their self-test at sample {sample}")
             }
             Self::NotMarked => f.write_str("begun but never finished"),
-            Self::Flash(operation) => write!(f, "the flash failed to {}", match operation {
-                FlashOperation::Erase => "erase",
-                FlashOperation::Program => "program",
-                FlashOperation::Read => "read",
-                FlashOperation::ReadBack => "keep what was programmed",
-            }),
-            Self::Estimating => f.write_str("a run is going on, and this board's core stands still while its flash is written; stop the run first"),
-            Self::NoMemory => f.write_str("the controller has nowhere to keep a model"),
+            Self::Flash(operation) => write!(
+                f,
+                "the flash failed to {}",
+                match operation {
+                    FlashOperation::Erase => "erase",
+                    FlashOperation::Program => "program",
+                    FlashOperation::Read => "read",
+                    FlashOperation::ReadBack => "keep what was programmed",
+                }
+            ),
+            Self::Estimating => f.write_str(
+                "a run is in progress, and the core of this board halts while flash is written; \
+                 stop the run first",
+            ),
+            Self::NoMemory => f.write_str("the controller has no memory for models"),
         }
     }
 }

@@ -1,7 +1,9 @@
-//! How the controller's own sensors are connected and what their signals mean: what is nominal. What is mounted is the calibration's.
+//! Nominal wiring and signal ranges of the controller's own sensors. Deviations of the mounted
+//! sensors belong to the calibration.
 //!
-//! Two probes look at the journal from directions a quarter turn apart, a transmitter of 4 to 20 mA measures the load's pressure; all are on one
-//! converter of eight inputs. The radius of the journal that the probes look at is the bench's.
+//! Two probes measure the journal's position from directions a quarter turn apart. A transmitter of
+//! 4 to 20 mA measures the pressure of the load. All are connected to one converter with eight
+//! inputs. The journal radius is that of the bench.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +23,7 @@ pub enum InputRange {
 }
 
 impl InputRange {
-    /// From one end to the other, uV.
+    /// Returns the width of the range, uV.
     #[must_use]
     pub const fn span_uv(self) -> u32 {
         match self {
@@ -31,7 +33,7 @@ impl InputRange {
         }
     }
 
-    /// Code at 0 V.
+    /// Returns the code at 0 V.
     #[must_use]
     pub const fn zero_code(self) -> u16 {
         match self {
@@ -41,7 +43,7 @@ impl InputRange {
     }
 }
 
-/// The wiring.
+/// Wiring of the sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Wiring {
     /// Inputs of the two probes, from 0.
@@ -54,23 +56,25 @@ pub struct Wiring {
     pub load_range: InputRange,
     /// Gap of a probe over its voltage, nm/V; negative if it falls with the gap.
     pub probe_gain_nm_v: [i32; 2],
-    /// Gap of a probe with the journal in the bearing's centre, um. Where it really is, is the calibration's offset.
+    /// Gap of a probe with the journal in the bearing's centre, um. Deviations of the mounted probe
+    /// belong to the calibration's offset.
     pub centre_gap_um: [u16; 2],
-    /// Direction from the centre to the first probe, hundredths of a degree from +y towards +z; the second is a quarter turn on.
+    /// Direction from the centre to the first probe, hundredths of a degree from +y towards +z. The
+    /// second probe is a quarter turn further.
     pub first_probe_centidegrees: i16,
-    /// Resistor that the transmitter's current runs over, tenths of an ohm.
+    /// Resistor that carries the transmitter's current, tenths of an ohm.
     pub shunt_deciohm: u16,
     /// Pressure at 20 mA, kPa.
     pub transmitter_range_kpa: u32,
-    /// Area that the pressure pushes along +y, mm2.
+    /// Area on which the pressure acts along +y, mm2.
     pub piston_mm2: u32,
-    /// Whether the controller samples by itself after a restart with this configuration kept.
+    /// `true` if the controller samples on its own after a restart with this stored configuration.
     pub sample_at_start: bool,
 }
 
 impl Wiring {
-    /// Probes of 2 mm over 10 V from +y and +z on inputs 0 and 1, 1 mm from the journal in the centre; a transmitter of 250 bar over 250 ohm on
-    /// input 2, and a piston of 20 cm2: 50 kN.
+    /// Probes of 2 mm over 10 V from +y and +z on inputs 0 and 1, 1 mm from the centred journal; a
+    /// transmitter of 250 bar over 250 ohm on input 2 and a piston of 20 cm2: 50 kN.
     pub const NOMINAL: Self = Self {
         probe_inputs: [0, 1],
         load_input: 2,
@@ -86,12 +90,12 @@ impl Wiring {
     };
 }
 
-/// A field of a [`Wiring`], or what several must make together.
+/// Field of a [`Wiring`], or a property of several fields together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WiringField {
     /// An input of the converter: `probe_inputs` or `load_input`.
     Input,
-    /// How many different inputs `probe_inputs` and `load_input` are.
+    /// Number of different inputs among `probe_inputs` and `load_input`.
     DistinctInputs,
     /// `probe_gain_nm_v`, without its sign.
     ProbeGain,

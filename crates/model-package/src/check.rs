@@ -1,70 +1,81 @@
-//! The checks that a package has to pass before it is run.
+//! Checks that a package has to pass before it is used.
 
-use inference::{Bearing, Model};
+use inference::{BearingMaterial, Model};
 use link::update::{MANIFEST_LENGTH, SIGNATURE_LENGTH, SignedManifest, UpdateRefusal};
 
 use crate::manifest::{Manifest, hash_of};
 use crate::self_test::{self, RECORD_LENGTH};
 use crate::signature::{KEY_LENGTH, is_signed};
 
-/// Cause of a sound image that is for another bearing.
+/// Cause code of a valid image for another bearing.
 pub const WRONG_BEARING: u8 = 100;
 
-/// An image that passed, where it lies.
+/// An image that passed, in place.
 #[derive(Clone, Copy, Debug)]
 pub struct Checked<'a> {
     /// The image.
     pub image: &'a [u8],
-    /// The model over it.
+    /// Model that reads the image.
     pub model: Model<'a>,
 }
 
-/// A manifest that is sound, for this board and signed for this key.
+/// Parses a manifest and checks that it is valid, made for this board and signed with this key.
 ///
 /// # Errors
 ///
-/// Why not.
-pub fn authentic(
+/// The reason for the refusal.
+pub fn authenticate(
     signed: &SignedManifest,
     board: u16,
     key: &[u8; KEY_LENGTH],
 ) -> Result<Manifest, UpdateRefusal> {
-    let bytes: [u8; MANIFEST_LENGTH] = joined(&signed.manifest);
+    let bytes: [u8; MANIFEST_LENGTH] = join(&signed.manifest);
     let manifest = Manifest::parse(&bytes, board)?;
-    let signature: [u8; SIGNATURE_LENGTH] = joined(&signed.signature);
+    let signature: [u8; SIGNATURE_LENGTH] = join(&signed.signature);
     if is_signed(&bytes, &signature, key) { Ok(manifest) } else { Err(UpdateRefusal::Signature) }
 }
 
-/// Checks a payload, at an address divisible by 4, against its manifest: hash, images, self-tests. Gives the images by bearing code.
+/// Checks a payload, at an address divisible by 4, against its manifest: hash, images, self-tests.
+/// Returns the images by bearing code.
 ///
 /// # Errors
 ///
-/// Why it is refused.
-pub fn check<'a>(manifest: &Manifest, payload: &'a [u8]) -> Result<[Option<Checked<'a>>; 2], UpdateRefusal> {
+/// The reason for the refusal.
+pub fn check<'a>(
+    manifest: &Manifest,
+    payload: &'a [u8],
+) -> Result<[Option<Checked<'a>>; BearingMaterial::COUNT], UpdateRefusal> {
     if hash_of(payload) != manifest.hash {
         return Err(UpdateRefusal::Hash);
     }
     let mut rest = payload;
     let mut take = |length: u32| {
-        let (part, behind) = rest.split_at_checked(length as usize).ok_or(UpdateRefusal::Lengths)?;
-        rest = behind;
+        let (part, later) = rest.split_at_checked(length as usize).ok_or(UpdateRefusal::Lengths)?;
+        rest = later;
         Ok(part)
     };
-    let [first, second] = manifest.images;
-    let images = [take(first)?, take(second)?];
-    let [first, second] = manifest.samples.map(|samples| samples.saturating_mul(RECORD_LENGTH as u32));
-    let records = [take(first)?, take(second)?];
-    let mut package = [None; 2];
-    let parts = images.into_iter().zip(records).zip(Bearing::ALL);
+    let mut parts = [[[].as_slice(); BearingMaterial::COUNT]; 2];
+    let lengths = manifest.samples.map(|samples| samples.saturating_mul(RECORD_LENGTH as u32));
+    for (part, length) in parts.as_flattened_mut().iter_mut().zip(manifest.images.into_iter().chain(lengths))
+    {
+        *part = take(length)?;
+    }
+    let [images, records] = parts;
+    let mut package = [None; BearingMaterial::COUNT];
+    let parts = images.into_iter().zip(records).zip(BearingMaterial::ALL);
     for (to, ((image, records), bearing)) in package.iter_mut().zip(parts) {
         if !image.is_empty() {
-            *to = Some(checked(image, records, bearing)?);
+            *to = Some(check_image(image, records, bearing)?);
         }
     }
     Ok(package)
 }
 
-fn checked<'a>(image: &'a [u8], records: &[u8], bearing: Bearing) -> Result<Checked<'a>, UpdateRefusal> {
+fn check_image<'a>(
+    image: &'a [u8],
+    records: &[u8],
+    bearing: BearingMaterial,
+) -> Result<Checked<'a>, UpdateRefusal> {
     let code = bearing.code();
     let model =
         Model::load(image).map_err(|error| UpdateRefusal::Image { bearing: code, cause: error.cause() })?;
@@ -75,7 +86,7 @@ fn checked<'a>(image: &'a [u8], records: &[u8], bearing: Bearing) -> Result<Chec
     Ok(Checked { image, model })
 }
 
-fn joined<const N: usize, const M: usize>(parts: &[[u8; 32]; M]) -> [u8; N] {
+fn join<const N: usize, const M: usize>(parts: &[[u8; 32]; M]) -> [u8; N] {
     let mut bytes = [0; N];
     for (to, from) in bytes.iter_mut().zip(parts.as_flattened()) {
         *to = *from;

@@ -1,96 +1,118 @@
-//! The manifest of a model package: what was signed.
+//! Manifest of a model package: the part that is signed.
 //!
-//! 96 bytes, whole numbers little-endian:
+//! 96 bytes, integers little-endian:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 0..8 | magic |
 //! | 8..10 | format |
 //! | 10..12 | board, see [`board`] |
 //! | 12..16 | version of the model, from 1 on |
-//! | 16..20 | bit 0: to be taken even when older than what runs; all others 0 |
-//! | 20..24 | bytes behind manifest and signature |
+//! | 16..20 | bit 0: accepted even if older than the running package; all others 0 |
+//! | 20..24 | bytes after manifest and signature |
 //! | 24..28, 28..32 | bytes of the image for bearing 0 and 1; 0: none |
 //! | 32..36, 36..40 | samples of the self-test for bearing 0 and 1 |
-//! | 40..64 | 0 |
-//! | 64..96 | SHA-512/256 of the bytes behind manifest and signature |
+//! | 40..64 | image and samples of bearings 2, 3 and 4, 8 bytes each; unused: 0 |
+//! | 64..96 | SHA-512/256 of the bytes after manifest and signature |
 //!
-//! The signature is over these bytes alone: through the hash it covers all the others. So it can be checked before anything is erased.
+//! The signature covers these bytes directly and all others through the hash. So it can be checked
+//! before anything is erased.
 
+use inference::BearingMaterial;
 use link::update::{MANIFEST_LENGTH, UpdateRefusal};
 use sha2::{Digest, Sha512_256};
 
 use crate::self_test::RECORD_LENGTH;
 
-/// Codes of the boards that packages are made for.
+/// Codes of the boards for which packages are made.
 pub mod board {
-    /// STM32F405: the boards and the emulator alike.
+    /// STM32F405: all boards with it and the emulator.
     pub const STM32F405: u16 = 0x0405;
     /// Arm MPS2+ with image AN505.
     pub const MPS2_AN505: u16 = 0x0505;
 }
 
 /// Magic of a package.
-pub const MAGIC: [u8; 8] = *b"PINTLEP\n";
+const MAGIC: [u8; 8] = *b"PINTLEP\n";
 /// Version of the format.
-pub const FORMAT: u16 = 1;
-/// Samples that a self-test must have: as many as leave nothing of the networks' start.
-pub const LEAST_SAMPLES: u32 = 2 * inference::WINDOW as u32;
+const FORMAT: u16 = 1;
+/// Minimum number of self-test samples: enough that the result no longer depends on the networks'
+/// start.
+pub const MIN_SAMPLES: u32 = 2 * inference::WINDOW as u32;
 
 const MAY_BE_OLDER: u32 = 1;
 
-/// What a package says about itself.
+/// Words for image lengths and numbers of samples.
+const PART_WORDS: usize = 10;
+const _: () = assert!(2 * BearingMaterial::COUNT <= PART_WORDS);
+
+/// Returns the places of an image's length and of its number of samples among these words.
+///
+/// The first format had two bearings: two lengths, then two numbers of samples. Later bearings have
+/// both words side by side.
+const fn part_words(code: usize) -> [usize; 2] {
+    if code < 2 { [code, code + 2] } else { [2 * code, 2 * code + 1] }
+}
+
+/// Contents of a manifest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Manifest {
-    /// Board that it was made for.
+    /// Code of the board.
     pub board: u16,
-    /// Version of the model, from 1 on.
+    /// Version of the model, 1 or more.
     pub version: u32,
-    /// Whether it is to be taken even when older than what runs.
+    /// True if the package is accepted even if it is older than the running one.
     pub may_be_older: bool,
-    /// Bytes of the image by bearing code; 0: none.
-    pub images: [u32; 2],
-    /// Samples of the self-test by bearing code.
-    pub samples: [u32; 2],
+    /// Bytes of the image by bearing code; 0 if there is none.
+    pub images: [u32; BearingMaterial::COUNT],
+    /// Number of self-test samples by bearing code.
+    pub samples: [u32; BearingMaterial::COUNT],
     /// SHA-512/256 of the payload.
     pub hash: [u8; 32],
 }
 
-/// Hash of a package's payload.
+/// Returns the hash of a package's payload.
 #[must_use]
 pub fn hash_of(payload: &[u8]) -> [u8; 32] {
     Sha512_256::digest(payload).into()
 }
 
 impl Manifest {
-    /// Bytes behind manifest and signature.
+    /// Number of bytes after manifest and signature.
     #[must_use]
     pub const fn length(&self) -> u32 {
-        let [first, second] = self.images;
-        let [a, b] = self.samples;
-        let samples = a.saturating_add(b).saturating_mul(RECORD_LENGTH as u32);
-        first.saturating_add(second).saturating_add(samples)
+        let (mut length, mut code) = (0_u32, 0);
+        while code < BearingMaterial::COUNT {
+            let records = self.samples[code].saturating_mul(RECORD_LENGTH as u32);
+            length = length.saturating_add(self.images[code]).saturating_add(records);
+            code += 1;
+        }
+        length
     }
 
-    /// The bytes that are signed.
+    /// Image lengths and numbers of samples in the order of the manifest's bytes.
+    fn parts(&self) -> [u32; PART_WORDS] {
+        let mut words = [0; PART_WORDS];
+        for (code, counts) in self.images.into_iter().zip(self.samples).enumerate() {
+            for (place, count) in part_words(code).into_iter().zip(<[u32; 2]>::from(counts)) {
+                if let Some(word) = words.get_mut(place) {
+                    *word = count;
+                }
+            }
+        }
+        words
+    }
+
+    /// Returns the bytes that are signed.
     #[must_use]
     pub fn to_bytes(&self) -> [u8; MANIFEST_LENGTH] {
         let mut bytes = [0; MANIFEST_LENGTH];
-        let numbers = [
-            self.version,
-            u32::from(self.may_be_older),
-            self.length(),
-            self.images[0],
-            self.images[1],
-            self.samples[0],
-            self.samples[1],
-        ];
+        let numbers = [self.version, u32::from(self.may_be_older), self.length()];
         let parts = MAGIC
             .into_iter()
             .chain(FORMAT.to_le_bytes())
             .chain(self.board.to_le_bytes())
-            .chain(numbers.into_iter().flat_map(u32::to_le_bytes))
-            .chain([0; 24])
+            .chain(numbers.into_iter().chain(self.parts()).flat_map(u32::to_le_bytes))
             .chain(self.hash);
         for (to, from) in bytes.iter_mut().zip(parts) {
             *to = from;
@@ -98,11 +120,11 @@ impl Manifest {
         bytes
     }
 
-    /// Reads a manifest and checks what it says against itself and against the board.
+    /// Parses a manifest and checks its consistency and its board.
     ///
     /// # Errors
     ///
-    /// Of another kind, format or board; lengths that are not those of a package.
+    /// The reason: another kind, format or board, or lengths that no package has.
     pub fn parse(bytes: &[u8; MANIFEST_LENGTH], this_board: u16) -> Result<Self, UpdateRefusal> {
         let (words, _) = bytes.as_chunks::<4>();
         let &[magic_low, magic_high, kind, ref numbers @ ..] = words else {
@@ -117,17 +139,17 @@ impl Manifest {
         if format != FORMAT {
             return Err(UpdateRefusal::Format { found: format, expected: FORMAT });
         }
-        let &[version, flags, length, first, second, samples, more_samples, _, _, _, _, _, _, ref hash @ ..] =
-            numbers
-        else {
+        let &[version, flags, length, ref rest @ ..] = numbers else { return Err(UpdateRefusal::Magic) };
+        let Some((parts, hash)) = rest.split_first_chunk::<PART_WORDS>() else {
             return Err(UpdateRefusal::Magic);
         };
+        let count = |place: usize| parts.get(place).map_or(0, |&word| u32::from_le_bytes(word));
         let mut manifest = Self {
             board,
             version: u32::from_le_bytes(version),
             may_be_older: u32::from_le_bytes(flags) == MAY_BE_OLDER,
-            images: [first, second].map(u32::from_le_bytes),
-            samples: [samples, more_samples].map(u32::from_le_bytes),
+            images: core::array::from_fn(|code| count(part_words(code)[0])),
+            samples: core::array::from_fn(|code| count(part_words(code)[1])),
             hash: [0; 32],
         };
         for (to, from) in manifest.hash.iter_mut().zip(hash.as_flattened()) {
@@ -136,15 +158,16 @@ impl Manifest {
         if board != this_board {
             return Err(UpdateRefusal::Board { found: board, expected: this_board });
         }
-        // Written back it must be the same: flags, length and reserved bytes are what they have to be. A sum that did not fit is odd.
-        let sound = u32::from_le_bytes(length) == manifest.length()
+        // Serialised again it must be the same: that checks flags, length and reserved bytes. A
+        // length that overflowed is odd.
+        let is_consistent = u32::from_le_bytes(length) == manifest.length()
             && manifest.length().is_multiple_of(4)
             && manifest.to_bytes() == *bytes
             && manifest.images.iter().any(|&bytes| bytes > 0)
             && manifest.images.iter().zip(manifest.samples).all(|(&bytes, samples)| {
-                bytes.is_multiple_of(4) && if bytes > 0 { samples >= LEAST_SAMPLES } else { samples == 0 }
+                bytes.is_multiple_of(4) && if bytes > 0 { samples >= MIN_SAMPLES } else { samples == 0 }
             });
-        if sound { Ok(manifest) } else { Err(UpdateRefusal::Lengths) }
+        if is_consistent { Ok(manifest) } else { Err(UpdateRefusal::Lengths) }
     }
 }
 
@@ -176,11 +199,11 @@ mod tests {
     }
 
     #[test]
-    fn one_that_contradicts_itself_is_refused() {
+    fn wrong_lengths_and_foreign_boards_are_refused() {
         for wrong in [
             Manifest { images: [0, 0], samples: [0, 0], ..manifest() },
             Manifest { images: [8381, 0], ..manifest() },
-            Manifest { samples: [LEAST_SAMPLES - 1, 0], ..manifest() },
+            Manifest { samples: [MIN_SAMPLES - 1, 0], ..manifest() },
             Manifest { samples: [32, 32], ..manifest() },
             Manifest { images: [u32::MAX - 3, u32::MAX - 3], samples: [u32::MAX; 2], ..manifest() },
         ] {
@@ -196,10 +219,10 @@ mod tests {
     fn every_bit_outside_the_hash_and_the_version_is_checked() {
         let bytes = manifest().to_bytes();
         for bit in (0..64 * 8).filter(|bit| !(12 * 8..16 * 8).contains(bit)) {
-            let mut altered = bytes;
-            altered[bit / 8] ^= 1 << (bit % 8);
-            // The one flag has a meaning of its own.
-            let read = Manifest::parse(&altered, board::STM32F405);
+            let mut corrupted = bytes;
+            corrupted[bit / 8] ^= 1 << (bit % 8);
+            // The defined flag is valid.
+            let read = Manifest::parse(&corrupted, board::STM32F405);
             assert_eq!(read.is_ok(), bit == 16 * 8, "bit {bit}");
         }
     }

@@ -1,15 +1,16 @@
-//! Known inputs, known outputs: what a package's networks must give before they are let run.
+//! Self-test of a package: known inputs and the outputs that the networks must give.
 //!
-//! A record is one sample and what the two networks give for it, 32 bytes, little-endian: the five numbers of [`Sample`] in their order,
-//! normal and friction force in mN, then flags and clipped activations with 16 bits each. The records of a bearing follow one another
-//! as samples do, from an empty history. Everything is whole numbers, so that every core must give the same bits.
+//! A record is one sample and the networks' result for it, 32 bytes, little-endian: the five
+//! numbers of [`Sample`] in their order, normal and friction force in mN, then flags and clipped
+//! activations with 16 bits each. The records of a bearing are consecutive samples from an empty
+//! history. All arithmetic is integer arithmetic, so every core must give the same bits.
 
 use inference::{Flags, Model, Pair, Sample};
 
 /// Bytes of a record.
-pub const RECORD_LENGTH: usize = 32;
+pub(crate) const RECORD_LENGTH: usize = 32;
 
-/// A record's bytes.
+/// Returns a record's bytes.
 #[must_use]
 pub fn record(pair: &mut Pair<'_>, sample: &Sample) -> [u8; RECORD_LENGTH] {
     let estimate = pair.step(sample);
@@ -31,11 +32,11 @@ pub fn record(pair: &mut Pair<'_>, sample: &Sample) -> [u8; RECORD_LENGTH] {
     bytes
 }
 
-/// Runs the networks over records; the position of the first with another result.
+/// Runs the networks over records.
 ///
 /// # Errors
 ///
-/// That position.
+/// The position of the first record with another result.
 pub fn run(model: Model<'_>, records: &[u8]) -> Result<(), u16> {
     let mut pair: Pair<'_> = Pair::new(model);
     for (position, expected) in (0..=u16::MAX).zip(records.as_chunks::<RECORD_LENGTH>().0) {
@@ -60,18 +61,18 @@ fn sample(record: &[u8; RECORD_LENGTH]) -> Sample {
     }
 }
 
-/// Remarks that an estimate carries: those of the networks alone.
+/// Records hold the flags of the networks only; they fit into 16 bits.
 const _: () = assert!(Flags::OUTSIDE_TRAINING.bits() < 1 << 16);
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use inference::{Bearing, shipped};
+    use inference::{BearingMaterial, shipped};
 
     #[test]
     fn other_networks_and_other_results_fail_at_their_sample() {
         let load = |bearing| -> Model<'static> { Model::load(shipped(bearing)).unwrap() };
-        let mut pair = Pair::new(load(Bearing::Babbitt));
+        let mut pair = Pair::new(load(BearingMaterial::Babbitt));
         let mut records: Vec<u8> = Vec::new();
         for step in 0..24_i32 {
             let sample = Sample {
@@ -83,9 +84,9 @@ mod tests {
             };
             records.extend(record(&mut pair, &sample));
         }
-        assert_eq!(run(load(Bearing::Babbitt), &records), Ok(()));
-        assert!(run(load(Bearing::Plastic), &records).is_err());
+        assert_eq!(run(load(BearingMaterial::Babbitt), &records), Ok(()));
+        assert!(run(load(BearingMaterial::Plastic), &records).is_err());
         records[20 * RECORD_LENGTH + 20] ^= 1;
-        assert_eq!(run(load(Bearing::Babbitt), &records), Err(20));
+        assert_eq!(run(load(BearingMaterial::Babbitt), &records), Err(20));
     }
 }

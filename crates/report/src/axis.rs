@@ -1,14 +1,14 @@
-//! Axes of a chart: their span, ticks at round numbers, and labels; linear or logarithmic.
+//! Axes of a chart, linear or logarithmic: their span, ticks at round numbers, and labels.
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use std::ops::Range;
 
-/// Ticks that an axis has about.
+/// Approximate number of ticks on an axis.
 const TICKS: f64 = 7.0;
-/// Span that a logarithmic axis has at least.
-const LEAST_DECADES: f64 = 0.7;
+/// Smallest span of a logarithmic axis, in decades.
+const MIN_DECADES: f64 = 0.7;
 
-/// One axis.
+/// Axis of a chart.
 #[derive(Clone, Debug)]
 pub struct Axis {
     low: f64,
@@ -18,7 +18,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A linear axis around the finite ones of some values.
+    /// Creates a linear axis around the finite ones of some values.
     pub fn linear(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = span(values).unwrap_or((0.0, 1.0));
         let step = 10_f64.powf(((high - low) / TICKS).log10().floor());
@@ -30,16 +30,16 @@ impl Axis {
         Self { low, high, logarithmic: false, step }
     }
 
-    /// A logarithmic axis around the positive ones of some values.
+    /// Creates a logarithmic axis around the positive ones of some values.
     pub fn logarithmic(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = span(values.filter(|v| *v > 0.0).map(f64::log10)).unwrap_or((0.0, 1.0));
-        // Much less than a decade would make a steep line of next to nothing.
-        let widen = 0.5 * (LEAST_DECADES - (high - low)).max(0.0);
+        // On much less than a decade, tiny differences would look steep.
+        let widen = 0.5 * (MIN_DECADES - (high - low)).max(0.0);
         let (low, high) = (low - widen, high + widen);
         Self { low, high, logarithmic: true, step: 1.0 }
     }
 
-    /// Where a value stands on the axis; `None` if nowhere.
+    /// Returns the coordinate of a value on the axis; `None` if it has none.
     pub fn place(&self, value: f64) -> Option<f64> {
         let place = if self.logarithmic { value.log10() } else { value };
         place.is_finite().then_some(place)
@@ -63,11 +63,11 @@ impl Axis {
         (from..=to).map(|i| i as f64 * self.step).collect()
     }
 
-    /// As many decimals as the ticks need.
+    /// Formats a tick label with as many decimals as the ticks need.
     fn label(&self, place: f64) -> String {
         if self.logarithmic {
             let value = 10_f64.powf(place);
-            // Two figures: enough for 1.5.
+            // Two digits: enough for 1.5.
             let digits = (1.0 - (place + 1e-9).floor()).clamp(0.0, 9.0) as usize;
             return if (-4.0..6.0).contains(&place) {
                 format!("{value:.digits$}")
@@ -107,7 +107,7 @@ impl ValueFormatter<f64> for Axis {
     }
 }
 
-/// The span of the finite values with a margin; `None` without any.
+/// Returns the span of the finite values with a margin; `None` if there are none.
 fn span(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let (low, high) = values
         .filter(|v| v.is_finite())

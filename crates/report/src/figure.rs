@@ -1,10 +1,10 @@
-//! Charts as SVG text, small enough to stand inside a page. The legend has a strip of its own above the plot, so that
-//! it never hides a curve.
+//! Charts as SVG text, small enough for inclusion in a page. The legend has a separate strip above
+//! the plot, so that it never covers a curve.
 
 use crate::axis::Axis;
 use plotters::prelude::*;
 
-/// Colours that stay apart for most readers, in the order of the series (Okabe and Ito).
+/// Colours that most readers can distinguish, in the order of the series (Okabe and Ito).
 pub const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -14,25 +14,27 @@ pub const COLOURS: [RGBColor; 6] = [
     RGBColor(86, 180, 233),
 ];
 
-/// Points a series may keep: more would only make the page heavier.
-const MOST_POINTS: usize = 1600;
+/// Maximum number of points drawn of a series: more would only enlarge the page.
+const MAX_POINTS: usize = 1600;
 /// Height in pixels of a row of the legend.
 const LEGEND_HEIGHT: u32 = 20;
-/// Widths in pixels of a legend's line and of a character of its text, generously.
+/// Generous widths in pixels of a legend's line and of a character of its text.
 const LEGEND_LINE: i32 = 20;
 const CHARACTER: f64 = 7.2;
 
-/// How a series is drawn.
+/// Drawing style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     /// A line through the points.
     Line,
-    /// A wide pale line, for what another line is to be seen upon.
+    /// A wide pale line, as background for another line.
     Wide,
     /// The points alone.
     Points,
     /// The points and a line through them.
     Both,
+    /// The area within the points, pale and behind everything else.
+    Area,
 }
 
 /// One line of a chart.
@@ -42,12 +44,12 @@ pub struct Series {
     pub name: String,
     /// Points, ascending in x unless the chart is a map.
     pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
+    /// Drawing style.
     pub style: Style,
 }
 
 impl Series {
-    /// A line from two columns.
+    /// Creates a line from two columns.
     pub fn new(
         name: impl Into<String>,
         x: impl IntoIterator<Item = f64>,
@@ -56,23 +58,29 @@ impl Series {
         Self::through(name, x.into_iter().zip(y).collect())
     }
 
-    /// A line through points.
+    /// Creates a line through points.
     pub fn through(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.into(), points, style: Style::Line }
     }
 
-    /// The series in another style.
+    /// Returns the series in another style.
     pub fn styled(self, style: Style) -> Self {
         Self { style, ..self }
     }
 
-    /// The least and the greatest point of every stretch, so that no peak is lost; what is no number counts as neither.
+    /// Returns the lowest and the highest point of every section, so that no peak is lost. Points
+    /// that are not finite are ignored.
     fn thinned(&self) -> Vec<(f64, f64)> {
-        if self.points.len() <= MOST_POINTS || matches!(self.style, Style::Points | Style::Both) {
+        if self.points.len() <= MAX_POINTS || matches!(self.style, Style::Points | Style::Both) {
             return self.points.clone();
         }
-        let stretch = self.points.len().div_ceil(MOST_POINTS / 2);
-        let mut out = Vec::with_capacity(MOST_POINTS);
+        if self.style == Style::Area {
+            // An outline runs forth and back, so the extremes of a section have no order.
+            let every = self.points.len().div_ceil(MAX_POINTS);
+            return self.points.iter().copied().step_by(every).collect();
+        }
+        let stretch = self.points.len().div_ceil(MAX_POINTS / 2);
+        let mut out = Vec::with_capacity(MAX_POINTS);
         for chunk in self.points.chunks(stretch) {
             let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
             let finite = || chunk.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
@@ -85,7 +93,7 @@ impl Series {
     }
 }
 
-/// What a chart is called and how large it is.
+/// Titles and size of a chart.
 #[derive(Clone, Copy, Debug)]
 pub struct Chart<'a> {
     /// Title.
@@ -102,32 +110,32 @@ fn values(series: &[Series]) -> impl Iterator<Item = (f64, f64)> + Clone {
     series.iter().flat_map(|s| s.points.iter().copied())
 }
 
-/// A chart with linear axes. An error is a drawing failure, in words.
+/// Draws a chart with linear axes. The error describes a failure to draw.
 pub fn lines(chart: &Chart, series: &[Series]) -> Result<String, String> {
     let all = values(series);
     draw(chart, series, &Axis::linear(all.clone().map(|p| p.0)), &Axis::linear(all.map(|p| p.1)), true)
 }
 
-/// A chart with a logarithmic horizontal axis; points with x at or below 0 are left out.
+/// Draws a chart with a logarithmic horizontal axis; points with x at or below 0 are omitted.
 pub fn lines_log_x(chart: &Chart, series: &[Series]) -> Result<String, String> {
     let all = values(series);
     draw(chart, series, &Axis::logarithmic(all.clone().map(|p| p.0)), &Axis::linear(all.map(|p| p.1)), true)
 }
 
-/// A chart with a logarithmic vertical axis; points with y at or below 0 are left out.
+/// Draws a chart with a logarithmic vertical axis; points with y at or below 0 are omitted.
 pub fn lines_log_y(chart: &Chart, series: &[Series]) -> Result<String, String> {
     let all = values(series);
     draw(chart, series, &Axis::linear(all.clone().map(|p| p.0)), &Axis::logarithmic(all.map(|p| p.1)), true)
 }
 
-/// A chart with two logarithmic axes; points at or below 0 are left out.
+/// Draws a chart with two logarithmic axes; points at or below 0 are omitted.
 pub fn lines_log_log(chart: &Chart, series: &[Series]) -> Result<String, String> {
     let all = values(series);
     let (x, y) = (Axis::logarithmic(all.clone().map(|p| p.0)), Axis::logarithmic(all.map(|p| p.1)));
     draw(chart, series, &x, &y, true)
 }
 
-/// A map of curves with equal scales on both axes, such as an orbit; x and y in the same unit.
+/// Draws curves with equal scales on both axes, such as an orbit; x and y have the same unit.
 pub fn map(chart: &Chart, series: &[Series]) -> Result<String, String> {
     let sizes = values(series).flat_map(|p| [p.0.abs(), p.1.abs()]).filter(|size| size.is_finite());
     let most = sizes.fold(0.0, f64::max);
@@ -136,7 +144,7 @@ pub fn map(chart: &Chart, series: &[Series]) -> Result<String, String> {
     draw(chart, series, &axis, &axis, false)
 }
 
-/// Where every legend entry begins, row by row; the number of rows.
+/// Returns the position of every legend entry, row by row, and the number of rows.
 fn legend_places(series: &[Series], width: u32) -> (Vec<(i32, u32)>, u32) {
     if series.len() < 2 {
         return (Vec::new(), 0);
@@ -180,10 +188,17 @@ fn draw(chart: &Chart, series: &[Series], x: &Axis, y: &Axis, thin: bool) -> Res
             .bold_line_style(BLACK.mix(0.12))
             .draw()
             .map_err(|e| failed(&e))?;
-        for (s, colour) in series.iter().zip(COLOURS.iter().cycle()) {
+        let coloured = || series.iter().zip(COLOURS.iter().cycle());
+        let (areas, others): (Vec<_>, Vec<_>) = coloured().partition(|(s, _)| s.style == Style::Area);
+        for (s, colour) in areas.into_iter().chain(others) {
             let points = if thin { s.thinned() } else { s.points.clone() };
             let points: Vec<(f64, f64)> =
                 points.into_iter().filter_map(|p| Some((x.place(p.0)?, y.place(p.1)?))).collect();
+            if s.style == Style::Area {
+                let area = Polygon::new(points, colour.mix(0.3).filled());
+                context.draw_series([area]).map_err(|e| failed(&e))?;
+                continue;
+            }
             if s.style != Style::Points {
                 let stroke = match s.style {
                     Style::Wide => colour.mix(0.4).stroke_width(4),
@@ -197,7 +212,7 @@ fn draw(chart: &Chart, series: &[Series], x: &Axis, y: &Axis, thin: bool) -> Res
                 context.draw_series(dots).map_err(|e| failed(&e))?;
             }
         }
-        for ((s, colour), (from, row)) in series.iter().zip(COLOURS.iter().cycle()).zip(places) {
+        for ((s, colour), (from, row)) in coloured().zip(places) {
             let middle = (LEGEND_HEIGHT * row + LEGEND_HEIGHT / 2) as i32;
             let line =
                 PathElement::new([(from, middle), (from + LEGEND_LINE, middle)], colour.stroke_width(3));
@@ -215,17 +230,42 @@ mod tests {
     use super::*;
 
     #[test]
+    fn an_area_is_one_polygon_behind_the_lines() {
+        let outline = vec![(0.0, 1.0), (1.0, 2.0), (1.0, -2.0), (0.0, -1.0)];
+        let series = [
+            Series::new("line", [0.0, 1.0], [0.0, 0.5]),
+            Series::through("band", outline).styled(Style::Area),
+        ];
+        let chart = Chart { title: "t", x: "x", y: "y", size: (400, 300) };
+        let svg = lines(&chart, &series).unwrap();
+        let (polygon, line) = (svg.find("<polygon").unwrap(), svg.rfind("<polyline").unwrap());
+        assert_eq!(svg.matches("<polygon").count(), 1);
+        assert!(polygon < line);
+    }
+
+    #[test]
+    fn a_thinned_area_keeps_the_order_of_its_outline() {
+        let x = (0..10_000).map(f64::from).chain((0..10_000).rev().map(f64::from));
+        let area = Series::through("band", x.map(|x| (x, x)).collect()).styled(Style::Area);
+        let thinned = area.thinned();
+        let highest =
+            thinned.iter().position(|p| p.0 == thinned.iter().fold(0.0, |a, p| p.0.max(a))).unwrap();
+        assert!(thinned.len() <= MAX_POINTS && thinned.len() > 1000);
+        assert!(thinned[..highest].is_sorted() && thinned[highest..].is_sorted_by(|a, b| a >= b));
+    }
+
+    #[test]
     fn thinning_keeps_the_peak() {
         let mut y = vec![0.0; 100_000];
         y[77_777] = 5.0;
         let series = Series::new("spike", (0..100_000).map(f64::from), y);
         let thinned = series.thinned();
-        assert!(thinned.len() <= MOST_POINTS + 2);
+        assert!(thinned.len() <= MAX_POINTS + 2);
         assert!(thinned.iter().any(|p| p.1 == 5.0));
     }
 
     #[test]
-    fn what_is_no_number_hides_no_peak() {
+    fn values_that_are_not_numbers_hide_no_peak() {
         let mut y = vec![0.0; 100_000];
         (y[77_776], y[77_777], y[77_778]) = (f64::NAN, 5.0, f64::INFINITY);
         (y[10_000], y[10_001]) = (f64::NEG_INFINITY, -3.0);

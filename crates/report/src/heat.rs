@@ -1,20 +1,21 @@
-//! Tables of numbers in colours: a square a cell, the number in it, one colour scale for all.
+//! Tables of numbers as coloured cells with one colour scale.
 //!
-//! The colour says how a cell stands to a limit: white at 0, blue up to the limit, orange beyond it, full at twice the
-//! limit; the sign does not matter. So a reader sees at a glance what is within, and by how much.
+//! The colour shows a cell's magnitude relative to a limit: white at 0, blue up to the limit,
+//! orange beyond it, saturated at twice the limit. So a reader sees at a glance which cells are
+//! within the limit and by how much.
 
 use crate::figure::COLOURS;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// A table to be drawn.
+/// Table to be drawn.
 #[derive(Clone, Debug)]
 pub struct Heat<'a> {
     /// Title.
     pub title: &'a str,
-    /// What the columns are, with unit.
+    /// Meaning of the columns, with unit.
     pub x: &'a str,
-    /// What the rows are, with unit.
+    /// Meaning of the rows, with unit.
     pub y: &'a str,
     /// Names of the columns.
     pub columns: Vec<String>,
@@ -22,9 +23,9 @@ pub struct Heat<'a> {
     pub rows: Vec<String>,
     /// Values by row; `None` leaves a cell empty.
     pub values: Vec<Vec<Option<f64>>>,
-    /// Magnitude up to which a value is within.
+    /// Magnitude up to which a value is within the limit.
     pub limit: f64,
-    /// Decimals of the numbers.
+    /// Number of decimals.
     pub decimals: usize,
     /// Width and height in pixels.
     pub size: (u32, u32),
@@ -33,7 +34,7 @@ pub struct Heat<'a> {
 /// Space in pixels left of, above, right of and below the cells.
 const MARGINS: [i32; 4] = [74, 34, 14, 44];
 
-/// Draws a table. An error is a drawing failure, in words.
+/// Draws a table. The error describes a failure to draw.
 pub fn draw(heat: &Heat) -> Result<String, String> {
     let mut svg = String::new();
     let failed = |e: &dyn std::fmt::Display| format!("chart `{}`: {e}", heat.title);
@@ -79,12 +80,12 @@ pub fn draw(heat: &Heat) -> Result<String, String> {
     Ok(svg)
 }
 
-/// Colour of a cell and of its number by the share of the limit.
+/// Returns the colours of a cell and of its number for a value relative to the limit.
 fn colours(share: f64) -> (RGBColor, RGBColor) {
     let [within, beyond, ..] = COLOURS;
     let (full, strength) =
         if share <= 1.0 { (within, 0.75 * share) } else { (beyond, 0.4 + 0.6 * (share - 1.0)) };
-    // A value that is no number is as far off as can be.
+    // A value that is not finite has the strongest colour.
     let strength = if strength.is_finite() { strength.min(1.0) } else { 1.0 };
     let mix = |channel: u8| (255.0 + (f64::from(channel) - 255.0) * strength).round() as u8;
     let ink = if strength > 0.55 { WHITE } else { BLACK };
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_beyond_the_limit_has_another_colour() {
+    fn values_beyond_the_limit_have_another_colour() {
         let (at, ink) = colours(0.0);
         assert_eq!((at, ink), (RGBColor(255, 255, 255), BLACK));
         let ((inside, _), (outside, _)) = (colours(1.0), colours(1.001));

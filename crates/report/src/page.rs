@@ -1,56 +1,60 @@
-//! A self-contained HTML page: text, tables and inline pictures, nothing fetched from elsewhere.
+//! Self-contained HTML page: text, tables and inline pictures; nothing is fetched from elsewhere.
 
-/// A page under construction. Text is escaped; figures are SVG and go in as they are.
+/// Page under construction. Text is escaped; figures are SVG and are inserted unchanged.
 #[derive(Clone, Debug)]
 pub struct Page {
     title: String,
     body: String,
 }
 
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;padding:0 1rem;color:#1c2733}\
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;\
+padding:0 1rem;color:#1c2733}\
 h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid #d5dce3}\
 p.lead{font-size:1.1rem}p.note{color:#56636f;font-size:.92rem}\
-.table{overflow-x:auto}table{border-collapse:collapse;margin:.8rem 0}th,td{padding:.25rem .8rem;border-bottom:1px solid #e3e8ec;text-align:left}\
-td{vertical-align:top}td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}th{background:#f2f5f7}\
+.table{overflow-x:auto}table{border-collapse:collapse;margin:.8rem 0}\
+th,td{padding:.25rem .8rem;border-bottom:1px solid #e3e8ec;text-align:left}\
+td{vertical-align:top}td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
+th{background:#f2f5f7}\
 figure{margin:1rem 0;overflow-x:auto}figcaption{color:#56636f;font-size:.9rem}svg{max-width:100%;height:auto}\
 .pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}";
 
-/// Most words of a cell that is a number: `1.5 to 2.5 N m`.
+/// Maximum number of words in a cell that counts as a number: `1.5 to 2.5 N m`.
 const NUMBER_WORDS: usize = 5;
 
 impl Page {
-    /// An empty page.
+    /// Creates an empty page.
     pub fn new(title: &str) -> Self {
         Self { title: title.into(), body: format!("<h1>{}</h1>\n", escape(title)) }
     }
 
-    /// The sentence that people read first.
+    /// Appends the introductory sentence.
     pub fn lead(&mut self, text: &str) -> &mut Self {
         self.push(&format!("<p class=\"lead\">{}</p>\n", escape(text)))
     }
 
-    /// A heading.
+    /// Appends a heading.
     pub fn section(&mut self, title: &str) -> &mut Self {
         self.push(&format!("<h2>{}</h2>\n", escape(title)))
     }
 
-    /// A paragraph.
+    /// Appends a paragraph.
     pub fn text(&mut self, text: &str) -> &mut Self {
         self.push(&format!("<p>{}</p>\n", escape(text)))
     }
 
-    /// A remark in small print.
+    /// Appends a note in small print.
     pub fn note(&mut self, text: &str) -> &mut Self {
         self.push(&format!("<p class=\"note\">{}</p>\n", escape(text)))
     }
 
-    /// A list of sentences.
+    /// Appends a list of sentences.
     pub fn list(&mut self, items: &[&str]) -> &mut Self {
         let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escape(item))).collect();
         self.push(&format!("<ul>\n{items}</ul>\n"))
     }
 
-    /// A table; cells that are a number, with a unit or an interval at most, are set as numbers.
+    /// Appends a table. Cells with a number, at most with a unit or an interval, are aligned as
+    /// numbers.
     pub fn table<S: AsRef<str>>(&mut self, header: &[&str], rows: &[Vec<S>]) -> &mut Self {
         let mut out = String::from("<div class=\"table\"><table><tr>");
         for cell in header {
@@ -75,12 +79,12 @@ impl Page {
         self.push(&out)
     }
 
-    /// A picture with a caption.
+    /// Appends a picture with a caption.
     pub fn figure(&mut self, svg: &str, caption: &str) -> &mut Self {
         self.push(&format!("<figure>{svg}<figcaption>{}</figcaption></figure>\n", escape(caption)))
     }
 
-    /// Pictures side by side where the window is wide enough.
+    /// Appends pictures, side by side if the window is wide enough.
     pub fn figures(&mut self, pictures: &[(String, &str)]) -> &mut Self {
         self.push("<div class=\"pair\">\n");
         for (svg, caption) in pictures {
@@ -89,11 +93,12 @@ impl Page {
         self.push("</div>\n")
     }
 
-    /// The page as HTML.
+    /// Returns the page as HTML.
     pub fn render(&self) -> String {
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-             content=\"width=device-width\"><title>{}</title>\n<style>{STYLE}</style></head>\n<body>\n{}</body></html>\n",
+             content=\"width=device-width\"><title>{}</title>\n<style>{STYLE}</style></head>\n<body>\n\
+             {}</body></html>\n",
             escape(&self.title),
             self.body
         )

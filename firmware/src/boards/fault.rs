@@ -1,11 +1,12 @@
-//! What happens when something happens that cannot: it is recorded, the controller resets, and its greeting tells the host.
+//! Handling of core faults and panics: record the fault and reset. The next hello frame reports it.
 //!
-//! The hard fault handler trusts nothing of the stack that faulted: its first instructions load the emergency stack, and it reads the pushed
-//! registers only where the core says that it pushed them and the pointer lies within the stack. A fault in the handler itself locks the core
-//! up; then the hardware's watchdog resets.
+//! The hard fault handler does not trust the stack that faulted. Its first instructions load the
+//! emergency stack. It reads the pushed registers only if the core reports that it pushed them and
+//! the pointer lies within the stack. A fault in the handler itself puts the core into lockup,
+//! which the hardware watchdog ends.
 //!
-//! The panic handler is there because the language wants one. It refers to [`PINTLE_PANIC_MARKER`]; a release image in which
-//! that symbol exists contains a reachable panic, and `cargo xtask size` reports it.
+//! The language requires the panic handler. It refers to [`PINTLE_PANIC_MARKER`]: a release image
+//! with that symbol contains a reachable panic, which `cargo xtask size` reports.
 
 use core::panic::PanicInfo;
 
@@ -13,8 +14,8 @@ use cortex_m::peripheral::SCB;
 use link::start::{FaultKind, ResetReason, StartReport};
 
 use super::{BUILD_ID, memory};
-use crate::supervisor::record::build_hash;
-use crate::supervisor::start::{Status, given_up, report};
+use controller::supervisor::record::build_hash;
+use controller::supervisor::start::{Status, given_up, report};
 
 #[expect(unsafe_code, reason = "the symbol's name is what is looked for in the image")]
 #[unsafe(no_mangle)]
@@ -27,28 +28,31 @@ fn panic(_: &PanicInfo) -> ! {
     give_up(FaultKind::Panic)
 }
 
-/// Cores with a stack limit: the emergency stack is not to be measured with it.
-#[cfg(feature = "mps2-an505")]
+/// Lifts the stack limit on cores that have one: the emergency stack lies outside it.
+#[cfg(stack_limit_register)]
 macro_rules! lift_limit {
     () => {
         "movs r1, #0\nmsr msplim, r1"
     };
 }
-#[cfg(feature = "stm32f405")]
+#[cfg(not(stack_limit_register))]
 macro_rules! lift_limit {
     () => {
         ""
     };
 }
 
-/// Where the core arrives.
+/// Entry point of the hard fault.
 mod entry {
-    #![expect(unsafe_code, reason = "the vector table wants this symbol; the code before the jump needs no stack")]
+    #![expect(
+        unsafe_code,
+        reason = "the vector table requires this symbol; the code before the jump needs no stack"
+    )]
 
     use core::arch::naked_asm;
 
     use super::{memory, record_fault};
-    
+
     #[unsafe(naked)]
     #[unsafe(export_name = "HardFault")]
     #[unsafe(link_section = ".HardFault.user")]
@@ -69,7 +73,7 @@ mod entry {
     }
 }
 
-/// Records what the core's registers say. `msp` is the stack pointer as the fault left it.
+/// Records the core's fault registers. `msp` is the stack pointer at the fault.
 extern "C" fn record_fault(msp: u32) -> ! {
     #[expect(unsafe_code, reason = "the system control block is there on every core; only read")]
     let scb = unsafe { &*SCB::PTR };
@@ -82,7 +86,7 @@ extern "C" fn record_fault(msp: u32) -> ! {
         pushed: None,
     };
     if status.is_pushed(memory::stack_lowest(), memory::stack_highest()) {
-        /// Where the pushed link register is; the program counter follows.
+        /// Offset of the pushed link register; the program counter follows it.
         const LINK_REGISTER: u32 = 20;
         let pushed = msp.wrapping_add(LINK_REGISTER) as *const [u32; 2];
         #[expect(unsafe_code, reason = "within the stack and aligned, as just checked")]
@@ -94,7 +98,7 @@ extern "C" fn record_fault(msp: u32) -> ! {
     SCB::sys_reset()
 }
 
-/// Records that the firmware itself gives up, and resets.
+/// Records a fault that the firmware itself detected, and resets.
 pub fn give_up(kind: FaultKind) -> ! {
     cortex_m::interrupt::disable();
     let previous = memory::kept().map(|(fault, _)| fault);
@@ -102,7 +106,7 @@ pub fn give_up(kind: FaultKind) -> ! {
     SCB::sys_reset()
 }
 
-/// The report of this start; a record that was news is none any more.
+/// Returns the report of this start and marks a new fault record as reported.
 pub(super) fn start_report(reason: ResetReason) -> StartReport {
     let kept = memory::kept();
     if let Some((fault, true)) = kept {

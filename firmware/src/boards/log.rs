@@ -1,7 +1,7 @@
-//! defmt's transport: a channel for debug probes ([`super::rtt`]), harmless without one.
+//! Transport of defmt: a channel for debug probes ([`super::rtt`]).
 //!
-//! Not the `defmt-rtt` crate because that contains panics (nested logging), and this image contains none. Here a nested record is
-//! dropped instead. Nothing ever waits: an unread buffer is overwritten.
+//! The crate `defmt-rtt` is not used because it contains panics (nested logging) and this image
+//! contains none. A nested record is dropped here. Nothing waits: an unread buffer is overwritten.
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -30,7 +30,7 @@ struct Logger;
 
 #[expect(
     unsafe_code,
-    reason = "defmt's interface; interrupts are off from acquire to release, so nothing else gets at the cells"
+    reason = "defmt's interface; interrupts are off from acquire to release: nothing else accesses the cells"
 )]
 unsafe impl defmt::Logger for Logger {
     fn acquire() {

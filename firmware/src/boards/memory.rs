@@ -1,4 +1,5 @@
-//! Places in RAM: the stack at its bottom, the emergency stack and the fault record that no start-up clears.
+//! Layout of the RAM: stack at the bottom; emergency stack and fault record where start-up does not
+//! clear them.
 //!
 //! ```text
 //! lowest address   guard (MPU: no access; cores with a stack limit have none)
@@ -7,23 +8,24 @@
 //! highest          .uninit: emergency stack, fault record
 //! ```
 //!
-//! The runtime paints the stack before it starts anything; [`stack_used`] looks how far the paint has gone.
+//! The runtime paints the stack before it starts anything. [`stack_used`] searches for the lowest
+//! word without paint.
 
 use core::cell::UnsafeCell;
 
 use link::start::{FaultRecord, StackReport};
 
-use crate::supervisor::paint::Mark;
-use crate::supervisor::record::{WORDS, decode, encode};
+use controller::supervisor::paint::Mark;
+use controller::supervisor::record::{WORDS, decode, encode};
 
 /// Bytes of the emergency stack. `cargo xtask stack` checks that the fault handler needs no more.
 pub(super) const EMERGENCY_BYTES: usize = 1024;
 
-/// Bytes at the bottom of the stack that nobody may touch.
-#[cfg(feature = "stm32f405")]
+/// Bytes at the bottom of the stack that must not be accessed.
+#[cfg(not(stack_limit_register))]
 pub(super) const GUARD_BYTES: u32 = 256;
-/// The core's own stack limit needs no guard.
-#[cfg(feature = "mps2-an505")]
+/// A core with a stack limit needs no guard.
+#[cfg(stack_limit_register)]
 pub(super) const GUARD_BYTES: u32 = 0;
 
 #[expect(unsafe_code, reason = "the linker defines them; only their addresses are taken")]
@@ -34,11 +36,14 @@ unsafe extern "C" {
     static _stack_start: u32;
 }
 
-/// RAM that only a fault handler or a start-up, where nothing else runs, touches.
+/// RAM that only a fault handler or start-up accesses, where nothing else runs.
 #[repr(C, align(8))]
 pub(super) struct Kept<T>(UnsafeCell<core::mem::MaybeUninit<T>>);
 
-#[expect(unsafe_code, reason = "touched by code that nothing can interrupt: start-up, or a handler that ends in a reset")]
+#[expect(
+    unsafe_code,
+    reason = "touched by code that nothing can interrupt: start-up, or a handler that ends in a reset"
+)]
 unsafe impl<T> Sync for Kept<T> {}
 
 impl<T> Kept<T> {
@@ -55,29 +60,29 @@ pub(super) static EMERGENCY: Kept<[u8; EMERGENCY_BYTES]> = Kept::new();
 #[unsafe(link_section = ".uninit.fault_record")]
 static RECORD: Kept<[u32; WORDS]> = Kept::new();
 
-/// Lowest address that belongs to the stack, guard included.
+/// Returns the lowest address of the stack, guard included.
 pub(super) fn stack_lowest() -> u32 {
     (&raw const _stack_end) as u32
 }
 
-/// First address above the stack.
+/// Returns the first address above the stack.
 pub(super) fn stack_highest() -> u32 {
     (&raw const _stack_start) as u32
 }
 
-/// Lowest address that the stack may use.
+/// Returns the lowest address that the stack may use.
 pub(super) fn guard_end() -> u32 {
     stack_lowest().saturating_add(GUARD_BYTES)
 }
 
-/// The record that was kept, and whether it is news.
+/// Returns the stored fault record and whether it has not been reported yet.
 pub(super) fn kept() -> Option<(FaultRecord, bool)> {
-    #[expect(unsafe_code, reason = "any bits are words, and the check sum tells whether they are a record")]
+    #[expect(unsafe_code, reason = "any bits are words, and the checksum decides whether they are a record")]
     let words = unsafe { RECORD.0.get().cast::<[u32; WORDS]>().read_volatile() };
     decode(&words)
 }
 
-/// Keeps a record over the next reset.
+/// Stores a record so that it outlasts the next reset.
 pub(super) fn keep(record: &FaultRecord, fresh: bool) {
     #[expect(unsafe_code, reason = "nothing else runs where this is called, see `Kept`")]
     unsafe {
@@ -85,17 +90,17 @@ pub(super) fn keep(record: &FaultRecord, fresh: bool) {
     }
 }
 
-/// A search for the deepest use of the stack.
+/// Starts a search for the deepest use of the stack.
 pub fn stack_mark() -> Mark {
     Mark::new((stack_highest().saturating_sub(guard_end()) / 4) as usize)
 }
 
-/// Searches a little further and says what has been found so far.
+/// Searches further and returns the result so far.
 pub fn stack_used(mark: &mut Mark) -> StackReport {
     const WORDS_A_CALL: usize = 128;
     let lowest = guard_end() as *const u32;
     mark.search(WORDS_A_CALL, |index| {
-        #[expect(unsafe_code, reason = "the mark's indices end where the stack does; a read disturbs nobody")]
+        #[expect(unsafe_code, reason = "the mark's indices end where the stack does; a read has no effect")]
         unsafe {
             lowest.add(index).read_volatile()
         }

@@ -1,7 +1,8 @@
-//! What models and configuration are kept in on this board: its flash, or RAM where there is none to write.
+//! Memories for models and configuration: the board's flash, or RAM if it has none to write.
 //!
-//! The emulator ignores stores to flash, and the MPS2 has none. There RAM that no start-up clears stands in, so that everything but the
-//! keeping over a loss of power works the same; a reset leaves it as it was.
+//! The emulator ignores stores to flash, and the MPS2 has no flash. There RAM that start-up does
+//! not clear replaces it. It outlasts a reset but not a loss of power; everything else works the
+//! same.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
@@ -9,20 +10,19 @@ use core::mem::MaybeUninit;
 use embedded_storage::nor_flash::{ErrorType, MultiwriteNorFlash, NorFlash, ReadNorFlash};
 use link::update::ModelMemory;
 
-use crate::store::SlotMemory;
-use crate::store::controller::FlashError;
+use controller::store::SlotMemory;
+use controller::store::controller::FlashError;
 
-#[cfg(feature = "stm32f405")]
-use super::stm32f405::Sectors;
+use super::microcontroller::Sectors;
 
-/// Bytes of the two slots in RAM.
+/// Bytes of both slots in RAM.
 const SLOTS: usize = 2 * 20 * 1024;
-/// Bytes of the two places for the configuration in RAM.
+/// Bytes of both halves for the configuration in RAM.
 const PLACES: usize = 2 * 512;
-/// What stands before RAM that has been in use since power came.
+/// Mark of RAM that has been initialised since power-on.
 const IN_USE: u32 = 0x9E1D_57A7;
 
-/// RAM that one [`Memory`] alone touches.
+/// RAM that a single [`Memory`] accesses.
 #[repr(C, align(8))]
 struct Kept<const BYTES: usize> {
     in_use: UnsafeCell<MaybeUninit<u32>>,
@@ -37,7 +37,7 @@ impl<const BYTES: usize> Kept<BYTES> {
         Self { in_use: UnsafeCell::new(MaybeUninit::uninit()), bytes: UnsafeCell::new(MaybeUninit::uninit()) }
     }
 
-    /// Its address; blank when power has just come.
+    /// Returns the address. After power-on the RAM is blank.
     fn address(&'static self) -> usize {
         let (in_use, bytes) = (self.in_use.get().cast::<u32>(), self.bytes.get().cast::<u8>());
         #[expect(unsafe_code, reason = "any bits are a number, and the bytes are this object's own")]
@@ -59,49 +59,44 @@ static RAM_SLOTS: Kept<SLOTS> = Kept::new();
 #[unsafe(link_section = ".uninit.places")]
 static RAM_PLACES: Kept<PLACES> = Kept::new();
 
-/// A memory of this board.
+/// One memory of this board.
 #[derive(Debug)]
 pub struct Memory {
     start: usize,
     length: usize,
-    #[cfg(feature = "stm32f405")]
+    /// Flash sectors; `None` for RAM.
     sectors: Option<Sectors>,
 }
 
-/// The memories of this board: the models' slots, the configuration's places.
+/// The memories of this board.
 pub struct Storage {
-    /// Two slots.
+    /// Memory with the two model slots.
     pub slots: Memory,
-    /// Two places.
+    /// Memory with the two halves for the configuration.
     pub places: Memory,
 }
 
 impl Storage {
-    /// Those in RAM. To be called once.
-    pub(super) fn in_ram() -> Self {
-        let memory = |start, length| Memory {
-            start,
-            length,
-            #[cfg(feature = "stm32f405")]
-            sectors: None,
+    /// Takes the flash sectors for models and configuration, or else RAM. To be called once.
+    pub(super) fn new(flash: Option<[Sectors; 2]>) -> Self {
+        let [slots, places] = match flash {
+            Some(sectors) => sectors.map(Memory::in_flash),
+            None => [(RAM_SLOTS.address(), SLOTS), (RAM_PLACES.address(), PLACES)].map(Memory::in_ram),
         };
-        Self { slots: memory(RAM_SLOTS.address(), SLOTS), places: memory(RAM_PLACES.address(), PLACES) }
-    }
-
-    /// Those in flash. To be called once.
-    #[cfg(feature = "stm32f405")]
-    pub(super) fn in_flash() -> Self {
-        let memory = |sectors: Sectors| Memory {
-            start: sectors.start(),
-            length: sectors.length(),
-            sectors: Some(sectors),
-        };
-        Self { slots: memory(Sectors::MODELS), places: memory(Sectors::CONFIGURATION) }
+        Self { slots, places }
     }
 }
 
 impl Memory {
-    /// Address of a range; an error if it is not all inside.
+    fn in_flash(sectors: Sectors) -> Self {
+        Self { start: sectors.start(), length: sectors.length(), sectors: Some(sectors) }
+    }
+
+    fn in_ram((start, length): (usize, usize)) -> Self {
+        Self { start, length, sectors: None }
+    }
+
+    /// Returns the address of a range within the memory.
     fn range(&self, offset: u32, length: usize) -> Result<usize, FlashError> {
         let offset = offset as usize;
         if offset.saturating_add(length) <= self.length {
@@ -140,19 +135,18 @@ impl ReadNorFlash for Memory {
 
 impl NorFlash for Memory {
     const WRITE_SIZE: usize = 4;
-    /// What both kinds can be asked for is their half; flash refuses anything but whole sectors.
+    /// Smallest unit that both kinds can erase; flash refuses anything but complete sectors.
     const ERASE_SIZE: usize = PLACES / 2;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         let length = to.checked_sub(from).ok_or(FlashError::OutOfBounds)? as usize;
         let start = self.range(from, length)?;
-        #[cfg(feature = "stm32f405")]
         if let Some(sectors) = &mut self.sectors {
             return sectors.erase(start, length);
         }
         #[expect(
             unsafe_code,
-            reason = "inside this memory, which nobody else writes; the slot is not in use"
+            reason = "inside this memory, written by its owner only; the slot is not in use"
         )]
         unsafe {
             (start as *mut u8).write_bytes(0xFF, length);
@@ -162,7 +156,6 @@ impl NorFlash for Memory {
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         let start = self.range(offset, bytes.len())?;
-        #[cfg(feature = "stm32f405")]
         if let Some(sectors) = &mut self.sectors {
             return sectors.program(start, bytes);
         }
@@ -185,17 +178,14 @@ impl SlotMemory for Memory {
     }
 
     fn stalls_the_core(&self) -> bool {
-        #[cfg(feature = "stm32f405")]
-        return self.sectors.is_some();
-        #[cfg(not(feature = "stm32f405"))]
-        return false;
+        self.sectors.is_some()
     }
 
     fn in_place(&self, offset: u32, length: u32) -> &'static [u8] {
         let Ok(start) = self.range(offset, length as usize) else { return &[] };
         #[expect(
             unsafe_code,
-            reason = "inside a memory that is there for good, and initialised; the store never writes the slot whose bytes are in use"
+            reason = "inside initialised memory that is never freed; the store does not write a slot in use"
         )]
         unsafe {
             core::slice::from_raw_parts(start as *const u8, length as usize)

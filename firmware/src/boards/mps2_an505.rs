@@ -1,40 +1,40 @@
-//! Arm MPS2+ with the image AN505 (Cortex-M33): the whole board in one file, as another core wants it.
+//! Arm MPS2+ with image AN505 (Cortex-M33), the example of a board with another core.
 //!
-//! No hardware abstraction crate: the device is the few lines in [`device`]. Runs on the emulator's `mps2-an505`, in lockstep over files
-//! or, not paced by a bench, over UART0. The board has no independent watchdog worth the name and no reset flags; its light is left dark.
-//! Sources: Arm DAI 0505 (memory map, interrupts), Arm DDI 0479 (CMSDK APB UART).
+//! There is no hardware abstraction crate: the device is declared in [`device`]. The board runs as
+//! the emulator's `mps2-an505`, in lockstep over files or, without a bench, over UART0. It has no
+//! independent watchdog and no reset flags; its light is not used. Sources: Arm DAI 0505 (memory
+//! map, interrupts), Arm DDI 0479 (CMSDK APB UART).
 
-// Brings the vector table and the reset handler, which no device crate does here.
+// Provides the vector table and the reset handler.
 use cortex_m_rt as _;
 use link::start::ResetReason;
-use link::track::SensorStatus;
-use link::{BuildId, ClockSource, LineErrors, SensorFrame, Target};
+use link::{BuildId, ClockSource, LineErrors, Target};
 
-use super::{BUILD_ID, Board, Came, Files, Link, Probe, Storage, Timer, fault, guard, timer};
-use crate::sensors::Wiring;
-use crate::session::Identity;
+use super::{BUILD_ID, Board, Files, Link, Probe, ReceiveEvent, Storage, Timer, fault, guard, timer};
+use controller::session::Identity;
+use controller::store::controller::FlashError;
 
-/// The board that model packages must be made for.
+/// Board code of model packages.
 pub const PACKAGES_FOR: u16 = model_package::board::MPS2_AN505;
 
-/// The system clock, Hz, from which SysTick counts.
+/// System clock, Hz; SysTick counts it.
 const CORE_HZ: u32 = 20_000_000;
 /// Line speed, baud.
 const BAUD: u32 = 500_000;
-/// Polls for room in the transmitter before a byte is given up.
+/// Polls for room in the transmitter before a byte is dropped.
 const POLLS: u32 = 20_000;
 
-/// The device as the task framework wants it.
+/// The device for the task framework.
 pub mod device {
     #![expect(
         unsafe_code,
-        reason = "what a device crate is made of: interrupt numbers (each of one interrupt), the vector table, the one instance"
+        reason = "parts of a device crate: one number for each interrupt, the vector table, the only instance"
     )]
 
     /// Bits of an interrupt's priority.
     pub const NVIC_PRIO_BITS: u8 = 3;
 
-    /// The interrupts in use.
+    /// Interrupts in use.
     #[derive(Clone, Copy, Debug)]
     #[repr(u16)]
     pub enum Interrupt {
@@ -49,15 +49,15 @@ pub mod device {
         }
     }
 
-    /// The peripherals: UART0 is all that is used.
+    /// The peripherals; only UART0 is used.
     pub struct Peripherals(());
 
     impl Peripherals {
-        /// The peripherals once more.
+        /// Returns a second instance.
         ///
         /// # Safety
         ///
-        /// Nobody else may hold them.
+        /// No other instance may be in use.
         #[must_use]
         pub const unsafe fn steal() -> Self {
             Self(())
@@ -68,7 +68,7 @@ pub mod device {
         fn SERIAL();
     }
 
-    /// A place in the vector table.
+    /// Entry of the vector table.
     #[derive(Clone, Copy)]
     union Vector {
         handler: unsafe extern "C" fn(),
@@ -119,12 +119,12 @@ macro_rules! register {
     };
 }
 
-/// The receiving half, for the interrupt.
+/// Receiving half for the interrupt.
 pub struct Receiver(());
 
 impl Receiver {
-    /// What has come. This port knows of overruns only.
-    pub fn fetch(&mut self) -> Came {
+    /// Reads the received byte and its errors. This port detects overruns only.
+    pub fn fetch(&mut self) -> ReceiveEvent {
         const RECEIVED: u32 = 1 << 1;
         const OVERRUN: u32 = 1 << 3;
         write(register!(interrupt), RECEIVED);
@@ -135,30 +135,30 @@ impl Receiver {
         }
         let full = state & RECEIVED != 0;
         let byte = full.then(|| read(register!(data)).to_le_bytes()).map(|[byte, ..]| byte);
-        Came { byte, errors: LineErrors { overruns, ..LineErrors::default() } }
+        ReceiveEvent { byte, errors: LineErrors { overruns, ..LineErrors::default() } }
     }
 }
 
-/// Nothing comes in without interrupts.
+/// No bytes arrive without interrupts.
 pub struct Inbox(());
 
 impl Inbox {
-    /// No byte.
+    /// Returns no byte.
     pub fn take(&mut self) -> Option<u8> {
         None
     }
 
-    /// None.
+    /// Returns 0.
     pub fn lost(&self) -> u32 {
         0
     }
 }
 
-/// The sending half.
+/// Sending half.
 pub struct Transmitter(());
 
 impl Transmitter {
-    /// Sends bytes, waiting a bounded time for each; false if the port did not take them all.
+    /// Sends bytes, waiting a bounded time for each. Returns false if the port did not take all.
     #[must_use]
     pub fn write(&mut self, bytes: &[u8]) -> bool {
         const FULL: u32 = 1;
@@ -176,26 +176,31 @@ impl Transmitter {
 pub struct Watchdog(());
 
 impl Watchdog {
-    /// Nothing to kick.
+    /// Does nothing.
     pub fn kick(&mut self) {}
 }
 
-/// No sensors: there is nothing to make them of.
-pub enum Sensors {}
+/// No sensors.
+pub type Sensors = core::convert::Infallible;
 
-impl Sensors {
-    /// Never called.
-    pub fn latest(&self) -> SensorFrame {
+/// No flash to write.
+#[derive(Debug)]
+pub(super) enum Sectors {}
+
+impl Sectors {
+    pub(super) const fn start(&self) -> usize {
         match *self {}
     }
 
-    /// Never called.
-    pub fn rewire(&mut self, _wiring: Wiring) {
+    pub(super) const fn length(&self) -> usize {
         match *self {}
     }
 
-    /// Never called.
-    pub fn sample(&mut self, _time_us: u32) -> (SensorFrame, SensorStatus) {
+    pub(super) fn erase(&mut self, _start: usize, _length: usize) -> Result<(), FlashError> {
+        match *self {}
+    }
+
+    pub(super) fn program(&mut self, _address: usize, _bytes: &[u8]) -> Result<(), FlashError> {
         match *self {}
     }
 }
@@ -204,16 +209,16 @@ impl Sensors {
 pub struct Light(());
 
 impl Light {
-    /// Nothing to switch.
+    /// Does nothing.
     pub fn show(&mut self, _on: bool) {}
 }
 
 /// Starts the board.
 #[must_use]
 pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board {
-    guard::set();
+    guard::set(&core.MPU);
     let start = fault::start_report(ResetReason::Unknown);
-    // Send, receive, and an interrupt for what is received.
+    // Enables transmitter, receiver and receive interrupt.
     const CONTROL: u32 = 0b1011;
     write(register!(divider), CORE_HZ / BAUD);
     write(register!(control), CONTROL);
@@ -236,7 +241,7 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
         watchdog: Watchdog(()),
         light: Light(()),
         attendance: timer::attendance(paced),
-        storage: Storage::in_ram(),
+        storage: Storage::new(None),
         sensors: None,
     }
 }

@@ -1,7 +1,9 @@
-//! Faults on demand, so that what catches them is tried: only in an image built with the feature `provoke`, and only on the emulator.
+//! Faults on demand for tests of the fault handling: only in an image with the feature `provoke`,
+//! and only in the emulator.
 //!
-//! The emulator's command line (`-semihosting-config ...,arg=NAME`) names the fault; it comes once, after the first greeting, unless the
-//! greeting told of a fault. The code below is wrong on purpose.
+//! The emulator's command line (`-semihosting-config ...,arg=NAME`) names the fault. It is
+//! committed once, after the first hello frame, unless that frame reports a fault. The code below
+//! is wrong on purpose.
 
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU8, Ordering};
@@ -10,12 +12,12 @@ use cortex_m_semihosting::nr;
 use link::start::{ResetReason, StartReport};
 
 use super::{check_in, memory};
-use crate::supervisor::{Attendance, Party};
+use controller::supervisor::{Attendance, Party};
 
-/// Parties that no longer check in.
+/// Bits of the parties that no longer check in.
 static AWAY: AtomicU8 = AtomicU8::new(0);
 
-/// Whether a party is to be kept from checking in.
+/// Decides whether a party is prevented from checking in.
 pub(super) fn keeps_away(party: Party) -> bool {
     AWAY.load(Ordering::Relaxed) & party.bit() != 0
 }
@@ -43,7 +45,7 @@ pub fn provoke(start: &StartReport, attendance: &Attendance) {
     }
 }
 
-/// Everybody checks in, then one party no more.
+/// Lets every party check in and then keeps one party from doing so.
 fn starve(party: Party, attendance: &Attendance) {
     loop {
         for party in Party::ALL {
@@ -55,7 +57,10 @@ fn starve(party: Party, attendance: &Attendance) {
 
 fn command_line(buffer: &mut [u8; 64]) -> &[u8] {
     let mut block = [buffer.as_mut_ptr() as usize, buffer.len()];
-    #[expect(unsafe_code, reason = "SYS_GET_CMDLINE with the buffer's address and length, and writes both back")]
+    #[expect(
+        unsafe_code,
+        reason = "SYS_GET_CMDLINE with the buffer's address and length, and writes both back"
+    )]
     let failed = unsafe { cortex_m_semihosting::syscall(nr::GET_CMDLINE, &mut block) };
     let [_, length] = block;
     if failed == 0 { buffer.get(..length).unwrap_or_default() } else { &[] }

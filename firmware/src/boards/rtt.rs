@@ -1,20 +1,21 @@
-//! What a debug probe finds in memory: the channels of RTT. One carries the log; a pair carries the link, as the serial port does.
+//! RTT channels that a debug probe accesses in memory: one for the log, a pair for the link.
 //!
-//! | channel | direction | bytes | full |
+//! | channel | direction | bytes | when full |
 //! |---|---|---|---|
-//! | `defmt` | to the host | 1,024 | goes on over its oldest bytes |
-//! | `link` | to the host | 1,024 | a frame without room is not sent, and counted by whoever sends it |
+//! | `defmt` | to the host | 1,024 | the oldest bytes are overwritten |
+//! | `link` | to the host | 1,024 | a frame without room is not sent, and its sender counts it |
 //! | `link` | to the controller | 512 | the host waits |
 //!
-//! All three hang from a control block that the probe finds by its name in the image, as it does the build's name. Nothing ever waits, and
-//! without a probe nothing happens.
+//! The probe finds the control block and the build name by their symbols in the image. The firmware
+//! never waits for a probe.
 
 use core::sync::atomic::{AtomicPtr, AtomicU8, AtomicU32};
 
 use link::{BUILD_ID_LEN, MAX_FRAME};
 
 use super::BUILD_ID;
-use super::channel::Places;
+use controller::buffers::rtt_channel::Positions;
+use controller::service::{Purpose, Received, Transport};
 
 const LOG: usize = 1024;
 const UP: usize = 1024;
@@ -26,7 +27,7 @@ static DOWN_BUFFER: [AtomicU8; DOWN] = [const { AtomicU8::new(0) }; DOWN];
 static LOG_NAME: [u8; 6] = *b"defmt\0";
 static LINK_NAME: [u8; 5] = *b"link\0";
 
-/// The build's name where a probe finds it: whether the host has the image that runs here.
+/// Build name for probes: the host compares it with that of its image.
 #[expect(unsafe_code, reason = "probes find it by this name")]
 #[unsafe(no_mangle)]
 #[used]
@@ -38,12 +39,12 @@ struct Channel {
     name: AtomicPtr<u8>,
     buffer: AtomicPtr<AtomicU8>,
     size: u32,
-    places: Places,
-    /// What a writer does without room; for the probe only.
+    positions: Positions,
+    /// Behaviour of a writer without room; for the probe only.
     flags: AtomicU32,
 }
 
-/// The control block: identifier, how many channels to the host, how many from it, the channels.
+/// Control block: identifier, numbers of channels to and from the host, channels.
 #[repr(C)]
 struct ControlBlock {
     id: [u8; 16],
@@ -59,7 +60,7 @@ const fn channel<const LENGTH: usize>(name: &'static [u8], buffer: &'static [Ato
         name: AtomicPtr::new(name.as_ptr().cast_mut()),
         buffer: AtomicPtr::new(buffer.as_ptr().cast_mut()),
         size: LENGTH as u32,
-        places: Places::new(),
+        positions: Positions::new(),
         flags: AtomicU32::new(0),
     }
 }
@@ -75,38 +76,37 @@ static _SEGGER_RTT: ControlBlock = ControlBlock {
     down: channel(&LINK_NAME, &DOWN_BUFFER),
 };
 
-/// Puts bytes of the log in.
+/// Writes bytes of the log.
 pub(super) fn log(bytes: &[u8]) {
-    _SEGGER_RTT.log.places.put_over(&LOG_BUFFER, bytes);
+    _SEGGER_RTT.log.positions.overwrite(&LOG_BUFFER, bytes);
 }
 
-/// The link's pair, for the link's loop.
+/// Pair of channels for the link.
 pub struct Probe(());
 
 impl Probe {
     pub(super) const fn new() -> Self {
         Self(())
     }
+}
 
-    /// The next byte that has come.
-    pub fn take(&mut self) -> Option<u8> {
-        _SEGGER_RTT.down.places.take(&DOWN_BUFFER)
+impl Transport for Probe {
+    fn receive(&mut self) -> Received {
+        _SEGGER_RTT.down.positions.take(&DOWN_BUFFER).map_or(Received::Nothing, Received::Byte)
     }
 
-    /// Sends a frame, whole or not at all; false if there was no room.
-    #[must_use]
-    pub fn write(&mut self, bytes: &[u8]) -> bool {
-        _SEGGER_RTT.up.places.put(&UP_BUFFER, bytes, 0)
-    }
-
-    /// The same with what nobody has asked for: it leaves room for an answer, so that a host which does not read for a while gets its next one.
-    #[must_use]
-    pub fn tell(&mut self, bytes: &[u8]) -> bool {
-        _SEGGER_RTT.up.places.put(&UP_BUFFER, bytes, MAX_FRAME)
+    /// Sends the complete frame or nothing. A stream frame leaves room for a reply, so that a host
+    /// that does not read for a while still gets its next reply.
+    fn send(&mut self, frame: &[u8], purpose: Purpose) -> bool {
+        let reserve = match purpose {
+            Purpose::Reply => 0,
+            Purpose::Stream => MAX_FRAME,
+        };
+        _SEGGER_RTT.up.positions.write(&UP_BUFFER, frame, reserve)
     }
 }
 
-/// The first bytes of a name, and zeros.
+/// Returns the first bytes of a name, padded with zeros.
 const fn padded(name: &str) -> [u8; BUILD_ID_LEN] {
     let mut bytes = [0; BUILD_ID_LEN];
     let (mut to, mut from) = (bytes.as_mut_slice(), name.as_bytes());

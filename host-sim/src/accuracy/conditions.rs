@@ -1,16 +1,18 @@
 //! The conditions: the paper's clearances and loads with both bearings, and held-out ones.
 //!
-//! The held-out conditions are those of [`model_quant::held_out`].
+//! The held-out conditions are those of [`model_quant::evaluate::held_out`].
 
-use crate::error::CliError;
-use crate::force::{self, DEFAULT_STEP_S, ForceSource, ForcedRun};
-use crate::paper::{BEARINGS, CLEARANCES_MM, LOADS_KN, resolved, variant};
+use crate::cli::error::CliError;
+use crate::run::conditions::{BEARINGS, CLEARANCES_MM, LOADS_KN, variant};
+use crate::run::force::{self, DEFAULT_STEP_S, ForceSource, ForcedRun};
 use bench::description::TransmissionBench;
-use bench::sensor::Sensor;
-use bench::{BearingMaterial, Bench, Channel};
-use model_quant::held_out;
+use bench::signals::Sensor;
+use bench::{BearingMaterial, Channel};
+use model_quant::evaluate::held_out;
 use serde::Serialize;
 
+/// Preset of the bench.
+pub const BENCH: &str = "bench-b";
 /// Noise of the journal's position sensors at the controller's rate, m.
 pub const POSITION_NOISE_M: f64 = 0.2e-6;
 /// Noise of the shaft's angle sensor at the controller's rate, degrees.
@@ -27,9 +29,9 @@ pub struct Condition {
     pub load_kn: f64,
     /// Period of the drive.
     pub period_s: f64,
-    /// Whether it is one that nothing was chosen on.
+    /// True for a condition on which nothing was chosen.
     pub held_out: bool,
-    /// Place in the list of all: the stream of its sensors' noise.
+    /// Index in the list of all conditions, and number of the noise stream of its sensors.
     #[serde(skip)]
     pub index: u64,
 }
@@ -63,7 +65,7 @@ pub fn all() -> Vec<Condition> {
 }
 
 impl Condition {
-    /// The condition in words.
+    /// Describes the condition.
     pub fn name(&self) -> String {
         let period =
             if self.period_s == 1.0 { String::new() } else { format!(", period {} s", self.period_s) };
@@ -72,9 +74,7 @@ impl Condition {
 
     /// Bench B at this condition with the sensors' noise of this measurement.
     pub fn bench(&self) -> Result<TransmissionBench, CliError> {
-        let Bench::Transmission(base) = Bench::open("bench-b")? else {
-            return Err(CliError::Work("bench-b is no transmission bench".into()));
-        };
+        let base = TransmissionBench::open(BENCH)?;
         let mut bench = variant(&base, self.bearing, self.clearance_mm, self.load_kn);
         bench.drive.period_s = self.period_s;
         let noises = [
@@ -82,9 +82,9 @@ impl Condition {
             (Channel::JournalZ, POSITION_NOISE_M),
             (Channel::ShaftAngle, ANGLE_NOISE_DEG.to_radians()),
         ];
-        bench.sensors =
+        bench.common.sensors =
             noises.map(|(channel, noise)| (channel, Sensor { noise, ..Sensor::default() })).into();
-        resolved(bench)
+        Ok(bench.resolved())
     }
 
     /// Runs it with the analytic law.

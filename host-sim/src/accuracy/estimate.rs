@@ -1,24 +1,26 @@
-//! The estimator behind its sensors: its force and torque against the bench's, beside other laws on the same signals.
+//! The estimator with noisy sensors: errors of its force and torque, compared with the law on the
+//! same signals.
 //!
-//! The run is the analytic law's, sampled at the controller's rate and read through the noisy sensors. The estimator
-//! conditions them; on the contact that comes out, three things are evaluated: the quantised networks (the estimator's own
-//! estimate), the float networks, and the analytic law itself. So the law's error is that of the signals alone, and what
-//! the networks do better or worse is theirs. Errors count from the end of the load's ramp on.
+//! The run uses the analytic law, is sampled at the controller's rate and read through noisy
+//! sensors. The estimator conditions the signals. On the resulting contact three sources are
+//! evaluated: the quantised networks (the estimator's own estimate), the float networks, and the
+//! analytic law. The law's error is caused by the signals alone; the difference between the
+//! networks and the law by the networks. Errors count from the end of the load's ramp on.
 
 use super::conditions::{Condition, LawRun};
-use crate::error::CliError;
-use crate::estimator::controller_configuration;
-use crate::force::SAMPLE_RATE_HZ;
-use crate::same_signals::{self, Forces};
-use crate::sensing;
-use crate::summary::{peak, rms};
+use crate::cli::error::CliError;
+use crate::run::configuration::controller_configuration;
+use crate::run::force::SAMPLE_RATE_HZ;
+use crate::run::same_signals::{self, Forces};
+use crate::run::sensing;
+use crate::run::summary::{peak, rms};
 use bench::Bench;
-use bench::transmission::{Snapshot, Transmission};
-use firmware::flags::SENSOR_FAULT;
+use bench::plants::transmission::{Snapshot, Transmission};
+use controller::flags::SENSOR_FAULT;
 use inference::Flags;
 use serde::Serialize;
 
-/// One tick of the estimator beside the truth.
+/// One tick of the estimator with the true values.
 #[derive(Clone, Copy, Debug)]
 pub struct Tick {
     /// The bench.
@@ -36,17 +38,17 @@ pub struct Tick {
 /// Rms errors of one source of forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Errors {
-    /// Of the normal force, N.
+    /// Rms error of the normal force, N.
     pub force_rms_n: f64,
-    /// The same over the run's largest normal force.
+    /// The same relative to the run's largest normal force.
     pub force_share: f64,
-    /// Of the friction torque, N m.
+    /// Rms error of the friction torque, N m.
     pub torque_rms_nm: f64,
-    /// The same over the run's largest friction torque.
+    /// The same relative to the run's largest friction torque.
     pub torque_share: f64,
 }
 
-/// How the estimator did at a condition.
+/// Results of the estimator at a condition.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct EstimateAccuracy {
     /// Largest true normal force after the start.
@@ -59,28 +61,28 @@ pub struct EstimateAccuracy {
     pub float_network: Errors,
     /// The analytic law on its signals.
     pub law: Errors,
-    /// The estimator behind perfect sensors: what remains are its delays and its networks.
+    /// The estimator with perfect sensors: the rest is the error of its delays and networks.
     pub perfect_sensors: Errors,
-    /// The law on the signals of perfect sensors: what remains are the delays.
+    /// The law on the signals of perfect sensors: the rest is the error of the delays.
     pub law_perfect_sensors: Errors,
     /// Share of the ticks outside the networks' training range.
     pub outside_training_share: f64,
-    /// Share of the ticks that carry a sensor or timing flag.
+    /// Share of the ticks with a sensor or timing flag.
     pub suspect_share: f64,
 }
 
-/// Lets the estimator follow the run with the law; without a seed its sensors are perfect.
+/// Follows the run of the law with the estimator; without a seed the sensors are perfect.
 pub fn follow(condition: &Condition, law: &LawRun, seed: Option<u64>) -> Result<Vec<Tick>, CliError> {
     let mut bench = law.bench.clone();
     if seed.is_none() {
-        bench.sensors.clear();
+        bench.common.sensors.clear();
     }
     let samples = &law.forced.run.samples;
     let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
     let configuration = controller_configuration(&plant, &bench, SAMPLE_RATE_HZ)?;
     let seed = seed.unwrap_or_default().wrapping_add(condition.index);
     let start_s = bench.load.ramp_s;
-    let frames = sensing::frames(&Bench::Transmission(Box::new(bench.clone())), samples, seed);
+    let frames = sensing::frames(&Bench::from(bench.clone()), samples, seed);
     let followed = same_signals::follow(&bench, &configuration, frames.into_iter())?;
     let ticks = followed.into_iter().zip(samples).map(|(on, truth)| Tick {
         truth: *truth,
@@ -93,8 +95,8 @@ pub fn follow(condition: &Condition, law: &LawRun, seed: Option<u64>) -> Result<
 }
 
 impl EstimateAccuracy {
-    /// Sums up what was followed behind noisy and behind perfect sensors.
-    pub fn of(noisy: &[Tick], perfect: &[Tick]) -> Self {
+    /// Evaluates the ticks with noisy and with perfect sensors.
+    pub fn from_ticks(noisy: &[Tick], perfect: &[Tick]) -> Self {
         let truth: Vec<Snapshot> = noisy.iter().map(|tick| tick.truth).collect();
         let scales @ [force_n, torque_nm] =
             [peak(&truth, |s| s.forces.normal_n), peak(&truth, |s| s.friction_torque_nm)];
@@ -105,24 +107,24 @@ impl EstimateAccuracy {
         Self {
             force_full_scale_n: force_n,
             torque_full_scale_nm: torque_nm,
-            network: Errors::of(noisy, scales, |tick| tick.network),
-            float_network: Errors::of(noisy, scales, |tick| tick.float_network),
-            law: Errors::of(noisy, scales, |tick| tick.law),
-            perfect_sensors: Errors::of(perfect, scales, |tick| tick.network),
-            law_perfect_sensors: Errors::of(perfect, scales, |tick| tick.law),
+            network: Errors::from_ticks(noisy, scales, |tick| tick.network),
+            float_network: Errors::from_ticks(noisy, scales, |tick| tick.float_network),
+            law: Errors::from_ticks(noisy, scales, |tick| tick.law),
+            perfect_sensors: Errors::from_ticks(perfect, scales, |tick| tick.network),
+            law_perfect_sensors: Errors::from_ticks(perfect, scales, |tick| tick.law),
             outside_training_share: share(Flags::OUTSIDE_TRAINING),
             suspect_share: share(SENSOR_FAULT),
         }
     }
 
-    /// Whether the analytic law errs less than the networks on the same signals.
+    /// Returns whether the analytic law has a smaller error than the networks on the same signals.
     pub fn law_wins(&self) -> bool {
         self.law.force_rms_n < self.network.force_rms_n
     }
 }
 
 impl Errors {
-    fn of(ticks: &[Tick], [force_n, torque_nm]: [f64; 2], read: fn(&Tick) -> Forces) -> Self {
+    fn from_ticks(ticks: &[Tick], [force_n, torque_nm]: [f64; 2], read: fn(&Tick) -> Forces) -> Self {
         let force_rms_n = rms(ticks.iter().map(|tick| read(tick)[0] - tick.truth.forces.normal_n));
         let torque_rms_nm = rms(ticks.iter().map(|tick| read(tick)[1] - tick.truth.friction_torque_nm));
         Self {
@@ -137,7 +139,7 @@ impl Errors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bench::transmission::BearingForces;
+    use bench::plants::transmission::BearingForces;
 
     fn tick(normal_n: f64, torque_nm: f64, network: Forces, law: Forces) -> Tick {
         let truth = Snapshot {
@@ -155,7 +157,7 @@ mod tests {
             tick(200.0, 5.0, [160.0, 5.0], [200.0, 5.0]),
         ];
         let perfect = [tick(1000.0, -20.0, [1000.0, -20.0], [1000.0, -20.0])];
-        let found = EstimateAccuracy::of(&noisy, &perfect);
+        let found = EstimateAccuracy::from_ticks(&noisy, &perfect);
         assert_eq!((found.force_full_scale_n, found.torque_full_scale_nm), (1000.0, 20.0));
         let expected = (0.5 * (30.0_f64.powi(2) + 40.0_f64.powi(2))).sqrt();
         assert!((found.network.force_rms_n - expected).abs() < 1e-9);

@@ -1,19 +1,21 @@
-//! Without contact no force: the networks fed with gaps between contacts, the estimator with a journal drawn out of contact.
+//! Forces without contact: networks with gaps between contacts, and the estimator with the journal
+//! out of contact.
 //!
-//! Bench B stays in contact after its start, so its runs alone would show little. The contact of the run with the law is
-//! taken as it is, with every second stretch moved out of contact by as much as it was in: the networks' histories are then
-//! half contact, half gap. The estimator gets the same run with the journal drawn inwards, well beyond the sensors' noise.
+//! Bench B stays in contact after its start, so its runs alone show little. The contact of the run
+//! with the law is used with every second section moved out of contact by as much as it was in: the
+//! networks' histories are then half contact, half gap. The estimator gets the same run with the
+//! journal moved inwards by much more than the sensors' noise.
 
 use super::conditions::{Condition, LawRun};
-use crate::error::CliError;
-use crate::estimator::configuration;
-use crate::force::{SAMPLE_RATE_HZ, bearing_of, contact_state};
-use crate::sensing;
+use crate::cli::error::CliError;
+use crate::run::configuration::estimator_configuration;
+use crate::run::force::{SAMPLE_RATE_HZ, contact_state};
+use crate::run::sensing;
 use bench::Bench;
-use bench::transmission::{ContactView, Snapshot, Transmission};
-use firmware::Estimator;
+use bench::plants::transmission::{ContactView, Snapshot, Transmission};
+use controller::Estimator;
 use inference::{Model, Pair, shipped};
-use model_quant::float_pair::FloatPair;
+use model_quant::network::float_pair::FloatPair;
 use serde::Serialize;
 
 /// Samples of a stretch in or out of contact: as long as the networks' window.
@@ -24,11 +26,11 @@ const MARGIN_M: f64 = 5e-6;
 /// The largest forces without contact, N.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GapAccuracy {
-    /// Of the quantised networks between contacts.
+    /// Largest force of the quantised networks between contacts, N.
     pub network_n: f64,
-    /// Of the float networks between contacts.
+    /// Largest force of the float networks between contacts, N.
     pub float_network_n: f64,
-    /// Of the estimator with its journal out of contact.
+    /// Largest force of the estimator with its journal out of contact, N.
     pub estimator_n: f64,
     /// Samples without contact that were tried.
     pub samples: usize,
@@ -43,7 +45,7 @@ impl GapAccuracy {
 
 /// Tries a condition.
 pub fn measure(condition: &Condition, law: &LawRun, seed: u64) -> Result<GapAccuracy, CliError> {
-    let bearing = bearing_of(condition.bearing);
+    let bearing = condition.bearing;
     let refused = |e: &dyn std::fmt::Debug| CliError::Work(format!("{}: {e:?}", condition.name()));
     let mut pair: Pair = Pair::new(Model::load(shipped(bearing)).map_err(|e| refused(&e))?);
     let mut float = FloatPair::new(bearing).map_err(|e| refused(&e))?;
@@ -65,11 +67,11 @@ pub fn measure(condition: &Condition, law: &LawRun, seed: u64) -> Result<GapAccu
         }
     }
     let plant = Transmission::new(&law.bench, law.bench.drive_profile(), law.bench.load_profile());
-    let configuration = configuration(&plant, &law.bench, SAMPLE_RATE_HZ)?;
+    let configuration = estimator_configuration(&plant, &law.bench, SAMPLE_RATE_HZ)?;
     let mut estimator = Estimator::new(shipped(bearing), configuration).map_err(|e| refused(&e))?;
     let inside_m = plant.radial_clearance_m() - MARGIN_M;
-    let drawn: Vec<Snapshot> = samples.iter().map(|s| drawn_in(s, inside_m)).collect();
-    let described = Bench::Transmission(Box::new(law.bench.clone()));
+    let drawn: Vec<Snapshot> = samples.iter().map(|s| limit_radius(s, inside_m)).collect();
+    let described = Bench::from(law.bench.clone());
     for frame in sensing::frames(&described, &drawn, seed.wrapping_add(condition.index)) {
         let estimate = estimator.step(&frame);
         found.samples += 1;
@@ -79,7 +81,7 @@ pub fn measure(condition: &Condition, law: &LawRun, seed: u64) -> Result<GapAccu
 }
 
 /// The bench with the journal no further out than `inside_m`, in the same direction.
-fn drawn_in(sample: &Snapshot, inside_m: f64) -> Snapshot {
+fn limit_radius(sample: &Snapshot, inside_m: f64) -> Snapshot {
     let distance = sample.y_m.hypot(sample.z_m);
     let factor = (inside_m / distance.max(f64::MIN_POSITIVE)).min(1.0);
     Snapshot { y_m: factor * sample.y_m, z_m: factor * sample.z_m, ..*sample }
@@ -92,8 +94,8 @@ mod tests {
     #[test]
     fn a_journal_is_drawn_in_along_its_own_direction() {
         let out = Snapshot { y_m: 3e-4, z_m: -4e-4, ..Snapshot::default() };
-        let drawn = drawn_in(&out, 1e-4);
+        let drawn = limit_radius(&out, 1e-4);
         assert!((drawn.y_m - 0.6e-4).abs() < 1e-12 && (drawn.z_m + 0.8e-4).abs() < 1e-12);
-        assert_eq!(drawn_in(&out, 1.0), out);
+        assert_eq!(limit_radius(&out, 1.0), out);
     }
 }

@@ -1,4 +1,5 @@
-//! The goals, and whether they are met: on the paper's conditions and on the held-out ones, each by its worst run.
+//! Accuracy goals, evaluated on the paper's conditions and on the held-out ones, each by its worst
+//! run.
 
 use super::Accuracy;
 use super::conditions::Condition;
@@ -9,7 +10,7 @@ use serde::Serialize;
 pub struct Goal {
     /// Stable name.
     pub name: &'static str,
-    /// What is asked for.
+    /// The goal in words.
     pub what: &'static str,
     /// Largest magnitude that meets it.
     pub limit: f64,
@@ -37,7 +38,7 @@ pub const GOALS: [Goal; 4] = [
     },
     Goal {
         name: "estimator_force_error",
-        what: "behind noisy sensors the estimator's force errs by at most 3 % rms of the run's full scale",
+        what: "with noisy sensors the estimator's force error is at most 3 % rms of the run's full scale",
         limit: 0.03,
         unit: "share",
         value: |a| a.estimate.network.force_share,
@@ -51,10 +52,10 @@ pub const GOALS: [Goal; 4] = [
     },
 ];
 
-/// How a set of conditions stands to a goal.
+/// Result of a set of conditions.
 #[derive(Clone, Debug, Serialize)]
 pub struct Standing {
-    /// Whether every run meets it; not without runs.
+    /// True if every run meets the goal; false without runs.
     pub met: bool,
     /// Runs.
     pub runs: usize,
@@ -64,22 +65,22 @@ pub struct Standing {
     pub median: f64,
     /// The value of largest magnitude.
     pub worst: f64,
-    /// Where that is.
+    /// Condition of that value.
     pub at: Option<Condition>,
 }
 
-/// What became of a goal.
+/// Result of a goal.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
     /// Stable name.
     pub name: &'static str,
-    /// What was asked for.
+    /// The goal in words.
     pub goal: &'static str,
     /// Largest magnitude that meets it.
     pub limit: f64,
     /// Unit of limit and values.
     pub unit: &'static str,
-    /// Whether it is met on both sets.
+    /// True if both sets meet the goal.
     pub met: bool,
     /// On the paper's clearances and loads.
     pub paper: Standing,
@@ -87,8 +88,8 @@ pub struct Verdict {
     pub held_out: Standing,
 }
 
-/// Holds the outcomes against the goals.
-pub fn judge(outcomes: &[Accuracy]) -> Vec<Verdict> {
+/// Evaluates every goal.
+pub fn evaluate_goals(outcomes: &[Accuracy]) -> Vec<Verdict> {
     let one = |goal: &Goal| {
         let set =
             |held_out| standing(goal, outcomes.iter().filter(|a| a.condition.held_out == held_out).collect());
@@ -107,7 +108,7 @@ pub fn judge(outcomes: &[Accuracy]) -> Vec<Verdict> {
 }
 
 fn standing(goal: &Goal, set: Vec<&Accuracy>) -> Standing {
-    // A value that is no number is at most nothing, and does not meet the goal.
+    // A value that is not a number does not meet the goal.
     let within = set.iter().filter(|a| (goal.value)(a).abs() <= goal.limit).count();
     let mut sorted = set.clone();
     sorted.sort_by(|a, b| (goal.value)(a).abs().total_cmp(&(goal.value)(b).abs()));
@@ -136,7 +137,7 @@ mod tests {
             })
         };
         let outcomes = [peak([0.001, -0.019], false), peak([0.0, 0.021], true)].concat();
-        let verdict = &judge(&outcomes)[0];
+        let verdict = &evaluate_goals(&outcomes)[0];
         assert!(verdict.paper.met && !verdict.held_out.met && !verdict.met);
         assert_eq!((verdict.paper.worst, verdict.held_out.worst), (-0.019, 0.021));
         assert_eq!((verdict.held_out.within, verdict.held_out.runs), (1, 2));
@@ -145,11 +146,11 @@ mod tests {
 
     #[test]
     fn nothing_measured_and_nothing_finite_meet_no_goal() {
-        assert!(judge(&[]).iter().all(|v| !v.met));
+        assert!(evaluate_goals(&[]).iter().all(|v| !v.met));
         let mut bad = [accuracy(false), accuracy(true)];
         bad[0].estimate.network.force_share = f64::NAN;
         bad[1].gap.estimator_n = 0.1;
-        let verdicts = judge(&bad);
+        let verdicts = evaluate_goals(&bad);
         assert!(!verdicts[2].paper.met && verdicts[2].held_out.met);
         assert!(verdicts[3].paper.met && !verdicts[3].held_out.met);
     }

@@ -1,24 +1,25 @@
-//! The networks in place of the law: how far peak force and oscillation move, and what the held step does to them.
+//! Networks in place of the law: change of peak force and oscillation, and the part of the held
+//! step in it.
 //!
-//! The networks are sampled and held over a communication step. The same run with the law held over that step shows
-//! how much of the change is the step's; both at twice the step show how it goes with the step.
+//! The networks' force is held over a communication step. The same run with the law held over that
+//! step shows the step's part of the change. Both are repeated at twice the step.
 
 use super::conditions::{Condition, LawRun};
-use crate::error::CliError;
-use crate::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
-use crate::summary::Figures;
+use crate::cli::error::CliError;
+use crate::run::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
+use crate::run::summary::Figures;
 use serde::Serialize;
 
-/// Change against the error-controlled run with the law, relative.
+/// Relative change from the error-controlled run with the law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Change {
-    /// Of the peak contact force.
+    /// Change of the peak contact force.
     pub peak: f64,
-    /// Of the oscillation's rms.
+    /// Change of the oscillation's rms.
     pub oscillation: f64,
 }
 
-/// What the run with networks is worth.
+/// Results of a condition in the loop.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct LoopAccuracy {
     /// Peak contact force with the law, error-controlled.
@@ -35,13 +36,13 @@ pub struct LoopAccuracy {
     pub held_law_double_step: Change,
     /// Share of the samples in contact outside the networks' training range.
     pub outside_training_share: f64,
-    /// Largest force that the networks gave in the loop without contact, N.
+    /// Largest force of the networks without contact, N.
     pub without_contact_n: f64,
 }
 
 /// Runs the condition with networks and with the held law.
 pub fn measure(condition: &Condition, law: &LawRun, step_s: f64) -> Result<LoopAccuracy, CliError> {
-    let figures = |source, forced: &ForcedRun| Figures::of(&law.bench, source, forced, SAMPLE_RATE_HZ);
+    let figures = |source, forced: &ForcedRun| Figures::from_run(&law.bench, source, forced, SAMPLE_RATE_HZ);
     let truth = figures(ForceSource::Law, &law.forced);
     let run = |source, step_s| {
         let failed = |e| CliError::Work(format!("{}, {}: {e}", condition.name(), ForceSource::name(source)));

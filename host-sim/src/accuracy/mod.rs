@@ -1,30 +1,40 @@
-//! How accurate networks and estimator are on the bench, condition by condition.
+//! Accuracy of networks and estimator on the bench, condition by condition.
 //!
-//! [`in_the_loop`]: what a run changes by when the networks stand in the law's place, and how much of that is the step
-//! that a force is held over. [`estimate`]: the estimator behind noisy sensors against the bench's true force, beside the
-//! analytic law and the float networks on the very same conditioned signals. [`gap`]: what comes out without contact.
-//! [`goals`] holds the outcomes against the goals, [`summary`] is what model cards tell of them. [`conditions`] are those of the paper and some that no setting of the
-//! networks or the conditioning was chosen on.
+//! * [`in_the_loop`]: change of a run when the networks replace the law, and the share of the held
+//!   step in that change.
+//! * [`estimate`]: the estimator with noisy sensors against the bench's true force, compared with
+//!   the analytic law and the float networks on the same conditioned signals.
+//! * [`gap`]: forces without contact.
+//! * [`goals`] evaluates the results, and [`summary`] extracts the figures of the model cards.
+//! * [`worlds`]: estimators in an independent simulator whose parameters differ from the described
+//!   ones.
+//! * [`conditions`]: the paper's conditions and held-out ones, on which no setting of the networks
+//!   or of the conditioning was chosen.
 //!
-//! Limits: truth is the analytic law on the simulated bench; the sensors' noise is white. Shares are of the run's own
-//! figures, so a run with hardly any oscillation has a large share of little: the newtons stand beside.
+//! Limits: the reference is the analytic law on the simulated bench, and the sensors' noise is
+//! white. Shares refer to the run's own figures: a run with little oscillation can have a large
+//! share, so the newtons are given as well.
 
 pub mod conditions;
 pub mod estimate;
 pub mod gap;
 pub mod goals;
 pub mod in_the_loop;
+pub(crate) mod pictures;
+pub(crate) mod report;
 pub mod summary;
+pub mod worlds;
 
-use crate::error::CliError;
-use crate::parallel;
+use crate::cli::error::CliError;
+use crate::cli::parallel;
 use conditions::Condition;
 use estimate::EstimateAccuracy;
 use gap::GapAccuracy;
+use goals::Verdict;
 use in_the_loop::LoopAccuracy;
 use serde::Serialize;
 
-/// What was measured at one condition.
+/// Results at one condition.
 #[derive(Clone, Debug, Serialize)]
 pub struct Accuracy {
     /// The condition.
@@ -32,7 +42,7 @@ pub struct Accuracy {
     pub condition: Condition,
     /// Networks in place of the law.
     pub in_the_loop: LoopAccuracy,
-    /// The estimator behind its sensors.
+    /// The estimator with its sensors.
     pub estimate: EstimateAccuracy,
     /// Without contact.
     pub gap: GapAccuracy,
@@ -43,10 +53,21 @@ pub struct Accuracy {
 pub struct Settings {
     /// Communication step of the networks, s.
     pub step_s: f64,
-    /// Seed of the sensors' noise; every condition has its own draw of it.
+    /// Seed of the sensors' noise; every condition has its own stream.
     pub seed: u64,
-    /// Threads; 0 takes one a core. The outcome does not depend on it.
+    /// Threads; 0 uses one per core. The result does not depend on it.
     pub threads: usize,
+}
+
+/// Result of `host-sim accuracy`, as printed and stored.
+#[derive(Serialize)]
+pub(crate) struct Outcome {
+    pub(crate) step_us: f64,
+    pub(crate) seed: u64,
+    pub(crate) goals: Vec<Verdict>,
+    /// Number of runs in which the analytic law has the smaller error on the same signals.
+    pub(crate) law_wins: usize,
+    pub(crate) runs: Vec<Accuracy>,
 }
 
 /// Measures all conditions; `finished` is called after each.
@@ -61,7 +82,7 @@ pub fn measure(
         let accuracy = Accuracy {
             condition: *condition,
             in_the_loop: in_the_loop::measure(condition, &law, settings.step_s)?,
-            estimate: EstimateAccuracy::of(&followed, &estimate::follow(condition, &law, None)?),
+            estimate: EstimateAccuracy::from_ticks(&followed, &estimate::follow(condition, &law, None)?),
             gap: gap::measure(condition, &law, settings.seed)?,
         };
         finished();
@@ -113,9 +134,9 @@ mod tests {
         }
     }
 
-    /// One condition in full: the figures that every other number hangs on, the same on any number of threads.
+    /// Results are the same on any number of threads, and the seed changes the sensors alone.
     #[test]
-    fn a_condition_is_measured_alike_on_any_number_of_threads_and_the_seed_moves_the_sensors_only() {
+    fn results_do_not_depend_on_threads_and_the_seed_changes_the_sensors_only() {
         let conditions: Vec<Condition> =
             conditions::all().into_iter().filter(|c| c.held_out && c.clearance_mm == 0.7).take(2).collect();
         let settings = Settings { step_s: 2e-5, seed: 1, threads: 1 };

@@ -1,11 +1,11 @@
-//! The outcomes as a model card tells them: medians and largest values by bearing and set.
+//! Figures of the model cards: medians and largest values by bearing and set.
 
 use super::{Accuracy, Settings};
-use crate::force::{ForceSource, identity};
-use crate::paper::BEARINGS;
-use model_quant::bench_loop::{BenchLoop, LoopSet, Spread};
+use crate::run::conditions::BEARINGS;
+use crate::run::force::{ForceSource, identity};
+use model_quant::evaluate::bench_loop::{BenchLoop, LoopSet, Spread};
 
-/// What the outcomes say of the shipped image of every bearing that was measured.
+/// Returns the figures of the shipped image of every measured bearing.
 pub fn bench_loops(runs: &[Accuracy], settings: Settings) -> Vec<BenchLoop> {
     let of = |bearing| {
         let set = |held_out| {
@@ -25,7 +25,7 @@ pub fn bench_loops(runs: &[Accuracy], settings: Settings) -> Vec<BenchLoop> {
 }
 
 fn set(runs: Vec<&Accuracy>) -> LoopSet {
-    let spread = |read: fn(&Accuracy) -> f64| Spread::of(runs.iter().map(|a| read(a)));
+    let spread = |read: fn(&Accuracy) -> f64| Spread::from_values(runs.iter().map(|a| read(a)));
     LoopSet {
         runs: runs.len(),
         peak_change: spread(|a| a.in_the_loop.network.peak),

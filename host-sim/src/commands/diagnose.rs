@@ -1,9 +1,10 @@
-//! `host-sim diagnose`: what a simulation gets wrong in measured logs, the cause by name, the gain.
+//! `host-sim diagnose`: finds what a simulation gets wrong in measured logs, names the cause,
+//! measures the gain.
 
-use super::{diagnose_report, diagnose_text};
-use crate::error::CliError;
-use crate::options::BenchOptions;
-use crate::progress;
+use crate::cli::error::CliError;
+use crate::cli::options::BenchOptions;
+use crate::cli::progress;
+use crate::diagnose::{report, text};
 use bench::{Bench, MeasuredLog, atomic};
 use clap::Args;
 use diagnosis::{Diagnosis, DiagnosisError, Options, diagnose};
@@ -12,19 +13,21 @@ use std::path::{Path, PathBuf};
 /// Arguments of `host-sim diagnose`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  host-sim diagnose log.csv\n  \
-    host-sim diagnose monday.csv tuesday.csv --held-out friday.csv --bench my-bench.toml --out out/diagnosis\n  \
+    host-sim diagnose monday.csv tuesday.csv --held-out friday.csv --bench my-bench.toml --out \
+    out/diagnosis\n  \
     host-sim diagnose stroke*.csv --bench examples/seal-friction.toml --json\n\n\
     Any verdict exits 0.")]
 pub struct DiagnoseArgs {
     /// Measured logs of one bench: CSV, Parquet or MAT-files (version 5 to 7).
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
-    /// Logs on which nothing is fitted; without them a part of each log is held out.
+    /// Logs on which nothing is fitted; without this option a part of each log is held out.
     ///
-    /// They count in the noise floors and in the choice between causes: a log that shall judge the answer is to be kept back from both.
+    /// They contribute to the noise floors and to the choice between causes. Keep back a log that
+    /// is to judge the answer.
     #[arg(long, value_name = "LOG", num_args = 1..)]
     pub held_out: Vec<PathBuf>,
-    /// The bench as it is believed to be.
+    /// The bench as described.
     #[command(flatten)]
     pub bench: BenchOptions,
     /// Folder for diagnosis.json, extended-bench.toml and report.html.
@@ -42,19 +45,20 @@ pub fn run(args: &DiagnoseArgs) -> Result<(), CliError> {
     let held_out = read(&args.held_out, &bench)?;
     let bar = progress::bar(args.json, progress::PERCENT);
     let shown = bar.clone();
-    let tell = move |share: f64, words: &str| {
+    let show_progress = move |share: f64, words: &str| {
         shown.set_position((100.0 * share) as u64);
         shown.set_message(words.to_owned());
     };
-    let result = diagnose(&bench, &logs, &held_out, &Options { progress: Some(&tell), ..Options::default() });
+    let result =
+        diagnose(&bench, &logs, &held_out, &Options { progress: Some(&show_progress), ..Options::default() });
     bar.finish_and_clear();
     let mut diagnosis = result?;
     write(&mut diagnosis, &args.out)?;
     if args.json {
-        say!("{}", json(&diagnosis)?);
+        print_line!("{}", json(&diagnosis)?);
     } else {
-        say!("{}", diagnose_text::text(&diagnosis).trim_end());
-        say!("\nreport: {}", args.out.join("report.html").display());
+        print_line!("{}", text::text(&diagnosis).trim_end());
+        print_line!("\nreport: {}", args.out.join("report.html").display());
     }
     Ok(())
 }
@@ -68,7 +72,7 @@ fn json(diagnosis: &Diagnosis) -> Result<String, CliError> {
     serde_json::to_string_pretty(diagnosis).map_err(|e| CliError::Work(e.to_string()))
 }
 
-/// Renders everything before the first file is written.
+/// Writes all files. Everything is rendered before the first file is written.
 fn write(diagnosis: &mut Diagnosis, out: &Path) -> Result<(), CliError> {
     let bench_path = out.join("extended-bench.toml");
     let extended = match &diagnosis.extended {
@@ -76,7 +80,7 @@ fn write(diagnosis: &mut Diagnosis, out: &Path) -> Result<(), CliError> {
         None => None,
     };
     diagnosis.extended_bench = extended.as_ref().map(|_| bench_path.display().to_string());
-    let page = diagnose_report::page(diagnosis).map_err(CliError::Work)?.render();
+    let page = report::page(diagnosis).map_err(CliError::Work)?.render();
     let text = format!("{}\n", json(diagnosis)?);
     let files = [
         (bench_path, extended),

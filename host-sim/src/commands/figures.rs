@@ -1,9 +1,9 @@
-//! `host-sim figures`: the paper's Figs. 16-20 and its claims in one go.
+//! `host-sim figures`: reproduces the paper's Figs. 16-20 and evaluates its claims.
 
-use super::sweep::RunOptions;
-use super::sweep_paper;
-use crate::error::CliError;
-use crate::paper::Series;
+use crate::cli::error::CliError;
+use crate::reproduction::report;
+use crate::reproduction::runs::Series;
+use crate::sweep::options::SweepOptions;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -13,18 +13,18 @@ use std::path::PathBuf;
     after_help = "Examples:\n  host-sim figures --out out/figures\n  host-sim figures --force law --json"
 )]
 pub struct FiguresArgs {
-    /// How the runs are done.
+    /// Options of the runs.
     #[command(flatten)]
-    pub runs: RunOptions,
+    pub runs: SweepOptions,
     /// Folder for the pictures (SVG), the CSV, the JSON and report.html.
     #[arg(long, default_value = "out/figures", value_name = "DIR")]
     pub out: PathBuf,
-    /// Print the outcome as JSON.
+    /// Print the result as JSON.
     #[arg(long)]
     pub json: bool,
 }
 
 /// Runs the command.
 pub fn run(args: &FiguresArgs) -> Result<(), CliError> {
-    sweep_paper::run(&args.runs, &[Series::Clearance, Series::Load], &args.out, args.json)
+    report::run(&args.runs, &[Series::Clearance, Series::Load], &args.out, args.json)
 }

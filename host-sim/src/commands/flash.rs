@@ -1,30 +1,32 @@
-//! `host-sim flash`: the firmware's image onto a board, or with `--dry-run` only what would be written.
+//! `host-sim flash`: writes the firmware's image to a board, or with `--dry-run` prints what would
+//! be written.
 
-use super::end;
-use crate::error::CliError;
-use crate::flash::{Board, FlashError, Plan, board};
+use crate::cli::error::CliError;
+use crate::controller::choice;
+use crate::flash::Plan;
 use clap::Args;
+use controller::boards::{Board, parse as parse_board};
 use std::path::PathBuf;
 
 /// Arguments of `host-sim flash`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  host-sim flash --board feather-stm32f405 --dry-run\n  \
     cargo run --release -p host-sim --features probe -- flash --board feather-stm32f405 --follow\n\n\
-    Without a probe: docs/firmware.md tells how to flash over USB (DFU).")]
+    Without a probe: see docs/firmware.md for flashing over USB (DFU).")]
 pub struct FlashArgs {
     /// The board: stm32f405 (any of them), feather-stm32f405, olimex-stm32-h405, netduino-plus-2.
-    #[arg(long, value_parser = board)]
+    #[arg(long, value_parser = parse_board)]
     pub board: Board,
-    /// The image; by default what `cargo xtask firmware --board` built for this board.
+    /// The image; by default the output of `cargo xtask firmware --board` for this board.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
-    /// Check the image and say what would be written; needs no probe.
+    /// Check the image and print what would be written; requires no probe.
     #[arg(long)]
     pub dry_run: bool,
-    /// The probe, VID:PID or VID:PID:SERIAL in hexadecimal; by default the only one there is.
+    /// The probe, VID:PID or VID:PID:SERIAL in hexadecimal; by default the only one.
     #[arg(long, value_name = "PROBE")]
     pub probe: Option<String>,
-    /// Go on showing the controller's log after writing, until interrupted.
+    /// Show the controller's log after writing, until interrupted.
     #[arg(long)]
     pub follow: bool,
     /// Print the plan as JSON.
@@ -32,19 +34,10 @@ pub struct FlashArgs {
     pub json: bool,
 }
 
-impl From<FlashError> for CliError {
-    fn from(error: FlashError) -> Self {
-        match error {
-            FlashError::Probe { .. } => Self::Work(error.to_string()),
-            other => Self::Input(other.to_string()),
-        }
-    }
-}
-
-/// Plans, and writes unless only the plan was asked for.
+/// Checks the image and writes it, unless only the plan was requested.
 pub fn run(args: &FlashArgs) -> Result<(), CliError> {
-    let image = end::image_for(args.board, args.elf.as_deref());
-    let plan = Plan::of(args.board, &image)?;
+    let image = choice::image_for(args.board, args.elf.as_deref());
+    let plan = Plan::for_board(args.board, &image)?;
     if args.json {
         println!("{}", serde_json::json!(plan));
     } else {
@@ -72,5 +65,5 @@ fn write(args: &FlashArgs, plan: &Plan, image: &std::path::Path) -> Result<(), C
 
 #[cfg(not(feature = "probe"))]
 fn write(_: &FlashArgs, _: &Plan, _: &std::path::Path) -> Result<(), CliError> {
-    Err(end::without_probes("flash ..., or --dry-run"))
+    Err(choice::without_probes("flash ..., or --dry-run"))
 }

@@ -1,7 +1,8 @@
-//! `host-sim laws`: the contact and friction laws that a bench description may name, with range and source.
+//! `host-sim laws`: lists the contact and friction laws of a bench description, with range and
+//! source.
 
-use super::output;
-use crate::error::CliError;
+use crate::cli::error::CliError;
+use crate::cli::output;
 use clap::Args;
 use contact::catalogue::{self, Group};
 use serde::Serialize;
@@ -24,7 +25,7 @@ struct Law {
     description: &'static str,
     range: &'static str,
     source: &'static str,
-    /// Whether a bench can be integrated with it.
+    /// True if a bench can be integrated with it.
     on_a_bench: bool,
 }
 
@@ -39,7 +40,7 @@ pub fn run(args: &LawsArgs) -> Result<(), CliError> {
         field: match entry.group {
             Group::Dissipation => "contact.dissipation",
             Group::Stiffness => "contact.stiffness",
-            Group::Whole => "contact.law",
+            Group::Complete => "contact.law",
             Group::Friction => "friction.law",
         },
         name: entry.name,
@@ -50,20 +51,20 @@ pub fn run(args: &LawsArgs) -> Result<(), CliError> {
     };
     let laws = Laws { laws: catalogue::all().map(law).collect() };
     if args.json {
-        say!("{}", output::json(&laws)?);
+        print_line!("{}", output::json(&laws)?);
         return Ok(());
     }
     let mut field = "";
     for law in &laws.laws {
         if law.field != field {
             field = law.field;
-            say!("{field}");
+            print_line!("{field}");
         }
-        say!("  {:<34} {}", law.name, law.description);
-        say!("  {:<34} holds: {}; {}", "", law.range, law.source);
+        print_line!("  {:<34} {}", law.name, law.description);
+        print_line!("  {:<34} holds: {}; {}", "", law.range, law.source);
         if !law.on_a_bench {
-            say!(
-                "  {:<34} in the library only: a bench integrates laws that are a rate and continuous at rest",
+            print_line!(
+                "  {:<34} in the library only: a bench integrates laws that depend on the speed continuously",
                 ""
             );
         }

@@ -1,35 +1,14 @@
-//! The commands, one file each: arguments, work, output.
+//! The commands, one file each: arguments, a call into the library, output.
 
 pub mod accuracy;
-mod accuracy_pictures;
-mod accuracy_report;
 pub mod diagnose;
-mod diagnose_pictures;
-mod diagnose_report;
-mod diagnose_tables;
-mod diagnose_text;
-mod diagnose_words;
-pub mod end;
 pub mod figures;
 pub mod flash;
 pub mod laws;
-mod limits;
 pub mod link;
-mod link_words;
-mod output;
 pub mod record;
 pub mod replay;
-mod replay_log;
 pub mod run;
-mod run_controller;
-mod run_report;
-mod run_tilt;
-mod slider_crank;
 pub mod sweep;
-mod sweep_file;
-mod sweep_latch;
-mod sweep_paper;
-mod sweep_paper_pictures;
-mod sweep_step;
 pub mod update;
 pub mod validate;

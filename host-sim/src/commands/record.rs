@@ -1,8 +1,8 @@
-//! `host-sim record`: a log of the bench as its sensors would take it.
+//! `host-sim record`: simulates a log as the bench's sensors would record it.
 
-use crate::error::CliError;
-use crate::options::BenchOptions;
-use bench::record::record;
+use crate::cli::error::CliError;
+use crate::cli::options::BenchOptions;
+use bench::simulate::record;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -22,10 +22,11 @@ pub struct RecordArgs {
     /// Seed of the sensors' noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Log file (.parquet: Parquet, .mat: MAT-file of version 5, else CSV), or a folder that gets log.csv.
+    /// Log file (.parquet: Parquet, .mat: MAT-file of version 5, else CSV), or a folder for
+    /// log.csv.
     #[arg(long, default_value = "out/record", value_name = "FILE|DIR")]
     pub out: PathBuf,
-    /// Print what was written as JSON.
+    /// Print a summary as JSON.
     #[arg(long)]
     pub json: bool,
 }
@@ -53,14 +54,14 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
         seed: args.seed,
     };
     if args.json {
-        say!("{}", serde_json::to_string_pretty(&written).map_err(|e| CliError::Work(e.to_string()))?);
+        print_line!("{}", serde_json::to_string_pretty(&written).map_err(|e| CliError::Work(e.to_string()))?);
     } else {
-        say!("{}: {} samples of {} channels", written.log, written.samples, written.channels.len());
+        print_line!("{}: {} samples of {} channels", written.log, written.samples, written.channels.len());
     }
     Ok(())
 }
 
-/// A path without an extension, or an existing folder, is a folder.
+/// Returns the file. A path without an extension, or an existing folder, is a folder.
 fn file_of(out: &Path) -> PathBuf {
     if out.is_dir() || out.extension().is_none() { out.join(DEFAULT_NAME) } else { out.to_owned() }
 }

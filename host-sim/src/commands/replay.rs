@@ -1,37 +1,44 @@
-//! `host-sim replay`: a recorded conversation, or a measured log, through a controller.
+//! `host-sim replay`: replays a recorded link session or a measured log on a controller.
 
-use super::end::{self, End, ProbeOptions};
-use super::{output, replay_log};
+use crate::cli::error::CliError;
+use crate::cli::options::BenchOptions;
+use crate::cli::output;
+use crate::controller::Recording;
+use crate::controller::choice::{self, ControllerKind, ProbeOptions};
 use crate::controller::recording::MAGIC;
-use crate::controller::replay::{Difference, replay};
-use crate::controller::{Recording, replay::Replayed};
-use crate::error::CliError;
-use crate::options::BenchOptions;
+use crate::replay::estimates::estimates_csv;
+use crate::replay::{Difference, Replayed, log, replay};
+use crate::run::configuration::controller_configuration;
+use crate::run::exchange::{ExchangeResult, exchange};
+use bench::MeasuredLog;
+use bench::description::TransmissionBench;
+use bench::plants::transmission::Transmission;
 use clap::Args;
-use link::EstimateFrame;
+use controller::flags::SENSOR_FAULT;
+use inference::Flags;
+use link::Command;
 use serde_json::json;
-use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Differences that are shown one by one; --json has all.
+/// Maximum number of differences on the terminal; --json prints all.
 const SHOWN: usize = 20;
 
 /// Arguments of `host-sim replay`.
 #[derive(Args, Clone, Debug)]
-#[command(
-    after_help = "Examples:\n  host-sim run --record link.rec\n  host-sim replay link.rec --controller emulated\n  \
+#[command(after_help = "Examples:\n  host-sim run --record link.rec\n  \
+    host-sim replay link.rec --controller emulated\n  \
     host-sim replay link.rec --controller attached --port /dev/ttyUSB0 --json\n  \
     host-sim replay log.csv --bench my-bench.toml --out out/replay\n\n\
-    A recording: exits with 0 if every answer is the recorded one to the bit, else with 1. A log: the estimates that the controller \
-    would have given, from journal_y_m, journal_z_m, shaft_angle_rad and load_force_n at 50 to 1000 us from sample to sample."
-)]
+    A recording: exits with 0 if every answer equals the recorded one to the bit, else with 1.\n\
+    A log: computes the estimates from journal_y_m, journal_z_m, shaft_angle_rad and load_force_n at 50 to \
+    1000 us between samples.")]
 pub struct ReplayArgs {
     /// A recording of `host-sim run --record`, or a measured log (CSV, Parquet or MAT-file).
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// The controller.
     #[arg(long, value_enum, default_value = "native", requires_if("attached", "way"))]
-    pub controller: End,
+    pub controller: ControllerKind,
     /// Serial port of the attached controller.
     #[arg(long, value_name = "PATH", group = "way")]
     pub port: Option<PathBuf>,
@@ -41,10 +48,10 @@ pub struct ReplayArgs {
     /// Image for the emulated controller; by default the one that `cargo xtask firmware` builds.
     #[arg(long, value_name = "FILE")]
     pub elf: Option<PathBuf>,
-    /// The bench of a log; a recording has its configuration inside.
+    /// The bench of a log; a recording contains its configuration.
     #[command(flatten)]
     pub bench: BenchOptions,
-    /// Folder for estimates.csv; of a recording only if given.
+    /// Folder for estimates.csv; for a recording it is written only with this option.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the outcome as JSON.
@@ -57,17 +64,18 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     let bytes = std::fs::read(&args.file)
         .map_err(|error| CliError::Input(format!("{}: {error}", args.file.display())))?;
     if !bytes.starts_with(&MAGIC) {
-        return replay_log::run(args);
+        return run_log(args);
     }
     let wrong = |error: &dyn std::fmt::Display| CliError::Input(format!("{}: {error}", args.file.display()));
-    let recording = Recording::of(&bytes).map_err(|error| wrong(&error))?;
-    let mut controller = end::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
+    let recording = Recording::from_bytes(&bytes).map_err(|error| wrong(&error))?;
+    let mut controller =
+        choice::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
     let name = controller.name();
     let replayed = replay(&recording, &mut *controller)?;
     if let Some(out) = &args.out {
         output::write(out, "estimates.csv", &estimates_csv(&replayed.estimates))?;
     }
-    tell(args, name, &recording, &replayed)?;
+    print_recording(args, name, &recording, &replayed)?;
     match replayed.differences.len() {
         0 => Ok(()),
         count => Err(CliError::Work(format!(
@@ -77,10 +85,15 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     }
 }
 
-fn tell(args: &ReplayArgs, name: &str, recording: &Recording, replayed: &Replayed) -> Result<(), CliError> {
+fn print_recording(
+    args: &ReplayArgs,
+    name: &str,
+    recording: &Recording,
+    replayed: &Replayed,
+) -> Result<(), CliError> {
     let differences = &replayed.differences;
     if args.json {
-        say!(
+        print_line!(
             "{}",
             output::json(&json!({
                 "file": args.file.display().to_string(),
@@ -94,7 +107,7 @@ fn tell(args: &ReplayArgs, name: &str, recording: &Recording, replayed: &Replaye
         );
         return Ok(());
     }
-    say!(
+    print_line!(
         "{}: {} samples and {} commands on the {name} controller, {} differences",
         args.file.display(),
         replayed.samples,
@@ -103,35 +116,72 @@ fn tell(args: &ReplayArgs, name: &str, recording: &Recording, replayed: &Replaye
     );
     for Difference { sequence, field, recorded, replayed } in differences.iter().take(SHOWN) {
         let at = sequence.map_or_else(|| "-".into(), |sequence| sequence.to_string());
-        say!("{at:>10}  {field:<24} recorded {recorded}, now {replayed}");
+        print_line!("{at:>10}  {field:<24} recorded {recorded}, replayed {replayed}");
     }
     if differences.len() > SHOWN {
-        say!("and {} more; --json lists all", differences.len() - SHOWN);
+        print_line!("and {} more; --json lists all", differences.len() - SHOWN);
     }
     Ok(())
 }
 
-/// Estimates as a table: shortest numbers that read back exactly.
-pub(super) fn estimates_csv(estimates: &[EstimateFrame]) -> String {
-    let mut text = String::from(
-        "sequence,t_s,normal_force_n,force_y_n,force_z_n,friction_torque_nm,deformation_m,contact_angle_rad,flags,saturated\n",
-    );
-    for e in estimates {
-        let t = f64::from(e.time_us) * 1e-6;
-        // Writing to text does not fail.
-        let _ = writeln!(
-            text,
-            "{},{t:.6},{:e},{:e},{:e},{:e},{:e},{:e},{},{}",
-            e.sequence,
-            e.normal_force_n,
-            e.force_y_n,
-            e.force_z_n,
-            e.friction_torque_nm,
-            e.deformation_m,
-            e.contact_angle_rad,
-            e.flags,
-            e.saturated
+/// Folder of the table by default.
+const OUT: &str = "out/replay";
+
+/// Replays a measured log.
+fn run_log(args: &ReplayArgs) -> Result<(), CliError> {
+    let bench = args.bench.open()?;
+    let measured = MeasuredLog::read(&args.file, &bench.log_format())?;
+    let resolved = TransmissionBench::from_bench(bench.resolved(), &args.bench.bench)?;
+    let frames = log::frames(&measured)?;
+    let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
+    let rate_hz = 1.0 / log::period_s(&measured)?;
+    let configuration = controller_configuration(&plant, &resolved, rate_hz)?;
+    let mut controller =
+        choice::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
+    controller.order(Command::Configure(configuration))?;
+    let exchanged = exchange(controller, &frames)?;
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(OUT));
+    output::write(&out, "estimates.csv", &estimates_csv(&exchanged.estimates))?;
+    print_log(args, &exchanged, rate_hz, &out.join("estimates.csv"))
+}
+
+fn print_log(
+    args: &ReplayArgs,
+    exchanged: &ExchangeResult,
+    rate_hz: f64,
+    table: &Path,
+) -> Result<(), CliError> {
+    let peak = exchanged.estimates.iter().map(|e| e.normal_force_n).fold(0.0, f32::max);
+    let flagged = |flags: Flags| {
+        exchanged.estimates.iter().filter(|e| Flags::from_bits(e.flags).intersects(flags)).count()
+    };
+    let (outside, suspect) = (flagged(Flags::OUTSIDE_TRAINING), flagged(SENSOR_FAULT));
+    if args.json {
+        print_line!(
+            "{}",
+            output::json(&json!({
+                "log": args.file.display().to_string(),
+                "controller": exchanged.controller,
+                "samples": exchanged.estimates.len(),
+                "sample_rate_hz": rate_hz,
+                "peak_normal_force_n": peak,
+                "outside_training": outside,
+                "suspect": suspect,
+                "counters": exchanged.counters,
+                "estimates": table.display().to_string(),
+            }))?
         );
+        return Ok(());
     }
-    text
+    print_line!(
+        "{}: {} samples at {rate_hz:.0} Hz on the {} controller",
+        args.file.display(),
+        exchanged.estimates.len(),
+        exchanged.controller
+    );
+    print_line!(
+        "largest normal force {peak:.0} N; outside the training range {outside}, suspect {suspect} samples"
+    );
+    print_line!("estimates: {}", table.display());
+    Ok(())
 }

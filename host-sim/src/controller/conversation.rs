@@ -1,40 +1,42 @@
-//! The host's side of the protocol, apart from any line: numbers commands, tells answers from strays, counts what was missed.
+//! The host's side of the protocol, independent of the line: numbers commands, matches answers,
+//! counts losses.
 //!
-//! One command at a time is on the way. It is sent again, number and all, until its answer comes; answers with another number are
-//! strays of an earlier sending. Streams have numbers of their own: a gap is a loss.
+//! One command or request at a time is pending. The host repeats it, a command with the same
+//! number, until its answer arrives. Answers with another number belong to earlier sendings and are
+//! counted as strays. Estimates and slow telemetry are numbered separately: a gap is a loss.
 
-use link::update::UpdateAnswer;
+use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
-    Acknowledgement, Answer, Command, EstimateFrame, Hello, NumberedCommand, NumberedEstimate, Refused,
+    Acknowledgement, Answer, Command, EstimateFrame, Hello, NumberedCommand, NumberedEstimate, Refusal,
     SlowFrame, State, ToController, ToHost,
 };
 
-/// What the line and the other side lost, as the host sees it.
+/// Losses on the line and on the controller, as the host sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Losses {
-    /// Estimates that the controller sent and that did not come.
+    /// Estimates that the controller sent and the host did not receive.
     pub estimates_missed: u32,
-    /// Estimates that the controller dropped itself, modulo 256.
+    /// Estimates that the controller dropped, modulo 256.
     pub estimates_dropped: u8,
-    /// Frames of slow telemetry that did not come.
+    /// Frames of slow telemetry that the host did not receive.
     pub slow_missed: u32,
-    /// Answers to commands sent before, or to greetings not waited for.
+    /// Answers to earlier sendings of a command or request.
     pub strays: u32,
-    /// Commands, greetings and samples that were sent again.
+    /// Commands, requests and samples that the host repeated.
     pub sent_again: u32,
     /// Damaged frames received.
     pub damaged: u32,
 }
 
-/// A message sorted.
+/// A received message, classified.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Heard {
-    /// The greeting that was asked for.
-    Greeting(Hello),
-    /// A greeting that nobody asked for: the controller has just started.
+pub enum Received {
+    /// The hello that answers the pending identify request.
+    Identified(Hello),
+    /// A hello without a request: the controller has just started.
     Started(Hello),
-    /// The answer to the command on the way.
-    Outcome(Result<Answer, Refused>),
+    /// The answer to the pending command.
+    Outcome(Result<Answer, Refusal>),
     /// An estimate.
     Estimate(EstimateFrame),
     /// Slow telemetry.
@@ -43,77 +45,83 @@ pub enum Heard {
     Update(UpdateAnswer),
     /// The controller could not serve a frame.
     Fault(link::Fault),
-    /// An answer to something earlier.
+    /// An answer to an earlier sending.
     Stray,
 }
 
-/// The state of the conversation.
+/// State of the conversation.
 #[derive(Clone, Debug, Default)]
 pub struct Conversation {
     token: u32,
     last_command: u32,
-    on_the_way: Option<ToController>,
-    /// Numbers of the last estimate and the last slow frame.
+    pending: Option<ToController>,
+    /// Numbers of the last estimate and of the last slow frame.
     estimate: Option<u32>,
     slow: Option<u32>,
     losses: Losses,
 }
 
 impl Conversation {
-    /// Creates the host's side; greetings that it asks for carry the numbers after `token`.
+    /// Creates the host's side. Its identify requests carry the numbers after `token`.
     pub fn new(token: u32) -> Self {
         Self { token, ..Self::default() }
     }
 
-    /// Asks who is there. The answer tells the number of the next command.
+    /// Creates an identify request. Its answer contains the number of the last command.
     pub fn identify(&mut self) -> ToController {
         self.token = self.token.wrapping_add(1).max(1);
-        *self.on_the_way.insert(ToController::Identify { token: self.token })
+        *self.pending.insert(ToController::Identify { token: self.token })
     }
 
     /// Numbers a command.
     pub fn order(&mut self, command: Command) -> ToController {
         let id = self.last_command.wrapping_add(1);
-        *self.on_the_way.insert(ToController::Command(NumberedCommand { id, command }))
+        *self.pending.insert(ToController::Command(NumberedCommand { id, command }))
     }
 
-    /// The greeting or command that has not been answered, to be sent again.
-    pub fn again(&mut self) -> Option<ToController> {
-        self.losses.sent_again = self.losses.sent_again.saturating_add(u32::from(self.on_the_way.is_some()));
-        self.on_the_way
+    /// Makes a request about models the pending one.
+    pub fn request(&mut self, request: UpdateRequest) -> ToController {
+        *self.pending.insert(ToController::Update(request))
     }
 
-    /// Counts a sample that was sent again.
+    /// Returns the pending request or command for a repetition.
+    pub fn repeat(&mut self) -> Option<ToController> {
+        self.losses.sent_again = self.losses.sent_again.saturating_add(u32::from(self.pending.is_some()));
+        self.pending
+    }
+
+    /// Counts a repeated sample.
     pub(super) const fn count_repeated(&mut self) {
         self.losses.sent_again = self.losses.sent_again.saturating_add(1);
     }
 
-    /// Number of the last command that the controller has carried out, as far as is known.
+    /// Number of the last command that the controller is known to have carried out.
     pub(super) const fn last_command(&self) -> u32 {
         self.last_command
     }
 
-    /// What was lost so far.
+    /// Losses so far.
     pub const fn losses(&self) -> &Losses {
         &self.losses
     }
 
-    /// Takes a message.
-    pub fn hear(&mut self, message: ToHost) -> Heard {
+    /// Classifies a message.
+    pub fn receive(&mut self, message: ToHost) -> Received {
         match message {
-            ToHost::Hello(hello) => self.greeting(hello),
-            ToHost::Acknowledged(Acknowledgement { id, outcome }) => match self.on_the_way {
+            ToHost::Hello(hello) => self.receive_hello(hello),
+            ToHost::Acknowledged(Acknowledgement { id, outcome }) => match self.pending {
                 Some(ToController::Command(NumberedCommand { id: waiting, .. })) if id == waiting => {
-                    self.on_the_way = None;
-                    // A refusal for its number was not carried out: the number is still to come.
-                    if !matches!(outcome, Err(Refused::OutOfOrder { .. } | Refused::NumberTaken)) {
+                    self.pending = None;
+                    // A command refused because of its number was not carried out: the number is
+                    // still free.
+                    if !matches!(outcome, Err(Refusal::OutOfOrder { .. } | Refusal::NumberTaken)) {
                         self.last_command = id;
                     }
-                    // A new run counts its estimates anew.
+                    // A new run numbers its estimates from the start.
                     if matches!(outcome, Ok(Answer::Configured(_) | Answer::Stopped(_))) {
                         self.estimate = None;
                     }
-                    Heard::Outcome(outcome)
+                    Received::Outcome(outcome)
                 }
                 _ => self.stray(),
             },
@@ -121,39 +129,46 @@ impl Conversation {
                 self.losses.estimates_dropped = dropped;
                 let missed = missed(&mut self.estimate, number);
                 self.losses.estimates_missed = self.losses.estimates_missed.saturating_add(missed);
-                Heard::Estimate(estimate)
+                Received::Estimate(estimate)
             }
             ToHost::Slow(slow) => {
                 let missed = missed(&mut self.slow, slow.number);
                 self.losses.slow_missed = self.losses.slow_missed.saturating_add(missed);
-                Heard::Slow(slow)
+                Received::Slow(slow)
             }
-            ToHost::Update(answer) => Heard::Update(answer),
-            ToHost::Fault(fault) => Heard::Fault(fault),
+            ToHost::Update(answer) => {
+                self.pending.take_if(|pending| matches!(pending, ToController::Update(_)));
+                Received::Update(answer)
+            }
+            ToHost::Fault(fault) => Received::Fault(fault),
         }
     }
 
-    fn greeting(&mut self, hello: Hello) -> Heard {
+    fn receive_hello(&mut self, hello: Hello) -> Received {
         let started = hello.token == 0;
-        let asked = matches!(self.on_the_way, Some(ToController::Identify { token }) if token == hello.token);
+        let asked = matches!(self.pending, Some(ToController::Identify { token }) if token == hello.token);
         if !(started || asked) {
             return self.stray();
         }
         self.last_command = hello.last_command;
-        self.on_the_way = None;
+        // The hello of a start does not answer a pending `Identify`; that answer is still to come.
+        if asked || !matches!(self.pending, Some(ToController::Identify { .. })) {
+            self.pending = None;
+        }
         if hello.state == State::Waiting || started {
             (self.estimate, self.slow) = (None, None);
         }
-        if started { Heard::Started(hello) } else { Heard::Greeting(hello) }
+        if started { Received::Started(hello) } else { Received::Identified(hello) }
     }
 
-    fn stray(&mut self) -> Heard {
+    fn stray(&mut self) -> Received {
         self.losses.strays = self.losses.strays.saturating_add(1);
-        Heard::Stray
+        Received::Stray
     }
 }
 
-/// How many numbers lie between the last one and this; a number from the past is a repetition, not a loss.
+/// Returns how many numbers lie between the last one and this. A number from the past is a
+/// repetition, not a loss.
 fn missed(last: &mut Option<u32>, number: u32) -> u32 {
     let missed = last.map_or(0, |last| number.wrapping_sub(last).wrapping_sub(1));
     if missed > u32::MAX / 2 {

@@ -1,9 +1,10 @@
-//! The emulated controller: the firmware's own image in QEMU, linked through two named pipes by semihosting.
+//! The emulated controller: the firmware's own image in QEMU, linked through two named pipes by
+//! semihosting.
 //!
-//! One write and one read a frame. While the controller waits for a frame its time stands still (`-icount`), so its
-//! instruction counts repeat exactly.
+//! One write and one read per frame. The emulated time stops while the controller waits for a frame
+//! (`-icount`), so its instruction counts are reproducible.
 
-use super::line::{Bounds, Line, Process};
+use super::line::{Line, Process, Timeouts};
 use super::one_core::OneCore;
 use super::stream::Stream;
 use super::{ControllerError, RemoteController, system};
@@ -16,10 +17,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Bound on the emulator's start, up to its greeting.
-const START_BOUND: Duration = Duration::from_secs(20);
-/// Bound on every other answer. The pipes lose nothing: nothing is sent again before.
-const BOUNDS: Bounds = Bounds { answer: Duration::from_secs(5), again: Duration::from_secs(5) };
+/// Timeout of the emulator's start, up to its hello.
+const START_TIMEOUT: Duration = Duration::from_secs(20);
+/// Timeouts of all other answers. The pipes lose nothing, so nothing is repeated earlier.
+const TIMEOUTS: Timeouts = Timeouts { answer: Duration::from_secs(5), retry: Duration::from_secs(5) };
 
 const BOARD: &[&str] =
     &["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "none", "-no-reboot"];
@@ -30,8 +31,8 @@ const COUNTING: &[&str] = &["-semihosting-config", "enable=on,target=native", "-
 pub struct EmulatedController;
 
 impl EmulatedController {
-    /// Where `cargo xtask firmware` puts the image: the target folder of cargo, below the current directory or this
-    /// source tree.
+    /// Path at which `cargo xtask firmware` puts the image: cargo's target folder, below the
+    /// current directory or this source tree.
     pub fn default_elf() -> PathBuf {
         let tail = Path::new("thumbv7em-none-eabihf/firmware/estimator");
         let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
@@ -40,7 +41,7 @@ impl EmulatedController {
         if here.exists() { here } else { source_tree.join(target).join(tail) }
     }
 
-    /// Starts the emulator with an image, waits for its greeting and configures it.
+    /// Starts the emulator with an image, waits for its hello and configures it.
     pub fn start(
         configuration: ControllerConfiguration,
         elf: &Path,
@@ -50,7 +51,7 @@ impl EmulatedController {
         Ok(controller)
     }
 
-    /// Starts the emulator with an image and waits for its greeting.
+    /// Starts the emulator with an image and waits for its hello.
     pub fn open(elf: &Path) -> Result<RemoteController, ControllerError> {
         let elf = elf.canonicalize().map_err(|_| ControllerError::FirmwareMissing { path: elf.into() })?;
         is_for_arm(&elf)?;
@@ -61,17 +62,17 @@ impl EmulatedController {
             mknodat(CWD, pipe, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0)
                 .map_err(|e| system("a pipe for the link")(e.into()))?;
         }
-        // Non-blocking: opening must not wait for an emulator that never comes. Opened for both directions, the first
-        // pipe exists for its reader until it is closed here.
+        // Non-blocking: opening must not wait for an emulator that never starts. Opened in both
+        // directions, the first pipe exists for its reader until it is closed here.
         let nonblocking = rustix::fs::OFlags::NONBLOCK.bits() as i32;
         let mut options = OpenOptions::new();
         options.read(true).custom_flags(nonblocking);
         let to_host = options.open(&to_host).map_err(system("the pipe from the controller"))?;
         let to_controller =
             options.write(true).open(&to_controller).map_err(system("the pipe to the controller"))?;
-        let said =
-            File::create(folder.path().join("said")).map_err(system("a file for the emulator's messages"))?;
-        // The emulator inherits it.
+        let errors = File::create(folder.path().join("stderr"))
+            .map_err(system("a file for the emulator's messages"))?;
+        // The emulator inherits the core.
         let core = OneCore::stay();
         let child = Command::new("qemu-system-arm")
             .args(BOARD)
@@ -81,26 +82,27 @@ impl EmulatedController {
             .current_dir(folder.path())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
-            .stderr(said)
+            .stderr(errors)
             .spawn()
             .map_err(|source| match source.kind() {
                 ErrorKind::NotFound => ControllerError::EmulatorMissing,
                 _ => ControllerError::System { what: "qemu-system-arm", source },
             })?;
-        let stream = Stream::Files { to_controller, to_host };
-        let line = Line::new(stream, Some(Process { child, folder, _core: core }), BOUNDS);
+        let stream = Stream::Pipes { to_controller, to_host };
+        let line = Line::new(stream, Some(Process { child, folder, _core: core }), TIMEOUTS);
         let cause = "The image may not be this project's firmware, or may have crashed at its start.";
-        RemoteController::greeted("emulated", line, START_BOUND, cause).map_err(|error| match error {
-            ControllerError::Ended { status, said, .. } => ControllerError::NotFirmware {
+        RemoteController::await_hello("emulated", line, START_TIMEOUT, cause).map_err(|error| match error {
+            ControllerError::Ended { status, message, .. } => ControllerError::NotFirmware {
                 path: elf.clone(),
-                found: format!("an image that ended before its greeting ({status}: {said})"),
+                found: format!("an image that ended before its hello ({status}: {message})"),
             },
             other => other,
         })
     }
 }
 
-/// An ELF file for a 32-bit ARM core. The emulator would run anything else as raw machine code.
+/// Checks for an ELF file of a 32-bit ARM core. The emulator would run anything else as raw machine
+/// code.
 fn is_for_arm(path: &Path) -> Result<(), ControllerError> {
     /// `e_machine`, little endian.
     const ARM: [u8; 2] = [40, 0];

@@ -1,37 +1,45 @@
-//! What can go wrong with a controller, and what to do about it.
+//! Errors of a controller, each with its likely cause or remedy.
 
+use crate::cli::error::CliError;
 use link::start::{ResetReason, StartReport};
-use link::{FrameError, Refused};
+use link::{FrameError, Refusal};
 use std::path::PathBuf;
 
-/// Why a controller could not be used any further.
+/// Why a controller cannot be used any further.
 #[derive(Debug, thiserror::Error)]
 pub enum ControllerError {
     /// The emulator is not installed.
     #[error(
-        "qemu-system-arm was not found; install it with `apt-get install qemu-system-arm`, or let `cargo xtask setup` do it"
+        "qemu-system-arm was not found; install it with `apt-get install qemu-system-arm`, or let `cargo \
+         xtask setup` do it"
     )]
     EmulatorMissing,
-    /// There is no firmware.
-    #[error("{path}: no firmware there; build it with `cargo xtask firmware`, or name one with --elf", path = path.display())]
+    /// The firmware image is missing.
+    #[error(
+        "{path}: no firmware there; build it with `cargo xtask firmware`, or name one with --elf",
+        path = path.display()
+    )]
     FirmwareMissing {
-        /// Where it was looked for.
+        /// Expected path.
         path: PathBuf,
     },
-    /// There is something else.
-    #[error("{path}: found {found}; expected the image that `cargo xtask firmware` builds", path = path.display())]
+    /// The file is not a firmware image.
+    #[error(
+        "{path}: found {found}; expected the image that `cargo xtask firmware` builds",
+        path = path.display()
+    )]
     NotFirmware {
-        /// What was to be run.
+        /// The file.
         path: PathBuf,
-        /// What it was, or what became of it.
+        /// Description of what was found.
         found: String,
     },
-    /// The operating system refused something.
+    /// A system call failed.
     #[error("{what}: {source}")]
     System {
-        /// What was tried.
+        /// The attempted operation.
         what: &'static str,
-        /// Its answer.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// A port cannot be used.
@@ -39,17 +47,18 @@ pub enum ControllerError {
     Port {
         /// The port.
         path: PathBuf,
-        /// The system's answer.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// The probe did not do what it should.
+    /// The debug probe failed.
     #[cfg(feature = "probe")]
     #[error(transparent)]
     Probe(#[from] crate::flash::FlashError),
-    /// The board runs something else.
+    /// The board runs another build.
     #[cfg(feature = "probe")]
     #[error(
-        "{path}: found build {found} on the board; expected {expected}, that of this image: flash it, or name with --elf what is on board",
+        "{path}: found build {found} on the board; expected {expected}, the build of this image: \
+         flash it, or name the image on board with --elf",
         path = path.display()
     )]
     OtherImage {
@@ -60,31 +69,38 @@ pub enum ControllerError {
         /// That of the image.
         expected: String,
     },
-    /// No answer within the bound.
-    #[error("no answer to {waiting_for} within {bound_s} s; last sequence number answered: {last}. {cause}", last = last(*last_sequence))]
+    /// No answer within the timeout.
+    #[error(
+        "no answer to {waiting_for} within {bound_s} s; last sequence number answered: {last}. {cause}",
+        last = last(*last_sequence)
+    )]
     TimedOut {
-        /// What was waited for.
+        /// The request.
         waiting_for: &'static str,
-        /// The bound in s, rounded up.
+        /// Timeout in s, rounded up.
         bound_s: u64,
         /// The last sample that was answered.
         last_sequence: Option<u32>,
         /// The likely cause.
         cause: &'static str,
     },
-    /// The controller has gone.
-    #[error("the controller ended ({status}); last sequence number answered: {last}. {said}", last = last(*last_sequence))]
+    /// The controller ended or was disconnected.
+    #[error(
+        "the controller ended ({status}); last sequence number answered: {last}. {message}",
+        last = last(*last_sequence)
+    )]
     Ended {
-        /// How it ended.
+        /// Exit status, or how the connection ended.
         status: String,
         /// The last sample that was answered.
         last_sequence: Option<u32>,
-        /// The first line of what the emulator said, if anything; of a port the likely cause.
-        said: String,
+        /// First line of the emulator's error output; for a port the likely cause.
+        message: String,
     },
-    /// It speaks another version of the protocol.
+    /// It uses another version of the protocol.
     #[error(
-        "the controller speaks protocol {found}; expected {expected}: firmware and host come from different builds"
+        "the controller uses protocol {found}; expected {expected}: firmware and host come from different \
+         builds"
     )]
     Version {
         /// Found.
@@ -92,29 +108,34 @@ pub enum ControllerError {
         /// Expected.
         expected: u8,
     },
-    /// It did not carry a command out.
-    #[error("the controller refused: {}", why(_0))]
-    Refused(Refused),
-    /// A frame came damaged.
+    /// It refused a command.
+    #[error("the controller refused: {}", describe_refusal(_0))]
+    Refused(Refusal),
+    /// A damaged frame on a link that loses nothing.
     #[error("a damaged frame on the link: {0:?}")]
     Frame(FrameError),
-    /// It greeted in the middle of a run.
-    #[error("the controller restarted ({}); last sequence number answered: {last}", started(start), last = last(*last_sequence))]
+    /// It restarted in the middle of a run.
+    #[error(
+        "the controller restarted ({}); last sequence number answered: {last}",
+        describe_start(start),
+        last = last(*last_sequence)
+    )]
     Restarted {
         /// The last sample that was answered.
         last_sequence: Option<u32>,
-        /// What it said of its start.
+        /// Its report about the start.
         start: Box<StartReport>,
     },
-    /// Whoever watched the run ended it.
+    /// The user ended the run in the live view.
     #[error("stopped by control-C after sample {last_sequence}")]
     Interrupted {
         /// The last sample that was answered.
         last_sequence: u32,
     },
-    /// It has taken a sample, and its estimate did not come.
+    /// It received a sample, but its estimate was lost.
     #[error(
-        "the estimate of sample {sequence} was lost on the line ({damaged} damaged frames so far); last sequence number answered: {last}. \
+        "the estimate of sample {sequence} was lost on the line ({damaged} damaged frames so far); \
+         last sequence number answered: {last}. \
          Line speed, cable or ground may be wrong.",
         last = last(*last_sequence)
     )]
@@ -126,54 +147,56 @@ pub enum ControllerError {
         /// Damaged frames received.
         damaged: u32,
     },
-    /// Something else, in the middle of a run.
+    /// Another error in the middle of a run.
     #[error("{cause}; last sequence number answered: {last}", last = last(*last_sequence))]
     DuringRun {
         /// The last sample that was answered.
         last_sequence: Option<u32>,
-        /// What it was.
+        /// The error.
         cause: Box<Self>,
     },
-    /// It answered something else.
+    /// It sent an unexpected answer.
     #[error("unexpected answer {found}; expected {expected}")]
     Unexpected {
-        /// What came.
+        /// The answer.
         found: String,
-        /// What should have come.
+        /// The expected answer.
         expected: String,
     },
 }
 
-/// A refusal in words.
-fn why(refused: &Refused) -> String {
+/// Describes a refusal.
+fn describe_refusal(refused: &Refusal) -> String {
     match refused {
-        Refused::Configuration(reasons) => {
-            let mut told: Vec<_> = reasons
+        Refusal::Configuration(reasons) => {
+            let mut listed: Vec<_> = reasons
                 .iter()
                 .map(|r| format!("{:?}: found {}, expected {} to {}", r.field, r.found, r.min, r.max))
                 .collect();
-            let more = usize::from(reasons.count).saturating_sub(told.len());
+            let more = usize::from(reasons.count).saturating_sub(listed.len());
             if more > 0 {
-                told.push(format!("and {more} more"));
+                listed.push(format!("and {more} more"));
             }
-            told.join("; ")
+            listed.join("; ")
         }
-        Refused::OutOfOrder { expected } => {
+        Refusal::OutOfOrder { expected } => {
             format!("the command's number does not follow; expected {expected}")
         }
-        Refused::NumberTaken => "another command has had this number".into(),
-        Refused::Image { cause } => {
+        Refusal::NumberTaken => "another command has used this number".into(),
+        Refusal::Image { cause } => {
             format!("the model image on board is damaged or for another bearing (cause {cause})")
         }
-        Refused::NotConfigured => "nothing is configured".into(),
-        Refused::Running => "a run is going on; stop it first".into(),
-        Refused::NotKept => "the configuration could not be kept: nowhere to, or the flash failed".into(),
-        Refused::NoSensors => "it has no sensors of its own, or is not paced by its timer".into(),
+        Refusal::NotConfigured => "it is not configured".into(),
+        Refusal::Running => "a run is active; stop it first".into(),
+        Refusal::NotKept => {
+            "the configuration could not be saved: no memory for it, or the flash failed".into()
+        }
+        Refusal::NoSensors => "it has no sensors, or is not paced by its timer".into(),
     }
 }
 
 impl ControllerError {
-    /// This error with the last sample that was answered, where it does not tell by itself.
+    /// Adds the last answered sample, unless the error already contains it.
     #[must_use]
     pub fn after(self, last_sequence: Option<u32>) -> Self {
         match self {
@@ -187,12 +210,12 @@ impl ControllerError {
     }
 }
 
-/// Why a controller started, in words.
-fn started(start: &StartReport) -> String {
+/// Describes the reason of a start.
+fn describe_start(start: &StartReport) -> String {
     let reason = match start.reason {
-        ResetReason::Unknown => "it does not say why",
-        ResetReason::PowerOn => "its supply came on",
-        ResetReason::BrownOut => "its supply dipped",
+        ResetReason::Unknown => "reason not reported",
+        ResetReason::PowerOn => "power-on",
+        ResetReason::BrownOut => "supply voltage dipped",
         ResetReason::Pin => "reset pin",
         ResetReason::Software => "on command or after an update",
         ResetReason::Watchdog => "watchdog",
@@ -209,4 +232,15 @@ fn started(start: &StartReport) -> String {
 
 fn last(sequence: Option<u32>) -> String {
     sequence.map_or_else(|| "none".into(), |s| s.to_string())
+}
+
+impl From<ControllerError> for CliError {
+    fn from(error: ControllerError) -> Self {
+        match error {
+            ControllerError::Port { .. } => Self::Input(error.to_string()),
+            #[cfg(feature = "probe")]
+            ControllerError::Probe(error) => error.into(),
+            other => Self::Work(other.to_string()),
+        }
+    }
 }

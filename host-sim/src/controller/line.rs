@@ -1,6 +1,7 @@
-//! A stream of bytes with a controller at the other end: pipes to the emulator, a serial port, or a debug probe.
+//! A byte stream to a controller: pipes to the emulator, a serial port, or a debug probe.
 //!
-//! Every wait is bounded, writing included, and an error says what the last sample was that the controller answered.
+//! Every wait has a timeout, also for writing. Errors name the last sample that the controller
+//! answered.
 
 use super::one_core::OneCore;
 use super::stream::Stream;
@@ -12,19 +13,20 @@ use std::io::{Error, ErrorKind};
 use std::process::Child;
 use std::time::{Duration, Instant};
 
-/// How often a silent controller is checked for being alive.
+/// Interval at which a silent emulator is checked for being alive.
 const CHECK: Duration = Duration::from_millis(100);
 
-/// Bounds of the waits for a kind of line.
+/// Timeouts of a line.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds {
-    /// For an answer.
+pub struct Timeouts {
+    /// Timeout of an answer.
     pub answer: Duration,
-    /// After which a greeting or a command is sent again, and whoever owes an estimate is asked how it is.
-    pub again: Duration,
+    /// Time after which a request is repeated, or the host asks for the state of a controller whose
+    /// estimate is missing.
+    pub retry: Duration,
 }
 
-/// A running emulator and its folder; both go when this is dropped.
+/// A running emulator and its folder. Dropping it ends the process and deletes the folder.
 #[derive(Debug)]
 pub(super) struct Process {
     pub(super) child: Child,
@@ -34,57 +36,57 @@ pub(super) struct Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // Either it has ended already, or it must.
+        // The process has ended already, or has to end now.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// What is waited for and how long; for the error.
+/// A deadline with what is awaited, for the error message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wait {
     pub(super) what: &'static str,
     pub(super) until: Instant,
-    pub(super) bound: Duration,
+    pub(super) timeout: Duration,
     pub(super) cause: &'static str,
 }
 
 impl Wait {
-    /// For all of a bound from now on.
-    pub(super) fn of(what: &'static str, bound: Duration, cause: &'static str) -> Self {
-        Self { what, until: Instant::now() + bound, bound, cause }
+    /// Creates a deadline `timeout` from now.
+    pub(super) fn new(what: &'static str, timeout: Duration, cause: &'static str) -> Self {
+        Self { what, until: Instant::now() + timeout, timeout, cause }
     }
 }
 
-/// The stream and what has come through it.
+/// The stream, its decoder and the messages that were received but not yet taken.
 #[derive(Debug)]
 pub(super) struct Line {
     stream: Stream,
     process: Option<Process>,
     decoder: Decoder,
     waiting: VecDeque<ToHost>,
-    pub(super) bounds: Bounds,
+    pub(super) timeouts: Timeouts,
     pub(super) damaged: u32,
-    /// The last sample that was answered.
+    /// Sequence number of the last answered sample.
     pub(super) last_sequence: Option<u32>,
     pub(super) recorder: Option<Recorder>,
 }
 
 impl Line {
-    pub(super) fn new(stream: Stream, process: Option<Process>, bounds: Bounds) -> Self {
+    pub(super) fn new(stream: Stream, process: Option<Process>, timeouts: Timeouts) -> Self {
         Self {
             stream,
             process,
             decoder: Decoder::new(),
             waiting: VecDeque::new(),
-            bounds,
+            timeouts,
             damaged: 0,
             last_sequence: None,
             recorder: None,
         }
     }
 
-    /// Whether what is sent arrives, and undamaged: pipes, not wires.
+    /// Returns whether everything that is sent arrives undamaged: true for pipes, false for wires.
     pub(super) const fn is_lossless(&self) -> bool {
         self.process.is_some()
     }
@@ -93,7 +95,8 @@ impl Line {
         self.process.as_ref().map(|process| process.child.id())
     }
 
-    /// Ends whatever the last host left unfinished on the line. On an idle line this is nothing.
+    /// Ends an incomplete frame that the last host may have left. On an idle line this has no
+    /// effect.
     pub(super) fn begin(&mut self) -> Result<(), ControllerError> {
         self.send(&[DELIMITER])
     }
@@ -106,9 +109,11 @@ impl Line {
         self.send(framed(message, &mut buffer)?)
     }
 
-    /// Lockstep has one frame on the way, and a pipe or a port holds many: a full one means that nobody reads.
+    /// Sends bytes. In lockstep one frame is on the line and a pipe or port holds many, so a full
+    /// one means that nothing reads.
     pub(super) fn send(&mut self, mut bytes: &[u8]) -> Result<(), ControllerError> {
-        let wait = Wait::of("bytes that the line should take", self.bounds.answer, self.stream.words().full);
+        let wait =
+            Wait::new("bytes that the line should take", self.timeouts.answer, self.stream.messages().full);
         while !bytes.is_empty() {
             match self.stream.write(bytes) {
                 Ok(count) => bytes = bytes.get(count..).unwrap_or_default(),
@@ -125,7 +130,7 @@ impl Line {
         Ok(())
     }
 
-    /// The next message.
+    /// Returns the next message.
     pub(super) fn answer(&mut self, wait: &Wait) -> Result<ToHost, ControllerError> {
         let mut buffer = [0; 4 * MAX_FRAME];
         loop {
@@ -136,7 +141,7 @@ impl Line {
                 return Ok(message);
             }
             match self.stream.read(&mut buffer) {
-                // Nobody holds the other end of a pipe: the emulator has not opened it yet, or has gone.
+                // No writer on the pipe: the emulator has not opened it yet, or has ended.
                 Ok(0) if self.is_lossless() => {
                     self.check_process()?;
                     std::thread::sleep(Duration::from_millis(1));
@@ -159,20 +164,21 @@ impl Line {
         }
     }
 
-    /// Whether there is time left.
+    /// Fails if the deadline has passed.
     pub(super) fn check(&self, wait: &Wait) -> Result<(), ControllerError> {
         if Instant::now() < wait.until {
             return Ok(());
         }
         Err(ControllerError::TimedOut {
             waiting_for: wait.what,
-            bound_s: wait.bound.as_secs_f64().ceil() as u64,
+            bound_s: wait.timeout.as_secs_f64().ceil() as u64,
             last_sequence: self.last_sequence,
             cause: wait.cause,
         })
     }
 
-    /// Pipes damage nothing, so a damaged frame there is an error; on a wire it is counted.
+    /// Decodes bytes. Pipes damage nothing, so a damaged frame there is an error; on a wire it is
+    /// counted.
     fn decode(&mut self, bytes: &[u8]) -> Result<(), ControllerError> {
         for &byte in bytes {
             match self.decoder.push::<ToHost>(byte) {
@@ -188,15 +194,15 @@ impl Line {
         Ok(())
     }
 
-    /// Waits a moment for the stream to be ready; false if it is not.
+    /// Waits briefly for the stream to be ready. Returns false if it is not.
     fn poll(&self, for_what: PollFlags, until: Instant) -> Result<bool, ControllerError> {
         let left = until.saturating_duration_since(Instant::now()).min(CHECK);
         self.stream.ready(for_what, left).map_err(system("waiting for the controller"))
     }
 
-    /// Why an answer may be late.
+    /// Likely cause of a late answer.
     pub(super) const fn silence(&self) -> &'static str {
-        if self.is_lossless() { OVERLOADED } else { self.stream.words().silent }
+        if self.is_lossless() { OVERLOADED } else { self.stream.messages().silent }
     }
 
     fn check_process(&mut self) -> Result<(), ControllerError> {
@@ -207,30 +213,32 @@ impl Line {
         if gone { Err(self.ended(None)) } else { Ok(()) }
     }
 
-    /// An error of a port is mostly its end: the adapter was unplugged, the other side of a pseudo-terminal has gone.
+    /// Converts an error of the stream. An error of a port mostly means that its other side has
+    /// ended or was unplugged.
     fn failed(&mut self, what: &'static str, source: Error) -> ControllerError {
         if self.is_lossless() { ControllerError::System { what, source } } else { self.ended(Some(&source)) }
     }
 
     fn ended(&mut self, error: Option<&Error>) -> ControllerError {
-        let (status, said) = match &mut self.process {
+        let (status, message) = match &mut self.process {
             None => {
-                let told = error.map(|error| format!(": {error}")).unwrap_or_default();
-                let words = self.stream.words();
-                (format!("{}{told}", words.end), words.gone.into())
+                let detail = error.map(|error| format!(": {error}")).unwrap_or_default();
+                let words = self.stream.messages();
+                (format!("{}{detail}", words.end), words.gone.into())
             }
             Some(process) => {
                 let status = match process.child.try_wait() {
                     Ok(Some(status)) => status.to_string(),
                     _ => "its end of the link is closed".into(),
                 };
-                let said = std::fs::read_to_string(process.folder.path().join("said")).unwrap_or_default();
+                let message =
+                    std::fs::read_to_string(process.folder.path().join("stderr")).unwrap_or_default();
                 // After its reason the emulator may list every register.
-                (status, said.trim().lines().next().unwrap_or_default().into())
+                (status, message.trim().lines().next().unwrap_or_default().into())
             }
         };
-        ControllerError::Ended { status, last_sequence: self.last_sequence, said }
+        ControllerError::Ended { status, last_sequence: self.last_sequence, message }
     }
 }
 
-const OVERLOADED: &str = "The firmware may hang, or the machine be overloaded.";
+const OVERLOADED: &str = "The firmware may hang, or the machine may be overloaded.";

@@ -1,15 +1,16 @@
-//! The controller's ends: the same conversation in this process, with the emulated controller, with a board on a serial port and
-//! with a board at a debug probe.
+//! One trait for all controllers: in this process, emulated, on a serial port, or at a debug probe.
 //!
-//! Lockstep: the sensor frame's time is the controller's time, and the host waits for the estimate of every frame. Every
-//! wait is bounded and names what it waited for. A restarted controller is noticed by its unasked greeting, or, when that was lost, by
-//! the number of its last command. A [`Recorder`] hears every frame either way.
+//! Lockstep: the sensor frame's time is the controller's time, and the host waits for the estimate
+//! of every frame. Every wait has a timeout and names what it waited for. A restart is recognised
+//! by an unrequested hello or, if that was lost, by the number of the last command. A [`Recorder`]
+//! receives every frame in both directions.
 
 mod attached;
+pub mod choice;
 mod conversation;
 mod emulated;
 mod error;
-mod greeting;
+mod hello;
 mod line;
 mod native;
 mod one_core;
@@ -18,18 +19,17 @@ mod probe;
 mod recorder;
 pub mod recording;
 mod remote;
-pub mod replay;
 mod stream;
 
-pub use attached::{AttachedController, BAUD, BOUNDS};
-pub use conversation::{Conversation, Heard, Losses};
+pub use attached::{AttachedController, BAUD, TIMEOUTS};
+pub use conversation::{Conversation, Losses, Received};
 pub use emulated::EmulatedController;
 pub use error::ControllerError;
-pub use line::Bounds;
+pub use line::Timeouts;
 pub use native::NativeController;
 #[cfg(feature = "probe")]
 pub use probe::ProbedController;
-pub use recorder::{RecordedFrame, Recorder, Way};
+pub use recorder::{Direction, RecordedFrame, Recorder};
 pub use recording::Recording;
 pub use remote::RemoteController;
 
@@ -38,28 +38,28 @@ use link::{Answer, Command, Counters, EstimateFrame, Hello, MAX_FRAME, SensorFra
 
 /// A configured controller.
 pub trait Controller {
-    /// Where it runs, in a word.
+    /// Transport in one word: `native`, `emulated` or `attached`.
     fn name(&self) -> &'static str;
-    /// Who it said it is.
+    /// Its last hello.
     fn hello(&self) -> &Hello;
-    /// Has every frame heard from now on.
+    /// Records every frame from now on.
     fn listen(&mut self, recorder: Recorder);
-    /// Gives it a sample, with what the drivers say about it, and takes its estimate.
+    /// Sends a sample with the status of its channels and returns the estimate.
     fn sample(&mut self, frame: &SensorFrame, status: SensorStatus)
     -> Result<EstimateFrame, ControllerError>;
-    /// Gives it a sample that nothing is to be said about, and takes its estimate.
+    /// Sends a sample with all channels good and returns the estimate.
     fn exchange(&mut self, frame: &SensorFrame) -> Result<EstimateFrame, ControllerError> {
         self.sample(frame, SensorStatus::GOOD)
     }
-    /// Ends the run and takes its counters.
+    /// Ends the run and returns its counters.
     fn finish(self: Box<Self>) -> Result<Counters, ControllerError>;
-    /// Gives it a command and takes the answer.
+    /// Sends a command and returns the answer.
     fn order(&mut self, command: Command) -> Result<Answer, ControllerError>;
-    /// The last frame of slow telemetry that came, and what was lost.
-    fn heard(&self) -> (Option<SlowFrame>, Losses);
+    /// Last frame of slow telemetry, and the losses on the link.
+    fn link_state(&self) -> (Option<SlowFrame>, Losses);
 }
 
-/// What [`Controller::finish`] is for all of them.
+/// Extracts the counters from the answer to a stop command.
 fn stopped(answer: Answer) -> Result<Counters, ControllerError> {
     match answer {
         Answer::Stopped(counters) => Ok(counters),
@@ -75,7 +75,7 @@ fn unexpected(found: &impl std::fmt::Debug, expected: &str) -> ControllerError {
     ControllerError::Unexpected { found: format!("{found:?}"), expected: expected.into() }
 }
 
-/// A message as it goes over a line.
+/// Encodes a message as a frame.
 fn framed<'a>(
     message: &impl serde::Serialize,
     buffer: &'a mut [u8; MAX_FRAME],

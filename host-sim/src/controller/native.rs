@@ -1,15 +1,15 @@
 //! The controller's own code in this process.
 
-use super::greeting::greeted;
-use super::{Controller, ControllerError, Conversation, Heard, Losses, Recorder, stopped, unexpected};
-use firmware::{Identity, NoTicks, Session};
+use super::hello::check_hello;
+use super::{Controller, ControllerError, Conversation, Losses, Received, Recorder, stopped, unexpected};
+use controller::{Identity, NoTicks, Session};
 use link::track::SensorStatus;
 use link::{
     Answer, BuildId, ClockSource, Command, ControllerConfiguration, Counters, EstimateFrame, Hello,
     SensorFrame, SlowFrame, Target, ToController, ToHost,
 };
 
-/// The session of the firmware, without a line between.
+/// The firmware's session, called directly.
 #[derive(Debug)]
 pub struct NativeController {
     session: Session,
@@ -32,19 +32,19 @@ impl NativeController {
         let build_id = BuildId::new(env!("CARGO_PKG_VERSION"));
         let identity = Identity { build_id, target: Target::Native, clock: ClockSource::Host, core_hz: 0 };
         let session = Session::new(identity);
-        let hello = greeted(session.hello(0))?;
+        let hello = check_hello(session.hello(0))?;
         let mut conversation = Conversation::default();
-        conversation.hear(ToHost::Hello(hello));
+        conversation.receive(ToHost::Hello(hello));
         Ok(Self { session, conversation, hello, slow: None, recorder: None })
     }
 
-    fn exchange_message(&mut self, message: &ToController) -> Result<Heard, ControllerError> {
+    fn exchange_message(&mut self, message: &ToController) -> Result<Received, ControllerError> {
         let answer = self.session.handle(message, &mut NoTicks);
         if let Some(recorder) = &self.recorder {
             recorder.sent(message)?;
             recorder.received(&answer)?;
         }
-        Ok(self.conversation.hear(answer))
+        Ok(self.conversation.receive(answer))
     }
 }
 
@@ -66,16 +66,16 @@ impl Controller for NativeController {
         frame: &SensorFrame,
         status: SensorStatus,
     ) -> Result<EstimateFrame, ControllerError> {
-        let heard = self.exchange_message(&ToController::Sensor(*frame, status))?;
-        if let Some(message @ ToHost::Slow(slow)) = self.session.slow() {
+        let received = self.exchange_message(&ToController::Sensor(*frame, status))?;
+        if let Some(message @ ToHost::Slow(slow)) = self.session.take_telemetry() {
             if let Some(recorder) = &self.recorder {
                 recorder.received(&message)?;
             }
-            self.conversation.hear(message);
+            self.conversation.receive(message);
             self.slow = Some(slow);
         }
-        match heard {
-            Heard::Estimate(estimate) => Ok(estimate),
+        match received {
+            Received::Estimate(estimate) => Ok(estimate),
             other => Err(unexpected(&other, "an estimate")),
         }
     }
@@ -87,12 +87,12 @@ impl Controller for NativeController {
     fn order(&mut self, command: Command) -> Result<Answer, ControllerError> {
         let message = self.conversation.order(command);
         match self.exchange_message(&message)? {
-            Heard::Outcome(outcome) => outcome.map_err(ControllerError::Refused),
+            Received::Outcome(outcome) => outcome.map_err(ControllerError::Refused),
             other => Err(unexpected(&other, "the answer to a command")),
         }
     }
 
-    fn heard(&self) -> (Option<SlowFrame>, Losses) {
+    fn link_state(&self) -> (Option<SlowFrame>, Losses) {
         (self.slow, *self.conversation.losses())
     }
 }

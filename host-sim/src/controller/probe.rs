@@ -1,17 +1,21 @@
-//! A controller at a debug probe: the link through two ring buffers in its memory (RTT), beside those of its log.
+//! A controller at a debug probe: the link through two ring buffers in its memory (RTT), beside
+//! those of its log.
 //!
-//! The probe reads and writes memory while the core runs; the controller neither waits for it nor notices. Where the buffers are the image
-//! says, so the image on board must be the one that is named: the name of its build is compared first. A controller that has started anew
-//! is found again by itself, and its greeting tells of the restart.
+//! The probe reads and writes memory while the core runs; the controller does not notice it. The
+//! image contains the address of the buffers, so the board must run exactly this image: the build
+//! name on board is compared first. After a restart the buffers are found again, and the
+//! controller's hello reports the restart.
 //!
-//! The waits are those of a line, and on top of each the time in which the probe's library gives a transfer up. Attaching and leaving, the
-//! library stops the core for a moment to take its breakpoints back; the controller counts the ticks that come late by that.
+//! The timeouts are those of a line, plus the transfer timeout of the probe's library. When it
+//! attaches or detaches, the library stops the core briefly to remove its breakpoints; the
+//! controller counts the late ticks.
 
-use super::line::{Bounds, Line};
+use super::line::{Line, Timeouts};
 use super::stream::Stream;
 use super::{ControllerError, RemoteController, attached};
-use crate::flash::probe::{CORE, attach, failed, found, open, told};
-use crate::flash::{Board, FlashError};
+use crate::flash::FlashError;
+use crate::flash::probe::{CORE, attach, failed, found, open, with_causes};
+use controller::boards::Board;
 use object::{Object, ObjectSection, ObjectSymbol};
 use probe_rs::probe::Probe;
 use probe_rs::rtt::{DownChannel, Error as RttError, Rtt, UpChannel};
@@ -20,37 +24,38 @@ use std::io::{Error, ErrorKind, Result as Outcome};
 use std::path::Path;
 use std::time::Duration;
 
-/// Pause between two looks at a buffer: below the time that a look takes over USB.
+/// Pause between two reads of a buffer: less than a read takes over USB.
 pub(super) const PAUSE: Duration = Duration::from_micros(100);
 /// Name of the link's channels.
 const LINK: &str = "link";
-/// Looks that empty a buffer: more than a controller that goes on sending could fill meanwhile.
+/// Reads that empty a buffer: more than a sending controller can fill meanwhile.
 const EMPTYING: usize = 64;
 
-/// Attaches to controllers at debug probes.
+/// Opens controllers at debug probes.
 #[derive(Debug)]
 pub struct ProbedController;
 
 impl ProbedController {
-    /// Opens a probe (`VID:PID` or `VID:PID:SERIAL`; none for the only one there is) and asks the board at it who it is. `image` is what runs there.
+    /// Opens a probe (`VID:PID` or `VID:PID:SERIAL`; none selects the only one) and identifies the
+    /// board. `image` is the image that the board runs.
     pub fn open(
         selector: Option<&str>,
         board: Board,
         image: &Path,
     ) -> Result<RemoteController, ControllerError> {
-        // The image first: without it nothing can be found on the board.
-        let marks = Marks::of(image)?;
-        Self::with(open(selector)?, board, &marks, image, attached::BOUNDS)
+        // The image first: it contains the addresses.
+        let marks = Marks::from_elf(image)?;
+        Self::with(open(selector)?, board, &marks, image, attached::TIMEOUTS)
     }
 
-    /// As [`Self::open`], through a probe that is open and with other waits.
+    /// Opens a controller through an open probe with other timeouts.
     pub fn through(
         probe: Probe,
         board: Board,
         image: &Path,
-        bounds: Bounds,
+        timeouts: Timeouts,
     ) -> Result<RemoteController, ControllerError> {
-        Self::with(probe, board, &Marks::of(image)?, image, bounds)
+        Self::with(probe, board, &Marks::from_elf(image)?, image, timeouts)
     }
 
     fn with(
@@ -58,15 +63,16 @@ impl ProbedController {
         board: Board,
         marks: &Marks,
         image: &Path,
-        bounds: Bounds,
+        timeouts: Timeouts,
     ) -> Result<RemoteController, ControllerError> {
-        let chip = board.chip.ok_or_else(|| {
+        let chip = board.microcontroller.probe_name.ok_or_else(|| {
             FlashError::Board(format!("{}: a board of the emulator; no probe reaches it", board.name))
         })?;
         let mut session = probe.attach(chip, Permissions::default()).map_err(failed(ATTACHING))?;
         let mut core = session.core(CORE).map_err(failed(ATTACHING))?;
         if core.core_halted().map_err(failed(ATTACHING))? {
-            let halted = "found the core halted, expected it to run; another debugger may have stopped it, or it is locked up";
+            let halted = "found the core halted, expected it to run; another debugger may have stopped it, \
+                or it is locked up";
             return Err(found(FINDING, halted).into());
         }
         marks.compare(&mut core, image)?;
@@ -80,23 +86,23 @@ impl ProbedController {
         }
         drop(core);
         let channels = Channels { session, block: marks.block, open: Some(open) };
-        let line = Line::new(Stream::Probe(Box::new(channels)), None, bounds);
-        RemoteController::identified("attached", line, attached::token())
+        let line = Line::new(Stream::Probe(Box::new(channels)), None, timeouts);
+        RemoteController::handshake("attached", line, attached::token())
     }
 }
 
-/// Where things are in the memory of a controller with an image.
+/// Addresses in the memory of a controller with a certain image.
 struct Marks {
-    /// The buffers' control block.
+    /// Control block of the buffers.
     block: u64,
-    /// The name of the build.
+    /// Address of the build name.
     build_at: u64,
     build: Vec<u8>,
 }
 
 impl Marks {
-    /// Finds them in an ELF image.
-    fn of(path: &Path) -> Result<Self, ControllerError> {
+    /// Reads the addresses from an ELF image.
+    fn from_elf(path: &Path) -> Result<Self, ControllerError> {
         let bytes =
             std::fs::read(path).map_err(|_| ControllerError::FirmwareMissing { path: path.into() })?;
         let not = |found: &str| ControllerError::NotFirmware { path: path.into(), found: found.into() };
@@ -117,7 +123,7 @@ impl Marks {
         Ok(Self { block: block.address(), build_at, build })
     }
 
-    /// Whether the controller runs this image.
+    /// Checks that the controller runs this image.
     fn compare(&self, core: &mut Core, path: &Path) -> Result<(), ControllerError> {
         let mut found = vec![0; self.build.len()];
         core.read(self.build_at, &mut found).map_err(failed("reading the name of the build on board"))?;
@@ -132,7 +138,7 @@ impl Marks {
     }
 }
 
-/// A build's name in words; what is none has none.
+/// The build name as text, or a remark that there is none.
 fn build_name(bytes: &[u8]) -> String {
     let name = bytes.split(|byte| *byte == 0).next().and_then(|name| std::str::from_utf8(name).ok());
     match name {
@@ -148,22 +154,22 @@ fn channels(rtt: Rtt) -> Option<(UpChannel, DownChannel)> {
     Some((up, down))
 }
 
-/// The two buffers.
+/// The two buffers of the link.
 #[derive(Debug)]
 pub(super) struct Channels {
     session: Session,
     block: u64,
-    /// None while the controller starts anew.
+    /// None during a restart of the controller.
     open: Option<(UpChannel, DownChannel)>,
 }
 
 impl Channels {
-    /// Takes what has come up.
+    /// Reads bytes from the controller.
     pub(super) fn read(&mut self, buffer: &mut [u8]) -> Outcome<usize> {
         self.with(|core, (up, _)| up.read(core, buffer))
     }
 
-    /// Hands down as much as there is room for.
+    /// Writes as many bytes as there is room for.
     pub(super) fn write(&mut self, bytes: &[u8]) -> Outcome<usize> {
         self.with(|core, (_, down)| down.write(core, bytes))
     }
@@ -172,10 +178,10 @@ impl Channels {
         &mut self,
         transfer: impl FnOnce(&mut Core, &mut (UpChannel, DownChannel)) -> Result<usize, RttError>,
     ) -> Outcome<usize> {
-        let mut core = self.session.core(CORE).map_err(|error| Error::other(told(&error)))?;
+        let mut core = self.session.core(CORE).map_err(|error| Error::other(with_causes(&error)))?;
         let moved = match &mut self.open {
             Some(open) => transfer(&mut core, open),
-            // In the next round there may be something to transfer.
+            // The next call may transfer bytes.
             None => Rtt::attach_at(&mut core, self.block).map(|rtt| {
                 self.open = channels(rtt);
                 0
@@ -184,8 +190,10 @@ impl Channels {
         match moved {
             Ok(0) => Err(ErrorKind::WouldBlock.into()),
             Ok(count) => Ok(count),
-            Err(error @ (RttError::Probe(_) | RttError::MemoryRead(_))) => Err(Error::other(told(&error))),
-            // The controller has started anew, or is about to: its buffers are elsewhere than they were, or nowhere yet.
+            Err(error @ (RttError::Probe(_) | RttError::MemoryRead(_))) => {
+                Err(Error::other(with_causes(&error)))
+            }
+            // The controller is restarting: its buffers have moved or do not exist yet.
             Err(_) => {
                 self.open = None;
                 Err(ErrorKind::WouldBlock.into())

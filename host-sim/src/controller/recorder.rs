@@ -1,64 +1,66 @@
-//! Listens to a conversation: every frame either way, with the sequence number of the sample it belongs to.
+//! Records a link session: every frame in both directions, with the sequence number of the sample
+//! that it belongs to.
 
 use super::{ControllerError, framed};
 use link::{MAX_FRAME, ToController, ToHost};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Which way a frame went.
+/// Direction of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Way {
-    /// From the host.
+pub enum Direction {
+    /// From the host to the controller.
     ToController = 0,
-    /// From the controller.
+    /// From the controller to the host.
     ToHost = 1,
 }
 
-/// A frame as it went over the line, delimiter included.
+/// A frame as it crossed the line, delimiter included.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordedFrame {
-    /// Which way.
-    pub way: Way,
+    /// Its direction.
+    pub way: Direction,
     /// Sequence number of the last sample that the host had sent; none before the first.
     pub sequence: Option<u32>,
     /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
-/// Takes what a controller's end exchanges. Clones share what they have heard.
+/// Collects the frames of a link session. Clones share what they have collected.
 #[derive(Clone, Debug, Default)]
-pub struct Recorder(Arc<Mutex<Heard>>);
+pub struct Recorder(Arc<Mutex<Received>>);
 
 #[derive(Debug, Default)]
-struct Heard {
+struct Received {
     sequence: Option<u32>,
     frames: Vec<RecordedFrame>,
 }
 
 impl Recorder {
-    /// Takes a message of the host. A message has one frame only, so its frame is what goes over the line.
+    /// Records a message of the host. Every message has exactly one encoding, so the frame is what
+    /// crossed the line.
     pub(super) fn sent(&self, message: &ToController) -> Result<(), ControllerError> {
-        let mut heard = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut frames = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let ToController::Sensor(sample, _) = message {
-            heard.sequence = Some(sample.sequence);
+            frames.sequence = Some(sample.sequence);
         }
-        heard.take(Way::ToController, message)
+        frames.take(Direction::ToController, message)
     }
 
-    /// Takes a message of the controller.
+    /// Records a message of the controller.
     pub(super) fn received(&self, message: &ToHost) -> Result<(), ControllerError> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take(Way::ToHost, message)
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take(Direction::ToHost, message)
     }
 
-    /// What has been heard so far; it is forgotten here.
+    /// Returns the frames so far and forgets them.
     #[must_use]
     pub fn take(&self) -> Vec<RecordedFrame> {
         std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner).frames)
     }
 }
 
-impl Heard {
-    fn take(&mut self, way: Way, message: &impl serde::Serialize) -> Result<(), ControllerError> {
+impl Received {
+    fn take(&mut self, way: Direction, message: &impl serde::Serialize) -> Result<(), ControllerError> {
         let mut buffer = [0; MAX_FRAME];
         let bytes = framed(message, &mut buffer)?.to_vec();
         self.frames.push(RecordedFrame { way, sequence: self.sequence, bytes });

@@ -1,43 +1,44 @@
-//! A conversation as a file.
+//! A recorded link session as a file.
 //!
-//! Little endian. Header: `PINTLREC`, version (u16, 1), protocol of the link (u8), 0 (u8), build of the controller (32 bytes of text, padded
-//! with zeros), number of frames (u32), length of what follows in bytes (u64), CRC-32 of the header so far. Then the frames, each: way
-//! (u8: 0 to the controller, 1 to the host), whether a sample had been sent (u8), its sequence number (u32), length (u16), the bytes as on
-//! the wire. Last the CRC-32 of the frames.
+//! Little endian. Header: `PINTLREC`, version (u16, 1), protocol of the link (u8), 0 (u8), build of
+//! the controller (32 bytes of text, padded with zeros), number of frames (u32), length of the
+//! frames in bytes (u64), CRC-32 of the header. Then the frames, each: direction (u8: 0 to the
+//! controller, 1 to the host), 1 if a sample had been sent (u8), its sequence number (u32), length
+//! (u16), the bytes as on the wire. Last the CRC-32 of the frames.
 
-use super::{RecordedFrame, Way};
+use super::{Direction, RecordedFrame};
 use bench::atomic;
 use link::{BUILD_ID_LEN, BuildId, MAX_FRAME, PROTOCOL_VERSION, crc32};
 use std::path::Path;
 
-/// First bytes of such a file.
+/// First bytes of the file.
 pub const MAGIC: [u8; 8] = *b"PINTLREC";
 /// Version of the format.
 const VERSION: u16 = 1;
 
-/// A recorded conversation.
+/// A recorded link session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recording {
     /// Build of the controller that was recorded.
     pub build_id: BuildId,
-    /// Every frame, in the order in which the host sent or took it.
+    /// Every frame, in the order in which the host sent or received it.
     pub frames: Vec<RecordedFrame>,
 }
 
-/// What is wrong with a recording.
+/// A defect of a recording.
 #[derive(Debug, thiserror::Error)]
 #[error("byte {at}: found {found}; expected {expected}")]
 pub struct RecordingError {
-    /// Where.
+    /// Byte offset in the file.
     pub at: usize,
-    /// What stands there.
+    /// Description of what was found.
     pub found: String,
-    /// What should.
+    /// Description of what was expected.
     pub expected: &'static str,
 }
 
 impl Recording {
-    /// The file's bytes.
+    /// Encodes the file.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut body = Vec::new();
@@ -60,7 +61,7 @@ impl Recording {
         bytes
     }
 
-    /// Writes the file, whole or not at all.
+    /// Writes the file completely or not at all.
     ///
     /// # Errors
     ///
@@ -69,15 +70,15 @@ impl Recording {
         atomic::write(path, &self.to_bytes())
     }
 
-    /// Reads a file's bytes.
+    /// Decodes a file.
     ///
     /// # Errors
     ///
-    /// They are no recording, one of another version, or damaged.
-    pub fn of(bytes: &[u8]) -> Result<Self, RecordingError> {
+    /// It is not a recording, has another version, or is damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, RecordingError> {
         let mut rest = Cursor { bytes, at: 0 };
         if rest.take::<8>()? != MAGIC {
-            return Err(rest.wrong(8, "another beginning".into(), "a recording, which begins with PINTLREC"));
+            return Err(rest.wrong(8, "other first bytes".into(), "a recording, which begins with PINTLREC"));
         }
         let version = u16::from_le_bytes(rest.take()?);
         if version != VERSION {
@@ -87,12 +88,12 @@ impl Recording {
         let build_id = BuildId(rest.take::<BUILD_ID_LEN>()?);
         let count = u32::from_le_bytes(rest.take()?);
         let length = u64::from_le_bytes(rest.take()?);
-        rest.check_sum(0, "a whole header")?;
+        rest.checksum(0, "a complete header")?;
         if protocol != PROTOCOL_VERSION {
             return Err(rest.wrong(
                 4,
                 format!("protocol {protocol}"),
-                "the protocol of this host: it comes from another build",
+                "the protocol of this host: the file is from another build",
             ));
         }
         let start = rest.at;
@@ -101,26 +102,30 @@ impl Recording {
             return Err(rest.wrong(
                 0,
                 format!("{left} bytes after the header"),
-                "as many as it tells, and 4 more",
+                "the length in the header, and 4 more",
             ));
         }
         let mut frames = Vec::new();
         for _ in 0..count {
             let way = match rest.take()? {
-                [0] => Way::ToController,
-                [1] => Way::ToHost,
+                [0] => Direction::ToController,
+                [1] => Direction::ToHost,
                 [other] => return Err(rest.wrong(1, format!("way {other}"), "0 or 1")),
             };
             let [has_sequence] = rest.take()?;
             let sequence = u32::from_le_bytes(rest.take()?);
             let length = usize::from(u16::from_le_bytes(rest.take()?));
             if length > MAX_FRAME {
-                return Err(rest.wrong(2, format!("a frame of {length} bytes"), "no more than a frame's"));
+                return Err(rest.wrong(
+                    2,
+                    format!("a frame of {length} bytes"),
+                    "at most the length of a frame",
+                ));
             }
             let bytes = rest.slice(length)?.to_vec();
             frames.push(RecordedFrame { way, sequence: (has_sequence != 0).then_some(sequence), bytes });
         }
-        rest.check_sum(start, "whole frames")?;
+        rest.checksum(start, "complete frames")?;
         if rest.at != bytes.len() {
             return Err(rest.wrong(0, "more bytes".into(), "the end"));
         }
@@ -137,27 +142,27 @@ impl<'a> Cursor<'a> {
     fn slice(&mut self, length: usize) -> Result<&'a [u8], RecordingError> {
         let end = self.at.saturating_add(length);
         let slice =
-            self.bytes.get(self.at..end).ok_or_else(|| self.wrong(0, "the end".into(), "more of it"))?;
+            self.bytes.get(self.at..end).ok_or_else(|| self.wrong(0, "the end".into(), "more bytes"))?;
         self.at = end;
         Ok(slice)
     }
 
     fn take<const N: usize>(&mut self) -> Result<[u8; N], RecordingError> {
         let slice = self.slice(N)?;
-        slice.first_chunk().copied().ok_or_else(|| self.wrong(N, "the end".into(), "more of it"))
+        slice.first_chunk().copied().ok_or_else(|| self.wrong(N, "the end".into(), "more bytes"))
     }
 
-    /// Takes a check sum of everything from `start` on.
-    fn check_sum(&mut self, start: usize, expected: &'static str) -> Result<(), RecordingError> {
+    /// Reads a checksum and compares it with everything from `start` on.
+    fn checksum(&mut self, start: usize, expected: &'static str) -> Result<(), RecordingError> {
         let found = crc32(self.bytes.get(start..self.at).unwrap_or_default());
         if self.take()? == found.to_le_bytes() {
             Ok(())
         } else {
-            Err(self.wrong(4, "a check sum that does not match".into(), expected))
+            Err(self.wrong(4, "a checksum that does not match".into(), expected))
         }
     }
 
-    /// Something wrong so many bytes before here.
+    /// Creates an error about something `back` bytes before the current position.
     const fn wrong(&self, back: usize, found: String, expected: &'static str) -> RecordingError {
         RecordingError { at: self.at.saturating_sub(back), found, expected }
     }
@@ -171,7 +176,7 @@ mod tests {
     fn recording() -> impl Strategy<Value = Recording> {
         let frame = (any::<bool>(), any::<Option<u32>>(), prop::collection::vec(any::<u8>(), 0..MAX_FRAME))
             .prop_map(|(to_host, sequence, bytes)| RecordedFrame {
-                way: if to_host { Way::ToHost } else { Way::ToController },
+                way: if to_host { Direction::ToHost } else { Direction::ToController },
                 sequence,
                 bytes,
             });
@@ -181,25 +186,32 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_was_written_reads_back(recording in recording()) {
-            prop_assert_eq!(Recording::of(&recording.to_bytes()).unwrap(), recording);
+        fn a_written_recording_reads_back(recording in recording()) {
+            prop_assert_eq!(Recording::from_bytes(&recording.to_bytes()).unwrap(), recording);
         }
 
         #[test]
-        fn a_changed_or_cut_file_is_refused(recording in recording(), at in any::<prop::sample::Index>(), bit in 0..8) {
+        fn a_changed_or_cut_file_is_refused(
+            recording in recording(),
+            at in any::<prop::sample::Index>(),
+            bit in 0..8,
+        ) {
             let bytes = recording.to_bytes();
             let mut changed = bytes.clone();
             changed[at.index(bytes.len())] ^= 1_u8 << bit;
-            prop_assert!(Recording::of(&changed).is_err());
-            prop_assert!(Recording::of(&bytes[..at.index(bytes.len())]).is_err());
+            prop_assert!(Recording::from_bytes(&changed).is_err());
+            prop_assert!(Recording::from_bytes(&bytes[..at.index(bytes.len())]).is_err());
             let longer = [bytes, vec![0]].concat();
-            prop_assert!(Recording::of(&longer).is_err());
+            prop_assert!(Recording::from_bytes(&longer).is_err());
         }
 
         #[test]
-        fn garbage_is_refused_without_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), begins in any::<bool>()) {
+        fn garbage_is_refused_without_panic(
+            bytes in prop::collection::vec(any::<u8>(), 0..300),
+            begins in any::<bool>(),
+        ) {
             let start = if begins { &MAGIC[..] } else { &[] };
-            prop_assert!(Recording::of(&[start, &bytes].concat()).is_err());
+            prop_assert!(Recording::from_bytes(&[start, &bytes].concat()).is_err());
         }
     }
 }

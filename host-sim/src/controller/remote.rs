@@ -1,21 +1,23 @@
-//! A controller at the other end of a line: the conversation with it.
+//! A controller on a line, and the link session with it.
 //!
-//! Every wait is bounded. A greeting or command that is not answered is sent again with the same number until the bound; a sample is only
-//! sent again when the controller has said that it never came, because its estimate would come twice. A controller that owes an estimate
-//! is asked how it is: that tells a restart whose greeting was lost, and an estimate that was lost, from silence.
+//! Every wait has a timeout. A request or command without an answer is repeated with the same
+//! number until the timeout. A sample is repeated only if the controller reports that it never
+//! arrived, because otherwise its estimate would come twice. If an estimate is missing, the host
+//! asks for the controller's state: this distinguishes a restart whose hello was lost, a lost
+//! estimate, and a controller that does not answer.
 
-use super::greeting::{greeted, unknown};
+use super::hello::{check_hello, no_hello};
 use super::line::{Line, Wait};
-use super::{Controller, ControllerError, Conversation, Heard, Losses, Recorder, stopped, unexpected};
+use super::{Controller, ControllerError, Conversation, Losses, Received, Recorder, stopped, unexpected};
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
-    Answer, Command, ControllerConfiguration, Counters, EstimateFrame, Hello, Refused, SensorFrame,
+    Answer, Command, ControllerConfiguration, Counters, EstimateFrame, Hello, Refusal, SensorFrame,
     SlowFrame, State, ToController, ToHost,
 };
 use std::time::{Duration, Instant};
 
-/// A controller that has greeted.
+/// A controller that has completed the handshake.
 #[derive(Debug)]
 pub struct RemoteController {
     name: &'static str,
@@ -23,9 +25,9 @@ pub struct RemoteController {
     conversation: Conversation,
     hello: Hello,
     slow: Option<SlowFrame>,
-    /// Estimates that this run has brought.
+    /// Estimates received in this run.
     answered: u32,
-    /// An estimate that came while an answer was waited for.
+    /// An estimate that arrived while the host waited for another answer.
     late: Option<EstimateFrame>,
 }
 
@@ -34,59 +36,58 @@ impl RemoteController {
         Self { name, line, conversation, hello, slow: None, answered: 0, late: None }
     }
 
-    /// Takes the greeting that the controller sends when it starts; `bound` is for that, the line's bounds for everything later.
-    pub(super) fn greeted(
+    /// Waits for the hello that the controller sends when it starts. `timeout` applies to this wait
+    /// only.
+    pub(super) fn await_hello(
         name: &'static str,
         mut line: Line,
-        bound: Duration,
+        timeout: Duration,
         cause: &'static str,
     ) -> Result<Self, ControllerError> {
         let mut conversation = Conversation::new(0);
-        let greeting = line.answer(&Wait::of("its greeting", bound, cause))?;
-        match conversation.hear(greeting) {
-            Heard::Started(hello) => Ok(Self::new(name, line, conversation, greeted(hello)?)),
-            other => Err(unexpected(&other, "a greeting")),
+        let hello = line.answer(&Wait::new("its hello", timeout, cause))?;
+        match conversation.receive(hello) {
+            Received::Started(hello) => Ok(Self::new(name, line, conversation, check_hello(hello)?)),
+            other => Err(unexpected(&other, "a hello")),
         }
     }
 
-    /// Asks a controller that may have been running for long who it is. `token` tells this asking from others'.
-    pub(super) fn identified(
-        name: &'static str,
-        mut line: Line,
-        token: u32,
-    ) -> Result<Self, ControllerError> {
+    /// Identifies a controller that may have been running before. `token` distinguishes this
+    /// request from those of other hosts.
+    pub(super) fn handshake(name: &'static str, mut line: Line, token: u32) -> Result<Self, ControllerError> {
         line.begin()?;
         let mut conversation = Conversation::new(token);
         let asking = conversation.identify();
-        let mut controller = Self::new(name, line, conversation, unknown());
-        match controller.ask(&asking, "its greeting")? {
-            Heard::Greeting(hello) | Heard::Started(hello) => controller.hello = greeted(hello)?,
-            other => return Err(unexpected(&other, "a greeting")),
+        let mut controller = Self::new(name, line, conversation, no_hello());
+        match controller.ask(&asking, "its hello")? {
+            Received::Identified(hello) => controller.hello = check_hello(hello)?,
+            other => return Err(unexpected(&other, "a hello")),
         }
         Ok(controller)
     }
 
-    /// Asks how things stand now.
+    /// Asks for a new hello.
     pub fn identify(&mut self) -> Result<Hello, ControllerError> {
         let asking = self.conversation.identify();
-        match self.ask(&asking, "its greeting")? {
-            Heard::Greeting(hello) => {
+        match self.ask(&asking, "its hello")? {
+            Received::Identified(hello) => {
                 self.hello = hello;
                 Ok(hello)
             }
-            other => Err(unexpected(&other, "a greeting")),
+            other => Err(unexpected(&other, "a hello")),
         }
     }
 
-    /// Configures it.
+    /// Sends a configuration.
     pub fn configure(&mut self, configuration: ControllerConfiguration) -> Result<(), ControllerError> {
         self.order(Command::Configure(configuration)).map(|_| ())
     }
 
-    /// Asks about the models on board, or for an update of them. Such a request may be repeated, and is.
+    /// Sends a request about the models on board. Such requests may be repeated.
     pub fn update(&mut self, request: UpdateRequest) -> Result<UpdateAnswer, ControllerError> {
-        match self.ask(&ToController::Update(request), "the models")? {
-            Heard::Update(answer) => Ok(answer),
+        let asking = self.conversation.request(request);
+        match self.ask(&asking, "the models")? {
+            Received::Update(answer) => Ok(answer),
             other => Err(unexpected(&other, "an answer about models")),
         }
     }
@@ -95,7 +96,7 @@ impl RemoteController {
     pub fn disturb(&mut self, bytes: &[u8]) -> Result<ToHost, ControllerError> {
         self.line.send(bytes)?;
         let wait =
-            Wait::of("disturbed bytes", self.line.bounds.answer, "The bytes may hold no end of a frame.");
+            Wait::new("disturbed bytes", self.line.timeouts.answer, "The bytes may hold no end of a frame.");
         loop {
             match self.line.answer(&wait)? {
                 slow @ ToHost::Slow(_) => drop(self.take(slow)?),
@@ -104,50 +105,53 @@ impl RemoteController {
         }
     }
 
-    /// The emulator's process identifier, for tests that end it.
+    /// Process identifier of the emulator, for tests that end it.
     pub fn process_id(&self) -> Option<u32> {
         self.line.process_id()
     }
 
-    /// Sends a message that may be repeated and takes what answers it.
-    fn ask(&mut self, message: &ToController, what: &'static str) -> Result<Heard, ControllerError> {
-        let whole = Wait::of(what, self.line.bounds.answer, self.line.silence());
+    /// Sends a message that may be repeated, and returns its answer.
+    fn ask(&mut self, message: &ToController, what: &'static str) -> Result<Received, ControllerError> {
+        let deadline = Wait::new(what, self.line.timeouts.answer, self.line.silence());
         let mut message = *message;
         loop {
             self.line.send_message(&message)?;
-            let wait = Wait { until: self.next_try(&whole), ..whole };
+            let wait = Wait { until: self.next_try(&deadline), ..deadline };
             loop {
                 match self.line.answer(&wait) {
                     Ok(answer) => match self.take(answer)? {
-                        Some(Heard::Estimate(estimate)) => self.late = Some(estimate),
-                        Some(Heard::Stray) | None => {}
-                        // The line damaged what was sent; it is sent again.
-                        Some(Heard::Fault(link::Fault::BadFrame(_))) if !self.line.is_lossless() => break,
+                        Some(Received::Estimate(estimate)) => self.late = Some(estimate),
+                        Some(Received::Stray) | None => {}
+                        // The controller has just started. The answer to this request is still to
+                        // come; left on the line, it would appear in the next recording.
+                        Some(Received::Started(_)) if matches!(message, ToController::Identify { .. }) => {}
+                        // The line damaged the request: repeat it.
+                        Some(Received::Fault(link::Fault::BadFrame(_))) if !self.line.is_lossless() => break,
                         Some(heard) => return Ok(heard),
                     },
-                    Err(ControllerError::TimedOut { .. }) if wait.until < whole.until => break,
+                    Err(ControllerError::TimedOut { .. }) if wait.until < deadline.until => break,
                     Err(error) => return Err(error),
                 }
-                // Whoever only talks of other things is as good as silent.
-                self.line.check(&whole)?;
+                // Other messages do not extend the wait.
+                self.line.check(&deadline)?;
             }
-            self.line.check(&whole)?;
-            message = self.conversation.again().unwrap_or(message);
+            self.line.check(&deadline)?;
+            message = self.conversation.repeat().unwrap_or(message);
         }
     }
 
-    fn next_try(&self, whole: &Wait) -> Instant {
-        (Instant::now() + self.line.bounds.again).min(whole.until)
+    fn next_try(&self, deadline: &Wait) -> Instant {
+        (Instant::now() + self.line.timeouts.retry).min(deadline.until)
     }
 
-    /// Sorts a message; slow telemetry is kept.
-    fn take(&mut self, message: ToHost) -> Result<Option<Heard>, ControllerError> {
-        match self.conversation.hear(message) {
-            Heard::Slow(slow) => {
+    /// Classifies a message and stores slow telemetry.
+    fn take(&mut self, message: ToHost) -> Result<Option<Received>, ControllerError> {
+        match self.conversation.receive(message) {
+            Received::Slow(slow) => {
                 self.slow = Some(slow);
                 Ok(None)
             }
-            Heard::Started(hello) if self.hello.core_hz != 0 => Err(self.restarted(hello)),
+            Received::Started(hello) if self.hello.core_hz != 0 => Err(self.restarted(hello)),
             heard => Ok(Some(heard)),
         }
     }
@@ -157,23 +161,24 @@ impl RemoteController {
         ControllerError::Restarted { last_sequence: self.line.last_sequence, start: Box::new(hello.start) }
     }
 
-    /// Waits for the estimate of a sample; none when the controller has said that the sample never came.
+    /// Waits for the estimate of a sample. Returns none if the controller reports that the sample
+    /// never arrived.
     fn estimate_of(
         &mut self,
         frame: &SensorFrame,
-        whole: &Wait,
+        deadline: &Wait,
     ) -> Result<Option<EstimateFrame>, ControllerError> {
         loop {
-            let wait = Wait { until: self.next_try(whole), ..*whole };
+            let wait = Wait { until: self.next_try(deadline), ..*deadline };
             match self.line.answer(&wait) {
                 Ok(message) => match self.take(message)? {
-                    Some(Heard::Estimate(estimate)) if belongs(&estimate, frame) => {
+                    Some(Received::Estimate(estimate)) if belongs(&estimate, frame) => {
                         return Ok(Some(estimate));
                     }
-                    // Of the run before this one.
-                    Some(Heard::Estimate(_)) if self.answered == 0 && !self.line.is_lossless() => {}
-                    Some(Heard::Stray) | None => {}
-                    Some(Heard::Fault(link::Fault::BadFrame(_))) if !self.line.is_lossless() => {
+                    // An estimate of the previous run.
+                    Some(Received::Estimate(_)) if self.answered == 0 && !self.line.is_lossless() => {}
+                    Some(Received::Stray) | None => {}
+                    Some(Received::Fault(link::Fault::BadFrame(_))) if !self.line.is_lossless() => {
                         return self.settle(frame);
                     }
                     Some(other) => {
@@ -183,16 +188,17 @@ impl RemoteController {
                         ));
                     }
                 },
-                Err(ControllerError::TimedOut { .. }) if wait.until < whole.until => {
+                Err(ControllerError::TimedOut { .. }) if wait.until < deadline.until => {
                     return self.settle(frame);
                 }
                 Err(error) => return Err(error),
             }
-            self.line.check(whole)?;
+            self.line.check(deadline)?;
         }
     }
 
-    /// The estimate did not come. Asks whether the controller has started anew meanwhile, then whether it has taken the sample.
+    /// Resolves a missing estimate: asks whether the controller has restarted, then whether it has
+    /// received the sample.
     fn settle(&mut self, frame: &SensorFrame) -> Result<Option<EstimateFrame>, ControllerError> {
         let expected = self.conversation.last_command();
         let now = match self.identify() {
@@ -220,7 +226,7 @@ impl RemoteController {
     }
 }
 
-/// Whether an estimate is that of a sample.
+/// Decides whether an estimate belongs to a sample.
 const fn belongs(estimate: &EstimateFrame, frame: &SensorFrame) -> bool {
     estimate.sequence == frame.sequence && estimate.time_us == frame.time_us
 }
@@ -243,11 +249,11 @@ impl Controller for RemoteController {
         frame: &SensorFrame,
         status: SensorStatus,
     ) -> Result<EstimateFrame, ControllerError> {
-        let whole = Wait::of(SAMPLE, self.line.bounds.answer, self.line.silence());
+        let deadline = Wait::new(SAMPLE, self.line.timeouts.answer, self.line.silence());
         self.late = None;
         loop {
             self.line.send_message(&ToController::Sensor(*frame, status))?;
-            if let Some(estimate) = self.estimate_of(frame, &whole)? {
+            if let Some(estimate) = self.estimate_of(frame, &deadline)? {
                 self.line.last_sequence = Some(frame.sequence);
                 self.answered = self.answered.saturating_add(1);
                 return Ok(estimate);
@@ -261,15 +267,16 @@ impl Controller for RemoteController {
     }
 
     fn order(&mut self, command: Command) -> Result<Answer, ControllerError> {
-        // Another host may have given a command since the greeting: then the number is taken, and asked for anew.
+        // Another host may have sent a command since the hello. Then the number is taken, and the
+        // host asks for the next one.
         for _ in 0..2 {
             let message = self.conversation.order(command);
             match self.ask(&message, "a command")? {
-                Heard::Outcome(Err(Refused::OutOfOrder { .. } | Refused::NumberTaken)) => {
+                Received::Outcome(Err(Refusal::OutOfOrder { .. } | Refusal::NumberTaken)) => {
                     let asking = self.conversation.identify();
-                    self.ask(&asking, "its greeting")?;
+                    self.ask(&asking, "its hello")?;
                 }
-                Heard::Outcome(outcome) => {
+                Received::Outcome(outcome) => {
                     let answer = outcome.map_err(ControllerError::Refused)?;
                     if matches!(answer, Answer::Configured(_)) {
                         self.answered = 0;
@@ -279,12 +286,15 @@ impl Controller for RemoteController {
                 other => return Err(unexpected(&other, "the answer to a command")),
             }
         }
-        Err(ControllerError::Refused(Refused::NumberTaken))
+        Err(ControllerError::Refused(Refusal::NumberTaken))
     }
 
-    fn heard(&self) -> (Option<SlowFrame>, Losses) {
+    fn link_state(&self) -> (Option<SlowFrame>, Losses) {
         (self.slow, Losses { damaged: self.line.damaged, ..*self.conversation.losses() })
     }
 }
 
 const SAMPLE: &str = "a sample";
+
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,5 @@
-//! The controller's log: defmt records from its RTT buffer to lines of text. The texts are in the image, the controller sends numbers only.
+//! The controller's log: decodes defmt records from its RTT buffer. The image contains the texts;
+//! the controller sends numbers.
 
 use super::FlashError;
 use defmt_decoder::{DecodeError, StreamDecoder, Table};
@@ -7,12 +8,12 @@ use defmt_decoder::{DecodeError, StreamDecoder, Table};
 pub struct Texts(Table);
 
 impl Texts {
-    /// Reads them from an ELF image.
+    /// Reads the texts of an ELF image.
     ///
     /// # Errors
     ///
-    /// The image has none, or they are of another version.
-    pub fn of(elf: &[u8]) -> Result<Self, FlashError> {
+    /// The image has none, or they have another version.
+    pub fn from_elf(elf: &[u8]) -> Result<Self, FlashError> {
         let failed = |cause: String| FlashError::Probe { what: "the texts of the log", cause };
         match Table::parse(elf) {
             Ok(Some(table)) => Ok(Self(table)),
@@ -21,19 +22,19 @@ impl Texts {
         }
     }
 
-    /// A decoder that waits for the first byte.
+    /// Creates a decoder.
     pub fn decoder(&self) -> Log<'_> {
         Log { decoder: self.0.new_stream_decoder() }
     }
 }
 
-/// Turns bytes into lines.
+/// A decoder from bytes to lines.
 pub struct Log<'a> {
     decoder: Box<dyn StreamDecoder + Send + Sync + 'a>,
 }
 
 impl Log<'_> {
-    /// Takes bytes and gives every line that is complete. What is damaged is left out: the encoding finds its place again.
+    /// Decodes bytes and returns every complete line. Damaged records are skipped.
     pub fn take(&mut self, bytes: &[u8]) -> Vec<String> {
         self.decoder.received(bytes);
         let mut lines = Vec::new();

@@ -1,7 +1,8 @@
-//! Writing an image to a board: what would be written where, and with the feature `probe` the writing itself through probe-rs.
+//! Flashing of an image: the plan of what is written where and, with the feature `probe`, the
+//! writing through probe-rs.
 //!
-//! Everything that can be wrong with an image is found in [`Plan::of`], before a probe is touched: another core, another memory map, data outside the
-//! firmware's part of the flash, a vector table that no core would start from.
+//! [`Plan::for_board`] finds every defect of an image before a probe is used: another core, another
+//! memory map, data outside the firmware's part of the flash, an invalid vector table.
 
 #[cfg(feature = "log")]
 pub mod log;
@@ -9,7 +10,8 @@ mod plan;
 #[cfg(feature = "probe")]
 pub mod probe;
 
-pub use plan::{BOARDS, Board, Plan, Segment, board};
+use crate::cli::error::CliError;
+pub use plan::{Plan, Segment};
 
 use std::path::PathBuf;
 
@@ -24,25 +26,34 @@ pub enum FlashError {
         /// Cause.
         source: std::io::Error,
     },
-    /// The image is not one for this board.
+    /// The image does not fit the board.
     #[error("{path}: found {found}; expected {expected}", path = path.display())]
     Image {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of what was found.
         found: String,
-        /// What it should be.
+        /// Description of what was expected.
         expected: String,
     },
     /// The board cannot be written to.
     #[error("{0}")]
     Board(String),
-    /// The probe did not do what it should.
+    /// The probe failed.
     #[error("{what}: {cause}")]
     Probe {
-        /// What was tried.
+        /// The attempted operation.
         what: &'static str,
-        /// What the probe's library said.
+        /// Error of the probe's library.
         cause: String,
     },
+}
+
+impl From<FlashError> for CliError {
+    fn from(error: FlashError) -> Self {
+        match error {
+            FlashError::Probe { .. } => Self::Work(error.to_string()),
+            other => Self::Input(other.to_string()),
+        }
+    }
 }

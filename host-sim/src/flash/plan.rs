@@ -1,65 +1,21 @@
-//! What an image would write: its loaded segments, the flash sectors under them, and whether a core would start from it.
+//! The plan of an image: its loaded segments, the flash sectors under them, and a check of its
+//! vector table.
 //!
-//! Sectors of the STM32F405: RM0090 table 5. The upper half of the flash belongs to what the controller keeps at run time and is never touched.
+//! The memory map and the flash sectors come from the table of boards. Flash outside the map's
+//! `FLASH` region contains what the controller saves at run time and is never written.
 
 use super::FlashError;
+use controller::boards::{Board, Region};
 use link::crc32;
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Endianness, Object, elf};
 use serde::Serialize;
 use std::path::Path;
 
-/// A board that can be flashed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Board {
-    /// Its name, as `cargo xtask firmware --board` knows it.
-    pub name: &'static str,
-    /// The microcontroller, as probe-rs knows it; none for a board of the emulator.
-    pub chip: Option<&'static str>,
-}
-
-const CHIP: Option<&str> = Some("STM32F405RGTx");
-
-/// Every board.
-pub const BOARDS: [Board; 5] = [
-    Board { name: "stm32f405", chip: CHIP },
-    Board { name: "feather-stm32f405", chip: CHIP },
-    Board { name: "olimex-stm32-h405", chip: CHIP },
-    Board { name: "netduino-plus-2", chip: CHIP },
-    Board { name: "mps2-an505", chip: None },
-];
-
-/// The firmware's part of the flash.
-const FLASH: std::ops::Range<u64> = 0x0800_0000..0x0808_0000;
-/// The RAM that a stack pointer may start in.
-const RAM: std::ops::RangeInclusive<u32> = 0x2000_0000..=0x2002_0000;
-/// First addresses of the sectors in that part, and its end.
-const SECTORS: [u64; 9] = [
-    0x0800_0000,
-    0x0800_4000,
-    0x0800_8000,
-    0x0800_C000,
-    0x0801_0000,
-    0x0802_0000,
-    0x0804_0000,
-    0x0806_0000,
-    0x0808_0000,
-];
-
-/// The board of a name, for the command line.
-///
-/// # Errors
-///
-/// No board has this name; the names that there are.
-pub fn board(name: &str) -> Result<Board, String> {
-    let names = || BOARDS.map(|board| board.name).join(", ");
-    BOARDS.into_iter().find(|board| board.name == name).ok_or_else(|| format!("expected one of {}", names()))
-}
-
-/// A piece of the image.
+/// A segment of the image.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Segment {
-    /// Where it goes.
+    /// Start address.
     pub address: u64,
     /// Its length.
     pub bytes: u64,
@@ -67,7 +23,7 @@ pub struct Segment {
     pub crc32: String,
 }
 
-/// What would be written.
+/// Content of a flash operation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Plan {
     /// The board.
@@ -76,9 +32,9 @@ pub struct Plan {
     pub chip: &'static str,
     /// The image.
     pub image: String,
-    /// Bytes to write.
+    /// Total number of bytes.
     pub bytes: u64,
-    /// The pieces, by address.
+    /// Segments by address.
     pub segments: Vec<Segment>,
     /// Start addresses of the sectors to be erased.
     pub sectors: Vec<u64>,
@@ -93,72 +49,40 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// The file cannot be read, is no image for this board, or the board is one of the emulator's.
-    pub fn of(board: Board, path: &Path) -> Result<Self, FlashError> {
-        let chip = board.chip.ok_or_else(|| {
+    /// The file cannot be read, is not an image for this board, or the board exists in the emulator
+    /// only.
+    pub fn for_board(board: Board, path: &Path) -> Result<Self, FlashError> {
+        let chip = board.microcontroller.probe_name.ok_or_else(|| {
             FlashError::Board(format!(
                 "{}: a board of the emulator; there is nothing to write to",
                 board.name
             ))
         })?;
+        let map = board.microcontroller.memory_map;
+        let [flash, stack, ram] = ["FLASH", "STACK", "RAM"].map(|name| map.region(name));
+        let (Some(flash), Some(stack), Some(ram)) = (flash, stack, ram) else {
+            return Err(FlashError::Board(format!(
+                "{}: found no FLASH, STACK and RAM in {}",
+                board.name, map.path
+            )));
+        };
         let bytes =
             std::fs::read(path).map_err(|source| FlashError::Unreadable { path: path.into(), source })?;
-        let wrong = |found: String, expected: &str| FlashError::Image {
-            path: path.into(),
-            found,
-            expected: expected.into(),
+        let loaded = loaded_segments(path, &bytes, flash)?;
+        let Some([stack_pointer, reset]) = vectors(&loaded, flash) else {
+            return Err(wrong(path, "no vector table".into(), &format!("one at {:#010x}", flash.origin)));
         };
-        let file = ElfFile32::<Endianness>::parse(&*bytes)
-            .map_err(|error| wrong(error.to_string(), "a 32-bit ELF image"))?;
-        let machine = file.elf_header().e_machine.get(Endianness::Little);
-        if machine != elf::EM_ARM || !file.is_little_endian() {
+        let is_in_ram = (stack.origin..=ram.end()).contains(&stack_pointer);
+        if !is_in_ram || reset & 1 == 0 || !flash.contains(reset.into(), 1) {
             return Err(wrong(
-                format!("machine {machine}"),
-                "an image for a little-endian ARM core (machine 40)",
-            ));
-        }
-        let mut loaded = Vec::new();
-        for header in file.elf_program_headers() {
-            let (address, length) = (header.p_paddr(Endianness::Little), header.p_filesz(Endianness::Little));
-            if header.p_type(Endianness::Little) != elf::PT_LOAD || length == 0 {
-                continue;
-            }
-            let (address, end) = (u64::from(address), u64::from(address) + u64::from(length));
-            if address < FLASH.start || end > FLASH.end {
-                return Err(wrong(
-                    format!("{length} bytes at {address:#010x}"),
-                    &format!(
-                        "nothing outside the firmware's flash, {:#010x} to {:#010x}",
-                        FLASH.start, FLASH.end
-                    ),
-                ));
-            }
-            let data = header.data(Endianness::Little, &*bytes).map_err(|()| {
-                wrong(format!("a segment at {address:#010x} beyond the file's end"), "a whole image")
-            })?;
-            loaded.push((address, data));
-        }
-        loaded.sort_unstable_by_key(|(address, _)| *address);
-        let start = loaded.first().filter(|(address, _)| *address == FLASH.start).map(|(_, data)| *data);
-        let vectors = start.and_then(|data| data.first_chunk::<8>()).map(|[a, b, c, d, e, f, g, h]| {
-            [u32::from_le_bytes([*a, *b, *c, *d]), u32::from_le_bytes([*e, *f, *g, *h])]
-        });
-        let Some([stack_pointer, reset]) = vectors else {
-            return Err(wrong("no vector table".into(), &format!("one at {:#010x}", FLASH.start)));
-        };
-        if !RAM.contains(&stack_pointer) || reset & 1 == 0 || !FLASH.contains(&u64::from(reset)) {
-            return Err(wrong(
+                path,
                 format!(
                     "a vector table with stack pointer {stack_pointer:#010x} and reset handler {reset:#010x}"
                 ),
                 "a stack in RAM and a Thumb handler in flash",
             ));
         }
-        let covers = |range: &&[u64]| match range {
-            [from, to] => loaded.iter().any(|(at, data)| at < to && at + data.len() as u64 > *from),
-            _ => false,
-        };
-        let sectors = SECTORS.windows(2).filter(covers).filter_map(|range| range.first().copied()).collect();
+        let sectors = covered_sectors(board.microcontroller.flash_sectors, flash, &loaded);
         let segments: Vec<_> = loaded
             .iter()
             .map(|(address, data)| Segment {
@@ -178,6 +102,72 @@ impl Plan {
             entry: reset & !1,
         })
     }
+}
+
+/// Creates the error of an image that does not fit the board.
+fn wrong(path: &Path, found: String, expected: &str) -> FlashError {
+    FlashError::Image { path: path.into(), found, expected: expected.into() }
+}
+
+/// Returns the address and content of each loaded segment of an ELF image, in ascending order.
+fn loaded_segments<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+    flash: Region,
+) -> Result<Vec<(u64, &'a [u8])>, FlashError> {
+    let file = ElfFile32::<Endianness>::parse(bytes)
+        .map_err(|error| wrong(path, error.to_string(), "a 32-bit ELF image"))?;
+    let machine = file.elf_header().e_machine.get(Endianness::Little);
+    if machine != elf::EM_ARM || !file.is_little_endian() {
+        return Err(wrong(
+            path,
+            format!("machine {machine}"),
+            "an image for a little-endian ARM core (machine 40)",
+        ));
+    }
+    let mut loaded = Vec::new();
+    for header in file.elf_program_headers() {
+        let (address, length) = (header.p_paddr(Endianness::Little), header.p_filesz(Endianness::Little));
+        if header.p_type(Endianness::Little) != elf::PT_LOAD || length == 0 {
+            continue;
+        }
+        let address = u64::from(address);
+        if !flash.contains(address, length.into()) {
+            return Err(wrong(
+                path,
+                format!("{length} bytes at {address:#010x}"),
+                &format!(
+                    "nothing outside the firmware's flash, {:#010x} to {:#010x}",
+                    flash.origin,
+                    flash.end()
+                ),
+            ));
+        }
+        let data = header.data(Endianness::Little, bytes).map_err(|()| {
+            let found = format!("a segment at {address:#010x} beyond the file's end");
+            wrong(path, found, "a complete image")
+        })?;
+        loaded.push((address, data));
+    }
+    loaded.sort_unstable_by_key(|(address, _)| *address);
+    Ok(loaded)
+}
+
+/// Returns stack pointer and reset handler from the vector table at the start of the flash.
+fn vectors(loaded: &[(u64, &[u8])], flash: Region) -> Option<[u32; 2]> {
+    let (_, data) = loaded.first().filter(|(address, _)| *address == u64::from(flash.origin))?;
+    let stack_pointer = data.first_chunk::<4>()?;
+    let reset = data.get(4..)?.first_chunk::<4>()?;
+    Some([*stack_pointer, *reset].map(u32::from_le_bytes))
+}
+
+/// Returns the start addresses of the flash sectors that the segments cover.
+fn covered_sectors(sectors: &[u32], flash: Region, loaded: &[(u64, &[u8])]) -> Vec<u64> {
+    let starts = sectors.iter().map(|&start| u64::from(start));
+    let ends = starts.clone().skip(1).chain([flash.end().into()]);
+    let is_covered =
+        |(from, to): &(u64, u64)| loaded.iter().any(|(at, data)| at < to && at + data.len() as u64 > *from);
+    starts.zip(ends).filter(is_covered).map(|(start, _)| start).collect()
 }
 
 #[cfg(test)]
@@ -201,13 +191,13 @@ mod tests {
     fn plan(bytes: &[u8]) -> Result<Plan, String> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), bytes).unwrap();
-        Plan::of(BOARDS[0], file.path()).map_err(|error| error.to_string())
+        Plan::for_board(controller::boards::BOARDS[0], file.path()).map_err(|error| error.to_string())
     }
 
     const GOOD: [u32; 2] = [0x2000_8000, 0x0800_0199];
 
     #[test]
-    fn a_sound_image_is_planned_sector_by_sector() {
+    fn a_valid_image_is_planned_sector_by_sector() {
         let found = plan(&image(40, 0x0800_0000, GOOD, 1000)).unwrap();
         assert_eq!((found.bytes, found.sectors, found.entry), (1000, vec![0x0800_0000], 0x0800_0198));
         assert_eq!(found.segments.len(), 1);
@@ -232,14 +222,15 @@ mod tests {
             let error = plan(&bytes).unwrap_err();
             assert!(error.contains(reason), "{error}");
         }
-        let missing = Plan::of(BOARDS[0], Path::new("/no/such/image")).unwrap_err();
+        let missing =
+            Plan::for_board(controller::boards::BOARDS[0], Path::new("/no/such/image")).unwrap_err();
         assert!(missing.to_string().starts_with("/no/such/image: "), "{missing}");
     }
 
     #[test]
     fn a_board_of_the_emulator_cannot_be_flashed() {
-        let error = Plan::of(board("mps2-an505").unwrap(), Path::new("x")).unwrap_err();
+        let error =
+            Plan::for_board(*controller::boards::find("mps2-an505").unwrap(), Path::new("x")).unwrap_err();
         assert!(matches!(error, FlashError::Board(_)), "{error}");
-        assert!(board("arduino").unwrap_err().contains("feather-stm32f405"));
     }
 }

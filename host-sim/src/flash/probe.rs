@@ -1,8 +1,9 @@
-//! Writing through a debug probe, and reading the controller's log through it: probe-rs does both.
+//! Writing through a debug probe, and reading the controller's log through it, with probe-rs.
 //!
-//! Probes over USB bulk transfers: ST-Link, CMSIS-DAP version 2, J-Link and others. CMSIS-DAP version 1 (HID) is left out, because it wants a C
-//! library of the system. Following the log is tested through the library's fake of a probe; writing has not yet been tried, as no probe was at hand
-//! and the fake executes nothing.
+//! Supported are probes with USB bulk transfers: ST-Link, CMSIS-DAP version 2, J-Link and others.
+//! CMSIS-DAP version 1 (HID) is not supported, because it requires a C library of the system.
+//! Following the log is tested with the library's fake probe. Writing has not been tested: no probe
+//! was available, and the fake executes nothing.
 
 use super::log::Texts;
 use super::{FlashError, Plan};
@@ -16,23 +17,23 @@ use std::time::{Duration, Instant};
 
 /// Core that everything runs on.
 pub(crate) const CORE: usize = 0;
-/// Pause between two looks at the log.
+/// Pause between two reads of the log.
 const PAUSE: Duration = Duration::from_millis(20);
-/// Longest time from reset to a log that is set up.
+/// Timeout of the log's set-up after a reset.
 const START: Duration = Duration::from_secs(2);
 
-/// An error that names what was tried and tells its causes.
+/// Converts an error of the library; names the attempted operation and the causes.
 pub(crate) fn failed<E: std::error::Error>(what: &'static str) -> impl Fn(E) -> FlashError {
-    move |error| FlashError::Probe { what, cause: told(&error) }
+    move |error| FlashError::Probe { what, cause: with_causes(&error) }
 }
 
-/// An error of ours.
+/// Creates an error of this program.
 pub(crate) fn found(what: &'static str, cause: impl Into<String>) -> FlashError {
     FlashError::Probe { what, cause: cause.into() }
 }
 
-/// An error with its causes.
-pub(crate) fn told(error: &dyn std::error::Error) -> String {
+/// Formats an error with its causes.
+pub(crate) fn with_causes(error: &dyn std::error::Error) -> String {
     let causes = std::iter::successors(error.source(), |cause| cause.source());
     causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }
@@ -55,26 +56,26 @@ pub(crate) fn open(selector: Option<&str>) -> Result<Probe, FlashError> {
     }
 }
 
-/// Writes an image that has been planned, verifies it and starts the controller.
+/// Writes a planned image, verifies it and starts the controller.
 ///
 /// # Errors
 ///
-/// No probe, no chip, or the flash could not be written.
+/// There is no probe or no chip, or the flash could not be written.
 pub fn write(plan: &Plan, image: &Path, selector: Option<&str>) -> Result<Session, FlashError> {
     write_with(open(selector)?, plan, image)
 }
 
-/// As [`write`], through a probe that is open.
+/// As [`write`], through an open probe.
 ///
 /// # Errors
 ///
-/// No chip, or the flash could not be written.
-pub fn write_with(probe: Probe, plan: &Plan, image: &Path) -> Result<Session, FlashError> {
+/// There is no chip, or the flash could not be written.
+fn write_with(probe: Probe, plan: &Plan, image: &Path) -> Result<Session, FlashError> {
     let mut session =
         probe.attach(plan.chip, Permissions::default()).map_err(failed("attaching to the chip"))?;
     let mut options = DownloadOptions::default();
     options.verify = true;
-    // The models and the configuration in the other sectors stay: only what the image covers is erased.
+    // Only the sectors of the image are erased: models and configuration in the other sectors stay.
     options.do_chip_erase = false;
     download_file_with_options(&mut session, image, ElfLoader(ElfOptions::default()), options)
         .map_err(failed("writing the flash"))?;
@@ -82,16 +83,17 @@ pub fn write_with(probe: Probe, plan: &Plan, image: &Path) -> Result<Session, Fl
     Ok(session)
 }
 
-/// Shows the log until it cannot be read any more.
+/// Shows the log until it can no longer be read.
 ///
 /// # Errors
 ///
 /// The log cannot be found or read.
 pub fn follow(session: &mut Session, image: &Path, mut show: impl FnMut(&str)) -> Result<(), FlashError> {
     let elf = std::fs::read(image).map_err(|source| FlashError::Unreadable { path: image.into(), source })?;
-    let texts = Texts::of(&elf)?;
+    let texts = Texts::from_elf(&elf)?;
     let mut log = texts.decoder();
-    // Where the image says, and not wherever its mark is found: RAM may still hold another image's.
+    // The image contains the address. A search for the mark could find the buffers of another image
+    // in RAM.
     let block = find_rtt_control_block_in_raw_file(&elf)
         .map_err(failed(FINDING))?
         .ok_or_else(|| found(FINDING, "the image has none"))?;
@@ -110,7 +112,7 @@ pub fn follow(session: &mut Session, image: &Path, mut show: impl FnMut(&str)) -
     }
 }
 
-/// The buffers, once the controller has come as far as to set them up.
+/// Attaches to the buffers after the controller has set them up.
 pub(crate) fn attach(core: &mut Core, block: u64, what: &'static str) -> Result<Rtt, FlashError> {
     let deadline = Instant::now() + START;
     loop {

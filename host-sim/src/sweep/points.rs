@@ -1,7 +1,7 @@
 //! The points of a sweep: one bench each, checked before the first run.
 
-use super::specification::{MOST_RUNS, Sampling, Specification, Values, between};
-use crate::error::CliError;
+use super::specification::{MAX_RUNS, Sampling, Specification, Values, between};
+use crate::cli::error::CliError;
 use bench::description::TransmissionBench;
 use bench::{BearingMaterial, Bench};
 use rand_chacha::ChaCha8Rng;
@@ -9,20 +9,21 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// One point of a sweep.
 #[derive(Clone, Debug)]
-pub struct Point {
+pub(crate) struct Point {
     /// Values in the order of the specification's parameters.
-    pub values: Vec<f64>,
-    /// The bench, its effects applied.
-    pub bench: TransmissionBench,
+    pub(crate) values: Vec<f64>,
+    /// The bench with its effects applied.
+    pub(crate) bench: TransmissionBench,
 }
 
-/// All points of a sweep on a base bench, in a fixed order: the last parameter runs fastest, the bearing slowest.
-pub fn points(file: &str, specification: &Specification, base: &Bench) -> Result<Vec<Point>, CliError> {
-    let Bench::Transmission(base) = base else {
-        return Err(CliError::Input(format!(
-            "{file}: bench: found plant `friction-rig`; expected `transmission-bench`"
-        )));
-    };
+/// Returns all points of a sweep in a fixed order: the last parameter changes fastest, the bearing
+/// slowest.
+pub(crate) fn points(
+    file: &str,
+    specification: &Specification,
+    base: &Bench,
+) -> Result<Vec<Point>, CliError> {
+    let base = TransmissionBench::from_bench(base.clone(), &format!("{file}: bench"))?;
     let bearings = if specification.bearings.is_empty() {
         vec![None]
     } else {
@@ -30,13 +31,13 @@ pub fn points(file: &str, specification: &Specification, base: &Bench) -> Result
     };
     let tuples = values(file, specification)?;
     let total = tuples.len().saturating_mul(bearings.len());
-    if total > MOST_RUNS {
+    if total > MAX_RUNS {
         return Err(too_many(file, total));
     }
     let mut points = Vec::with_capacity(total);
     for bearing in bearings {
         for values in &tuples {
-            let bench = bench(file, specification, base, bearing, values, points.len())?;
+            let bench = bench(file, specification, &base, bearing, values, points.len())?;
             points.push(Point { values: values.clone(), bench });
         }
     }
@@ -44,7 +45,7 @@ pub fn points(file: &str, specification: &Specification, base: &Bench) -> Result
 }
 
 fn too_many(file: &str, found: usize) -> CliError {
-    CliError::Input(format!("{file}: found {found} runs; expected at most {MOST_RUNS}"))
+    CliError::Input(format!("{file}: found {found} runs; expected at most {MAX_RUNS}"))
 }
 
 fn values(file: &str, specification: &Specification) -> Result<Vec<Vec<f64>>, CliError> {
@@ -64,7 +65,7 @@ fn values(file: &str, specification: &Specification) -> Result<Vec<Vec<f64>>, Cl
     let mut tuples: Vec<Vec<f64>> = vec![Vec::new()];
     for values in each {
         let Values::List(list) = values else { continue };
-        if tuples.len().saturating_mul(list.len()) > MOST_RUNS {
+        if tuples.len().saturating_mul(list.len()) > MAX_RUNS {
             return Err(too_many(file, tuples.len().saturating_mul(list.len())));
         }
         let longer = |tuple: &Vec<f64>| {
@@ -106,23 +107,21 @@ fn bench(
     if let Some(bearing) = bearing {
         bench.set_material(bearing);
     }
-    let mut bench = Bench::Transmission(Box::new(bench));
+    let mut bench = Bench::from(bench);
     let fixed = specification.fixed.iter().map(|(path, value)| (("fixed", path), *value));
     let varied = specification.parameters.iter().map(|p| ("parameters", &p.path)).zip(values.iter().copied());
     for ((table, path), value) in fixed.chain(varied) {
         let Some(place) = bench.parameter_mut(path) else {
             return Err(CliError::Input(format!(
-                "{file}: {table}.{path}: found no such parameter; expected a dotted name of the bench description, such \
-                 as shaft.mass_kg"
+                "{file}: {table}.{path}: found no such parameter; expected a dotted name of the bench \
+                 description, such as shaft.mass_kg"
             )));
         };
         *place = value;
     }
-    let text = bench.to_toml().map_err(|e| CliError::Work(format!("{file}: run {index}: {e}")))?;
-    match Bench::parse(&format!("{file}: run {index}"), &text)?.resolved() {
-        Bench::Transmission(bench) => Ok(*bench),
-        Bench::FrictionRig(_) => Err(CliError::Work("a transmission bench turned into a rig".into())),
-    }
+    let run = format!("{file}: run {index}");
+    let text = bench.to_toml().map_err(|e| CliError::Work(format!("{run}: {e}")))?;
+    Ok(TransmissionBench::from_bench(Bench::parse(&run, &text)?.resolved(), &run)?)
 }
 
 #[cfg(test)]
@@ -138,7 +137,8 @@ mod tests {
     fn a_grid_has_every_combination_in_order() {
         let points = sweep(
             "bearings = [\"babbitt\", \"plastic\"]\n[fixed]\n\"load.force_n\" = 5e3\n[[parameters]]\npath = \
-             \"shaft.mass_kg\"\nvalues = [100, 200]\n[[parameters]]\npath = \"bearing.radial_clearance_m\"\nvalues = \
+             \"shaft.mass_kg\"\nvalues = [100, 200]\n[[parameters]]\npath = \"bearing.radial_clearance_m\"\n\
+             values = \
              [1e-4, 5e-4]",
         )
         .unwrap();
@@ -183,7 +183,8 @@ mod tests {
         assert!(found.contains("expected `transmission-bench`"), "{found}");
         let wide = "range = { from = 1, to = 2, count = 1000 }\n";
         let found = error(&format!(
-            "[[parameters]]\npath = \"shaft.mass_kg\"\n{wide}[[parameters]]\npath = \"shaft.inertia_kg_m2\"\n{wide}"
+            "[[parameters]]\npath = \"shaft.mass_kg\"\n{wide}[[parameters]]\npath = \"shaft.inertia_kg_m2\"\n\
+             {wide}"
         ));
         assert!(found.contains("found 1000000 runs; expected at most 100000"), "{found}");
     }

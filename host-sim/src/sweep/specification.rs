@@ -18,21 +18,21 @@
 //! range = { from = 1e-4, to = 1e-3, count = 10, scale = "log" }
 //! ```
 //!
-//! Paths are those of a bench description, units in their names. At most [`MOST_RUNS`] runs.
+//! Paths are those of a bench description, units in their names. At most [`MAX_RUNS`] runs.
 
-use crate::error::CliError;
-use crate::force::ForceSource;
+use crate::cli::error::CliError;
+use crate::run::force::ForceSource;
 use bench::BearingMaterial;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Runs that a sweep may have.
-pub const MOST_RUNS: usize = 100_000;
+/// Maximum number of runs of a sweep.
+pub(crate) const MAX_RUNS: usize = 100_000;
 
-/// How the points are chosen.
+/// Choice of the points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Sampling {
+pub(crate) enum Sampling {
     /// Every combination of the values.
     #[default]
     Grid,
@@ -43,7 +43,7 @@ pub enum Sampling {
 /// Spacing of a range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Scale {
+pub(crate) enum Scale {
     /// Even steps.
     #[default]
     Linear,
@@ -54,60 +54,60 @@ pub enum Scale {
 /// A range of values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Range {
+pub(crate) struct Range {
     /// First value.
-    pub from: f64,
+    pub(crate) from: f64,
     /// Last value.
-    pub to: f64,
-    /// Values of a grid; without meaning for random points.
+    pub(crate) to: f64,
+    /// Number of values of a grid; not used with random points.
     #[serde(default)]
-    pub count: Option<usize>,
+    pub(crate) count: Option<usize>,
     /// Spacing.
     #[serde(default)]
-    pub scale: Scale,
+    pub(crate) scale: Scale,
 }
 
 /// One varied parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Parameter {
+pub(crate) struct Parameter {
     /// Dotted name in the bench description.
-    pub path: String,
+    pub(crate) path: String,
     /// Its values; either these or a range.
     #[serde(default)]
-    pub values: Option<Vec<f64>>,
+    pub(crate) values: Option<Vec<f64>>,
     /// Its range.
     #[serde(default)]
-    pub range: Option<Range>,
+    pub(crate) range: Option<Range>,
 }
 
 /// The whole file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Specification {
+pub(crate) struct Specification {
     /// Preset or bench description, relative to this file.
     #[serde(default = "bench_b")]
-    pub bench: String,
-    /// Bearings that every point is run with; empty: that of the bench.
+    pub(crate) bench: String,
+    /// Bearings that every point is run with; empty: the bearing of the bench.
     #[serde(default)]
-    pub bearings: Vec<BearingMaterial>,
+    pub(crate) bearings: Vec<BearingMaterial>,
     /// Source of the bearing force.
     #[serde(default = "law")]
-    pub force: ForceSource,
-    /// How the points are chosen.
+    pub(crate) force: ForceSource,
+    /// Choice of the points.
     #[serde(default)]
-    pub sampling: Sampling,
+    pub(crate) sampling: Sampling,
     /// Number of random points.
     #[serde(default)]
-    pub count: Option<usize>,
+    pub(crate) count: Option<usize>,
     /// Seed of random points.
     #[serde(default = "one")]
-    pub seed: u64,
+    pub(crate) seed: u64,
     /// Parameters that differ from the bench in every run.
     #[serde(default)]
-    pub fixed: BTreeMap<String, f64>,
+    pub(crate) fixed: BTreeMap<String, f64>,
     /// The varied parameters.
-    pub parameters: Vec<Parameter>,
+    pub(crate) parameters: Vec<Parameter>,
 }
 
 fn bench_b() -> String {
@@ -124,10 +124,10 @@ fn one() -> u64 {
 
 /// Values that a parameter takes or is drawn from.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Values {
-    /// These.
+pub(crate) enum Values {
+    /// The listed values.
     List(Vec<f64>),
-    /// Between these.
+    /// Any value of a range.
     Between {
         /// First value.
         from: f64,
@@ -139,8 +139,9 @@ pub enum Values {
 }
 
 impl Specification {
-    /// Parses and checks a sweep; `file` names it in messages. That the paths exist is found out with the bench.
-    pub fn parse(file: &str, text: &str) -> Result<Self, CliError> {
+    /// Parses and checks a sweep; `file` names it in messages. The paths are checked later, with
+    /// the bench.
+    pub(crate) fn parse(file: &str, text: &str) -> Result<Self, CliError> {
         let specification: Self =
             toml::from_str(text).map_err(|e| CliError::Input(format!("{file}: {e}")))?;
         let refuse = |field: &str, found: String, expected: &str| {
@@ -155,8 +156,8 @@ impl Specification {
         }
         match (specification.sampling, specification.count) {
             (Sampling::Random, None) => return refuse("count", "none".into(), "the number of random points"),
-            (Sampling::Random, Some(n)) if !(1..=MOST_RUNS).contains(&n) => {
-                return refuse("count", n.to_string(), &format!("1 to {MOST_RUNS}"));
+            (Sampling::Random, Some(n)) if !(1..=MAX_RUNS).contains(&n) => {
+                return refuse("count", n.to_string(), &format!("1 to {MAX_RUNS}"));
             }
             (Sampling::Grid, Some(n)) => {
                 return refuse("count", n.to_string(), "no count: a grid has one in each range");
@@ -179,8 +180,9 @@ impl Specification {
 }
 
 impl Parameter {
-    /// The values as a grid lists them, or as random points are drawn from. An error is what was found and expected.
-    pub fn values(&self, sampling: Sampling) -> Result<Values, (String, String)> {
+    /// Returns the values of a grid, or the range for random points. An error contains what was
+    /// found and what was expected.
+    pub(crate) fn values(&self, sampling: Sampling) -> Result<Values, (String, String)> {
         let range = match (&self.values, &self.range) {
             (Some(list), None) => {
                 if list.is_empty() || list.iter().any(|v| !v.is_finite()) {
@@ -205,9 +207,9 @@ impl Parameter {
                 format!("range.count = {n}"),
                 "no count in a range: random points have one for all".into(),
             )),
-            (Sampling::Grid, Some(n)) if (2..=MOST_RUNS).contains(&n) => {
+            (Sampling::Grid, Some(n)) if (2..=MAX_RUNS).contains(&n) => {
                 let at = |i: usize| {
-                    // The ends are the numbers of the file, not what rounding makes of them.
+                    // The ends are exactly the numbers of the file, without rounding.
                     if i == 0 {
                         from
                     } else if i == n - 1 {
@@ -220,14 +222,14 @@ impl Parameter {
             }
             (Sampling::Grid, count) => Err((
                 count.map_or_else(|| "no range.count".into(), |n| format!("range.count = {n}")),
-                format!("a count of 2 to {MOST_RUNS}"),
+                format!("a count of 2 to {MAX_RUNS}"),
             )),
         }
     }
 }
 
-/// The value at a share of the way.
-pub fn between(from: f64, to: f64, scale: Scale, share: f64) -> f64 {
+/// Interpolates between two values; `share` is 0 to 1.
+pub(crate) fn between(from: f64, to: f64, scale: Scale, share: f64) -> f64 {
     match scale {
         Scale::Linear => from + share * (to - from),
         Scale::Log => from * (to / from).powf(share),

@@ -1,30 +1,31 @@
-//! The outcome of a sweep as CSV and JSON: nothing in it depends on the clock, the order or the number of threads.
+//! The result of a sweep as CSV and JSON, independent of the clock, the order and the number of
+//! threads.
 
 use super::journal::Record;
 use super::points::Point;
 use super::specification::Specification;
-use crate::error::CliError;
-use crate::summary::Figures;
+use crate::cli::error::CliError;
+use crate::run::summary::Figures;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// One run of a sweep: its parameters and its figures or the reason why it has none.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row<'a> {
+pub(crate) struct Row<'a> {
     /// Number of the point.
-    pub index: usize,
+    pub(crate) index: usize,
     /// Parameter values by path.
-    pub parameters: BTreeMap<&'a str, f64>,
+    pub(crate) parameters: BTreeMap<&'a str, f64>,
     /// The figures.
     #[serde(flatten)]
-    pub figures: Option<&'a Figures>,
-    /// Why there are none.
+    pub(crate) figures: Option<&'a Figures>,
+    /// The reason why there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub error: Option<&'a str>,
+    pub(crate) error: Option<&'a str>,
 }
 
 /// The rows of a sweep in the order of its points.
-pub fn rows<'a>(
+pub(crate) fn rows<'a>(
     specification: &'a Specification,
     points: &'a [Point],
     records: &'a [Record],
@@ -46,8 +47,9 @@ pub fn rows<'a>(
         .collect()
 }
 
-/// Rows as CSV: the fields of every row in the order of the first row that has a field; nested objects with dots.
-pub fn csv<T: Serialize>(rows: &[T]) -> Result<String, CliError> {
+/// Formats rows as CSV. Columns have the order of first appearance; the names of nested fields are
+/// joined by dots.
+pub(crate) fn csv<T: Serialize>(rows: &[T]) -> Result<String, CliError> {
     let failed = |e: &dyn std::fmt::Display| CliError::Work(format!("csv: {e}"));
     let mut columns: Vec<String> = Vec::new();
     let mut table: Vec<BTreeMap<String, String>> = Vec::with_capacity(rows.len());

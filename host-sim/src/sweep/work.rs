@@ -1,17 +1,19 @@
-//! The runs of a sweep on all cores; what the journal has is not run again.
+//! Runs the points of a sweep on all cores, except those in the journal.
 
-use super::journal::{Journal, Record};
+use super::journal::Record;
 use super::points::Point;
-use crate::error::CliError;
-use crate::force::{self, ForceSource, SAMPLE_RATE_HZ};
-use crate::parallel;
-use crate::summary::Figures;
+use crate::cli::error::CliError;
+use crate::cli::parallel;
+use crate::journal::Journal;
+use crate::run::force::{self, ForceSource, SAMPLE_RATE_HZ};
+use crate::run::summary::Figures;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Runs what is missing; gives every record in the order of the points. A run that fails is recorded with its reason.
-pub fn run(
+/// Runs the missing points and returns every record in the order of the points. A run that fails is
+/// recorded with its reason.
+pub(crate) fn run(
     points: &[Point],
     (source, step_s): (ForceSource, f64),
     threads: usize,
@@ -24,10 +26,10 @@ pub fn run(
         let point = points.get(index).ok_or_else(|| CliError::Work(format!("no point {index}")))?;
         let started = Instant::now();
         let outcome = force::run_bench(&point.bench, source, step_s, || {})
-            .map(|forced| Figures::of(&point.bench, source, &forced, SAMPLE_RATE_HZ))
+            .map(|forced| Figures::from_run(&point.bench, source, &forced, SAMPLE_RATE_HZ))
             .map_err(|e| e.to_string());
         let record = Record { index, outcome, wall_s: started.elapsed().as_secs_f64() };
-        journal.lock().unwrap_or_else(PoisonError::into_inner).add(&record)?;
+        journal.lock().unwrap_or_else(PoisonError::into_inner).append(&record)?;
         progress();
         Ok(record)
     })?;

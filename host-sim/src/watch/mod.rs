@@ -1,11 +1,13 @@
-//! The live view of `host-sim run --watch`: the estimates as they come, drawn in the terminal and paced to the bench's own time.
+//! Live view of `host-sim run --watch`: draws the estimates in the terminal, paced to the bench's
+//! own time.
 //!
-//! [`scene`] is what is known so far and what it looks like, without a terminal; this file has the terminal, the keys and the clock. `q` or
-//! escape closes the view and the run goes on without it; control-C ends the run.
+//! [`scene`] contains the data and the drawing, without a terminal. This file contains the
+//! terminal, the keys and the clock. `q` or escape closes the view and the run continues without
+//! it; control-C ends the run.
 
 pub mod scene;
 
-use crate::error::CliError;
+use crate::cli::error::CliError;
 use link::{EstimateFrame, SensorFrame};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
@@ -14,25 +16,25 @@ use std::io::{IsTerminal, stdout};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// Time from one picture to the next.
+/// Time between two pictures.
 const PICTURE: Duration = Duration::from_millis(40);
 
-/// A view under way.
+/// An open view.
 pub struct Watch {
     terminal: Option<DefaultTerminal>,
     scene: Scene,
-    /// Simulated seconds a second.
+    /// Simulated seconds per second.
     speed: f64,
     started: Instant,
     drawn: Option<Instant>,
 }
 
 impl Watch {
-    /// Takes the terminal. `speed` is in simulated seconds a second.
+    /// Opens the terminal. `speed` is in simulated seconds per second.
     ///
     /// # Errors
     ///
-    /// The output is no terminal, or the speed is out of range.
+    /// The output is not a terminal, or the speed is out of range.
     pub fn open(scene: Scene, speed: f64) -> Result<Self, CliError> {
         if !(1e-3..=1e3).contains(&speed) {
             return Err(CliError::Input(format!("--watch-speed: found {speed}; expected 0.001 to 1000")));
@@ -44,9 +46,10 @@ impl Watch {
         Ok(Self { terminal: Some(terminal), scene, speed, started: Instant::now(), drawn: None })
     }
 
-    /// Takes a sample and its estimate, waits until the sample's time has come, and draws now and then. Break: the run shall end.
-    pub fn see(&mut self, sample: &SensorFrame, estimate: &EstimateFrame) -> ControlFlow<()> {
-        self.scene.see(sample, estimate);
+    /// Takes a sample and its estimate, waits for the sample's time, and draws from time to time.
+    /// `Break` ends the run.
+    pub fn observe(&mut self, sample: &SensorFrame, estimate: &EstimateFrame) -> ControlFlow<()> {
+        self.scene.observe(sample, estimate);
         let Some(terminal) = &mut self.terminal else { return ControlFlow::Continue(()) };
         let due = self.started + Duration::from_secs_f64(self.scene.time_s() / self.speed);
         loop {
@@ -56,7 +59,7 @@ impl Watch {
                 let drawn = terminal.draw(|frame| self.scene.draw(frame));
                 match (drawn, key()) {
                     (Ok(_), Key::None) => {}
-                    // A terminal that has gone is no reason to lose the run.
+                    // A closed terminal does not end the run.
                     (Err(_), _) | (_, Key::Close) => {
                         self.close();
                         return ControlFlow::Continue(());
@@ -74,7 +77,7 @@ impl Watch {
         }
     }
 
-    /// Gives the terminal back.
+    /// Restores the terminal.
     fn close(&mut self) {
         if self.terminal.take().is_some() {
             ratatui::restore();
@@ -94,7 +97,7 @@ enum Key {
     End,
 }
 
-/// The key that has been pressed, if it means anything.
+/// Returns the meaning of a pressed key.
 fn key() -> Key {
     match event::poll(Duration::ZERO).and_then(|ready| if ready { event::read().map(Some) } else { Ok(None) })
     {

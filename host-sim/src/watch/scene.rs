@@ -1,6 +1,7 @@
-//! What the live view shows: contact force over time, the journal's orbit in its clearance, the flags.
+//! Content of the live view: contact force over time, the journal's orbit in its clearance, the
+//! flags.
 
-use firmware::flags::NAMES;
+use controller::flags::NAMES;
 use inference::Flags;
 use link::{EstimateFrame, SensorFrame};
 use ratatui::Frame;
@@ -11,9 +12,9 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Canvas, Circle, Points};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 
-/// Points of a curve; more than a terminal has columns, twice over, would not show.
+/// Maximum number of points of a curve: twice the columns of a wide terminal.
 const POINTS: usize = 800;
-/// Points of the orbit's trail.
+/// Maximum number of points of the orbit.
 const TRAIL: usize = 400;
 
 /// The run so far.
@@ -30,12 +31,13 @@ pub struct Scene {
     last: EstimateFrame,
     time_s: f64,
     peak_kn: f64,
-    /// Samples that carried each flag, in the order of their names.
+    /// Number of samples with each flag, in the order of their names.
     flagged: [u32; NAMES.len()],
 }
 
 impl Scene {
-    /// A run of `duration_s` that has not begun, with the bench's own contact force over time in s and N.
+    /// Creates the view of a run of `duration_s`, with the bench's own contact force over time in s
+    /// and N.
     pub fn new(
         title: String,
         duration_s: f64,
@@ -60,7 +62,7 @@ impl Scene {
     }
 
     /// Takes a sample and its estimate.
-    pub fn see(&mut self, sample: &SensorFrame, estimate: &EstimateFrame) {
+    pub fn observe(&mut self, sample: &SensorFrame, estimate: &EstimateFrame) {
         self.time_s = f64::from(sample.time_us) * 1e-6;
         self.samples = self.samples.saturating_add(1);
         let force_kn = f64::from(estimate.normal_force_n) * 1e-3;
@@ -85,19 +87,19 @@ impl Scene {
         self.time_s
     }
 
-    /// Draws all of it.
+    /// Draws the view.
     pub fn draw(&self, frame: &mut Frame<'_>) {
-        let [head, body, foot] =
+        let [head, body, footer] =
             Layout::vertical([Constraint::Length(1), Constraint::Min(8), Constraint::Length(4)])
                 .areas(frame.area());
-        // Two rows of a cell are as high as it is wide twice: the orbit is square.
+        // A terminal cell is twice as high as wide, so this area is square.
         let square = (2 * body.height).min(body.width / 2);
         let [force, orbit] =
             Layout::horizontal([Constraint::Min(20), Constraint::Length(square)]).areas(body);
         frame.render_widget(self.head(), head);
         self.force(frame, force);
         self.orbit(frame, orbit);
-        frame.render_widget(self.foot(), foot);
+        frame.render_widget(self.footer(), footer);
     }
 
     fn head(&self) -> Line<'_> {
@@ -146,8 +148,8 @@ impl Scene {
         frame.render_widget(canvas, area);
     }
 
-    /// The flags of the last estimate, bright, and those of earlier ones, with the samples that carried them.
-    fn foot(&self) -> Paragraph<'_> {
+    /// Flags of the last estimate, bright, and of earlier ones, with the number of samples.
+    fn footer(&self) -> Paragraph<'_> {
         let now = Flags::from_bits(self.last.flags);
         let mut words: Vec<Span<'_>> = Vec::new();
         for ((flag, name), count) in NAMES.iter().zip(self.flagged).filter(|(_, count)| *count > 0) {
@@ -167,7 +169,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use firmware::flags::{HELD, JUMP};
+    use controller::flags::{HELD, JUMP};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
 
@@ -194,7 +196,7 @@ mod tests {
             };
             let estimate =
                 EstimateFrame { normal_force_n: 0.3 * index as f32, flags, ..EstimateFrame::default() };
-            scene.see(&sample, &estimate);
+            scene.observe(&sample, &estimate);
         }
     }
 

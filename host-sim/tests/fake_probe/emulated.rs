@@ -1,16 +1,16 @@
-//! The attached controller through a probe, the firmware's own image at the other end: its memory is the emulator's, reached while it runs by the
-//! commands that the emulator has for its own tests.
+//! The attached controller through a probe, with the firmware's own image in the emulator. The
+//! emulator's test commands read and write the memory while the image runs.
 
 use crate::memory::{Memory, probe_at};
 use crate::rings::marks;
 use crate::twin::{CONFIGURATION, frames};
-use firmware::session::OWN_EVERY;
+use controller::boards::parse as parse_board;
+use controller::session::OWN_ESTIMATE_INTERVAL;
 use host_sim::controller::{
-    Bounds, Controller, ControllerError, EmulatedController, NativeController, ProbedController,
-    RemoteController,
+    Controller, ControllerError, EmulatedController, NativeController, ProbedController, RemoteController,
+    Timeouts,
 };
-use host_sim::estimator::{bit_differences, track};
-use host_sim::flash::board;
+use host_sim::run::exchange::{bit_differences, exchange};
 use link::{Answer, Command, Counters, Decoder, ToHost};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -19,9 +19,9 @@ use std::process::{Child, ChildStdout, Command as Process, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Patience for a busy machine.
-const PATIENT: Bounds = Bounds { answer: Duration::from_secs(60), again: Duration::from_secs(20) };
-/// An emulator keeps a core busy whatever it waits for, so there is one at a time.
+/// Timeouts for a busy machine.
+const PATIENT: Timeouts = Timeouts { answer: Duration::from_secs(60), retry: Duration::from_secs(20) };
+/// An emulator keeps a core busy even while it waits, so only one runs at a time.
 pub(crate) static ALONE: Mutex<()> = Mutex::new(());
 
 /// A board with a probe at it.
@@ -66,11 +66,11 @@ impl Board {
     fn attached(&self) -> RemoteController {
         let probe = probe_at(self.memory(), true);
         let image = EmulatedController::default_elf();
-        ProbedController::through(probe, board("stm32f405").unwrap(), &image, PATIENT).unwrap()
+        ProbedController::through(probe, parse_board("stm32f405").unwrap(), &image, PATIENT).unwrap()
     }
 }
 
-/// The emulator makes its sockets before it starts, but not before it is started.
+/// Connects to a socket of the emulator, which creates it shortly after its process starts.
 fn connected(path: &Path) -> UnixStream {
     let until = Instant::now() + Duration::from_secs(60);
     loop {
@@ -86,7 +86,7 @@ fn connected(path: &Path) -> UnixStream {
 struct Emulated(BufReader<UnixStream>);
 
 impl Emulated {
-    /// A command and what comes behind the "OK".
+    /// Sends a command; returns the text after "OK".
     fn say(&mut self, command: &str) -> Option<String> {
         self.0.get_mut().write_all(command.as_bytes()).ok()?;
         let mut answer = String::new();
@@ -97,8 +97,8 @@ impl Emulated {
 
 impl Memory for Emulated {
     fn read(&mut self, address: u32, bytes: &mut [u8]) -> bool {
-        let Some(told) = self.say(&format!("read {address:#x} {:#x}\n", bytes.len())) else { return false };
-        let digits = told.strip_prefix("0x").unwrap_or_default();
+        let Some(answer) = self.say(&format!("read {address:#x} {:#x}\n", bytes.len())) else { return false };
+        let digits = answer.strip_prefix("0x").unwrap_or_default();
         for (byte, at) in bytes.iter_mut().zip((0..).step_by(2)) {
             *byte = u8::from_str_radix(&digits[at..at + 2], 16).unwrap();
         }
@@ -126,14 +126,14 @@ fn first(bytes: &[u8]) -> Option<ToHost> {
 }
 
 #[test]
-fn the_image_greets_behind_a_delimiter_at_the_port_and_at_the_probe() {
+fn the_image_sends_a_delimiter_before_its_hello_at_the_port_and_at_the_probe() {
     let mut board = Board::start();
-    let (mut told, mut buffer) = (Vec::new(), [0; 256]);
-    while told.is_empty() || first(&told).is_none() {
+    let (mut received, mut buffer) = (Vec::new(), [0; 256]);
+    while received.is_empty() || first(&received).is_none() {
         let count = board.serial.read(&mut buffer).unwrap();
-        told.extend(&buffer[..count]);
+        received.extend(&buffer[..count]);
     }
-    assert!(matches!(first(&told), Some(ToHost::Hello(hello)) if hello.token == 0), "{told:?}");
+    assert!(matches!(first(&received), Some(ToHost::Hello(hello)) if hello.token == 0), "{received:?}");
 
     let mut memory = board.memory();
     let word = |memory: &mut Emulated, address| {
@@ -141,20 +141,21 @@ fn the_image_greets_behind_a_delimiter_at_the_port_and_at_the_probe() {
         assert!(memory.read(address, &mut bytes));
         u32::from_le_bytes(bytes)
     };
-    // The second channel of the control block: its buffer and the writer's place, which comes after the greeting at the port.
+    // The second channel of the control block: its buffer and the write position, which advances
+    // after the hello at the port.
     let channel = marks().0 + 24 + 24;
     let buffer = word(&mut memory, channel + 4);
     let until = Instant::now() + PATIENT.answer;
     loop {
         let written = word(&mut memory, channel + 12) as usize;
         if written > 1 {
-            let mut told = vec![0; written];
-            assert!(memory.read(buffer, &mut told));
-            let heard = first(&told);
-            assert!(matches!(heard, Some(ToHost::Hello(hello)) if hello.token == 0), "{told:?}");
+            let mut received = vec![0; written];
+            assert!(memory.read(buffer, &mut received));
+            let heard = first(&received);
+            assert!(matches!(heard, Some(ToHost::Hello(hello)) if hello.token == 0), "{received:?}");
             break;
         }
-        assert!(Instant::now() < until, "no greeting");
+        assert!(Instant::now() < until, "no hello");
     }
 }
 
@@ -164,8 +165,8 @@ fn a_conversation_with_the_image_is_that_with_the_native_controller() {
     let board = Board::start();
     let mut controller = board.attached();
     controller.configure(CONFIGURATION).unwrap();
-    let there = track(Box::new(controller), &frames).unwrap();
-    let here = track(Box::new(NativeController::start(CONFIGURATION).unwrap()), &frames).unwrap();
+    let there = exchange(Box::new(controller), &frames).unwrap();
+    let here = exchange(Box::new(NativeController::start(CONFIGURATION).unwrap()), &frames).unwrap();
     assert_eq!(bit_differences(&there, &here), 0);
     assert_eq!(
         (there.counters.samples, there.counters.flagged),
@@ -177,11 +178,14 @@ fn a_conversation_with_the_image_is_that_with_the_native_controller() {
 }
 
 #[test]
-fn a_probe_that_does_not_read_holds_nothing_up_and_what_it_misses_is_counted_and_whole() {
+fn a_probe_that_does_not_read_delays_nothing_and_its_missed_estimates_are_counted() {
     let board = Board::start();
     let mut controller = board.attached();
     controller.configure(CONFIGURATION).unwrap();
-    assert_eq!(controller.order(Command::SampleYourself).unwrap(), Answer::Sampling { every: OWN_EVERY });
+    assert_eq!(
+        controller.order(Command::SampleYourself).unwrap(),
+        Answer::Sampling { every: OWN_ESTIMATE_INTERVAL }
+    );
     let mut rounds = 0;
     let found = loop {
         std::thread::sleep(Duration::from_millis(300));
@@ -193,17 +197,17 @@ fn a_probe_that_does_not_read_holds_nothing_up_and_what_it_misses_is_counted_and
     };
     assert!(found.dropped_estimates > 0 && found.samples > 0, "{found:?}");
     assert_eq!((found.sequence_gaps, found.time_faults, found.trips), (0, 0, 0));
-    // Room was left for every answer, and no frame came in part.
-    // The numbers tell the gap once something behind it has come.
+    // Room was left for every answer, and no frame was cut.
+    // The gap shows in the sequence numbers once a later frame has arrived.
     std::thread::sleep(Duration::from_millis(300));
     counters(&mut controller);
-    let losses = controller.heard().1;
+    let losses = controller.link_state().1;
     assert_eq!((losses.damaged, losses.sent_again), (0, 0), "{losses:?}");
     assert!(losses.estimates_missed > 0, "{losses:?}");
 }
 
 #[test]
-fn a_reset_is_heard_of_at_once_and_an_end_has_a_name() {
+fn a_reset_is_reported_at_once_and_the_end_of_the_link_with_its_cause() {
     let board = Board::start();
     let mut controller = board.attached();
     controller.configure(CONFIGURATION).unwrap();
@@ -214,11 +218,11 @@ fn a_reset_is_heard_of_at_once_and_an_end_has_a_name() {
     let mut monitor = connected(&board.folder.path().join("monitor"));
     let started = Instant::now();
     writeln!(monitor, "system_reset").unwrap();
-    // Until the emulator has come to it, samples go on.
+    // The emulator answers samples until it executes the reset.
     let error = frames[20..].iter().find_map(|frame| controller.exchange(frame).err());
     let error = error.unwrap_or_else(|| controller.exchange(&frames[39]).unwrap_err());
     assert!(matches!(error, ControllerError::Restarted { .. }), "{error:?}");
-    assert!(started.elapsed() < PATIENT.again, "{:?}", started.elapsed());
+    assert!(started.elapsed() < PATIENT.retry, "{:?}", started.elapsed());
 
     controller.configure(CONFIGURATION).unwrap();
     controller.exchange(&frames[0]).unwrap();

@@ -1,10 +1,13 @@
-//! The controller's log through a debug probe: the library's fake of one, over the memory of the image as it stands in the emulator after its start.
+//! The controller's log through the fake probe of the probe library, over the memory that the image
+//! has in the emulator after its start.
 //!
-//! What that fake cannot do: execute, so no flash is written, and change, so the log is read once.
+//! The fake executes no code, so no flash is written. Its memory does not change, so the log is
+//! read once.
 
+use controller::boards::parse as parse_board;
 use host_sim::controller::EmulatedController;
+use host_sim::flash::Plan;
 use host_sim::flash::probe::follow;
-use host_sim::flash::{Plan, board};
 use object::{Object, ObjectSymbol};
 use probe_rs::Permissions;
 use probe_rs::probe::fake_probe::FakeProbe;
@@ -17,13 +20,14 @@ use std::time::{Duration, Instant};
 const RAM: u32 = 0x2000_0000;
 const RAM_BYTES: u32 = 128 * 1024;
 
-/// Place of the writing position in the log's control block.
+/// Offset of the write position in the log's control block.
 const WRITTEN: usize = 36;
-/// How often the memory is looked at, and the pause between two looks.
+/// Maximum number of reads of the memory, and the pause between two reads.
 const LOOKS: u32 = 600;
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// The RAM of the image once its log says something, with the log's control block at a place of it.
+/// Returns the RAM of the image once its log contains data; `block` is the offset of the log's
+/// control block.
 fn memory(folder: &Path, block: usize) -> Vec<u8> {
     let _alone = crate::emulated::ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut emulator = Command::new("qemu-system-arm")
@@ -37,7 +41,8 @@ fn memory(folder: &Path, block: usize) -> Vec<u8> {
         .unwrap();
     let mut monitor = emulator.stdin.take().unwrap();
     let look = |look: u32| {
-        // The monitor would take a path's slash for a division; the emulator works in the folder.
+        // The monitor would parse a slash in the path as a division, so the emulator runs in the
+        // folder.
         let name = format!("memory-{look}");
         writeln!(monitor, "pmemsave {RAM:#x} {RAM_BYTES:#x} {name}").unwrap();
         std::thread::sleep(PAUSE);
@@ -51,19 +56,19 @@ fn memory(folder: &Path, block: usize) -> Vec<u8> {
     memory.unwrap()
 }
 
-/// An ELF file with one segment and one section of it: what the fake takes its memory from.
+/// Writes an ELF file with one segment and one section, from which the fake reads its memory.
 fn as_elf(folder: &Path, memory: &[u8]) -> PathBuf {
     let length = memory.len() as u32;
     let mut bytes = b"\x7fELF\x01\x01\x01".to_vec();
     bytes.resize(16, 0);
     bytes.extend([2, 0, 40, 0, 1, 0, 0, 0]);
-    // Entry, program headers, section headers behind the data, flags.
+    // Entry, program headers, section headers after the data, flags.
     bytes.extend([0, 52, 84 + length, 0x0500_0000].map(u32::to_le_bytes).as_flattened());
     bytes.extend([52_u16, 32, 1, 40, 3, 2].map(u16::to_le_bytes).as_flattened());
     bytes.extend([1, 84, RAM, RAM, length, length, 6, 4].map(u32::to_le_bytes).as_flattened());
     bytes.extend(memory);
     bytes.extend([0; 40]);
-    // The memory, and the sections' names, of which all are empty.
+    // The memory, and the section names, which are all empty.
     bytes.extend([0, 1, 3, RAM, 84, length, 0, 0, 4, 0].map(u32::to_le_bytes).as_flattened());
     bytes.extend([0, 3, 0, 0, 84 + length, 1, 0, 0, 1, 0].map(u32::to_le_bytes).as_flattened());
     let path = folder.join("memory.elf");
@@ -71,10 +76,10 @@ fn as_elf(folder: &Path, memory: &[u8]) -> PathBuf {
     path
 }
 
-/// The lines that come from such a memory, and the error that ends them.
+/// Returns the log's lines from such a memory, and the error after the last one.
 fn followed(folder: &Path, memory: &[u8]) -> (Vec<String>, String) {
     let image = EmulatedController::default_elf();
-    let plan = Plan::of(board("stm32f405").unwrap(), &image).unwrap();
+    let plan = Plan::for_board(parse_board("stm32f405").unwrap(), &image).unwrap();
     let probe = FakeProbe::with_mocked_core_and_binary(&as_elf(folder, memory)).into_probe();
     let mut session = probe.attach(plan.chip, Permissions::default()).unwrap();
     let mut lines = Vec::new();
@@ -90,13 +95,13 @@ fn the_log_is_found_where_the_image_says_and_reads_as_text() {
     let block = image.symbols().find(|symbol| symbol.name() == Ok("_SEGGER_RTT")).unwrap();
     let block = (block.address() - u64::from(RAM)) as usize;
     let mut memory = memory(folder.path(), block);
-    // The mark of an image that was there before.
+    // The control block of an earlier image.
     let stale = memory.len() - 4096;
     memory.copy_within(block..block + 16, stale);
     let (lines, error) = followed(folder.path(), &memory);
     let [line] = &lines[..] else { panic!("{lines:?}, {error}") };
     assert!(line.ends_with("started, core at 168000000 Hz"), "{line}");
-    // The fake does not take the new reading position.
+    // The fake does not accept the new read position.
     assert!(error.starts_with("reading the log: "), "{error}");
 
     memory[block] = 0;

@@ -1,4 +1,4 @@
-//! What goes through a debug probe: the log, and the link with an attached controller.
+//! Log and link of an attached controller through a debug probe.
 //!
 //! Needs qemu-system-arm and the image (`cargo xtask firmware`). No flash is written.
 #![cfg(all(feature = "fake-probe", target_os = "linux"))]

@@ -1,7 +1,7 @@
-//! A probe made of software: the probe library's real session and its real RTT, over any [`Memory`]. The library's own fake has a memory that
-//! cannot be written.
+//! A probe in software: the probe library's real session and its real RTT, over any [`Memory`]. The
+//! memory of the library's own fake cannot be written.
 //!
-//! The core behind it can be halted and let run, and has nothing else: its registers read 0.
+//! Its core can only be halted and resumed; its registers read 0.
 
 use probe_rs::architecture::arm::ap::CSW;
 use probe_rs::architecture::arm::dp::{DpAddress, DpRegisterAddress};
@@ -24,16 +24,16 @@ const HALT: u32 = 1 << 1;
 const STEP: u32 = 1 << 2;
 const IS_HALTED: u32 = 1 << 17;
 const REGISTER_READY: u32 = 1 << 16;
-/// From here on registers of the core.
+/// Start address of the registers of the core.
 const SYSTEM: u64 = 0xE000_0000;
 
-/// What the probe reaches; false from either once it does not any more.
+/// Memory that the probe accesses. Both functions return false once the memory is out of reach.
 pub(crate) trait Memory: Send {
     fn read(&mut self, address: u32, bytes: &mut [u8]) -> bool;
     fn write(&mut self, address: u32, bytes: &[u8]) -> bool;
 }
 
-/// A probe at a memory, its core running or not.
+/// Returns a probe at a memory, with a running or halted core.
 pub(crate) fn probe_at(memory: impl Memory + 'static, runs: bool) -> Probe {
     let control = if runs { 0 } else { HALT | ENABLED };
     Probe::from_specific_probe(Box::new(Software { memory: Box::new(memory), control }))
@@ -41,7 +41,7 @@ pub(crate) fn probe_at(memory: impl Memory + 'static, runs: bool) -> Probe {
 
 struct Software {
     memory: Box<dyn Memory>,
-    /// What was last written to the core's control.
+    /// Last value written to the core's control register.
     control: u32,
 }
 
@@ -187,11 +187,11 @@ impl Access<'_> {
         if address < SYSTEM {
             return reached(self.0.memory.read(address as u32, bytes));
         }
-        // Whether it can be reached shows there, too.
+        // An unreachable memory shows here, too.
         reached(self.0.memory.read(0x2000_0000, &mut [0; 4]))?;
         bytes.fill(0);
         if let (DHCSR, Some(word)) = (address, bytes.first_chunk_mut()) {
-            // A step has been made as soon as it is asked for.
+            // A step completes at once.
             let halted = if self.0.control & (HALT | STEP) != 0 { IS_HALTED } else { 0 };
             *word = (REGISTER_READY | halted | self.0.control).to_le_bytes();
         }

@@ -1,8 +1,9 @@
-//! The memory of a board as a probe sees it, with the firmware's own ring buffers in it, and the twin's port at their other end.
+//! The memory of a board as a probe sees it: the firmware's own ring buffers, with the twin's port
+//! at the other end.
 
 use super::memory::Memory;
 use super::twin::Port;
-use firmware::boards::channel::Places;
+use controller::buffers::rtt_channel::Positions;
 use host_sim::controller::EmulatedController;
 use object::{Object, ObjectSection, ObjectSymbol};
 use std::io::Result;
@@ -17,7 +18,8 @@ const DOWN_AT: u32 = 0x2001_1000;
 const LOG_AT: u32 = 0x2001_2000;
 const NAME_AT: u32 = 0x2001_3000;
 
-/// What the image says of its memory: the control block's address, the build's name and its address.
+/// Returns the control block's address, the address of the build's name, and the name, from the
+/// image.
 pub(crate) fn marks() -> (u32, u32, Vec<u8>) {
     let bytes = std::fs::read(EmulatedController::default_elf()).unwrap();
     let file = object::File::parse(&*bytes).unwrap();
@@ -35,9 +37,9 @@ pub(crate) struct Board {
     pub(crate) build: Vec<u8>,
     /// Name of the second channels.
     pub(crate) name: &'static [u8; 5],
-    up: (Places, [AtomicU8; UP]),
-    down: (Places, [AtomicU8; DOWN]),
-    /// No probe reaches it any more.
+    up: (Positions, [AtomicU8; UP]),
+    down: (Positions, [AtomicU8; DOWN]),
+    /// True if no probe can reach the board any more.
     gone: AtomicBool,
 }
 
@@ -49,21 +51,21 @@ impl Board {
             build_at,
             build,
             name: b"link\0",
-            up: (Places::new(), [const { AtomicU8::new(0) }; UP]),
-            down: (Places::new(), [const { AtomicU8::new(0) }; DOWN]),
+            up: (Positions::new(), [const { AtomicU8::new(0) }; UP]),
+            down: (Positions::new(), [const { AtomicU8::new(0) }; DOWN]),
             gone: AtomicBool::new(false),
         }
     }
 
-    /// Bytes that a host left behind.
+    /// Puts bytes into the down buffer, as a host that has left.
     pub(crate) fn leave(&self, bytes: &[u8]) {
-        assert!(self.down.0.put(&self.down.1, bytes, 0));
+        assert!(self.down.0.write(&self.down.1, bytes, 0));
     }
 
     /// The control block: the log's channel, the link's two.
     fn control_block(&self) -> Vec<u8> {
         let mut bytes = b"SEGGER RTT\0\0\0\0\0\0".to_vec();
-        let seen = |places: &Places| places.seen().map(|place| place.load(Ordering::SeqCst));
+        let seen = |places: &Positions| places.as_words().map(|place| place.load(Ordering::SeqCst));
         let (up, down) = (seen(&self.up.0), seen(&self.down.0));
         let words = [
             [2, 1, NAME_AT + 16, LOG_AT, 1024, 0, 0, 0].as_slice(),
@@ -97,13 +99,13 @@ impl Memory for Arc<Board> {
         !self.gone.load(Ordering::SeqCst)
     }
 
-    /// The probe's two places, and what it writes down.
+    /// Write accesses of the probe: its read and write positions, and its data.
     fn write(&mut self, address: u32, bytes: &[u8]) -> bool {
         let word = || u32::from_le_bytes(bytes.try_into().unwrap());
         if address == self.block + 24 + 24 + 16 {
-            self.up.0.seen()[1].store(word(), Ordering::SeqCst);
+            self.up.0.as_words()[1].store(word(), Ordering::SeqCst);
         } else if address == self.block + 24 + 48 + 12 {
-            self.down.0.seen()[0].store(word(), Ordering::SeqCst);
+            self.down.0.as_words()[0].store(word(), Ordering::SeqCst);
         } else {
             assert!((DOWN_AT..DOWN_AT + DOWN as u32).contains(&address), "{address:#x}");
             for (place, byte) in self.down.1[(address - DOWN_AT) as usize..].iter().zip(bytes) {
@@ -114,12 +116,12 @@ impl Memory for Arc<Board> {
     }
 }
 
-/// The controller's side: as the image uses it.
+/// The controller's side of the ring buffers, used as in the image.
 pub(crate) struct Rings(pub(crate) Arc<Board>);
 
 impl Port for Rings {
     fn wait(&mut self, moment: Duration) -> bool {
-        let [write, read] = self.0.down.0.seen();
+        let [write, read] = self.0.down.0.as_words();
         let until = Instant::now() + moment;
         while write.load(Ordering::SeqCst) == read.load(Ordering::SeqCst) {
             if Instant::now() > until {
@@ -136,7 +138,7 @@ impl Port for Rings {
     }
 
     fn write(&mut self, bytes: &[u8]) {
-        let _ = self.0.up.0.put(&self.0.up.1, bytes, 0);
+        let _ = self.0.up.0.write(&self.0.up.1, bytes, 0);
     }
 
     /// The image's start-up clears its memory.
@@ -144,7 +146,7 @@ impl Port for Rings {
         for byte in self.0.up.1.iter().chain(&self.0.down.1) {
             byte.store(0, Ordering::SeqCst);
         }
-        for place in self.0.up.0.seen().into_iter().chain(self.0.down.0.seen()) {
+        for place in self.0.up.0.as_words().into_iter().chain(self.0.down.0.as_words()) {
             place.store(0, Ordering::SeqCst);
         }
     }

@@ -1,9 +1,9 @@
-//! A controller made of software at the other end of a pseudo-terminal, or of any other [`Port`]: the firmware's session, served as the image
-//! serves its serial port, with whatever is to go wrong.
+//! A simulated controller on a pseudo-terminal or on any other [`Port`]: the firmware's session,
+//! served as the image serves its serial port, with faults on request.
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
-use firmware::configuration::BENCH_B;
-use firmware::{Identity, NoTicks, Session};
+use controller::configuration::BENCH_B;
+use controller::{Identity, NoTicks, Session};
 use link::{
     BuildId, ClockSource, ControllerConfiguration, Decoder, FrameError, MAX_FRAME, SensorFrame, State,
     Target, ToController, ToHost, encode,
@@ -21,18 +21,18 @@ use std::time::Duration;
 
 pub(crate) const CONFIGURATION: ControllerConfiguration = BENCH_B;
 
-/// What goes wrong at a sample.
+/// A fault at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Trouble {
-    /// It goes, and the port with it.
+    /// The twin ends, and the port with it.
     Dies,
-    /// It does not answer any more, whatever comes.
+    /// It no longer answers.
     FallsSilent,
-    /// It starts anew and greets.
+    /// It restarts and sends its hello.
     Restarts,
-    /// It starts anew, and its greeting does not arrive.
+    /// It restarts, and its hello is lost.
     RestartsUnheard,
-    /// It goes on about other things and never answers.
+    /// It sends other messages and never answers.
     Raves,
     /// The sample does not arrive.
     SampleLost,
@@ -44,7 +44,7 @@ pub(crate) enum Trouble {
     Noise,
 }
 
-/// When: at a sample since its start, counted from 0, after so many bytes of its answer.
+/// A trouble at a sample since the start, counted from 0, after so many bytes of its answer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     pub(crate) at: u32,
@@ -52,24 +52,50 @@ pub(crate) struct Plan {
     pub(crate) trouble: Trouble,
 }
 
-/// What the twin's bytes go through.
+/// The port of the twin.
 pub(crate) trait Port: Send {
-    /// Waits a moment for bytes; whether there are any.
+    /// Waits until the controller may start.
+    fn before_start(&mut self) {}
+    /// Waits a moment for bytes; returns whether there are any.
     fn wait(&mut self, moment: Duration) -> bool;
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize>;
-    /// With nobody behind it, it takes what it can.
+    /// Writes the bytes; those without a reader are dropped.
     fn write(&mut self, bytes: &[u8]);
-    /// What a reset of the controller does to it.
+    /// Resets the port with the controller.
     fn restart(&mut self) {}
 }
 
-/// A pseudo-terminal. Its other end is held open, so that the master sees no end between two hosts.
+/// A pseudo-terminal. The slave side stays open, so that the master sees no end of file between two
+/// hosts.
 struct Terminal {
     line: File,
     _slave: File,
+    waits_for_host: bool,
+}
+
+impl Terminal {
+    /// Opens a pseudo-terminal; returns it with the path of the slave side.
+    fn open() -> (Self, PathBuf) {
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
+        grantpt(&master).unwrap();
+        unlockpt(&master).unwrap();
+        let port = PathBuf::from(ptsname(&master, Vec::new()).unwrap().into_string().unwrap());
+        // Raw, so that nothing is echoed before the first host connects.
+        let slave = File::options().read(true).write(true).open(&port).unwrap();
+        let mut settings = tcgetattr(&slave).unwrap();
+        settings.make_raw();
+        tcsetattr(&slave, OptionalActions::Now, &settings).unwrap();
+        (Self { line: File::from(master), _slave: slave, waits_for_host: false }, port)
+    }
 }
 
 impl Port for Terminal {
+    fn before_start(&mut self) {
+        if self.waits_for_host {
+            poll(&mut [PollFd::new(&self.line, PollFlags::IN)], None).unwrap();
+        }
+    }
+
     fn wait(&mut self, moment: Duration) -> bool {
         let moment = Timespec { tv_sec: 0, tv_nsec: moment.as_nanos() as i64 };
         poll(&mut [PollFd::new(&self.line, PollFlags::IN)], Some(&moment)).unwrap() > 0
@@ -84,42 +110,48 @@ impl Port for Terminal {
     }
 }
 
-/// The twin, running on a thread of its own until it is dropped.
+/// The twin, running on its own thread until it is dropped.
 pub(crate) struct Twin {
-    /// The pseudo-terminal, if it is at one.
+    /// Path of the pseudo-terminal; empty at another port.
     pub(crate) port: PathBuf,
-    /// Samples that have come so far.
+    /// Number of samples received so far.
     pub(crate) samples: Arc<AtomicU32>,
     end: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Twin {
-    /// One whose every greeting comes `greetings` times, as from a controller that was slow to answer the first asking.
-    pub(crate) fn start(plan: Vec<Plan>, greetings: usize) -> Self {
-        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
-        grantpt(&master).unwrap();
-        unlockpt(&master).unwrap();
-        let port = PathBuf::from(ptsname(&master, Vec::new()).unwrap().into_string().unwrap());
-        // Raw, so that nothing is echoed before the first host.
-        let slave = File::options().read(true).write(true).open(&port).unwrap();
-        let mut settings = tcgetattr(&slave).unwrap();
-        settings.make_raw();
-        tcsetattr(&slave, OptionalActions::Now, &settings).unwrap();
-        let terminal = Terminal { line: File::from(master), _slave: slave };
-        let mut twin = Self::at(terminal, plan, greetings);
+    /// Starts a twin that sends every hello `hello_count` times, like a controller
+    /// that was slow to answer the first request.
+    ///
+    /// The hello of its start is in the port's buffer when this returns.
+    pub(crate) fn start(plan: Vec<Plan>, hello_count: usize) -> Self {
+        let (terminal, port) = Terminal::open();
+        let slave = terminal._slave.try_clone().unwrap();
+        let mut twin = Self::at(terminal, plan, hello_count);
+        let hello = poll(&mut [PollFd::new(&slave, PollFlags::IN)], None);
+        assert_eq!(hello, Ok(1));
         twin.port = port;
         twin
     }
 
-    /// The same at another port.
-    pub(crate) fn at(port: impl Port + 'static, plan: Vec<Plan>, greetings: usize) -> Self {
+    /// Starts a twin that sends its first hello when the first bytes of a host arrive.
+    pub(crate) fn start_on_first_bytes() -> Self {
+        let (mut terminal, port) = Terminal::open();
+        terminal.waits_for_host = true;
+        let mut twin = Self::at(terminal, vec![], 1);
+        twin.port = port;
+        twin
+    }
+
+    /// Starts a twin at any port.
+    pub(crate) fn at(port: impl Port + 'static, plan: Vec<Plan>, hello_count: usize) -> Self {
         let (samples, end) = (Arc::new(AtomicU32::new(0)), Arc::new(AtomicBool::new(false)));
         let mut twin = Served {
             port: Box::new(port),
             session: session(),
             plan,
-            greetings,
+            hello_count,
             samples: Arc::clone(&samples),
             end: Arc::clone(&end),
             mode: Mode::Serving,
@@ -150,7 +182,7 @@ struct Served {
     port: Box<dyn Port>,
     session: Session,
     plan: Vec<Plan>,
-    greetings: usize,
+    hello_count: usize,
     samples: Arc<AtomicU32>,
     end: Arc<AtomicBool>,
     mode: Mode,
@@ -169,6 +201,7 @@ impl Served {
     fn serve(&mut self) {
         let mut decoder = Decoder::new();
         let mut buffer = [0; 1024];
+        self.port.before_start();
         self.greet();
         while self.mode != Mode::Dead && !self.end.load(Ordering::Relaxed) {
             let ready = self.port.wait(Duration::from_millis(5));
@@ -207,18 +240,18 @@ impl Served {
                 }
                 _ => {}
             }
-            // As the image does: a sample before any configuration is answered by silence.
+            // As in the image: a sample before any configuration gets no answer.
             if self.session.state() == State::Waiting {
                 return;
             }
         }
-        let is_greeting = matches!(message, ToController::Identify { .. });
+        let is_identify = matches!(message, ToController::Identify { .. });
         let answer = frame(&self.session.handle(message, &mut NoTicks));
         let Some(plan) = plan else {
-            for _ in 0..if is_greeting { self.greetings } else { 1 } {
+            for _ in 0..if is_identify { self.hello_count } else { 1 } {
                 self.write(&answer);
             }
-            if let Some(slow) = self.session.slow() {
+            if let Some(slow) = self.session.take_telemetry() {
                 self.write(&frame(&slow));
             }
             return;
@@ -246,7 +279,7 @@ impl Served {
         }
     }
 
-    /// As the image does at its start: behind a delimiter.
+    /// Sends the hello of a start after a delimiter, as the image does.
     fn greet(&mut self) {
         let hello = self.session.hello(0);
         self.write(&[0]);

@@ -3,8 +3,8 @@
     cargo build --release -p model-quant --example training_rounds
     python rounds.py --rounds 6 --ours ../../../target/release/examples/training_rounds torch tensorflow keras
 
-The rounds go round all contestants, 3 s each, so that a busy machine slows all of them alike; the table has the medians.
-`--python NAME=PATH` runs a contestant with an interpreter of its own.
+Each round runs every trainer for 3 s, so that a busy machine slows all of them alike; the table has the medians.
+`--python NAME=PATH` runs a trainer with a separate interpreter.
 """
 
 import argparse
@@ -36,7 +36,7 @@ for _ in range(arguments.rounds + 1):
         process.stdin.write("go\n")
         process.stdin.flush()
         found[name].append(int(process.stdout.readline()))
-print("| contestant | samples/s, median | lowest | highest | over torch, median of rounds |\n|---|---|---|---|---|")
+print("| trainer | samples/s, median | lowest | highest | over torch, median of rounds |\n|---|---|---|---|---|")
 for name, speeds in found.items():
     # The first round warms up.
     speeds, reference = speeds[1:], found.get("torch", speeds)[1:]

@@ -74,8 +74,8 @@ def tensorflow_step():
     def learn():
         with tf.GradientTape() as tape:
             loss = tf.reduce_mean((model(x, training=True) - y) ** 2)
-        slopes = tape.gradient(loss, model.trainable_variables)
-        optimiser.apply_gradients(zip(slopes, model.trainable_variables))
+        gradients = tape.gradient(loss, model.trainable_variables)
+        optimiser.apply_gradients(zip(gradients, model.trainable_variables))
 
     def step():
         learn()

@@ -1,52 +1,56 @@
-//! `model-quant dataset`: the rows of a set as a table; below it, whole data sets.
+//! `model-quant dataset`: rows as a CSV table; its subcommands write complete sets.
 
 mod collision;
 mod friction;
 mod progress;
 
 use super::{CliError, parse_bearing, print_json};
-use inference::Bearing;
-use model_quant::csv::table;
-use model_quant::draw::Purpose;
-use model_quant::features::FloatFeatures;
-use model_quant::ranges::{RangeKind, header};
-use model_quant::rows::rows;
-use model_quant::write::write_whole;
+use crate::data::csv::table;
+use crate::data::draw::Purpose;
+use crate::data::features::FloatFeatures;
+use crate::data::file::write_atomically;
+use crate::data::ranges::{RangeKind, header};
+use crate::data::rows::draw_rows;
+use crate::data::statistics::mean;
+use inference::BearingMaterial;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Most rows of a table.
+/// Maximum number of rows in a table.
 const ROWS_LIMIT: usize = 20_000_000;
 
-/// Write rows of a data set as CSV: states and the forces of the laws; or a whole set with one of the commands
+/// Write rows of a data set as CSV: states and the forces of the laws; or a complete set with a
+/// subcommand
 ///
-/// A row depends on seed, set and index alone, so a longer table begins with the shorter one. `paper` is Table 2 of the
-/// paper; `bench` is what the transmission bench meets and what the shipped models were trained on. The rate over the
-/// approach speed is limited to -6..6 in both: a row beyond gets the rate at the nearest end.
+/// A row depends on seed, set and index alone, so a longer table begins with the shorter one.
+/// `paper` is Table 2 of the paper; `bench` covers the states of the transmission bench, and the
+/// shipped models were trained on it. Both limit the ratio of rate to approach speed to -6..6: a
+/// rate beyond is replaced by that of the nearest limit.
 #[derive(Debug, clap::Args)]
 #[command(
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
-    after_help = "Examples:\n  model-quant dataset --bearing plastic --range paper --rows 1000 --seed 7 --out rows.csv\n  \
+    after_help = "Examples:\n  model-quant dataset --bearing plastic --range paper --rows 1000 --seed 7 \
+                  --out rows.csv\n  \
                   model-quant dataset collision --bearing plastic --out sets --format parquet\n  \
                   model-quant dataset friction --bearing plastic --out sets"
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
-    whole: Option<Whole>,
+    complete_set: Option<CompleteSet>,
     /// Bearing: babbitt or plastic
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
-    bearing: Bearing,
+    bearing: BearingMaterial,
     /// Ranges and distributions
     #[arg(long, value_enum, default_value_t = RangeKind::Bench)]
     range: RangeKind,
-    /// Which set of the seed
+    /// Set of rows
     #[arg(long, value_enum, default_value_t = Set::Training)]
     set: Set,
     /// Number of rows
     #[arg(long, default_value_t = 10_000)]
     rows: usize,
-    /// Seed of every draw; the shipped models have 2
+    /// Seed of every random draw; the shipped models use 2
     #[arg(long, default_value_t = 2)]
     seed: u64,
     /// File to write
@@ -57,9 +61,9 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// Whole sets.
+/// Complete sets.
 #[derive(Debug, clap::Subcommand)]
-enum Whole {
+enum CompleteSet {
     Collision(collision::Arguments),
     Friction(friction::Arguments),
 }
@@ -73,11 +77,11 @@ enum Set {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    let out = match (&arguments.whole, &arguments.out) {
-        (Some(Whole::Collision(arguments)), _) => return collision::run(arguments),
-        (Some(Whole::Friction(arguments)), _) => return friction::run(arguments),
+    let out = match (&arguments.complete_set, &arguments.out) {
+        (Some(CompleteSet::Collision(arguments)), _) => return collision::run(arguments),
+        (Some(CompleteSet::Friction(arguments)), _) => return friction::run(arguments),
         (None, Some(out)) => out,
-        // Not reached: without a command the option is required.
+        // Unreachable: without a subcommand clap requires the option.
         (None, None) => return Err(CliError::Argument("--out", "nothing".to_owned(), "a file to write")),
     };
     if arguments.rows == 0 || arguments.rows > ROWS_LIMIT {
@@ -89,12 +93,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Set::Calibration => Purpose::CalibrationRows,
         Set::Test => Purpose::TestRows,
     };
-    let features = FloatFeatures::of(&header(arguments.bearing, arguments.range));
-    let set = rows(arguments.bearing, arguments.range, arguments.seed, purpose, arguments.rows);
+    let features = FloatFeatures::from_header(&header(arguments.bearing, arguments.range));
+    let set = draw_rows(arguments.bearing, arguments.range, arguments.seed, purpose, arguments.rows);
     let text = table(&features, &set);
-    write_whole(out, text.as_bytes())?;
+    write_atomically(out, text.as_bytes())?;
     let largest = set.iter().fold(0.0_f64, |largest, row| largest.max(row.normal_force_n));
-    let mean = set.iter().map(|row| row.normal_force_n).sum::<f64>() / set.len() as f64;
+    let mean = mean(set.iter().map(|row| row.normal_force_n));
     let summary = json!({
         "file": out.display().to_string(),
         "bearing": arguments.bearing.name(),

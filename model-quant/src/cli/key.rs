@@ -1,27 +1,27 @@
-//! `model-quant key`: a pair of keys for model packages.
+//! `model-quant key`: key pairs for signing packages.
 
 use super::{CliError, print, print_json};
+use crate::data::file::{WriteError, temporary};
+use crate::exchange::key::{digits, parse, text};
 use ed25519_dalek::SigningKey;
-use model_quant::key::{digits, parse, text};
-use model_quant::write::{WriteError, temporary};
 use serde_json::json;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// Make a key that model packages are signed with
+/// Make a key pair for signing model packages
 ///
-/// Writes the secret half to a file and prints the public half, which the firmware has to be built with. A file that is there already is
-/// not replaced: its public half is printed again with `--show`.
+/// Writes the secret key to a file and prints the public key, which must be compiled into the
+/// firmware. An existing file is not replaced; `--show` prints its public key.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  model-quant key --out bench.key\n  model-quant key --show bench.key\n  \
                         PINTLE_MODEL_KEY=$(model-quant key --show bench.key) cargo xtask firmware"
 )]
 pub(crate) struct Arguments {
-    /// File that gets the secret half
+    /// File for the secret key
     #[arg(long, value_name = "FILE", required_unless_present = "show")]
     out: Option<PathBuf>,
-    /// Print the public half of the key in a file
+    /// Print the public key of a key file
     #[arg(long, value_name = "FILE", conflicts_with = "out")]
     show: Option<PathBuf>,
     /// Print as JSON
@@ -42,14 +42,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     print(format_args!("{public}"))
 }
 
-/// Reads a key from a file.
+/// Reads a key file.
 pub(super) fn read(path: &Path) -> Result<SigningKey, CliError> {
     let content =
         std::fs::read_to_string(path).map_err(|source| CliError::Read { path: path.into(), source })?;
     parse(&content).map_err(|source| CliError::Key { path: path.into(), source })
 }
 
-/// Makes a key and its file, which nobody but its owner could read at any time and which replaces none.
+/// Makes a key and a new file that only its owner can read from the moment of its creation.
 fn make(path: &Path) -> Result<SigningKey, CliError> {
     let mut secret = [0; 32];
     getrandom::fill(&mut secret).map_err(CliError::Random)?;
@@ -61,7 +61,7 @@ fn make(path: &Path) -> Result<SigningKey, CliError> {
         Ok(_) => Ok(key),
         Err(refused) if refused.error.kind() == ErrorKind::AlreadyExists => {
             let found = path.display().to_string();
-            Err(CliError::Argument("--out", found, "a file that is not there yet"))
+            Err(CliError::Argument("--out", found, "a file that does not exist yet"))
         }
         Err(refused) => Err(failed(refused.error).into()),
     }

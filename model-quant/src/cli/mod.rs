@@ -1,4 +1,6 @@
-//! The commands and what they share.
+//! Commands of the program `model-quant` and their shared parts.
+//!
+//! Exit status: 0 done; 1 the work failed or a check found a difference; 2 the input is wrong.
 
 mod dataset;
 mod export;
@@ -10,23 +12,26 @@ mod report;
 mod train;
 mod verify;
 
+use crate::data::bench_runs::RunError;
+use crate::data::file::{FileError, WriteError};
+use crate::data::friction_source::FrictionError;
+use crate::data::picture::PictureError;
+use crate::evaluate::peers::{ResultsError, WindowsError};
+use crate::exchange::key::KeyError;
+use crate::exchange::package::PackageError;
+use crate::network::checkpoint::{Checkpoint, CheckpointError, LoadError, read_checkpoint};
+use crate::network::shipped::shipped_checkpoint;
+use crate::quantise::QuantiseError;
+use crate::report::training::ReportError;
+use crate::train::pipeline::TrainError;
 use clap::{Parser, Subcommand};
-use inference::{Bearing, ImageError};
-use model_quant::bench_loop::BenchLoopError;
-use model_quant::checkpoint::{Checkpoint, CheckpointError, bearing_named};
-use model_quant::dataset::bench_runs::RunError;
-use model_quant::dataset::friction_source::FrictionError;
-use model_quant::dataset::picture::PictureError;
-use model_quant::float_pair::{LoadError, read_checkpoint, shipped};
-use model_quant::key::KeyError;
-use model_quant::package::PackageError;
-use model_quant::peers::{ResultsError, WindowsError};
-use model_quant::pipeline::TrainError;
-use model_quant::quantise::QuantiseError;
-use model_quant::training_report::{FileError, ReportError};
-use model_quant::write::WriteError;
+use inference::{BearingMaterial, ImageError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Maximum number of worker threads.
+const MAX_THREADS: i64 = 1024;
 
 /// Data sets, training, quantisation and verification of the contact networks.
 #[derive(Debug, Parser)]
@@ -34,9 +39,15 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Arguments {
     #[command(subcommand)]
     command: Command,
-    /// Worker threads; 0 takes one per core. The result does not depend on it.
-    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
-    threads: usize,
+    /// Number of worker threads; 0: one for each core. It does not change any result
+    #[arg(
+        long,
+        global = true,
+        default_value_t = 0,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(..=MAX_THREADS)
+    )]
+    threads: u16,
 }
 
 #[derive(Debug, Subcommand)]
@@ -52,7 +63,7 @@ enum Command {
     Package(package::Arguments),
 }
 
-/// Why a command ended without its result.
+/// Reason why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
     #[error("{0}")]
@@ -75,6 +86,8 @@ pub(crate) enum CliError {
     Windows(#[from] WindowsError),
     #[error("{0}: found {1}, expected {2}")]
     Argument(&'static str, String, &'static str),
+    #[error("{}: shape of the network: found {found}; expected {expected}", file.display())]
+    Shape { file: PathBuf, found: String, expected: String },
     #[error("{0}")]
     Quantise(#[from] QuantiseError),
     #[error("{0}")]
@@ -92,8 +105,6 @@ pub(crate) enum CliError {
     #[error("{0}")]
     File(#[from] FileError),
     #[error("{0}")]
-    BenchLoop(#[from] BenchLoopError),
-    #[error("{0}")]
     Import(#[from] import::ImportError),
     #[error("safetensors: {0}")]
     Safetensors(#[from] safetensors::SafeTensorError),
@@ -110,8 +121,8 @@ pub(crate) enum CliError {
 }
 
 impl CliError {
-    /// 2 for wrong input, 1 for failed work.
-    pub(crate) fn exit_code(&self) -> u8 {
+    /// Exit code: 2 for wrong input, 1 for failed work.
+    fn exit_code(&self) -> u8 {
         match self {
             Self::Load(_)
             | Self::Read { .. }
@@ -122,18 +133,29 @@ impl CliError {
             | Self::Package { .. }
             | Self::File(_)
             | Self::Report(ReportError::File(_))
-            | Self::BenchLoop(_)
-            | Self::Train(TrainError::State { .. })
-            | Self::Argument(..) => 2,
+            | Self::Train(TrainError::Read { .. } | TrainError::State { .. })
+            | Self::Argument(..)
+            | Self::Shape { .. } => 2,
             Self::Friction(error) if error.is_wrong_input() => 2,
             _ => 1,
         }
     }
 }
 
+/// Parses the command line and runs the command.
+pub fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
 /// Runs a command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
+fn run(arguments: &Arguments) -> Result<(), CliError> {
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.into()).build_global()?;
     match &arguments.command {
         Command::Dataset(arguments) => dataset::run(arguments),
         Command::Train(arguments) => train::run(arguments),
@@ -147,21 +169,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
 }
 
-/// Reads a bearing's name.
-fn parse_bearing(name: &str) -> Result<Bearing, String> {
-    bearing_named(name).ok_or_else(|| format!("found `{name}`, expected `babbitt` or `plastic`"))
+/// Parses the name of a bearing material.
+fn parse_bearing(name: &str) -> Result<BearingMaterial, String> {
+    let names = || BearingMaterial::ALL.map(|material| format!("`{}`", material.name())).join(" or ");
+    BearingMaterial::from_name(name).ok_or_else(|| format!("found `{name}`, expected {}", names()))
 }
 
-/// The bearings asked for: one, or both.
-fn bearings(chosen: Option<Bearing>) -> Vec<Bearing> {
-    chosen.map_or_else(|| Bearing::ALL.to_vec(), |bearing| vec![bearing])
+/// The chosen bearing, or both.
+fn bearings(chosen: Option<BearingMaterial>) -> Vec<BearingMaterial> {
+    chosen.map_or_else(|| BearingMaterial::ALL.to_vec(), |bearing| vec![bearing])
 }
 
-/// A checkpoint and its training id: from a file, or the checked-in one of a bearing.
-fn checkpoint(file: Option<&Path>, bearing: Bearing) -> Result<(Checkpoint, u64), CliError> {
+/// Loads a checkpoint and its training id from a file, or the shipped one of a bearing.
+fn checkpoint(file: Option<&Path>, bearing: BearingMaterial) -> Result<(Checkpoint, u64), CliError> {
     let (checkpoint, bytes) = match file {
         Some(path) => read_checkpoint(path)?,
-        None => (Checkpoint::from_bytes(shipped(bearing))?, shipped(bearing).to_vec()),
+        None => (Checkpoint::from_bytes(shipped_checkpoint(bearing))?, shipped_checkpoint(bearing).to_vec()),
     };
     Ok((checkpoint, Checkpoint::training_id(&bytes)))
 }
@@ -170,7 +193,7 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), CliError> {
     print(format_args!("{}", serde_json::to_string_pretty(value)?))
 }
 
-/// Prints a line; a reader that has gone away is no error.
+/// Prints a line; a closed pipe is not an error.
 fn print(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(source) if source.kind() != std::io::ErrorKind::BrokenPipe => Err(CliError::Output(source)),

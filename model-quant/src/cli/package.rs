@@ -1,47 +1,56 @@
-//! `model-quant package`: images, self-tests and signature in one file for the controller.
+//! `model-quant package`: one signed file with images and self-tests for a controller.
 
 use super::key::read as read_key;
 use super::{CliError, print, print_json};
-use inference::{Bearing, shipped};
-use model_quant::image::AlignedImage;
-use model_quant::key::{DEVELOPMENT, digits, parse};
-use model_quant::package::{Package, Purpose};
-use model_quant::write::write_whole;
+use crate::data::file::write_atomically;
+use crate::exchange::key::{DEVELOPMENT, digits, parse};
+use crate::exchange::package::{Package, PackageProperties};
+use crate::quantise::image::AlignedImage;
+use inference::{BearingMaterial, shipped};
 use serde_json::json;
 use std::path::PathBuf;
 
 /// Sign model images for a controller
 ///
-/// The package holds the images, for each a self-test (known inputs and the networks' results) that the controller repeats before it runs
-/// them, and an ed25519 signature over all of it. A controller takes a package whose version is above that of what it has, unless it is signed
-/// with `--may-be-older`; whoever has such a package can go back to it any time. The same inputs give the same bytes.
+/// The package contains the images, a self-test for each (inputs with the networks' results), and
+/// an ed25519 signature over everything. The controller repeats the self-test before it runs an
+/// image. It accepts a package whose version is above that of its current models. A package signed
+/// with `--may-be-older` is accepted at any time, so its owner can always go back to it. The same
+/// inputs give the same bytes.
 #[derive(Debug, clap::Args)]
 #[command(
     visible_alias = "sign",
-    after_help = "Examples:\n  model-quant package new/babbitt.pintle --version 4 --key bench.key --out babbitt-4.package\n  \
-                  model-quant package new/babbitt.pintle new/plastic.pintle --version 5 --key bench.key --out both-5.package\n  \
+    after_help = "Examples:\n  model-quant package new/babbitt.pintle --version 4 --key bench.key \
+                  --out babbitt-4.package\n  \
+                  model-quant package new/babbitt.pintle new/plastic.pintle --version 5 --key bench.key \
+                  --out both-5.package\n  \
                   model-quant package --show both-5.package"
 )]
 pub(crate) struct Arguments {
-    /// Model images, one for each bearing at most; the checked-in ones of both bearings if none is given
+    /// Model images, at most one for each bearing; default: the shipped ones of both bearings
     #[arg(value_name = "IMAGE")]
     images: Vec<PathBuf>,
-    /// Version of the model, from 1 on
-    #[arg(long, value_name = "N", required_unless_present = "show", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Version of the model, from 1
+    #[arg(
+        long,
+        value_name = "N",
+        required_unless_present = "show",
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     version: Option<u32>,
-    /// Board it is for
+    /// Board that the package is for
     #[arg(long, value_enum, default_value_t)]
     board: Board,
-    /// Let controllers take it even when what they have is newer
+    /// Let controllers install it over newer models
     #[arg(long)]
     may_be_older: bool,
-    /// File with the secret half of the key; the published development key if not given
+    /// File with the secret key; the published development key if not given
     #[arg(long, value_name = "FILE")]
     key: Option<PathBuf>,
-    /// File that gets the package
+    /// Package file to write
     #[arg(long, value_name = "FILE", required_unless_present = "show")]
     out: Option<PathBuf>,
-    /// Print what is in a package, and do nothing else
+    /// Only print the content of a package
     #[arg(long, value_name = "FILE", conflicts_with_all = ["images", "version", "may_be_older", "out"])]
     show: Option<PathBuf>,
     /// Print as JSON
@@ -49,10 +58,10 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// Boards that packages can be made for.
+/// Supported boards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 enum Board {
-    /// STM32F405: every board with it, and the emulator
+    /// STM32F405: all boards with it, and the emulator
     #[default]
     Stm32f405,
     /// Arm MPS2+ with image AN505
@@ -86,10 +95,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             (path, read.map_err(wrong(path))?)
         }
         (None, Some(path), Some(version)) => {
-            let purpose =
-                Purpose { board: arguments.board.code(), version, may_be_older: arguments.may_be_older };
-            let package = Package::new(purpose, &images(arguments)?, &key).map_err(wrong(path))?;
-            write_whole(path, &package.to_bytes())?;
+            let properties = PackageProperties {
+                board: arguments.board.code(),
+                version,
+                may_be_older: arguments.may_be_older,
+            };
+            let package = Package::new(properties, &images(arguments)?, &key).map_err(wrong(path))?;
+            write_atomically(path, &package.to_bytes())?;
             (path, package)
         }
         _ => return Ok(()),
@@ -102,13 +114,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             .iter()
             .zip(manifest.samples.into_iter().filter(|&samples| samples > 0))
             .map(|((bearing, crc, header, bytes), samples)| {
-                json!({ "bearing": bearing.name(), "crc": format!("{crc:08x}"), "bytes": bytes, "self_test_samples": samples,
+                json!({ "bearing": bearing.name(), "crc": format!("{crc:08x}"), "bytes": bytes,
+                        "self_test_samples": samples,
                         "training_id": format!("{:016x}", header.training_id) })
             })
             .collect();
         return print_json(&json!({
-            "file": path.display().to_string(), "version": manifest.version, "board": format!("{:04x}", manifest.board),
-            "may_be_older": manifest.may_be_older, "bytes": package.to_bytes().len(), "hash": digits(&manifest.hash),
+            "file": path.display().to_string(), "version": manifest.version,
+            "board": format!("{:04x}", manifest.board),
+            "may_be_older": manifest.may_be_older, "bytes": package.to_bytes().len(),
+            "hash": digits(&manifest.hash),
             "images": images, "signed_for": signed.then(|| digits(&public)),
         }));
     }
@@ -139,7 +154,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
 
 fn images(arguments: &Arguments) -> Result<Vec<AlignedImage>, CliError> {
     if arguments.images.is_empty() {
-        return Ok(Bearing::ALL.map(|bearing| AlignedImage::copy(shipped(bearing))).to_vec());
+        return Ok(BearingMaterial::ALL.map(|bearing| AlignedImage::copy(shipped(bearing))).to_vec());
     }
     let read = |path: &PathBuf| {
         AlignedImage::read(path).map_err(|source| CliError::Read { path: path.clone(), source }).and_then(

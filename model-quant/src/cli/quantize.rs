@@ -1,39 +1,42 @@
-//! `model-quant quantize`: a model image and its card from a float checkpoint.
+//! `model-quant quantize`: model images and cards from float checkpoints.
 
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
-use inference::{Bearing, shipped as shipped_image};
-use model_quant::bench_loop;
-use model_quant::card::{Facts, card};
-use model_quant::checkpoint::Checkpoint;
-use model_quant::held_out::judged;
-use model_quant::image::AnyModel;
-use model_quant::layers::{LAYER_ROWS, LayerError, layer_errors};
-use model_quant::limits;
-use model_quant::mode::{Mode, Packing, Plan};
-use model_quant::quantise::{QuantiseError, Quantised, quantise};
-use model_quant::verify::{BANDS_N, TEST_ROWS, Verdict, verify};
-use model_quant::write::write_whole;
+use crate::data::file::{check_directory, write_atomically};
+use crate::evaluate::bench_loop;
+use crate::evaluate::layers::{LAYER_ROWS, LayerError, layer_errors};
+use crate::evaluate::limits;
+use crate::evaluate::test_set::TEST_ROWS;
+use crate::evaluate::verdict::{BANDS_N, Verdict};
+use crate::evaluate::verify::add_held_out_errors;
+use crate::evaluate::verify::verify;
+use crate::network::checkpoint::Checkpoint;
+use crate::quantise::image::AnyModel;
+use crate::quantise::mode::{Mode, Packing, Plan};
+use crate::quantise::{QuantiseError, Quantised, quantise};
+use crate::report::card::{Facts, card};
+use inference::{BearingMaterial, shipped as shipped_image};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Quantise float checkpoints to model images and write their model cards
 ///
-/// Weights are on a grid per output channel; activations are scaled by the smallest and largest values of 16384 seeded
-/// calibration rows, the friction network's behind the quantised collision network. Without options this gives
-/// the checked-in images byte for byte; `--check` compares them.
+/// Weights have one grid for each output channel. Activations are scaled by their largest values
+/// over 16384 seeded calibration rows; the friction network gets the forces of the quantised
+/// collision network. Without options this gives the shipped images byte for byte; `--check`
+/// compares them.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Examples:\n  model-quant quantize --checkpoint model-quant/models/babbitt.float --out crates/inference/models\n  \
-                        model-quant quantize --bearing plastic --mode w8a8 --packing flash --max-error-n 100 --out compact\n  \
+#[command(after_help = "Examples:\n  model-quant quantize --checkpoint model-quant/models/babbitt.float \
+                        --out crates/inference/models\n  \
+                        model-quant quantize --bearing plastic --mode w8a8 --packing flash \
+                        --max-error-n 100 --out compact\n  \
                         model-quant quantize --compare\n  \
                         model-quant quantize --layers --mode w8a8\n  \
-                        model-quant quantize --check"
-)]
+                        model-quant quantize --check")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic; both if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
-    bearing: Option<Bearing>,
-    /// Float checkpoint; the checked-in ones if not given
+    bearing: Option<BearingMaterial>,
+    /// Float checkpoint; the shipped ones if not given
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Widths of weights and activations
@@ -42,24 +45,24 @@ pub(crate) struct Arguments {
     /// Storage of 8-bit weights for 16-bit activations
     #[arg(long, value_enum, default_value_t)]
     packing: Packing,
-    /// Refuse images whose mean absolute difference from the float networks over all test rows, of normal or friction
-    /// force, exceeds this many N: exit 1, nothing written
+    /// Refuse images whose mean absolute difference from the float networks over all test rows, in
+    /// the normal or the friction force, exceeds this many N: exit 1, nothing written
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     max_error_n: Option<f64>,
-    /// Directory that gets BEARING.pintle and BEARING.md
+    /// Output directory for BEARING.pintle and BEARING.md
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
-    /// bench-loop.json of `host-sim accuracy` for the model cards; the checked-in one if not given. A measurement with another
-    /// image is left out
+    /// bench-loop.json of `host-sim accuracy` for the model cards; default: that of the shipped
+    /// images. Measurements with other images are left out
     #[arg(long, value_name = "FILE")]
     bench_loop: Option<PathBuf>,
-    /// Compare every mode with the float networks, write nothing
+    /// Compare every mode with the float networks; write nothing
     #[arg(long, conflicts_with_all = ["mode", "packing", "max_error_n", "out", "check", "layers"])]
     compare: bool,
-    /// Print what every layer costs in N, write nothing
+    /// Print the error of every quantisation step in N; write nothing
     #[arg(long, conflicts_with_all = ["max_error_n", "out", "check"])]
     layers: bool,
-    /// Compare with the checked-in images, write nothing
+    /// Compare with the shipped images; write nothing
     #[arg(long, conflicts_with_all = ["checkpoint", "out", "mode", "packing", "max_error_n"])]
     check: bool,
     /// Print a summary as JSON
@@ -67,19 +70,19 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// An image that is ready to be written.
-struct Ready {
+/// An image with its checkpoint, before it is written.
+struct QuantisedBearing {
     checkpoint: Checkpoint,
     training_id: u64,
     quantised: Quantised,
 }
 
-impl Ready {
+impl QuantisedBearing {
     fn name(&self) -> &'static str {
         self.checkpoint.bearing.name()
     }
 
-    fn check_sum(&self) -> u32 {
+    fn checksum(&self) -> u32 {
         self.quantised.image.last_chunk::<4>().map_or(0, |sum| u32::from_le_bytes(*sum))
     }
 
@@ -94,14 +97,17 @@ impl Ready {
     }
 }
 
-fn prepare(arguments: &Arguments, plan: Plan) -> Result<Vec<Ready>, CliError> {
-    let chosen =
-        if arguments.checkpoint.is_some() { vec![Bearing::Babbitt] } else { bearings(arguments.bearing) };
+fn prepare(arguments: &Arguments, plan: Plan) -> Result<Vec<QuantisedBearing>, CliError> {
+    let chosen = if arguments.checkpoint.is_some() {
+        vec![BearingMaterial::Babbitt]
+    } else {
+        bearings(arguments.bearing)
+    };
     (chosen.into_iter())
         .map(|bearing| {
             let (checkpoint, training_id) = checkpoint(arguments.checkpoint.as_deref(), bearing)?;
             let quantised = quantise(&checkpoint, training_id, plan)?;
-            Ok(Ready { checkpoint, training_id, quantised })
+            Ok(QuantisedBearing { checkpoint, training_id, quantised })
         })
         .collect()
 }
@@ -109,7 +115,7 @@ fn prepare(arguments: &Arguments, plan: Plan) -> Result<Vec<Ready>, CliError> {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let plan = Plan { mode: arguments.mode, packing: arguments.packing };
     if plan.mode == Mode::W16a16 && plan.packing == Packing::Flash {
-        let expected = "speed: weights of more than 8 bits have one form of storage";
+        let expected = "speed: weights of more than 8 bits have only one form of storage";
         return Err(CliError::Argument("--packing", "flash with --mode w16a16".to_owned(), expected));
     }
     if let Some(limit) = arguments.max_error_n
@@ -127,13 +133,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.check {
         return summarise(arguments, &ready, &[]);
     }
-    let verdicts: Vec<[Verdict; 2]> = ready.iter().map(Ready::verify).collect::<Result<_, _>>()?;
+    check_directory(&arguments.out)?;
+    let verdicts: Vec<[Verdict; 2]> = ready.iter().map(QuantisedBearing::verify).collect::<Result<_, _>>()?;
     if let Some(limit_n) = arguments.max_error_n {
         let is_refused = |error_n: f64| error_n > limit_n || error_n.is_nan();
         if let Some(verdict) = verdicts.iter().flatten().find(|v| is_refused(v.mae_quantisation_n)) {
             return Err(CliError::Refused(format!(
-                "{} {}: mean absolute difference between image and float networks is {:.2} N over {TEST_ROWS} test \
-                 rows, expected at most {limit_n} N (--max-error-n); nothing written",
+                "{} {}: mean absolute difference between image and float networks is {:.2} N over \
+                 {TEST_ROWS} test rows, expected at most {limit_n} N (--max-error-n); nothing written",
                 verdict.bearing, verdict.network, verdict.mae_quantisation_n
             )));
         }
@@ -148,35 +155,43 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             plan,
             header: &header,
             image,
-            verdicts: &judged(verdicts.clone(), &ready.checkpoint, model)?,
+            verdicts: &add_held_out_errors(verdicts.clone(), &ready.checkpoint, model)?,
             layers: &ready.layers(plan)?,
             limits: &limits::measure(model)?,
-            bench_loop: bench_loop::of_image(&measured, ready.check_sum()),
+            bench_loop: bench_loop::for_image(&measured, ready.checksum()),
         });
-        write_whole(&arguments.out.join(format!("{}.md", ready.name())), text.as_bytes())?;
-        write_whole(&arguments.out.join(format!("{}.pintle", ready.name())), image)?;
+        write_atomically(&arguments.out.join(format!("{}.md", ready.name())), text.as_bytes())?;
+        write_atomically(&arguments.out.join(format!("{}.pintle", ready.name())), image)?;
     }
     summarise(arguments, &ready, &verdicts)
 }
 
-fn summarise(arguments: &Arguments, ready: &[Ready], verdicts: &[[Verdict; 2]]) -> Result<(), CliError> {
+fn summarise(
+    arguments: &Arguments,
+    ready: &[QuantisedBearing],
+    verdicts: &[[Verdict; 2]],
+) -> Result<(), CliError> {
     let mut summaries = Vec::new();
     let mut different = Vec::new();
     for (index, ready) in ready.iter().enumerate() {
-        let (name, bytes, crc) = (ready.name(), ready.quantised.image.len(), ready.check_sum());
+        let (name, bytes, crc) = (ready.name(), ready.quantised.image.len(), ready.checksum());
         let equals_checked_in = *ready.quantised.image == *shipped_image(ready.checkpoint.bearing);
         if !equals_checked_in {
             different.push(name);
         }
         let errors = verdicts.get(index).map(|[a, b]| [a.mae_quantisation_n, b.mae_quantisation_n]);
         if !arguments.json {
-            let did = if arguments.check { "quantised" } else { "wrote" };
+            let action = if arguments.check { "quantised" } else { "wrote" };
             let equal = if equals_checked_in { "equal to" } else { "different from" };
             let error = errors.map_or(String::new(), |[collision, friction]| {
-                format!(", off the float networks by {collision:.2} N normal and {friction:.2} N friction")
+                format!(
+                    ", difference from the float networks {collision:.2} N normal \
+                     and {friction:.2} N friction"
+                )
             });
             print(format_args!(
-                "{did} {name}: {}, packed for {}, {bytes} bytes of flash, CRC-32 {crc:08x}{error}, {equal} the checked-in image",
+                "{action} {name}: {}, packed for {}, {bytes} bytes of flash, CRC-32 {crc:08x}{error}, \
+                 {equal} the checked-in image",
                 arguments.mode.name(),
                 arguments.packing.name()
             ))?;
@@ -199,7 +214,7 @@ fn summarise(arguments: &Arguments, ready: &[Ready], verdicts: &[[Verdict; 2]]) 
     }
     if arguments.check && !different.is_empty() {
         return Err(CliError::Differs(format!(
-            "checked-in image of {}: quantising its checkpoint again gave other bytes",
+            "checked-in image of {}: quantising its checkpoint gives other bytes",
             different.join(" and ")
         )));
     }
@@ -210,7 +225,8 @@ fn compare(arguments: &Arguments) -> Result<(), CliError> {
     let mut figures: Vec<Value> = Vec::new();
     if !arguments.json {
         print(format_args!(
-            "difference between image and float networks over {TEST_ROWS} test rows, mean / largest in N, by normal force"
+            "difference between image and float networks over {TEST_ROWS} test rows, mean / largest in N, \
+             by normal force"
         ))?;
         let heads: String = BANDS_N.iter().map(|up_to| format!("{:>17}", format!("to {up_to} N"))).collect();
         print(format_args!(
@@ -224,12 +240,12 @@ fn compare(arguments: &Arguments) -> Result<(), CliError> {
             Mode::W8a16 | Mode::W8a8 => prepare(arguments, Plan { mode, packing: Packing::Flash })?,
         };
         for (fast, small) in fast.iter().zip(&small) {
-            let (bytes, least) = (fast.quantised.image.len(), small.quantised.image.len());
+            let (bytes, flash_bytes) = (fast.quantised.image.len(), small.quantised.image.len());
             for verdict in fast.verify()? {
                 figures.push(json!({
                     "mode": mode,
                     "bytes_speed": bytes,
-                    "bytes_flash": least,
+                    "bytes_flash": flash_bytes,
                     "verdict": verdict,
                 }));
                 if arguments.json {
@@ -243,7 +259,7 @@ fn compare(arguments: &Arguments) -> Result<(), CliError> {
                     })
                     .collect();
                 print(format_args!(
-                    "{:8} {:9}  {:7}  {bytes:7}  {least:7}  {:8.2}{bands}",
+                    "{:8} {:9}  {:7}  {bytes:7}  {flash_bytes:7}  {:8.2}{bands}",
                     verdict.bearing,
                     verdict.network,
                     mode.name(),
@@ -256,11 +272,12 @@ fn compare(arguments: &Arguments) -> Result<(), CliError> {
         return print_json(&figures);
     }
     print(format_args!(
-        "(flash: packed for speed; small: packed for flash, the same estimates; instructions: `cargo xtask insn`)"
+        "(flash: packed for speed; small: packed for flash, the same estimates; \
+         instructions: `cargo xtask insn`)"
     ))
 }
 
-fn layers(arguments: &Arguments, ready: &[Ready], plan: Plan) -> Result<(), CliError> {
+fn layers(arguments: &Arguments, ready: &[QuantisedBearing], plan: Plan) -> Result<(), CliError> {
     let mut figures: Vec<Value> = Vec::new();
     for ready in ready {
         let errors = ready.layers(plan)?;
@@ -271,12 +288,13 @@ fn layers(arguments: &Arguments, ready: &[Ready], plan: Plan) -> Result<(), CliE
             continue;
         }
         print(format_args!(
-            "{} {}: change of the force by each step of the quantisation alone over {LAYER_ROWS} test rows, mean / largest in N",
+            "{} {}: change of the force by each quantisation step alone over {LAYER_ROWS} test rows, \
+             mean / largest in N",
             ready.name(),
             plan.mode.name()
         ))?;
         let heads: String = BANDS_N.iter().map(|up_to| format!("{:>17}", format!("to {up_to} N"))).collect();
-        print(format_args!("network    in whole numbers               all N{heads}            above"))?;
+        print(format_args!("network    in fixed point                 all N{heads}            above"))?;
         for error in errors {
             let bands: String = (error.bands.iter())
                 .map(|band| format!("{:>17}", format!("{:.2} / {:.1}", band.mae_n, band.largest_n)))

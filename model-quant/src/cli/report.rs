@@ -1,20 +1,21 @@
-//! `model-quant report`: the training report.
+//! `model-quant report`: writes the training report.
 
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
-use inference::Bearing;
-use model_quant::claims::training::TrainingFacts;
-use model_quant::claims::{friction, torque, training};
-use model_quant::training_report::companding::Comparison;
-use model_quant::training_report::facts::BearingFacts;
-use model_quant::training_report::history::History;
-use model_quant::training_report::page::{Contents, goal_rows, lead, report};
-use model_quant::training_report::rig::RigFacts;
-use model_quant::write::{check_directory, write_whole};
+use crate::data::file::{check_directory, write_atomically};
+use crate::report::claims::training::TrainingFacts;
+use crate::report::claims::{friction, torque, training};
+use crate::report::training::companding::Comparison;
+use crate::report::training::facts::BearingFacts;
+use crate::report::training::page::{Contents, goal_rows, lead, report};
+use crate::report::training::rig::RigFacts;
+use crate::train::history::History;
+use inference::BearingMaterial;
 use std::path::PathBuf;
 
-/// Write the training report: the paper's Figs. 10 to 13, errors against the goals, claims 12 to 15, quantisation loss
+/// Write the training report: the paper's Figs. 10 to 13, errors against the goals, claims 12 to
+/// 15, quantisation errors
 ///
-/// A goal that is not met is an outcome, not a failure: the exit code is 0.
+/// A missed goal is a result, not a failure: the exit code is 0.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  model-quant report --out out/training\n  \
                         model-quant train --bearing plastic --out out && \
@@ -24,22 +25,23 @@ use std::path::PathBuf;
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic; both if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
-    bearing: Option<Bearing>,
-    /// Float checkpoint; the checked-in ones if not given
+    bearing: Option<BearingMaterial>,
+    /// Float checkpoint; the shipped ones if not given
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
-    /// BEARING.history.json of a training, or the output of `model-quant train --json`; may be given once a bearing. The one
-    /// beside a checkpoint and those of the checked-in ones are taken without it
+    /// BEARING.history.json of a training, or the output of `model-quant train --json`; may be
+    /// repeated, once for each bearing. The history next to a checkpoint and those of the shipped
+    /// ones are found without it
     #[arg(long, value_name = "FILE")]
     history: Vec<PathBuf>,
-    /// BEARING.rig.json of `model-quant train --friction rig`: prediction against experiment (Fig. 11); may be given once a
-    /// bearing
+    /// BEARING.rig.json of `model-quant train --friction rig`: prediction against experiment (Fig.
+    /// 11); may be repeated, once for each bearing
     #[arg(long, value_name = "FILE")]
     rig: Vec<PathBuf>,
-    /// What the example `companding` printed; may be given once a bearing
+    /// Output of the example `companding`; may be repeated, once for each bearing
     #[arg(long, value_name = "FILE")]
     companding: Vec<PathBuf>,
-    /// Folder for report.html, report.json and the pictures (SVG)
+    /// Output directory for report.html, report.json and the pictures (SVG)
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Print the figures as JSON
@@ -47,10 +49,10 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// The history of a checkpoint: one that was given, or the checked-in one.
+/// History of a checkpoint: from the given files, else that of the shipped checkpoint.
 fn history(
     given: &mut Vec<(PathBuf, History)>,
-    bearing: Bearing,
+    bearing: BearingMaterial,
     training_id: u64,
 ) -> Result<Option<History>, CliError> {
     let id = format!("{training_id:016x}");
@@ -65,20 +67,23 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     for path in &arguments.history {
         histories.push((path.clone(), History::read(path)?));
     }
-    if let Some(beside) = arguments.checkpoint.as_ref().map(|path| path.with_extension("history.json"))
-        && beside.exists()
+    if let Some(path) = arguments.checkpoint.as_ref().map(|path| path.with_extension("history.json"))
+        && path.exists()
     {
-        let history = History::read(&beside)?;
-        // It may have been given, too.
+        let history = History::read(&path)?;
+        // The same history may be given as an option, too.
         if histories.iter().all(|(_, given)| given.training_id != history.training_id) {
-            histories.push((beside, history));
+            histories.push((path, history));
         }
     }
     let companding: Result<Vec<_>, _> =
         arguments.companding.iter().map(|path| Comparison::read(path)).collect();
     let companding = companding?;
-    let chosen =
-        if arguments.checkpoint.is_some() { vec![Bearing::Babbitt] } else { bearings(arguments.bearing) };
+    let chosen = if arguments.checkpoint.is_some() {
+        vec![BearingMaterial::Babbitt]
+    } else {
+        bearings(arguments.bearing)
+    };
     let mut trainings = Vec::new();
     for bearing in chosen {
         let (checkpoint, training_id) = checkpoint(arguments.checkpoint.as_deref(), bearing)?;
@@ -89,26 +94,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         let found = format!("{}: training id {}", path.display(), history.training_id);
         return Err(CliError::Argument("--history", found, "the training of a checkpoint of this report"));
     }
-    // What can be refused has been; from here on it takes its time.
+    // All inputs are checked; the long work begins here.
     check_directory(&arguments.out)?;
     let rigs: Result<Vec<_>, _> = arguments.rig.iter().map(|path| RigFacts::read(path)).collect();
     let rigs = rigs?;
     let mut networks = Vec::new();
     for (checkpoint, training_id, history) in trainings {
-        networks.push(BearingFacts::of(&checkpoint, training_id, history)?);
+        networks.push(BearingFacts::measure(&checkpoint, training_id, history)?);
     }
-    let mut claims = friction::judge(&torque::of_rigs()?);
+    let mut claims = friction::assess(&torque::measure_rigs()?);
     let trainings = networks.iter().filter_map(|facts| facts.history.as_ref());
-    claims.push(training::judge(&trainings.flat_map(TrainingFacts::of).collect::<Vec<_>>()));
+    claims.push(training::assess(&trainings.flat_map(TrainingFacts::from_history).collect::<Vec<_>>()));
     let contents = Contents { networks, rigs, companding, claims };
     let made = report(&contents)?;
     let text = serde_json::to_string_pretty(&contents)?;
     for picture in &made.pictures {
-        write_whole(&arguments.out.join(format!("{}.svg", picture.name)), picture.svg.as_bytes())?;
+        write_atomically(&arguments.out.join(format!("{}.svg", picture.name)), picture.svg.as_bytes())?;
     }
-    write_whole(&arguments.out.join("report.json"), format!("{text}\n").as_bytes())?;
+    write_atomically(&arguments.out.join("report.json"), format!("{text}\n").as_bytes())?;
     let file = arguments.out.join("report.html");
-    write_whole(&file, made.page.render().as_bytes())?;
+    write_atomically(&file, made.page.render().as_bytes())?;
     if arguments.json {
         return print_json(&contents);
     }

@@ -1,87 +1,90 @@
-//! `model-quant train`: a float checkpoint from a recipe.
+//! `model-quant train`: trains a float checkpoint by a recipe.
 
 mod rig;
 
 use super::{CliError, parse_bearing, print_json};
+use crate::data::file::{WriteError, check_directory, write_atomically};
+use crate::data::parameter_grid::ROWS;
+use crate::data::ranges::RangeKind;
+use crate::data::split::Split;
+use crate::network::NetworkKind;
+use crate::network::checkpoint::Checkpoint;
+use crate::network::recipe::{GridMethod, InstructionSet, Recipe, TrainingSet};
+use crate::network::shipped::shipped_checkpoint;
+use crate::train::Progress;
+use crate::train::history;
+use crate::train::pipeline::{Outcome, StateFiles, train_both};
 use indicatif::{ProgressBar, ProgressStyle};
-use inference::Bearing;
-use model_quant::checkpoint::Checkpoint;
-use model_quant::dataset::grid::ROWS;
-use model_quant::dataset::split::Split;
-use model_quant::float_pair::shipped;
-use model_quant::history;
-use model_quant::pipeline::{Keep, Network, Outcome, train_both};
-use model_quant::ranges::RangeKind;
-use model_quant::recipe::{GridMethod, Recipe, TrainingSet};
-use model_quant::train::{InstructionSet, Progress};
-use model_quant::write::write_whole;
+use inference::BearingMaterial;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Train both networks of a bearing and write the float checkpoint
 ///
-/// Without options that change the recipe, this gives the checked-in checkpoint byte for byte, on any number of
-/// threads of a machine with AVX2 and FMA. `--check` trains with the recipe of the checked-in checkpoint, compares and
-/// writes nothing. Beside the checkpoint BEARING.history.json has the errors of every epoch. While it runs,
-/// BEARING-collision.training and BEARING-friction.training hold its state: after a kill, `--resume` with the same options
-/// goes on from there to the same bytes.
+/// Without options that change the recipe this gives the shipped checkpoint byte for byte, on any
+/// number of threads of a machine with AVX2 and FMA. `--check` trains with the recipe of the
+/// shipped checkpoint, compares and writes nothing. BEARING.history.json gets the errors of every
+/// epoch. During the training, BEARING-collision.training and BEARING-friction.training hold its
+/// state: after an interruption `--resume` with the same options continues to the same bytes.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  model-quant train --bearing babbitt --out model-quant/models\n  \
                         model-quant train --bearing plastic --check\n  \
-                        model-quant train --set full --epochs 200 --out long   # all ten million rows; hours\n  \
+                        model-quant train --set full --epochs 200 --out long   \
+                        # all ten million rows; hours\n  \
                         model-quant train --set full --epochs 200 --out long --resume\n  \
                         model-quant train --bearing plastic --friction rig --out rig")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
-    bearing: Bearing,
-    /// Directory that gets BEARING.float
+    bearing: BearingMaterial,
+    /// Output directory for BEARING.float
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
-    /// Train again, compare with the checked-in checkpoint, write nothing
-    #[arg(long, conflicts_with_all = ["range", "set", "seed", "rows", "epochs", "grid_epochs", "grid_method", "patience", "portable", "out", "resume", "friction", "rig", "logs"])]
+    /// Train again and compare with the shipped checkpoint; write nothing
+    #[arg(long, conflicts_with_all = ["range", "set", "seed", "rows", "epochs", "grid_epochs", "grid_method",
+        "patience", "portable", "out", "resume", "friction", "rig", "logs"])]
     check: bool,
     /// Ranges and distributions
     #[arg(long, value_enum)]
     range: Option<RangeKind>,
-    /// Where the rows come from
+    /// Source of the rows
     #[arg(long, value_enum)]
     set: Option<TrainingSet>,
-    /// Seed of every draw
+    /// Seed of every random draw
     #[arg(long)]
     seed: Option<u64>,
     /// Rows of the training set
     #[arg(long)]
     rows: Option<usize>,
-    /// Passes with free weights
+    /// Number of epochs with free weights
     #[arg(long)]
     epochs: Option<usize>,
-    /// Passes while the weights are put on the 8-bit grid
+    /// Number of epochs in which the weights move to the 8-bit grid
     #[arg(long)]
     grid_epochs: Option<usize>,
-    /// How weights come on to the grid
+    /// Method that moves the weights to the 8-bit grid
     #[arg(long, value_enum)]
     grid_method: Option<GridMethod>,
-    /// End the passes with free weights after so many that were no better on the validation rows
+    /// End the epochs with free weights after this many without a better validation error
     #[arg(long)]
     patience: Option<usize>,
-    /// Plain arithmetic, even where AVX2 and FMA are there: about half as fast, other bytes
+    /// Portable arithmetic even if AVX2 and FMA are available: about half as fast, other bytes
     #[arg(long)]
     portable: bool,
-    /// Go on from the states in the output directory
+    /// Continue from the states in the output directory
     #[arg(long)]
     resume: bool,
-    /// Least time in s between two states; 0 keeps one after every epoch
+    /// Minimum time in s between two states; 0 writes one after every epoch
     #[arg(long, default_value_t = 30)]
     keep_s: u64,
-    /// Where the friction network's torque comes from
+    /// Source of the friction network's targets
     #[arg(long, value_enum, default_value_t = FrictionSource::Law)]
     friction: FrictionSource,
     /// Friction rig, with --friction rig: preset or file [default: friction-rig-BEARING]
     #[arg(long, value_name = "RIG")]
     rig: Option<String>,
-    /// Measured logs in the rig's place, one a group, read as the rig's description says
+    /// Measured logs in place of the rig, one group a file, in the format of the rig's description
     #[arg(long, value_name = "CSV", num_args = 1.., requires = "rig")]
     logs: Vec<PathBuf>,
     /// Print the history as JSON
@@ -89,19 +92,19 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// Where the friction network's targets come from.
+/// Source of the friction network's targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum FrictionSource {
-    /// The law, for the controller: both networks
+    /// The law, for the controller: trains both networks
     Law,
-    /// The friction set of the rig or of measured logs, behind a collision network that knows its loads
+    /// The friction set of the rig or of measured logs; the collision network covers its loads
     Rig,
 }
 
 fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
     let mut recipe = Recipe::standard(arguments.bearing);
     if arguments.check {
-        recipe = Checkpoint::from_bytes(shipped(arguments.bearing))?.recipe;
+        recipe = Checkpoint::from_bytes(shipped_checkpoint(arguments.bearing))?.recipe;
     }
     recipe.range = arguments.range.unwrap_or(recipe.range);
     recipe.set = arguments.set.unwrap_or(recipe.set);
@@ -111,13 +114,14 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
     recipe.grid_epochs = arguments.grid_epochs.unwrap_or(recipe.grid_epochs);
     recipe.grid_method = arguments.grid_method.unwrap_or(recipe.grid_method);
     recipe.patience = arguments.patience.or(recipe.patience);
-    if arguments.portable || !(arguments.check || recipe.instruction_set.is_here()) {
+    if arguments.portable || !(arguments.check || recipe.instruction_set.is_available()) {
         recipe.instruction_set = InstructionSet::Portable;
     }
-    if !recipe.instruction_set.is_here() {
+    if !recipe.instruction_set.is_available() {
         let name = recipe.instruction_set.name();
         return Err(CliError::Refused(format!(
-            "the checked-in checkpoint was trained with {name}, which is not here"
+            "the checked-in checkpoint was trained with {name}, \
+             which this machine does not support"
         )));
     }
     for (name, value, low, high, expected) in [
@@ -133,14 +137,16 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
     Ok(recipe)
 }
 
-/// The bar and what it counts.
-struct Watch {
+/// Progress bar over the epochs of both networks.
+struct EpochBar {
     bar: ProgressBar,
+    /// Epochs of one network.
     epochs: usize,
+    /// Epochs done, of both networks.
     done: usize,
 }
 
-impl Watch {
+impl EpochBar {
     fn new(recipe: &Recipe) -> Self {
         let epochs = recipe.epochs + recipe.grid_epochs;
         let bar = ProgressBar::new(2 * epochs as u64);
@@ -150,7 +156,8 @@ impl Watch {
         Self { bar, epochs, done: 0 }
     }
 
-    fn epoch(&mut self, network: Network, progress: &Progress) {
+    /// Counts an epoch and shows its errors.
+    fn add(&mut self, network: NetworkKind, progress: &Progress) {
         self.done += 1;
         self.bar.inc(1);
         self.bar.set_message(line(network, progress));
@@ -168,35 +175,42 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         return Err(CliError::Argument("--rig", format!("{rig} without --friction rig"), "both or neither"));
     }
     let recipe = recipe(arguments)?;
-    let keep = (!arguments.check).then(|| Keep {
+    let states = (!arguments.check).then(|| StateFiles {
         directory: arguments.out.clone(),
-        every: Duration::from_secs(arguments.keep_s),
+        interval: Duration::from_secs(arguments.keep_s),
         resume: arguments.resume,
     });
-    let mut watch = Watch::new(&recipe);
+    if let Some(states) = &states {
+        check_directory(&states.directory)?;
+        let has_state = |network| states.file(arguments.bearing, network).exists();
+        if states.resume && !NetworkKind::ALL.into_iter().any(has_state) {
+            eprintln!("no state of a training in {}: starts from random weights", arguments.out.display());
+        }
+    }
+    let mut epoch_bar = EpochBar::new(&recipe);
     let started = Instant::now();
-    let outcome = train_both(arguments.bearing, &recipe, keep.as_ref(), &mut |network, progress| {
-        watch.epoch(network, &progress);
+    let outcome = train_both(arguments.bearing, &recipe, states.as_ref(), &mut |network, progress| {
+        epoch_bar.add(network, &progress);
     })?;
-    watch.bar.finish_and_clear();
+    epoch_bar.bar.finish_and_clear();
     let seconds = started.elapsed().as_secs_f64();
     let bytes = outcome.checkpoint.to_bytes()?;
     let id = Checkpoint::training_id(&bytes);
     let file = arguments.out.join(format!("{}.float", arguments.bearing.name()));
-    if let Some(keep) = &keep {
-        write_whole(&file, &bytes)?;
-        write_whole(&file.with_extension("history.json"), history::file(&outcome, id).as_bytes())?;
-        for network in Network::ALL {
-            let path = keep.file(arguments.bearing, network);
-            std::fs::remove_file(&path).map_err(|source| CliError::Read { path, source })?;
+    if let Some(states) = &states {
+        write_atomically(&file, &bytes)?;
+        write_atomically(&file.with_extension("history.json"), history::file(&outcome, id).as_bytes())?;
+        for network in NetworkKind::ALL {
+            let path = states.file(arguments.bearing, network);
+            std::fs::remove_file(&path).map_err(|source| WriteError { path, source })?;
         }
     }
     let rows = match recipe.set {
         TrainingSet::Drawn => recipe.rows as u64,
-        TrainingSet::Full => Split::Training.rows_of(ROWS),
+        TrainingSet::Full => Split::Training.row_count(ROWS),
     };
-    let samples_per_s = watch.done as f64 * rows as f64 / seconds;
-    let equal = bytes == shipped(arguments.bearing);
+    let samples_per_s = epoch_bar.done as f64 * rows as f64 / seconds;
+    let equal = bytes == shipped_checkpoint(arguments.bearing);
     if arguments.json {
         print_json(&report(arguments, &outcome, id, &file, seconds, samples_per_s, equal))?;
     } else {
@@ -212,7 +226,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.check && !equal {
         let name = arguments.bearing.name();
         return Err(CliError::Differs(format!(
-            "checked-in checkpoint of {name}: training it again gave other bytes"
+            "checked-in checkpoint of {name}: training again gives other bytes"
         )));
     }
     Ok(())
@@ -239,7 +253,7 @@ fn report(
     })
 }
 
-fn line(network: Network, progress: &Progress) -> String {
+fn line(network: NetworkKind, progress: &Progress) -> String {
     format!(
         "{} epoch {}{}: loss {:.2e}, mae {:.2e}, validation {:.2e}, mae {:.2e}",
         network.name(),

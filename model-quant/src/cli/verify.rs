@@ -1,55 +1,59 @@
-//! `model-quant verify`: image against laws, float networks and other runtimes.
+//! `model-quant verify`: compares images with laws, float networks and other runtimes.
 
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
-use inference::{Bearing, shipped as shipped_image};
-use model_quant::errors::{Errors, FRICTION_RADIUS_M};
-use model_quant::goals::Goal;
-use model_quant::held_out::judged;
-use model_quant::image::{AlignedImage, AnyModel};
-use model_quant::peers::{CHECKED_IN, Results, to_bytes, windows};
-use model_quant::verify::{TEST_ROWS, Verdict, verify};
-use model_quant::write::write_whole;
+use crate::data::file::write_atomically;
+use crate::evaluate::errors::{Errors, FRICTION_RADIUS_M};
+use crate::evaluate::goals::Goal;
+use crate::evaluate::peers::{CHECKED_IN, Results, generate_windows, to_bytes};
+use crate::evaluate::test_set::TEST_ROWS;
+use crate::evaluate::verdict::Verdict;
+use crate::evaluate::verify::add_held_out_errors;
+use crate::evaluate::verify::verify;
+use crate::quantise::image::{AlignedImage, AnyModel};
+use inference::{BearingMaterial, shipped as shipped_image};
 use std::path::{Path, PathBuf};
 
 /// Compare model images with the laws, their float networks and other runtimes
 ///
-/// Laws and float networks: on rows that no training saw, and over the contacts of bench runs that nothing was chosen on; with
-/// the goals that the networks meet or do not meet. Other runtimes: the checked-in results of ONNX Runtime (the same whole
-/// numbers, a difference is an error) and of LiteRT, formerly TFLite (16-bit activations and 8-bit weights, its own rounding), on
-/// the windows of model-quant/peers, made for the checked-in images; and with `--emulated` those of a
-/// controller, which must be equal, too.
+/// The laws and float networks are compared on rows that no training used and on the contacts of
+/// held-out bench runs; goals are reported as met or not met. Other runtimes: the checked-in
+/// results of ONNX Runtime (the same fixed-point arithmetic, so a difference is an error) and of
+/// LiteRT, formerly TFLite (16-bit activations and 8-bit weights, different rounding), on the
+/// windows of model-quant/peers for the shipped images. With `--emulated` also the results of a
+/// controller, which must be equal.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  model-quant verify\n  model-quant verify --emulated sums.bin\n  \
-                        model-quant verify --image new/babbitt.pintle --checkpoint new/babbitt.float --json\n  \
+                        model-quant verify --image new/babbitt.pintle --checkpoint new/babbitt.float \
+                        --json\n  \
                         model-quant verify --windows model-quant/peers/windows.bin")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic; both if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "image")]
-    bearing: Option<Bearing>,
-    /// Model image; the checked-in ones if not given
+    bearing: Option<BearingMaterial>,
+    /// Model image; the shipped ones if not given
     #[arg(long, value_name = "FILE")]
     image: Option<PathBuf>,
-    /// Float checkpoint the image was made from; the checked-in one of its bearing if not given
+    /// Float checkpoint of the image; the shipped one of its bearing if not given
     #[arg(long, value_name = "FILE", requires = "image")]
     checkpoint: Option<PathBuf>,
-    /// Sums that a controller, emulated or real, found for the windows of model-quant/peers
+    /// Results file of an emulated or real controller for the windows of model-quant/peers
     #[arg(long, value_name = "RESULTS")]
     emulated: Option<PathBuf>,
-    /// Write the windows of the checked-in images for other runtimes, and do nothing else
+    /// Only write the windows of the shipped images for other runtimes
     #[arg(long, value_name = "FILE", conflicts_with_all = ["image", "bearing", "emulated", "out", "json"])]
     windows: Option<PathBuf>,
     /// Print the figures as JSON
     #[arg(long)]
     json: bool,
-    /// Write the figures as JSON to a file, too
+    /// Also write the figures as JSON to a file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    let all = windows()?;
+    let all = generate_windows()?;
     if let Some(path) = &arguments.windows {
-        write_whole(path, &to_bytes(&all))?;
+        write_atomically(path, &to_bytes(&all))?;
         return print(format_args!("wrote {}: windows of {} networks", path.display(), all.len()));
     }
     let peers = peers(arguments.emulated.as_deref())?;
@@ -60,11 +64,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
                 peers.iter().filter_map(|peer| peer.compare(&all, bearing, verdict.network, image));
             verdict.peers = compared.collect();
             if arguments.emulated.is_some() && verdict.peers.len() < peers.len() {
-                let found = format!("sums for another image than {}", name.display());
+                let found = format!("sums for another image, not {}", name.display());
                 return Err(CliError::Argument(
                     "--emulated",
                     found,
-                    "sums for this one, see model-quant/peers/README.md",
+                    "sums for this image; see model-quant/peers/README.md",
                 ));
             }
             verdicts.push(verdict);
@@ -84,7 +88,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
     }
     if let Some(path) = &arguments.out {
-        write_whole(path, serde_json::to_string_pretty(&verdicts)?.as_bytes())?;
+        write_atomically(path, serde_json::to_string_pretty(&verdicts)?.as_bytes())?;
     }
     if arguments.json {
         print_json(&verdicts)?;
@@ -92,21 +96,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         table(&verdicts)?;
         if arguments.emulated.is_none() {
             print(format_args!(
-                "(not compared with a controller: `cargo xtask verify` runs the emulated core and gives its sums to --emulated)"
+                "(not compared with a controller: `cargo xtask verify` runs the emulated core and passes \
+                 its sums to --emulated)"
             ))?;
         }
     }
     let different = verdicts.iter().find_map(|verdict| {
         let peer = verdict.peers.iter().find(|peer| peer.must_be_equal && peer.different > 0)?;
         Some(format!(
-            "{} {}: {} has other sums for {} of {} windows, expected equal ones",
+            "{} {}: {} has different sums for {} of {} windows, expected equal sums",
             verdict.bearing, verdict.network, peer.peer, peer.different, peer.windows
         ))
     });
     different.map_or(Ok(()), |message| Err(CliError::Differs(message)))
 }
 
-/// The checked-in results and those of a controller.
+/// Loads the checked-in results and those of a controller.
 fn peers(emulated: Option<&Path>) -> Result<Vec<Results>, CliError> {
     let refused = |path: &Path| {
         let path = path.to_path_buf();
@@ -128,7 +133,8 @@ fn peers(emulated: Option<&Path>) -> Result<Vec<Results>, CliError> {
 
 fn table(verdicts: &[Verdict]) -> Result<(), CliError> {
     print(format_args!(
-        "bearing  network    against                          rows  different    mean N  largest N      R^2  median %    95 %"
+        "bearing  network    against                          \
+         rows  different    mean N  largest N      R^2  median %    95 %"
     ))?;
     for verdict in verdicts {
         let row = |against: &str,
@@ -176,7 +182,7 @@ fn table(verdicts: &[Verdict]) -> Result<(), CliError> {
             ))?;
         }
         print(format_args!(
-            "{:8} {:9}  largest output without contact {} N; check sum {}",
+            "{:8} {:9}  largest output without contact {} N; checksum {}",
             verdict.bearing,
             verdict.network,
             verdict.zero_contact_output,
@@ -184,20 +190,27 @@ fn table(verdicts: &[Verdict]) -> Result<(), CliError> {
         ))?;
         if !verdict.image_matches_checkpoint {
             print(format_args!(
-                "{:8} {:9}  the image was made from another checkpoint (--checkpoint): the float networks above are not its own",
+                "{:8} {:9}  the image was made from another checkpoint (--checkpoint) \
+                 than the float networks above",
                 verdict.bearing, verdict.network
             ))?;
         }
     }
     print(format_args!(
-        "(law and float networks: {TEST_ROWS} test rows; relative errors at 1 to 14 kN and rate ratios up to 2;"
+        "(law and float networks: {TEST_ROWS} test rows; \
+         relative errors at 1 to 14 kN and rate ratios up to 2;"
     ))?;
     print(format_args!(
         "other runtimes: newtons over the windows from test rows, differences over all windows)"
     ))
 }
 
-fn check(file: Option<&Path>, bearing: Bearing, image: &[u8], name: &Path) -> Result<[Verdict; 2], CliError> {
+fn check(
+    file: Option<&Path>,
+    bearing: BearingMaterial,
+    image: &[u8],
+    name: &Path,
+) -> Result<[Verdict; 2], CliError> {
     let (checkpoint, training_id) = checkpoint(file, bearing)?;
     if checkpoint.bearing != bearing {
         let found = format!("a checkpoint of {}", checkpoint.bearing.name());
@@ -205,5 +218,5 @@ fn check(file: Option<&Path>, bearing: Bearing, image: &[u8], name: &Path) -> Re
     }
     let refused = |source| CliError::Image { path: name.to_path_buf(), source };
     let verdicts = verify(&checkpoint, training_id, image).map_err(refused)?;
-    Ok(judged(verdicts, &checkpoint, AnyModel::load(image).map_err(refused)?)?)
+    Ok(add_held_out_errors(verdicts, &checkpoint, AnyModel::load(image).map_err(refused)?)?)
 }

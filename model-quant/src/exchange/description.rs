@@ -1,32 +1,13 @@
-//! What a trained network takes and gives, in words and numbers, for the metadata of exported files.
+//! Description of a network's inputs and outputs, for the metadata of exported files.
 
-use crate::checkpoint::Checkpoint;
+use crate::network::NetworkKind;
+use crate::network::checkpoint::Checkpoint;
 use inference::Header;
 use serde_json::{Value, json};
 
-/// One of the two networks of a bearing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Which {
-    /// State of the contact to normal force.
-    Collision,
-    /// Normal force and sliding speed to friction.
-    Friction,
-}
-
-impl Which {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Collision, Self::Friction];
-
-    /// Lower-case name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Collision => "collision",
-            Self::Friction => "friction",
-        }
-    }
-
+impl NetworkKind {
     /// Values of a column, in order; all are -1 to 1 inside the training range.
-    pub const fn inputs(self) -> &'static [&'static str] {
+    pub(crate) const fn inputs(self) -> &'static [&'static str] {
         match self {
             Self::Collision => &[
                 "D / D_high: radial clearance",
@@ -47,8 +28,8 @@ impl Which {
         }
     }
 
-    /// What the output is.
-    pub fn output(self, header: &Header) -> String {
+    /// Meaning of the output.
+    pub(crate) fn output(self, header: &Header) -> String {
         match self {
             Self::Collision => {
                 let power = f64::from(header.deformation_half_powers) / 2.0;
@@ -59,8 +40,8 @@ impl Which {
     }
 }
 
-/// Where the networks of a checkpoint come from and on which range they were trained.
-pub fn origin(checkpoint: &Checkpoint, training_id: u64) -> Value {
+/// Origin and training range of the networks of a checkpoint.
+pub(crate) fn describe_origin(checkpoint: &Checkpoint, training_id: u64) -> Value {
     let header = checkpoint.header();
     let [clearance, deformation, ratio, speed, force] = [
         header.radial_clearance_m(),
@@ -89,8 +70,8 @@ pub fn origin(checkpoint: &Checkpoint, training_id: u64) -> Value {
     })
 }
 
-/// What one network takes and gives.
-pub fn network(checkpoint: &Checkpoint, which: Which) -> Value {
+/// Inputs and outputs of one network.
+pub(crate) fn describe_network(checkpoint: &Checkpoint, which: NetworkKind) -> Value {
     json!({
         "network": which.name(),
         "window": "columns oldest first; the output belongs to the newest",

@@ -1,54 +1,57 @@
-//! Why a file was refused: which node or tensor, what was found, what was expected.
+//! Reasons why an ONNX file is refused: node or tensor, content found, content expected.
 
 use super::proto::Node;
 use crate::network::ShapeError;
 
-/// Why an ONNX file was refused.
+/// Reason why an ONNX file was refused.
 #[derive(Debug, thiserror::Error)]
 pub enum OnnxError {
-    /// The bytes are no ONNX file.
+    /// The bytes are not an ONNX file.
     #[error("no ONNX file, or a damaged one: {0}")]
     Decode(#[from] prost::DecodeError),
-    /// Operators that no network of the family has.
-    #[error("operators that cannot be imported: {0}; expected only {known}", known = super::recognise::OPERATORS.join(", "))]
+    /// Operators that no supported network contains.
+    #[error(
+        "operators that cannot be imported: {0}; expected only {known}",
+        known = super::onnx_import::OPERATORS.join(", ")
+    )]
     Operators(String),
-    /// A node does something else than a network of the family.
+    /// A node differs from those of a supported network.
     #[error("node `{node}` ({operator}): {what}: found {found}, expected {expected}")]
     Node {
-        /// Name of the node, or of its output when it has none.
+        /// Name of the node, or of its output if it has none.
         node: String,
         /// Its operator.
         operator: String,
         /// Attribute, input or the like.
         what: String,
-        /// What is there.
+        /// Content found.
         found: String,
-        /// What should be.
+        /// Content expected.
         expected: String,
     },
-    /// A constant cannot be taken.
+    /// A constant is unusable.
     #[error("tensor `{tensor}`: {what}: found {found}, expected {expected}")]
     Tensor {
         /// Name of the tensor.
         tensor: String,
         /// Size, type or the like.
         what: &'static str,
-        /// What is there.
+        /// Content found.
         found: String,
-        /// What should be.
+        /// Content expected.
         expected: String,
     },
-    /// The file as a whole.
+    /// The file in general.
     #[error("{what}: found {found}, expected {expected}")]
     Model {
         /// Field.
         what: &'static str,
-        /// What is there.
+        /// Content found.
         found: String,
-        /// What should be.
+        /// Content expected.
         expected: String,
     },
-    /// The network is none of the family.
+    /// The network is not supported.
     #[error("{0}")]
     Shape(#[from] ShapeError),
 }
@@ -59,8 +62,13 @@ pub(super) fn name(node: &Node) -> String {
     own.or(node.output.first()).cloned().unwrap_or_default()
 }
 
-/// A node that does something else than expected.
-pub(super) fn at(node: &Node, what: &str, found: impl ToString, expected: impl ToString) -> OnnxError {
+/// Creates the error of an unexpected node.
+pub(super) fn node_error(
+    node: &Node,
+    what: &str,
+    found: impl ToString,
+    expected: impl ToString,
+) -> OnnxError {
     OnnxError::Node {
         node: name(node),
         operator: node.op_type.clone(),

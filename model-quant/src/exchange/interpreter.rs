@@ -1,7 +1,8 @@
-//! Runs the bytes of a network with the arithmetic of the engine, for any shape: slow, plain, and the same bits.
+//! Interpreter of encoded layers with the arithmetic of the engine, for any shape.
 //!
-//! The engine's networks are types that the compiler sizes; here the shapes are read from the bytes. Weights are taken apart from
-//! their packed form again, so that what is run is what is written. That both agree is tested on networks that exist as types.
+//! The engine's networks have shapes fixed at compile time; here the shapes are read from the
+//! bytes. It is slower and gives the same bits. Weights are decoded from their packed form, so that
+//! the written bytes are what is evaluated. Tests compare it with the engine.
 
 use crate::network::Padding;
 use inference::image::{LayerKind, LayerShape, SHAPE_LENGTH, WeightForm};
@@ -9,56 +10,56 @@ use inference::kernel::{BLOCK, Engine, Portable};
 use inference::storage::{Packed8, Packed16, Storage, Wide};
 use inference::{ImageError, Scale};
 
-/// One layer, taken apart.
+/// One decoded layer.
 #[derive(Clone, Debug)]
 struct Layer {
     shape: LayerShape,
     biases: Vec<i32>,
     multipliers: Vec<i32>,
     scale: Scale,
-    /// By output, then tap.
+    /// Ordered by output, then tap.
     weights: Vec<i32>,
 }
 
-/// A network in whole numbers that can be run.
+/// Fixed-point network in evaluable form.
 #[derive(Clone, Debug)]
 pub struct Interpreter {
     padding: Padding,
     layers: Vec<Layer>,
 }
 
-/// What a window gives.
+/// Result of a window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sums {
-    /// The head's sums.
+    /// Sums of the head.
     pub sums: Vec<i32>,
-    /// Activations that were clipped at full scale.
+    /// Number of activations that were clipped at full scale.
     pub clipped: usize,
 }
 
 impl Interpreter {
-    /// Takes the bytes of layers apart, as [`inference::image::write::layers`] writes them.
+    /// Decodes layers, as [`inference::image::write::layers`] writes them.
     ///
     /// # Errors
     ///
-    /// Bytes that are not layers from beginning to end.
+    /// The bytes are not a sequence of layers.
     pub fn new(bytes: &[u8], padding: Padding) -> Result<Self, ImageError> {
         let mut layers = Vec::new();
         let mut rest = bytes;
         while !rest.is_empty() {
-            let (layer, behind) = Layer::read(rest).ok_or(ImageError::TooShort)?;
+            let (layer, remaining) = Layer::read(rest).ok_or(ImageError::TooShort)?;
             layers.push(layer);
-            rest = behind;
+            rest = remaining;
         }
         Ok(Self { padding, layers })
     }
 
-    /// What one count of the head's sums is worth.
+    /// Value of one count of the head's sums.
     pub fn scale(&self) -> f64 {
         self.layers.last().map_or(0.0, |head| head.scale.to_f64())
     }
 
-    /// Runs a window: columns oldest first, flattened.
+    /// Evaluates a window: columns oldest first, flattened.
     pub fn run(&self, window: &[i16]) -> Sums {
         let mut values: Vec<i32> = window.iter().map(|&value| i32::from(value)).collect();
         let mut clipped = 0;
@@ -73,7 +74,7 @@ impl Layer {
     fn read(bytes: &[u8]) -> Option<(Self, &[u8])> {
         let (head, _) = bytes.split_first_chunk::<SHAPE_LENGTH>()?;
         let shape = LayerShape::from_bytes(head)?;
-        let (layer, behind) = bytes.split_at_checked(shape.length())?;
+        let (layer, remaining) = bytes.split_at_checked(shape.length())?;
         let words: Vec<u32> =
             layer.get(SHAPE_LENGTH..)?.as_chunks::<4>().0.iter().map(|w| u32::from_le_bytes(*w)).collect();
         let outputs = usize::from(shape.outputs);
@@ -103,7 +104,7 @@ impl Layer {
                 (WeightForm::Packed, _) => unpacked::<Packed16>(groups, shape.taps()),
             }?);
         }
-        Some((Self { shape, biases, multipliers, scale, weights }, behind))
+        Some((Self { shape, biases, multipliers, scale, weights }, remaining))
     }
 
     fn run(&self, inputs: &[i32], padding: Padding, clipped: &mut usize) -> Vec<i32> {
@@ -115,7 +116,7 @@ impl Layer {
             Padding::Valid => (0, (columns + 1).saturating_sub(kernel)),
             Padding::Same => ((kernel - 1) / 2, columns),
         };
-        // A head takes the newest columns.
+        // A head uses the newest columns.
         let start = if is_head { columns.saturating_sub(kernel) } else { 0 };
         let full_scale = (1 << (self.shape.output_bits.min(31) - 1)) - 1;
         let mut outputs = Vec::with_capacity(positions * self.biases.len());
@@ -143,11 +144,12 @@ impl Layer {
     }
 }
 
-/// The words of each output: those of whole blocks of outputs lie side by side, those of the outputs left over one after another.
+/// Words of each output. Complete blocks of outputs are interleaved; the remaining outputs are
+/// contiguous.
 fn rows(words: &[u32], outputs: usize) -> Option<Vec<Vec<u32>>> {
-    let (whole, per_output) = (outputs / BLOCK * BLOCK, words.len() / outputs);
+    let (complete_blocks, per_output) = (outputs / BLOCK * BLOCK, words.len() / outputs);
     let place = |output: usize, index: usize| {
-        if output < whole {
+        if output < complete_blocks {
             (output / BLOCK * per_output + index) * BLOCK + output % BLOCK
         } else {
             output * per_output + index
@@ -157,7 +159,7 @@ fn rows(words: &[u32], outputs: usize) -> Option<Vec<Vec<u32>>> {
     (0..outputs).map(row).collect()
 }
 
-/// The weights of an output.
+/// Decodes the weights of an output.
 fn unpacked<S: Storage>(groups: &[u32], taps: usize) -> Option<Vec<i32>> {
     let weight = |tap: usize| Some(S::weight(*groups.get(tap / S::TAPS)?, tap % S::TAPS));
     (0..taps).map(weight).collect()

@@ -1,25 +1,29 @@
-//! Exchange of networks with other tools: ONNX and safetensors in and out.
+//! Exchange of networks: ONNX and safetensors in and out, signed packages for the controller.
 //!
-//! [`recognise`] finds a network of the family in an ONNX file, whichever framework wrote it; [`samples`] are the inputs and outputs
-//! that it is checked with; [`quantised`] puts a network that stands alone into whole numbers, [`interpreter`] runs the result
-//! with the arithmetic of the engine, [`source`] and [`card`] make it a piece of Rust that explains itself. [`onnx`] and
-//! [`weights`] write what was trained here.
+//! Import: [`onnx_import`] reads a supported network from an ONNX file of any framework, and
+//! [`samples`] checks it with inputs and outputs of the framework. [`quantised`] converts it to
+//! fixed point, [`interpreter`] evaluates the result with the arithmetic of the engine,
+//! [`rust_source`] and [`card`] write it as Rust source and model card. Export: [`onnx_export`] and
+//! [`safetensors_export`] write networks that were trained here, [`reference_samples`] their
+//! outputs for test windows. [`package`] and [`key`] make signed updates for a controller.
 
-pub mod axes;
-pub mod card;
+pub(crate) mod axes;
+pub(crate) mod card;
 mod chain;
-pub mod constant;
-pub mod description;
-pub mod error;
-pub mod export;
-pub mod frameworks;
+pub(crate) mod constants;
+pub(crate) mod description;
+pub(crate) mod error;
+pub mod input_scale;
 pub mod interpreter;
-pub mod onnx;
+pub mod key;
+pub mod onnx_export;
+pub mod onnx_import;
+pub mod package;
 mod padding;
 pub mod proto;
-pub mod quantised;
-pub mod recognise;
+pub(crate) mod quantised;
+pub(crate) mod reference_samples;
+pub(crate) mod rust_source;
+pub mod safetensors_export;
 pub mod samples;
-pub mod scaling;
-pub mod source;
-pub mod weights;
+pub mod weight_order;

@@ -1,7 +1,7 @@
-//! The messages of ONNX that a network of our family needs, by their numbers in `onnx.proto` (IR version 3 on).
+//! ONNX messages of the supported networks, with their field numbers of `onnx.proto`.
 //!
-//! Fields that are not named here are skipped when a file is read, as protocol buffers do. Source: the ONNX specification,
-//! `onnx/onnx.proto`, the same numbers since IR version 3.
+//! Unknown fields are skipped on reading, as usual for protocol buffers. Source: the ONNX
+//! specification, `onnx/onnx.proto`; the numbers are unchanged since IR version 3.
 
 /// A file.
 #[derive(Clone, PartialEq, prost::Message)]
@@ -9,13 +9,13 @@ pub struct Model {
     /// Version of the format.
     #[prost(int64, tag = "1")]
     pub ir_version: i64,
-    /// Who wrote it.
+    /// Name of the program that wrote it.
     #[prost(string, tag = "2")]
     pub producer_name: String,
-    /// In which version.
+    /// Version of that program.
     #[prost(string, tag = "3")]
     pub producer_version: String,
-    /// For people.
+    /// Free text.
     #[prost(string, tag = "6")]
     pub doc_string: String,
     /// The network.
@@ -24,7 +24,7 @@ pub struct Model {
     /// Versions of the sets of operators.
     #[prost(message, repeated, tag = "8")]
     pub opset_import: Vec<OperatorSet>,
-    /// Anything else, by name.
+    /// Other properties by name.
     #[prost(message, repeated, tag = "14")]
     pub metadata_props: Vec<Property>,
 }
@@ -63,7 +63,7 @@ pub struct Graph {
     /// Constants.
     #[prost(message, repeated, tag = "5")]
     pub initializer: Vec<Tensor>,
-    /// Inputs; before IR version 4 the constants, too.
+    /// Inputs; before IR version 4 also the constants.
     #[prost(message, repeated, tag = "11")]
     pub input: Vec<Value>,
     /// Outputs.
@@ -71,13 +71,13 @@ pub struct Graph {
     pub output: Vec<Value>,
 }
 
-/// An operator at work.
+/// Application of an operator.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Node {
-    /// Names of the values that it takes; empty for one that is left out.
+    /// Names of the input values; empty for an omitted one.
     #[prost(string, repeated, tag = "1")]
     pub input: Vec<String>,
-    /// Names of the values that it gives.
+    /// Names of the output values.
     #[prost(string, repeated, tag = "2")]
     pub output: Vec<String>,
     /// Name.
@@ -103,7 +103,7 @@ pub struct Attribute {
     /// A number.
     #[prost(float, tag = "2")]
     pub f: f32,
-    /// A whole number.
+    /// An integer.
     #[prost(int64, tag = "3")]
     pub i: i64,
     /// A text.
@@ -112,10 +112,10 @@ pub struct Attribute {
     /// A tensor.
     #[prost(message, optional, tag = "5")]
     pub t: Option<Tensor>,
-    /// Whole numbers.
+    /// Integers.
     #[prost(int64, repeated, packed = "false", tag = "8")]
     pub ints: Vec<i64>,
-    /// Which of these it is: 1 a number, 2 a whole number, 3 a text, 4 a tensor, 7 whole numbers.
+    /// Type of the attribute: 1 number, 2 integer, 3 text, 4 tensor, 7 integers.
     #[prost(int32, tag = "20")]
     pub kind: i32,
 }
@@ -141,20 +141,20 @@ pub struct Tensor {
     /// Elements as little-endian bytes.
     #[prost(bytes = "vec", tag = "9")]
     pub raw_data: Vec<u8>,
-    /// Where the elements are: 0 here, 1 in another file.
+    /// Location of the elements: 0 in this file, 1 in another file.
     #[prost(int32, tag = "14")]
     pub data_location: i32,
 }
 
 /// Types of elements.
-pub mod data_type {
+pub(crate) mod data_type {
     /// f32.
-    pub const FLOAT: i32 = 1;
+    pub(crate) const FLOAT: i32 = 1;
     /// i64.
-    pub const INT64: i32 = 7;
+    pub(crate) const INT64: i32 = 7;
 
     /// Name of a type in the specification.
-    pub fn name(data_type: i32) -> String {
+    pub(crate) fn name(data_type: i32) -> String {
         let names = [
             "UNDEFINED",
             "FLOAT",
@@ -212,7 +212,7 @@ pub struct TensorKind {
 /// Axes of a tensor.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Axes {
-    /// One after another.
+    /// Axes in order.
     #[prost(message, repeated, tag = "1")]
     pub dim: Vec<Dimension>,
 }
@@ -223,7 +223,7 @@ pub struct Dimension {
     /// A number.
     #[prost(int64, optional, tag = "1")]
     pub size: Option<i64>,
-    /// A name, for a size that is left open.
+    /// A name, for a variable size.
     #[prost(string, optional, tag = "2")]
     pub name: Option<String>,
 }

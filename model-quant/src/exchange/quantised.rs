@@ -1,13 +1,14 @@
-//! A network that stands alone in whole numbers: calibrated on its samples, written as layers, run again, measured.
+//! Quantisation of a single imported network: calibration on its samples, encoding, evaluation,
+//! error.
 
+use super::input_scale::InputScale;
 use super::interpreter::Interpreter;
 use super::samples::Samples;
-use super::scaling::InputScale;
-use crate::image::AlignedImage;
-use crate::mode::{Mode, Plan};
 use crate::network::Network;
-use crate::parameters::{Activations, Layer, network as layers_of};
 use crate::quantise::QuantiseError;
+use crate::quantise::fixed_point::{Activations, Layer, quantise_layers};
+use crate::quantise::image::AlignedImage;
+use crate::quantise::mode::{Mode, Plan};
 use inference::ImageError;
 use inference::image::write::layers;
 use inference::image::{LayerName, LayerShape, Unproven, prove};
@@ -16,62 +17,63 @@ use serde::Serialize;
 /// Name of the network in messages.
 const NAME: &str = "imported";
 
-/// A network in whole numbers.
+/// A single network in fixed point.
 #[derive(Clone, Debug)]
-pub struct Alone {
+pub(crate) struct QuantisedNetwork {
     /// Its layers, as the engine loads them.
     pub bytes: AlignedImage,
     /// Shapes of its layers, the head last.
     pub shapes: Vec<LayerShape>,
-    /// What counts as full scale at its entrance.
+    /// Full scale of its inputs.
     pub scale: InputScale,
-    /// The bytes, ready to be run.
+    /// Interpreter of the bytes.
     pub interpreter: Interpreter,
 }
 
-/// What the whole numbers cost at one output, over the samples.
+/// Quantisation error of one output over the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct OutputError {
+pub(crate) struct OutputError {
     /// Smallest and largest value of the float network.
     pub range: [f64; 2],
     /// Mean absolute difference from the float network.
     pub mean: f64,
-    /// Root of the mean square.
+    /// Root mean square difference.
     pub rms: f64,
     /// Largest absolute difference.
     pub largest: f64,
 }
 
 impl OutputError {
-    /// A difference over the range of the output, in percent; 0 for an output that does not change.
-    pub fn percent(&self, difference: f64) -> f64 {
+    /// A difference in percent of the output's range; 0 for a constant output.
+    pub(crate) fn percent(&self, difference: f64) -> f64 {
         let [low, high] = self.range;
         if high > low { 100.0 * difference / (high - low) } else { 0.0 }
     }
 }
 
-/// What the whole numbers cost, over the samples.
+/// Quantisation error over the samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Cost {
-    /// By output.
+pub(crate) struct QuantisationError {
+    /// Error of each output.
     pub outputs: Vec<OutputError>,
     /// Inputs that were clipped at full scale.
     pub clipped_inputs: usize,
-    /// Activations that were.
+    /// Activations that were clipped at full scale.
     pub clipped_activations: usize,
 }
 
-/// Puts a network into whole numbers; the largest activations of the samples tell the scales between the layers.
+/// Quantises a network; the largest activations over the samples set the scales between the layers.
 ///
 /// # Errors
 ///
-/// Weights that the image cannot hold, numbers beyond f32, a layer whose sums could overflow.
-pub fn quantise(
+/// The image format cannot represent the weights, values exceed f32, or the sums of a layer could
+/// overflow.
+pub(crate) fn quantise_imported(
     network: &Network,
     scale: InputScale,
     samples: &Samples,
     plan: Plan,
-) -> Result<Alone, QuantiseError> {
+) -> Result<QuantisedNetwork, QuantiseError> {
     let mut folded = scale.folded(network);
     let mut largest = vec![0.0_f32; network.shape().convolutions.len()];
     for window in &samples.windows {
@@ -88,40 +90,40 @@ pub fn quantise(
     if let Some(layer) = largest.iter().position(|value| !value.is_finite()) {
         return Err(QuantiseError::Infinite { layer, what: "activations" });
     }
-    silence(&mut folded, &largest, plan.mode);
-    let quantised = layers_of(&folded, &largest, plan)?;
+    zero_inactive_channels(&mut folded, &largest, plan.mode);
+    let quantised = quantise_layers(&folded, &largest, plan)?;
     let parts: Vec<_> = quantised.iter().map(Layer::parts).collect();
     let shapes: Vec<LayerShape> = parts.iter().map(|part| part.shape).collect();
     let mut bytes = AlignedImage::zeros(shapes.iter().map(LayerShape::length).sum());
     layers(&parts, bytes.bytes_mut())?;
     prove(&bytes).map_err(named)?;
     let interpreter = Interpreter::new(&bytes, network.shape().padding)?;
-    Ok(Alone { bytes, shapes, scale, interpreter })
+    Ok(QuantisedNetwork { bytes, shapes, scale, interpreter })
 }
 
-/// Zeroes the weights of channels that no input can move by half a count of their output: what training leaves of channels that it
-/// gave up. Their steps would be too fine for 32-bit biases and multipliers. Where the bias does not reach half a count either, ReLU
-/// gives 0, whatever the bias; one of full scale below 0 has steps that fit.
-fn silence(network: &mut Network, largest: &[f32], mode: Mode) {
+/// Zeroes the weights of inactive channels, whose output no input can change by half a count. Their
+/// steps would be too fine for 32-bit biases and multipliers. If the bias is below half a count,
+/// too, ReLU gives 0 for any bias; a bias of minus full scale then has steps that fit.
+fn zero_inactive_channels(network: &mut Network, largest: &[f32], mode: Mode) {
     let mut slices = network.slices_mut();
     let mut full_scale = 1.0;
     for &largest in largest {
         let (Some(weights), Some(biases)) = (slices.next(), slices.next()) else { return };
-        let behind = Activations::up_to(largest, mode);
+        let format = Activations::up_to(largest, mode);
         let outputs = biases.len();
         for (output, bias) in biases.iter_mut().enumerate() {
             let magnitudes =
                 weights.iter().skip(output).step_by(outputs).map(|weight| f64::from(weight.abs()));
-            let half_a_count = 0.5 * behind.step;
+            let half_a_count = 0.5 * format.step;
             if magnitudes.sum::<f64>() * full_scale >= half_a_count {
                 continue;
             }
             weights.iter_mut().skip(output).step_by(outputs).for_each(|weight| *weight = 0.0);
             if f64::from(*bias) < half_a_count {
-                *bias = -(behind.step * behind.full_scale()) as f32;
+                *bias = -(format.step * format.full_scale()) as f32;
             }
         }
-        full_scale = behind.step * behind.full_scale();
+        full_scale = format.step * format.full_scale();
     }
 }
 
@@ -136,48 +138,45 @@ fn named(unproven: Unproven) -> ImageError {
     }
 }
 
-impl Alone {
-    /// What a window gives, in the unit of the network's outputs.
-    pub fn evaluate(&self, window: &[f32]) -> Vec<f64> {
-        let sums = self.interpreter.run(&self.scale.counts(window).0).sums;
-        sums.iter().map(|&sum| f64::from(sum) * self.interpreter.scale()).collect()
-    }
-
-    /// Compares with the float network over the samples.
-    pub fn cost(&self, network: &Network, samples: &Samples) -> Cost {
+impl QuantisedNetwork {
+    /// Measures the differences from the float network over the samples.
+    pub(crate) fn measure_error(&self, network: &Network, samples: &Samples) -> QuantisationError {
         let count = samples.windows.len().max(1) as f64;
         let fresh = OutputError { range: [f64::INFINITY, f64::NEG_INFINITY], ..OutputError::default() };
-        let mut cost =
-            Cost { outputs: vec![fresh; network.shape().outputs], clipped_inputs: 0, clipped_activations: 0 };
+        let mut error = QuantisationError {
+            outputs: vec![fresh; network.shape().outputs],
+            clipped_inputs: 0,
+            clipped_activations: 0,
+        };
         for window in &samples.windows {
             let (counts, clipped) = self.scale.counts(window);
-            cost.clipped_inputs += clipped;
+            error.clipped_inputs += clipped;
             let found = self.interpreter.run(&counts);
-            cost.clipped_activations += found.clipped;
+            error.clipped_activations += found.clipped;
             for ((output, exact), sum) in
-                cost.outputs.iter_mut().zip(network.evaluate(window)).zip(found.sums)
+                error.outputs.iter_mut().zip(network.evaluate(window)).zip(found.sums)
             {
                 let exact = f64::from(exact);
-                let error = (f64::from(sum) * self.interpreter.scale() - exact).abs();
+                let difference = (f64::from(sum) * self.interpreter.scale() - exact).abs();
                 output.range = [output.range[0].min(exact), output.range[1].max(exact)];
-                output.mean += error / count;
-                output.rms += error * error / count;
-                output.largest = output.largest.max(error);
+                output.mean += difference / count;
+                output.rms += difference * difference / count;
+                output.largest = output.largest.max(difference);
             }
         }
-        for output in &mut cost.outputs {
+        for output in &mut error.outputs {
             output.rms = libm::sqrt(output.rms);
         }
-        cost
+        error
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::{Draw, Purpose};
-    use crate::mode::Packing;
+    use crate::data::draw::{Draw, Purpose};
     use crate::network::{ConvolutionShape, Padding, Shape};
+    use crate::quantise::mode::Packing;
 
     fn network() -> Network {
         let convolutions = vec![ConvolutionShape { kernel: 3, outputs: 5 }; 2];
@@ -193,20 +192,20 @@ mod tests {
         Samples { windows, outputs }
     }
 
-    fn cost(network: &Network, mode: Mode) -> Cost {
+    fn error(network: &Network, mode: Mode) -> QuantisationError {
         let samples = samples(network);
         let plan = Plan { mode, packing: Packing::Speed };
-        quantise(network, InputScale::of(&samples, 3), &samples, plan)
-            .expect("whole numbers")
-            .cost(network, &samples)
+        quantise_imported(network, InputScale::from_samples(&samples, 3), &samples, plan)
+            .expect("quantised network")
+            .measure_error(network, &samples)
     }
 
     #[test]
-    fn more_bits_cost_less() {
+    fn more_bits_have_a_smaller_error() {
         let [coarse, middle, fine] =
-            [Mode::W8a8, Mode::W8a16, Mode::W16a16].map(|mode| cost(&network(), mode));
+            [Mode::W8a8, Mode::W8a16, Mode::W16a16].map(|mode| error(&network(), mode));
         for output in 0..2 {
-            let rms = |cost: &Cost| cost.outputs[output].percent(cost.outputs[output].rms);
+            let rms = |error: &QuantisationError| error.outputs[output].percent(error.outputs[output].rms);
             assert!(rms(&fine) < 0.05 && rms(&fine) < rms(&middle) && rms(&middle) < rms(&coarse));
             assert!(rms(&coarse) < 3.0, "{}", rms(&coarse));
         }
@@ -224,10 +223,10 @@ mod tests {
             weights.iter_mut().for_each(|weight| *weight = factor * weight.signum());
             for mode in Mode::ALL {
                 let plan = Plan { mode, packing: Packing::Speed };
-                let refused =
-                    quantise(&network, scale.clone(), &samples(&network), plan).expect_err("no numbers");
+                let refused = quantise_imported(&network, scale.clone(), &samples(&network), plan)
+                    .expect_err("no numbers");
                 assert!(refused.to_string().starts_with(&format!("layer {layer}: ")), "{refused}");
-                assert!(refused.to_string().contains("beyond the range of f32"), "{refused}");
+                assert!(refused.to_string().contains("exceed the range of f32"), "{refused}");
             }
         }
     }
@@ -245,8 +244,8 @@ mod tests {
                 }
             }
             for mode in Mode::ALL {
-                let cost = cost(&network, mode);
-                let worst = cost.outputs.iter().map(|output| output.percent(output.rms)).fold(0.0, f64::max);
+                let error = error(&network, mode);
+                let worst = error.outputs.iter().map(|output| output.percent(output.rms)).fold(0.0, f64::max);
                 assert!(worst < 3.0, "{scale} {bias} {mode:?}: {worst} %");
             }
         }

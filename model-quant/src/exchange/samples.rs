@@ -1,38 +1,40 @@
-//! Inputs and outputs of a network, to check it with and to calibrate it: a safetensors file with two tensors of f32.
+//! Sample inputs and outputs of a network for its check and calibration: a safetensors file with
+//! two f32 tensors.
 //!
 //! | tensor | axes |
 //! |---|---|
-//! | `inputs` | samples x the two axes that the network's file has behind the batch, in the same order |
-//! | `outputs` | samples x outputs: what the framework gave |
+//! | `inputs` | samples x the two axes after the batch, in the order of the network's file |
+//! | `outputs` | samples x outputs of the framework |
 //!
-//! Written in Python by `safetensors.numpy.save_file({"inputs": x, "outputs": y}, path)`, or `safetensors.torch`.
+//! Written in Python by `safetensors.numpy.save_file({"inputs": x, "outputs": y}, path)`, or
+//! `safetensors.torch`.
 
-use super::frameworks::turned;
-use super::recognise::Layout;
+use super::onnx_import::Layout;
+use super::weight_order::transposed;
 use crate::network::{Network, Shape};
 use safetensors::{Dtype, SafeTensorError, SafeTensors, tensor::TensorView};
 
-/// Why samples were refused.
+/// Reason why samples were refused.
 #[derive(Debug, thiserror::Error)]
 pub enum SamplesError {
-    /// The bytes are no safetensors file.
+    /// The bytes are not a safetensors file.
     #[error("no safetensors file, or a damaged one: {0}")]
     File(#[from] SafeTensorError),
-    /// A tensor is not what the network needs.
+    /// A tensor does not match the network.
     #[error("tensor `{tensor}`: {what}: found {found}, expected {expected}")]
     Tensor {
         /// Name of the tensor.
         tensor: &'static str,
         /// Type, axes or the like.
         what: &'static str,
-        /// What is there.
+        /// Content found.
         found: String,
-        /// What should be.
+        /// Content expected.
         expected: String,
     },
 }
 
-/// Windows and what the network gave for them.
+/// Windows with the outputs of the network.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
     /// Columns oldest first, flattened.
@@ -46,27 +48,27 @@ pub struct Samples {
 pub struct Difference {
     /// Absolute difference.
     pub largest: f64,
-    /// Sample where it is.
+    /// Index of the sample with the largest difference.
     pub sample: usize,
-    /// Output where it is.
+    /// Index of that output.
     pub output: usize,
     /// Largest magnitude of an output in the samples.
     pub full_scale: f64,
 }
 
 impl Difference {
-    /// Difference over the largest output.
+    /// Largest difference divided by the full scale.
     pub fn relative(&self) -> f64 {
         if self.largest == 0.0 { 0.0 } else { self.largest / self.full_scale }
     }
 }
 
 impl Samples {
-    /// Reads the samples of a network whose file has this layout.
+    /// Decodes the samples of a network whose file has this layout.
     ///
     /// # Errors
     ///
-    /// A file of another kind, tensors of other types or sizes, numbers that are not finite.
+    /// A file of another kind, tensors of other types or sizes, or non-finite numbers.
     pub fn read(bytes: &[u8], shape: &Shape, layout: Layout) -> Result<Self, SamplesError> {
         let file = SafeTensors::deserialize(bytes)?;
         let window = axes(shape, layout);
@@ -77,11 +79,11 @@ impl Samples {
         Ok(Self { windows, outputs: outputs.chunks_exact(shape.outputs).map(<[f32]>::to_vec).collect() })
     }
 
-    /// The bytes of a file.
+    /// Encodes a file.
     ///
     /// # Errors
     ///
-    /// None but those of the format's writer.
+    /// Those of the safetensors writer.
     pub fn to_bytes(&self, shape: &Shape, layout: Layout) -> Result<Vec<u8>, SafeTensorError> {
         let ordered = self.windows.iter().flat_map(|window| from_columns_first(window, shape, layout));
         let inputs: Vec<u8> = ordered.flat_map(f32::to_le_bytes).collect();
@@ -95,7 +97,7 @@ impl Samples {
         safetensors::serialize(tensors, None)
     }
 
-    /// How far a network is off.
+    /// Largest difference of a network from the outputs.
     pub fn difference(&self, network: &Network) -> Difference {
         let full_scale =
             self.outputs.iter().flatten().fold(0.0_f64, |largest, value| largest.max(f64::from(value.abs())));
@@ -112,7 +114,7 @@ impl Samples {
     }
 }
 
-/// Axes of a window in a file.
+/// Sizes of the axes of a window in a file.
 fn axes(shape: &Shape, layout: Layout) -> [usize; 2] {
     match layout {
         Layout::ColumnsFirst => [shape.columns, shape.inputs],
@@ -120,28 +122,28 @@ fn axes(shape: &Shape, layout: Layout) -> [usize; 2] {
     }
 }
 
-/// A window of a file, column by column.
+/// Reorders a window of a file to column by column.
 fn columns_first(values: &[f32], shape: &Shape, layout: Layout) -> Vec<f32> {
     match layout {
         Layout::ColumnsFirst => values.to_vec(),
-        Layout::ChannelsFirst => turned(values, shape.columns),
+        Layout::ChannelsFirst => transposed(values, shape.columns),
     }
 }
 
-/// A window column by column, in the order of a file.
+/// Reorders a window to the order of a file.
 fn from_columns_first(window: &[f32], shape: &Shape, layout: Layout) -> Vec<f32> {
     match layout {
         Layout::ColumnsFirst => window.to_vec(),
-        Layout::ChannelsFirst => turned(window, shape.inputs),
+        Layout::ChannelsFirst => transposed(window, shape.inputs),
     }
 }
 
-/// The values of a tensor of f32, and how many samples they are.
+/// Values of an f32 tensor and the number of samples.
 fn values(
     file: &SafeTensors<'_>,
     tensor: &'static str,
     samples: Option<usize>,
-    behind: &[usize],
+    window_axes: &[usize],
 ) -> Result<(usize, Vec<f32>), SamplesError> {
     let wrong = |what, found, expected: &str| SamplesError::Tensor {
         tensor,
@@ -158,23 +160,27 @@ fn values(
     }
     let count = match view.shape() {
         [count, rest @ ..]
-            if rest == behind && *count > 0 && samples.is_none_or(|samples| samples == *count) =>
+            if rest == window_axes && *count > 0 && samples.is_none_or(|samples| samples == *count) =>
         {
             *count
         }
         found => {
             let samples = samples.map_or("samples".to_owned(), |samples| samples.to_string());
-            let behind: Vec<String> = behind.iter().map(usize::to_string).collect();
-            return Err(wrong("axes", format!("{found:?}"), &format!("[{samples}, {}]", behind.join(", "))));
+            let window_axes: Vec<String> = window_axes.iter().map(usize::to_string).collect();
+            return Err(wrong(
+                "axes",
+                format!("{found:?}"),
+                &format!("[{samples}, {}]", window_axes.join(", ")),
+            ));
         }
     };
     let values: Vec<f32> =
         view.data().as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
-    let of_a_sample = behind.iter().product::<usize>().max(1);
+    let of_a_sample = window_axes.iter().product::<usize>().max(1);
     match values.iter().position(|value| !value.is_finite()) {
         Some(place) => {
             let value = values.get(place).copied().unwrap_or_default();
-            let found = format!("{value} at place {} of sample {}", place % of_a_sample, place / of_a_sample);
+            let found = format!("{value} at index {} of sample {}", place % of_a_sample, place / of_a_sample);
             Err(wrong("value", found, "finite numbers"))
         }
         None => Ok((count, values)),

@@ -1,24 +1,32 @@
-//! A network in f32: shape, weights, evaluation of a window.
+//! Float networks: shape, weights, evaluation of a window, recipe and checkpoint.
 //!
-//! Weights lie tap by tap, oldest column first, then input; each tap has a row over the outputs. Evaluation uses only `+`
-//! and `*` in the order of the taps, after the bias: the same bits wherever arithmetic is IEEE 754. Training has faster
-//! kernels of its own in [`crate::train`].
+//! Weights are ordered by tap (oldest column first, then input) and then by output. Evaluation uses
+//! only `+` and `*` in the order of the taps, starting with the bias, so the result has the same
+//! bits on every machine with IEEE 754 arithmetic. Training uses separate, faster kernels
+//! (`train`).
 
+pub mod checkpoint;
+pub mod float_pair;
+mod kind;
+pub mod recipe;
 mod shape;
+pub mod shipped;
 
-pub use shape::{ConvolutionShape, LARGEST, LayerSize, Padding, Shape, ShapeError};
+pub(crate) use kind::LAYERS;
+pub use kind::NetworkKind;
+pub use shape::{ConvolutionShape, LayerSize, MAX_SIZE, Padding, Shape, ShapeError};
 
-use crate::draw::Draw;
+use crate::data::draw::Draw;
 
-/// Outputs that are summed up together.
+/// Number of outputs that are summed together.
 const BLOCK: usize = 16;
 
 /// Weights and biases of one layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// By tap (oldest column first, then input), then output.
+    /// Ordered by tap (oldest column first, then input), then output.
     pub weights: Vec<f32>,
-    /// By output.
+    /// Ordered by output.
     pub biases: Vec<f32>,
 }
 
@@ -27,7 +35,7 @@ impl Layer {
         Self { weights: vec![0.0; size.weights()], biases: vec![0.0; size.outputs] }
     }
 
-    /// The sums of all outputs over one set of taps.
+    /// Computes the sums of all outputs at one position.
     pub(crate) fn sums(&self, inputs: &[f32], sums: &mut [f32]) {
         let outputs = self.biases.len();
         let (blocks, rest) = sums.as_chunks_mut::<BLOCK>();
@@ -52,7 +60,7 @@ impl Layer {
     }
 }
 
-/// A network of the family.
+/// A network: convolutions and a dense head.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     shape: Shape,
@@ -60,11 +68,11 @@ pub struct Network {
 }
 
 impl Network {
-    /// A network of given parameters.
+    /// Creates a network from its parameters.
     ///
     /// # Errors
     ///
-    /// A shape that is none, or another number of parameters than it has.
+    /// The shape is invalid, or the number of parameters differs from the shape.
     pub fn new(shape: Shape, layers: Vec<Layer>) -> Result<Self, ShapeError> {
         shape.check()?;
         let sizes = shape.layers();
@@ -84,14 +92,15 @@ impl Network {
         Ok(Self { shape, layers })
     }
 
-    /// All zeros.
-    pub fn zero(shape: Shape) -> Self {
+    /// Creates a network with all parameters 0.
+    pub(crate) fn zero(shape: Shape) -> Self {
         let layers = shape.layers().iter().map(Layer::zero).collect();
         Self { shape, layers }
     }
 
-    /// Seeded start. With [`Padding::Valid`], for laws of the newest column alone: He's variance for the newest column, a
-    /// tenth of its deviation for the older ones. With [`Padding::Same`]: He's variance over all taps.
+    /// Creates a network with random weights. With [`Padding::Same`] all weights have He's
+    /// variance. With [`Padding::Valid`] those of the newest column do, and those of older columns
+    /// have a tenth of its standard deviation: the laws depend on the newest column alone.
     pub fn start(shape: Shape, draw: &mut Draw) -> Self {
         let mut network = Self::zero(shape);
         let sizes = network.shape.layers();
@@ -119,38 +128,38 @@ impl Network {
         network
     }
 
-    /// What it looks like.
+    /// Shape of the network.
     pub fn shape(&self) -> &Shape {
         &self.shape
     }
 
-    /// Its layers, the head last.
+    /// Layers, the head last.
     pub fn layers(&self) -> &[Layer] {
         &self.layers
     }
 
-    /// Every parameter: layer by layer, weights before biases.
+    /// All parameters: layer by layer, weights before biases.
     pub fn parameters(&self) -> impl Iterator<Item = f32> + '_ {
         self.slices().flatten().copied()
     }
 
-    /// The parameters in pieces: weights, then biases, of every layer.
-    pub fn slices(&self) -> impl Iterator<Item = &[f32]> {
+    /// Parameters as slices: weights, then biases, of every layer.
+    pub(crate) fn slices(&self) -> impl Iterator<Item = &[f32]> {
         self.layers.iter().flat_map(|layer| [layer.weights.as_slice(), layer.biases.as_slice()])
     }
 
-    /// The same, to be changed.
-    pub fn slices_mut(&mut self) -> impl Iterator<Item = &mut [f32]> {
+    /// Mutable form of [`Network::slices`].
+    pub(crate) fn slices_mut(&mut self) -> impl Iterator<Item = &mut [f32]> {
         self.layers.iter_mut().flat_map(|layer| [layer.weights.as_mut_slice(), layer.biases.as_mut_slice()])
     }
 
-    /// Evaluates a window: columns oldest first, flattened. Values that are missing count as 0.
+    /// Evaluates a window: columns oldest first, flattened. Missing values count as 0.
     pub fn evaluate(&self, window: &[f32]) -> Vec<f32> {
         self.activations(window).pop().unwrap_or_default()
     }
 
-    /// Evaluates a window and keeps what comes behind every layer, the outputs last.
-    pub fn activations(&self, window: &[f32]) -> Vec<Vec<f32>> {
+    /// Evaluates a window and returns the outputs of every layer, the head last.
+    pub(crate) fn activations(&self, window: &[f32]) -> Vec<Vec<f32>> {
         let mut found: Vec<Vec<f32>> = Vec::with_capacity(self.layers.len());
         for (layer, size) in self.layers.iter().zip(self.shape.layers()) {
             let inputs = found.last().map_or(window, Vec::as_slice);
@@ -172,7 +181,7 @@ impl Network {
     }
 }
 
-/// ReLU.
+/// Applies ReLU in place.
 pub(crate) fn rectify(values: &mut [f32]) {
     for value in values {
         *value = if *value > 0.0 { *value } else { 0.0 };

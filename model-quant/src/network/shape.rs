@@ -1,29 +1,42 @@
-//! Shapes of the family of networks: 1-D convolutions with ReLU over a window of columns, then one dense layer.
+//! Shapes of the supported networks: 1-D convolutions with ReLU over a window of columns, then one
+//! dense layer.
 //!
-//! The dense layer, the head, takes all columns that are left, flattened length x channel, and has no activation.
+//! The dense layer is called the head. Its input is the output of the last convolution, flattened
+//! as length x channel. It has no activation function.
 
 use serde::{Deserialize, Serialize};
 
-/// What happens at the ends of a window.
+/// Padding at the ends of a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Padding {
-    /// Only positions where the whole kernel fits: the window gets shorter by `kernel - 1`.
+    /// None: only positions where the kernel fits. The window gets shorter by `kernel - 1`.
     Valid,
-    /// Zeros, `(kernel - 1) / 2` rounded down before the oldest column, the rest behind the newest: as long as before.
+    /// Zeros, so that the length does not change: `(kernel - 1) / 2` rounded down before the oldest
+    /// column, the others after the newest.
     Same,
+}
+
+impl Padding {
+    /// Name in messages.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Valid => "'valid'",
+            Self::Same => "'same'",
+        }
+    }
 }
 
 /// One convolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ConvolutionShape {
-    /// Columns that an output sees.
+    /// Length of the kernel in columns.
     pub kernel: usize,
     /// Output channels.
     pub outputs: usize,
 }
 
-/// A whole network.
+/// Shape of a complete network.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shape {
     /// Columns of a window.
@@ -38,75 +51,75 @@ pub struct Shape {
     pub outputs: usize,
 }
 
-/// Largest number of columns, channels or outputs that is taken.
-pub const LARGEST: usize = 4096;
+/// Maximum number of columns, channels or outputs.
+pub const MAX_SIZE: usize = 4096;
 
-/// A shape or a set of parameters that is no network.
+/// Reason why a shape or a set of parameters is not a network.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ShapeError {
-    /// A size of 0, or one beyond [`LARGEST`].
-    #[error("network: {what} is {found}, expected 1 to {LARGEST}")]
+    /// A size of 0 or above [`MAX_SIZE`].
+    #[error("network: {what} is {found}, expected 1 to {MAX_SIZE}")]
     Size {
-        /// Which size.
+        /// Name of the size.
         what: String,
         /// The size.
         found: usize,
     },
-    /// A kernel does not fit into the columns that are left.
+    /// A kernel is longer than its input.
     #[error("network: convolution {layer}: kernel is {kernel}, expected at most the {columns} columns left")]
     Kernel {
         /// Index of the convolution.
         layer: usize,
         /// Its kernel.
         kernel: usize,
-        /// Columns before it.
+        /// Input columns of the convolution.
         columns: usize,
     },
-    /// Another number of parameters than the shape has.
+    /// The number of parameters differs from the shape.
     #[error("network: layer {layer}: found {found} {what}, expected {expected}")]
     Parameters {
-        /// Index of the layer, the head last; the number of layers when that is wrong itself.
+        /// Index of the layer, the head last; the number of layers if that number is wrong.
         layer: usize,
-        /// What was counted.
+        /// Kind of parameter.
         what: &'static str,
-        /// How many.
+        /// Number found.
         found: usize,
-        /// How many the shape has.
+        /// Number in the shape.
         expected: usize,
     },
 }
 
-/// Sizes of one layer: a convolution, or the head as a convolution over all its columns.
+/// Sizes of one layer. The head is a convolution over all its columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LayerSize {
-    /// Columns before it.
+    /// Input columns, without padding.
     pub columns: usize,
-    /// Channels before it.
+    /// Input channels.
     pub inputs: usize,
-    /// Columns that an output sees.
+    /// Length of the kernel in columns.
     pub kernel: usize,
     /// Output channels.
     pub outputs: usize,
-    /// Zero columns before the oldest.
+    /// Zero columns before the oldest column.
     pub before: usize,
-    /// Columns behind it.
+    /// Output columns.
     pub positions: usize,
 }
 
 impl LayerSize {
-    /// Weights of one output.
-    pub const fn taps(&self) -> usize {
+    /// Number of weights of one output.
+    pub(crate) const fn taps(&self) -> usize {
         self.kernel * self.inputs
     }
 
     /// Number of weights.
-    pub const fn weights(&self) -> usize {
+    pub(crate) const fn weights(&self) -> usize {
         self.taps() * self.outputs
     }
 }
 
 impl Shape {
-    /// The sizes of all layers, the head last.
+    /// Sizes of all layers, the head last.
     pub fn layers(&self) -> Vec<LayerSize> {
         let (mut columns, mut inputs) = (self.columns, self.inputs);
         let mut layers = Vec::with_capacity(self.convolutions.len() + 1);
@@ -135,15 +148,16 @@ impl Shape {
     ///
     /// # Errors
     ///
-    /// A size of 0 or beyond [`LARGEST`], a kernel that does not fit.
-    pub fn check(&self) -> Result<(), ShapeError> {
+    /// A size of 0 or above [`MAX_SIZE`], or a kernel longer than its input.
+    pub(crate) fn check(&self) -> Result<(), ShapeError> {
         let sizes = [("columns", self.columns), ("inputs", self.inputs), ("outputs", self.outputs)];
         let named = sizes.into_iter().map(|(what, size)| (what.to_owned(), size));
         let convolutions = self.convolutions.iter().enumerate().flat_map(|(layer, convolution)| {
             let name = |what: &str| format!("{what} of convolution {layer}");
             [(name("kernel"), convolution.kernel), (name("outputs"), convolution.outputs)]
         });
-        if let Some((what, found)) = named.chain(convolutions).find(|(_, size)| !(1..=LARGEST).contains(size))
+        if let Some((what, found)) =
+            named.chain(convolutions).find(|(_, size)| !(1..=MAX_SIZE).contains(size))
         {
             return Err(ShapeError::Size { what, found });
         }
@@ -161,17 +175,17 @@ impl Shape {
     }
 
     /// Number of weights and biases.
-    pub fn parameters(&self) -> usize {
+    pub(crate) fn parameters(&self) -> usize {
         self.layers().iter().map(|layer| layer.weights() + layer.outputs).sum()
     }
 
-    /// Multiply-accumulates of a whole window.
-    pub fn macs(&self) -> usize {
+    /// Multiply-accumulates of a complete window.
+    pub(crate) fn macs(&self) -> usize {
         self.layers().iter().map(|layer| layer.weights() * layer.positions).sum()
     }
 
-    /// Multiply-accumulates of one new column, when nothing already known is computed again.
-    pub fn macs_per_step(&self) -> usize {
+    /// Multiply-accumulates of one new column if earlier results are reused.
+    pub(crate) fn macs_per_step(&self) -> usize {
         self.layers().iter().map(LayerSize::weights).sum()
     }
 }
@@ -199,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_that_are_no_network_are_named() {
+    fn invalid_sizes_are_refused_by_name() {
         let mut shape = reference();
         shape.padding = Padding::Valid;
         shape.columns = 8;

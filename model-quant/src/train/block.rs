@@ -1,16 +1,17 @@
-//! The one inner loop: a block of sums that stays in registers while a product of two matrices runs by.
+//! Matrix product kernel: a block of sums stays in registers while two matrices are multiplied.
 //!
-//! `sums[i][n] += sum over k of a[i][k] b[k][n]`, where `n` runs over the channels of a row. A layer's outputs (`i` a
-//! position, `k` a tap), the slopes over its inputs (the same with the kernel turned round) and those over its weights
-//! (`i` a tap, `k` a position) are all of this form, because the columns of a window lie one behind the other. Every sum
-//! takes its addends in the order of `k`, whatever the blocks and vectors are.
+//! `sums[i][n] += sum over k of a[i][k] b[k][n]`, where `n` is a channel. Three operations have
+//! this form, because the columns of a window are contiguous: the outputs of a layer (`i` a
+//! position, `k` a tap), the gradients with respect to its inputs (the same with the kernel
+//! flipped), and the gradients with respect to its weights (`i` a tap, `k` a position). Every sum
+//! is added in the order of `k`, for any blocks and vectors.
 
 use super::lanes::Lanes;
 
 /// A block of sums: `R` rows of `V` vectors.
 pub(super) type Sums<L, const R: usize, const V: usize> = [[<L as Lanes>::Vector; V]; R];
 
-/// The vectors from a place in a row on.
+/// Loads `V` vectors of a row from index `at` on.
 #[inline(always)]
 pub(super) fn vectors<L: Lanes, const V: usize>(lanes: L, row: &[f32], at: usize) -> Option<[L::Vector; V]> {
     let row = row.get(at..at + V * L::WIDTH)?;
@@ -29,9 +30,9 @@ fn add<L: Lanes, const V: usize>(lanes: L, value: f32, factors: [L::Vector; V], 
     }
 }
 
-/// `k` runs along each row of `a`; the rows begin `step` apart.
+/// Multiplies where `k` runs along each row of `a`; the rows begin `step` apart.
 #[inline(always)]
-pub(super) fn along<L: Lanes, const R: usize, const V: usize>(
+pub(super) fn multiply_rows<L: Lanes, const R: usize, const V: usize>(
     lanes: L,
     (a, step, count): (&[f32], usize, usize),
     (b, stride, at): (&[f32], usize, usize),
@@ -50,9 +51,9 @@ pub(super) fn along<L: Lanes, const R: usize, const V: usize>(
     Some(sums)
 }
 
-/// The rows of `a` lie side by side; a step of `k` is `step` numbers.
+/// Multiplies where the rows of `a` are adjacent and `k` advances by `step` numbers.
 #[inline(always)]
-pub(super) fn across<L: Lanes, const R: usize, const V: usize>(
+pub(super) fn multiply_columns<L: Lanes, const R: usize, const V: usize>(
     lanes: L,
     (a, step): (&[f32], usize),
     (b, stride, at): (&[f32], usize, usize),
@@ -68,7 +69,7 @@ pub(super) fn across<L: Lanes, const R: usize, const V: usize>(
     Some(sums)
 }
 
-/// Puts a block of sums into rows of `channels` numbers.
+/// Stores a block of sums in rows of `channels` numbers.
 #[inline(always)]
 pub(super) fn store<L: Lanes, const R: usize, const V: usize>(
     lanes: L,
@@ -86,7 +87,7 @@ pub(super) fn store<L: Lanes, const R: usize, const V: usize>(
     Some(())
 }
 
-/// The block of sums in such rows.
+/// Loads a block of sums from rows of `channels` numbers.
 #[inline(always)]
 pub(super) fn load<L: Lanes, const R: usize, const V: usize>(
     lanes: L,
@@ -100,7 +101,7 @@ pub(super) fn load<L: Lanes, const R: usize, const V: usize>(
     Some(sums)
 }
 
-/// A block of sums, each where its gate is above 0.
+/// Sets every sum to 0 whose gate is not above 0.
 #[inline(always)]
 pub(super) fn gate<L: Lanes, const R: usize, const V: usize>(
     lanes: L,
@@ -115,9 +116,9 @@ pub(super) fn gate<L: Lanes, const R: usize, const V: usize>(
     sums
 }
 
-/// Calls a macro-like visitor for every block of a matrix of sums.
+/// Operation on every block of a matrix of sums.
 pub(super) trait Visit {
-    /// Works on the rows from `row` and the channels from `at` on; nothing where they do not lie in the matrices.
+    /// Processes the block at `row` and `at`; does nothing if it lies outside the matrices.
     fn block<L: Lanes, const R: usize, const V: usize>(
         &mut self,
         lanes: L,
@@ -126,42 +127,43 @@ pub(super) trait Visit {
     ) -> Option<()>;
 }
 
-/// Cuts `rows` rows of `channels` channels (a multiple of eight) into blocks: pairs of vectors, single ones, then what is
-/// left in narrow ones.
+/// Divides `rows` rows of `channels` channels (a multiple of eight) into blocks: pairs of vectors,
+/// single vectors, then narrow vectors for the remainder.
 #[inline(always)]
-pub(super) fn blocks<L: Lanes>(lanes: L, rows: usize, channels: usize, visit: &mut impl Visit) {
+pub(super) fn visit_blocks<L: Lanes>(lanes: L, rows: usize, channels: usize, visit: &mut impl Visit) {
     let mut at = 0;
     while L::PAIRS && channels - at >= 2 * L::WIDTH {
-        columns::<L, 2>(lanes, rows, at, visit);
+        visit_columns::<L, 2>(lanes, rows, at, visit);
         at += 2 * L::WIDTH;
     }
     while channels - at >= L::WIDTH {
-        columns::<L, 1>(lanes, rows, at, visit);
+        visit_columns::<L, 1>(lanes, rows, at, visit);
         at += L::WIDTH;
     }
     if at < channels {
-        columns::<L::Narrow, 1>(lanes.narrow(), rows, at, visit);
+        visit_columns::<L::Narrow, 1>(lanes.narrow(), rows, at, visit);
     }
 }
 
-/// Cuts rows into as many as the registers hold, then fours, twos and ones.
+/// Divides rows into the largest groups that the registers hold, then fours, twos and ones.
 #[inline(always)]
-fn columns<L: Lanes, const V: usize>(lanes: L, rows: usize, at: usize, visit: &mut impl Visit) {
+fn visit_columns<L: Lanes, const V: usize>(lanes: L, rows: usize, at: usize, visit: &mut impl Visit) {
     let mut row = 0;
     while row < rows {
         row += match rows - row {
-            1 => one::<L, 1, V>(lanes, row, at, visit),
-            2 | 3 => one::<L, 2, V>(lanes, row, at, visit),
-            // Eight are better cut in halves than into six and two: few sums wait for themselves.
-            8.. if L::ROWS >= 8 => one::<L, 8, V>(lanes, row, at, visit),
-            6 | 7 | 9.. if L::ROWS >= 6 => one::<L, 6, V>(lanes, row, at, visit),
-            _ => one::<L, 4, V>(lanes, row, at, visit),
+            1 => visit_block::<L, 1, V>(lanes, row, at, visit),
+            2 | 3 => visit_block::<L, 2, V>(lanes, row, at, visit),
+            // Four and four are faster than six and two: a group of two has too few independent
+            // sums to hide their latency.
+            8.. if L::ROWS >= 8 => visit_block::<L, 8, V>(lanes, row, at, visit),
+            6 | 7 | 9.. if L::ROWS >= 6 => visit_block::<L, 6, V>(lanes, row, at, visit),
+            _ => visit_block::<L, 4, V>(lanes, row, at, visit),
         };
     }
 }
 
 #[inline(always)]
-fn one<L: Lanes, const R: usize, const V: usize>(
+fn visit_block<L: Lanes, const R: usize, const V: usize>(
     lanes: L,
     row: usize,
     at: usize,

@@ -1,14 +1,15 @@
-//! Gradients against finite differences in f64 and against PyTorch's.
+//! Tests of the gradients against finite differences in f64 and against PyTorch.
 
 use super::lanes::Machine;
-use super::{InstructionSet, Loss, Trainer, Windows};
-use crate::draw::{Draw, Purpose};
+use super::{Loss, Trainer, Windows};
+use crate::data::draw::{Draw, Purpose};
+use crate::network::recipe::InstructionSet;
 use crate::network::{ConvolutionShape, Layer, Network, Padding, Shape};
-use crate::round::grid;
+use crate::quantise::weight_grid::weight_steps;
 use serde::Deserialize;
 
-/// The mean squared error in f64, written plainly.
-fn exact(shape: &Shape, parameters: &[f64], windows: &Windows) -> f64 {
+/// Reference implementation of the mean squared error in f64.
+fn reference_loss(shape: &Shape, parameters: &[f64], windows: &Windows) -> f64 {
     let (mut squares, size) = (0.0, shape.columns * shape.inputs);
     let targets = windows.targets.chunks_exact(shape.outputs);
     for (window, targets) in windows.columns.chunks_exact(size).zip(targets) {
@@ -48,18 +49,18 @@ fn gradient(network: &Network, set: InstructionSet, windows: &Windows) -> (f64, 
                 targets: windows.targets[rows.start * outputs..rows.end * outputs].to_vec(),
             }
         });
-    let filled = gradient.iter().filter(|&&slope| slope != 0.0).count();
+    let filled = gradient.iter().filter(|&&gradient| gradient != 0.0).count();
     let found: Vec<f32> = trainer.layout.unpack(&gradient).parameters().collect();
     assert_eq!(
         filled,
-        found.iter().filter(|&&slope| slope != 0.0).count(),
-        "nothing comes back to what is filled up"
+        found.iter().filter(|&&gradient| gradient != 0.0).count(),
+        "padding channels have no gradient"
     );
     (errors.squared / windows.targets.len() as f64, found)
 }
 
 fn sets() -> impl Iterator<Item = InstructionSet> {
-    [InstructionSet::Portable, InstructionSet::Avx2Fma].into_iter().filter(|set| set.is_here())
+    [InstructionSet::Portable, InstructionSet::Avx2Fma].into_iter().filter(|set| set.is_available())
 }
 
 fn shapes() -> Vec<Shape> {
@@ -87,7 +88,7 @@ fn gradients_match_finite_differences() {
     for (index, shape) in shapes().into_iter().enumerate() {
         let mut draw = Draw::new(3, Purpose::Weights, index as u64);
         let mut network = Network::start(shape.clone(), &mut draw);
-        // Every head weight and bias away from 0, so that every path counts.
+        // Makes every head weight and bias nonzero, so that every path contributes.
         for value in network.slices_mut().flatten() {
             *value += (0.1 * draw.normal()) as f32;
         }
@@ -97,16 +98,16 @@ fn gradients_match_finite_differences() {
             targets: (0..70 * shape.outputs).map(|_| draw.uniform(-1.0, 1.0) as f32).collect(),
         };
         let flat: Vec<f64> = network.parameters().map(f64::from).collect();
-        let loss = exact(&shape, &flat, &windows);
+        let loss = reference_loss(&shape, &flat, &windows);
         let found: Vec<_> = sets().map(|set| (set, gradient(&network, set, &windows))).collect();
         let largest = found[0].1.1.iter().fold(0.0f32, |a, b| a.max(b.abs()));
         assert!(largest > 0.05, "the gradient is not trivial");
         for parameter in (0..flat.len()).step_by((flat.len() / 60).max(1)) {
             let mut moved = flat.clone();
             moved[parameter] += 1e-6;
-            let above = exact(&shape, &moved, &windows);
+            let above = reference_loss(&shape, &moved, &windows);
             moved[parameter] -= 2e-6;
-            let expected = (above - exact(&shape, &moved, &windows)) / 2e-6;
+            let expected = (above - reference_loss(&shape, &moved, &windows)) / 2e-6;
             for (set, (found_loss, found)) in &found {
                 assert!((found_loss / loss - 1.0).abs() < 1e-5, "{shape:?}");
                 assert!(
@@ -137,7 +138,7 @@ struct Case {
 }
 
 #[test]
-fn gradients_are_those_of_pytorch() {
+fn gradients_agree_with_pytorch() {
     let stored: Stored = serde_json::from_str(include_str!("../../peers/gradients.json")).unwrap();
     assert_eq!(stored.cases.len(), 3);
     for case in stored.cases {
@@ -167,7 +168,7 @@ fn gradients_are_those_of_pytorch() {
 }
 
 #[test]
-fn the_two_sets_agree_and_each_repeats_itself() {
+fn both_instruction_sets_agree_and_each_is_reproducible() {
     let shape = shapes().remove(1);
     let mut draw = Draw::new(4, Purpose::Weights, 0);
     let network = Network::start(shape.clone(), &mut draw);
@@ -187,15 +188,15 @@ fn the_two_sets_agree_and_each_repeats_itself() {
     }
 }
 
-/// Parameters after some steps, half of them in whole numbers, and the errors then, all to the bit.
+/// Trains some steps, half of them in fixed point; returns the bits of parameters and errors.
 fn trained(mut trainer: Trainer, windows: &Windows) -> (Vec<u32>, [u64; 2]) {
     let (size, outputs) = (trainer.layout.window(), trainer.shape().outputs);
-    // The last chunk and its last group are not full.
+    // The last chunk and its last group are incomplete.
     let count = windows.targets.len() / outputs;
     for step in 0..6 {
         if step == 3 {
             let network = trainer.network();
-            trainer.go_exact(&grid(&network), windows);
+            trainer.use_fixed_point_forward(&weight_steps(&network), windows);
         }
         trainer.step(count, 0.5, 3e-3, |_, rows| Windows {
             columns: windows.columns[rows.start * size..rows.end * size].to_vec(),
@@ -224,7 +225,7 @@ fn wider_vectors_train_the_same_network_to_the_bit() {
             columns: (0..131 * shape.columns * shape.inputs)
                 .map(|_| draw.uniform(-1.0, 1.0) as f32)
                 .collect(),
-            // Many are clamped, so that some windows of a group do not go back.
+            // Many targets are clamped, so some windows of a group have no gradient.
             targets: (0..131 * shape.outputs).map(|_| draw.normal().max(0.0) as f32).collect(),
         };
         let start = Trainer::new(&network, InstructionSet::Avx2Fma, Loss::Clamped);

@@ -1,46 +1,30 @@
-//! Eight or sixteen numbers at a time: fused where the machine has it, plain elsewhere.
+//! Vectors of eight or sixteen numbers with fused or plain arithmetic, selected at run time.
 //!
-//! The choice is made at run time. Fused and plain arithmetic round differently, so a training gives the same bytes on
-//! any machine and number of threads for one [`InstructionSet`], which its record names. How wide the vectors are changes
-//! no byte, since every number has a sum of its own: the fused set runs on AVX-512 where the machine has it.
+//! Fused and plain arithmetic round differently. A training therefore gives the same bytes on any
+//! machine and number of threads for one [`InstructionSet`], which its recipe names. The width of
+//! the vectors has no influence, because every lane has a separate sum: the fused set uses AVX-512
+//! where available.
 
+use crate::network::recipe::InstructionSet;
 use bytemuck::Pod;
 use pulp::f32x8;
-use serde::{Deserialize, Serialize};
 
-/// Channels are filled up to a multiple of this many, the numbers in a narrow vector.
+/// Width of a narrow vector; channels are padded to a multiple of it.
 pub(super) const LANES: usize = 8;
 
-/// Arithmetic of a training.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum InstructionSet {
-    /// `+` and `*`: any machine
-    Portable,
-    /// Fused multiply-add: x86 from 2013 on, with vectors of 512 bits where it has them and of 256 elsewhere
-    Avx2Fma,
-}
-
 impl InstructionSet {
-    /// The fastest that this machine has.
+    /// Fastest set of this machine.
     pub fn best() -> Self {
-        if Self::Avx2Fma.is_here() { Self::Avx2Fma } else { Self::Portable }
+        if Self::Avx2Fma.is_available() { Self::Avx2Fma } else { Self::Portable }
     }
 
-    /// Whether this machine has it.
-    pub fn is_here(self) -> bool {
+    /// Returns true if this machine supports the set.
+    pub(crate) fn is_available(self) -> bool {
         self == Self::Portable || !matches!(self.machine(), Machine::Plain)
     }
 
-    /// Lower-case name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Portable => "portable",
-            Self::Avx2Fma => "avx2-fma",
-        }
-    }
-
-    /// The machines that run it here, the fastest first; a set that is not here falls back on the portable one.
+    /// Vector types that implement the set on this machine, the fastest first. An unsupported set
+    /// falls back to plain arithmetic.
     pub(super) fn machines(self) -> impl Iterator<Item = Machine> {
         let plain = Some(Machine::Plain);
         #[cfg(target_arch = "x86_64")]
@@ -53,13 +37,13 @@ impl InstructionSet {
         [plain, None, None].into_iter().flatten()
     }
 
-    /// The fastest of them.
+    /// Fastest vector type of the set.
     pub(super) fn machine(self) -> Machine {
         self.machines().next().unwrap_or(Machine::Plain)
     }
 }
 
-/// What the operations of a set are compiled for.
+/// Vector type that an operation is compiled for.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Machine {
     Plain,
@@ -70,7 +54,7 @@ pub(super) enum Machine {
 }
 
 impl Machine {
-    /// Runs an operation with its vectors.
+    /// Runs an operation with these vectors.
     pub(super) fn run<O: Operation>(self, operation: O) -> O::Output {
         match self {
             Self::Plain => operation.run(Plain),
@@ -82,7 +66,7 @@ impl Machine {
     }
 }
 
-/// An operation and its vectors, for what `pulp` compiles.
+/// Operation with its vectors, in the form that `pulp` compiles.
 #[cfg(target_arch = "x86_64")]
 struct Call<O, L>(O, L);
 
@@ -96,26 +80,27 @@ impl<O: Operation, L: Lanes> pulp::NullaryFnOnce for Call<O, L> {
     }
 }
 
-/// Work that is compiled once for every machine.
+/// Operation that is compiled once for every vector type.
 pub(super) trait Operation {
     type Output;
 
-    /// Must be `inline(always)`, like all that it calls, to be compiled for the machine.
+    /// Must be `inline(always)`, like every function it calls, so that it is compiled for the
+    /// vector type.
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
 /// Arithmetic on vectors.
 pub(super) trait Lanes: Copy {
-    /// As many numbers as a register holds, eight at least.
+    /// Register of at least eight numbers.
     type Vector: Pod;
-    /// The same arithmetic, eight at a time.
+    /// The same arithmetic with eight numbers.
     type Narrow: Lanes<Vector = f32x8>;
 
     /// Numbers in a vector.
     const WIDTH: usize = size_of::<Self::Vector>() / size_of::<f32>();
-    /// Rows of sums that the registers hold beside two vectors of factors.
+    /// Rows of sums that fit into registers together with two vectors of factors.
     const ROWS: usize;
-    /// Whether they hold that many rows of two vectors.
+    /// True if that many rows of two vectors fit into registers.
     const PAIRS: bool;
 
     fn narrow(self) -> Self::Narrow;
@@ -125,17 +110,17 @@ pub(super) trait Lanes: Copy {
     /// `a b + c`.
     fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
 
-    /// Each value where its gate is above 0, else 0.
+    /// Sets every value to 0 whose gate is not above 0.
     fn gate(self, values: Self::Vector, gates: Self::Vector) -> Self::Vector;
 
-    /// The first numbers of a row; zeros where it is too short.
+    /// Loads the first numbers of a row; zeros if the row is too short.
     #[inline(always)]
     fn load(self, row: &[f32]) -> Self::Vector {
         let row = row.get(..Self::WIDTH).map(bytemuck::must_cast_slice);
         row.and_then(|row| bytemuck::try_pod_read_unaligned(row).ok()).unwrap_or(self.splat(0.0))
     }
 
-    /// Puts a vector into the first numbers of a row; nothing where it is too short.
+    /// Stores a vector in the first numbers of a row; does nothing if the row is too short.
     #[inline(always)]
     fn store(self, vector: Self::Vector, row: &mut [f32]) {
         if let Some(row) = row.get_mut(..Self::WIDTH) {
@@ -144,7 +129,7 @@ pub(super) trait Lanes: Copy {
     }
 }
 
-/// Plain arithmetic, vectorised as far as the compiler sees fit.
+/// Plain arithmetic, vectorised by the compiler.
 #[derive(Clone, Copy)]
 pub(super) struct Plain;
 

@@ -1,19 +1,20 @@
-//! How a network's parameters lie while it is trained.
+//! Memory layout of a network's parameters during training.
 //!
-//! One run of numbers, layer by layer, weights before biases. The channels behind a convolution are filled up to a
-//! multiple of eight with zeros, which stay zeros: nothing comes out of them and nothing comes back. A head lies output
-//! by output. For networks whose convolutions have multiples of eight channels there is nothing to fill up.
+//! One array, layer by layer, weights before biases. The output channels of a convolution are
+//! padded to a multiple of eight. Padding weights are zero and stay zero: their outputs and
+//! gradients are zero. The head is ordered by output. Convolutions with multiples of eight channels
+//! need no padding.
 
 use super::lanes::LANES;
 use crate::network::{LayerSize, Network, Shape};
 use core::ops::Range;
 
-/// One layer's place.
+/// Position of one layer.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
-    /// Sizes with the channels filled up.
+    /// Sizes with padding channels.
     pub(super) size: LayerSize,
-    /// Sizes as the network has them.
+    /// Sizes of the network.
     real: LayerSize,
     pub(super) weights: Range<usize>,
     pub(super) biases: Range<usize>,
@@ -21,7 +22,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Where a weight of the network lies, by its position there.
+    /// Index of a weight in the array, from its index in the network.
     fn weight(&self, index: usize) -> usize {
         let (tap, output) = (index / self.real.outputs, index % self.real.outputs);
         let (column, input) = (tap / self.real.inputs, tap % self.real.inputs);
@@ -32,7 +33,7 @@ impl Place {
     }
 }
 
-/// Places of all layers.
+/// Positions of all layers.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     pub(super) shape: Shape,
@@ -59,7 +60,7 @@ impl Layout {
         Self { shape: shape.clone(), convolutions: places, head, length: start }
     }
 
-    /// Numbers in a window.
+    /// Number of values of a window.
     pub(super) fn window(&self) -> usize {
         self.shape.columns * self.shape.inputs
     }
@@ -68,7 +69,7 @@ impl Layout {
         self.convolutions.iter().chain([&self.head])
     }
 
-    /// The parameters of a network in their places.
+    /// Copies a network's parameters into an array.
     pub(super) fn pack(&self, network: &Network) -> Vec<f32> {
         let mut packed = vec![0.0; self.length];
         for (place, layer) in self.places().zip(network.layers()) {
@@ -82,7 +83,7 @@ impl Layout {
         packed
     }
 
-    /// The network of parameters in their places.
+    /// Creates a network from an array.
     pub(super) fn unpack(&self, packed: &[f32]) -> Network {
         let mut network = Network::zero(self.shape.clone());
         let mut slices = network.slices_mut();
@@ -102,11 +103,11 @@ impl Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::{Draw, Purpose};
+    use crate::data::draw::{Draw, Purpose};
     use crate::network::{ConvolutionShape, Padding};
 
     #[test]
-    fn packing_loses_nothing_and_fills_with_zeros() {
+    fn packing_is_lossless_and_pads_with_zeros() {
         for (first, second) in [(8, 16), (5, 12), (1, 3)] {
             let shape = Shape {
                 columns: 9,

@@ -1,36 +1,30 @@
-//! Direct training of a network of any shape: Adam on the mean squared error.
+//! Training of networks of any supported shape: Adam on the mean squared error.
 //!
-//! [`Trainer`] takes batches; [`Training`] goes over epochs of a [`Source`] by a [`Recipe`], first with free weights,
-//! then while they are put on the 8-bit grid, and can be stopped and taken up again between two epochs. The bytes of the
-//! result depend on the recipe alone, its [`InstructionSet`] among it, and not on the number of threads.
+//! [`Trainer`] processes batches. [`Training`] runs the epochs of a [`Source`] by a recipe
+//! ([`crate::network::recipe`]): first with free weights, then while they are moved to the 8-bit
+//! grid. It can be saved and resumed between two epochs. The bytes of the result depend on the
+//! recipe alone and not on the number of threads.
 
 mod block;
-mod exact;
+mod fixed_point_forward;
+pub(crate) mod freezer;
 #[cfg(test)]
 mod gradients;
+pub(crate) mod history;
 mod lanes;
 mod layout;
 mod optimiser;
 mod passes;
-mod room;
+pub mod pipeline;
+pub mod rig;
+pub mod sources;
 mod state;
 mod trainer;
 mod training;
 mod visits;
+mod workspace;
 
-pub use lanes::InstructionSet;
-pub use optimiser::cosine_rate;
+pub(crate) use optimiser::cosine_rate;
 pub use state::StateError;
-pub use trainer::{CHUNK, Errors, Loss, Trainer, Windows};
+pub use trainer::{CHUNK, ErrorSums, Loss, Trainer, Windows};
 pub use training::{Progress, Source, Training};
-
-use crate::network::Network;
-
-/// The two results of a training.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trained {
-    /// Free weights.
-    pub float: Network,
-    /// Weights trained on further so that their rounding costs little.
-    pub tuned: Network,
-}

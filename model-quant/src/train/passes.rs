@@ -1,59 +1,60 @@
-//! A few windows through a network and back, by [`super::block`].
+//! Forward and backward pass of a group of windows, with the kernel of [`super::block`].
 //!
-//! They go layer by layer, so that a layer's weights come into the nearest cache once for all of them; every sum still
-//! takes its addends window by window.
+//! The group is processed layer by layer, so that the weights of a layer are loaded into the
+//! nearest cache once. Every sum is still added window by window.
 
-use super::block::blocks;
-use super::exact::{Counts, Exact};
+use super::block::visit_blocks;
+use super::fixed_point_forward::{Counts, FixedPointNetwork};
 use super::lanes::{LANES, Lanes};
 use super::layout::{Layout, Place};
-use super::room::Room;
-use super::visits::{Collect, Convolve, Spread, stop};
+use super::visits::{AccumulateWeights, BackPropagate, Convolve, mask_by_relu};
+use super::workspace::Workspace;
 use inference::features::FULL_SCALE;
 use pulp::f32x8;
 
-/// Windows that go together; with two or eight it is no faster.
+/// Windows in a group; two or eight are not faster.
 pub(super) const GROUP: usize = 4;
 
-/// Weights of the convolutions turned round for the way back: by column from the newest, output, then input.
+/// Kernels of the convolutions flipped for the backward pass: by column from the newest, output,
+/// then input.
 #[derive(Clone, Debug)]
-pub(super) struct Turned(Vec<Vec<f32>>);
+pub(super) struct FlippedWeights(Vec<Vec<f32>>);
 
-impl Turned {
-    pub(super) fn of(layout: &Layout, parameters: &[f32]) -> Self {
-        let turn = |place: &Place| {
+impl FlippedWeights {
+    pub(super) fn from_parameters(layout: &Layout, parameters: &[f32]) -> Self {
+        let flip = |place: &Place| {
             let (size, weights) = (&place.size, &parameters[place.weights.clone()]);
-            let mut turned = vec![0.0; weights.len()];
+            let mut flipped = vec![0.0; weights.len()];
             for (tap, row) in weights.chunks_exact(size.outputs).enumerate() {
                 let (column, input) = (size.kernel - 1 - tap / size.inputs, tap % size.inputs);
                 for (output, weight) in row.iter().enumerate() {
-                    turned[(column * size.outputs + output) * size.inputs + input] = *weight;
+                    flipped[(column * size.outputs + output) * size.inputs + input] = *weight;
                 }
             }
-            turned
+            flipped
         };
-        // Nothing is asked of the slopes over the window itself.
-        Self(layout.convolutions.iter().skip(1).map(turn).collect())
+        // Gradients with respect to the window are not needed.
+        Self(layout.convolutions.iter().skip(1).map(flip).collect())
     }
 }
 
-/// Room for a group of windows.
+/// Workspaces for a group of windows.
 #[derive(Clone, Debug)]
 pub(super) struct Passes {
-    rooms: Vec<Room>,
-    /// Whole numbers of one window.
+    workspaces: Vec<Workspace>,
+    /// Fixed-point inputs of the layers, for one window.
     counts: Counts,
-    /// Sums of the head in whole numbers.
+    /// Fixed-point sums of the head.
     sums: Vec<i32>,
 }
 
 impl Passes {
     pub(super) fn new(layout: &Layout) -> Self {
-        let rooms = vec![Room::new(layout); GROUP];
-        Self { rooms, counts: Counts::new(layout), sums: vec![0; layout.head.size.outputs] }
+        let workspaces = vec![Workspace::new(layout); GROUP];
+        Self { workspaces, counts: Counts::new(layout), sums: vec![0; layout.head.size.outputs] }
     }
 
-    /// Up to [`GROUP`] windows forward; gives their rooms.
+    /// Runs up to [`GROUP`] windows forward and returns their workspaces.
     #[inline(always)]
     pub(super) fn forward<L: Lanes>(
         &mut self,
@@ -61,107 +62,115 @@ impl Passes {
         layout: &Layout,
         parameters: &[f32],
         windows: &[f32],
-    ) -> &mut [Room] {
+    ) -> &mut [Workspace] {
         let mut count = 0;
-        for (room, window) in self.rooms.iter_mut().zip(windows.chunks_exact(layout.window())) {
-            if let Some(first) = room.seen.first_mut() {
+        for (workspace, window) in self.workspaces.iter_mut().zip(windows.chunks_exact(layout.window())) {
+            if let Some(first) = workspace.inputs.first_mut() {
                 for (slot, value) in first.inside_mut().iter_mut().zip(window) {
                     *slot = *value;
                 }
             }
             count += 1;
         }
-        let rooms = self.rooms.get_mut(..count).unwrap_or_default();
+        let workspaces = self.workspaces.get_mut(..count).unwrap_or_default();
         for (index, place) in layout.convolutions.iter().enumerate() {
-            for room in &mut *rooms {
-                let [seen, behind] = &mut room.seen[index..index + 2] else { continue };
+            for workspace in &mut *workspaces {
+                let [inputs, outputs] = &mut workspace.inputs[index..index + 2] else { continue };
                 let mut visit = Convolve {
-                    seen: &seen.values,
-                    step: seen.channels,
+                    inputs: &inputs.values,
+                    step: inputs.channels,
                     taps: place.size.taps(),
                     weights: &parameters[place.weights.clone()],
                     biases: &parameters[place.biases.clone()],
-                    outputs: behind.inside_mut(),
+                    outputs: outputs.inside_mut(),
                 };
-                blocks(lanes, place.size.positions, place.size.outputs, &mut visit);
+                visit_blocks(lanes, place.size.positions, place.size.outputs, &mut visit);
             }
         }
         let weights = &parameters[layout.head.weights.clone()];
-        for room in &mut *rooms {
-            let Some(seen) = room.seen.last() else { continue };
-            let rows = weights.chunks_exact(seen.values.len()).zip(&parameters[layout.head.biases.clone()]);
-            for (output, (weights, bias)) in room.outputs.iter_mut().zip(rows) {
-                *output = dot(lanes.narrow(), &seen.values, weights) + bias;
+        for workspace in &mut *workspaces {
+            let Some(inputs) = workspace.inputs.last() else { continue };
+            let rows = weights.chunks_exact(inputs.values.len()).zip(&parameters[layout.head.biases.clone()]);
+            for (output, (weights, bias)) in workspace.outputs.iter_mut().zip(rows) {
+                *output = dot(lanes.narrow(), &inputs.values, weights) + bias;
             }
         }
-        rooms
+        workspaces
     }
 
-    /// The same in the controller's whole numbers, of which everything is kept in floats.
+    /// Fixed-point forward pass; the workspaces receive its values as floats.
     #[inline(always)]
-    pub(super) fn forward_exact(&mut self, layout: &Layout, exact: &Exact, windows: &[f32]) -> &mut [Room] {
+    pub(super) fn forward_fixed_point(
+        &mut self,
+        layout: &Layout,
+        fixed_point: &FixedPointNetwork,
+        windows: &[f32],
+    ) -> &mut [Workspace] {
         let mut count = 0;
-        for (room, window) in self.rooms.iter_mut().zip(windows.chunks_exact(layout.window())) {
+        for (workspace, window) in self.workspaces.iter_mut().zip(windows.chunks_exact(layout.window())) {
             let features = window.iter().map(|&value| {
                 let scaled = value * f32::from(FULL_SCALE);
-                // Halves away from zero, as `round`, which is slow without SSE4.1.
+                // Rounds half away from zero like `round`, which is slow without SSE4.1.
                 (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i16
             });
-            exact.sums(layout, features, &mut self.counts, &mut self.sums);
-            exact.outputs(&self.sums, &mut room.outputs);
-            for (columns, (seen, step)) in room.seen.iter_mut().zip(exact.seen(&self.counts)) {
-                for (slot, value) in columns.values.iter_mut().zip(seen) {
+            fixed_point.sums(layout, features, &mut self.counts, &mut self.sums);
+            fixed_point.outputs(&self.sums, &mut workspace.outputs);
+            for (columns, (inputs, step)) in
+                workspace.inputs.iter_mut().zip(fixed_point.layer_inputs(&self.counts))
+            {
+                for (slot, value) in columns.values.iter_mut().zip(inputs) {
                     *slot = f32::from(*value) * step;
                 }
             }
             count += 1;
         }
-        self.rooms.get_mut(..count).unwrap_or_default()
+        self.workspaces.get_mut(..count).unwrap_or_default()
     }
 }
 
-/// Adds the gradients of `sum of output_slopes[i] outputs[i]` of windows that went forward.
+/// Adds the gradients of `sum of output_gradients[i] outputs[i]` for windows after their forward
+/// pass.
 #[inline(always)]
 pub(super) fn backward<L: Lanes>(
     lanes: L,
-    (layout, turned): (&Layout, &Turned),
+    (layout, flipped): (&Layout, &FlippedWeights),
     parameters: &[f32],
-    rooms: &mut [Room],
+    workspaces: &mut [Workspace],
     gradient: &mut [f32],
 ) {
-    for room in rooms.iter_mut().filter(|room| room.goes_back) {
-        head_backward(lanes.narrow(), layout, parameters, room, gradient);
+    for workspace in workspaces.iter_mut().filter(|workspace| workspace.has_gradient) {
+        head_backward(lanes.narrow(), layout, parameters, workspace, gradient);
     }
     for (index, place) in layout.convolutions.iter().enumerate().rev() {
         let sums = &mut gradient[place.weights.clone()];
-        let mut visit = Collect { rooms, layer: index, channels: place.size.outputs, sums };
-        blocks(lanes, place.size.taps(), place.size.outputs, &mut visit);
+        let mut visit = AccumulateWeights { workspaces, layer: index, channels: place.size.outputs, sums };
+        visit_blocks(lanes, place.size.taps(), place.size.outputs, &mut visit);
         let biases = gradient[place.biases.clone()].as_chunks_mut::<LANES>().0;
-        for room in rooms.iter_mut().filter(|room| room.goes_back) {
-            let (earlier, later) = room.slopes.split_at_mut(index);
-            let [slopes, ..] = later else { return };
-            for row in slopes.inside().chunks_exact(place.size.outputs) {
-                for (sum, slope) in biases.iter_mut().zip(row.as_chunks::<LANES>().0) {
-                    for (sum, slope) in sum.iter_mut().zip(slope) {
-                        *sum += slope;
+        for workspace in workspaces.iter_mut().filter(|workspace| workspace.has_gradient) {
+            let (earlier, later) = workspace.gradients.split_at_mut(index);
+            let [gradients, ..] = later else { return };
+            for row in gradients.inside().chunks_exact(place.size.outputs) {
+                for (sums, gradients) in biases.iter_mut().zip(row.as_chunks::<LANES>().0) {
+                    for (sum, gradient) in sums.iter_mut().zip(gradients) {
+                        *sum += gradient;
                     }
                 }
             }
             let (Some(before), Some(weights)) =
-                (earlier.last_mut(), index.checked_sub(1).map(|i| &turned.0[i]))
+                (earlier.last_mut(), index.checked_sub(1).map(|i| &flipped.0[i]))
             else {
                 continue;
             };
-            let mut visit = Spread {
-                slopes: &slopes.values,
-                step: slopes.channels,
+            let mut visit = BackPropagate {
+                gradients: &gradients.values,
+                step: gradients.channels,
                 taps: place.size.kernel * place.size.outputs,
                 weights,
                 channels: place.size.inputs,
-                seen: room.seen[index].inside(),
+                inputs: workspace.inputs[index].inside(),
                 outputs: before.inside_mut(),
             };
-            blocks(lanes, place.size.columns, place.size.inputs, &mut visit);
+            visit_blocks(lanes, place.size.columns, place.size.inputs, &mut visit);
         }
     }
 }
@@ -171,29 +180,30 @@ fn head_backward<L: Lanes<Vector = f32x8>>(
     lanes: L,
     layout: &Layout,
     parameters: &[f32],
-    room: &mut Room,
+    workspace: &mut Workspace,
     gradient: &mut [f32],
 ) {
-    let Some(seen) = room.seen.last() else { return };
-    let sums = gradient[layout.head.weights.clone()].chunks_exact_mut(seen.values.len());
-    for (sums, slope) in sums.zip(&room.output_slopes) {
-        add_scaled(lanes, sums, &seen.values, *slope);
+    let Some(inputs) = workspace.inputs.last() else { return };
+    let sums = gradient[layout.head.weights.clone()].chunks_exact_mut(inputs.values.len());
+    for (sums, output_gradient) in sums.zip(&workspace.output_gradients) {
+        add_scaled(lanes, sums, &inputs.values, *output_gradient);
     }
-    for (sum, slope) in gradient[layout.head.biases.clone()].iter_mut().zip(&room.output_slopes) {
-        *sum += slope;
+    let biases = gradient[layout.head.biases.clone()].iter_mut();
+    for (sum, output_gradient) in biases.zip(&workspace.output_gradients) {
+        *sum += output_gradient;
     }
-    if let Some(last) = room.slopes.last_mut() {
+    if let Some(last) = workspace.gradients.last_mut() {
         let last = last.inside_mut();
         last.fill(0.0);
-        let weights = parameters[layout.head.weights.clone()].chunks_exact(seen.values.len());
-        for (weights, slope) in weights.zip(&room.output_slopes) {
-            add_scaled(lanes, last, weights, *slope);
+        let weights = parameters[layout.head.weights.clone()].chunks_exact(inputs.values.len());
+        for (weights, output_gradient) in weights.zip(&workspace.output_gradients) {
+            add_scaled(lanes, last, weights, *output_gradient);
         }
-        stop(last, &seen.values);
+        mask_by_relu(last, &inputs.values);
     }
 }
 
-/// Four runs of eight whatever the machine, then the rest one by one.
+/// Sums four vectors of eight on any machine, then the remainder one by one.
 #[inline(always)]
 fn dot<L: Lanes<Vector = f32x8>>(lanes: L, a: &[f32], b: &[f32]) -> f32 {
     const RUNS: usize = 4;

@@ -1,53 +1,53 @@
-//! A training between two epochs as bytes, to be taken up again.
+//! State of a training between two epochs, as bytes.
 //!
-//! Little-endian: magic (8 bytes), version (u32), length of the notes (u32), the notes as JSON, then f32: parameters and both
-//! moments in the layout's order, the best free weights, the freezer's grid and what is free (each if there is one), then
-//! a CRC-32 over everything before. What was drawn need not be kept: every draw depends on seed, purpose and index alone.
+//! Layout, little-endian: magic (8 bytes), version (u32), length of the notes (u32), the notes as
+//! JSON; then as f32: parameters and both moments in the layout's order, the best free weights if
+//! any, the freezer's grid and mask if any; then a CRC-32 over everything before it. Random draws
+//! need no state, because each depends on seed, purpose and index alone.
 
+use super::freezer::Freezer;
 use super::optimiser::Adam;
 use super::training::{Best, Progress, Training};
 use crate::network::Network;
-use crate::recipe::Recipe;
-use crate::round::Freezer;
-use inference::image::check_sum;
+use crate::network::recipe::Recipe;
+use inference::image::checksum;
 use serde::{Deserialize, Serialize};
 
 const MAGIC: [u8; 8] = *b"PINTLES\n";
 const VERSION: u32 = 1;
 
-/// What stands before the numbers.
+/// JSON part of a state.
 #[derive(Serialize, Deserialize)]
 struct Notes {
     recipe: Recipe,
-    lane: u64,
+    #[serde(rename = "lane")]
+    stream: u64,
     adam_steps: u64,
     best: Option<(usize, f64)>,
     has_freezer: bool,
     history: Vec<Progress>,
 }
 
-/// Why a training cannot be taken up again.
+/// Reason why a training cannot be resumed.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
-    /// It is no state, or a damaged one.
+    /// The bytes are not a state or are damaged.
     #[error("training state: found {found}, expected {expected}")]
     Damaged {
-        /// What was found.
+        /// Content found.
         found: String,
-        /// What should be there.
+        /// Content expected.
         expected: String,
     },
-    /// Its notes cannot be read.
+    /// Its notes cannot be parsed.
     #[error("training state: notes: {0}")]
     Notes(#[from] serde_json::Error),
     /// It belongs to another recipe or network.
-    #[error(
-        "training state: its recipe or network is another one than asked for; found {found}, expected {expected}"
-    )]
+    #[error("training state of another recipe or network: found {found}, expected {expected}")]
     Other {
         /// Recipe of the state.
         found: String,
-        /// Recipe asked for.
+        /// Requested recipe.
         expected: String,
     },
 }
@@ -57,15 +57,15 @@ fn damaged(found: impl Into<String>, expected: impl Into<String>) -> StateError 
 }
 
 impl Training<'_> {
-    /// All that the next epoch depends on.
+    /// Encodes everything that the next epoch depends on.
     ///
     /// # Errors
     ///
-    /// None for a training that began with finite numbers.
+    /// None if all numbers are finite.
     pub fn to_bytes(&self) -> Result<Vec<u8>, serde_json::Error> {
         let notes = serde_json::to_vec(&Notes {
             recipe: self.recipe.clone(),
-            lane: self.lane,
+            stream: self.stream,
             adam_steps: self.trainer.adam.steps,
             best: self.best.as_ref().map(|best| (best.epoch, best.loss)),
             has_freezer: self.freezer.is_some(),
@@ -82,31 +82,32 @@ impl Training<'_> {
         let frozen = self.freezer.as_ref().map(Freezer::parts).into_iter().flatten();
         let networks = best.into_iter().chain(frozen);
         bytes.extend(networks.flat_map(Network::parameters).flat_map(f32::to_le_bytes));
-        let sum = check_sum(&bytes);
+        let sum = checksum(&bytes);
         bytes.extend(sum.to_le_bytes());
         Ok(bytes)
     }
 
-    /// Goes on from the bytes of [`Training::to_bytes`] of a training with the same recipe and sources.
+    /// Restores the state from [`Training::to_bytes`] of a training with the same recipe and
+    /// sources.
     ///
     /// # Errors
     ///
-    /// Damaged bytes, another recipe, another network.
-    pub fn take_up(&mut self, bytes: &[u8]) -> Result<(), StateError> {
+    /// Damaged bytes, or another recipe or network.
+    pub fn resume_from(&mut self, bytes: &[u8]) -> Result<(), StateError> {
         let begin = [MAGIC.as_slice(), &VERSION.to_le_bytes()].concat();
         let rest = bytes
             .strip_prefix(begin.as_slice())
             .ok_or_else(|| damaged("other first bytes", format!("a training state of version {VERSION}")))?;
         let short = || damaged(format!("{} bytes", bytes.len()), "more");
         let (body, sum) = bytes.split_last_chunk::<4>().ok_or_else(short)?;
-        let (found, expected) = (check_sum(body), u32::from_le_bytes(*sum));
+        let (found, expected) = (checksum(body), u32::from_le_bytes(*sum));
         if found != expected {
-            return Err(damaged(format!("check sum {found:#010x}"), format!("{expected:#010x}")));
+            return Err(damaged(format!("checksum {found:#010x}"), format!("{expected:#010x}")));
         }
         let (length, rest) = rest.split_first_chunk::<4>().ok_or_else(short)?;
         let (notes, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize).ok_or_else(short)?;
         let notes: Notes = serde_json::from_slice(notes)?;
-        if notes.recipe != *self.recipe || notes.lane != self.lane {
+        if notes.recipe != *self.recipe || notes.stream != self.stream {
             let text = |recipe: &Recipe| serde_json::to_string(recipe).unwrap_or_default();
             return Err(StateError::Other { found: text(&notes.recipe), expected: text(self.recipe) });
         }
@@ -133,7 +134,7 @@ impl Training<'_> {
         self.freezer = notes.has_freezer.then(|| Freezer::from_parts([network(), network()]));
         self.history = notes.history;
         let free = self.freezer.as_ref().map(Freezer::free).cloned();
-        self.trainer.hold(free.as_ref());
+        self.trainer.set_free(free.as_ref());
         Ok(())
     }
 }

@@ -1,28 +1,31 @@
-//! One network being trained: batches of windows in, parameters moved.
+//! Training step: from a batch of windows to new parameters.
 //!
-//! A batch is cut into chunks of a fixed size; each chunk fills a gradient of its own, and the gradients are added in the
-//! order of the chunks: the same bytes on any number of threads.
+//! A batch is divided into chunks of a fixed size. Each chunk has a separate gradient, and the
+//! gradients are added in the order of the chunks. The result has the same bytes on any number of
+//! threads.
 
-use super::exact::{Exact, Grids};
-use super::lanes::{InstructionSet, Lanes, Machine, Operation};
+use super::fixed_point_forward::{FixedPointNetwork, Formats};
+use super::lanes::{Lanes, Machine, Operation};
 use super::layout::Layout;
 use super::optimiser::Adam;
-use super::passes::{GROUP, Passes, Turned, backward};
-use super::room::Room;
-use crate::mode::Mode;
+use super::passes::{FlippedWeights, GROUP, Passes, backward};
+use super::workspace::Workspace;
+use crate::network::recipe::InstructionSet;
 use crate::network::{Network, Shape};
-use crate::parameters::Activations;
+use crate::quantise::fixed_point::Activations;
+use crate::quantise::mode::Mode;
 use rayon::prelude::*;
 
-/// Windows whose gradients are added up by one task.
+/// Windows in one parallel task.
 pub const CHUNK: usize = 64;
 
-/// What counts as an error.
+/// Definition of the error of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Loss {
-    /// Any difference from the target.
+    /// Difference from the target.
     Difference,
-    /// The same, but below a target of 0 every output is right: it is clamped there.
+    /// Difference from the target, but any output below 0 is correct if the target is 0: it is
+    /// clamped.
     Clamped,
 }
 
@@ -44,14 +47,14 @@ pub struct Windows {
 
 /// Sums of squared and of absolute errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Errors {
+pub struct ErrorSums {
     /// Sum of the squares.
     pub squared: f64,
     /// Sum of the magnitudes.
     pub absolute: f64,
 }
 
-impl Errors {
+impl ErrorSums {
     fn add(&mut self, other: Self) {
         self.squared += other.squared;
         self.absolute += other.absolute;
@@ -65,8 +68,8 @@ pub struct Trainer {
     pub(super) parameters: Vec<f32>,
     pub(super) adam: Adam,
     pub(super) free: Option<Vec<f32>>,
-    /// With these the way forward is in whole numbers.
-    grids: Option<Grids>,
+    /// Formats of the fixed-point forward pass; None for a float forward pass.
+    formats: Option<Formats>,
     pub(super) machine: Machine,
     loss: Loss,
 }
@@ -77,38 +80,38 @@ impl Trainer {
         let layout = Layout::new(network.shape());
         let parameters = layout.pack(network);
         let (adam, machine) = (Adam::new(layout.length), set.machine());
-        Self { adam, layout, parameters, free: None, grids: None, machine, loss }
+        Self { adam, layout, parameters, free: None, formats: None, machine, loss }
     }
 
-    /// The network as it is now.
-    pub fn network(&self) -> Network {
+    /// Current network.
+    pub(crate) fn network(&self) -> Network {
         self.layout.unpack(&self.parameters)
     }
 
-    /// Its shape.
-    pub fn shape(&self) -> &Shape {
+    /// Shape of the network.
+    pub(crate) fn shape(&self) -> &Shape {
         &self.layout.shape
     }
 
-    /// Puts other parameters in place; the optimiser goes on.
-    pub fn replace(&mut self, network: &Network) {
+    /// Replaces the parameters and keeps the moments of the optimiser.
+    pub(crate) fn replace(&mut self, network: &Network) {
         self.parameters = self.layout.pack(network);
     }
 
-    /// Lets only the parameters move for which this network is not 0; forgets the moments.
-    pub fn restart(&mut self, free: Option<&Network>) {
+    /// Clears the moments and restricts training to the parameters for which `free` is not 0.
+    pub(crate) fn restart(&mut self, free: Option<&Network>) {
         self.adam = Adam::new(self.layout.length);
-        self.hold(free);
+        self.set_free(free);
     }
 
-    /// Lets only the parameters move for which this network is not 0.
-    pub fn hold(&mut self, free: Option<&Network>) {
+    /// Restricts training to the parameters for which `free` is not 0.
+    pub(crate) fn set_free(&mut self, free: Option<&Network>) {
         self.free = free.map(|free| self.layout.pack(free));
     }
 
-    /// Goes forward in the controller's whole numbers from now on: weights in these steps, activations as they are largest
-    /// over some windows.
-    pub fn go_exact(&mut self, grid: &Network, windows: &Windows) {
+    /// Switches to the fixed-point forward pass with weights on `grid`. The activation formats
+    /// follow from the largest values over the windows.
+    pub(crate) fn use_fixed_point_forward(&mut self, grid: &Network, windows: &Windows) {
         let network = self.network();
         let size = self.shape().columns * self.shape().inputs;
         let convolutions = self.layout.convolutions.len();
@@ -119,50 +122,60 @@ impl Trainer {
             })
             .reduce(|| vec![0.0; convolutions], |a, b| a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect());
         let activations = largest.into_iter().map(|largest| Activations::up_to(largest, Mode::W8a16));
-        self.grids = Some(Grids { weights: self.layout.pack(grid), activations: activations.collect() });
+        self.formats = Some(Formats { weights: self.layout.pack(grid), activations: activations.collect() });
     }
 
-    fn exact(&self) -> Option<Exact> {
-        self.grids.as_ref().map(|grids| Exact::of(&self.layout, &self.parameters, grids))
+    fn fixed_point(&self) -> Option<FixedPointNetwork> {
+        self.formats
+            .as_ref()
+            .map(|formats| FixedPointNetwork::from_parameters(&self.layout, &self.parameters, formats))
     }
 
-    /// One step on the mean squared error of a batch of `count` windows, made by `make` chunk by chunk. Targets are divided
-    /// by `unit`.
+    /// Takes one step on the mean squared error of a batch of `count` windows, generated by `make`
+    /// chunk by chunk. Targets are divided by `unit`.
     pub fn step(
         &mut self,
         count: usize,
         unit: f32,
         rate: f64,
         make: impl Fn(usize, core::ops::Range<usize>) -> Windows + Sync,
-    ) -> Errors {
+    ) -> ErrorSums {
         let (gradient, errors) = self.gradient(count, unit, make);
         self.adam.step(&mut self.parameters, &gradient, self.free.as_deref(), rate);
         errors
     }
 
-    /// Gradient of the mean squared error, in the layout's order, and the sums of the errors.
+    /// Gradient of the mean squared error in the layout's order, and the sums of the errors.
     pub(super) fn gradient(
         &self,
         count: usize,
         unit: f32,
         make: impl Fn(usize, core::ops::Range<usize>) -> Windows + Sync,
-    ) -> (Vec<f32>, Errors) {
-        let exact = self.exact();
-        let parameters = exact.as_ref().map_or(&self.parameters, |exact| &exact.rounded);
-        let turned = Turned::of(&self.layout, parameters);
+    ) -> (Vec<f32>, ErrorSums) {
+        let fixed_point = self.fixed_point();
+        let parameters = fixed_point.as_ref().map_or(&self.parameters, |fixed_point| &fixed_point.rounded);
+        let flipped = FlippedWeights::from_parameters(&self.layout, parameters);
         let weight = 2.0 / (count * self.layout.shape.outputs).max(1) as f32;
-        let chunks: Vec<(Vec<f32>, Errors)> = (0..count.div_ceil(CHUNK))
+        let chunks: Vec<(Vec<f32>, ErrorSums)> = (0..count.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let windows = make(chunk, chunk * CHUNK..((chunk + 1) * CHUNK).min(count));
-                let (trainer, exact) = (self, exact.as_ref());
-                let (windows, turned) = (&windows, &turned);
-                self.machine.run(Descend { trainer, exact, parameters, windows, turned, unit, weight })
+                let (trainer, fixed_point) = (self, fixed_point.as_ref());
+                let (windows, flipped) = (&windows, &flipped);
+                self.machine.run(ChunkGradient {
+                    trainer,
+                    fixed_point,
+                    parameters,
+                    windows,
+                    flipped,
+                    unit,
+                    weight,
+                })
             })
             .collect();
         let mut chunks = chunks.into_iter();
         let Some((mut gradient, mut errors)) = chunks.next() else {
-            return (vec![0.0; self.layout.length], Errors::default());
+            return (vec![0.0; self.layout.length], ErrorSums::default());
         };
         for (part, more) in chunks {
             for (sum, value) in gradient.iter_mut().zip(part) {
@@ -173,85 +186,86 @@ impl Trainer {
         (gradient, errors)
     }
 
-    /// Errors over windows, without learning.
-    pub fn errors(&self, windows: &Windows, unit: f32) -> Errors {
+    /// Sums of the errors over windows.
+    pub(crate) fn errors(&self, windows: &Windows, unit: f32) -> ErrorSums {
         let size = (self.layout.shape.columns * self.layout.shape.inputs, self.layout.shape.outputs);
-        let exact = self.exact();
+        let fixed_point = self.fixed_point();
         let chunks =
             windows.columns.par_chunks(CHUNK * size.0).zip(windows.targets.par_chunks(CHUNK * size.1));
-        let sums: Vec<Errors> = chunks
+        let sums: Vec<ErrorSums> = chunks
             .map(|(columns, targets)| {
-                let (trainer, exact) = (self, exact.as_ref());
-                self.machine.run(Measure { trainer, exact, columns, targets, unit })
+                let (trainer, fixed_point) = (self, fixed_point.as_ref());
+                self.machine.run(ChunkErrors { trainer, fixed_point, columns, targets, unit })
             })
             .collect();
-        let mut errors = Errors::default();
+        let mut errors = ErrorSums::default();
         sums.into_iter().for_each(|more| errors.add(more));
         errors
     }
 }
 
-/// Gradient and errors of one chunk.
-struct Descend<'a> {
+/// Gradient and error sums of one chunk.
+struct ChunkGradient<'a> {
     trainer: &'a Trainer,
-    exact: Option<&'a Exact>,
+    fixed_point: Option<&'a FixedPointNetwork>,
     parameters: &'a [f32],
     windows: &'a Windows,
-    turned: &'a Turned,
+    flipped: &'a FlippedWeights,
     unit: f32,
     weight: f32,
 }
 
-impl Operation for Descend<'_> {
-    type Output = (Vec<f32>, Errors);
+impl Operation for ChunkGradient<'_> {
+    type Output = (Vec<f32>, ErrorSums);
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Self::Output {
         let (Trainer { layout, loss, .. }, parameters) = (self.trainer, self.parameters);
         let mut gradient = vec![0.0; layout.length];
-        let (mut passes, mut errors) = (Passes::new(layout), Errors::default());
+        let (mut passes, mut errors) = (Passes::new(layout), ErrorSums::default());
         let windows = self.windows.columns.chunks(GROUP * layout.window());
         let targets = self.windows.targets.chunks(GROUP * layout.shape.outputs);
         for (windows, targets) in windows.zip(targets) {
-            let rooms = forward(lanes, (layout, self.exact), parameters, windows, &mut passes);
-            rooms.iter_mut().for_each(|room| room.goes_back = false);
-            for (room, targets) in rooms.iter_mut().zip(targets.chunks_exact(layout.shape.outputs)) {
-                let slopes = room.output_slopes.iter_mut().zip(&room.outputs);
-                for ((slope, output), target) in slopes.zip(targets) {
+            let workspaces = forward(lanes, (layout, self.fixed_point), parameters, windows, &mut passes);
+            workspaces.iter_mut().for_each(|workspace| workspace.has_gradient = false);
+            for (workspace, targets) in workspaces.iter_mut().zip(targets.chunks_exact(layout.shape.outputs))
+            {
+                let outputs = workspace.output_gradients.iter_mut().zip(&workspace.outputs);
+                for ((gradient, output), target) in outputs.zip(targets) {
                     let error = loss.residual(*output, target / self.unit);
                     errors.squared += f64::from(error) * f64::from(error);
                     errors.absolute += f64::from(error).abs();
-                    *slope = self.weight * error;
-                    room.goes_back |= error != 0.0;
+                    *gradient = self.weight * error;
+                    workspace.has_gradient |= error != 0.0;
                 }
             }
-            backward(lanes, (layout, self.turned), parameters, rooms, &mut gradient);
+            backward(lanes, (layout, self.flipped), parameters, workspaces, &mut gradient);
         }
         (gradient, errors)
     }
 }
 
-/// Errors of one chunk.
-struct Measure<'a> {
+/// Error sums of one chunk.
+struct ChunkErrors<'a> {
     trainer: &'a Trainer,
-    exact: Option<&'a Exact>,
+    fixed_point: Option<&'a FixedPointNetwork>,
     columns: &'a [f32],
     targets: &'a [f32],
     unit: f32,
 }
 
-impl Operation for Measure<'_> {
-    type Output = Errors;
+impl Operation for ChunkErrors<'_> {
+    type Output = ErrorSums;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) -> Errors {
+    fn run<L: Lanes>(self, lanes: L) -> ErrorSums {
         let Trainer { layout, parameters, loss, .. } = self.trainer;
-        let (mut passes, mut errors) = (Passes::new(layout), Errors::default());
+        let (mut passes, mut errors) = (Passes::new(layout), ErrorSums::default());
         let windows = self.columns.chunks(GROUP * layout.window());
         for (windows, targets) in windows.zip(self.targets.chunks(GROUP * layout.shape.outputs)) {
-            let rooms = forward(lanes, (layout, self.exact), parameters, windows, &mut passes);
-            for (room, targets) in rooms.iter().zip(targets.chunks_exact(layout.shape.outputs)) {
-                for (output, target) in room.outputs.iter().zip(targets) {
+            let workspaces = forward(lanes, (layout, self.fixed_point), parameters, windows, &mut passes);
+            for (workspace, targets) in workspaces.iter().zip(targets.chunks_exact(layout.shape.outputs)) {
+                for (output, target) in workspace.outputs.iter().zip(targets) {
                     let error = f64::from(loss.residual(*output, target / self.unit));
                     errors.squared += error * error;
                     errors.absolute += error.abs();
@@ -265,13 +279,13 @@ impl Operation for Measure<'_> {
 #[inline(always)]
 fn forward<'a, L: Lanes>(
     lanes: L,
-    (layout, exact): (&Layout, Option<&Exact>),
+    (layout, fixed_point): (&Layout, Option<&FixedPointNetwork>),
     parameters: &[f32],
     windows: &[f32],
     passes: &'a mut Passes,
-) -> &'a mut [Room] {
-    match exact {
-        Some(exact) => passes.forward_exact(layout, exact, windows),
+) -> &'a mut [Workspace] {
+    match fixed_point {
+        Some(fixed_point) => passes.forward_fixed_point(layout, fixed_point, windows),
         None => passes.forward(lanes, layout, parameters, windows),
     }
 }

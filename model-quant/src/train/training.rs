@@ -1,21 +1,23 @@
-//! The epochs of one training, one at a time.
+//! Training of one network, epoch by epoch.
 
-use super::trainer::{CHUNK, Errors, Loss, Trainer, Windows};
-use super::{Trained, cosine_rate};
-use crate::dataset::permutation::Permutation;
-use crate::draw::{Draw, Purpose};
+use super::cosine_rate;
+use super::freezer::Freezer;
+use super::trainer::{CHUNK, ErrorSums, Loss, Trainer, Windows};
+use crate::data::draw::{Draw, Purpose};
+use crate::data::permutation::Permutation;
+use crate::network::checkpoint::Trained;
+use crate::network::recipe::{GridMethod, Recipe};
 use crate::network::{Network, Shape};
-use crate::recipe::{GridMethod, Recipe};
-use crate::round::Freezer;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Share of the passes on the grid after which every weight is frozen; the rest moves biases alone.
+/// Share of the grid epochs after which every weight is frozen; in the others only biases change.
+/// At .9 the biases have time to settle at the end.
 const FREEZING_SHARE: f64 = 0.9;
 
-/// Where windows come from.
+/// Source of windows.
 pub trait Source: Sync {
-    /// Windows of an epoch.
+    /// Windows in an epoch.
     fn count(&self) -> u64;
 
     /// Adds the window of a row and its target.
@@ -27,7 +29,7 @@ pub trait Source: Sync {
 pub struct Progress {
     /// Epochs done, of both kinds.
     pub epoch: usize,
-    /// Whether the weights were on the grid.
+    /// True in an epoch that moves the weights to the 8-bit grid.
     pub on_grid: bool,
     /// Mean squared error over the epoch, in units of the target's rms squared.
     pub loss: f64,
@@ -41,7 +43,7 @@ pub struct Progress {
     pub learning_rate: f64,
 }
 
-/// The best weights so far of the epochs with free weights.
+/// Best weights of the epochs with free weights.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Best {
     pub(super) epoch: usize,
@@ -49,14 +51,14 @@ pub(super) struct Best {
     pub(super) network: Network,
 }
 
-/// One training between two epochs.
+/// A training between two epochs.
 pub struct Training<'a> {
     pub(super) recipe: &'a Recipe,
     source: &'a dyn Source,
     validation: Windows,
-    /// Number in the indices of the streams, so that two trainings do not share draws.
-    pub(super) lane: u64,
-    /// The target's rms: the network learns targets in this unit.
+    /// Number of the random stream, so that two trainings do not share draws.
+    pub(super) stream: u64,
+    /// Root mean square of the targets; the network learns targets in this unit.
     unit: f32,
     pub(super) trainer: Trainer,
     pub(super) best: Option<Best>,
@@ -65,22 +67,22 @@ pub struct Training<'a> {
 }
 
 impl<'a> Training<'a> {
-    /// Starts with seeded weights.
+    /// Starts with random weights.
     pub fn new(
         recipe: &'a Recipe,
         shape: Shape,
         (source, validation): (&'a dyn Source, &dyn Source),
         loss: Loss,
-        lane: u64,
+        stream: u64,
     ) -> Self {
-        let stream = |purpose, index: u64| Draw::new(recipe.seed, purpose, lane << 40 | index);
+        let draw_for = |purpose, index: u64| Draw::new(recipe.seed, purpose, stream << 40 | index);
         let parts: Vec<Windows> = (0..validation.count().div_ceil(CHUNK as u64))
             .into_par_iter()
             .map(|chunk| {
                 let mut windows = Windows::default();
                 let first = chunk * CHUNK as u64;
                 for row in first..(first + CHUNK as u64).min(validation.count()) {
-                    validation.add(row, &mut stream(Purpose::FixedHistories, row), &mut windows);
+                    validation.add(row, &mut draw_for(Purpose::FixedHistories, row), &mut windows);
                 }
                 windows
             })
@@ -92,13 +94,13 @@ impl<'a> Training<'a> {
         });
         let power: f64 = validation.targets.iter().map(|&target| f64::from(target) * f64::from(target)).sum();
         let unit = libm::sqrt(power / validation.targets.len().max(1) as f64).max(1e-30) as f32;
-        let network = Network::start(shape, &mut stream(Purpose::Weights, 0));
+        let network = Network::start(shape, &mut draw_for(Purpose::Weights, 0));
         let trainer = Trainer::new(&network, recipe.instruction_set, loss);
         Self {
             recipe,
             source,
             validation,
-            lane,
+            stream,
             unit,
             trainer,
             best: None,
@@ -107,29 +109,29 @@ impl<'a> Training<'a> {
         }
     }
 
-    /// What happened so far.
+    /// All epochs up to now.
     pub fn history(&self) -> &[Progress] {
         &self.history
     }
 
-    /// Whether the epochs with free weights are over: all done, or none of the last ones was better.
+    /// Returns true if the epochs with free weights are complete or no longer improve.
     fn is_settled(&self) -> bool {
         let free = self.history.iter().take_while(|progress| !progress.on_grid).count();
         let since = self.best.as_ref().map_or(0, |best| free - best.epoch);
         free >= self.recipe.epochs || self.recipe.patience.is_some_and(|patience| since >= patience)
     }
 
-    /// Epochs on the grid done.
+    /// Number of completed epochs on the grid.
     fn grid_epochs(&self) -> usize {
         self.history.iter().filter(|progress| progress.on_grid).count()
     }
 
-    /// Whether nothing is left to do.
+    /// Returns true if all epochs are complete.
     pub fn is_done(&self) -> bool {
         self.is_settled() && self.grid_epochs() >= self.recipe.grid_epochs
     }
 
-    /// One more epoch.
+    /// Runs one epoch.
     pub fn epoch(&mut self) -> Progress {
         let on_grid = self.is_settled();
         let (phase, phases, highest) = if on_grid {
@@ -142,26 +144,26 @@ impl<'a> Training<'a> {
         }
         let epoch = self.history.len();
         let count = self.source.count();
-        let mut order = Draw::new(self.recipe.seed, Purpose::Order, self.lane << 40 | epoch as u64);
+        let mut order = Draw::new(self.recipe.seed, Purpose::Order, self.stream << 40 | epoch as u64);
         let order = Permutation::new(count, (order.unit() * 9_007_199_254_740_992.0) as u64);
         let batch = self.recipe.batch as u64;
         let batches = count.div_ceil(batch);
         let chunks = batch.div_ceil(CHUNK as u64);
-        let mut errors = Errors::default();
+        let mut errors = ErrorSums::default();
         let mut rate = 0.0;
         for index in 0..batches {
             let first = index * batch;
             let done = (phase as u64 * batches + index) as f64 / (phases as u64 * batches) as f64;
             rate = cosine_rate(highest, done);
             let number = (epoch as u64 * batches + index) * chunks;
-            let (recipe, lane, source) = (self.recipe, self.lane, self.source);
+            let (recipe, stream, source) = (self.recipe, self.stream, self.source);
             let found = self.trainer.step(
                 (first + batch).min(count).saturating_sub(first) as usize,
                 self.unit,
                 rate,
                 |chunk, rows| {
-                    let stream = lane << 40 | (number + chunk as u64);
-                    let mut draw = Draw::new(recipe.seed, Purpose::Histories, stream);
+                    let index = stream << 40 | (number + chunk as u64);
+                    let mut draw = Draw::new(recipe.seed, Purpose::Histories, index);
                     let mut windows = Windows::default();
                     for row in rows {
                         source.add(order.at(first + row as u64), &mut draw, &mut windows);
@@ -193,7 +195,8 @@ impl<'a> Training<'a> {
         progress
     }
 
-    /// Before an epoch on the grid: starts from the best free weights, then freezes a further share.
+    /// Prepares an epoch on the grid: starts from the best free weights, then freezes a further
+    /// share.
     fn freeze(&mut self, phase: usize, phases: usize) {
         let mut network = self.trainer.network();
         if let (0, Some(best)) = (phase, &self.best) {
@@ -207,18 +210,18 @@ impl<'a> Training<'a> {
             GridMethod::Exact => 1.0,
             _ => ((phase + 1) as f64 / (FREEZING_SHARE * phases as f64)).min(1.0),
         };
-        // Every channel's largest weight lies on its grid, and stays, or the grid would be another one at the end.
-        // The last weights are the dearest: fewer and fewer at a time.
+        // The largest weight of every channel defines the grid and must stay frozen. The last
+        // weights are the hardest to compensate, so the share grows ever more slowly.
         let share = (1.0 - (1.0 - done).powi(3)).max(freezer.share_of_ends());
         freezer.freeze(&mut network, share);
         self.trainer.replace(&network);
-        self.trainer.hold(Some(freezer.free()));
+        self.trainer.set_free(Some(freezer.free()));
         if method != GridMethod::Freeze {
-            self.trainer.go_exact(freezer.parts()[0], &self.validation);
+            self.trainer.use_fixed_point_forward(freezer.parts()[0], &self.validation);
         }
     }
 
-    /// The results so far, outputs in the target's own unit.
+    /// Returns the current results with outputs in the targets' unit.
     pub fn finish(&self) -> Trained {
         let last = self.trainer.network();
         let float = self.best.as_ref().map_or_else(|| last.clone(), |best| best.network.clone());
@@ -231,7 +234,7 @@ impl<'a> Training<'a> {
     }
 }
 
-/// Multiplies the head, so that the output is in the target's own unit.
+/// Scales the head so that the output is in the targets' unit.
 fn in_unit(mut network: Network, unit: f32) -> Network {
     let convolutions = 2 * network.shape().convolutions.len();
     for weight in network.slices_mut().skip(convolutions).flatten() {

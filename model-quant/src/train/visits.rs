@@ -1,12 +1,13 @@
-//! What is done with the blocks of [`super::block`]: outputs, slopes over inputs, gradients over weights.
+//! Operations on the blocks of [`super::block`]: outputs, gradients of inputs, gradients of
+//! weights.
 
-use super::block::{Sums, Visit, across, along, gate, load, store, vectors};
+use super::block::{Sums, Visit, gate, load, multiply_columns, multiply_rows, store, vectors};
 use super::lanes::Lanes;
-use super::room::Room;
+use super::workspace::Workspace;
 
-/// The outputs of a convolution with ReLU.
+/// Computes the outputs of a convolution with ReLU.
 pub(super) struct Convolve<'a> {
-    pub(super) seen: &'a [f32],
+    pub(super) inputs: &'a [f32],
     pub(super) step: usize,
     pub(super) taps: usize,
     pub(super) weights: &'a [f32],
@@ -23,25 +24,25 @@ impl Visit for Convolve<'_> {
         at: usize,
     ) -> Option<()> {
         let channels = self.biases.len();
-        let seen = (self.seen.get(row * self.step..)?, self.step, self.taps);
+        let inputs = (self.inputs.get(row * self.step..)?, self.step, self.taps);
         let sums: Sums<L, R, V> = [vectors(lanes, self.biases, at)?; R];
-        let sums = along(lanes, seen, (self.weights, channels, at), sums)?;
+        let sums = multiply_rows(lanes, inputs, (self.weights, channels, at), sums)?;
         store(lanes, &gate::<L, R, V>(lanes, sums, &sums), (self.outputs, channels), (row, at))
     }
 }
 
-/// The slopes over what a convolution sees, through the ReLU that gave it.
-pub(super) struct Spread<'a> {
-    pub(super) slopes: &'a [f32],
+/// Computes the gradients with respect to a convolution's inputs, through the ReLU before it.
+pub(super) struct BackPropagate<'a> {
+    pub(super) gradients: &'a [f32],
     pub(super) step: usize,
     pub(super) taps: usize,
     pub(super) weights: &'a [f32],
     pub(super) channels: usize,
-    pub(super) seen: &'a [f32],
+    pub(super) inputs: &'a [f32],
     pub(super) outputs: &'a mut [f32],
 }
 
-impl Visit for Spread<'_> {
+impl Visit for BackPropagate<'_> {
     #[inline(always)]
     fn block<L: Lanes, const R: usize, const V: usize>(
         &mut self,
@@ -49,23 +50,23 @@ impl Visit for Spread<'_> {
         row: usize,
         at: usize,
     ) -> Option<()> {
-        let slopes = (self.slopes.get(row * self.step..)?, self.step, self.taps);
+        let gradients = (self.gradients.get(row * self.step..)?, self.step, self.taps);
         let sums: Sums<L, R, V> = [[lanes.splat(0.0); V]; R];
-        let sums = along(lanes, slopes, (self.weights, self.channels, at), sums)?;
-        let gates = load::<L, R, V>(lanes, (self.seen, self.channels), (row, at))?;
+        let sums = multiply_rows(lanes, gradients, (self.weights, self.channels, at), sums)?;
+        let gates = load::<L, R, V>(lanes, (self.inputs, self.channels), (row, at))?;
         store(lanes, &gate::<L, R, V>(lanes, sums, &gates), (self.outputs, self.channels), (row, at))
     }
 }
 
-/// The gradient over a convolution's weights, added up over the windows that go back.
-pub(super) struct Collect<'a> {
-    pub(super) rooms: &'a [Room],
+/// Adds the gradients with respect to a convolution's weights over the windows of a group.
+pub(super) struct AccumulateWeights<'a> {
+    pub(super) workspaces: &'a [Workspace],
     pub(super) layer: usize,
     pub(super) channels: usize,
     pub(super) sums: &'a mut [f32],
 }
 
-impl Visit for Collect<'_> {
+impl Visit for AccumulateWeights<'_> {
     #[inline(always)]
     fn block<L: Lanes, const R: usize, const V: usize>(
         &mut self,
@@ -74,19 +75,20 @@ impl Visit for Collect<'_> {
         at: usize,
     ) -> Option<()> {
         let mut sums = load::<L, R, V>(lanes, (self.sums, self.channels), (row, at))?;
-        for room in self.rooms.iter().filter(|room| room.goes_back) {
-            let (seen, slopes) = (room.seen.get(self.layer)?, room.slopes.get(self.layer)?);
-            let slopes = (slopes.inside(), self.channels, at);
-            sums = across(lanes, (seen.values.get(row..)?, seen.channels), slopes, sums)?;
+        for workspace in self.workspaces.iter().filter(|workspace| workspace.has_gradient) {
+            let (inputs, gradients) =
+                (workspace.inputs.get(self.layer)?, workspace.gradients.get(self.layer)?);
+            let gradients = (gradients.inside(), self.channels, at);
+            sums = multiply_columns(lanes, (inputs.values.get(row..)?, inputs.channels), gradients, sums)?;
         }
         store(lanes, &sums, (self.sums, self.channels), (row, at))
     }
 }
 
-/// Slopes end where a ReLU gave 0.
+/// Sets gradients to 0 where a ReLU gave 0.
 #[inline(always)]
-pub(super) fn stop(slopes: &mut [f32], seen: &[f32]) {
-    for (slope, seen) in slopes.iter_mut().zip(seen) {
-        *slope = if *seen > 0.0 { *slope } else { 0.0 };
+pub(super) fn mask_by_relu(gradients: &mut [f32], inputs: &[f32]) {
+    for (gradient, input) in gradients.iter_mut().zip(inputs) {
+        *gradient = if *input > 0.0 { *gradient } else { 0.0 };
     }
 }

@@ -1,47 +1,46 @@
-//! The fault campaign from the command line; `cargo xtask faults` builds the image and runs it.
+//! Command line of the fault campaign; `cargo xtask faults` builds the image and runs it.
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use system_tests::faults::campaign::Campaign;
-use system_tests::faults::judge::{Class, Outcome};
+use system_tests::faults::classify::{Class, Outcome};
 use system_tests::faults::table::{Counts, Table};
 use system_tests::faults::{CampaignError, exit};
 
-/// Seeded faults on the emulated controller, each classed by what the host gets to hear.
+/// Inject seeded faults into the emulated controller and classify each by what the host receives.
 #[derive(Parser)]
-#[command(
-    after_help = "Examples:\n  cargo xtask faults\n  cargo xtask faults --count 10000 --record out/faults.jsonl\n  \
+#[command(after_help = "Examples:\n  cargo xtask faults\n  \
+    cargo xtask faults --count 10000 --record out/faults.jsonl\n  \
     cargo xtask faults --only 4711 --json\n\n\
-    Exit codes: 0 no fault was silent, 1 some were or the work failed, 2 the arguments are wrong."
-)]
+    Exit codes: 0 no fault was silent, 1 some were or the work failed, 2 the arguments are wrong.")]
 struct Cli {
-    /// How many faults.
+    /// Number of faults.
     #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     count: u64,
     /// Number of the first fault.
     #[arg(long, default_value_t = 0)]
     first: u64,
-    /// Only the fault of this number.
+    /// Inject only the fault of this number.
     #[arg(long, conflicts_with_all = ["count", "first", "record"])]
     only: Option<u64>,
     /// Seed of the campaign.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Journal of the outcomes, of this image and seed alone; what is in it is not done again.
+    /// Journal of the outcomes. It holds one image and seed; recorded faults are not repeated.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// The firmware's image.
+    /// Firmware image.
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
-    /// Faults at the same time; 0 takes one a core.
+    /// Faults at the same time; 0: one on each core.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
-    /// Write the counts to tests/golden/faults.json: those of the default count and seed.
+    /// Write the counts of the default count and seed to tests/golden/faults.json.
     #[arg(long, conflicts_with_all = ["count", "first", "only", "seed", "record", "elf"])]
     bless: bool,
-    /// Print the table as JSON; with --only the outcome.
+    /// Print the table as JSON; with --only, the outcome.
     #[arg(long)]
     json: bool,
 }
@@ -50,7 +49,7 @@ fn main() -> ExitCode {
     exit(run(&Cli::parse()))
 }
 
-/// Runs the campaign; whether no fault was silent.
+/// Runs the campaign; returns whether no fault was silent.
 fn run(cli: &Cli) -> Result<bool, CampaignError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build_global();
     pool.map_err(|error| CampaignError::Unexpected { found: error.to_string(), expected: "threads" })?;
@@ -62,7 +61,7 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
         if cli.json {
             println!("{text}")
         } else {
-            print!("{}{}", line(&outcome), Table::of(std::slice::from_ref(&outcome)).render())
+            print!("{}{}", line(&outcome), Table::from_outcomes(std::slice::from_ref(&outcome)).render())
         }
         return Ok(outcome.class != Class::Silent);
     }
@@ -80,15 +79,18 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
             }
         })?;
     bar.finish_and_clear();
-    let table = Table::of(&outcomes);
+    let table = Table::from_outcomes(&outcomes);
     if cli.bless {
-        bless(&Counts::of(&table))?;
+        bless(&Counts::from_table(&table))?;
     }
     if cli.json {
         println!("{}", serde_json::to_string_pretty(&table).unwrap_or_default());
     } else {
         let (instructions, addresses) = campaign.traced();
-        println!("a sample: {instructions} instructions at {addresses} addresses\n\n{}", table.render());
+        println!(
+            "one sample executes {instructions} instructions at {addresses} addresses\n\n{}",
+            table.render()
+        );
         for outcome in outcomes.iter().filter(|outcome| outcome.class == Class::Silent) {
             print!("{}", line(outcome));
         }
@@ -96,7 +98,7 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
     Ok(table.all.silent == 0)
 }
 
-/// Writes the counts that the short campaign is held against.
+/// Writes the golden counts of the short campaign.
 fn bless(counts: &Counts) -> Result<(), CampaignError> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden/faults.json");
     let text = serde_json::to_string_pretty(counts).unwrap_or_default() + "\n";
@@ -104,15 +106,17 @@ fn bless(counts: &Counts) -> Result<(), CampaignError> {
         .map_err(|source| CampaignError::System { what: "writing tests/golden/faults.json", source })
 }
 
-/// An outcome on a line.
+/// Formats an outcome as a line.
 fn line(outcome: &Outcome) -> String {
     format!(
-        "{} {}: {}; {:?}, {} unmarked estimates wrong, error up to {:.1} % of full scale\n",
+        "{} {}: {}; {:?}, {} unmarked estimates wrong, {} of them after the first report, \
+         error up to {:.1} % of full scale\n",
         outcome.number,
         outcome.kind.name(),
         outcome.what,
         outcome.class,
         outcome.wrong,
+        outcome.wrong_again,
         100.0 * outcome.error_share
     )
 }

@@ -1,7 +1,7 @@
-//! The full matrix of hidden effects: `cargo xtask hidden-effects`.
+//! Command line of the matrix of hidden effects: `cargo xtask hidden-effects`.
 //!
-//! Runs cells in parallel, keeps every outcome in a journal (a killed campaign goes on where it was), prints the
-//! figures beside the goals, and on demand writes the published ones.
+//! Runs cells in parallel and keeps every outcome in a journal, so that an interrupted campaign can
+//! continue. Prints the figures with their goals and writes the published pages on request.
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -17,14 +17,15 @@ use system_tests::hidden_effects::compare::Outcome;
 use system_tests::hidden_effects::page::{page, stem, summary};
 use system_tests::hidden_effects::run::run;
 use system_tests::hidden_effects::score::{Figures, figures};
-use system_tests::journal::{Journal, JournalError};
+use system_tests::journal::{self, JournalError};
 
-/// Hide effects in logs of independent generators, have the diagnosis find them, and print how well it does.
+/// Hide effects in logs of independent generators, let the diagnosis find them, and print the
+/// figures.
 #[derive(Parser)]
 #[command(
     name = "hidden-effects",
     after_help = "Example:\n  cargo xtask hidden-effects --seeds 100 --out out/hidden-effects\n\n\
-    A campaign that was killed goes on where it was when started again with the same options.\n\
+    An interrupted campaign continues if it is started again with the same options.\n\
     Exit codes: 0 done, 1 the work failed, 2 the arguments are wrong."
 )]
 struct Cli {
@@ -34,7 +35,7 @@ struct Cli {
     /// Seeds of every cell on the transmission benches.
     #[arg(long, default_value_t = 5)]
     bench_seeds: u64,
-    /// Seeds to pass over: 10 with three seeds gives the seeds 11 to 13.
+    /// Seeds to skip: 10 with three seeds gives the seeds 11 to 13.
     #[arg(long, default_value_t = 0)]
     skip_seeds: u64,
     /// Plants.
@@ -46,7 +47,7 @@ struct Cli {
     /// Questions: clean, single, deleted, two, pair, changed, hard.
     #[arg(long, value_delimiter = ',', default_value = "clean,single,deleted,two,pair,changed,hard")]
     arms: Vec<Arm>,
-    /// Cells at once; 0: one a core.
+    /// Cells at the same time; 0: one on each core.
     #[arg(long, default_value_t = 0)]
     threads: usize,
     /// Print the figures as JSON.
@@ -55,22 +56,25 @@ struct Cli {
     /// Folder of the journal and the figures.
     #[arg(long, default_value = "out/hidden-effects")]
     out: PathBuf,
-    /// Stop after so many minutes; what is finished counts.
+    /// Stop after this many minutes; finished cells count.
     #[arg(long)]
     minutes: Option<f64>,
-    /// Day to print with the figures; today unless given.
+    /// Date to print with the figures; default: today.
     #[arg(long)]
     date: Option<String>,
-    /// What to know about the run, for the page; may be given several times.
+    /// Remark about the run for the page; may be given several times.
     #[arg(long)]
     note: Vec<String>,
-    /// The part that runs with every change, whatever the other options say.
+    /// Run the part that runs with every change; other options are ignored.
     #[arg(long)]
     quick: bool,
-    /// Write tests/golden/hidden-effects.json and docs/hidden-effects.md, of bench or two-plane alone hidden-effects-bench and hidden-effects-two-plane;
-    /// with --quick its own golden figures.
+    /// Write the golden figures and the page: hidden-effects, hidden-effects-bench for `bench`
+    /// alone, hidden-effects-two-plane for `two-plane` alone; with --quick only its golden figures.
     #[arg(long)]
     bless: bool,
+    /// Write the pages from the golden figures, without running anything.
+    #[arg(long, conflicts_with_all = ["bless", "quick"])]
+    pages: bool,
 }
 
 fn plant(text: &str) -> Result<Plant, String> {
@@ -86,7 +90,7 @@ fn main() -> ExitCode {
         eprintln!("error: --sizes: found {size}; expected 0 to 100");
         return ExitCode::from(2);
     }
-    match campaign(&cli) {
+    match if cli.pages { write_pages() } else { campaign(&cli) } {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -110,7 +114,7 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
         arms: cli.arms.clone(),
     };
     let campaign = if cli.quick { Campaign::quick() } else { chosen() };
-    let (journal, finished) = Journal::open(&cli.out.join("journal.jsonl"), campaign.clone())?;
+    let (journal, finished) = journal::open(&cli.out.join("journal.jsonl"), campaign.clone())?;
     let mut finished: BTreeMap<usize, Outcome> =
         Vec::into_iter(finished).map(|outcome: Outcome| (outcome.cell.index, outcome)).collect();
     let cells = campaign.cells();
@@ -127,15 +131,16 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build().map_err(|e| {
         CampaignError::File { file: "threads".into(), found: e.to_string(), expected: "a pool of threads" }
     })?;
-    // A cell that fails is told at the end, when hours of others are in the journal; it is asked again when the campaign goes on. A journal
-    // that cannot be written ends the campaign, for what came behind half a line would be lost.
+    // A cell that fails is reported at the end, because the journal may hold hours of others. It is
+    // asked again when the campaign continues. A journal that cannot be written ends the campaign:
+    // results after half a line would be lost.
     let one = |cell: &&_| -> Option<Result<Result<Outcome, CampaignError>, CampaignError>> {
         if late() {
             return None;
         }
         let outcome = run(&cli.out, cell);
         let line = |outcome: &Outcome| {
-            journal.lock().unwrap_or_else(std::sync::PoisonError::into_inner).line(outcome)
+            journal.lock().unwrap_or_else(std::sync::PoisonError::into_inner).append(outcome)
         };
         let written = outcome.as_ref().map_or(Ok(()), line);
         bar.inc(1);
@@ -172,6 +177,23 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
     Ok(())
 }
 
+/// Writes the pages from the golden figures.
+fn write_pages() -> Result<(), CampaignError> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
+    for name in ["hidden-effects", "hidden-effects-bench", "hidden-effects-two-plane"] {
+        let file = root.join(format!("tests/golden/{name}.json"));
+        let failed = |found: String| CampaignError::File {
+            file: file.display().to_string(),
+            found,
+            expected: "golden figures",
+        };
+        let text = std::fs::read_to_string(&file).map_err(|error| failed(error.to_string()))?;
+        let figures: Figures = serde_json::from_str(&text).map_err(|error| failed(error.to_string()))?;
+        write(&root.join(format!("docs/{}.md", stem(&figures))), &page(&figures))?;
+    }
+    Ok(())
+}
+
 fn bless(figures: &Figures, json: &str, quick: bool) -> Result<(), CampaignError> {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
     if quick {
@@ -189,7 +211,7 @@ fn write(file: &std::path::Path, text: &str) -> Result<(), CampaignError> {
     })
 }
 
-/// The day by the system's clock, UTC: days since 1970 as a date of the Gregorian calendar.
+/// Returns the current date in UTC: days since 1970 as a date of the Gregorian calendar.
 fn today() -> String {
     let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
     let days = (since.as_secs() / 86_400) as i64 + 719_468;

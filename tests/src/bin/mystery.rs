@@ -1,4 +1,5 @@
-//! Deals a log that hides an effect, for somebody to diagnose, and opens its label afterwards: `cargo xtask mystery`.
+//! Command line of `cargo xtask mystery`: writes a log with a hidden effect to diagnose, and shows
+//! its label later.
 
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;
@@ -7,42 +8,44 @@ use system_tests::generator::session::Plant;
 use system_tests::hidden_effects::CampaignError;
 use system_tests::hidden_effects::mystery::{BENCH, LOG, deal, reveal};
 
-/// What the log is of.
+/// Plant of the log.
 #[derive(Clone, Copy, ValueEnum)]
 enum PlantChoice {
-    /// A cylinder with its force.
+    /// Cylinder with its force.
     Linear,
-    /// A friction rig with its torques.
+    /// Friction rig with its torques.
     Rotary,
-    /// The transmission bench.
+    /// Transmission bench.
     Bench,
-    /// The same with a shaft that may tilt in its bearing.
+    /// Transmission bench with a shaft that may tilt in its bearing.
     TwoPlane,
 }
 
-/// Deal a log that hides an effect, or open the label of one that has been diagnosed.
+/// Write a log that hides an effect, or show the label of one that has been diagnosed.
 #[derive(Parser)]
 #[command(
     name = "mystery",
     after_help = "Examples:\n  cargo xtask mystery --seed 7 --out out/mystery\n  \
-    cargo run --release -p host-sim -- diagnose out/mystery/log.csv --bench out/mystery/bench.toml --out out/mystery\n  \
+    cargo run --release -p host-sim -- diagnose out/mystery/log.csv \\\n    \
+    --bench out/mystery/bench.toml --out out/mystery\n  \
     cargo xtask mystery --reveal out/mystery\n\n\
     Exit codes: 0 done, 1 the work failed, 2 the arguments are wrong."
 )]
 struct Cli {
-    /// What the log is of.
+    /// Plant of the log.
     #[arg(long, value_enum, default_value = "linear")]
     plant: PlantChoice,
-    /// Which of them.
+    /// Seed of the log.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// How large the effect is: rms of what calibration cannot absorb over the rms of the noise.
+    /// Size of the effect: rms of the part that calibration cannot absorb, over the rms of the
+    /// noise.
     #[arg(long, default_value_t = 1.0)]
     size: f64,
-    /// Folder of the log, the description and the sealed label.
+    /// Folder of the log, the description and the label.
     #[arg(long, default_value = "out/mystery")]
     out: PathBuf,
-    /// Open the label of a folder that has a diagnosis.
+    /// Show the label of a folder that has a diagnosis.
     #[arg(long, value_name = "DIR")]
     reveal: Option<PathBuf>,
 }
@@ -55,7 +58,7 @@ fn main() -> ExitCode {
     }
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error @ CampaignError::Sealed { .. }) => {
+        Err(error @ CampaignError::NoDiagnosis { .. }) => {
             eprintln!("error: {error}");
             ExitCode::from(2)
         }
@@ -70,7 +73,7 @@ fn run(cli: &Cli) -> Result<(), CampaignError> {
     if let Some(folder) = &cli.reveal {
         let label = reveal(folder)?;
         if label.effects.is_empty() {
-            println!("the log hides nothing");
+            println!("the log hides no effect");
         }
         for (effect, size) in label.effects.iter().zip(&label.sizes) {
             let of = effect.channel.as_ref().map_or_else(String::new, |channel| format!(" of {channel}"));

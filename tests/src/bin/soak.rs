@@ -1,22 +1,24 @@
-//! The soak from the command line; `cargo xtask soak` builds the image and runs it.
+//! Command line of the soak; `cargo xtask soak` builds the image and runs it.
 
 use clap::Parser;
+use clap::builder::TypedValueParser;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use system_tests::faults::{CampaignError, exit};
-use system_tests::soak::{Plan, Soaked, soak};
+use system_tests::soak::{Plan, SoakResult, soak};
 
-/// The emulated controller beside this process's for many samples: the same bits, in time, in flat memory.
+/// Compare the emulated controller with the host's over many samples: equal bits, no late tick,
+/// constant memory.
 #[derive(Parser)]
 #[command(after_help = "Examples:\n  cargo xtask soak\n  cargo xtask soak --ticks 10000000 --json\n  \
     cargo xtask soak --sequence 4294960000 --time-us 4294000000\n\n\
-    Exit codes: 0 sound, 1 not sound or the work failed, 2 the arguments are wrong.")]
+    Exit codes: 0 passed, 1 failed or the work failed, 2 the arguments are wrong.")]
 struct Cli {
-    /// How many samples.
-    #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(10..=1_000_000_000_000))]
+    /// Number of samples.
+    #[arg(long, default_value_t = 100_000, value_parser = ticks())]
     ticks: u64,
-    /// Seed of the sensors' noise.
+    /// Seed of the sensor noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Sequence number of the first sample.
@@ -25,19 +27,24 @@ struct Cli {
     /// Time of the first sample, us.
     #[arg(long, default_value_t = u32::MAX - 3_000_000)]
     time_us: u32,
-    /// The firmware's image.
+    /// Firmware image.
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
-    /// Print the outcome as JSON.
+    /// Print the result as JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// Returns the parser of the number of samples.
+fn ticks() -> impl TypedValueParser<Value = u64> {
+    clap::value_parser!(u64).range(10..=1_000_000_000_000)
 }
 
 fn main() -> ExitCode {
     exit(run(&Cli::parse()))
 }
 
-/// Runs the soak; whether it was sound.
+/// Runs the soak; returns whether it passed.
 fn run(cli: &Cli) -> Result<bool, CampaignError> {
     let elf = cli.elf.clone().unwrap_or_else(host_sim::controller::EmulatedController::default_elf);
     let expected = "the image that `cargo xtask firmware` builds";
@@ -47,38 +54,38 @@ fn run(cli: &Cli) -> Result<bool, CampaignError> {
         bar.set_style(style);
     }
     let plan = Plan { ticks: cli.ticks, seed: cli.seed, sequence: cli.sequence, time_us: cli.time_us };
-    let soaked = soak(&elf, &plan, |ticks| bar.inc(ticks))?;
+    let result = soak(&elf, &plan, |ticks| bar.inc(ticks))?;
     bar.finish_and_clear();
     if cli.json {
-        println!("{}", serde_json::to_string_pretty(&soaked).unwrap_or_default());
+        println!("{}", serde_json::to_string_pretty(&result).unwrap_or_default());
     } else {
-        print!("{}", table(&soaked));
+        print!("{}", table(&result));
     }
-    Ok(soaked.is_sound())
+    Ok(result.has_passed())
 }
 
-fn table(soaked: &Soaked) -> String {
+fn table(result: &SoakResult) -> String {
     let mebibytes = |bytes: u64| bytes as f64 / f64::from(1 << 20);
     format!(
         "samples                    {} ({:.0} a second)\n\
-         numbers, times gone round  {}, {}\n\
+         wraps of number and time   {}, {}\n\
          bit differences            {}\n\
          deadline misses            {}\n\
          instructions of a tick     {} to {}\n\
          marked estimates           {}\n\
          same reports at the end    {}\n\
          growth, host and emulator  {:.2} MiB, {:.2} MiB\n",
-        soaked.ticks,
-        soaked.ticks_per_s,
-        soaked.sequence_wraps,
-        soaked.time_wraps,
-        soaked.bit_differences,
-        soaked.deadline_misses,
-        soaked.instructions_per_tick_min,
-        soaked.instructions_per_tick_max,
-        soaked.marked,
-        soaked.same_reports,
-        mebibytes(soaked.host_growth_bytes),
-        mebibytes(soaked.emulator_growth_bytes),
+        result.ticks,
+        result.ticks_per_s,
+        result.sequence_wraps,
+        result.time_wraps,
+        result.bit_differences,
+        result.deadline_misses,
+        result.instructions_per_tick_min,
+        result.instructions_per_tick_max,
+        result.marked,
+        result.same_reports,
+        mebibytes(result.host_growth_bytes),
+        mebibytes(result.emulator_growth_bytes),
     )
 }

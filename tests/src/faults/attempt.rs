@@ -1,63 +1,65 @@
-//! One fault carried out on one emulator of its own.
+//! Injection of one fault into a fresh emulator.
 //!
-//! The controller is configured and fed up to the sample before the fault, then asked who it is. The framing of that answer is a place in its code that
-//! no sample passes, so a breakpoint there stops it exactly there; it is the same instruction at every run. A fault inside a tick takes a
-//! second breakpoint from there on. Faults of frames and samples need no debugger.
+//! The controller is configured and gets the samples before the fault, then an identify request.
+//! The function that frames the reply is not called for a sample, so a breakpoint there stops the
+//! core between two samples, at the same instruction in every run. A fault inside a tick needs a
+//! second breakpoint. Faults of frames and samples need no debugger.
 
 use super::CampaignError;
-use super::emulator::{Emulator, Pumped, Said};
+use super::classify::{self, Outcome};
+use super::emulator::{Emulator, PumpEnd, Received};
 use super::gdb::Gdb;
 use super::image::Image;
-use super::judge::{self, Outcome};
 use super::plan::{Action, Fault};
-use super::stage::Stage;
+use super::scenario::Scenario;
 use super::streams::{bytes, disturbed, framed};
 use super::trace::Step;
 use link::{Command, NumberedCommand, ReportKind, SensorFrame, ToController, ToHost};
 use std::path::Path;
 use std::time::Duration;
 
-/// Bound on the emulator's start, and on its silence later: the host's own for an answer.
-pub const BOUND: Duration = Duration::from_secs(5);
-/// Answers before the one at which the core is stopped: its greeting and that to its configuration.
+/// Timeout of the emulator's start and of every later reply; the host's own timeout of a reply.
+pub const TIMEOUT: Duration = Duration::from_secs(5);
+/// Replies before the one at which the core is stopped: its hello frame and the reply to the
+/// configuration.
 const ANSWERS_BEFORE: u32 = 2;
-/// Number of the last command of an attempt.
-const LAST: u32 = 4;
+/// Identifier of the last command.
+const LAST_COMMAND: u32 = 4;
 
-/// A controller that stands before a sample.
+/// A controller that is stopped before a sample.
 #[derive(Debug)]
 pub struct Prepared {
-    /// Its emulator.
+    /// The emulator.
     pub emulator: Emulator,
 }
 
 impl Prepared {
-    /// Starts an image, feeds it and stops it before a sample; the samples behind are queued.
+    /// Starts an image and stops it before a sample; the later samples are queued.
     pub fn start(
         elf: &Path,
         image: &Image,
-        stage: &Stage,
+        scenario: &Scenario,
         frames: &[SensorFrame],
         sample: usize,
     ) -> Result<Self, CampaignError> {
         let mut emulator = Emulator::start(elf, true, &[])?;
         emulator.gdb()?.set_breakpoint(image.answering)?;
-        emulator.gdb()?.go_on()?;
-        emulator.send(&configure(stage)?);
+        emulator.gdb()?.resume()?;
+        emulator.send(&configure(scenario)?);
         let frames = frames.iter().map(|frame| bytes(&ToController::Sensor(*frame, Default::default())));
         let frames = frames.collect::<Result<Vec<_>, _>>()?;
-        let (before, behind) = frames.split_at_checked(sample).unwrap_or_default();
+        let (before, after) = frames.split_at_checked(sample).unwrap_or_default();
         emulator.send(before.concat().as_slice());
         emulator.send(&bytes(&ToController::Identify { token: 1 })?);
-        emulator.send(behind.concat().as_slice());
-        emulator.send(&ending(stage)?);
+        emulator.send(after.concat().as_slice());
+        emulator.send(&ending(scenario)?);
         for answer in 0..=ANSWERS_BEFORE {
-            match emulator.pump(2 * BOUND, |_| false)? {
-                Pumped::Stopped if answer < ANSWERS_BEFORE => go_past(emulator.gdb()?)?,
-                Pumped::Stopped => emulator.gdb()?.clear_breakpoint(image.answering)?,
+            match emulator.pump(2 * TIMEOUT, |_| false)? {
+                PumpEnd::Stopped if answer < ANSWERS_BEFORE => resume_past(emulator.gdb()?)?,
+                PumpEnd::Stopped => emulator.gdb()?.clear_breakpoint(image.answering)?,
                 other => {
                     return Err(CampaignError::Unexpected {
-                        found: format!("{other:?} after {} messages", emulator.said.len()),
+                        found: format!("{other:?} after {} messages", emulator.received.len()),
                         expected: "a controller that answers",
                     });
                 }
@@ -67,51 +69,58 @@ impl Prepared {
     }
 }
 
-/// Carries a fault out and classes it.
-pub fn attempt(elf: &Path, image: &Image, stage: &Stage, fault: &Fault) -> Result<Outcome, CampaignError> {
+/// Injects a fault and classifies it.
+pub fn attempt(
+    elf: &Path,
+    image: &Image,
+    scenario: &Scenario,
+    fault: &Fault,
+) -> Result<Outcome, CampaignError> {
     if fault.action == Action::Stream {
-        let samples = disturbed(fault, &stage.frames);
+        let samples = disturbed(fault, &scenario.frames);
         let mut emulator = Emulator::start(elf, false, &[])?;
-        emulator.send(&configure(stage)?);
+        emulator.send(&configure(scenario)?);
         emulator.send(framed(fault, &samples)?.concat().as_slice());
-        emulator.send(&ending(stage)?);
-        let pumped = emulator.pump(BOUND, ended)?;
-        return Ok(judge::judge(fault, stage, &emulator.said, pumped));
+        emulator.send(&ending(scenario)?);
+        let end = emulator.pump(TIMEOUT, ended)?;
+        return Ok(classify::classify(fault, scenario, &emulator.received, end));
     }
-    let Prepared { mut emulator } = Prepared::start(elf, image, stage, &stage.frames, fault.sample)?;
+    let Prepared { mut emulator } = Prepared::start(elf, image, scenario, &scenario.frames, fault.sample)?;
     let mut fault = fault.clone();
     match fault.action {
         Action::Flip { address, bit, during: None } => emulator.gdb()?.flip(address, bit)?,
         Action::Flip { address, bit, during: Some(step) } => {
             if !reach(&mut emulator, step)? {
-                return Ok(judge::not_struck(&fault));
+                return Ok(classify::not_struck(&fault));
             }
-            // The instruction may not be one of every sample's.
-            let estimates = emulator.said.iter().filter(|said| matches!(said, Ok(ToHost::Estimate(_))));
+            // Not every sample executes this instruction, so the sample of the flip may be a later
+            // one.
+            let estimates =
+                emulator.received.iter().filter(|received| matches!(received, Ok(ToHost::Estimate(_))));
             fault.sample = estimates.count();
             emulator.gdb()?.flip(address, bit)?;
         }
         _ => emulator.gdb()?.reset()?,
     }
-    emulator.gdb()?.go_on()?;
-    let pumped = emulator.pump(BOUND, ended)?;
-    Ok(judge::judge(&fault, stage, &emulator.said, pumped))
+    emulator.gdb()?.resume()?;
+    let end = emulator.pump(TIMEOUT, ended)?;
+    Ok(classify::classify(&fault, scenario, &emulator.received, end))
 }
 
-/// Lets the core run to an instruction; whether it comes there before the samples end.
+/// Runs the core to an instruction; returns false if the samples end before it.
 fn reach(emulator: &mut Emulator, step: Step) -> Result<bool, CampaignError> {
     if emulator.gdb()?.register(15)? == step.address && step.before == 0 {
         return Ok(true);
     }
     let gdb = emulator.gdb()?;
-    // The place where the core stands is the first of the trace.
+    // The instruction at which the core is stopped is the first of the trace.
     let mut left = step.before + u32::from(gdb.register(15)? != step.address);
     gdb.set_breakpoint(step.address)?;
     while left > 0 {
-        go_past(emulator.gdb()?)?;
-        match emulator.pump(BOUND, ended)? {
-            Pumped::Stopped => left -= 1,
-            Pumped::Come => return Ok(false),
+        resume_past(emulator.gdb()?)?;
+        match emulator.pump(TIMEOUT, ended)? {
+            PumpEnd::Stopped => left -= 1,
+            PumpEnd::Arrived => return Ok(false),
             other => {
                 return Err(CampaignError::Unexpected {
                     found: format!("{other:?} of a controller that nothing has disturbed"),
@@ -124,33 +133,34 @@ fn reach(emulator: &mut Emulator, step: Step) -> Result<bool, CampaignError> {
     Ok(true)
 }
 
-/// Goes on from a place that may have a breakpoint: the stub would stop there again.
-fn go_past(gdb: &mut Gdb) -> Result<(), CampaignError> {
+/// Resumes from an address that may have a breakpoint: a plain resume would stop there at once.
+fn resume_past(gdb: &mut Gdb) -> Result<(), CampaignError> {
     gdb.step()?;
-    gdb.go_on()
+    gdb.resume()
 }
 
-/// Whether the answer to the last command has come.
-fn ended(said: &[Said]) -> bool {
-    matches!(said.last(), Some(Ok(ToHost::Acknowledged(acknowledgement))) if acknowledgement.id == LAST)
+/// Returns whether the reply to the last command has arrived.
+fn ended(received: &[Received]) -> bool {
+    let Some(Ok(ToHost::Acknowledged(last))) = received.last() else { return false };
+    last.id == LAST_COMMAND
 }
 
-/// What the controller is told before the first sample, and what it is asked behind the last one.
+/// Returns the message before the first sample and the messages after the last one.
 #[must_use]
-pub fn messages(stage: &Stage) -> (ToController, [ToController; 3]) {
+pub fn messages(scenario: &Scenario) -> (ToController, [ToController; 3]) {
     let command = |id, command| ToController::Command(NumberedCommand { id, command });
     let ending = [
         command(2, Command::GetReport(ReportKind::Track)),
         command(3, Command::GetReport(ReportKind::Sensors)),
-        command(LAST, Command::GetCounters),
+        command(LAST_COMMAND, Command::GetCounters),
     ];
-    (command(1, Command::Configure(stage.configuration)), ending)
+    (command(1, Command::Configure(scenario.configuration)), ending)
 }
 
-fn configure(stage: &Stage) -> Result<Vec<u8>, CampaignError> {
-    bytes(&messages(stage).0)
+fn configure(scenario: &Scenario) -> Result<Vec<u8>, CampaignError> {
+    bytes(&messages(scenario).0)
 }
 
-fn ending(stage: &Stage) -> Result<Vec<u8>, CampaignError> {
-    Ok(messages(stage).1.iter().map(bytes).collect::<Result<Vec<_>, _>>()?.concat())
+fn ending(scenario: &Scenario) -> Result<Vec<u8>, CampaignError> {
+    Ok(messages(scenario).1.iter().map(bytes).collect::<Result<Vec<_>, _>>()?.concat())
 }

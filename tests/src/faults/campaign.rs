@@ -1,33 +1,34 @@
-//! Many faults on all cores. Each outcome is appended to a file as it comes, so that a campaign that was ended goes on where it was.
+//! Many faults on all cores. Outcomes are appended to a journal, so that an interrupted campaign
+//! can continue.
 
 use super::CampaignError;
 use super::attempt::attempt;
+use super::classify::Outcome;
 use super::image::Image;
-use super::judge::Outcome;
 use super::plan::Fault;
-use super::stage::Stage;
+use super::scenario::Scenario;
 use super::trace::{Step, trace};
-use crate::journal::{Journal, check_sum};
+use crate::journal::{self, checksum};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What makes two campaigns the same: a fault is a function of both and of its number.
+/// Identity of a campaign: with the number, it determines a fault.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Identity {
     seed: u64,
     image: u32,
 }
 
-/// What all faults share.
+/// Data that all faults share.
 #[derive(Debug)]
 pub struct Campaign {
     elf: PathBuf,
     seed: u64,
     image: Image,
-    stage: Stage,
+    scenario: Scenario,
     trace: Vec<Step>,
 }
 
@@ -37,24 +38,25 @@ impl Campaign {
         let expected = "the image that `cargo xtask firmware` builds";
         let elf = elf.canonicalize().map_err(|_| CampaignError::Image { path: elf.into(), expected })?;
         let image = Image::read(&elf)?;
-        let stage = Stage::new(seed)?;
-        let trace = trace(&elf, &image, &stage)?;
-        Ok(Self { elf, seed, image, stage, trace })
+        let scenario = Scenario::new(seed)?;
+        let trace = trace(&elf, &image, &scenario)?;
+        Ok(Self { elf, seed, image, scenario, trace })
     }
 
-    /// Instructions of a sample, and addresses among them.
+    /// Returns the instructions of a sample and the distinct addresses among them.
     #[must_use]
     pub fn traced(&self) -> (usize, usize) {
         (self.trace.len(), self.trace.iter().filter(|step| step.before == 0).count())
     }
 
-    /// Carries out one fault.
+    /// Injects one fault.
     pub fn fault(&self, number: u64) -> Result<Outcome, CampaignError> {
         let fault = Fault::new(self.seed, number, &self.image, &self.trace);
-        attempt(&self.elf, &self.image, &self.stage, &fault)
+        attempt(&self.elf, &self.image, &self.scenario, &fault)
     }
 
-    /// Carries out the faults of the given numbers that are not among the outcomes of this campaign's journal, and returns all, by number.
+    /// Injects the faults that the journal does not hold yet, and returns the outcomes of all by
+    /// number.
     pub fn run(
         &self,
         numbers: std::ops::Range<u64>,
@@ -64,8 +66,8 @@ impl Campaign {
         let mut known = BTreeMap::new();
         let mut journal = None;
         if let Some(path) = record {
-            let identity = Identity { seed: self.seed, image: check_sum(&self.elf)? };
-            let (file, outcomes) = Journal::open::<_, Outcome>(path, identity)?;
+            let identity = Identity { seed: self.seed, image: checksum(&self.elf)? };
+            let (file, outcomes) = journal::open::<_, Outcome>(path, identity)?;
             known.extend(outcomes.into_iter().map(|outcome| (outcome.number, outcome)));
             journal = Some(Mutex::new(file));
         }
@@ -75,7 +77,7 @@ impl Campaign {
         let outcomes = left.into_par_iter().map(|number| {
             let outcome = self.fault(number)?;
             if let Some(journal) = &journal {
-                journal.lock().unwrap_or_else(PoisonError::into_inner).line(&outcome)?;
+                journal.lock().unwrap_or_else(PoisonError::into_inner).append(&outcome)?;
             }
             done(&outcome);
             Ok((number, outcome))

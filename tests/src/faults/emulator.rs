@@ -1,8 +1,9 @@
-//! The emulated controller with its link on two pipes and, where wanted, a debugger's stub.
+//! The emulated controller with its link on two pipes and, if requested, a debugger stub.
 //!
-//! Bytes are written as fast as the controller takes them and everything it says is kept with its place in what was said; a reset starts the
-//! firmware again on the same pipes. While the controller waits for bytes the emulator answers no debugger, so whoever wants to stop it
-//! sets a breakpoint beforehand and has bytes left to send ([`Emulator::pump`]). Every wait is bounded.
+//! Bytes are written as fast as the controller reads them, and every received message is stored in
+//! order. A reset restarts the firmware on the same pipes. While the controller waits for bytes,
+//! the emulator does not answer the debugger. To stop it, set a breakpoint first and have bytes
+//! left to send ([`Emulator::pump`]). Every wait has a timeout.
 
 use super::CampaignError;
 use super::gdb::Gdb;
@@ -20,25 +21,25 @@ use std::time::{Duration, Instant};
 const MACHINE: [&str; 8] = ["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "none"];
 const COUNTING: [&str; 4] =
     ["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off"];
-/// A pump ends after so many times the bound on silence, whatever is said: a controller may say the same for ever.
-const MOST_BOUNDS: u32 = 12;
-/// Bytes that the host's decoder found damaged, or a message.
-pub type Said = Result<ToHost, FrameError>;
+/// Limit of a pump, in timeouts: a faulty controller may send messages for ever.
+const MAX_TIMEOUTS: u32 = 12;
+/// A message, or the error of a damaged frame.
+pub type Received = Result<ToHost, FrameError>;
 
-/// Why [`Emulator::pump`] returned.
+/// Reason for which [`Emulator::pump`] returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pumped {
-    /// What was waited for has come.
-    Come,
-    /// The core stands at a breakpoint.
+pub enum PumpEnd {
+    /// The awaited message arrived.
+    Arrived,
+    /// The core stopped at a breakpoint.
     Stopped,
-    /// The emulation has ended.
-    Ended,
-    /// Nothing came for the whole bound, or never what was waited for.
-    Silent,
+    /// The emulator process ended.
+    Exited,
+    /// No message arrived within the timeout, or never the awaited one.
+    TimedOut,
 }
 
-/// A running emulator. It ends with this.
+/// A running emulator; dropping it ends the process.
 #[derive(Debug)]
 pub struct Emulator {
     child: Child,
@@ -48,20 +49,20 @@ pub struct Emulator {
     gdb: Option<Gdb>,
     pending: Vec<u8>,
     decoder: Decoder,
-    /// Everything that was said.
-    pub said: Vec<Said>,
+    /// All messages received so far.
+    pub received: Vec<Received>,
 }
 
 impl Drop for Emulator {
     fn drop(&mut self) {
-        // Either it has ended already, or it must.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
 impl Emulator {
-    /// Starts an image; with a debugger it stands before its first instruction.
+    /// Starts an image. With a debugger, the core is stopped before its first instruction.
     pub fn start(elf: &Path, with_debugger: bool, more: &[&str]) -> Result<Self, CampaignError> {
         let folder =
             tempfile::Builder::new().prefix("pintle-").tempdir().map_err(system("a folder for the link"))?;
@@ -70,7 +71,7 @@ impl Emulator {
             mknodat(CWD, pipe, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0)
                 .map_err(|error| system("a pipe for the link")(error.into()))?;
         }
-        // Opened for both directions, so that neither end waits for the other, a reset included.
+        // Opened in both directions, so that neither side blocks on the other, even during a reset.
         let nonblocking = rustix::fs::OFlags::NONBLOCK.bits() as i32;
         let open =
             |path: &Path| OpenOptions::new().read(true).write(true).custom_flags(nonblocking).open(path);
@@ -96,7 +97,7 @@ impl Emulator {
             gdb: None,
             pending: vec![],
             decoder: Decoder::new(),
-            said: vec![],
+            received: vec![],
         };
         if with_debugger {
             emulator.gdb = Some(Gdb::connect(&socket)?);
@@ -104,55 +105,56 @@ impl Emulator {
         Ok(emulator)
     }
 
-    /// The debugger.
+    /// Returns the debugger connection.
     pub fn gdb(&mut self) -> Result<&mut Gdb, CampaignError> {
         self.gdb
             .as_mut()
             .ok_or(CampaignError::Debugger { found: "none".into(), expected: "an emulator with one" })
     }
 
-    /// The emulator's process identifier.
+    /// Returns the emulator's process identifier.
     pub fn process_id(&self) -> u32 {
         self.child.id()
     }
 
-    /// Queues bytes.
+    /// Queues bytes to send.
     pub fn send(&mut self, bytes: &[u8]) {
         self.pending.extend_from_slice(bytes);
     }
 
-    /// Writes what is queued and takes what is said, until something has come, the core stands, nothing is left to wait for, nothing came for
-    /// the bound, or it has taken [`MOST_BOUNDS`] of them.
+    /// Writes queued bytes and reads messages until the awaited one has arrived, the core stops,
+    /// the emulator ends, or no byte moves within the timeout. [`MAX_TIMEOUTS`] timeouts are the
+    /// limit.
     pub fn pump(
         &mut self,
         bound: Duration,
-        mut come: impl FnMut(&[Said]) -> bool,
-    ) -> Result<Pumped, CampaignError> {
+        mut has_arrived: impl FnMut(&[Received]) -> bool,
+    ) -> Result<PumpEnd, CampaignError> {
         let begun = Instant::now();
         let mut last = begun;
         loop {
             let moved = self.write()? | self.read()?;
             if let Some(gdb) = &mut self.gdb
-                && gdb.stopped()?
+                && gdb.has_stopped()?
             {
-                // What was said before the core stopped.
+                // Read what was sent before the core stopped.
                 self.read()?;
-                return Ok(Pumped::Stopped);
+                return Ok(PumpEnd::Stopped);
             }
-            if come(&self.said) {
-                return Ok(Pumped::Come);
+            if has_arrived(&self.received) {
+                return Ok(PumpEnd::Arrived);
             }
-            if moved && begun.elapsed() <= MOST_BOUNDS * bound {
+            if moved && begun.elapsed() <= MAX_TIMEOUTS * bound {
                 last = Instant::now();
                 continue;
             }
             if !matches!(self.child.try_wait(), Ok(None)) {
-                // What it said last.
+                // Read the last messages.
                 self.read()?;
-                return Ok(if come(&self.said) { Pumped::Come } else { Pumped::Ended });
+                return Ok(if has_arrived(&self.received) { PumpEnd::Arrived } else { PumpEnd::Exited });
             }
-            if last.elapsed() > bound || begun.elapsed() > MOST_BOUNDS * bound {
-                return Ok(Pumped::Silent);
+            if last.elapsed() > bound || begun.elapsed() > MAX_TIMEOUTS * bound {
+                return Ok(PumpEnd::TimedOut);
             }
             self.wait()?;
         }
@@ -183,7 +185,7 @@ impl Emulator {
                 Ok(count) => {
                     moved = true;
                     let bytes = buffer.iter().take(count);
-                    self.said.extend(bytes.filter_map(|&byte| self.decoder.push::<ToHost>(byte)));
+                    self.received.extend(bytes.filter_map(|&byte| self.decoder.push::<ToHost>(byte)));
                 }
                 Err(error) if error.kind() == ErrorKind::WouldBlock => return Ok(moved),
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
@@ -204,7 +206,7 @@ impl Emulator {
     }
 }
 
-/// Waits until something can be read, no longer than a bound.
+/// Waits until a stream is readable, or until the timeout.
 pub(super) fn wait_for(stream: &impl AsFd, bound: Duration) -> Result<(), CampaignError> {
     wait(&mut [PollFd::new(stream, PollFlags::IN)], bound)
 }

@@ -1,8 +1,9 @@
-//! A minimal client of the GDB remote serial protocol, as the emulator's stub speaks it over a unix socket.
+//! Minimal client of the GDB remote serial protocol over a Unix socket.
 //!
-//! Packets are `$text#sum` with the sum of the text's bytes modulo 256 as two hexadecimal digits; either side acknowledges with `+`. Numbers and
-//! memory are hexadecimal, registers little endian. Every wait is bounded; a reply that is none of those expected is an error that says which.
-//! Source: the GDB manual, "Remote Protocol".
+//! A packet is `$text#sum`. The sum is that of the text's bytes modulo 256, as two hexadecimal
+//! digits; either side acknowledges with `+`. Numbers and memory are hexadecimal, registers are
+//! little-endian. Every wait has a timeout; an unexpected reply is an error. Source: the GDB
+//! manual, "Remote Protocol".
 
 use super::CampaignError;
 use std::io::{ErrorKind, Read, Write};
@@ -10,12 +11,12 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Bound on the stub's answer to anything but "go on".
-const BOUND: Duration = Duration::from_secs(10);
-/// Length of an instruction for a breakpoint, as Thumb wants it.
+/// Timeout of a reply to any command but "continue".
+const TIMEOUT: Duration = Duration::from_secs(10);
+/// Length of a breakpoint's instruction in Thumb code, bytes.
 const THUMB: u32 = 2;
 
-/// A connection to a stub. The core stands whenever something other than [`Gdb::go_on`] is asked.
+/// Connection to a debugger stub. Every call but [`Gdb::resume`] needs a stopped core.
 #[derive(Debug)]
 pub struct Gdb {
     stream: UnixStream,
@@ -23,9 +24,9 @@ pub struct Gdb {
 }
 
 impl Gdb {
-    /// Connects once the emulator has made its socket.
+    /// Connects as soon as the emulator has created its socket.
     pub fn connect(path: &Path) -> Result<Self, CampaignError> {
-        let until = Instant::now() + BOUND;
+        let until = Instant::now() + TIMEOUT;
         let stream = loop {
             match UnixStream::connect(path) {
                 Ok(stream) => break stream,
@@ -39,22 +40,22 @@ impl Gdb {
         Ok(Self { stream, received: vec![] })
     }
 
-    /// The socket, to be polled together with other things.
+    /// Returns the socket, to poll it together with others.
     pub const fn stream(&self) -> &UnixStream {
         &self.stream
     }
 
     /// Reads memory.
     pub fn read(&mut self, address: u32, length: usize) -> Result<Vec<u8>, CampaignError> {
-        let reply = self.ask(&format!("m{address:x},{length:x}"))?;
+        let reply = self.request(&format!("m{address:x},{length:x}"))?;
         let bytes = from_hexadecimal(&reply).filter(|bytes| bytes.len() == length);
         bytes.ok_or_else(|| unexpected(&reply, "the bytes of a memory"))
     }
 
-    /// Writes memory; flash, too.
+    /// Writes memory, also flash.
     pub fn write(&mut self, address: u32, bytes: &[u8]) -> Result<(), CampaignError> {
         let text: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-        self.done(&format!("M{address:x},{:x}:{text}", bytes.len()))
+        self.command(&format!("M{address:x},{:x}:{text}", bytes.len()))
     }
 
     /// Flips a bit of a byte in memory.
@@ -64,28 +65,28 @@ impl Gdb {
         self.write(address, &after)
     }
 
-    /// Core register of a number: 13 is the stack pointer, 15 the program counter.
+    /// Reads a core register: 13 is the stack pointer, 15 the program counter.
     pub fn register(&mut self, number: u32) -> Result<u32, CampaignError> {
-        // One at a time is for clients that have read the stub's description of its registers.
-        let reply = self.ask("g")?;
+        // The stub reads single registers only for clients that know its register description.
+        let reply = self.request("g")?;
         let bytes = from_hexadecimal(&reply).unwrap_or_default();
         let word = bytes.as_chunks::<4>().0.get(number as usize);
         word.copied().map(u32::from_le_bytes).ok_or_else(|| unexpected(&reply, "the core's registers"))
     }
 
-    /// Has the core stop before the instruction at an address.
+    /// Sets a breakpoint: the core stops before the instruction at an address.
     pub fn set_breakpoint(&mut self, address: u32) -> Result<(), CampaignError> {
-        self.done(&format!("Z0,{address:x},{THUMB:x}"))
+        self.command(&format!("Z0,{address:x},{THUMB:x}"))
     }
 
-    /// Takes that back.
+    /// Removes a breakpoint.
     pub fn clear_breakpoint(&mut self, address: u32) -> Result<(), CampaignError> {
-        self.done(&format!("z0,{address:x},{THUMB:x}"))
+        self.command(&format!("z0,{address:x},{THUMB:x}"))
     }
 
-    /// Lets the core carry out one instruction.
+    /// Executes one instruction.
     pub fn step(&mut self) -> Result<(), CampaignError> {
-        let reply = self.ask("s")?;
+        let reply = self.request("s")?;
         if reply.starts_with('T') || reply.starts_with('S') {
             Ok(())
         } else {
@@ -93,39 +94,39 @@ impl Gdb {
         }
     }
 
-    /// Resets the machine, through the emulator's own command.
+    /// Resets the machine through the emulator's monitor.
     pub fn reset(&mut self) -> Result<(), CampaignError> {
         let command: String = "system_reset".bytes().map(|byte| format!("{byte:02x}")).collect();
-        self.done(&format!("qRcmd,{command}"))
+        self.command(&format!("qRcmd,{command}"))
     }
 
-    /// Lets the core run on. What stops it comes by [`Gdb::stopped`].
-    pub fn go_on(&mut self) -> Result<(), CampaignError> {
+    /// Lets the core run. [`Gdb::has_stopped`] reports when it stops.
+    pub fn resume(&mut self) -> Result<(), CampaignError> {
         self.send("c")
     }
 
-    /// Whether the core has stopped again; does not wait.
-    pub fn stopped(&mut self) -> Result<bool, CampaignError> {
+    /// Returns whether the core has stopped since [`Gdb::resume`]; does not wait.
+    pub fn has_stopped(&mut self) -> Result<bool, CampaignError> {
         match self.packet()? {
             Some(text) if text.starts_with('T') || text.starts_with('S') => Ok(true),
-            // The emulation has ended: the process tells.
+            // The emulation has ended; the caller checks the process.
             Some(text) if text.starts_with('W') || text.starts_with('X') => Ok(false),
             Some(text) => Err(unexpected(&text, "a stop")),
             None => Ok(false),
         }
     }
 
-    fn done(&mut self, command: &str) -> Result<(), CampaignError> {
-        let reply = self.ask(command)?;
+    fn command(&mut self, command: &str) -> Result<(), CampaignError> {
+        let reply = self.request(command)?;
         if reply == "OK" { Ok(()) } else { Err(unexpected(&reply, "OK")) }
     }
 
-    fn ask(&mut self, command: &str) -> Result<String, CampaignError> {
+    fn request(&mut self, command: &str) -> Result<String, CampaignError> {
         self.send(command)?;
-        let until = Instant::now() + BOUND;
+        let until = Instant::now() + TIMEOUT;
         loop {
             if let Some(text) = self.packet()? {
-                // Output of the emulator's own commands comes before their reply.
+                // Monitor output precedes the reply.
                 if text.starts_with('O') && text != "OK" {
                     continue;
                 }
@@ -133,7 +134,7 @@ impl Gdb {
             }
             if Instant::now() >= until {
                 return Err(CampaignError::Debugger {
-                    found: format!("no answer to `{command}` within {} s", BOUND.as_secs()),
+                    found: format!("no reply to `{command}` within {} s", TIMEOUT.as_secs()),
                     expected: "a packet",
                 });
             }
@@ -143,29 +144,29 @@ impl Gdb {
 
     fn send(&mut self, command: &str) -> Result<(), CampaignError> {
         let sum = command.bytes().fold(0_u8, u8::wrapping_add);
-        // A socket's buffer holds far more than one packet.
+        // The socket's buffer holds far more than one packet.
         self.stream.write_all(format!("${command}#{sum:02x}").as_bytes()).map_err(failed)
     }
 
-    /// The next packet that has come, acknowledged.
+    /// Returns the next received packet, if any, and acknowledges it.
     fn packet(&mut self) -> Result<Option<String>, CampaignError> {
         let mut buffer = [0; 4096];
         match self.stream.read(&mut buffer) {
             Ok(count) => self.received.extend(buffer.iter().take(count)),
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
-            // The emulator has gone; whoever waits asks its process.
+            // The emulator has ended; the caller checks its process.
             Err(error) if error.kind() == ErrorKind::ConnectionReset => {}
             Err(error) => return Err(failed(error)),
         }
         let Some((text, used)) = first_packet(&self.received)? else { return Ok(None) };
         self.received.drain(..used);
-        // Gone again is no matter here either.
+        // A failure means that the emulator has ended; see above.
         let _ = self.stream.write_all(b"+");
         Ok(Some(text))
     }
 }
 
-/// The first whole packet of what was received, and the bytes up to its end.
+/// Returns the first complete packet and the number of bytes up to its end.
 fn first_packet(received: &[u8]) -> Result<Option<(String, usize)>, CampaignError> {
     let begin = received.iter().position(|&byte| byte == b'$');
     let end = received.iter().position(|&byte| byte == b'#');
@@ -178,7 +179,7 @@ fn first_packet(received: &[u8]) -> Result<Option<(String, usize)>, CampaignErro
     if sum.eq_ignore_ascii_case(format!("{found:02x}").as_bytes()) {
         Ok(Some((text, end + 3)))
     } else {
-        Err(unexpected(&text, "a packet with its sum"))
+        Err(unexpected(&text, "a packet with a valid checksum"))
     }
 }
 
@@ -201,7 +202,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn packets_are_taken_whole_and_with_a_sound_sum_only() {
+    fn only_a_complete_packet_with_a_valid_checksum_is_read() {
         assert!(first_packet(b"+$O").unwrap().is_none());
         assert!(first_packet(b"+$OK#9").unwrap().is_none());
         assert_eq!(first_packet(b"+$OK#9a$T05#").unwrap(), Some(("OK".into(), 7)));

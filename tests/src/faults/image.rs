@@ -1,35 +1,28 @@
-//! Where in the controller's memory things are, from the image's symbols.
+//! Memory map of the controller, read from the symbols of its image.
 
 use super::CampaignError;
 use object::{Object, ObjectSection, ObjectSymbol};
 use std::ops::Range;
 use std::path::Path;
 
-/// Parts of the static memory that are no state of the controller in lockstep: what stands in for flash in the emulator, the serial port's and the
-/// log's buffers, the stack of the fault handler.
-const NO_STATE: [&str; 8] = [
-    "RAM_SLOTS",
-    "RAM_PLACES",
-    "EMERGENCY",
-    "BUFFER",
-    "byte_queue",
-    "shared_resource_samples",
-    "shared_resource_estimates",
-    "SEGGER_RTT",
-];
+/// Symbols of static memory that the controller does not use in lockstep: the emulator's
+/// replacement of flash, the buffers of the serial port and of the log, the stack of the fault
+/// handler.
+const UNUSED_STATE: [&str; 6] =
+    ["RAM_SLOTS", "RAM_PLACES", "EMERGENCY", "BUFFER", "byte_queue", "SEGGER_RTT"];
 
-/// Places in an image.
+/// Addresses in an image.
 #[derive(Clone, Debug, Default)]
 pub struct Image {
-    /// Frames every answer but estimates.
+    /// Function that frames every message but estimates.
     pub answering: u32,
-    /// The networks of the bearing in use.
+    /// Networks of the bearing in use.
     pub weights: Range<u32>,
-    /// Code and constants, without networks.
+    /// Code and constants without the networks.
     pub code: Vec<Range<u32>>,
-    /// The session: configuration, estimator, monitor, tracker, counters.
+    /// Session: configuration, estimator, monitor, tracker, counters.
     pub session: Range<u32>,
-    /// Other static memory that is read.
+    /// Other static memory that the controller uses.
     pub other_state: Vec<Range<u32>>,
     /// First address above the stack.
     pub stack_top: u32,
@@ -50,7 +43,7 @@ impl Image {
                 Some((symbol.name().ok()?.to_owned(), begin..begin.saturating_add(symbol.size() as u32)))
             })
             .collect();
-        // Of a name that is both a reference's and that of what it refers to, the latter.
+        // A reference may have the same name as its target, which is larger.
         let find = |part: &str| {
             let named = symbols.iter().filter(|(name, _)| name.contains(part));
             named.max_by_key(|(_, range)| range.len()).map(|(_, range)| range.clone())
@@ -58,15 +51,12 @@ impl Image {
         let section = |name: &str| {
             file.section_by_name(name).map(|s| s.address() as u32..(s.address() + s.size()) as u32)
         };
-        let weights = find("9inference7bearing7BABBITT").ok_or_else(|| missing("the networks"))?;
-        let others = find("9inference7bearing7PLASTIC").ok_or_else(|| missing("the other networks"))?;
+        let table = model_images(&file).ok_or_else(|| missing("the table of model images"))?;
+        let weights = table.first().ok_or_else(|| missing("the image of a material"))?;
         let text = section(".text").ok_or_else(|| missing("a section of code"))?;
         let constants = section(".rodata").ok_or_else(|| missing("a section of constants"))?;
-        let (first, second) =
-            if weights.start < others.start { (&weights, &others) } else { (&others, &weights) };
-        let code =
-            vec![text, constants.start..first.start, first.end..second.start, second.end..constants.end];
-        let session = find("shared_resource_session").ok_or_else(|| missing("the session"))?;
+        let code = std::iter::once(text).chain(without(constants, &table)).collect();
+        let session = find("shared_resource_exchange").ok_or_else(|| missing("the session"))?;
         let ram = [".data", ".bss", ".uninit"].into_iter().filter_map(section).collect::<Vec<_>>();
         let other_state = symbols
             .iter()
@@ -74,25 +64,45 @@ impl Image {
                 !range.is_empty()
                     && *range != session
                     && ram.iter().any(|ram| ram.contains(&range.start))
-                    && !NO_STATE.iter().any(|part| name.contains(part))
+                    && !UNUSED_STATE.iter().any(|part| name.contains(part))
             })
             .map(|(_, range)| range.clone())
             .collect();
-        let answering =
-            find("4link6encode6encode17h").ok_or_else(|| missing("the framing of answers"))?.start;
+        let answering = find(&mangled_path(&["link", "encode", "encode"]))
+            .ok_or_else(|| missing("the function link::encode::encode"))?
+            .start;
         let stack_top = find("_stack_start").ok_or_else(|| missing("a stack"))?.start;
-        Ok(Self {
-            answering,
-            weights,
-            code: code.into_iter().filter(|r| !r.is_empty()).collect(),
-            session,
-            other_state,
-            stack_top,
-        })
+        Ok(Self { answering, weights: weights.clone(), code, session, other_state, stack_top })
     }
 }
 
-/// The byte at a place in several ranges put together.
+/// Addresses of the built-in model images, from the table that the firmware keeps for this purpose.
+fn model_images(file: &object::File<'_>) -> Option<Vec<Range<u32>>> {
+    let symbol = file.symbols().find(|symbol| symbol.name() == Ok("PINTLE_MODEL_IMAGES"))?;
+    let section = file.section_by_index(symbol.section_index()?).ok()?;
+    let (rows, _) = section.data_range(symbol.address(), symbol.size()).ok()??.as_chunks::<8>();
+    let range = |&[a, b, c, d, e, f, g, h]: &[u8; 8]| {
+        let start = u32::from_le_bytes([a, b, c, d]);
+        start..start.saturating_add(u32::from_le_bytes([e, f, g, h]))
+    };
+    Some(rows.iter().map(range).collect())
+}
+
+/// Returns the parts of a range outside of others, which lie within it.
+fn without(range: Range<u32>, others: &[Range<u32>]) -> Vec<Range<u32>> {
+    let mut others: Vec<&Range<u32>> = others.iter().collect();
+    others.sort_by_key(|other| other.start);
+    let starts = std::iter::once(range.start).chain(others.iter().map(|other| other.end));
+    let ends = others.iter().map(|other| other.start).chain([range.end]);
+    starts.zip(ends).map(|(start, end)| start..end).filter(|part| !part.is_empty()).collect()
+}
+
+/// Returns the part of a mangled symbol name that stands for a path, in either mangling scheme.
+fn mangled_path(path: &[&str]) -> String {
+    path.iter().map(|name| format!("{}{name}", name.len())).collect()
+}
+
+/// Returns the address of a byte, counted through several ranges.
 pub fn pick(ranges: &[Range<u32>], place: u32) -> Option<u32> {
     let mut left = place;
     for range in ranges {
@@ -104,7 +114,7 @@ pub fn pick(ranges: &[Range<u32>], place: u32) -> Option<u32> {
     None
 }
 
-/// Bytes of several ranges.
+/// Returns the total length of several ranges.
 pub fn length(ranges: &[Range<u32>]) -> u32 {
     ranges.iter().map(|range| range.len() as u32).sum()
 }
@@ -112,6 +122,13 @@ pub fn length(ranges: &[Range<u32>]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_images_of_any_number_of_materials_are_cut_out_of_the_constants() {
+        assert_eq!(without(10..20, &[]), [10..20]);
+        assert_eq!(without(10..20, &[15..17, 10..12, 12..13]), [13..15, 17..20]);
+        assert_eq!(without(10..20, &[18..20]), [10..18]);
+    }
 
     #[test]
     fn a_place_is_counted_through_all_ranges() {

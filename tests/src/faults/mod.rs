@@ -1,81 +1,84 @@
-//! The fault campaign: seeded faults on the emulated controller, each classed by what the host gets to hear.
+//! Fault campaign: seeded faults on the emulated controller, each classified by the host's view.
 //!
-//! | part | what |
+//! | part | content |
 //! |---|---|
-//! | [`gdb`], [`emulator`] | the emulator with its link and its debugger's stub |
-//! | [`image`], [`trace`] | where the controller's memory is; what a tick carries out |
-//! | [`stage`] | the samples and the sound estimates |
-//! | [`plan`], [`streams`] | which fault a number stands for; faults of samples and frames |
-//! | [`attempt`], [`judge`] | one fault carried out and classed |
-//! | [`native`] | one fault of a sensor without an emulator |
-//! | [`campaign`], [`table`] | many of them on all cores; counts by kind and class |
+//! | [`gdb`], [`emulator`] | the emulator with its link and its debugger stub |
+//! | [`image`], [`trace`] | memory map of the controller; instructions of a tick |
+//! | [`scenario`] | samples and the estimates without fault |
+//! | [`plan`], [`streams`] | the fault of a number; faults of samples and frames |
+//! | [`attempt`], [`classify`] | injection of one fault and its class |
+//! | [`native`] | a sensor fault without an emulator |
+//! | [`campaign`], [`table`] | many faults on all cores; counts by kind and class |
 //!
-//! A fault is a function of campaign seed and number: what it does, and when, repeats exactly. What is counted as what is told in [`judge`].
+//! A fault is a function of campaign seed and number, so it repeats exactly.
 
 pub mod attempt;
 pub mod campaign;
+pub mod classify;
 pub mod emulator;
 pub mod gdb;
 pub mod image;
-pub mod judge;
 pub mod native;
 pub mod plan;
-pub mod stage;
+pub mod scenario;
 pub mod streams;
 pub mod table;
 pub mod trace;
 
 use crate::journal::JournalError;
+use crate::random::SplitMix64;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Why the campaign could not go on.
+/// Reason why a campaign failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {
-    /// The operating system refused something.
+    /// The operating system refused a request.
     #[error("{what}: {source}")]
     System {
-        /// What was tried.
+        /// Request.
         what: &'static str,
-        /// Its answer.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The debugger's stub.
+    /// The debugger stub sent an unexpected reply.
     #[error("the emulator's debugger: found {found}; expected {expected}")]
     Debugger {
-        /// What it said.
+        /// Reply.
         found: String,
-        /// What it should have said.
+        /// Expected reply.
         expected: &'static str,
     },
-    /// The image.
+    /// The firmware image is missing or not usable.
     #[error("{path}: expected {expected}; build it with `cargo xtask firmware`", path = path.display())]
     Image {
-        /// Where.
+        /// Path of the image.
         path: PathBuf,
-        /// What was looked for.
+        /// Expected content.
         expected: &'static str,
     },
-    /// Something else than what should be.
+    /// A result differs from the expected one.
     #[error("found {found}; expected {expected}")]
     Unexpected {
-        /// What was found.
+        /// Result.
         found: String,
-        /// What was expected.
+        /// Expected result.
         expected: &'static str,
     },
-    /// The journal of outcomes.
+    /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// The bench.
+    /// The simulation of the bench failed.
     #[error(transparent)]
-    Bench(#[from] host_sim::error::CliError),
-    /// The controller in this process.
+    Bench(#[from] host_sim::cli::error::CliError),
+    /// The controller in this process failed.
     #[error(transparent)]
     Controller(#[from] host_sim::controller::ControllerError),
 }
 
-/// The exit code of a campaign's program: 0 sound, 1 not or the work failed, 2 the input is wrong. What failed is told.
+/// Returns the exit code of a campaign's program and prints the error, if any.
+///
+/// 0: passed; 1: failed, or the work could not be done; 2: the input is wrong.
 pub fn exit(result: Result<bool, CampaignError>) -> ExitCode {
     match result {
         Ok(true) => ExitCode::SUCCESS,
@@ -90,38 +93,10 @@ pub fn exit(result: Result<bool, CampaignError>) -> ExitCode {
     }
 }
 
-/// SplitMix64: small, and the same everywhere.
-#[derive(Clone, Debug)]
-pub struct Random(u64);
-
-impl Random {
-    /// The stream of a number in a campaign.
-    pub fn new(seed: u64, number: u64) -> Self {
-        let mut random = Self(seed ^ number.wrapping_mul(0xD134_2543_DE82_EF95));
-        random.bits();
-        random
-    }
-
-    /// 64 random bits.
-    pub const fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        mixed ^ (mixed >> 31)
-    }
-
-    /// Below a number; 0 below 0.
-    pub const fn below(&mut self, end: u32) -> u32 {
-        (((self.bits() >> 32) * end as u64) >> 32) as u32
-    }
-
-    /// Uniform in 0..1.
-    pub const fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// About normal, with deviation 1: the sum of twelve uniform ones.
-    pub fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
-    }
+/// Returns the random stream of a fault's number in a campaign.
+#[must_use]
+pub fn stream(seed: u64, number: u64) -> SplitMix64 {
+    let mut random = SplitMix64(seed ^ number.wrapping_mul(0xD134_2543_DE82_EF95));
+    random.bits();
+    random
 }

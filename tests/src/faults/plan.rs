@@ -1,60 +1,61 @@
-//! Which fault a number stands for.
+//! Assignment of faults to numbers.
 //!
-//! Forty numbers are a round: memory more often than the rest, because there is more of it. Everything else about a fault is drawn from the stream
-//! of its number.
+//! Forty numbers are a round. Faults of memory are more frequent, because most of the controller is
+//! memory. All other properties of a fault are drawn from the random stream of its number.
 
-use super::Random;
 use super::image::{Image, length, pick};
-use super::stage::{FAULTS_BEFORE, FAULTS_FROM};
+use super::scenario::{FAULTS_BEFORE, FAULTS_FROM};
+use super::stream;
 use super::trace::Step;
+use crate::random::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-/// What is disturbed.
+/// Kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// A bit of the networks in use, in flash.
+    /// Bit flip in the networks in use, in flash.
     Weights,
-    /// A bit of code or constants, in flash; half of them in what a sample carries out.
+    /// Bit flip in code or constants, in flash; half of them in code that a sample executes.
     Code,
-    /// A bit of the controller's static memory.
+    /// Bit flip in the controller's static memory.
     State,
-    /// A bit of the stack, before an instruction in the middle of a tick.
+    /// Bit flip on the stack, before an instruction in the middle of a tick.
     Stack,
-    /// A reset of the machine.
+    /// Reset of the machine.
     Reset,
-    /// Bits of a frame on the line.
+    /// Bit flips in a frame on the line.
     FrameCorrupted,
-    /// A frame lost.
+    /// Lost frames.
     FrameDropped,
-    /// A frame twice.
+    /// Repeated frame.
     FrameRepeated,
-    /// A frame several places late.
+    /// Frame that arrives several places late.
     FrameDelayed,
     /// Two frames exchanged.
     FramesReordered,
-    /// One code for long.
+    /// Sensor that repeats one code for long.
     SensorStuck,
-    /// A step that the machine cannot make, and stays.
+    /// Permanent step that the machine cannot make.
     SensorJump,
-    /// One sample far off.
+    /// Single sample far off.
     SensorSpike,
-    /// No number.
+    /// Sensor without a value.
     SensorMissing,
-    /// A step within what the machine could move in a sample, and stays.
+    /// Permanent step that the machine could make within a sample.
     SensorOffset,
-    /// An error that grows.
+    /// Error that grows with time.
     SensorDrift,
-    /// Noise.
+    /// Additional noise.
     SensorNoise,
-    /// The end of the range.
+    /// Sensor at the end of its range.
     SensorSaturated,
-    /// Readings that do not come for a while: the last one, marked by its driver.
+    /// Missing readings for a while: the driver repeats the last one and marks it.
     SensorDropOut,
 }
 
 impl Kind {
-    /// Every kind.
+    /// All kinds.
     pub const ALL: [Self; 19] = [
         Self::Weights,
         Self::Code,
@@ -77,7 +78,7 @@ impl Kind {
         Self::SensorDropOut,
     ];
 
-    /// How often it comes in a round.
+    /// Returns the number of faults of this kind in a round.
     const fn share(self) -> u64 {
         match self {
             Self::Weights | Self::Stack => 4,
@@ -87,11 +88,11 @@ impl Kind {
         }
     }
 
-    /// The kind of a number.
+    /// Returns the kind of a fault number.
     #[must_use]
-    pub fn of(number: u64) -> Self {
+    pub fn for_number(number: u64) -> Self {
         let round = Self::ALL.iter().map(|kind| kind.share()).sum::<u64>();
-        // A step prime to the round mixes the kinds.
+        // The factor is coprime to the round, so it mixes the kinds.
         let mut place = number.wrapping_mul(7) % round;
         for kind in Self::ALL {
             if place < kind.share() {
@@ -102,9 +103,9 @@ impl Kind {
         Self::Reset
     }
 
-    /// Whether it is a sensor that goes wrong.
+    /// Returns whether a sensor fails.
     #[must_use]
-    pub const fn is_of_sensor(self) -> bool {
+    pub const fn is_sensor_fault(self) -> bool {
         matches!(
             self,
             Self::SensorStuck
@@ -119,7 +120,7 @@ impl Kind {
         )
     }
 
-    /// Its name.
+    /// Returns the name in kebab-case.
     #[must_use]
     pub fn name(self) -> String {
         serde_json::to_value(self)
@@ -129,45 +130,45 @@ impl Kind {
     }
 }
 
-/// What happens.
+/// Action that injects a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
-    /// A bit in memory flips.
+    /// Flips a bit in memory.
     Flip {
-        /// Where.
+        /// Address of the byte.
         address: u32,
-        /// Which.
+        /// Number of the bit.
         bit: u8,
-        /// Before which instruction; none for between two samples.
+        /// Instruction before which the bit flips; `None`: between two samples.
         during: Option<Step>,
     },
-    /// The machine is reset between two samples.
+    /// Resets the machine between two samples.
     Reset,
-    /// The bytes or the samples themselves are disturbed; see [`super::streams`].
+    /// Changes the bytes or the samples; see [`super::streams`].
     Stream,
 }
 
-/// A fault.
+/// A fault of the campaign.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// Its number in the campaign.
+    /// Number in the campaign.
     pub number: u64,
-    /// What is disturbed.
+    /// Kind.
     pub kind: Kind,
-    /// The sample before which, or in which.
+    /// Sample of the fault, or the one after it.
     pub sample: usize,
-    /// What happens.
+    /// Action.
     pub action: Action,
-    /// For everything else that is drawn.
-    pub random: Random,
+    /// Random stream for further properties.
+    pub random: SplitMix64,
 }
 
 impl Fault {
-    /// The fault of a number.
+    /// Returns the fault of a number.
     #[must_use]
     pub fn new(seed: u64, number: u64, image: &Image, trace: &[Step]) -> Self {
-        let mut random = Random::new(seed, number);
-        let kind = Kind::of(number);
+        let mut random = stream(seed, number);
+        let kind = Kind::for_number(number);
         let sample = FAULTS_FROM + random.below((FAULTS_BEFORE - FAULTS_FROM) as u32) as usize;
         let step = trace.get(random.below(trace.len() as u32) as usize).copied();
         let bit = random.below(8) as u8;
@@ -181,18 +182,19 @@ impl Fault {
         let action = match kind {
             Kind::Weights => flip(within(std::slice::from_ref(&image.weights)), None),
             Kind::Code => match step {
-                // Both halfwords of what may be one instruction; behind a short one comes what is likely to be carried out, too.
+                // Both halfwords of a long instruction; after a short one, the next is likely to be
+                // executed, too.
                 Some(step) if executed => flip(step.address + (place % 4) as u32, None),
                 _ => flip(within(&image.code), None),
             },
-            // Three in four in the session, which is what the estimates rest on.
+            // Three of four in the session, which the estimates depend on.
             Kind::State if !random.bits().is_multiple_of(4) => {
                 flip(within(std::slice::from_ref(&image.session)), None)
             }
             Kind::State => flip(within(&image.other_state), None),
             Kind::Stack => {
                 let bottom = step.map_or(image.stack_top, |step| step.stack);
-                // Half of them in the frames of the functions that are at work.
+                // Half of them in the frames of the running functions.
                 let top =
                     if executed { image.stack_top.min(bottom.saturating_add(512)) } else { image.stack_top };
                 flip(within(std::slice::from_ref(&(bottom..top))), step)
@@ -203,13 +205,13 @@ impl Fault {
         Self { number, kind, sample, action, random }
     }
 
-    /// The fault of a number if it is one of a sensor: that hangs on no image.
+    /// Returns the fault of a number if it is a sensor fault, which needs no image.
     #[must_use]
-    pub fn of_sensor(seed: u64, number: u64) -> Option<Self> {
-        Kind::of(number).is_of_sensor().then(|| Self::new(seed, number, &Image::default(), &[]))
+    pub fn for_sensor(seed: u64, number: u64) -> Option<Self> {
+        Kind::for_number(number).is_sensor_fault().then(|| Self::new(seed, number, &Image::default(), &[]))
     }
 
-    /// What it was, for a list.
+    /// Describes place and time of the fault.
     #[must_use]
     pub fn description(&self) -> String {
         match self.action {
@@ -237,7 +239,7 @@ mod tests {
         let round = Kind::ALL.iter().map(|kind| kind.share()).sum::<u64>();
         let mut counts = BTreeMap::new();
         for number in 0..round {
-            *counts.entry(Kind::of(number)).or_insert(0) += 1;
+            *counts.entry(Kind::for_number(number)).or_insert(0) += 1;
         }
         assert_eq!(counts.len(), Kind::ALL.len());
         for (kind, count) in counts {

@@ -1,14 +1,15 @@
-//! Faults of samples and of frames: what the controller gets in place of the sound stream.
+//! Faults of samples and of frames: the disturbed input of the controller.
 
+use super::CampaignError;
 use super::plan::{Fault, Kind};
-use super::{CampaignError, Random};
+use crate::random::SplitMix64;
 use link::track::{SensorChannel, SensorStatus};
 use link::{MAX_FRAME, SensorFrame, ToController, encode};
 
-/// Samples that a fault of a sensor lasts, at most.
-const LONGEST: u32 = 400;
+/// Maximum length of a temporary sensor fault, in samples.
+const MAX_FAULT_SAMPLES: u32 = 400;
 
-/// The samples with the fault in them.
+/// Returns the samples with the fault.
 #[must_use]
 pub fn disturbed(fault: &Fault, frames: &[SensorFrame]) -> Vec<(SensorFrame, SensorStatus)> {
     let mut random = fault.random.clone();
@@ -17,22 +18,8 @@ pub fn disturbed(fault: &Fault, frames: &[SensorFrame]) -> Vec<(SensorFrame, Sen
     let channel = channel_of(fault.kind, &mut random);
     let last = frames.get(begin.saturating_sub(1)).map_or(0, |frame| value(frame, channel));
     let sign = if random.bits().is_multiple_of(2) { 1.0 } else { -1.0 };
-    let lasting = 1 + random.below(LONGEST) as usize;
-    // In nm, nrad or mN, from the least to the most of a kind.
-    let mut between = |least: f64, most: f64| sign * least * (most / least).powf(random.unit());
-    let amount = match (fault.kind, channel) {
-        (Kind::SensorJump | Kind::SensorSpike, SensorChannel::ShaftAngle) => between(12e6, 1e9),
-        (Kind::SensorJump | Kind::SensorSpike, _) => between(60e3, 1e6),
-        // Below that it is within what the checks allow for noise; see `docs/firmware.md`.
-        (Kind::SensorOffset, _) => between(15e3, 50e3),
-        // A second's worth.
-        (Kind::SensorDrift, _) => between(100e3, 1e6),
-        (Kind::SensorNoise, SensorChannel::ShaftAngle) => between(1e6, 20e6),
-        (Kind::SensorNoise, _) => between(5e3, 50e3),
-        (Kind::SensorSaturated, SensorChannel::LoadForce) => sign * f64::from(i32::MAX),
-        (Kind::SensorSaturated, _) => sign * 2.1e6,
-        _ => 0.0,
-    };
+    let lasting = 1 + random.below(MAX_FAULT_SAMPLES) as usize;
+    let amount = sign * magnitude(fault.kind, channel, &mut random);
     for (after, (frame, status)) in samples.iter_mut().skip(begin).enumerate() {
         let lasts = after < lasting;
         let to = value_mut(frame, channel);
@@ -43,7 +30,7 @@ pub fn disturbed(fault: &Fault, frames: &[SensorFrame]) -> Vec<(SensorFrame, Sen
             Kind::SensorSpike if after == 0 => *to = off(amount),
             Kind::SensorMissing if lasts => *to = i32::MIN,
             Kind::SensorDrift => *to = off(amount * after as f64 / 10_000.0),
-            Kind::SensorNoise => *to = off(amount * random.normal()),
+            Kind::SensorNoise => *to = off(amount * about_normal(&mut random)),
             Kind::SensorSaturated if lasts => *to = amount as i32,
             Kind::SensorDropOut if lasts => {
                 *to = last;
@@ -55,7 +42,33 @@ pub fn disturbed(fault: &Fault, frames: &[SensorFrame]) -> Vec<(SensorFrame, Sen
     samples
 }
 
-/// The bytes of each sample's frame with the fault of a line in them; one entry a frame that is sent.
+/// Returns the magnitude of a sensor fault in nm, nrad or mN. Most are logarithmically uniform
+/// between the limits of their kind.
+fn magnitude(kind: Kind, channel: SensorChannel, random: &mut SplitMix64) -> f64 {
+    let mut between = |min: f64, max: f64| min * (max / min).powf(random.unit());
+    match (kind, channel) {
+        (Kind::SensorJump | Kind::SensorSpike, SensorChannel::ShaftAngle) => between(12e6, 1e9),
+        (Kind::SensorJump | Kind::SensorSpike, _) => between(60e3, 1e6),
+        // Smaller offsets are within the noise that the checks allow; see `docs/firmware.md`.
+        (Kind::SensorOffset, _) => between(15e3, 50e3),
+        // Drift in one second.
+        (Kind::SensorDrift, _) => between(100e3, 1e6),
+        (Kind::SensorNoise, SensorChannel::ShaftAngle) => between(1e6, 20e6),
+        (Kind::SensorNoise, _) => between(5e3, 50e3),
+        (Kind::SensorSaturated, SensorChannel::LoadForce) => f64::from(i32::MAX),
+        (Kind::SensorSaturated, _) => 2.1e6,
+        _ => 0.0,
+    }
+}
+
+/// Returns a nearly normal number with unit variance: the sum of twelve uniform ones.
+///
+/// The exact generator of the logs would change the faults of every published campaign.
+fn about_normal(random: &mut SplitMix64) -> f64 {
+    (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
+}
+
+/// Returns the bytes of the frames with a fault of the line, one entry for each frame that is sent.
 pub fn framed(fault: &Fault, samples: &[(SensorFrame, SensorStatus)]) -> Result<Vec<Vec<u8>>, CampaignError> {
     let mut random = fault.random.clone();
     let mut frames = samples.iter().map(|(frame, status)| bytes(&ToController::Sensor(*frame, *status)));
@@ -90,7 +103,7 @@ pub fn framed(fault: &Fault, samples: &[(SensorFrame, SensorStatus)]) -> Result<
     Ok(frames)
 }
 
-/// A message as it goes on the line.
+/// Encodes a message.
 pub fn bytes(message: &ToController) -> Result<Vec<u8>, CampaignError> {
     let mut buffer = [0; MAX_FRAME];
     encode(message, &mut buffer).map(<[u8]>::to_vec).map_err(|error| CampaignError::Unexpected {
@@ -99,8 +112,9 @@ pub fn bytes(message: &ToController) -> Result<Vec<u8>, CampaignError> {
     })
 }
 
-/// The channel that goes wrong. An offset or a drift of the angle changes nothing that is estimated, one of the load nothing at all.
-fn channel_of(kind: Kind, random: &mut Random) -> SensorChannel {
+/// Draws the channel that fails. Offset and drift of the angle change no estimate, and those of the
+/// load none either, so they are left out.
+fn channel_of(kind: Kind, random: &mut SplitMix64) -> SensorChannel {
     let journal = [SensorChannel::JournalY, SensorChannel::JournalZ];
     let channels: &[SensorChannel] = match kind {
         Kind::SensorOffset | Kind::SensorDrift => &journal,
@@ -132,7 +146,7 @@ mod tests {
     use crate::faults::plan::Action;
 
     fn fault(kind: Kind, number: u64) -> Fault {
-        Fault { number, kind, sample: 20, action: Action::Stream, random: Random::new(3, number) }
+        Fault { number, kind, sample: 20, action: Action::Stream, random: super::super::stream(3, number) }
     }
 
     fn frames() -> Vec<SensorFrame> {
@@ -149,10 +163,10 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_changes_something_from_its_sample_on_and_nothing_before() {
+    fn every_fault_changes_the_input_from_its_sample_on_and_nothing_before() {
         let frames = frames();
-        let sound: Vec<_> = frames.iter().map(|frame| (*frame, SensorStatus::GOOD)).collect();
-        let plain: Vec<_> = sound
+        let reference: Vec<_> = frames.iter().map(|frame| (*frame, SensorStatus::GOOD)).collect();
+        let plain: Vec<_> = reference
             .iter()
             .map(|(frame, status)| bytes(&ToController::Sensor(*frame, *status)).unwrap())
             .collect();
@@ -164,7 +178,7 @@ mod tests {
                 let fault = fault(kind, number);
                 let disturbed = framed(&fault, &disturbed(&fault, &frames)).unwrap();
                 assert_eq!(disturbed[..20], plain[..20], "{kind:?}");
-                // An even number of flips of one bit is none: rare, and harmless.
+                // An even number of flips of one bit changes nothing: rare, and harmless.
                 assert!(disturbed != plain || kind == Kind::FrameCorrupted, "{kind:?} {number}");
                 assert_eq!(
                     disturbed,
@@ -176,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_lost_repeated_and_moved() {
+    fn frames_are_dropped_repeated_and_moved() {
         let frames = frames();
         let count = |kind| {
             let fault = fault(kind, 5);

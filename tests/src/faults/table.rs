@@ -1,52 +1,55 @@
-//! The outcomes counted: by kind and class, with the latencies until the host was told.
+//! Counts of a campaign's outcomes by kind and class, with the latencies of the first report.
 
-use super::judge::{Class, Outcome};
+use super::classify::{Class, Outcome};
 use super::plan::Kind;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// A kind's row.
+/// Counts of one kind of fault.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Faults.
     pub faults: u32,
-    /// Told in time.
+    /// Faults reported in time.
     pub detected: u32,
-    /// Told late.
+    /// Faults reported after wrong estimates.
     pub detected_late: u32,
-    /// Nothing wrong.
+    /// Faults without a wrong estimate and without a report.
     pub harmless: u32,
-    /// Wrong and not told.
+    /// Faults with wrong estimates and without a report.
     pub silent: u32,
-    /// Never carried out.
+    /// Faults that were never injected.
     pub not_struck: u32,
-    /// Faults that changed anything that can be seen.
+    /// Faults that changed any message.
     pub alive: u32,
-    /// Told, and unmarked estimates were wrong after that: it is up to the host to remember.
+    /// Part of `detected`: unmarked estimates were wrong again after the mark ended.
     pub wrong_after: u32,
-    /// Samples until it was told: half of the faults, and the longest.
+    /// Median number of samples from the fault to the first report.
     pub latency_median: Option<u32>,
-    /// As above.
+    /// Largest number of samples from the fault to the first report.
     pub latency_longest: Option<u32>,
-    /// Samples from the first wrong estimate until it was told, the longest.
+    /// Largest number of samples from the first wrong estimate to the first report.
     pub late_longest: Option<u32>,
-    /// Largest error of an unmarked estimate of what is harmless, as a share of full scale.
+    /// Largest error of an unmarked estimate among the harmless faults, as a share of full scale.
     pub harmless_error_share: f64,
 }
 
-/// What is checked in of a campaign: by kind, the faults and how many of them were detected, detected late, harmless and silent. Of flips in memory,
-/// whose effects depend on where the linker puts things (the build's name is among them), only the faults and the silent ones.
+/// Golden counts of a campaign by kind: faults, detected, detected late, harmless, silent, and the
+/// detected ones that were wrong again.
+///
+/// For bit flips in memory only the faults and the silent ones are compared: their effects depend
+/// on the addresses that the linker chooses, and the build name changes these.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts(pub BTreeMap<String, Vec<u32>>);
 
 impl Counts {
-    /// The counts of a table.
+    /// Returns the counts of a table.
     #[must_use]
-    pub fn of(table: &Table) -> Self {
+    pub fn from_table(table: &Table) -> Self {
         let counts = |kind: Kind, row: &Row| match kind {
             Kind::Weights | Kind::Code | Kind::State | Kind::Stack => vec![row.faults, row.silent],
-            _ => vec![row.faults, row.detected, row.detected_late, row.harmless, row.silent],
+            _ => vec![row.faults, row.detected, row.detected_late, row.harmless, row.silent, row.wrong_after],
         };
         let kinds = Kind::ALL.into_iter().filter_map(|kind| {
             let name = kind.name();
@@ -55,17 +58,27 @@ impl Counts {
         });
         Self(kinds.collect())
     }
+
+    /// Returns whether every row begins with the golden row. Golden rows of an older format lack
+    /// the last count; `cargo xtask faults --bless` writes complete rows.
+    #[must_use]
+    pub fn continues(&self, golden: &Self) -> bool {
+        let has_row = |(kind, row): (&String, &Vec<u32>)| {
+            self.0.get(kind).is_some_and(|found| found.starts_with(row) && found.len() <= row.len() + 1)
+        };
+        self.0.len() == golden.0.len() && golden.0.iter().all(has_row)
+    }
 }
 
-/// The outcomes of a campaign.
+/// Counts of a campaign.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Table {
-    /// By kind.
+    /// Counts by kind.
     pub kinds: BTreeMap<String, Row>,
-    /// All kinds together.
+    /// Counts of all kinds together.
     pub all: Row,
-    /// How often each thing was what the host was told first.
-    pub told: BTreeMap<String, u32>,
+    /// Number of faults by their first report.
+    pub first_reports: BTreeMap<String, u32>,
 }
 
 fn row<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Row {
@@ -84,7 +97,7 @@ fn row<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Row {
             Class::NotStruck => row.not_struck += 1,
         }
         row.alive += u32::from(outcome.alive);
-        row.wrong_after += u32::from(outcome.class == Class::Detected && outcome.wrong > 0);
+        row.wrong_after += u32::from(outcome.class == Class::Detected && outcome.wrong_again > 0);
         latencies.extend(outcome.latency);
         row.late_longest = row.late_longest.max(outcome.late);
     }
@@ -95,34 +108,36 @@ fn row<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Row {
 }
 
 impl Table {
-    /// Counts.
+    /// Counts outcomes.
     #[must_use]
-    pub fn of(outcomes: &[Outcome]) -> Self {
+    pub fn from_outcomes(outcomes: &[Outcome]) -> Self {
         let kinds = Kind::ALL
             .into_iter()
             .map(|kind| (kind.name(), row(outcomes.iter().filter(|outcome| outcome.kind == kind))))
             .filter(|(_, row)| row.faults > 0)
             .collect();
-        let mut told = BTreeMap::new();
-        for what in outcomes.iter().filter_map(|outcome| outcome.told.clone()) {
-            *told.entry(what).or_insert(0) += 1;
+        let mut first_reports = BTreeMap::new();
+        for report in outcomes.iter().filter_map(|outcome| outcome.first_report.clone()) {
+            *first_reports.entry(report).or_insert(0) += 1;
         }
-        Self { kinds, all: row(outcomes.iter()), told }
+        Self { kinds, all: row(outcomes.iter()), first_reports }
     }
 
-    /// For people.
+    /// Returns the table as text.
     #[must_use]
     pub fn render(&self) -> String {
         let mut text = String::from(
-            "kind               faults  detected  again   late  harmless  silent  not struck  alive   median  longest  late by\n",
+            "                           of these                          not            samples to report\n\
+             kind               faults  detected  wrong again    late  harmless  silent  struck  alive  \
+             median  longest  late by\n",
         );
         let rows = self.kinds.iter().map(|(name, row)| (name.as_str(), row)).chain([("all", &self.all)]);
         let number = |value: Option<u32>| value.map_or_else(|| "-".into(), |value| value.to_string());
         for (name, row) in rows {
-            // Into a string: cannot fail.
+            // Writing to a string does not fail.
             let _ = writeln!(
                 text,
-                "{name:18} {:6} {:9} {:6} {:6} {:9} {:7} {:11} {:6} {:>8} {:>8} {:>8}",
+                "{name:18} {:6} {:9} {:12} {:7} {:9} {:7} {:7} {:6} {:>7} {:>8} {:>8}",
                 row.faults,
                 row.detected,
                 row.wrong_after,
@@ -136,10 +151,17 @@ impl Table {
                 number(row.late_longest),
             );
         }
-        let mut told: Vec<_> = self.told.iter().collect();
-        told.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
-        let told: Vec<_> = told.into_iter().map(|(what, count)| format!("{what} {count}")).collect();
-        let _ = writeln!(text, "\ntold first by: {}", told.join(", "));
+        let mut reports: Vec<_> = self.first_reports.iter().collect();
+        reports.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+        let reports: Vec<_> = reports.into_iter().map(|(what, count)| format!("{what} {count}")).collect();
+        let _ = writeln!(
+            text,
+            "\nwrong again: {} of the {} detected faults had wrong estimates without a mark after their mark \
+             ended\nfirst report: {}",
+            self.all.wrong_after,
+            self.all.detected,
+            reports.join(", ")
+        );
         text
     }
 }

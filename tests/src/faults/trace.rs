@@ -1,39 +1,40 @@
-//! What the core carries out for one sample: program counter and stack pointer, instruction by instruction.
+//! Instructions that the core executes for one sample: program counter and stack pointer.
 //!
-//! Single steps from the framing of an answer to the estimate of the sample behind it. The control flow of a tick does not depend on data, so it
-//! stands for every sample.
+//! Single steps from the framing of a reply to the estimate of the next sample. The control flow of
+//! a tick does not depend on data, so one trace represents all samples.
 
 use super::CampaignError;
 use super::attempt::Prepared;
+use super::emulator::Received;
 use super::image::Image;
-use super::stage::{FAULTS_FROM, Stage};
+use super::scenario::{FAULTS_FROM, Scenario};
 use link::ToHost;
 use std::path::Path;
 
-/// Most instructions of a round of the link's loop: more is no trace of one.
-const LONGEST: usize = 40_000;
-/// Steps between two looks at what was said.
-const LOOK: usize = 64;
+/// Maximum number of instructions in one pass of the link's loop.
+const MAX_STEPS: usize = 40_000;
+/// Steps between two reads of the link.
+const STEPS_PER_PUMP: usize = 64;
 
-/// An instruction.
+/// An executed instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Step {
-    /// Its address.
+    /// Address.
     pub address: u32,
-    /// The stack pointer before it.
+    /// Stack pointer before the instruction.
     pub stack: u32,
-    /// How often the address had come before in this trace.
+    /// Earlier executions of the same address in this trace.
     pub before: u32,
 }
 
 /// Traces one sample.
-pub fn trace(elf: &Path, image: &Image, stage: &Stage) -> Result<Vec<Step>, CampaignError> {
-    let mut prepared = Prepared::start(elf, image, stage, &stage.frames, FAULTS_FROM)?;
+pub fn trace(elf: &Path, image: &Image, scenario: &Scenario) -> Result<Vec<Step>, CampaignError> {
+    let mut prepared = Prepared::start(elf, image, scenario, &scenario.frames, FAULTS_FROM)?;
     let emulator = &mut prepared.emulator;
     let mut counts = std::collections::HashMap::new();
     let mut steps = vec![];
-    while steps.len() < LONGEST {
-        for _ in 0..LOOK {
+    while steps.len() < MAX_STEPS {
+        for _ in 0..STEPS_PER_PUMP {
             let gdb = emulator.gdb()?;
             let (address, stack) = (gdb.register(15)?, gdb.register(13)?);
             let count = counts.entry(address).or_insert(0);
@@ -42,15 +43,18 @@ pub fn trace(elf: &Path, image: &Image, stage: &Stage) -> Result<Vec<Step>, Camp
             gdb.step()?;
         }
         emulator.pump(std::time::Duration::ZERO, |_| true)?;
-        let told = emulator.said.iter().any(
-            |said| matches!(said, Ok(ToHost::Estimate(e)) if e.estimate.sequence as usize == FAULTS_FROM),
-        );
-        if told {
+        let is_finished = emulator.received.iter().any(is_first_estimate);
+        if is_finished {
             return Ok(steps);
         }
     }
     Err(CampaignError::Unexpected {
-        found: format!("no estimate within {LONGEST} instructions"),
+        found: format!("no estimate within {MAX_STEPS} instructions"),
         expected: "one for every sample",
     })
+}
+
+/// Returns whether a message is the estimate of the first sample after the stop.
+fn is_first_estimate(message: &Received) -> bool {
+    matches!(message, Ok(ToHost::Estimate(e)) if e.estimate.sequence as usize == FAULTS_FROM)
 }

@@ -1,57 +1,59 @@
-//! A driven axis that is not the engine's: the effort that a given motion takes, rotary or linear.
+//! Driven axis, independent of the engine: the effort of a given motion, rotary or linear.
 //!
-//! From the balance of an axis, `effort = gain F + m a + friction + ripple`, and the documented meaning of each effect
-//! (`docs/effects.md`, the heads of `bench::effects`). What friction remembers (the turned sign, a rest, a temperature) is a set of
-//! linear equations, stepped by an implicit second-order rule at a quarter of a millisecond; the sign of the speed is a logistic
-//! function, a step of friction a ramp of 10 ms. Sensors are in `sensing`. Units: SI, efforts in N or N m.
+//! The effort follows from the balance of an axis, `effort = gain F + m a + friction + ripple`, and
+//! from the documented meaning of each effect (`docs/effects.md`). The states of friction (its
+//! delayed sign, the time at standstill, a temperature) obey linear equations. An implicit
+//! second-order rule steps them by a quarter of a millisecond. The sign of the speed is a logistic
+//! function; a step of friction is a ramp of 10 ms. Sensors are in `sensing`. Units: SI, efforts in
+//! N or N m.
 
 use super::hidden::{HiddenEffect, total};
 use super::motion::{Load, Motion, Moved};
 use super::sensing::Signals;
 use std::f64::consts::TAU;
 
-/// Step in s.
+/// Step, s.
 const STEP_S: f64 = 2.5e-4;
 /// Length of the ramp of a step of friction, s.
 const RAMP_S: f64 = 0.01;
-/// How long the axis moves before the log begins, s.
+/// Motion before the log begins, s.
 const BEFORE_S: f64 = 0.2;
 
-/// An axis as it really is.
+/// An axis with its true parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct RealAxis {
-    /// Whether it turns.
+    /// True for a rotary axis.
     pub rotary: bool,
-    /// kg or kg m2.
+    /// Inertia, kg or kg m2.
     pub inertia: f64,
-    /// Dry effort.
+    /// Dry friction effort, N or N m.
     pub coulomb: f64,
-    /// Effort per speed.
+    /// Viscous friction effort per speed.
     pub viscous: f64,
-    /// Coefficient of friction on the load.
+    /// Friction coefficient of the load.
     pub load_coefficient: f64,
-    /// Share of the load that the effort carries.
+    /// Share of the load that acts on the effort.
     pub load_gain: f64,
     /// Radius at which friction acts, m.
     pub radius_m: f64,
-    /// Width of the sign, m/s.
+    /// Width of the friction sign, m/s.
     pub sign_width_m_s: f64,
-    /// Temperature rise at the start of the log, as a share of the one that a second of sliding brings.
+    /// Temperature rise at the start of the log, relative to that of one second of sliding.
     pub warm: f64,
 }
 
 /// One session of an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
-    /// Motion.
+    /// Motion of the axis.
     pub motion: Motion,
-    /// Load.
+    /// Load of the axis.
     pub load: Load,
     /// Time in the motion at which the log begins, s.
     pub phase_s: f64,
-    /// Length in s.
+    /// Length, s.
     pub length_s: f64,
-    /// First time stamp of the log in s.
+    /// First time stamp of the log, s.
     pub start_s: f64,
 }
 
@@ -62,14 +64,14 @@ struct Memory {
 }
 
 impl Memory {
-    /// `1/(1 + x + x^2/2)` in place of the exponential: stable however fast the memory is.
+    /// `1/(1 + x + x^2/2)` replaces the exponential: stable for any rate.
     fn step(&mut self, rate: f64, target: f64) {
         let x = rate * STEP_S;
         self.state = target + (self.state - target) / (1.0 + x * (1.0 + 0.5 * x));
     }
 }
 
-/// What effects add, read once.
+/// Parameters of the added effects.
 struct Added {
     stribeck: Option<(f64, f64)>,
     breakaway: Option<(f64, f64, f64)>,
@@ -111,7 +113,7 @@ fn wave((cosine, sine, period): (f64, f64, f64), at: f64) -> f64 {
 }
 
 impl RealAxis {
-    /// Everything that happens in a session, on an even grid.
+    /// Returns the true signals of a session on an even grid.
     pub fn run(&self, run: &Run, hidden: &[HiddenEffect]) -> Signals {
         let axis = Self {
             inertia: self.inertia + total(hidden, "inertia-mismatch", "inertia_change"),
@@ -230,7 +232,7 @@ mod tests {
         let signals = run(&[]);
         let (angle, speed) = (&signals.inputs[0].1, &signals.inputs[1].1);
         let (torque, friction) = (&signals.outputs[0].1, &signals.outputs[1].1);
-        // The middle of the first, slow stroke: no acceleration, 142 N m of dry friction, 20 N m s/rad.
+        // Middle of the first, slow stroke: no acceleration, 142 N m dry friction, 20 N m s/rad.
         let i = ((0.08 + 0.27) * 4.5 / STEP_S) as usize;
         assert!(angle[i].abs() < 1e-3 && speed[i] > 0.5);
         assert!((torque[i] - 142.0 - 20.0 * speed[i]).abs() < 0.01, "{}", torque[i]);
@@ -242,7 +244,7 @@ mod tests {
         let distance = 1e-3;
         let signals = run(&[HiddenEffect::new("presliding-hysteresis", &[("distance_m", distance)])]);
         let plain = run(&[]);
-        // From rest at angle -0.4 rad the sign comes as `1 - exp(-x/d)` of the way.
+        // After standstill at -0.4 rad, the sign follows `1 - exp(-x/d)` of the path.
         let (angle, with) = (&signals.inputs[0].1, &signals.outputs[1].1);
         let i = angle.iter().position(|x| (x + 0.4) * 0.07 > 2.0 * distance).unwrap();
         let share = (with[i] + 20.0 * signals.inputs[1].1[i])

@@ -1,13 +1,13 @@
-//! How the effects of the transmission bench are drawn. See [`super::vocabulary`].
+//! Random draws of the effects of the transmission bench. See [`super::vocabulary`].
 //!
-//! The planar generator does not show `breakaway`, `presliding-hysteresis` and `thermal-friction-drift` (no memory in its friction; the axes
-//! hide these).
+//! The planar generator does not show `breakaway`, `presliding-hysteresis` and
+//! `thermal-friction-drift`, because its friction has no memory; the axes hide these.
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
 use super::vocabulary::{Draw, Drawn};
 
-/// Effects of the plant that the planar generator can show; those of its sensors come on top.
+/// Effects of the plant that the planar generator can show, without sensor effects.
 pub const EFFECTS: &[&str] = &[
     "clearance-wear",
     "contact-stiffness",
@@ -32,7 +32,7 @@ pub const EFFECTS: &[&str] = &[
     "shaft-flexibility",
 ];
 
-/// The same of the bench whose shaft may tilt.
+/// The same for the bench whose shaft may tilt.
 pub const TILTING: &[&str] = &[
     "clearance-wear",
     "contact-stiffness",

@@ -1,21 +1,22 @@
-//! Under which conditions an axis is logged: the usual ones, and hard ones.
+//! Conditions under which an axis is logged: usual and hard.
 //!
-//! Hard: the axis rests between its strokes, friction turns its sign within 1 mm/s, a coarse logger reads 200 times a second and
-//! its efforts only to half of their noise. A rest begins and ends in a few samples in which friction turns round, and a reading at
-//! rest falls on the same step again and again.
+//! Under hard conditions the axis is at standstill between its strokes, the sign of friction
+//! changes within 1 mm/s, and a coarse logger reads 200 times a second with a resolution of half
+//! the noise. A standstill begins and ends within a few samples, in which friction changes its
+//! sign. A reading at standstill repeats one code.
 
 use super::motion::Course;
 use super::planar;
 use super::sensing::Reading;
 use super::session::Plant;
 
-/// Conditions of a log; the transmission bench has the usual ones only.
+/// Conditions of a log; the transmission bench has only the usual ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Conditions {
-    /// A swing, a wide sign, fine readings.
+    /// Swing, wide sign, fine readings.
     #[default]
     Usual,
-    /// Strokes with rests, a narrow sign, coarse readings.
+    /// Strokes with standstill, narrow sign, coarse readings.
     Hard,
 }
 
@@ -23,7 +24,7 @@ pub enum Conditions {
 type Row = (&'static str, f64, f64);
 
 impl Conditions {
-    /// The description that a user has: TOML.
+    /// Returns the user's description (TOML).
     pub const fn description(self, plant: Plant) -> &'static str {
         match (self, plant) {
             (Self::Hard, Plant::Rotary) => include_str!("rotary-hard.toml"),
@@ -32,7 +33,7 @@ impl Conditions {
         }
     }
 
-    /// Sensors of inputs and outputs.
+    /// Returns the sensors of inputs and outputs.
     pub fn sensors(self, plant: Plant) -> Vec<Reading> {
         let of = |&(channel, noise, resolution): &Row| Reading { channel, noise, resolution };
         let rows: &[Row] = match (plant, self) {
@@ -67,7 +68,7 @@ impl Conditions {
         rows.iter().map(of).collect()
     }
 
-    /// Samples a second on an axis.
+    /// Returns the sample rate of an axis, Hz.
     pub const fn axis_rate_hz(self) -> f64 {
         match self {
             Self::Usual => 250.0,
@@ -75,7 +76,7 @@ impl Conditions {
         }
     }
 
-    /// Width of the sign of friction in m/s.
+    /// Returns the width of the friction sign, m/s.
     pub fn sign_width_m_s(self, plant: Plant) -> f64 {
         match (self, plant) {
             (Self::Hard, _) => 1e-3,
@@ -84,7 +85,7 @@ impl Conditions {
         }
     }
 
-    /// Course of an axis' motion.
+    /// Returns the course of an axis' motion.
     pub const fn course(self) -> Course {
         match self {
             Self::Usual => Course::Swing,

@@ -1,10 +1,11 @@
-//! Benches that are not the engine's: the source of "measured" logs for the tests of the diagnosis.
+//! Benches that are independent of the engine: the source of "measured" logs for the tests of the
+//! diagnosis.
 //!
-//! [`axis`] is the friction rig and the linear axis, [`planar`] the transmission bench, whose shaft may tilt (`tilt`), both written from their equations alone, with
-//! other integrators and steps than the engine's; [`session`] puts one to an operating point with nuisances of its own,
-//! [`conditions`] are those under which it is logged,
-//! [`sensing`] makes readings of it, [`hidden`] says what a log hides and [`vocabulary`] draws it, [`size`] measures how large that is.
-//! Nothing here uses the `bench` or `diagnosis` crate.
+//! [`axis`] is the friction rig and the linear axis; [`planar`] is the transmission bench, whose
+//! shaft may tilt (`tilt`). Both are written from their equations, with other integrators and steps
+//! than the engine's. [`session`] adds an operating point and nuisance parameters, [`conditions`]
+//! the conditions of the log, [`sensing`] the sensors. [`hidden`] is an effect, [`vocabulary`]
+//! draws it, and [`size`] measures its size. Nothing here uses the crates `bench` or `diagnosis`.
 
 pub mod axis;
 pub mod bench_vocabulary;

@@ -1,21 +1,22 @@
-//! How an axis is moved and loaded in a session.
+//! Motion and load of an axis in a session.
 //!
-//! The usual motion swings to and fro at a speed that itself rises and falls over two cycles,
-//! `A sin(w t + sin(w t/2 + pi/4))`, so that direction and speed are not the same thing. The plain motion is one sine, on which
-//! several effects look alike. Strokes go from end to end with rests between, along `35 u^4 - 84 u^5 + 70 u^6 - 20 u^7`, slow and
-//! fast by turns. A described course is what a bench description asks for: sines from one end of the stroke to the other, forwards or backwards first,
-//! with a rest before each, or at a frequency that rises or falls evenly.
+//! The usual motion is a swing, `A sin(w t + sin(w t/2 + pi/4))`. Its speed rises and falls over
+//! two cycles, so that direction and speed are independent. The plain motion is one sine, on which
+//! several effects look alike. Strokes go from end to end along `35 u^4 - 84 u^5 + 70 u^6 - 20
+//! u^7`, alternately slow and fast, with standstill between them. A described course follows a
+//! bench description: sines from one end of the stroke to the other, forwards or backwards first,
+//! with standstill before each or with a linearly changing frequency.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-/// Position (or angle), speed, acceleration.
+/// Position (or angle), speed and acceleration.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Moved {
-    /// m or rad.
+    /// Position, m or rad.
     pub place: f64,
-    /// Per s.
+    /// Speed, m/s or rad/s.
     pub speed: f64,
-    /// Per s2.
+    /// Acceleration, m/s2 or rad/s2.
     pub acceleration: f64,
 }
 
@@ -24,38 +25,39 @@ pub struct Moved {
 pub struct Motion {
     /// Half of the stroke, m or rad.
     pub amplitude: f64,
-    /// Length of a cycle in s.
+    /// Length of a cycle, s.
     pub cycle_s: f64,
-    /// Its course.
+    /// Course.
     pub course: Course,
 }
 
 /// Course of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Course {
-    /// To and fro at a changing speed.
+    /// Swing at a changing speed.
     Swing,
     /// One sine.
     Plain,
-    /// Strokes with rests.
+    /// Strokes with standstill.
     Strokes,
-    /// As a description says.
+    /// Course of a bench description.
     Described {
-        /// Rest before each half cycle, as a share of a cycle.
+        /// Standstill before each half cycle, as a share of a cycle.
         rest: f64,
         /// Rise of the frequency over one cycle's length, as a share of the first frequency.
         rise: f64,
     },
 }
 
-/// Rest before each stroke, as a share of a cycle.
+/// Standstill before each stroke, as a share of a cycle.
 const REST: f64 = 0.08;
 
-/// Shares of two cycles that the strokes take, their rests included: slow forward, fast back, fast forward, slow back.
+/// Shares of two cycles that the strokes take, with their standstill: slow forward, fast back, fast
+/// forward, slow back.
 const SHARES: [f64; 4] = [0.62, 0.38, 0.38, 0.62];
 
 impl Motion {
-    /// The motion at a time since the first rest began.
+    /// Returns the motion at a time since the first standstill began.
     pub fn at(&self, time_s: f64) -> Moved {
         if let Course::Described { rest, rise } = self.course {
             return self.described(rest, rise, time_s / self.cycle_s);
@@ -93,13 +95,13 @@ impl Motion {
 }
 
 impl Motion {
-    /// A described course at a time in cycles since it began.
+    /// Returns a described course at a time in cycles since its beginning.
     fn described(&self, rest: f64, rise: f64, time: f64) -> Moved {
         let half = 0.5 + rest;
         let index = (time / half).floor().max(0.0);
         let moving =
             if rest > 0.0 { 0.5 * index + (time - half * index - rest).max(0.0) } else { time.max(0.0) };
-        // Turns, turns per cycle's length, and the change of these.
+        // Turns, turns per cycle length, and the derivative of the latter.
         let (turns, pace) = (moving * (1.0 + 0.5 * rise * moving), 1.0 + rise * moving);
         let (sine, cosine) = (TAU * turns).sin_cos();
         let at_rest = time <= 0.0 || rest > 0.0 && time - half * index <= rest;
@@ -116,20 +118,20 @@ impl Motion {
 /// The load of a session.
 #[derive(Clone, Copy, Debug)]
 pub struct Load {
-    /// Mean in N.
+    /// Mean, N.
     pub mean_n: f64,
-    /// Share of the mean that it swings by.
+    /// Amplitude of the swing as a share of the mean.
     pub swing: f64,
-    /// Period of the swing in s.
+    /// Period of the swing, s.
     pub period_s: f64,
-    /// Where in the swing the log begins.
+    /// Phase of the swing at the start of the log, rad.
     pub phase_rad: f64,
-    /// Length of the raised cosine by which it comes on at the start of the log, s; 0: it is there.
+    /// Length of the raised-cosine ramp at the start of the log, s; 0: no ramp.
     pub ramp_s: f64,
 }
 
 impl Load {
-    /// The load at a time in N.
+    /// Returns the load at a time, N.
     pub fn at(&self, time_s: f64) -> f64 {
         let full = self.mean_n * (1.0 + self.swing * (TAU * time_s / self.period_s + self.phase_rad).sin());
         if time_s >= self.ramp_s {
@@ -151,7 +153,7 @@ mod tests {
             [Course::Swing, Course::Plain, Course::Strokes, described(0.0, 0.0), described(0.0, 0.3)];
         for course in courses {
             let motion = Motion { amplitude: 0.4, cycle_s: 4.5, course };
-            // From the start on: what is described jumps into motion there.
+            // After the start, because a described course begins with a jump in acceleration.
             for i in 1..2000 {
                 let (t, h) = (f64::from(i) * 0.00913, 1e-5);
                 let (a, b, c) = (motion.at(t - h), motion.at(t), motion.at(t + h));

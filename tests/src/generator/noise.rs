@@ -1,27 +1,27 @@
-//! Pseudo-random numbers of the log generator: SplitMix64 and the polar method, not the engine's ChaCha and ziggurat.
+//! Random numbers of the log generator: SplitMix64 and the polar method (the engine has ChaCha and
+//! the ziggurat).
 
-/// A seeded stream.
+use crate::random::SplitMix64;
+
+/// Seeded stream of uniform and normal numbers.
 pub struct Noise {
-    state: u64,
+    random: SplitMix64,
     spare: Option<f64>,
 }
 
 impl Noise {
-    /// A stream of a seed.
+    /// Returns the stream of a seed.
     pub fn new(seed: u64) -> Self {
-        Self { state: seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x1234_5678, spare: None }
+        let random = SplitMix64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x1234_5678);
+        Self { random, spare: None }
     }
 
-    /// Uniform in [0, 1).
+    /// Returns a uniform number in [0, 1).
     pub fn uniform(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        self.random.unit()
     }
 
-    /// Normal with unit variance.
+    /// Returns a normal number with unit variance.
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;

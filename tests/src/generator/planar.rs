@@ -1,10 +1,13 @@
-//! A bench that is not the engine's: the source of "measured" logs for the tests of the diagnosis.
+//! Transmission bench, independent of the engine: the source of "measured" logs for the tests of
+//! the diagnosis.
 //!
-//! Written from the equations of the planar transmission bench alone, and different from the engine wherever a choice is
-//! free: fixed-step fourth-order Runge-Kutta instead of an adaptive pair, onset of contact interpolated between two steps
-//! instead of located, own noise generator (white or coloured), readings rounded to a resolution, samples lost. The
-//! smoothed sign of friction is the described curve in another form: another curve of the same width would move the
-//! journal by a micrometre, five times its sensor's noise, and be a true finding. Nothing here uses the `bench` crate's plant; a hidden effect is a field of [`Hidden`], not a catalogue entry.
+//! It is written from the equations of the planar bench and differs from the engine wherever a
+//! choice is free. It has fixed-step fourth-order Runge-Kutta instead of an adaptive pair, a
+//! contact onset interpolated between two steps instead of a located one, and a separate noise
+//! generator. Readings are rounded, and samples get lost. The smoothed sign of friction is the
+//! described curve in another form. A different curve of the same width would move the journal by a
+//! micrometre, which is five times its sensor's noise and a true finding. A hidden effect is a
+//! field of [`Hidden`] or of the vocabulary.
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
@@ -41,13 +44,14 @@ pub const OUTPUTS: &[&str] = &[
     "drive_force_n",
 ];
 
-/// Steps of the integrator per step of the signals.
-const KEPT: usize = 20;
+/// Integrator steps per step of the signals.
+const WRITTEN_EVERY: usize = 20;
 
-/// Bench B as described: cranks in m, mass in kg, moment of inertia in kg m2, clearance in m, Young's modulus in Pa, level of friction.
+/// Described parameters of bench B: cranks in m, mass in kg, moment of inertia in kg m2, clearance
+/// in m, Young's modulus in Pa, level of friction.
 const DESCRIBED: [f64; 7] = [0.30, 0.36, 150.0, 60.0, 0.5e-3, 50e9, 1.0];
 
-/// The described number that an effect moves as if it were further off than `off`, by its place, and by how much.
+/// Returns the index of the described parameter that an effect moves, and the change.
 pub(super) fn moved_number(off: &[f64], hidden: &HiddenEffect) -> Option<(usize, f64)> {
     let (place, share) = match hidden.effect.as_str() {
         "lever-ratio" => (1, hidden.get("relative_change")),
@@ -60,7 +64,8 @@ pub(super) fn moved_number(off: &[f64], hidden: &HiddenEffect) -> Option<(usize,
     Some((place, share * (DESCRIBED.get(place)? + off.get(place)?)))
 }
 
-/// True signals of a session of bench B; `off` in SI: drive crank, load crank, mass, inertia, clearance, modulus, friction.
+/// Returns the true signals of a session of bench B. `off` is in SI: drive crank, load crank, mass,
+/// inertia, clearance, modulus, friction.
 pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
     let number = |i: usize| DESCRIBED[i] + off.get(i).copied().unwrap_or_default();
     let real = RealBench {
@@ -75,27 +80,27 @@ pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signa
         tilts: session.plant == session::Plant::TwoPlane,
     };
     let rows = real.run(&Hidden::default(), hidden);
-    let kept = || rows.iter().step_by(KEPT);
+    let written = || rows.iter().step_by(WRITTEN_EVERY);
     let inputs: [fn(&Row) -> f64; 3] = [|r| r.drive.0, |r| r.drive.1, |r| r.load];
     let names = SENSORS.iter().map(|s| s.0);
     Signals {
-        step_s: KEPT as f64 * STEP_S,
-        inputs: names.zip(inputs).map(|(n, read)| (n, kept().map(read).collect())).collect(),
+        step_s: WRITTEN_EVERY as f64 * STEP_S,
+        inputs: names.zip(inputs).map(|(n, read)| (n, written().map(read).collect())).collect(),
         outputs: OUTPUTS
             .iter()
             .enumerate()
-            .map(|(i, n)| (*n, kept().map(|r| r.outputs[i]).collect()))
+            .map(|(i, n)| (*n, written().map(|r| r.outputs[i]).collect()))
             .collect(),
     }
 }
 
-/// Step in s. The contact's damping sets the limit, some 20 us.
+/// Step, s. The contact's damping limits it to some 20 us.
 const STEP_S: f64 = 5e-6;
 const RATE_HZ: f64 = 1000.0;
-/// Share of samples that get lost.
+/// Share of lost samples.
 const LOST: f64 = 0.004;
 
-/// What the log hides.
+/// Hidden effects of a log.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hidden {
     /// Wear: added radial clearance in m.
@@ -110,35 +115,37 @@ pub struct Hidden {
     pub journal_y_delay_s: f64,
     /// Offset of the bearing's Y force sensor in N.
     pub force_y_offset_n: f64,
-    /// A force on the journal along Z at the drive's third harmonic, N: an effect that no catalogue knows.
+    /// Force on the journal along Z at the drive's third harmonic, N: an effect outside of every
+    /// catalogue.
     pub third_harmonic_n: f64,
 }
 
-/// A real bench: close to its description, not equal to it.
+/// A real bench: close to its description, but not equal.
 #[derive(Clone, Copy, Debug)]
 pub struct RealBench {
-    /// Drive and load crank in m.
+    /// Drive and load crank, m.
     pub levers_m: (f64, f64),
     /// Mass in kg and inertia in kg m2.
     pub inertia: (f64, f64),
-    /// Radial clearance in m.
+    /// Radial clearance, m.
     pub clearance_m: f64,
-    /// Young's modulus in Pa.
+    /// Young's modulus, Pa.
     pub modulus_pa: f64,
     /// Factor on friction.
     pub friction: f64,
-    /// Load in N.
+    /// Load, N.
     pub load_n: f64,
-    /// Cycles of 1 s.
+    /// Number of cycles of 1 s.
     pub cycles: usize,
-    /// Correlation of the sensors' noise from sample to sample; 0: white.
+    /// Correlation of the sensor noise from sample to sample; 0: white.
     pub noise_colour: f64,
-    /// Whether the shaft may tilt in its bearing.
+    /// True if the shaft may tilt in its bearing.
     pub tilts: bool,
 }
 
 impl RealBench {
-    /// Bench B with every uncertain number off by up to `deviations` of its declared standard deviation.
+    /// Returns bench B with every uncertain parameter off by up to `deviations` of its declared
+    /// standard deviation.
     pub fn near_description(noise: &mut Noise, deviations: f64) -> Self {
         let mut off = |share: f64| 1.0 + share * deviations * (2.0 * noise.uniform() - 1.0);
         Self {
@@ -246,15 +253,15 @@ fn round(value: f64, resolution: f64) -> f64 {
     (value / resolution).round() * resolution
 }
 
-/// y, z, y', z', th, th' (these two serve a compliant drive only), angle and speed of the load crank on a shaft that twists, slopes of the shaft
-/// in Y and Z and their rates.
+/// State: y, z, y', z', th, th' (the last two for a compliant drive only), angle and speed of the
+/// load crank on a shaft that twists, slopes of the shaft in Y and Z and their rates.
 pub(super) type State = [f64; 12];
 
 fn add(a: &State, b: &State, h: f64) -> State {
     std::array::from_fn(|i| a[i] + h * b[i])
 }
 
-/// What happens at a step.
+/// Quantities of a step.
 pub(super) struct Row {
     pub(super) drive: (f64, f64),
     pub(super) load: f64,
@@ -268,14 +275,17 @@ mod tests {
     use bench::Bench;
 
     #[test]
-    fn the_description_is_the_preset_with_resolutions_and_its_numbers_are_those_of_the_generator() {
+    fn the_description_is_the_preset_with_resolutions_and_has_the_parameters_of_the_generator() {
         let preset = include_str!("../../../crates/bench/presets/bench-b.toml");
         let own = super::super::session::Plant::Bench.description();
-        let plain = own.lines().map(|line| match line.split_once(", resolution = ") {
+        let data = |line: &str| line.split('#').next().unwrap_or_default().trim_end().to_owned();
+        let lines = |text: &str| text.lines().map(data).filter(|line| !line.is_empty()).collect::<Vec<_>>();
+        let without_resolution = |line: String| match line.split_once(", resolution = ") {
             Some((before, _)) => format!("{before} }}"),
-            None => line.to_owned(),
-        });
-        assert!(plain.skip(1).eq(preset.lines().skip(1).map(str::to_owned)), "all but the headline");
+            None => line,
+        };
+        let plain: Vec<_> = lines(own).into_iter().map(without_resolution).collect();
+        assert_eq!(plain, lines(preset), "all but the comments");
         let mut bench = Bench::parse("bench", own).unwrap();
         let names = [
             "geometry.drive_lever_radius_m",

@@ -1,9 +1,10 @@
-//! What effects add to the planar bench of [`super::planar_plant`] beyond other numbers of it, in SI units.
+//! Terms that effects add to the planar bench of [`super::planar_plant`], beyond changed
+//! parameters, in SI units.
 
 use super::hidden::{HiddenEffect, total};
 use std::f64::consts::TAU;
 
-/// What effects add beyond other numbers of the bench.
+/// Parameters of the added terms.
 #[derive(Default)]
 pub(super) struct Added {
     pub(super) stribeck: (f64, f64),
@@ -17,7 +18,7 @@ pub(super) struct Added {
     pub(super) lag_s: f64,
     /// Second harmonic of the journal's radius: cosine, sine.
     pub(super) oval: (f64, f64),
-    /// Viscosity and least thickness of the film.
+    /// Viscosity and minimum thickness of the film.
     pub(super) film: (f64, f64),
 }
 
@@ -41,7 +42,7 @@ impl Added {
     }
 }
 
-/// `A cos + B sin` of a place on a period; nothing without one.
+/// Returns `A cos + B sin` of a position on a period; 0 without amplitude.
 pub(super) fn wave((cosine, sine, period): (f64, f64, f64), place: f64) -> f64 {
     if cosine == 0.0 && sine == 0.0 {
         return 0.0;

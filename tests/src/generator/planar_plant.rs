@@ -1,7 +1,9 @@
-//! The equations of the planar transmission bench for [`super::planar`], with what effects add to them.
+//! Equations of the planar transmission bench for [`super::planar`], with the terms of the effects.
 //!
-//! The shaft may tilt as [`super::tilt`] says; else the bearing is one place. Fork on a crank pin, shaft with journal in a clearance bearing, load on a second crank: see the head of
-//! `bench::transmission` for the drawing. Effects have the meaning that `docs/effects.md` documents.
+//! A fork drives a crank pin; the shaft has its journal in a clearance bearing, and the load acts
+//! on a second crank. `bench::plants::transmission` has the drawing. The shaft may tilt
+//! ([`super::tilt`]); otherwise the bearing is a single place. Effects have the meaning that
+//! `docs/effects.md` documents.
 
 use super::hidden::{HiddenEffect, total};
 use super::planar::{Hidden, RealBench, Row, State};
@@ -10,16 +12,16 @@ use super::tilt::{LENGTH_M, NODES, Tilt};
 use std::f64::consts::{PI, TAU};
 
 const GRAVITY: f64 = 9.81;
-/// Normal force that an exponent of friction is relative to, N.
+/// Reference normal force of the load exponent of friction, N.
 const REFERENCE_N: f64 = 10e3;
 /// Length of the ramp of a step of friction, s.
 const RAMP_S: f64 = 4e-3;
-/// Stiffness of a fork with play in N/m, and the gain of its force per closing speed in s/m.
+/// Stiffness of a fork with play, N/m, and damping of its force per closing speed, s/m.
 const FORK: (f64, f64) = (1e10, 1.0);
 /// Share of critical damping of a shaft that twists.
 const TWIST_DAMPING: f64 = 0.02;
 
-/// A bench under its effects.
+/// A bench with its effects.
 pub(super) struct Plant {
     pub(super) drive_lever_m: f64,
     load_lever_m: f64,
@@ -40,12 +42,12 @@ pub(super) struct Plant {
     added: Added,
 }
 
-/// What joins cylinder and crank.
+/// Connection of cylinder and crank.
 enum Drive {
     Rigid,
     /// Stiffness and damping.
     Column(f64, f64),
-    /// Half the play, and the stiffness behind it.
+    /// Half the play, and the stiffness of the faces.
     Play(f64, f64),
 }
 
@@ -54,26 +56,26 @@ struct Crank {
     sine: f64,
     cosine: f64,
     speed: f64,
-    /// Displacement, velocity and acceleration of the cylinder as the fork follows it.
+    /// Displacement, velocity and acceleration of the cylinder at the fork.
     cylinder: (f64, f64, f64),
 }
 
-/// The journal in its bearing, at one place along it.
+/// Position of the journal at one place along the bearing.
 pub(super) struct Place {
     normal: (f64, f64),
     distance: f64,
     /// Deformation and its rate.
     pub(super) depth: f64,
     pub(super) rate: f64,
-    /// Speed of the centres apart.
+    /// Radial speed of the journal's centre.
     radial: f64,
-    /// Speed of the journal's centre around the bearing's.
+    /// Tangential speed of the journal's centre.
     around: f64,
-    /// Change of the journal's radius over its angle.
+    /// Derivative of the journal's radius with respect to its angle.
     slope: f64,
 }
 
-/// What the bearing does to the shaft: forces, torque, moments about its middle.
+/// Reaction of the bearing on the shaft: forces, torque, moments about its middle.
 #[derive(Default)]
 struct Reaction {
     force_y: f64,
@@ -96,7 +98,7 @@ impl Plant {
         let compliance_m_n = hidden.compliance_m_n + of("hydraulic-compliance", "compliance_m_n");
         let play = of("fork-backlash", "backlash_m");
         let drive = if play > 0.0 {
-            // Fork and oil column in series.
+            // Fork and oil column are in series.
             Drive::Play(0.5 * play, 1.0 / (1.0 / FORK.0 + compliance_m_n))
         } else if compliance_m_n > 0.0 {
             let stiffness = 1.0 / compliance_m_n;
@@ -128,7 +130,7 @@ impl Plant {
         }
     }
 
-    /// Displacement, velocity and acceleration of the drive as logged.
+    /// Returns displacement, velocity and acceleration of the drive as logged.
     pub(super) fn drive(&self, t: f64) -> (f64, f64, f64) {
         let (half, w) = (0.086, TAU);
         (half * (1.0 - (w * t).cos()), half * w * (w * t).sin(), half * w * w * (w * t).cos())
@@ -152,7 +154,7 @@ impl Plant {
         Crank { sine, cosine: (1.0 - sine * sine).sqrt(), speed, cylinder }
     }
 
-    /// The journal in its bearing at a state, at every node.
+    /// Returns the journal's position at every node of the bearing.
     pub(super) fn places(&self, t: f64, s: &State) -> impl Iterator<Item = Place> {
         let crank = self.crank(t, s);
         self.tilt.nodes.iter().map(move |(at, _)| self.journal(*at, s, &crank))
@@ -166,7 +168,7 @@ impl Plant {
         let (ny, nz) = (y / distance, z / distance);
         let radial = ny * speed.0 + nz * speed.1;
         let (cosine, sine) = self.added.oval;
-        // The direction of the contact in the journal's own frame.
+        // Direction of the contact in the journal's frame.
         let along = ny * crank.cosine + nz * crank.sine;
         let across = nz * crank.cosine - ny * crank.sine;
         let (even, odd) = (along * along - across * across, 2.0 * along * across);
@@ -183,7 +185,7 @@ impl Plant {
         }
     }
 
-    /// What the bearing does, contacts at its nodes having begun at speeds of their own.
+    /// Returns the reaction of the bearing; each node has its own contact with its latched speed.
     fn bearing(&self, t: f64, s: &State, crank: &Crank, latched: &[f64; NODES]) -> Reaction {
         let mut sum = Reaction::default();
         for (&(at, share), latched) in self.tilt.nodes.iter().zip(latched) {
@@ -197,7 +199,7 @@ impl Plant {
         sum
     }
 
-    /// F_cy, F_cz, T_f of a bearing that is as one place of it all along.
+    /// Returns F_cy, F_cz and T_f of a bearing that is uniform along its length.
     fn contact(&self, t: f64, place: &Place, crank: &Crank, latched: f64) -> (f64, f64, f64) {
         let (ny, nz) = place.normal;
         let squeeze = self.film(place);
@@ -234,7 +236,7 @@ impl Plant {
         )
     }
 
-    /// What the film holds against the centres moving apart, N.
+    /// Returns the resistance of the film against radial motion, N.
     fn film(&self, place: &Place) -> f64 {
         let (viscosity, least) = self.added.film;
         if viscosity <= 0.0 {
@@ -246,7 +248,7 @@ impl Plant {
         12.0 * PI * viscosity * LENGTH_M * slender * slender * slender * place.radial / open.powf(1.5)
     }
 
-    /// Force of the fork on the shaft, N.
+    /// Returns the force of the fork on the shaft, N.
     fn fork(&self, gap: f64, rate: f64) -> f64 {
         match self.drive {
             Drive::Rigid => 0.0,
@@ -261,7 +263,7 @@ impl Plant {
         }
     }
 
-    /// Derivative and everything a row needs.
+    /// Returns the derivative of the state and the quantities of a row.
     pub(super) fn derivative(&self, t: f64, s: &State, latched: &[f64; NODES]) -> (State, Row) {
         let crank = self.crank(t, s);
         let (Crank { sine, cosine, speed, .. }, (x, v, a)) = (&crank, crank.cylinder);
@@ -270,18 +272,18 @@ impl Plant {
         let bearing = self.bearing(t, s, &crank, latched);
         let torque = bearing.torque + wave(self.added.position_ripple, sine.asin());
         let (cosine_n, sine_n, frequency_hz) = self.added.load_ripple;
-        // The load crank: on a shaft that twists it has an angle of its own.
+        // On a shaft that twists, the load crank has a separate angle.
         let (load_cosine, load_speed) =
             if self.shaft.is_some() { (s[6].cos(), s[7]) } else { (*cosine, *speed) };
         let pin = s[2] + self.tilt.load_plane_m * s[10] + self.load_lever_m * load_cosine * load_speed;
         let load = measured + wave((cosine_n, sine_n, 1.0 / frequency_hz), t)
             - self.added.seal_n * (pin / 1e-3).tanh();
         let at_load = load * self.load_lever_m * load_cosine;
-        let (through, inertia, load_angular) = match self.shaft {
+        let (transmitted, inertia, load_angular) = match self.shaft {
             None => (at_load, self.inertia, 0.0),
             Some((stiffness, damping)) => {
-                let through = stiffness * (s[6] - sine.asin()) + damping * (s[7] - speed);
-                (through, 0.5 * self.inertia, 2.0 * (at_load - through) / self.inertia)
+                let transmitted = stiffness * (s[6] - sine.asin()) + damping * (s[7] - speed);
+                (transmitted, 0.5 * self.inertia, 2.0 * (at_load - transmitted) / self.inertia)
             }
         };
         let extra = self.third_harmonic_n * (3.0 * TAU * t).sin();
@@ -291,10 +293,11 @@ impl Plant {
         let moment_z = bearing.moment_z + tilt.upright(s[9], s[11]);
         let plane = tilt.drive_plane_m;
         let fork = if matches!(self.drive, Drive::Rigid) {
-            // The force that keeps the crank pin in the fork.
+            // Force that keeps the crank pin in the fork.
             let given = a + self.drive_lever_m * sine * speed * speed;
-            let free =
-                lateral / self.mass + plane * moment_y / tilt.inertia + lever * (through + torque) / inertia;
+            let free = lateral / self.mass
+                + plane * moment_y / tilt.inertia
+                + lever * (transmitted + torque) / inertia;
             let yields = 1.0 / self.mass + plane * plane / tilt.inertia + lever * lever / inertia;
             (given - free) / yields
         } else {
@@ -311,7 +314,7 @@ impl Plant {
             (fork + lateral) / self.mass,
             vertical,
             *speed,
-            (fork * lever + through + torque) / inertia,
+            (fork * lever + transmitted + torque) / inertia,
             s[7],
             load_angular,
             s[10],
@@ -322,7 +325,7 @@ impl Plant {
         (derivative, row)
     }
 
-    /// Everything that a log may show of a state.
+    /// Returns the quantities of a row.
     pub(super) fn row(&self, t: f64, s: &State, latched: &[f64; NODES]) -> Row {
         self.derivative(t, s, latched).1
     }

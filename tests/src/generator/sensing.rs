@@ -1,20 +1,20 @@
-//! What sensors and a logger make of true signals: delay, factor, offset, drift, limit, coloured noise, resolution, samples
-//! lost, as CSV text.
+//! Sensors and logger: delay, gain, offset, drift, limit, coloured noise, resolution and lost
+//! samples, written as CSV.
 //!
-//! A reading is the signal at an earlier time, linear between the plant's own fine steps. Noise is white or a first-order
-//! autoregression with the same standard deviation.
+//! A reading is the signal at an earlier time, interpolated linearly between the plant's fine
+//! steps. Noise is white, or a first-order autoregression with the same standard deviation.
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
 use std::fmt::Write as _;
 
-/// True signals on an even grid from time 0, inputs and outputs by channel.
+/// True signals on an even grid from time 0, by channel.
 pub struct Signals {
-    /// Step in s.
+    /// Step, s.
     pub step_s: f64,
-    /// What drives the plant.
+    /// Inputs of the plant.
     pub inputs: Vec<(&'static str, Vec<f64>)>,
-    /// What is compared.
+    /// Outputs of the plant.
     pub outputs: Vec<(&'static str, Vec<f64>)>,
 }
 
@@ -25,12 +25,12 @@ pub struct Reading {
     pub channel: &'static str,
     /// Standard deviation.
     pub noise: f64,
-    /// Step of a reading.
+    /// Resolution.
     pub resolution: f64,
 }
 
 impl Reading {
-    /// Standard deviation that noise and resolution leave.
+    /// Returns the standard deviation of noise and resolution together.
     pub fn floor(&self) -> f64 {
         (self.noise * self.noise + self.resolution * self.resolution / 12.0).sqrt()
     }
@@ -43,13 +43,13 @@ pub struct Logger {
     pub rate_hz: f64,
     /// Correlation of the noise from sample to sample; 0: white.
     pub colour: f64,
-    /// Share of samples that get lost.
+    /// Share of lost samples.
     pub lost: f64,
-    /// First time stamp in s.
+    /// First time stamp, s.
     pub start_s: f64,
 }
 
-/// Output readings without noise at the logger's times, by channel: what a size is measured on.
+/// Returns the output readings without noise at the logger's times, by channel: the basis of sizes.
 pub fn readings(signals: &Signals, rate_hz: f64, hidden: &[HiddenEffect]) -> Vec<Vec<f64>> {
     let mut all = unlimited(signals, rate_hz, hidden);
     for (values, (channel, _)) in all.iter_mut().zip(&signals.outputs) {
@@ -59,7 +59,7 @@ pub fn readings(signals: &Signals, rate_hz: f64, hidden: &[HiddenEffect]) -> Vec
     all
 }
 
-/// The same before a limit, which holds for signal and noise together.
+/// Returns the same before the sensor's limit, which applies to signal and noise together.
 fn unlimited(signals: &Signals, rate_hz: f64, hidden: &[HiddenEffect]) -> Vec<Vec<f64>> {
     let count = signals.outputs.first().map_or(0, |o| (o.1.len() as f64 * signals.step_s * rate_hz) as usize);
     let one = |(channel, values): &(&'static str, Vec<f64>)| {
@@ -75,7 +75,7 @@ fn unlimited(signals: &Signals, rate_hz: f64, hidden: &[HiddenEffect]) -> Vec<Ve
     signals.outputs.iter().map(one).collect()
 }
 
-/// Largest reading of a channel, where a sensor saturates.
+/// Returns the largest reading of a channel; infinite without saturation.
 pub fn limit(channel: &str, hidden: &[HiddenEffect]) -> f64 {
     let of = |h: &&HiddenEffect| h.effect == "sensor-saturation" && h.channel.as_deref() == Some(channel);
     let inverse: f64 = hidden.iter().filter(of).map(|h| h.get("inverse_limit")).sum();
@@ -95,7 +95,7 @@ fn round(value: f64, resolution: f64) -> f64 {
     if resolution > 0.0 { (value / resolution).round() * resolution } else { value }
 }
 
-/// The log of a session as CSV text.
+/// Returns the log of a session as CSV text.
 pub fn log(
     signals: &Signals,
     sensors: &[Reading],
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn a_late_drifting_sensor_reads_what_it_should() {
-        let of = |e, p, v| HiddenEffect::of_sensor(e, "drive_force_n", p, v);
+        let of = |e, p, v| HiddenEffect::for_sensor(e, "drive_force_n", p, v);
         let hidden = [
             of("sensor-delay", "delay_s", 0.05),
             of("sensor-gain", "relative_change", 0.1),
@@ -153,7 +153,7 @@ mod tests {
         ];
         let read = readings(&ramp(), 100.0, &hidden);
         assert!((read[0][500] - (1.1 * 4.95 + 10.0 + 3.0)).abs() < 1e-9, "{}", read[0][500]);
-        let other = [HiddenEffect::of_sensor("sensor-offset", "drive_torque_nm", "offset", 3.0)];
+        let other = [HiddenEffect::for_sensor("sensor-offset", "drive_torque_nm", "offset", 3.0)];
         assert!((readings(&ramp(), 100.0, &other)[0][500] - 5.0).abs() < 1e-9);
     }
 
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_saturated_reading_stays_within_the_limit_noise_included() {
-        let hidden = [HiddenEffect::of_sensor("sensor-saturation", "drive_force_n", "inverse_limit", 0.2)];
+        let hidden = [HiddenEffect::for_sensor("sensor-saturation", "drive_force_n", "inverse_limit", 0.2)];
         let sensors = [Reading { channel: "drive_force_n", noise: 0.5, resolution: 0.01 }];
         let logger = Logger { rate_hz: 100.0, colour: 0.0, lost: 0.1, start_s: 0.0 };
         let text = log(&ramp(), &sensors, &logger, &hidden, &mut Noise::new(1));

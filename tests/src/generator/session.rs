@@ -1,7 +1,9 @@
-//! A session: a plant that is close to its description, at some operating point, with a logger and nuisances of its own.
+//! A session: a plant close to its description at some operating point, with a logger and nuisance
+//! parameters.
 //!
-//! What is declared uncertain is off by a draw; time stamps begin anywhere, the log anywhere in the motion; readings have an
-//! offset within their resolution; what drifts with temperature starts warm. All of it comes from the session's seed.
+//! The seed of a session draws the deviations of the uncertain parameters, the first time stamp,
+//! the start phase in the motion, offsets within the resolution of the readings, and the initial
+//! temperature.
 
 use super::axis::{RealAxis, Run};
 use super::conditions::Conditions;
@@ -14,30 +16,30 @@ use super::sensing::{Logger, Reading, Signals, log, readings};
 /// Length of a cycle of an axis, s.
 const CYCLE_S: f64 = 4.0;
 
-/// What is simulated.
+/// Simulated plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Plant {
-    /// Friction rig with torque and friction torque.
+    /// Friction rig with drive torque and friction torque.
     Rotary,
-    /// Cylinder with its force alone.
+    /// Cylinder of which only the force is measured.
     Linear,
     /// Transmission bench B.
     Bench,
-    /// The same with a shaft that may tilt in its bearing.
+    /// Transmission bench B with a shaft that may tilt in its bearing.
     TwoPlane,
 }
 
 impl Plant {
-    /// All of them.
+    /// All plants.
     pub const ALL: [Self; 4] = [Self::Rotary, Self::Linear, Self::Bench, Self::TwoPlane];
 
-    /// Whether it is a transmission bench, and no single axis.
+    /// Returns whether the plant is a transmission bench, not a single axis.
     pub const fn is_transmission(self) -> bool {
         matches!(self, Self::Bench | Self::TwoPlane)
     }
 
-    /// Its name in the figures.
+    /// Returns the name in the figures.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rotary => "rotary",
@@ -47,7 +49,7 @@ impl Plant {
         }
     }
 
-    /// The description that a user has: TOML.
+    /// Returns the user's description (TOML).
     pub const fn description(self) -> &'static str {
         match self {
             Self::Rotary => include_str!("rotary.toml"),
@@ -57,7 +59,8 @@ impl Plant {
         }
     }
 
-    /// Declared standard deviations of what calibration may move, in the order of [`Session::off`].
+    /// Returns the declared standard deviations of the parameters that calibration may move, in the
+    /// order of [`Session::off`].
     pub const fn deviations(self) -> &'static [f64] {
         match self {
             Self::Rotary => &[0.2, 0.2, 0.5, 3e-4],
@@ -66,8 +69,10 @@ impl Plant {
         }
     }
 
-    /// Time at the start of a log during which the transmission bench's journal lands and bounces, s: when each bounce comes depends on everything, and is
-    /// nobody's model error.
+    /// Returns the time at the start of a log in which the journal of a transmission bench lands
+    /// and bounces, s.
+    ///
+    /// The times of the bounces depend on every parameter, so this time does not count.
     pub const fn landing_s(self) -> f64 {
         match self {
             Self::Rotary | Self::Linear => 0.0,
@@ -75,7 +80,7 @@ impl Plant {
         }
     }
 
-    /// Names of the outputs.
+    /// Returns the names of the outputs.
     pub const fn outputs(self) -> &'static [&'static str] {
         match self {
             Self::Rotary => &["drive_torque_nm", "friction_torque_nm"],
@@ -85,18 +90,18 @@ impl Plant {
     }
 }
 
-/// Factors on the described operating point.
+/// Operating point, relative to the described one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Of the speed.
+    /// Factor on the speed.
     pub speed: f64,
-    /// Of the load; negative: reversed.
+    /// Factor on the load; negative: reversed.
     pub load: f64,
-    /// Of the stroke.
+    /// Factor on the stroke.
     pub stroke: f64,
-    /// Course of an axis' motion; a plain or described one has a load without swing, too.
+    /// Course of an axis' motion. With a plain or described course, the load does not swing.
     pub course: Course,
-    /// Length of the load's ramp at the start of an axis' log, s; 0: the load is there.
+    /// Length of the load's ramp at the start of an axis' log, s; 0: no ramp.
     pub ramp_s: f64,
 }
 
@@ -109,28 +114,28 @@ impl Default for Point {
 /// One session.
 #[derive(Clone, Debug)]
 pub struct Session {
-    /// The plant.
+    /// Plant.
     pub plant: Plant,
-    /// By how many declared deviations each uncertain number is off.
+    /// Deviation of each uncertain parameter, in declared standard deviations.
     pub off: Vec<f64>,
     /// Conditions.
     pub conditions: Conditions,
     /// Operating point.
     pub point: Point,
-    /// Cycles of the log.
+    /// Number of cycles of the log.
     pub cycles: f64,
     /// Logger.
     pub logger: Logger,
-    /// Where in the motion the log begins, in cycles.
+    /// Start of the log in the motion, in cycles.
     pub phase: f64,
     load_phase_rad: f64,
     warm: f64,
-    /// Offsets of the readings in resolutions.
+    /// Offsets of the readings, in resolutions.
     offsets: Vec<f64>,
 }
 
 impl Session {
-    /// Draws a session: uncertain numbers off by up to `spread` deviations, either way alike.
+    /// Draws a session with uncertain parameters off by up to `spread` deviations, uniformly.
     pub fn draw(plant: Plant, spread: f64, point: Point, noise: &mut Noise) -> Self {
         let off = plant.deviations().iter().map(|_| spread * (2.0 * noise.uniform() - 1.0)).collect();
         let bench = plant.is_transmission();
@@ -151,14 +156,14 @@ impl Session {
         }
     }
 
-    /// Another session of the same plant: what is off stays off, everything else is drawn anew.
-    pub fn again(&self, point: Point, noise: &mut Noise) -> Self {
+    /// Draws another session of the same plant: deviations stay, all else is drawn again.
+    pub fn repeat(&self, point: Point, noise: &mut Noise) -> Self {
         let logger = Logger { colour: self.logger.colour, lost: self.logger.lost, ..self.logger };
         let fresh = Self::draw(self.plant, 0.0, point, noise);
         Self { off: self.off.clone(), logger, conditions: self.conditions, ..fresh }
     }
 
-    /// The same under hard conditions.
+    /// Returns the session under hard conditions.
     pub fn hard(mut self) -> Self {
         if !self.plant.is_transmission() {
             self.conditions = Conditions::Hard;
@@ -168,17 +173,17 @@ impl Session {
         self
     }
 
-    /// Sensors of inputs and outputs.
+    /// Returns the sensors of inputs and outputs.
     pub fn sensors(&self) -> Vec<Reading> {
         self.conditions.sensors(self.plant)
     }
 
-    /// Length of the log in s.
+    /// Returns the length of the log, s.
     pub fn length_s(&self) -> f64 {
         let cycle_s = if self.plant.is_transmission() { 1.0 } else { CYCLE_S };
         let cycles = match self.point.course {
             Course::Described { rest, .. } if rest > 0.0 => self.cycles * (1.0 + 2.0 * rest),
-            // Turns of a rising frequency.
+            // Turns at a rising frequency.
             Course::Described { rise, .. } if rise != 0.0 => {
                 ((1.0 + 2.0 * rise * self.cycles).sqrt() - 1.0) / rise
             }
@@ -187,7 +192,7 @@ impl Session {
         cycles * cycle_s / self.point.speed
     }
 
-    /// True signals with uncertain numbers off by `off` deviations.
+    /// Returns the true signals with uncertain parameters off by `off` deviations.
     pub fn signals(&self, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
         let by = |i: usize| {
             off.get(i).copied().unwrap_or_default()
@@ -241,7 +246,7 @@ impl Session {
         let run = Run {
             motion,
             load,
-            // What is described begins at its beginning.
+            // A described course starts at its beginning.
             phase_s: if described { 0.0 } else { 2.0 * self.phase * cycle_s },
             length_s: self.length_s(),
             start_s: self.logger.start_s,
@@ -249,17 +254,17 @@ impl Session {
         axis.run(&run, hidden)
     }
 
-    /// Readings without noise, by output.
+    /// Returns the readings without noise, by output.
     pub fn readings(&self, off: &[f64], hidden: &[HiddenEffect]) -> Vec<Vec<f64>> {
         readings(&self.signals(off, hidden), self.logger.rate_hz, hidden)
     }
 
-    /// The log as CSV text.
+    /// Returns the log as CSV text.
     pub fn log(&self, hidden: &[HiddenEffect], noise: &mut Noise) -> String {
         let sensors = self.sensors();
         let resolution = |c: &str| sensors.iter().find(|s| s.channel == c).map_or(0.0, |s| s.resolution);
         let nuisance = self.plant.outputs().iter().zip(&self.offsets).map(|(channel, share)| {
-            HiddenEffect::of_sensor("sensor-offset", channel, "offset", share * resolution(channel))
+            HiddenEffect::for_sensor("sensor-offset", channel, "offset", share * resolution(channel))
         });
         let all: Vec<HiddenEffect> = hidden.iter().cloned().chain(nuisance).collect();
         log(&self.signals(&self.off, &all), &sensors, &self.logger, &all, noise)

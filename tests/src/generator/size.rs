@@ -1,24 +1,26 @@
-//! How large a hidden effect is, on a scale that holds for every effect and plant.
+//! Size of a hidden effect, on one scale for every effect and plant.
 //!
-//! Size = rms of the part of the effect that calibration cannot absorb / rms of the noise floor. The generator runs a
-//! session with and without the effect, without noise, on the same nuisances. Every reading counts in units of its own
-//! sensor's floor (noise and resolution), and the rms goes over all samples of all channels (behind the landing of the transmission bench's journal), so an effect on one of
-//! `k` channels is larger by the root of `k` there. What calibration can absorb is what the
-//! declared-uncertain numbers can imitate, each within [`MOST_DEVIATIONS`] of its declared deviations about its description.
+//! Size = rms of the part of the effect that calibration cannot absorb / rms of the noise floor.
+//! The generator simulates a session with and without the effect, without noise and with the same
+//! nuisance parameters. Every reading counts in units of its sensor's floor (noise and resolution).
+//! The rms goes over all samples of all channels, after the landing of the transmission bench's
+//! journal. An effect on one of `k` channels is therefore larger by the square root of `k` on that
+//! channel. Calibration can absorb what the declared-uncertain parameters can imitate, each within
+//! [`MAX_DEVIATIONS`] declared deviations of its description.
 
 use super::hidden::HiddenEffect;
 use super::planar;
 use super::session::Session;
 
-/// Deviations that calibration may move a number by. Farther out it is a finding.
-pub const MOST_DEVIATIONS: f64 = 4.0;
-/// Step of the finite differences in deviations; on the transmission bench half of it either way.
+/// Deviations by which calibration may move a parameter. A larger move is a finding.
+pub const MAX_DEVIATIONS: f64 = 4.0;
+/// Step of the finite differences, in deviations; central on the transmission bench.
 const STEP: f64 = 0.5;
 const SWEEPS: usize = 400;
-/// Steps of the transmission bench's calibration, with the answers to its numbers from where it begins.
+/// Calibration steps on the transmission bench, all with the sensitivities at the start.
 const CALIBRATION_STEPS: usize = 5;
 
-/// A session without effects, with what calibration can do there.
+/// A session without effects, with its sensitivity to the uncertain parameters.
 pub struct Scale<'a> {
     session: &'a Session,
     base: Vec<f64>,
@@ -34,7 +36,7 @@ fn rms(values: &[f64]) -> f64 {
 }
 
 impl<'a> Scale<'a> {
-    /// Runs the session without effects and with each uncertain number moved.
+    /// Simulates the session without effects, and with each uncertain parameter moved.
     pub fn new(session: &'a Session) -> Self {
         let base = stacked(session, &session.off, &[]);
         let by = |i: usize, step: f64| {
@@ -43,38 +45,39 @@ impl<'a> Scale<'a> {
             stacked(session, &off, &[])
         };
         let moved = |i: usize| {
-            let (ahead, behind, span) = if session.plant.is_transmission() {
+            let (ahead, before, span) = if session.plant.is_transmission() {
                 (by(i, 0.5 * STEP), by(i, -0.5 * STEP), STEP)
             } else {
                 (by(i, STEP), base.clone(), STEP)
             };
-            difference(&ahead, &behind).iter().map(|d| d / span).collect()
+            difference(&ahead, &before).iter().map(|d| d / span).collect()
         };
         let columns = (0..session.off.len()).map(moved).collect();
         Self { session, base, columns }
     }
 
-    /// Readings by channel without effects and noise, in units of the floors.
+    /// Returns the readings without effects and noise, in units of the floors.
     pub fn base(&self) -> &[f64] {
         &self.base
     }
 
-    /// What effects add to the readings, in units of the floors.
-    pub fn added(&self, hidden: &[HiddenEffect]) -> Vec<f64> {
+    /// Returns the change of the readings by effects, in units of the floors.
+    pub fn response(&self, hidden: &[HiddenEffect]) -> Vec<f64> {
         difference(&stacked(self.session, &self.session.off, hidden), &self.base)
     }
 
-    /// The part of `added` that calibration, and free factors on `others`, leave.
-    pub fn left(&self, added: &[f64], others: &[Vec<f64>]) -> Vec<f64> {
+    /// Returns the part of `added` that calibration and free factors on `others` leave.
+    pub fn residual(&self, added: &[f64], others: &[Vec<f64>]) -> Vec<f64> {
         self.calibrated(added, others, &vec![0.0; self.columns.len()]).0
     }
 
-    /// What calibration, from some deviations on, and free factors on `others` leave of `added`, and by how much each moves.
+    /// Returns the remainder of `added` after calibration from given deviations and with free
+    /// factors on `others`, and the moves of all of them.
     fn calibrated(&self, added: &[f64], others: &[Vec<f64>], from: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let columns: Vec<&Vec<f64>> = self.columns.iter().chain(others).collect();
         let bounds = |i: usize| {
             let gone = from.get(i).zip(self.session.off.get(i)).map(|(z, off)| z + off);
-            gone.map_or([f64::NEG_INFINITY, f64::INFINITY], |z| [-MOST_DEVIATIONS - z, MOST_DEVIATIONS - z])
+            gone.map_or([f64::NEG_INFINITY, f64::INFINITY], |z| [-MAX_DEVIATIONS - z, MAX_DEVIATIONS - z])
         };
         let gram: Vec<Vec<f64>> =
             columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect();
@@ -96,34 +99,37 @@ impl<'a> Scale<'a> {
         (left, z)
     }
 
-    /// The size of effects.
+    /// Returns the size of effects.
     pub fn size(&self, hidden: &[HiddenEffect]) -> f64 {
-        self.apart(hidden, &[])
+        self.distance(hidden, &[])
     }
 
-    /// Rms of what calibration leaves between a plant with hidden effects and one with effects that have been `named`.
+    /// Returns the rms that calibration leaves between a plant with hidden effects and one with
+    /// `named` effects.
     ///
-    /// An axis answers its numbers linearly, and factors on what was named are free. The transmission bench does not: where friction turns round, all
-    /// numbers shift the instant, which no sum of small answers can imitate, but a calibrated bench can. There calibration is carried out, in some steps.
-    pub fn apart(&self, hidden: &[HiddenEffect], named: &[HiddenEffect]) -> f64 {
-        let added = self.added(hidden);
+    /// An axis responds linearly to its parameters, and the named effects get free factors. The
+    /// transmission bench does not: each parameter shifts the instant at which friction changes its
+    /// sign. A calibrated bench can imitate that; a sum of small responses cannot. There the
+    /// calibration is carried out in several steps.
+    pub fn distance(&self, hidden: &[HiddenEffect], named: &[HiddenEffect]) -> f64 {
+        let added = self.response(hidden);
         if !self.session.plant.is_transmission() {
-            let named: Vec<_> = named.iter().map(|n| self.added(std::slice::from_ref(n))).collect();
-            return rms(&self.left(&added, &named));
+            let named: Vec<_> = named.iter().map(|n| self.response(std::slice::from_ref(n))).collect();
+            return rms(&self.residual(&added, &named));
         }
         let rest = |z: &[f64]| {
             let off: Vec<f64> = self.session.off.iter().zip(z).map(|(off, z)| off + z).collect();
             difference(&added, &difference(&stacked(self.session, &off, named), &self.base))
         };
-        // An effect that moves a described number is imitated by that number first, as far as it may move: from there the steps lead home.
+        // An effect that moves a described parameter is first imitated by this parameter, within
+        // its limits.
         let mut z = vec![0.0; self.columns.len()];
         let deviations = self.session.plant.deviations();
         let off: Vec<f64> = self.session.off.iter().zip(deviations).map(|(off, d)| off * d).collect();
         for (effects, sign) in [(hidden, 1.0), (named, -1.0)] {
             for (i, by) in effects.iter().filter_map(|e| planar::moved_number(&off, e)) {
                 let off = self.session.off[i];
-                z[i] =
-                    (z[i] + sign * by / deviations[i]).clamp(-MOST_DEVIATIONS - off, MOST_DEVIATIONS - off);
+                z[i] = (z[i] + sign * by / deviations[i]).clamp(-MAX_DEVIATIONS - off, MAX_DEVIATIONS - off);
             }
         }
         let mut left = rest(&z);
@@ -140,8 +146,8 @@ impl<'a> Scale<'a> {
         least
     }
 
-    /// The factor on a magnitude at which `effect` has the wanted size, from a first guess; `None` where the plant cannot show
-    /// it as large within `most`.
+    /// Returns the magnitude at which `effect` has the requested size; `None` if the plant cannot
+    /// show it within `most`.
     pub fn magnitude(
         &self,
         effect: impl Fn(f64) -> HiddenEffect,
@@ -153,7 +159,7 @@ impl<'a> Scale<'a> {
             return Some(0.0);
         }
         let over = |m: f64| self.size(&[effect(m)]).max(1e-6 * wanted).ln() - wanted.ln();
-        // Bracket in steps of a factor, then the secant with halved weights (Illinois) on logarithms.
+        // Bracket by factors of 2, then the Illinois variant of regula falsi on logarithms.
         let (mut low, mut high) = (guess, guess);
         let (mut under, mut above) = (over(guess), f64::NAN);
         if under > 0.0 {
@@ -228,9 +234,9 @@ mod tests {
         let session = session();
         let scale = Scale::new(&session);
         let floor = (9.0_f64 + 0.09 / 12.0).sqrt();
-        let offset = |m: f64| HiddenEffect::of_sensor("sensor-offset", "drive_force_n", "offset", m);
+        let offset = |m: f64| HiddenEffect::for_sensor("sensor-offset", "drive_force_n", "offset", m);
         let size = scale.size(&[offset(10.0 * floor)]);
-        // The load's gain takes a little of it: at most 4 deviations of .6 N each.
+        // The gain of the load absorbs a part: at most 4 deviations of .6 N each.
         assert!(size < 10.0 && size > 9.0, "{size}");
         let found = scale.magnitude(offset, 1.0, 1e9, 2.0).unwrap();
         assert!((scale.size(&[offset(found)]) - 2.0).abs() < 0.01);
@@ -270,7 +276,7 @@ mod tests {
             one("contact-stiffness", "relative_change", -0.15),
             one("lever-ratio", "relative_change", 0.009),
         ] {
-            let (before, size) = (rms(&scale.added(&hidden)), scale.size(&hidden));
+            let (before, size) = (rms(&scale.response(&hidden)), scale.size(&hidden));
             assert!(before > 5.0 && size < 0.3, "{hidden:?}: {size} of {before}");
         }
         assert!(scale.size(&one("clearance-wear", "clearance_increase_m", 60e-6)) > 1.0, "six deviations");

@@ -1,15 +1,16 @@
-//! What lets the shaft of [`super::planar_plant`] tilt in its bearing: where along the bearing the contact is looked at, and what
-//! holds the shaft upright.
+//! Tilt of the shaft of [`super::planar_plant`]: contact along the bearing, and supports of the
+//! shaft.
 //!
-//! The contact is summed along the bearing by the rule of Gauss and Legendre with five nodes; the engine cuts it into equal slices.
+//! The contact is integrated along the bearing by Gauss-Legendre quadrature with five nodes; the
+//! engine has equal slices.
 
 use super::hidden::{HiddenEffect, total};
 
-/// Most places along the bearing.
+/// Number of nodes along the bearing.
 pub(super) const NODES: usize = 5;
 /// Length of the bearing, m.
 pub(super) const LENGTH_M: f64 = 0.140;
-/// Nodes on -1 to 1 and their weights.
+/// Nodes on -1 to 1 with their weights.
 const RULE: [(f64, f64); NODES] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
@@ -18,9 +19,9 @@ const RULE: [(f64, f64); NODES] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
 
-/// A shaft that may tilt, or does not.
+/// A shaft that may tilt.
 pub(super) struct Tilt {
-    /// Places along the bearing in m from its middle, and the share of its length that each stands for.
+    /// Nodes along the bearing in m from its middle, with their share of its length.
     pub(super) nodes: Vec<(f64, f64)>,
     /// Slopes of the bearing's axis in Y and Z.
     pub(super) bearing: (f64, f64),
@@ -34,7 +35,7 @@ pub(super) struct Tilt {
 }
 
 impl Tilt {
-    /// A shaft that does not tilt.
+    /// Returns a shaft that does not tilt.
     pub(super) fn none() -> Self {
         Self {
             nodes: vec![(0.0, 1.0)],
@@ -47,7 +48,7 @@ impl Tilt {
         }
     }
 
-    /// The shaft that `two-plane.toml` describes.
+    /// Returns the shaft of `two-plane.toml`.
     pub(super) fn described(effects: &[HiddenEffect]) -> Self {
         let slope = |parameter: &str| total(effects, "misalignment", parameter);
         Self {
@@ -61,7 +62,7 @@ impl Tilt {
         }
     }
 
-    /// Moment of the supports against a slope and its rate, N m.
+    /// Returns the moment of the supports against a slope and its rate, N m.
     pub(super) fn upright(&self, slope: f64, rate: f64) -> f64 {
         -self.stiffness * slope - self.damping * rate
     }

@@ -1,25 +1,25 @@
-//! How each effect of the vocabulary is drawn: sign, phase and shape at random within what its documented parameters allow, its
-//! magnitude free, to be scaled to a wanted size.
+//! Random draws of the effects: sign, phase and shape within the documented ranges. The magnitude
+//! stays free, to be scaled to a requested size.
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
 use super::session::{Plant, Session};
 use std::f64::consts::TAU;
 
-/// A drawn effect: everything but its magnitude.
+/// A drawn effect without its magnitude.
 #[derive(Clone, Debug)]
 pub struct Drawn {
     pub(super) effect: HiddenEffect,
-    /// Names of the parameters that grow with the magnitude, with their share of it.
+    /// Names of the parameters that are proportional to the magnitude, with their factors.
     pub(super) sizes: Vec<(&'static str, f64)>,
-    /// A magnitude that is easily seen.
+    /// First guess of a visible magnitude.
     pub guess: f64,
-    /// The largest sensible one.
+    /// Maximum magnitude.
     pub most: f64,
 }
 
 impl Drawn {
-    /// The effect at a magnitude.
+    /// Returns the effect at a magnitude.
     pub fn at(&self, magnitude: f64) -> HiddenEffect {
         let mut effect = self.effect.clone();
         for (name, share) in &self.sizes {
@@ -29,7 +29,7 @@ impl Drawn {
     }
 }
 
-/// The parameters that say how large an effect is; shapes are all others.
+/// Returns the parameters that define the size of an effect; the others define its shape.
 pub fn size_parameters(effect: &str) -> &'static [&'static str] {
     match effect {
         "clearance-wear" => &["clearance_increase_m"],
@@ -81,7 +81,7 @@ const ROTARY: [&str; 13] = [
     "drive-lag",
 ];
 
-/// The effects that a plant can show.
+/// Returns the effects that a plant can show.
 pub fn effects(plant: Plant) -> Vec<&'static str> {
     match plant {
         Plant::Rotary => [&ROTARY[..], &SENSOR].concat(),
@@ -91,10 +91,10 @@ pub fn effects(plant: Plant) -> Vec<&'static str> {
     }
 }
 
-/// Shares of the size parameters, an easily seen magnitude, the largest one, shapes.
+/// Factors of the size parameters, first guess and maximum of the magnitude, shapes.
 pub(super) type Draw = (Vec<(&'static str, f64)>, f64, f64, Vec<(&'static str, f64)>);
 
-/// Draws an effect for a session; `None` where its plant does not know it.
+/// Draws an effect for a session; `None` if its plant does not have it.
 pub fn draw(effect: &str, session: &Session, base: &[Vec<f64>], noise: &mut Noise) -> Option<Drawn> {
     if !effects(session.plant).contains(&effect) {
         return None;
@@ -123,7 +123,7 @@ fn sensor(effect: &str, session: &Session, channel: &str, base: &[f64], sign: f6
         "sensor-drift" => ("drift_per_s", sign, floor / session.length_s(), 1e6 * floor),
         _ => ("inverse_limit", 1.0, 1.1 / largest, 20.0 / largest),
     };
-    let effect = HiddenEffect::of_sensor(effect, channel, parameter, 0.0);
+    let effect = HiddenEffect::for_sensor(effect, channel, parameter, 0.0);
     Drawn { effect, sizes: vec![(parameter, share)], guess, most }
 }
 

@@ -1,18 +1,19 @@
-//! The cells of the matrix: what is hidden, how large, on which plant, with which seed.
+//! Cells of the matrix: hidden effects, their sizes, plant and seed.
 
 use super::pairs::PAIRS;
 use crate::generator::conditions::Conditions;
 use crate::generator::session::Plant;
 use crate::generator::vocabulary::effects;
+use crate::random::mix;
 use serde::{Deserialize, Serialize};
 
-/// What a cell asks.
+/// Question that a cell asks.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, clap::ValueEnum,
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Arm {
-    /// No effect: coloured noise, another operating point, numbers off by up to two deviations.
+    /// No effect: coloured noise, other operating points, parameters off by up to two deviations.
     Clean,
     /// One effect.
     Single,
@@ -20,42 +21,44 @@ pub enum Arm {
     Deleted,
     /// Two effects at once.
     Two,
-    /// An effect that looks like another one on this motion.
+    /// One effect that looks like another one on this motion.
     Pair,
-    /// The same question asked in another way.
+    /// The same question, asked in another way.
     Changed,
-    /// No effect or one, on an axis under hard conditions: rests, a narrow sign, coarse readings.
+    /// No effect or one, on an axis under hard conditions: standstill, a narrow sign, coarse
+    /// readings.
     Hard,
 }
 
 impl Arm {
-    /// All of them.
+    /// All arms.
     pub const ALL: [Self; 7] =
         [Self::Clean, Self::Single, Self::Deleted, Self::Two, Self::Pair, Self::Changed, Self::Hard];
 }
 
-/// One cell with one seed.
+/// One question with one seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// Number in its campaign.
+    /// Number in the campaign.
     pub index: usize,
-    /// What it asks.
+    /// Question.
     pub arm: Arm,
     /// Plant.
     pub plant: Plant,
-    /// Effects; of a pair the hidden one first.
+    /// Effects; of a pair, the hidden one comes first.
     pub effects: Vec<String>,
-    /// Wanted sizes of the hidden effects.
+    /// Requested sizes of the hidden effects.
     pub sizes: Vec<f64>,
-    /// Which way a question is asked again.
+    /// Variant of the question, for arms that ask several.
     pub variant: usize,
     /// Seed.
     pub seed: u64,
 }
 
 impl Cell {
-    /// What the cell is, in words; the same for every seed.
-    pub fn words(&self) -> String {
+    /// Describes the cell without its seed. The text determines the random draws, so it must not
+    /// change.
+    pub fn describe(&self) -> String {
         format!(
             "{:?} {} {} {:?} {}",
             self.arm,
@@ -66,27 +69,33 @@ impl Cell {
         )
     }
 
-    /// Under which conditions its logs are made.
+    /// Returns the conditions of its logs.
     pub fn conditions(&self) -> Conditions {
         if self.arm == Arm::Hard { Conditions::Hard } else { Conditions::Usual }
     }
 
-    /// The seed of its random draws.
+    /// Returns the seed of its random draws.
     pub fn stream(&self) -> u64 {
-        let name = super::seal::name_of(&self.words(), self.seed);
-        u64::from_str_radix(name.get(..16).unwrap_or("0"), 16).unwrap_or(self.seed)
+        hash(&self.describe(), self.seed)
     }
 }
 
-/// A campaign: which cells.
+/// Returns a hash of a text and a seed.
+pub(super) fn hash(text: &str, seed: u64) -> u64 {
+    let start = 0x243f_6a88_85a3_08d3 ^ seed;
+    text.bytes()
+        .fold(start, |hash, byte| mix(hash.rotate_left(7) ^ u64::from(byte)).wrapping_add(0x9e37_79b9))
+}
+
+/// Selection of cells.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Campaign {
-    /// Seeds of every cell on an axis.
+    /// Number of seeds of every cell on an axis.
     pub seeds: u64,
-    /// Seeds of every cell on the transmission bench.
+    /// Number of seeds of every cell on a transmission bench.
     pub bench_seeds: u64,
-    /// Seeds that are passed over before the first.
-    #[serde(default, skip_serializing_if = "none")]
+    /// Number of seeds to skip before the first.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub skipped_seeds: u64,
     /// Plants.
     pub plants: Vec<Plant>,
@@ -94,35 +103,38 @@ pub struct Campaign {
     pub sizes: Vec<f64>,
     /// Arms.
     pub arms: Vec<Arm>,
-    /// Whether the transmission benches, a cell of which costs fifty times as much, show only what no plant before them can, one effect at a time.
-    #[serde(default, skip_serializing_if = "no")]
+    /// If set, a transmission bench shows single effects only, and only those that no cheaper plant
+    /// can show. One of its cells costs as much as fifty of an axis.
+    #[serde(default, skip_serializing_if = "is_false")]
     pub bench_alone: bool,
 }
 
-fn no(alone: &bool) -> bool {
+fn is_false(alone: &bool) -> bool {
     !alone
 }
 
-fn none(skipped: &u64) -> bool {
+fn is_zero(skipped: &u64) -> bool {
     *skipped == 0
 }
 
-/// Sizes of two effects at once: alike, and three to one.
+/// Sizes of two effects at once: equal, and three to one.
 const TWO: [[f64; 2]; 2] = [[1.0, 1.0], [1.5, 0.5]];
-/// Size at which a cause is deleted, and of one of a pair.
+/// Size of a deleted cause, of one of a pair, and of a changed question.
 const CLEAR: f64 = 1.0;
-/// The least size of an effect: play between stiff faces is never small, for the faces give way to any of it.
-fn least(effect: &str) -> f64 {
+/// Minimum size of an effect. Play between stiff faces is never small, because the faces separate
+/// at any play.
+fn min_size(effect: &str) -> f64 {
     if effect == "fork-backlash" { 10.0 } else { 0.0 }
 }
 
-/// Clean logs per seed.
+/// Clean logs for each seed.
 const CLEAN: usize = 10;
-/// The same under hard conditions.
+/// Clean logs under hard conditions for each seed.
 const CLEAN_HARD: usize = 6;
 
 impl Campaign {
-    /// The part that runs with every change: each effect once, and each question on the axes.
+    /// Returns the campaign that runs with every change: each effect once, and every question on
+    /// the axes.
     pub fn quick() -> Self {
         Self {
             seeds: 1,
@@ -135,12 +147,13 @@ impl Campaign {
         }
     }
 
-    /// Whether of a plant only what no other one shows is asked for.
+    /// Returns whether a plant shows only effects that no cheaper plant can show.
     fn is_alone(&self, plant: Plant) -> bool {
         self.bench_alone && plant.is_transmission()
     }
 
-    /// The cells, seed by seed and shuffled within one, so that a campaign that is cut short is a fair sample.
+    /// Returns the cells, seed by seed and shuffled within a seed. An interrupted campaign is then
+    /// a fair sample.
     pub fn cells(&self) -> Vec<Cell> {
         let mut cells = Vec::new();
         for seed in 1..=self.seeds.max(self.bench_seeds) {
@@ -152,7 +165,7 @@ impl Campaign {
                 }
             }
         }
-        cells.sort_by_cached_key(|c| (c.seed, super::seal::name_of(&c.words(), c.seed)));
+        cells.sort_by_cached_key(|c| (c.seed, c.stream()));
         cells.iter_mut().enumerate().for_each(|(i, c)| c.index = i);
         cells
     }
@@ -172,19 +185,19 @@ impl Campaign {
             Arm::Clean => (0..CLEAN).for_each(|variant| add(&[], &[], variant)),
             Arm::Single => {
                 for effect in &all {
-                    let mut sizes: Vec<f64> = self.sizes.iter().map(|s| s.max(least(effect))).collect();
+                    let mut sizes: Vec<f64> = self.sizes.iter().map(|s| s.max(min_size(effect))).collect();
                     sizes.dedup();
                     sizes.iter().filter(|s| **s > 0.0).for_each(|size| add(&[effect], &[*size], 0));
                 }
             }
-            Arm::Deleted => all.iter().for_each(|effect| add(&[effect], &[CLEAR.max(least(effect))], 0)),
+            Arm::Deleted => all.iter().for_each(|effect| add(&[effect], &[CLEAR.max(min_size(effect))], 0)),
             Arm::Two => {
-                // Each effect with a partner that moves on by one from seed to seed.
+                // The partner of an effect changes from seed to seed.
                 for (i, effect) in all.iter().enumerate() {
                     let partner = all[(i + seed as usize) % all.len()];
                     if partner != *effect {
                         let [first, second] = TWO[(i + seed as usize / all.len()) % TWO.len()];
-                        let sizes = [first.max(least(effect)), second.max(least(partner))];
+                        let sizes = [first.max(min_size(effect)), second.max(min_size(partner))];
                         add(&[effect, partner], &sizes, 0);
                     }
                 }
@@ -222,12 +235,12 @@ mod tests {
     use bench::Bench;
 
     #[test]
-    fn what_a_description_declares_is_what_the_generator_reads_with() {
+    fn the_generator_draws_with_the_declared_noise_and_deviations() {
         for plant in Plant::ALL {
             for conditions in [Conditions::Usual, Conditions::Hard] {
                 let bench = Bench::parse("bench", conditions.description(plant)).unwrap();
                 for reading in conditions.sensors(plant) {
-                    // What drives the transmission bench is read without an error worth declaring.
+                    // The inputs of the transmission bench are logged without a declared error.
                     let Some((_, sensor)) = bench.sensors().iter().find(|(c, _)| c.name() == reading.channel)
                     else {
                         assert!(plant.is_transmission() && !plant.outputs().contains(&reading.channel));
@@ -248,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn play_is_asked_for_once_where_all_sizes_are_below_its_least() {
+    fn play_is_asked_for_once_if_all_sizes_are_below_its_minimum() {
         let campaign = Campaign { sizes: vec![0.1, 1.0, 5.0, 20.0], ..Campaign::quick() };
         let cells = campaign.cells();
         let of = |effect: &str| -> Vec<f64> {

@@ -1,14 +1,14 @@
-//! The same question asked in another way: the answer has to stay.
+//! Changed questions: the same log in another form must get the same answer.
 //!
-//! Foreign names, units and signs; other time stamps; other order of the columns, or a counter before them, in a file without names
-//! whose columns the description tells by number; the log twice; a second session (intervals shrink by about the root of two);
-//! the residual shuffled, asked of the bench as calibrated (nothing is left to find). Order and counter put the reader to the test, not the engine, which
-//! knows channels by name and nothing else.
+//! The changes are foreign names, units and signs; other time stamps; another order of columns; a
+//! row counter before the columns; the log twice; a second session, which shrinks intervals by
+//! about the square root of two; the residual of the calibrated bench shuffled, which leaves
+//! nothing to find. Order and counter test the reader of logs: such a file has no header, and the
+//! description gives the columns by number.
 
 use super::CampaignError;
 use super::compare::Outcome;
-use super::run::{Desk, hide};
-use super::seal::{Answer, Label, Sealed, name_of};
+use super::run::{CellRun, hide};
 use crate::generator::noise::Noise;
 use crate::generator::session::{Plant, Point, Session};
 use crate::generator::size::Scale;
@@ -18,13 +18,13 @@ use diagnosis::{Diagnosis, Verdict};
 use std::fmt::Write as _;
 use std::time::Instant;
 
-/// The changes, in the order of a cell's variants.
+/// Changes, in the order of a cell's variants.
 pub const CHANGES: [&str; 7] = ["units", "time", "order", "twice", "more", "shuffled", "counter"];
 
 /// Name of the column that counts rows.
 const COUNTER: &str = "counter";
 
-/// Foreign columns: names, factors from SI to what the log says, by plant.
+/// Foreign columns of a plant: channel, foreign name, factor from SI.
 fn foreign(plant: Plant) -> &'static [(&'static str, &'static str, f64)] {
     match plant {
         Plant::Linear => &[
@@ -40,7 +40,7 @@ fn foreign(plant: Plant) -> &'static [(&'static str, &'static str, f64)] {
     }
 }
 
-/// Rows of numbers under names.
+/// Splits a log into names and rows.
 fn table(text: &str) -> (Vec<String>, Vec<Vec<f64>>) {
     let mut lines = text.lines();
     let names = lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
@@ -56,14 +56,15 @@ fn csv(names: &[String], rows: &[Vec<f64>]) -> String {
     text
 }
 
-/// The log with another clock.
+/// Returns the log with later time stamps.
 fn later(text: &str) -> String {
     let (names, mut rows) = table(text);
     rows.iter_mut().filter_map(|r| r.first_mut()).for_each(|t| *t += 4321.5);
     csv(&names, &rows)
 }
 
-/// The log without names, in another order or with a counter in front, and the tables that tell the columns by number.
+/// Returns the log without header, in another order or after a counter, with the tables that give
+/// the columns by number.
 fn numbered(change: &str, text: &str) -> (String, String) {
     let (mut names, mut rows) = table(text);
     if change == "order" {
@@ -81,7 +82,7 @@ fn numbered(change: &str, text: &str) -> (String, String) {
     (text.split_once('\n').map_or("", |(_, rows)| rows).to_owned(), tables)
 }
 
-/// The log in foreign units and signs, with the tables that say so.
+/// Returns the log in foreign units and signs, with the tables that describe them.
 fn translated(plant: Plant, text: &str) -> (String, String) {
     let (mut names, mut rows) = table(text);
     let mut tables = String::from("\n[columns]\n");
@@ -94,8 +95,11 @@ fn translated(plant: Plant, text: &str) -> (String, String) {
     (csv(&names, &rows), tables)
 }
 
-/// The log with the residual of what calibration alone makes of it shuffled over the samples of its channel. It is asked of that bench: of the bench
-/// as described the calibration's own moves, which end at bounds, would be left to find.
+/// Returns the log with the residual of the calibrated bench shuffled over the samples of each
+/// channel.
+///
+/// The question is asked of the calibrated bench. Of the bench as described, the moves of the
+/// calibration would be left to find.
 fn shuffled(log: &MeasuredLog, nominal: &Diagnosis, noise: &mut Noise) -> MeasuredLog {
     let mut log = log.clone();
     for series in &nominal.series {
@@ -103,7 +107,7 @@ fn shuffled(log: &MeasuredLog, nominal: &Diagnosis, noise: &mut Noise) -> Measur
         for i in (1..others.len()).rev() {
             others.swap(i, (noise.uniform() * (i + 1) as f64) as usize);
         }
-        // The engine may have left samples out.
+        // The engine may have left out samples.
         let mut kept = series.time_s.iter().zip(series.before.iter().zip(&others)).peekable();
         let values = log.channels.get_mut(&series.channel).into_iter().flatten();
         for (time, value) in log.time_s.iter().zip(values) {
@@ -115,7 +119,7 @@ fn shuffled(log: &MeasuredLog, nominal: &Diagnosis, noise: &mut Noise) -> Measur
     log
 }
 
-/// Width of the interval of the size's first parameter.
+/// Returns the width of the interval of the first size parameter.
 fn width(answer: &Diagnosis) -> Option<f64> {
     let cause = answer.causes.first()?;
     let names = size_parameters(&cause.effect);
@@ -123,62 +127,54 @@ fn width(answer: &Diagnosis) -> Option<f64> {
     Some(parameter.ci95[1] - parameter.ci95[0])
 }
 
-fn same(a: &Diagnosis, b: &Diagnosis) -> bool {
+fn is_same(a: &Diagnosis, b: &Diagnosis) -> bool {
     let names = |d: &Diagnosis| d.causes.iter().map(|c| (c.effect.clone(), c.channel)).collect::<Vec<_>>();
     a.verdict == b.verdict && names(a) == names(b)
 }
 
-pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
-    let cell = desk.cell;
+pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
+    let cell = run.cell;
     let change = CHANGES.get(cell.variant).copied().unwrap_or_default();
     let mut noise = Noise::new(cell.stream());
     let session = Session::draw(cell.plant, 0.8, Point::default(), &mut noise);
     let scale = Scale::new(&session);
     let mut outcome = Outcome::new(cell);
     let Some(effects) = hide(cell, &scale, &session, &mut noise) else { return Ok(outcome) };
-    let bench = desk.bench()?;
-    let name = name_of(&cell.words(), cell.seed);
+    let bench = run.bench()?;
     let text = session.log(&effects, &mut noise);
-    let log = desk.log(&name, &text, &bench)?;
-    let sealed = Sealed::close(
-        desk.folder,
-        &name,
-        cell.stream(),
-        &Label { effects: effects.clone(), sizes: cell.sizes.clone() },
-    )?;
+    let log = run.log("log", &text, &bench)?;
     let start = Instant::now();
-    let answer = desk.ask(&bench, std::slice::from_ref(&log), &[])?;
+    let answer = run.diagnose(&bench, std::slice::from_ref(&log), &[])?;
     outcome.engine_s = start.elapsed().as_secs_f64();
-    let again = match change {
+    let changed = match change {
         "units" | "order" | "counter" => {
             let (text, tables) =
                 if change == "units" { translated(cell.plant, &text) } else { numbered(change, &text) };
             let description = format!("{}{tables}", cell.plant.description());
-            let bench = Bench::parse("foreign.toml", &description).map_err(|e| desk.failed(&e))?;
-            let log = desk.log("foreign", &text, &bench)?;
-            desk.ask(&bench, &[log], &[])?
+            let bench = Bench::parse("foreign.toml", &description).map_err(|e| run.failed(&e))?;
+            let log = run.log("foreign", &text, &bench)?;
+            run.diagnose(&bench, &[log], &[])?
         }
-        "twice" => desk.ask(&bench, &[log.clone(), log], &[])?,
+        "twice" => run.diagnose(&bench, &[log.clone(), log], &[])?,
         "more" => {
-            let second = session.again(Point::default(), &mut noise).log(&effects, &mut noise);
-            let second = desk.log("second", &second, &bench)?;
-            desk.ask(&bench, &[log, second], &[])?
+            let second = session.repeat(Point::default(), &mut noise).log(&effects, &mut noise);
+            let second = run.log("second", &second, &bench)?;
+            run.diagnose(&bench, &[log, second], &[])?
         }
         "shuffled" => {
-            let nominal = desk.nominal(&bench, &log)?;
+            let nominal = run.calibrate(&bench, &log)?;
             let log = shuffled(&log, &nominal, &mut noise);
-            desk.ask(nominal.extended.as_ref().unwrap_or(&bench), &[log], &[])?
+            run.diagnose(nominal.extended.as_ref().unwrap_or(&bench), &[log], &[])?
         }
-        _ => desk.ask(&bench, &[desk.log("changed", &later(&text), &bench)?], &[])?,
+        _ => run.diagnose(&bench, &[run.log("changed", &later(&text), &bench)?], &[])?,
     };
-    let label = sealed.open(&Answer::write(desk.folder, &name, &(&answer, &again))?)?;
-    outcome.judge(&answer, &label);
+    outcome.score(&answer, &effects);
     outcome.settled = Some(match change {
-        "shuffled" => again.verdict == Verdict::None,
-        _ => same(&answer, &again),
+        "shuffled" => changed.verdict == Verdict::None,
+        _ => is_same(&answer, &changed),
     });
-    if matches!(change, "twice" | "more") && same(&answer, &again) {
-        outcome.ratio = width(&answer).zip(width(&again)).map(|(one, two)| one / two);
+    if matches!(change, "twice" | "more") && is_same(&answer, &changed) {
+        outcome.ratio = width(&answer).zip(width(&changed)).map(|(one, two)| one / two);
     }
     Ok(outcome)
 }
@@ -211,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_log_told_by_number_is_read_back_as_the_same_numbers() {
+    fn a_log_with_numbered_columns_is_read_back_as_the_same_numbers() {
         let mut noise = Noise::new(8);
         let text = Session::draw(Plant::Linear, 0.8, Point::default(), &mut noise).log(&[], &mut noise);
         let read = |text: &str, tables: &str| {
@@ -226,7 +222,7 @@ mod tests {
                 "{tables}"
             );
             assert_eq!(read(&other, &tables), read(&text, ""), "{change}");
-            // The tables of the other file fail on this one, or read other numbers.
+            // With the tables of the other file, the log is rejected or gives other numbers.
             let (_, tables) = numbered(if change == "order" { "counter" } else { "order" }, &text);
             let bench = Bench::parse("b", &format!("{}{tables}", Plant::Linear.description())).unwrap();
             let wrong = MeasuredLog::parse("b.csv", &other, &bench.log_format());
@@ -246,7 +242,8 @@ mod tests {
         let text = Session::draw(Plant::Linear, 0.8, Point::default(), &mut noise).log(&[], &mut noise);
         let bench = Bench::parse("b", Plant::Linear.description()).unwrap();
         let mut log = MeasuredLog::parse("a.csv", &text, &bench.log_format()).unwrap();
-        // An outlier, which the engine leaves out: from there on its rows are not the log's.
+        // An outlier, which the engine leaves out: from there on, its rows differ from those of the
+        // log.
         log.channels.values_mut().for_each(|values| values[500] += 1e4);
         let every: Vec<String> = CATALOGUE.iter().map(|kind| kind.name.to_owned()).collect();
         let options = Options { exclude: &every, ..Options::default() };

@@ -1,26 +1,26 @@
-//! An opened label against an answer.
+//! Comparison of an answer with the label.
 //!
-//! An effect counts by its name, a sensor's by its channel too. A named cause is *equivalent* to the hidden one where the
-//! generator itself, with the cause as the engine found it, a free factor on it and whatever calibration may move, imitates the
-//! hidden effect but for a rest of size [`ALIKE`], the smallest that is asked about.
+//! An effect counts by its name, a sensor effect by its channel, too. A named cause is *equivalent*
+//! to the hidden one if the generator can imitate the hidden effect with it. For this the generator
+//! takes the cause as the engine found it, with a free factor and every move that calibration may
+//! make. The remainder must be smaller than [`ALIKE`], the smallest size of the matrix.
 
 use super::cell::Cell;
-use super::seal::Label;
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::size_parameters;
 use diagnosis::{Cause, Diagnosis, Verdict};
 use serde::{Deserialize, Serialize};
 
-/// Size of the rest up to which two effects are the same thing on a log.
+/// Size of the remainder up to which two effects are equivalent on a log.
 const ALIKE: f64 = 0.1;
 
 /// An effect in an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Named {
-    /// Name.
+    /// Name of the effect.
     pub effect: String,
-    /// Sensor.
+    /// Channel of a sensor effect.
     pub channel: Option<String>,
     /// Stated probability.
     pub probability: f64,
@@ -32,48 +32,49 @@ impl Named {
     }
 }
 
-/// What became of a cell.
+/// Result of a cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// The cell.
+    /// Cell.
     pub cell: Cell,
-    /// What was hidden, as the opened label says; empty where the plant cannot show the wanted size.
+    /// Hidden effects; empty if the plant cannot show the requested size.
     pub hidden: Vec<HiddenEffect>,
-    /// The verdict.
+    /// Verdict.
     pub verdict: String,
     /// Causes, the main one first.
     pub causes: Vec<Named>,
-    /// Effects said to fit as well.
+    /// Effects reported as fitting equally well.
     pub ambiguous_with: Vec<Named>,
-    /// Whether the first cause is the (first) hidden effect.
+    /// True if the first cause is the (first) hidden effect.
     pub first: bool,
-    /// Hidden effects among causes and equals.
+    /// Number of hidden effects among causes and equals.
     pub in_group: usize,
-    /// Whether a cause that is not hidden is equivalent to the hidden one.
+    /// True if a cause that is not hidden is equivalent to the hidden one.
     pub equivalent: bool,
-    /// Relative error of the size's parameter, where the first cause is right.
+    /// Relative error of the size parameter, if the first cause is right.
     pub parameter_error: Option<f64>,
-    /// Whether its 95 % interval holds the hidden value.
+    /// True if the 95 % interval contains the hidden value.
     pub covered: Option<bool>,
-    /// Share of the repeatable residual that the engine says its extension explains.
+    /// Share of the repeatable residual that the extension explains, as predicted by the engine.
     pub predicted: Option<f64>,
-    /// That share on another session that the engine never saw.
+    /// The same share, measured on another session that the engine never saw.
     pub realised: Option<f64>,
-    /// The experiment that the engine proposed.
+    /// Experiment that the engine proposed.
     pub proposed: Option<String>,
-    /// Whether the engine said that no experiment of its menu tells.
+    /// True if the engine reported that no experiment of its menu separates the causes.
     #[serde(default)]
     pub hopeless: bool,
-    /// Whether it settled the question, of a pair; whether the changed question had the same answer, of a change.
+    /// For a pair, true if the experiment settled the question. For a changed question, true if the
+    /// answer was the same.
     pub settled: Option<bool>,
-    /// Ratio of interval widths, where that is the question.
+    /// Ratio of interval widths, for the changes that test it.
     pub ratio: Option<f64>,
-    /// Wall time of the engine in s.
+    /// Wall time of the engine, s.
     pub engine_s: f64,
 }
 
 impl Outcome {
-    /// A cell without an answer yet.
+    /// Returns a cell without an answer.
     pub fn new(cell: &Cell) -> Self {
         Self {
             cell: cell.clone(),
@@ -96,36 +97,36 @@ impl Outcome {
         }
     }
 
-    /// Whether the plant could show what was to be hidden.
+    /// Returns whether the plant could show the requested size.
     pub fn shown(&self) -> bool {
         !self.verdict.is_empty()
     }
 
-    /// Whether the engine saw anything.
+    /// Returns whether the engine found anything.
     pub fn detected(&self) -> bool {
         self.verdict != Verdict::None.name()
     }
 
-    /// Whether the engine names causes and none of the group is hidden or equivalent.
+    /// Returns whether the engine names causes of which none is hidden or equivalent.
     pub fn wrong(&self) -> bool {
         !self.causes.is_empty() && self.in_group == 0 && !self.equivalent
     }
 
-    /// Whether the first cause is hidden, or equivalent to what is.
+    /// Returns whether the first cause is hidden, or equivalent to the hidden one.
     pub fn right(&self) -> bool {
         let is_hidden = |n: &Named| self.hidden.iter().any(|h| n.is(h));
         self.equivalent || self.causes.first().is_some_and(is_hidden)
     }
 
-    /// Number of effects in the answer.
+    /// Returns the number of effects in the answer.
     pub fn group(&self) -> usize {
         self.causes.len() + self.ambiguous_with.len()
     }
 
-    /// Takes an answer and what the label says in.
-    pub fn judge(&mut self, answer: &Diagnosis, label: &Label) {
+    /// Scores an answer against the label.
+    pub fn score(&mut self, answer: &Diagnosis, hidden: &[HiddenEffect]) {
         self.verdict = answer.verdict.name().into();
-        self.hidden.clone_from(&label.effects);
+        self.hidden = hidden.to_vec();
         if matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous) {
             let named = |effect: &String, channel: Option<bench::Channel>, probability: f64| Named {
                 effect: effect.clone(),
@@ -137,10 +138,10 @@ impl Outcome {
             self.ambiguous_with = others.map(|c| named(&c.effect, c.channel, c.probability)).collect();
         }
         let group: Vec<&Named> = self.causes.iter().chain(&self.ambiguous_with).collect();
-        self.in_group = label.effects.iter().filter(|h| group.iter().any(|n| n.is(h))).count();
-        let hit = self.causes.first().zip(label.effects.first()).is_some_and(|(n, h)| n.is(h));
+        self.in_group = hidden.iter().filter(|h| group.iter().any(|n| n.is(h))).count();
+        let hit = self.causes.first().zip(hidden.first()).is_some_and(|(n, h)| n.is(h));
         self.first = hit;
-        if let (true, Some(cause), [hidden]) = (hit, answer.causes.first(), label.effects.as_slice()) {
+        if let (true, Some(cause), [hidden]) = (hit, answer.causes.first(), hidden) {
             let (error, covered) = parameters(cause, hidden);
             (self.parameter_error, self.covered) = (error, covered);
         }
@@ -149,18 +150,19 @@ impl Outcome {
         self.hopeless = answer.experiment.as_ref().is_some_and(|e| e.recordings.is_empty());
     }
 
-    /// Whether the causes are the hidden effects under other names.
-    pub fn judge_equivalence(&mut self, scale: &Scale<'_>, answer: &Diagnosis) {
+    /// Decides whether the causes are the hidden effects under other names.
+    pub fn score_equivalence(&mut self, scale: &Scale<'_>, answer: &Diagnosis) {
         if self.causes.is_empty() || self.in_group > 0 || self.hidden.is_empty() {
             return;
         }
         let named: Vec<HiddenEffect> = answer.causes.iter().map(as_hidden).collect();
-        // Nothing at all leaves the effect's own size: of a small one less has to be left.
-        self.equivalent = scale.apart(&self.hidden, &named) < ALIKE.min(0.5 * scale.size(&self.hidden));
+        // An empty answer leaves the effect's full size, so a small effect needs a smaller
+        // remainder.
+        self.equivalent = scale.distance(&self.hidden, &named) < ALIKE.min(0.5 * scale.size(&self.hidden));
     }
 }
 
-/// A cause as the generator would hide it.
+/// Returns a cause as the generator would hide it.
 fn as_hidden(cause: &Cause) -> HiddenEffect {
     HiddenEffect {
         effect: cause.effect.clone(),
@@ -169,12 +171,12 @@ fn as_hidden(cause: &Cause) -> HiddenEffect {
     }
 }
 
-/// Relative error of the size, as a vector where it has several parameters, and whether the interval of the largest holds the
-/// truth.
+/// Returns the relative error of the size, and whether the interval of the largest parameter
+/// contains the truth. Several parameters form a vector.
 fn parameters(cause: &Cause, hidden: &HiddenEffect) -> (Option<f64>, Option<bool>) {
     let names = size_parameters(&hidden.effect);
     let found = || cause.parameters.iter().filter(|p| names.contains(&p.name.as_str()));
-    // A ripple of the right amplitude at the wrong phase is no hit: the two parts of a phase are one vector.
+    // The two parts of a phase are one vector: the right amplitude at the wrong phase is an error.
     let truth: f64 = found().map(|p| hidden.get(&p.name).powi(2)).sum();
     let off: f64 = found().map(|p| (p.value - hidden.get(&p.name)).powi(2)).sum();
     let error = (truth > 0.0).then(|| (off / truth).sqrt());
@@ -204,7 +206,7 @@ mod tests {
             super::parameters(&cause, &hidden)
         };
         assert_eq!(error(3.0, 4.0), (Some(0.0), Some(true)));
-        // A quarter of a turn off: as far as the root of two times the size.
+        // A quarter turn off: the distance is the square root of two times the size.
         assert!((error(-4.0, 3.0).0.unwrap() - 2.0_f64.sqrt()).abs() < 1e-12);
         assert!((error(3.3, 4.4).0.unwrap() - 0.1).abs() < 1e-12);
     }

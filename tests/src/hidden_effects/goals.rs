@@ -1,30 +1,30 @@
-//! The goals beside which the figures stand, and whether figures are worse than those that are checked in.
+//! Goals of the figures, and the comparison with golden figures.
 
 use super::score::{Figures, Share, Shares};
 
-/// One goal.
+/// A goal with its figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// What.
+    /// Name of the figure.
     pub name: &'static str,
-    /// What is wanted, both ends included.
+    /// Accepted range, both ends included.
     pub wanted: (f64, f64),
-    /// What was found, if it was asked.
+    /// Measured figure, if the campaign asked for it.
     pub found: Option<f64>,
-    /// Cells behind it.
+    /// Number of cells of the figure.
     pub cells: usize,
 }
 
 impl Goal {
-    /// How far the finding is outside of what is wanted.
+    /// Returns the distance of the figure from the accepted range.
     pub fn missed_by(&self) -> Option<f64> {
-        let (least, most) = self.wanted;
-        self.found.map(|v| (least - v).max(v - most).max(0.0))
+        let (min, max) = self.wanted;
+        self.found.map(|v| (min - v).max(v - max).max(0.0))
     }
 }
 
 impl Figures {
-    /// The goals with what was found.
+    /// Returns the goals with the measured figures.
     pub fn goals(&self) -> Vec<Goal> {
         let at = |size: &str, read: fn(&Shares) -> f64| {
             self.by_size.get(size).map_or((None, 0), |s| (Some(read(s)), s.cells))
@@ -39,45 +39,46 @@ impl Figures {
         let known = self.deleted.unknown + self.deleted.equivalent;
         let stated = self.calibration_of_all.iter().map(|bin| bin.0).sum();
         let all = self.ran.values().sum();
-        let most = |name, most: f64, (found, cells)| Goal { name, wanted: (0.0, most), found, cells };
-        let least = |name, least: f64, (found, cells)| Goal { name, wanted: (least, 1.0), found, cells };
+        let at_most = |name, max: f64, (found, cells)| Goal { name, wanted: (0.0, max), found, cells };
+        let at_least = |name, min: f64, (found, cells)| Goal { name, wanted: (min, 1.0), found, cells };
         let (covered, intervals) = of(&self.covered);
         vec![
-            most("false alarms", 0.01, ((clean > 0).then(|| hits / clean as f64), clean)),
-            least("detected at size .5", 0.97, at("0.5", |s| s.detected)),
-            least("first name at size .5", 0.90, at("0.5", |s| s.first)),
-            least("first name at size 1", 0.97, at("1", |s| s.first)),
-            least("truth in the group at size 1", 0.97, at("1", |s| s.in_group)),
-            most("mean group size at size 1", 2.0, at("1", |s| s.group)),
-            least("deleted cause unknown or equivalent", 0.90, deleted(known)),
-            most("deleted cause wrongly named", 0.05, deleted(self.deleted.wrong)),
-            least("two effects, both in the group", 0.85, of(&self.both)),
-            least("inseparable pair, both named", 0.95, of(&self.pair_named)),
-            least("pair settled by the proposed experiment", 0.90, of(&self.pair_settled)),
-            most("false alarms under hard conditions", 0.01, of(&self.hard_false_alarms)),
-            least(
+            at_most("false alarms", 0.01, ((clean > 0).then(|| hits / clean as f64), clean)),
+            at_least("detected at size .5", 0.97, at("0.5", |s| s.detected)),
+            at_least("first name at size .5", 0.90, at("0.5", |s| s.first)),
+            at_least("first name at size 1", 0.97, at("1", |s| s.first)),
+            at_least("truth in the group at size 1", 0.97, at("1", |s| s.in_group)),
+            at_most("mean group size at size 1", 2.0, at("1", |s| s.group)),
+            at_least("deleted cause unknown or equivalent", 0.90, deleted(known)),
+            at_most("deleted cause wrongly named", 0.05, deleted(self.deleted.wrong)),
+            at_least("two effects, both in the group", 0.85, of(&self.both)),
+            at_least("inseparable pair, both named", 0.95, of(&self.pair_named)),
+            at_least("pair settled by the proposed experiment", 0.90, of(&self.pair_settled)),
+            at_most("false alarms under hard conditions", 0.01, of(&self.hard_false_alarms)),
+            at_least(
                 "first name at size 1 under hard conditions",
                 0.97,
                 ((self.hard.cells > 0).then_some(self.hard.first), self.hard.cells),
             ),
-            most("parameter error at size 1, median", 0.10, (self.parameter_error, self.parameter_cells)),
-            most("calibration error over all arms", 0.05, (self.calibration_error_of_all, stated)),
+            at_most("parameter error at size 1, median", 0.10, (self.parameter_error, self.parameter_cells)),
+            at_most("calibration error over all arms", 0.05, (self.calibration_error_of_all, stated)),
             Goal {
-                name: "95 % intervals that hold the truth",
+                name: "95 % intervals that contain the truth",
                 wanted: (0.92, 0.98),
                 found: covered,
                 cells: intervals,
             },
-            most(
-                "realised against predicted gain, median difference",
+            at_most(
+                "measured against predicted gain, median difference",
                 0.20,
                 (self.gain_error, self.gain_within.cells),
             ),
-            most("longest wall time of the engine, s", 60.0, (Some(self.engine_s.0), all)),
+            at_most("longest wall time of the engine, s", 60.0, (Some(self.engine_s.0), all)),
         ]
     }
 
-    /// Goals that are missed by more than they were in `golden` or that nothing was found for any more, and changes of what was asked; wall times are left out.
+    /// Lists what is worse than in `golden`: goals missed by more, figures that disappeared, and
+    /// other cells. Wall times are left out.
     pub fn worse_than(&self, golden: &Self) -> Vec<String> {
         let mut worse = Vec::new();
         if self.ran != golden.ran {
@@ -90,8 +91,8 @@ impl Figures {
                 worse.push(format!("{}: found {:?}, golden {:?}", found.name, found.found, before.found));
             }
         }
-        let kept = |f: &Self| f.changed.values().map(|s| s.share * s.cells as f64).sum::<f64>();
-        if kept(self) < kept(golden) - 1e-9 {
+        let unchanged = |f: &Self| f.changed.values().map(|s| s.share * s.cells as f64).sum::<f64>();
+        if unchanged(self) < unchanged(golden) - 1e-9 {
             worse.push(format!("changed questions: found {:?}, golden {:?}", self.changed, golden.changed));
         }
         worse
@@ -120,7 +121,7 @@ mod tests {
         }
     }
 
-    /// Outcomes in which the first `hits` of every arm's cells have the answer that is wanted.
+    /// Returns outcomes in which the first `hits` cells of every arm have the right answer.
     fn outcomes(hits: usize) -> Vec<Outcome> {
         let mut seen: BTreeMap<Arm, usize> = BTreeMap::new();
         let one = |cell: &crate::hidden_effects::cell::Cell| {
@@ -161,7 +162,8 @@ mod tests {
         assert!(fewer.worse_than(&of(9))[0].starts_with("cells that ran"));
     }
 
-    /// The campaign's cells with an answer each; in the cells of an arm the first cause is hidden or not.
+    /// Returns an answer for every cell of the campaign; `right` selects the arms whose first cause
+    /// is hidden.
     fn answers(right: impl Fn(Arm) -> bool) -> Vec<Outcome> {
         let answer = |cell: &crate::hidden_effects::cell::Cell| {
             let mut outcome = Outcome::new(cell);
@@ -179,14 +181,14 @@ mod tests {
     fn names_in_clean_logs_and_of_deleted_causes_count_against_the_stated_probabilities() {
         let found = figures("2026-01-01", &campaign(), &answers(|arm| arm == Arm::Single));
         assert_eq!((found.calibration_error, &found.calibration), (Some(0.0), &vec![(19, 1.0, 1.0)]));
-        // 19 right of 19 single effects, 10 clean logs and 19 deleted causes.
+        // 19 right answers to 19 single effects, 10 clean logs and 19 deleted causes.
         assert_eq!(found.calibration_of_all, [(48, 1.0, 19.0 / 48.0)]);
         let goal = found.goals().into_iter().find(|g| g.name == "calibration error over all arms").unwrap();
         assert!((goal.found.unwrap() - 29.0 / 48.0).abs() < 1e-12 && goal.cells == 48);
     }
 
     #[test]
-    fn the_figures_of_right_names_stand_beside_their_own_number_and_gains_of_wrong_names_count() {
+    fn parameter_errors_count_right_names_and_gains_count_wrong_names_too() {
         let sizes = Campaign { sizes: vec![1.0], arms: vec![Arm::Single], ..campaign() };
         let mut outcomes: Vec<Outcome> = sizes.cells().iter().map(Outcome::new).collect();
         for (i, outcome) in outcomes.iter_mut().enumerate() {
@@ -202,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_that_is_gone_is_worse_and_cells_of_every_arm_that_were_not_asked_are_counted() {
+    fn a_missing_figure_is_worse_and_cells_that_were_not_asked_are_counted() {
         let found = figures("2026-01-01", &campaign(), &answers(|arm| arm == Arm::Single));
         let mut gone = found.clone();
         gone.calibration_error_of_all = None;

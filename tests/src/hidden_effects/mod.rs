@@ -1,9 +1,9 @@
-//! The diagnosis put to the test: logs with hidden effects, answers, figures beside the goals.
+//! Test of the diagnosis with hidden effects: logs, answers, figures and goals.
 //!
-//! A [`cell`] says what is hidden where; [`run`] has the generator write a log, seals the label ([`seal`]), has the engine
-//! answer from the log alone and only then opens the label; [`compare`] judges the answer, [`pairs`] and [`changed`] are the cells
-//! that ask more than one question; [`score`] sums up over cells, [`goals`] are beside it, [`crate::journal`] keeps them over a kill, [`page`] writes what is published. [`mystery`] deals a log
-//! to people.
+//! A [`cell`] defines the hidden effects. [`run`] lets the generator write a log, gives the engine
+//! this log alone, and scores the answer with [`compare`]. [`pairs`] and [`changed`] are the cells
+//! that ask several questions. [`score`] sums up, [`goals`] compares with goals and golden figures,
+//! and [`page`] writes the published pages. [`mystery`] writes a log for a person to diagnose.
 
 pub mod cell;
 pub mod changed;
@@ -14,38 +14,35 @@ pub mod page;
 pub mod pairs;
 pub mod run;
 pub mod score;
-pub mod seal;
 
-/// Why a campaign failed.
+/// Reason why a campaign failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {
-    /// A file.
+    /// A file cannot be used.
     #[error("{file}: {found}; expected {expected}")]
     File {
-        /// The file.
+        /// Path.
         file: String,
-        /// What was found.
+        /// Content or error that was found.
         found: String,
-        /// What was expected.
+        /// Expected content.
         expected: &'static str,
     },
-    /// The journal of the campaign.
+    /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] crate::journal::JournalError),
-    /// The engine refused.
+    /// The engine rejected a log.
     #[error("cell {cell}: {found}")]
     Engine {
         /// Number of the cell.
         cell: usize,
-        /// Its message.
+        /// Message of the engine.
         found: String,
     },
-    /// A label was to be opened before its answer was written.
-    #[error(
-        "the label of {name} is sealed: found no answer of that name; expected the engine's answer first"
-    )]
-    Sealed {
-        /// Name of the log.
+    /// A label is requested before there is a diagnosis.
+    #[error("{name}: found no diagnosis.json; expected a diagnosis of the log before its label is shown")]
+    NoDiagnosis {
+        /// Folder of the log.
         name: String,
     },
 }

@@ -1,99 +1,104 @@
-//! A log for people: an effect that nobody tells, to be found with `host-sim diagnose`, and its label to check the answer with.
+//! A log for a person: it hides an effect, to be found with `host-sim diagnose`.
 //!
-//! Drawn as for the matrix. The label lies beside the log, enciphered with the eight bytes that it begins with: that keeps it from being read by
-//! accident, nothing more. It opens once there is a `diagnosis.json` in the folder.
+//! The effect is drawn as for the matrix. The label is plain JSON in the folder `label` beside the
+//! log, so that it is not read by accident. The command shows it once there is a `diagnosis.json`.
 
 use super::CampaignError;
-use super::cell::{Arm, Cell};
+use super::cell::{Arm, Cell, hash};
 use super::run::hide;
-use super::seal::{Label, cipher, name_of};
+use crate::generator::hidden::HiddenEffect;
 use crate::generator::noise::Noise;
 use crate::generator::session::{Plant, Point, Session};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::effects;
 use bench::atomic;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Deviations of the real plant from its description, in declared standard deviations.
+/// Maximum deviation of the real plant from its description, in declared standard deviations.
 const SPREAD: f64 = 0.8;
-/// One log in so many hides nothing.
+/// One log in this many hides no effect.
 const CLEAN: f64 = 8.0;
-/// Effects that are tried before one is found that the plant can show as large as wanted.
-const TRIES: u64 = 50;
+/// Maximum number of effects to try until the plant can show one at the requested size.
+const MAX_TRIES: u64 = 50;
 
-/// The log.
+/// File of the log.
 pub const LOG: &str = "log.csv";
-/// The user's description of the plant.
+/// File of the user's description of the plant.
 pub const BENCH: &str = "bench.toml";
-/// What the log hides.
-pub const SEALED: &str = "sealed.label";
-/// What has to be there before the label opens.
+/// File of the label.
+pub const LABEL: &str = "label/label.json";
+/// File that must exist before the label is shown.
 pub const DIAGNOSIS: &str = "diagnosis.json";
+
+/// Content of a log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Label {
+    /// Hidden effects; none in a clean log.
+    pub effects: Vec<HiddenEffect>,
+    /// Their sizes.
+    pub sizes: Vec<f64>,
+}
 
 fn failed(file: &Path, expected: &'static str) -> impl Fn(&dyn std::fmt::Display) -> CampaignError + use<> {
     let file = file.display().to_string();
     move |found| CampaignError::File { file: file.clone(), found: found.to_string(), expected }
 }
 
-/// Writes a log that hides an effect of a size, or nothing, with description and sealed label.
+/// Writes a log that hides an effect of a size, or none, with description and label.
 ///
 /// # Errors
 ///
-/// The folder cannot be written to.
+/// The folder cannot be written to, or the plant shows no effect at the size.
 pub fn deal(folder: &Path, plant: Plant, size: f64, seed: u64) -> Result<(), CampaignError> {
     let all = effects(plant);
     let mut choice = Noise::new(seed);
     let clean = choice.uniform() * CLEAN < 1.0;
-    let key = u64::from_str_radix(name_of("mystery", seed).get(..16).unwrap_or("0"), 16).unwrap_or(seed);
-    for attempt in 0..TRIES {
+    for attempt in 0..MAX_TRIES {
         let effect = all[((choice.uniform() * all.len() as f64) as usize).min(all.len() - 1)];
         let (effects, sizes) = if clean { (vec![], vec![]) } else { (vec![effect.to_owned()], vec![size]) };
         let cell =
             Cell { index: 0, arm: Arm::Single, plant, effects, sizes: sizes.clone(), variant: 0, seed };
-        let mut noise = Noise::new(key ^ attempt);
+        let mut noise = Noise::new(hash("mystery", seed) ^ attempt);
         let session = Session::draw(plant, SPREAD, Point::default(), &mut noise);
         let Some(effects) = hide(&cell, &Scale::new(&session), &session, &mut noise) else { continue };
         let log = session.log(&effects, &mut noise);
-        let label =
-            serde_json::to_vec(&Label { effects, sizes }).map_err(|e| failed(folder, "a label")(&e))?;
-        let mut sealed = label;
-        cipher(&mut sealed, key);
-        let sealed: Vec<u8> = key.to_le_bytes().into_iter().chain(sealed).collect();
-        // A diagnosis of another log would open this label.
-        match std::fs::remove_file(folder.join(DIAGNOSIS)) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                return Err(failed(&folder.join(DIAGNOSIS), "a file that can be removed")(&e));
-            }
-            _ => {}
-        }
-        for (name, bytes) in
-            [(LOG, log.as_bytes()), (BENCH, plant.description().as_bytes()), (SEALED, &sealed[..])]
-        {
-            let file = folder.join(name);
-            atomic::write(&file, bytes).map_err(|e| failed(&file, "a file that can be written")(&e))?;
-        }
-        return Ok(());
+        let label = serde_json::to_vec_pretty(&Label { effects, sizes })
+            .map_err(|error| failed(folder, "a label")(&error))?;
+        return write(folder, &log, plant, &label);
     }
-    let found = format!("no effect that is seen at size {size}");
-    Err(CampaignError::File { file: plant.name().into(), found, expected: "one within its bounds" })
+    let found = format!("no effect that is visible at size {size}");
+    Err(CampaignError::File { file: plant.name().into(), found, expected: "an effect within its bounds" })
 }
 
-/// Opens the label of a folder that has an answer.
+fn write(folder: &Path, log: &str, plant: Plant, label: &[u8]) -> Result<(), CampaignError> {
+    // The diagnosis of an earlier log would show this label.
+    match std::fs::remove_file(folder.join(DIAGNOSIS)) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            return Err(failed(&folder.join(DIAGNOSIS), "a file that can be removed")(&error));
+        }
+        _ => {}
+    }
+    for (name, bytes) in [(LOG, log.as_bytes()), (BENCH, plant.description().as_bytes()), (LABEL, label)] {
+        let file = folder.join(name);
+        atomic::write(&file, bytes).map_err(|error| failed(&file, "a file that can be written")(&error))?;
+    }
+    Ok(())
+}
+
+/// Reads the label of a folder that has a diagnosis.
 ///
 /// # Errors
 ///
-/// There is no answer yet, or no label.
+/// There is no diagnosis yet, or no label.
 pub fn reveal(folder: &Path) -> Result<Label, CampaignError> {
     if !folder.join(DIAGNOSIS).is_file() {
-        return Err(CampaignError::Sealed { name: folder.display().to_string() });
+        return Err(CampaignError::NoDiagnosis { name: folder.display().to_string() });
     }
-    let file = folder.join(SEALED);
-    let error = failed(&file, "the label of a dealt log");
-    let bytes = std::fs::read(&file).map_err(|e| error(&e))?;
-    let (key, label) = bytes.split_first_chunk::<8>().ok_or_else(|| error(&"fewer than 8 bytes"))?;
-    let mut label = label.to_vec();
-    cipher(&mut label, u64::from_le_bytes(*key));
-    serde_json::from_slice(&label).map_err(|e| error(&e))
+    let file = folder.join(LABEL);
+    let error = failed(&file, "the label of a log of `cargo xtask mystery`");
+    let bytes = std::fs::read(&file).map_err(|found| error(&found))?;
+    serde_json::from_slice(&bytes).map_err(|found| error(&found))
 }
 
 #[cfg(test)]
@@ -101,19 +106,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_label_opens_after_an_answer_and_the_same_seed_deals_the_same_log() {
+    fn a_label_is_shown_after_a_diagnosis_and_a_seed_gives_the_same_log() {
         let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
         for folder in &folders {
             deal(folder.path(), Plant::Linear, 1.0, 7).unwrap();
         }
         let read = |i: usize, name: &str| std::fs::read(folders[i].path().join(name)).unwrap();
-        assert!([LOG, BENCH, SEALED].iter().all(|name| read(0, name) == read(1, name)));
+        assert!([LOG, BENCH, LABEL].iter().all(|name| read(0, name) == read(1, name)));
         let refused = reveal(folders[0].path()).unwrap_err().to_string();
-        assert!(refused.contains("is sealed"), "{refused}");
+        assert!(refused.contains("found no diagnosis.json"), "{refused}");
         std::fs::write(folders[0].path().join(DIAGNOSIS), "{}").unwrap();
         let label = reveal(folders[0].path()).unwrap();
         assert!(label.effects.len() <= 1 && label.sizes.len() == label.effects.len());
-        // What opened this one does not open the next.
+        // A new log removes the diagnosis of the earlier one.
         deal(folders[0].path(), Plant::Linear, 1.0, 8).unwrap();
         assert!(reveal(folders[0].path()).is_err());
     }

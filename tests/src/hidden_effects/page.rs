@@ -1,31 +1,57 @@
-//! What is published: a table of goals and figures for the terminal, and `docs/hidden-effects.md`.
+//! Published results: a table of goals and figures for the terminal, and the pages
+//! `docs/hidden-effects*.md`.
 
 use super::cell::Campaign;
 use super::goals::Goal;
-use super::score::{Figures, Shares};
+use super::score::{Figures, Share, Shares};
 use crate::generator::session::Plant;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
+
+/// Maximum width of prose in Markdown, in characters.
+const MAX_WIDTH: usize = 100;
 
 const HEAD: &str = "# Hidden effects: what the diagnosis finds
 
-Logs come from generators that share no code with the engine (`tests/src/generator`), hide an effect of the vocabulary or none, and
-the engine answers from the log alone; labels are sealed until it has. This page is written by
-`cargo xtask hidden-effects --bless` from its golden figures under `tests/golden`, which are those of the run named below. The axes have the page
-`hidden-effects.md`, the transmission bench, a cell of which costs fifty times as much, `hidden-effects-bench.md`, and the same with a shaft that may
-tilt in its bearing, a hundred times as much, `hidden-effects-two-plane.md`.
+Generators write logs that hide an effect of the vocabulary or none. They share no code with the engine \
+(`tests/src/generator`). The engine diagnoses each log without knowing what it hides. \
+`cargo xtask hidden-effects --bless` writes this page from the golden figures of the run named below \
+(`tests/golden`). The axes have the page `hidden-effects.md`. The transmission bench has \
+`hidden-effects-bench.md`; one of its cells costs as much as fifty of an axis. The same bench with a \
+shaft that may tilt has `hidden-effects-two-plane.md`; a cell costs as much as a hundred.
 
-Size is the rms of the part of the effect that calibration cannot absorb over the rms of the noise floor, over all samples of all
-channels, each in units of its own noise; calibration may move what is declared uncertain by four declared deviations. A share counts the
-cells in which the plant can show the wanted size at all. An equivalent cause is one that imitates the hidden effect
-on that log but for a rest of size .1, of a small effect but for half of its own size. Parameter errors and intervals are those of cells whose first cause is right, whose number stands
-beside them; of a size with several parameters (the two parts of a phase) the error is |found - hidden| over |hidden|. Predicted
-and realised gain are compared in every cell of size .5 and more with a cause and a predicted gain, right or wrong.
+Size is the rms of the part of the effect that calibration cannot absorb, over the rms of the noise \
+floor. The rms goes over all samples of all channels, each in units of its noise. Calibration may \
+move each declared-uncertain parameter by four declared deviations. A share counts the cells in which \
+the plant can show the requested size.
 
-Plants: `rotary`, a friction rig with drive torque and friction torque; `linear`, a cylinder of which only the force is
-measured; `bench`, transmission bench B; `two-plane`, the same with a shaft that may tilt, the only one that shows `misalignment`.
+An equivalent cause imitates the hidden effect on that log up to a remainder of size .1; for a small \
+effect, up to half of its size. Parameter errors and intervals count the cells whose first cause is \
+right; the table has their number. A size with several parameters (the two parts of a phase) has the \
+error |found - hidden| / |hidden|. Predicted and measured gain are compared in every cell of size .5 \
+and more with a cause and a predicted gain, right or wrong.
 
-Hard conditions, on the axes: strokes with rests in place of a swing, a sign of friction 1 mm/s wide in place of 6 and 12, 200 samples a
-second in place of 250, efforts read to half of their noise in place of a tenth, the load five times as noisy on `linear`.
+Plants: `rotary` is a friction rig with drive torque and friction torque; `linear` is a cylinder of \
+which only the force is measured; `bench` is transmission bench B; `two-plane` is the same with a shaft \
+that may tilt, the only plant that shows `misalignment`.
+
+Hard conditions, on the axes: strokes with standstill instead of a swing; a friction sign 1 mm/s wide \
+instead of 6 and 12 mm/s; 200 samples a second instead of 250; a resolution of the efforts of half \
+their noise instead of a tenth; five times the noise of the load on `linear`.
+";
+
+/// Limits of every page, after those that depend on its figures.
+const LIMITS: &str =
+    "* The row \"a third cause\" cannot fail: it counts answers with more than two causes, and the engine \
+names at most two.
+* Cells with an effect have white noise, deviations of at most .8 declared deviations, and one operating \
+point. Coloured noise, other loads and deviations of up to two occur in clean logs only.
+* The generators have the engine's model class and constants: the same equations of effects, the same \
+smooth sign of friction. The rates assume that the model has no other error.
+* The error of the stated probabilities is small because most answers are certain and right. It says \
+little about the rare wrong ones.
+* The remarks name the commits of the engine. Where they name several, the figures mix them. Seeds that \
+were used to tune thresholds are included where the remarks say so.
 ";
 
 fn number(value: Option<f64>) -> String {
@@ -74,7 +100,7 @@ fn mark(goal: &Goal) -> &'static str {
     }
 }
 
-/// The name of the page and of its golden figures: each transmission bench by itself has its own.
+/// Returns the name of the page and of its golden figures; each transmission bench has its own.
 pub fn stem(figures: &Figures) -> &'static str {
     match figures.campaign.as_ref().map(|c| c.plants.as_slice()) {
         Some([Plant::Bench]) => "hidden-effects-bench",
@@ -83,7 +109,7 @@ pub fn stem(figures: &Figures) -> &'static str {
     }
 }
 
-/// The goals beside what was found, as text.
+/// Returns the goals and figures as text.
 pub fn summary(figures: &Figures) -> String {
     let mut text = String::new();
     for goal in figures.goals() {
@@ -99,9 +125,31 @@ pub fn summary(figures: &Figures) -> String {
     text
 }
 
-/// The page.
+/// Returns the page.
 pub fn page(figures: &Figures) -> String {
-    let mut page = String::from(HEAD);
+    let mut page = wrap(HEAD);
+    run(&mut page, figures);
+    limits(&mut page, figures);
+    head(&mut page, "Goals", &["figure", "goal", "found", "cells", ""]);
+    for goal in figures.goals() {
+        let cells = goal.cells.to_string();
+        row(&mut page, &[goal.name, &wanted(&goal), &number(goal.found), &cells, mark(&goal)]);
+    }
+    let of_map = |map: &BTreeMap<String, Shares>| map.clone().into_iter();
+    let one = |shares: &Shares| std::iter::once((String::new(), shares.clone()));
+    shares(&mut page, "Single effects by size", "size", of_map(&figures.by_size));
+    shares(&mut page, "Single effects of size .5 and more", "plant, effect", of_map(&figures.by_effect));
+    shares(&mut page, "Outside the library: the hidden cause is deleted, size 1", "", one(&figures.deleted));
+    shares(&mut page, "Hard conditions, size 1", "", one(&figures.hard));
+    questions(&mut page, figures);
+    calibrations(&mut page, figures);
+    first_names(&mut page, figures);
+    out_of_reach(&mut page, figures);
+    page
+}
+
+/// Writes which cells ran, and the remarks.
+fn run(page: &mut String, figures: &Figures) {
     let ran: Vec<String> = figures.ran.iter().map(|(plant, n)| format!("{n} cells of `{plant}`")).collect();
     let seeds = |read: fn(&Campaign) -> u64| match &figures.campaign {
         Some(c) if read(c) > 0 => format!("{} to {}", c.skipped_seeds + 1, c.skipped_seeds + read(c)),
@@ -109,93 +157,143 @@ pub fn page(figures: &Figures) -> String {
     };
     let planned = figures.campaign.as_ref().map_or(0, |c| c.cells().len());
     let count: usize = figures.ran.values().sum::<usize>() + figures.out_of_reach.values().sum::<usize>();
-    let _ = writeln!(
-        page,
-        "\nRun of {}: seeds of every cell {} (axes) and {} (bench), {} of {} cells; with an answer: {}. Cells run in a shuffled \
-         order, so a run that is cut short is a sample of them.",
+    let text = format!(
+        "\nRun of {}: seeds of every cell {} (axes) and {} (bench), {count} of {planned} cells; \
+         with an answer: {}. Cells run in a shuffled order, so an interrupted run is a sample of \
+         them.\n",
         figures.date,
         seeds(|c| c.seeds),
         seeds(|c| c.bench_seeds),
-        count,
-        planned,
         ran.join(", ")
     );
+    page.push_str(&wrap(&text));
     for note in &figures.notes {
-        let _ = writeln!(page, "\n{note}");
+        page.push_str(&wrap(&format!("\n{note}\n")));
     }
-    head(&mut page, "Goals", &["figure", "goal", "found", "cells", ""]);
-    for goal in figures.goals() {
-        let cells = goal.cells.to_string();
-        row(&mut page, &[goal.name, &wanted(&goal), &number(goal.found), &cells, mark(&goal)]);
+}
+
+/// Writes the limits of the page.
+fn limits(page: &mut String, figures: &Figures) {
+    page.push_str("\n## Limits of this page\n\n");
+    let deleted = &figures.deleted;
+    let count = |share: f64| (share * deleted.cells as f64).round();
+    let named = count(deleted.wrong) + count(deleted.equivalent);
+    if named > 0.0 {
+        page.push_str(&wrap(&format!(
+            "* With the true cause deleted from the library, the engine names a cause in {named} of {} \
+             cells. Of these names {} are wrong ({:.0} %); the others are equivalent.\n",
+            deleted.cells,
+            count(deleted.wrong),
+            100.0 * count(deleted.wrong) / named
+        )));
     }
-    let of_map = |map: &std::collections::BTreeMap<String, Shares>| map.clone().into_iter();
-    shares(&mut page, "Single effects by size", "size", of_map(&figures.by_size));
-    shares(&mut page, "Single effects of size .5 and more", "plant, effect", of_map(&figures.by_effect));
-    shares(
-        &mut page,
-        "Outside the library: the hidden cause is deleted, size 1",
-        "",
-        std::iter::once((String::new(), figures.deleted.clone())),
-    );
-    shares(&mut page, "Hard conditions, size 1", "", std::iter::once((String::new(), figures.hard.clone())));
-    head(&mut page, "Clean logs, two effects, pairs, changed questions", &["question", "cells", "share"]);
+    page.push_str(&wrap(LIMITS));
+}
+
+/// Writes the shares of clean logs, two effects, pairs and changed questions.
+fn questions(page: &mut String, figures: &Figures) {
+    head(page, "Clean logs, two effects, pairs, changed questions", &["question", "cells", "share"]);
+    let mut line =
+        |name: &str, s: &Share| row(page, &[name, &s.cells.to_string(), &format!("{:.3}", s.share)]);
     for (plant, s) in &figures.false_alarms {
-        let name = format!("clean log of `{plant}`: any answer but none");
-        row(&mut page, &[&name, &s.cells.to_string(), &format!("{:.3}", s.share)]);
+        line(&format!("clean log of `{plant}`: any answer but none"), s);
     }
-    let rows = [
+    for (name, s) in [
         ("clean log: a cause named", &figures.false_names),
         ("clean log under hard conditions: any answer but none", &figures.hard_false_alarms),
         ("clean log under hard conditions: a cause named", &figures.hard_false_names),
         ("two effects: both in the group", &figures.both),
-        ("two effects: a third cause", &figures.third),
+        ("two effects: a third cause (cannot fail, see the limits)", &figures.third),
         ("inseparable pair: both named", &figures.pair_named),
         ("of those, settled by the proposed experiment and the logs at hand", &figures.pair_settled),
-        ("of those, said that no experiment of the menu tells", &figures.pair_hopeless),
-        ("95 % intervals that hold the truth", &figures.covered),
-        ("realised gain within 20 % of the predicted", &figures.gain_within),
-    ];
-    for (name, s) in rows {
-        row(&mut page, &[name, &s.cells.to_string(), &format!("{:.3}", s.share)]);
+        ("of those, no experiment of the menu separates them, as the answer says", &figures.pair_hopeless),
+        ("95 % intervals that contain the truth", &figures.covered),
+        ("measured gain within 20 % of the predicted", &figures.gain_within),
+    ] {
+        line(name, s);
     }
     for (change, s) in &figures.changed {
-        row(
-            &mut page,
-            &[&format!("same answer, changed: {change}"), &s.cells.to_string(), &format!("{:.3}", s.share)],
-        );
+        line(&format!("same answer, changed: {change}"), s);
     }
-    let _ = writeln!(
-        page,
-        "\nA second session shrinks intervals by a factor of {} (median of the cells with the same answer; root of two: 1.414).",
+    page.push_str(&wrap(&format!(
+        "\nA second session shrinks intervals by a factor of {} (median of the cells with the same \
+         answer; the square root of two is 1.414).\n",
         number(figures.shrink)
-    );
+    )));
+}
+
+/// Writes the stated probabilities with the rates at which they are right.
+fn calibrations(page: &mut String, figures: &Figures) {
     let bins = [
         ("all arms", &figures.calibration_of_all, figures.calibration_error_of_all),
         ("single effects", &figures.calibration, figures.calibration_error),
     ];
-    for (of, bins, error) in bins {
-        let title = format!("Stated probability of the first cause, {of}: error {}", number(error));
-        head(&mut page, &title, &["cells", "mean stated", "right or equivalent"]);
+    for (arms, bins, error) in bins {
+        let title = format!("Stated probability of the first cause, {arms}: error {}", number(error));
+        head(page, &title, &["cells", "mean stated", "right or equivalent"]);
         for (n, stated, hit) in bins {
-            row(&mut page, &[&n.to_string(), &format!("{stated:.3}"), &format!("{hit:.3}")]);
+            row(page, &[&n.to_string(), &format!("{stated:.3}"), &format!("{hit:.3}")]);
         }
     }
-    head(&mut page, "First names at size .5 and more", &["hidden", "named (cells)"]);
+}
+
+/// Writes the first names by hidden effect.
+fn first_names(page: &mut String, figures: &Figures) {
+    head(page, "First names at size .5 and more", &["hidden", "named (cells)"]);
     for (hidden, names) in &figures.confusion {
         let mut names: Vec<(&String, &usize)> = names.iter().collect();
         names.sort_by(|a, b| b.1.cmp(a.1));
         let names: Vec<String> = names.iter().map(|(name, n)| format!("{name} ({n})")).collect();
-        row(&mut page, &[hidden, &names.join(", ")]);
+        row(page, &[hidden, &names.join(", ")]);
     }
-    if !figures.out_of_reach.is_empty() {
-        head(
-            &mut page,
-            "Cells that were not asked: the size is out of the plant's reach, or the pair does not look alike",
-            &["arm, plant, effects", "cells"],
-        );
-        for (name, n) in &figures.out_of_reach {
-            row(&mut page, &[name, &n.to_string()]);
+}
+
+/// Writes the cells that were not asked.
+fn out_of_reach(page: &mut String, figures: &Figures) {
+    if figures.out_of_reach.is_empty() {
+        return;
+    }
+    let title = "Cells that were not asked: the plant cannot show the size, or the pair does not look alike";
+    head(page, title, &["arm, plant, effects", "cells"]);
+    for (name, n) in &figures.out_of_reach {
+        row(page, &[name, &n.to_string()]);
+    }
+}
+
+/// Breaks the lines of prose at the width of Markdown; items of lists keep their indent.
+fn wrap(text: &str) -> String {
+    let mut wrapped = String::new();
+    for line in text.lines() {
+        let indent = if line.starts_with("* ") { "  " } else { "" };
+        let mut width = 0;
+        for word in line.split(' ') {
+            let length = word.chars().count();
+            if width > 0 && width + 1 + length > MAX_WIDTH {
+                wrapped.push('\n');
+                wrapped.push_str(indent);
+                width = indent.len();
+            } else if width > 0 {
+                wrapped.push(' ');
+                width += 1;
+            }
+            wrapped.push_str(word);
+            width += length;
         }
+        wrapped.push('\n');
     }
-    page
+    wrapped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prose_is_wrapped_and_items_keep_their_indent() {
+        let item = format!("* {}", "word ".repeat(30).trim_end());
+        let lines: Vec<String> = wrap(&item).lines().map(str::to_owned).collect();
+        assert!(lines.len() == 2 && lines[1].starts_with("  word"), "{lines:?}");
+        assert!(lines.iter().all(|line| line.len() <= MAX_WIDTH));
+        assert_eq!(wrap("a\n\nb"), "a\n\nb\n");
+    }
 }

@@ -1,14 +1,15 @@
-//! Pairs of effects that look alike on a plain motion (one sine under a constant load): both have to be named, with the
-//! experiment that tells them apart. The generator then makes that experiment as its description says, and the answer to all logs
-//! together has to be the hidden effect. Where the answer says that nothing on its menu tells them apart, that counts by itself.
+//! Pairs of effects that look alike on a plain motion: one sine under a constant load.
 //!
-//! Whether a pair is inseparable is measured, not believed: the generator imitates the hidden effect by its rival as in
-//! [`super::compare`], and a cell counts only where the chi-square that is left stays below [`ALIKE`].
+//! The engine must name both, with the experiment that separates them. The generator then performs
+//! that experiment, and the answer to all logs together must be the hidden effect. An answer that
+//! no experiment of the menu separates them is counted separately.
+//!
+//! The similarity of a pair is measured: the generator imitates the hidden effect with its rival as
+//! in [`super::compare`]. A cell counts only if the remaining chi-square is below [`ALIKE`].
 
 use super::CampaignError;
 use super::compare::Outcome;
-use super::run::{Desk, hide};
-use super::seal::{Answer, Label, Sealed, name_of};
+use super::run::{CellRun, hide};
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::motion::Course;
 use crate::generator::noise::Noise;
@@ -18,7 +19,7 @@ use crate::generator::vocabulary::draw;
 use bench::Bench;
 use std::time::Instant;
 
-/// Chi-square between hidden effect and imitation up to which nothing can tell them apart.
+/// Chi-square between hidden effect and imitation below which they cannot be separated.
 const ALIKE: f64 = 9.0;
 
 /// Pairs by plant.
@@ -28,8 +29,9 @@ pub const PAIRS: &[(Plant, &str, &str)] = &[
     (Plant::Rotary, "coulomb-level", "load-dependent-friction"),
 ];
 
-/// The session that a proposed description asks for, and its cycles, beside the plant as it is described. A sine without rests begins
-/// anywhere, as its log does; a load comes on only where the proposal is about that.
+/// Returns the session and the cycles of a proposed description, relative to the described plant. A
+/// sine without standstill begins at any phase, as its log does. The load gets a ramp only if the
+/// proposal changes it.
 fn proposed(described: &Bench, wanted: &str) -> Option<(Point, f64)> {
     let wanted = Bench::parse("proposed", wanted).ok()?;
     let (Bench::FrictionRig(now), Bench::FrictionRig(then)) = (described, &wanted) else { return None };
@@ -48,8 +50,8 @@ fn proposed(described: &Bench, wanted: &str) -> Option<(Point, f64)> {
     Some((point, cycles))
 }
 
-pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
-    let cell = desk.cell;
+pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
+    let cell = run.cell;
     let mut noise = Noise::new(cell.stream());
     let point = Point { course: Course::Plain, ..Point::default() };
     let session = Session::draw(cell.plant, 0.8, point, &mut noise);
@@ -61,37 +63,32 @@ pub(super) fn run(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
         return Ok(outcome);
     };
     let imitation: HiddenEffect = rival.at(rival.guess);
-    let left = scale.left(&scale.added(&effects), &[scale.added(std::slice::from_ref(&imitation))]);
+    let left = scale.residual(&scale.response(&effects), &[scale.response(std::slice::from_ref(&imitation))]);
     if left.iter().map(|v| v * v).sum::<f64>() > ALIKE {
         return Ok(outcome);
     }
-    let bench = desk.bench()?;
-    let name = name_of(&cell.words(), cell.seed);
-    let log = desk.log(&name, &session.log(&effects, &mut noise), &bench)?;
-    let label = Label { effects: effects.clone(), sizes: cell.sizes.clone() };
-    let sealed = Sealed::close(desk.folder, &name, cell.stream(), &label)?;
+    let bench = run.bench()?;
+    let log = run.log("log", &session.log(&effects, &mut noise), &bench)?;
     let start = Instant::now();
-    let answer = desk.ask(&bench, std::slice::from_ref(&log), &[])?;
+    let answer = run.diagnose(&bench, std::slice::from_ref(&log), &[])?;
     outcome.engine_s = start.elapsed().as_secs_f64();
-    let label = sealed.open(&Answer::write(desk.folder, &name, &answer)?)?;
-    outcome.judge(&answer, &label);
+    outcome.score(&answer, &effects);
     let named = |e: &HiddenEffect| {
         let group = outcome.causes.iter().chain(&outcome.ambiguous_with);
         group.into_iter().any(|n| n.effect == e.effect && n.channel == e.channel)
     };
     outcome.in_group = effects.iter().chain([&imitation]).filter(|e| named(e)).count();
-    let Some(experiment) = answer.experiment.filter(|e| !e.recordings.is_empty()) else { return Ok(outcome) };
+    let Some(proposal) = answer.experiment.filter(|e| !e.recordings.is_empty()) else { return Ok(outcome) };
     let mut logs = vec![log];
-    for (number, recording) in experiment.recordings.iter().enumerate() {
+    for (number, recording) in proposal.recordings.iter().enumerate() {
         let Some((point, cycles)) = proposed(&bench, &recording.bench) else { return Ok(outcome) };
-        let mut again = session.again(point, &mut noise);
-        again.cycles = cycles;
-        let name = name_of(&format!("{} again {number}", cell.words()), cell.seed);
-        logs.push(desk.log(&name, &again.log(&effects, &mut noise), &bench)?);
+        let mut experiment = session.repeat(point, &mut noise);
+        experiment.cycles = cycles;
+        logs.push(run.log(&format!("experiment-{number}"), &experiment.log(&effects, &mut noise), &bench)?);
     }
-    let all = desk.ask(&bench, &logs, &[])?;
+    let all = run.diagnose(&bench, &logs, &[])?;
     let mut after = Outcome::new(cell);
-    after.judge(&all, &label);
+    after.score(&all, &effects);
     outcome.settled = Some(after.first && after.causes.len() == 1 && after.ambiguous_with.is_empty());
     Ok(outcome)
 }
@@ -118,7 +115,7 @@ mod tests {
         assert_eq!(sweep.course, Course::Described { rest: 0.0, rise: 0.75 });
         let mut session = Session::draw(Plant::Linear, 0.8, sweep, &mut Noise::new(3));
         session.cycles = 2.0;
-        // Two cycles at a mean of one and a half times the frequency.
+        // Two cycles at a mean of 1.5 times the frequency.
         assert!((session.length_s() - 4.0 * 2.0 / 1.5).abs() < 1e-12, "{}", session.length_s());
     }
 
@@ -132,7 +129,8 @@ mod tests {
             let (one, two) = (draw(one, &session, &base, &mut noise), draw(two, &session, &base, &mut noise));
             let (one, two) = (one.unwrap(), two.unwrap());
             let size = scale.magnitude(|m| one.at(m), one.guess, one.most, 1.0).unwrap();
-            let left = scale.left(&scale.added(&[one.at(size)]), &[scale.added(&[two.at(two.guess)])]);
+            let left =
+                scale.residual(&scale.response(&[one.at(size)]), &[scale.response(&[two.at(two.guess)])]);
             left.iter().map(|v| v * v).sum::<f64>()
         };
         assert!(apart(Plant::Linear, "coulomb-level", "load-dependent-friction") < ALIKE);

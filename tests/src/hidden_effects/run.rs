@@ -1,8 +1,7 @@
-//! One cell: hide, seal, ask, open, judge.
+//! One cell: hide an effect, ask the engine, score the answer.
 
 use super::cell::{Arm, Cell};
 use super::compare::Outcome;
-use super::seal::{Answer, Label, Sealed, name_of};
 use super::{CampaignError, changed, pairs};
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::motion::Course;
@@ -11,37 +10,38 @@ use crate::generator::session::{Point, Session};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::draw;
 use bench::effects::CATALOGUE;
-use bench::respond::{Inputs, respond};
+use bench::simulate::{Inputs, respond};
 use bench::{Bench, MeasuredLog};
 use diagnosis::{Diagnosis, Options, diagnose};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Deviations of the real plant from its description beside a hidden effect, in declared standard deviations.
+/// Maximum deviation of the real plant from its description beside a hidden effect, in declared
+/// standard deviations.
 const SPREAD: f64 = 0.8;
 /// The same in clean logs.
 const CLEAN_SPREAD: f64 = 2.0;
-/// Least size at which a held-out gain is compared with its prediction.
+/// Minimum size at which a predicted gain is compared with a measured one.
 const GAIN_SIZE: f64 = 0.5;
 
-/// Where a cell's files lie, and its number.
-pub(super) struct Desk<'a> {
+/// Folder of a cell's files, and the cell.
+pub(super) struct CellRun<'a> {
     pub(super) folder: &'a Path,
     pub(super) cell: &'a Cell,
 }
 
-impl Desk<'_> {
+impl CellRun<'_> {
     pub(super) fn failed(&self, error: &dyn std::fmt::Display) -> CampaignError {
         CampaignError::Engine { cell: self.cell.index, found: error.to_string() }
     }
 
-    /// The user's description of the plant.
+    /// Returns the user's description of the plant.
     pub(super) fn bench(&self) -> Result<Bench, CampaignError> {
         let description = self.cell.conditions().description(self.cell.plant);
         Bench::parse("bench.toml", description).map_err(|e| self.failed(&e))
     }
 
-    /// Writes a log under a name and reads it back as the engine's user would.
+    /// Writes a log and reads it back as a user of the engine would.
     pub(super) fn log(&self, name: &str, text: &str, bench: &Bench) -> Result<MeasuredLog, CampaignError> {
         let file: PathBuf = self.folder.join(format!("{name}.csv"));
         bench::atomic::write(&file, text.as_bytes()).map_err(|e| self.failed(&e))?;
@@ -49,8 +49,8 @@ impl Desk<'_> {
         MeasuredLog::parse(&format!("{name}.csv"), &text, &bench.log_format()).map_err(|e| self.failed(&e))
     }
 
-    /// The engine's answer to logs.
-    pub(super) fn ask(
+    /// Returns the engine's answer to logs.
+    pub(super) fn diagnose(
         &self,
         bench: &Bench,
         logs: &[MeasuredLog],
@@ -59,14 +59,15 @@ impl Desk<'_> {
         diagnose(bench, logs, &[], &Options { exclude, ..Options::default() }).map_err(|e| self.failed(&e))
     }
 
-    /// What calibration alone makes of a log, where no effect may be named.
-    pub(super) fn nominal(&self, bench: &Bench, log: &MeasuredLog) -> Result<Diagnosis, CampaignError> {
+    /// Calibrates the bench with a log; no effect may be named.
+    pub(super) fn calibrate(&self, bench: &Bench, log: &MeasuredLog) -> Result<Diagnosis, CampaignError> {
         let every: Vec<String> = CATALOGUE.iter().map(|kind| kind.name.to_owned()).collect();
-        self.ask(bench, std::slice::from_ref(log), &every)
+        self.diagnose(bench, std::slice::from_ref(log), &every)
     }
 }
 
-/// Draws the effects of a cell at their sizes; `None` where the plant cannot show one of them as large.
+/// Draws the effects of a cell at their sizes; `None` if the plant cannot show one of them as
+/// large.
 pub(super) fn hide(
     cell: &Cell,
     scale: &Scale<'_>,
@@ -82,7 +83,7 @@ pub(super) fn hide(
     cell.effects.iter().zip(&cell.sizes).map(one).collect()
 }
 
-/// A clean session: coloured noise, another operating point, more samples lost.
+/// Draws a clean session: coloured noise, another operating point, more samples lost.
 fn clean(cell: &Cell, noise: &mut Noise) -> Session {
     let any = |noise: &mut Noise, choices: &[f64]| choices[(noise.uniform() * choices.len() as f64) as usize];
     let point = Point {
@@ -98,23 +99,23 @@ fn clean(cell: &Cell, noise: &mut Noise) -> Session {
     session
 }
 
-/// Runs a cell in a folder; its log, label and answer are removed again.
+/// Runs a cell in a folder and removes its files.
 pub fn run(folder: &Path, cell: &Cell) -> Result<Outcome, CampaignError> {
     let place = tempfile::tempdir_in(folder).map_err(|e| CampaignError::File {
         file: folder.display().to_string(),
         found: e.to_string(),
         expected: "a folder that can be written",
     })?;
-    let desk = Desk { folder: place.path(), cell };
+    let run = CellRun { folder: place.path(), cell };
     match cell.arm {
-        Arm::Pair => pairs::run(&desk),
-        Arm::Changed => changed::run(&desk),
-        _ => plain(&desk),
+        Arm::Pair => pairs::run(&run),
+        Arm::Changed => changed::run(&run),
+        _ => plain(&run),
     }
 }
 
-fn plain(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
-    let cell = desk.cell;
+fn plain(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
+    let cell = run.cell;
     let mut noise = Noise::new(cell.stream());
     let session = match cell.arm {
         Arm::Clean => clean(cell, &mut noise),
@@ -125,52 +126,48 @@ fn plain(desk: &Desk<'_>) -> Result<Outcome, CampaignError> {
     let mut outcome = Outcome::new(cell);
     let scale = Scale::new(&session);
     let Some(effects) = hide(cell, &scale, &session, &mut noise) else { return Ok(outcome) };
-    let bench = desk.bench()?;
-    let name = name_of(&cell.words(), cell.seed);
-    let log = desk.log(&name, &session.log(&effects, &mut noise), &bench)?;
-    let label = Label { effects, sizes: cell.sizes.clone() };
-    let sealed = Sealed::close(desk.folder, &name, cell.stream(), &label)?;
-    drop(label);
+    let bench = run.bench()?;
+    let log = run.log("log", &session.log(&effects, &mut noise), &bench)?;
     let exclude = if cell.arm == Arm::Deleted { cell.effects.clone() } else { Vec::new() };
     let start = Instant::now();
-    let answer = desk.ask(&bench, std::slice::from_ref(&log), &exclude)?;
+    let answer = run.diagnose(&bench, std::slice::from_ref(&log), &exclude)?;
     outcome.engine_s = start.elapsed().as_secs_f64();
-    let label = sealed.open(&Answer::write(desk.folder, &name, &answer)?)?;
-    outcome.judge(&answer, &label);
-    outcome.judge_equivalence(&scale, &answer);
+    outcome.score(&answer, &effects);
+    outcome.score_equivalence(&scale, &answer);
     if gain_is_asked(&outcome) {
-        let text = session.again(Point::default(), &mut noise).log(&label.effects, &mut noise);
-        outcome.realised = realised(desk, &bench, &log, &text, &answer)?;
+        let text = session.repeat(Point::default(), &mut noise).log(&effects, &mut noise);
+        outcome.realised = realised(run, &bench, &log, &text, &answer)?;
     }
     Ok(outcome)
 }
 
-/// Whether a predicted gain is put to the test: of a wrong name too, since the engine predicts it without knowing that.
+/// Returns whether a predicted gain is measured. Wrong names count, too, because the engine does
+/// not know that they are wrong.
 fn gain_is_asked(outcome: &Outcome) -> bool {
     let cell = &outcome.cell;
     cell.arm == Arm::Single && !outcome.causes.is_empty() && cell.sizes.iter().all(|s| *s >= GAIN_SIZE)
 }
 
-/// The share of what the calibrated nominal bench leaves above the noise, on a session that the engine never saw, that the
-/// extended bench takes away.
+/// Returns the share of the residual above the noise that the extended bench removes, relative to
+/// the calibrated nominal bench, on a session that the engine never saw.
 fn realised(
-    desk: &Desk<'_>,
+    run: &CellRun<'_>,
     bench: &Bench,
     seen: &MeasuredLog,
     text: &str,
     answer: &Diagnosis,
 ) -> Result<Option<f64>, CampaignError> {
-    let fresh = desk.log("fresh", text, bench)?;
-    let nominal = desk.nominal(bench, seen)?;
+    let fresh = run.log("fresh", text, bench)?;
+    let nominal = run.calibrate(bench, seen)?;
     let (Some(before), Some(after)) = (&nominal.extended, &answer.extended) else { return Ok(None) };
-    let sensors = desk.cell.conditions().sensors(desk.cell.plant);
+    let sensors = run.cell.conditions().sensors(run.cell.plant);
     let left = |bench: &Bench| -> Result<f64, CampaignError> {
-        let inputs = Inputs::new(bench, &fresh).map_err(|e| desk.failed(&e))?;
-        let response = respond(bench, &inputs).map_err(|e| desk.failed(&e))?;
+        let inputs = Inputs::new(bench, &fresh).map_err(|e| run.failed(&e))?;
+        let response = respond(bench, &inputs).map_err(|e| run.failed(&e))?;
         let power = |(channel, simulated): (&bench::Channel, &Vec<f64>)| {
             let floor = sensors.iter().find(|s| s.channel == channel.name()).map_or(1.0, |s| s.floor());
             let measured = fresh.channels.get(channel).map_or(&[][..], Vec::as_slice);
-            let used = fresh.time_s.iter().map(|t| *t > desk.cell.plant.landing_s());
+            let used = fresh.time_s.iter().map(|t| *t > run.cell.plant.landing_s());
             let pairs = measured.iter().zip(simulated).zip(used).filter(|(_, used)| *used);
             let (sum, count) = pairs
                 .fold((0.0, 0.0_f64), |(sum, n), ((m, s), _)| (sum + ((m - s) / floor).powi(2), n + 1.0));
@@ -189,7 +186,7 @@ mod tests {
     use crate::hidden_effects::compare::Named;
 
     #[test]
-    fn the_gain_of_a_wrong_name_is_put_to_the_test_too() {
+    fn the_gain_of_a_wrong_name_is_measured_too() {
         let cells = Campaign { sizes: vec![0.3, 0.5], arms: vec![Arm::Single], ..Campaign::quick() }.cells();
         for cell in &cells {
             let mut outcome = Outcome::new(cell);

@@ -1,8 +1,9 @@
-//! Figures over many cells; [`super::goals`] are what they stand beside.
+//! Figures of a campaign; [`super::goals`] has their goals.
 //!
-//! Every share is of the cells in which the plant could show the wanted size. Detected: any answer but `none`. First name: the first
-//! cause of a named or ambiguous answer. Group: causes and what is said to fit as well. Wrong: causes are named, and the hidden
-//! effect is neither in the group nor equivalent to a cause.
+//! Every share is relative to the cells in which the plant can show the requested size. Detected:
+//! any answer but `none`. First name: the first cause of a named or ambiguous answer. Group: the
+//! causes and the effects that fit equally well. Wrong: causes are named, and the hidden effect is
+//! neither in the group nor equivalent to a cause.
 
 use super::cell::{Arm, Campaign};
 use super::changed::CHANGES;
@@ -13,7 +14,7 @@ use std::collections::BTreeMap;
 /// Shares over cells with one hidden effect.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shares {
-    /// Cells.
+    /// Number of cells.
     pub cells: usize,
     /// Share with any answer but `none`.
     pub detected: f64,
@@ -31,29 +32,29 @@ pub struct Shares {
     pub wrong: f64,
 }
 
-/// A count and the shares of what was asked.
+/// A share of cells.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Share {
-    /// Cells.
+    /// Number of cells.
     pub cells: usize,
-    /// Share of them.
+    /// Share of the cells.
     pub share: f64,
 }
 
-/// The figures of a campaign.
+/// Figures of a campaign.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
-    /// Day of the run.
+    /// Date of the run.
     pub date: String,
-    /// What to know about the run, in words.
+    /// Remarks about the run.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// Which cells were asked for.
+    /// Cells that were asked for.
     pub campaign: Option<Campaign>,
     /// Cells that ran, by plant.
     pub ran: BTreeMap<String, usize>,
-    /// Cells of every arm that were not asked, by arm, plant and effects: the plant cannot show the wanted size, or a pair does
-    /// not look alike.
+    /// Cells that were not asked, by arm, plant and effects: the plant cannot show the requested
+    /// size, or a pair does not look alike.
     pub out_of_reach: BTreeMap<String, usize>,
     /// Clean logs: share with any answer but `none`, by plant.
     pub false_alarms: BTreeMap<String, Share>,
@@ -67,7 +68,7 @@ pub struct Figures {
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
     /// Deleted causes.
     pub deleted: Shares,
-    /// Two effects: both in the group; a third named.
+    /// Two effects: both in the group.
     pub both: Share,
     /// Two effects: share with a third cause.
     pub third: Share,
@@ -75,7 +76,8 @@ pub struct Figures {
     pub pair_named: Share,
     /// Inseparable pairs that were named: settled by the proposed experiment.
     pub pair_settled: Share,
-    /// Inseparable pairs that were named: said that no experiment of the menu tells them apart.
+    /// Inseparable pairs that were named: the answer says that no experiment of the menu separates
+    /// them.
     #[serde(default)]
     pub pair_hopeless: Share,
     /// Hard conditions, clean logs: any answer but `none`.
@@ -91,26 +93,28 @@ pub struct Figures {
     pub changed: BTreeMap<String, Share>,
     /// Two sessions: median ratio of interval widths.
     pub shrink: Option<f64>,
-    /// Stated probability of the first cause against hit rate by bin, single effects: cells, mean stated, hit.
+    /// Bins of the stated probability of the first cause over single effects: cells, mean, hit
+    /// rate.
     pub calibration: Vec<(usize, f64, f64)>,
     /// Expected calibration error over single effects.
     pub calibration_error: Option<f64>,
-    /// The same bins over the cells of all arms, also those in which any cause is wrong.
+    /// The same bins over the cells of all arms, including those in which any cause is wrong.
     #[serde(default)]
     pub calibration_of_all: Vec<(usize, f64, f64)>,
     /// Expected calibration error over all arms.
     #[serde(default)]
     pub calibration_error_of_all: Option<f64>,
-    /// Share of 95 % intervals that hold the truth, of first causes that are right.
+    /// Share of 95 % intervals that contain the truth, if the first cause is right.
     pub covered: Share,
-    /// Median relative parameter error at size 1, of first causes that are right.
+    /// Median relative parameter error at size 1, if the first cause is right.
     pub parameter_error: Option<f64>,
-    /// Cells behind that error.
+    /// Number of cells of that error.
     #[serde(default)]
     pub parameter_cells: usize,
-    /// Median of realised over predicted held-out gain, less 1, without sign, of all cells with a cause at sizes of .5 and more.
+    /// Median of |measured / predicted gain - 1| over all cells with a cause at sizes of .5 and
+    /// more.
     pub gain_error: Option<f64>,
-    /// Share of those cells with a realised gain within 20 % of the predicted.
+    /// Share of those cells with a measured gain within 20 % of the predicted one.
     pub gain_within: Share,
     /// Longest and median wall time of the engine in s.
     pub engine_s: (f64, f64),
@@ -159,7 +163,27 @@ fn effect(outcome: &Outcome) -> String {
     outcome.cell.effects.first().cloned().unwrap_or_default()
 }
 
-/// The figures over outcomes.
+/// Counts the first names by hidden effect.
+fn confusion(cells: &[&Outcome]) -> BTreeMap<String, BTreeMap<String, usize>> {
+    let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
+    for outcome in cells {
+        let first = outcome.causes.first().map_or(outcome.verdict.as_str(), |c| &c.effect);
+        *confusion.entry(effect(outcome)).or_default().entry(first.into()).or_default() += 1;
+    }
+    confusion
+}
+
+/// Counts the cells that were not asked, by arm, plant and effects.
+fn out_of_reach(outcomes: &[Outcome]) -> BTreeMap<String, usize> {
+    let mut counts = BTreeMap::new();
+    for cell in outcomes.iter().filter(|o| !o.shown()).map(|o| &o.cell) {
+        let name = format!("{:?} {} {}", cell.arm, cell.plant.name(), cell.effects.join(" + "));
+        *counts.entry(name.to_lowercase()).or_default() += 1;
+    }
+    counts
+}
+
+/// Computes the figures of outcomes.
 pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures {
     let shown: Vec<&Outcome> = outcomes.iter().filter(|o| o.shown()).collect();
     let arm = |arm: Arm| -> Vec<&Outcome> { shown.iter().filter(|o| o.cell.arm == arm).copied().collect() };
@@ -178,16 +202,6 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         single.iter().filter(|o| size(o) == 1.0).filter_map(|o| o.parameter_error).collect();
     let named: Vec<&Outcome> = pair.iter().filter(|o| o.in_group == 2).copied().collect();
     let hopeless = |o: &Outcome| o.hopeless;
-    let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
-    for outcome in &clear {
-        let first = outcome.causes.first().map_or(outcome.verdict.as_str(), |c| &c.effect);
-        *confusion.entry(effect(outcome)).or_default().entry(first.into()).or_default() += 1;
-    }
-    let mut out_of_reach = BTreeMap::new();
-    for cell in outcomes.iter().filter(|o| !o.shown()).map(|o| &o.cell) {
-        let words = format!("{:?} {} {}", cell.arm, cell.plant.name(), cell.effects.join(" + "));
-        *out_of_reach.entry(words.to_lowercase()).or_default() += 1;
-    }
     let mut times: Vec<f64> = shown.iter().map(|o| o.engine_s).collect();
     times.sort_by(f64::total_cmp);
     Figures {
@@ -198,7 +212,7 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
             .into_iter()
             .map(|(k, v)| (k, v.len()))
             .collect(),
-        out_of_reach,
+        out_of_reach: out_of_reach(outcomes),
         false_alarms: groups(&clean, |o| o.cell.plant.name().to_owned())
             .into_iter()
             .map(|(k, v)| (k, share(&v, Outcome::detected)))
@@ -212,7 +226,7 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
             .iter()
             .map(|(k, v)| (k.clone(), shares(v)))
             .collect(),
-        confusion,
+        confusion: confusion(&clear),
         deleted: shares(&arm(Arm::Deleted)),
         both: share(&two, |o| o.in_group == 2),
         third: share(&two, |o| o.causes.len() > 2),
@@ -246,7 +260,7 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
     }
 }
 
-/// Bins of stated probability of the first cause against how often it is right: hidden, or equivalent.
+/// Returns bins of the stated probability of the first cause with the rate at which it is right.
 fn calibration(cells: &[&Outcome]) -> (Vec<(usize, f64, f64)>, Option<f64>) {
     let edges = [0.0, 0.5, 0.7, 0.9, 0.99, f64::INFINITY];
     let stated: Vec<(f64, bool)> =

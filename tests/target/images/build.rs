@@ -1,4 +1,4 @@
-//! Hands a board's memory map to the linker.
+//! Passes a board's memory map to the linker.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};

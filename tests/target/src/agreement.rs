@@ -1,4 +1,4 @@
-//! Digests of the outputs of layers and networks, to be compared between engines and cores.
+//! Digests of the outputs of layers and networks, for comparison between engines and cores.
 
 use crate::network::{COLUMNS, INPUTS, Reference, Room, random, read, reference_shapes};
 use crate::noise::Noise;
@@ -6,9 +6,9 @@ use inference::activation::Activation;
 use inference::chain::{Sums, Then};
 use inference::image::WeightForm;
 use inference::kernel::Engine;
-use inference::{Causal, Convolution, Head, Interleaved, Pad, Same, Streaming, Windowed};
+use inference::{Causal, Convolution, Head, Pad, Same, Streaming, Windowed};
 
-/// FNV-1a over whole numbers.
+/// FNV-1a hash over integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Digest(pub u64);
 
@@ -20,16 +20,19 @@ impl Digest {
     }
 }
 
-/// Shapes that are tried: rests of every kind in taps and outputs, one column and one input among them.
+/// Shapes under test: partial groups and blocks of every kind in taps and outputs, one column and
+/// one input among them.
 macro_rules! shapes {
-    ($run:ident $arguments:tt $($input:ty => $output:ty, $form:ident, $inputs:literal, $outputs:literal, $kernel:literal;)*) => {
+    ($run:ident $arguments:tt
+     $($input:ty => $output:ty, $form:ident, $inputs:literal, $outputs:literal, $kernel:literal;)*) => {
         $($run::<E, $input, $output, $inputs, $outputs, $kernel>(WeightForm::$form, $arguments)?;)*
     };
 }
 
 const PLACES: usize = 9;
 
-/// One convolution at every position of a window with every padding, and a head over its outputs.
+/// Computes one convolution at every position of a window with every padding, and a head over its
+/// outputs.
 fn layer<E: Engine, A: Activation, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
     form: WeightForm,
     (seed, digest, room): (&mut u64, &mut Digest, &mut Room),
@@ -45,7 +48,7 @@ fn layer<E: Engine, A: Activation, B: Activation, const IN: usize, const OUT: us
     let inputs: [[A; IN]; PLACES] = core::array::from_fn(|_| {
         core::array::from_fn(|_| {
             let value = noise.within(full_scale);
-            // Features may be negative; so may the smallest value there is.
+            // Features may be negative, down to the smallest integer.
             A::from_i32(if noise.bits().is_multiple_of(50) { -A::MAX - 1 } else { value })
         })
     });
@@ -62,7 +65,7 @@ fn layer<E: Engine, A: Activation, B: Activation, const IN: usize, const OUT: us
     Some(())
 }
 
-/// The reference network in all of its modes.
+/// Computes the reference network in all of its modes.
 fn network<E: Engine, A: Activation, D: Pad>(
     form: WeightForm,
     seed: &mut u64,
@@ -77,7 +80,6 @@ fn network<E: Engine, A: Activation, D: Pad>(
     let mut column = || core::array::from_fn::<i16, INPUTS, _>(|_| noise.within(32767) as i16);
     let mut window = Windowed::<_, i16, INPUTS, COLUMNS, D, E>::new(network);
     let mut stream = Streaming::<_, i16, INPUTS, E>::new(network);
-    let mut pieces = Interleaved::<_, i16, INPUTS, 3, E>::new(network);
     let columns: [[i16; INPUTS]; COLUMNS] = core::array::from_fn(|_| column());
     let mut add = |(Sums([sum]), clipped): (Sums<1>, u32)| {
         digest.add(i64::from(sum));
@@ -88,13 +90,11 @@ fn network<E: Engine, A: Activation, D: Pad>(
         let newest = column();
         add(window.slide(&newest));
         add(stream.push(&newest));
-        pieces.begin(&newest).then_some(())?;
-        (0..3).filter_map(|_| pieces.tick()).for_each(&mut add);
     }
     Some(())
 }
 
-/// Runs everything with one engine; `None` if the parameters could not be set up.
+/// Computes the digest with one engine; `None` if the parameters could not be set up.
 pub fn digest<E: Engine>(mut seed: u64, room: &mut Room) -> Option<Digest> {
     let mut all = Digest(0xcbf2_9ce4_8422_2325);
     let (seed, digest) = (&mut seed, &mut all);

@@ -1,9 +1,12 @@
-//! What the binaries run on a controller and the tests on the host: the same code, generic over the engine.
+//! Test code that runs unchanged on a controller and on the host, generic over the engine.
 //!
-//! [`agreement`] digests the outputs of layers of many shapes; [`network`] has the reference network that counts are published
-//! for, and random parameters for both.
+//! [`agreement`] digests the outputs of layers of many shapes, [`filter`] those of the Kalman
+//! filter. [`network`] contains the reference
+//! network of the published instruction counts, and random parameters for both.
 #![no_std]
 
 pub mod agreement;
+#[cfg(feature = "filter")]
+pub mod filter;
 pub mod network;
 pub mod noise;

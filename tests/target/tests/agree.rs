@@ -1,4 +1,4 @@
-//! The engines of the host agree.
+//! Agreement of the host's engines.
 
 use inference::kernel::{Native, Portable};
 use on_target::agreement::digest;

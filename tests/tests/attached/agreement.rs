@@ -1,12 +1,12 @@
-//! What comes over the serial port is what the native controller gives.
+//! The controller on the serial port gives the results of the native controller.
 
 use crate::board::{Board, PATIENT, frames, native};
-use firmware::configuration::BENCH_B;
-use host_sim::controller::replay::replay;
+use controller::configuration::BENCH_B;
 use host_sim::controller::{
     AttachedController, Controller, EmulatedController, NativeController, Recorder, Recording,
 };
-use host_sim::estimator::{bit_differences, track};
+use host_sim::replay::replay;
+use host_sim::run::exchange::{bit_differences, exchange};
 use link::{Counters, Target};
 
 #[test]
@@ -16,11 +16,11 @@ fn estimates_and_counts_are_those_of_the_native_controller_and_a_later_host_find
         let frames = frames(1_000, seed);
         let controller = board.attached();
         assert_eq!((controller.hello().target, controller.name()), (Target::Emulator, "attached"));
-        let there = track(Box::new(controller), &frames).unwrap();
+        let there = exchange(Box::new(controller), &frames).unwrap();
         let here = native(&frames);
         assert_eq!(bit_differences(&there, &here), 0);
         assert!(here.counters.flagged > 0 && here.counters.sequence_gaps > 0, "{:?}", here.counters);
-        // What the line had repeated is no matter of the run.
+        // Repetitions on the line do not belong to the run.
         let of_the_run = |c: Counters| {
             (
                 c.samples,
@@ -40,7 +40,7 @@ fn estimates_and_counts_are_those_of_the_native_controller_and_a_later_host_find
 }
 
 #[test]
-fn what_was_recorded_over_the_serial_port_is_replayed_to_the_bit_on_every_end() {
+fn a_recording_of_the_serial_port_is_replayed_bit_for_bit_on_every_endpoint() {
     let board = Board::start();
     let frames = frames(500, 3);
     let mut controller = board.attached();
@@ -48,12 +48,12 @@ fn what_was_recorded_over_the_serial_port_is_replayed_to_the_bit_on_every_end() 
     controller.listen(recorder.clone());
     controller.configure(BENCH_B).unwrap();
     let build_id = controller.hello().build_id;
-    track(Box::new(controller), &frames).unwrap();
+    exchange(Box::new(controller), &frames).unwrap();
     let recording = Recording { build_id, frames: recorder.take() };
     let ends: [Box<dyn Controller>; 3] = [
         Box::new(NativeController::open().unwrap()),
         Box::new(EmulatedController::open(&EmulatedController::default_elf()).unwrap()),
-        Box::new(AttachedController::open_within(&board.port, PATIENT).unwrap()),
+        Box::new(AttachedController::open_with(&board.port, PATIENT).unwrap()),
     ];
     for mut end in ends {
         let replayed = replay(&recording, &mut *end).unwrap();

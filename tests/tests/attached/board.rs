@@ -1,10 +1,10 @@
-//! The emulated board on a pseudo-terminal, with the emulator's monitor beside it.
+//! The emulated board on a pseudo-terminal, with the emulator's monitor.
 
-use firmware::configuration::BENCH_B;
+use controller::configuration::BENCH_B;
 use host_sim::controller::{
-    AttachedController, Bounds, Controller, EmulatedController, NativeController, RemoteController,
+    AttachedController, Controller, EmulatedController, NativeController, RemoteController, Timeouts,
 };
-use host_sim::estimator::{Tracked, track};
+use host_sim::run::exchange::{ExchangeResult, exchange};
 use link::{Command as LinkCommand, SensorFrame};
 use rustix::process::{Pid, Signal, kill_process};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -14,10 +14,11 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Patience for a busy machine.
-pub(crate) const PATIENT: Bounds = Bounds { answer: Duration::from_secs(40), again: Duration::from_secs(4) };
+/// Timeouts for a busy machine.
+pub(crate) const PATIENT: Timeouts =
+    Timeouts { answer: Duration::from_secs(40), retry: Duration::from_secs(4) };
 
-/// An emulator keeps a core busy whatever it waits for, so there is one board at a time.
+/// An idle emulator keeps a core busy, so only one board runs at a time.
 static ALONE: Mutex<()> = Mutex::new(());
 
 /// A running board.
@@ -36,10 +37,10 @@ impl Drop for Board {
 }
 
 impl Board {
-    /// An instruction takes 4 ns, so that a tick's work takes a third of its period.
+    /// Starts a board. An instruction takes 4 ns, so that a tick takes a third of its period.
     pub(crate) fn start() -> Self {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-        // Without the link's pipes in its folder the image takes the serial port.
+        // Without the link's pipes in its folder, the image uses the serial port.
         let folder = tempfile::tempdir().unwrap();
         let mut emulator = Command::new("qemu-system-arm")
             .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "unix:monitor,server=on,wait=off"])
@@ -53,9 +54,9 @@ impl Board {
             .spawn()
             .unwrap();
         // "char device redirected to /dev/pts/3 (label serial5)"
-        let mut said = String::new();
-        BufReader::new(emulator.stdout.take().unwrap()).read_line(&mut said).unwrap();
-        let port = said.split_whitespace().find(|word| word.starts_with("/dev/")).unwrap().into();
+        let mut received = String::new();
+        BufReader::new(emulator.stdout.take().unwrap()).read_line(&mut received).unwrap();
+        let port = received.split_whitespace().find(|word| word.starts_with("/dev/")).unwrap().into();
         Self { port, folder, emulator, _alone: alone }
     }
 
@@ -63,40 +64,42 @@ impl Board {
         kill_process(Pid::from_child(&self.emulator), signal).unwrap();
     }
 
-    /// Has the emulator's monitor do something, and waits until it has.
+    /// Runs a command of the emulator's monitor to its end.
     pub(crate) fn monitor(&self, command: &str) {
         let mut monitor = UnixStream::connect(self.folder.path().join("monitor")).unwrap();
         monitor.set_read_timeout(Some(Duration::from_millis(50))).unwrap();
         writeln!(monitor, "{command}").unwrap();
-        // Its prompt comes once on connecting and once after the command.
-        let (mut said, mut buffer, deadline) =
+        // The prompt appears once after connecting and once after the command.
+        let (mut received, mut buffer, deadline) =
             (Vec::new(), [0; 1024], Instant::now() + Duration::from_secs(10));
-        while said.windows(6).filter(|window| window == b"(qemu)").count() < 2 {
-            assert!(Instant::now() < deadline, "{}", String::from_utf8_lossy(&said));
+        while received.windows(6).filter(|window| window == b"(qemu)").count() < 2 {
+            assert!(Instant::now() < deadline, "{}", String::from_utf8_lossy(&received));
             if let Ok(count) = monitor.read(&mut buffer) {
-                said.extend(&buffer[..count]);
+                received.extend(&buffer[..count]);
             }
         }
     }
 
-    /// The host's end, configured. For every byte the emulator changes from one of its threads to another, which takes long on a busy machine.
+    /// Returns the host's controller, configured. For every byte, the emulator switches between
+    /// threads, which is slow on a busy machine.
     pub(crate) fn attached(&self) -> RemoteController {
         self.attached_within(PATIENT)
     }
 
-    /// The same with other waits.
-    pub(crate) fn attached_within(&self, bounds: Bounds) -> RemoteController {
-        let mut controller = AttachedController::open_within(&self.port, bounds).unwrap();
+    /// The same with other timeouts.
+    pub(crate) fn attached_within(&self, timeouts: Timeouts) -> RemoteController {
+        let mut controller = AttachedController::open_with(&self.port, timeouts).unwrap();
         controller.order(LinkCommand::Configure(BENCH_B)).unwrap();
         controller
     }
 }
 
-pub(crate) fn native(frames: &[SensorFrame]) -> Tracked {
-    track(Box::new(NativeController::start(BENCH_B).unwrap()), frames).unwrap()
+pub(crate) fn native(frames: &[SensorFrame]) -> ExchangeResult {
+    exchange(Box::new(NativeController::start(BENCH_B).unwrap()), frames).unwrap()
 }
 
-/// Samples of a journal that swings along the clearance circle and in and out of contact; a jump and a lost sample now and then.
+/// Returns samples of a journal that swings along the clearance circle and in and out of contact,
+/// with some jumps and lost samples.
 pub(crate) fn frames(count: u32, seed: u32) -> Vec<SensorFrame> {
     let mut state = seed.wrapping_mul(0x9E37_79B9) | 1;
     let mut noise = move || {

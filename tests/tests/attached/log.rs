@@ -1,4 +1,5 @@
-//! The log that the image keeps for a debug probe: taken out of the emulator's memory as a probe would, decoded as `host-sim flash --follow` does.
+//! The image's log for a debug probe, read from the emulator's memory as a probe would and decoded
+//! as `host-sim flash --follow` does.
 
 use crate::board::Board;
 use host_sim::controller::EmulatedController;
@@ -33,7 +34,7 @@ fn log_of(board: &Board) -> (Vec<u8>, Vec<u8>) {
     assert_eq!(memory.bytes(block, 16), b"SEGGER RTT\0\0\0\0\0\0");
     assert_eq!((memory.word(block + 16), memory.word(block + 20)), (2, 1), "channels up and down");
     let [buffer, size, written, read] = [28, 32, 36, 40].map(|offset| memory.word(block + offset));
-    assert_eq!(read, 0, "nobody has read");
+    assert_eq!(read, 0, "no byte has been read");
     assert!(written > 0 && written < size, "{written} of {size}");
     let log = memory.bytes(buffer, written).to_vec();
     (image, log)
@@ -42,15 +43,15 @@ fn log_of(board: &Board) -> (Vec<u8>, Vec<u8>) {
 #[test]
 fn the_log_in_the_images_memory_reads_as_text() {
     let board = Board::start();
-    // Greeted: the log's first line has been written.
+    // After the hello frame, the log's first line has been written.
     drop(board.attached());
     let (image, log) = log_of(&board);
-    let texts = Texts::of(&image).unwrap();
+    let texts = Texts::from_elf(&image).unwrap();
     let lines = texts.decoder().take(&log);
     let [started] = &lines[..] else { panic!("{lines:?}") };
     assert!(started.ends_with("INFO started, core at 168000000 Hz"), "{started}");
 
-    // In pieces, and behind the tail of a frame that was overwritten.
+    // In pieces, and after the tail of an overwritten frame.
     let mut decoder = texts.decoder();
     let pieces: Vec<String> =
         [&log[1..], &log[..]].concat().chunks(3).flat_map(|piece| decoder.take(piece)).collect();
@@ -58,9 +59,9 @@ fn the_log_in_the_images_memory_reads_as_text() {
 }
 
 #[test]
-fn texts_of_something_else_are_refused() {
-    let error = Texts::of(b"no image").err().unwrap().to_string();
+fn texts_of_another_image_are_refused() {
+    let error = Texts::from_elf(b"no image").err().unwrap().to_string();
     assert!(error.starts_with("the texts of the log: "), "{error}");
     let host = std::fs::read(std::env::current_exe().unwrap()).unwrap();
-    assert!(Texts::of(&host).err().unwrap().to_string().contains("the image has none"));
+    assert!(Texts::from_elf(&host).err().unwrap().to_string().contains("the image has none"));
 }

@@ -1,5 +1,6 @@
-//! The firmware's image behind its serial port, as a board would be: USART6 of the emulator on a pseudo-terminal. The host gets what the native
-//! controller gives, to the bit; what goes wrong has a name and an end; the log in the image's memory reads as text.
+//! The firmware image on a serial port, like a board: USART6 of the emulator on a pseudo-terminal.
+//! The host gets the bits of the native controller, failures have named errors and timeouts, and
+//! the log in memory reads as text.
 //!
 //! Needs qemu-system-arm and the image (`cargo xtask firmware`).
 #![cfg(all(feature = "emulated", target_os = "linux"))]

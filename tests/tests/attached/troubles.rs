@@ -1,15 +1,19 @@
-//! The board goes, hangs, restarts, or loses its host: the run ends with the reason, or goes on where it can.
+//! A board that ends, hangs or restarts, or loses its host: the run ends with the reason, or
+//! continues if possible.
 
 use crate::board::{Board, PATIENT, frames, native};
-use firmware::configuration::BENCH_B;
-use host_sim::controller::{BOUNDS, Bounds, Controller, ControllerError, NativeController};
-use host_sim::estimator::{OnRestart, bit_differences, track, track_restarting, track_through};
+use controller::configuration::BENCH_B;
+use host_sim::controller::{Controller, ControllerError, NativeController, TIMEOUTS, Timeouts};
+use host_sim::run::exchange::{
+    OnRestart, bit_differences, exchange, exchange_observed, exchange_with_restarts,
+};
 use link::SensorFrame;
 use rustix::process::Signal;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Runs until something goes wrong; the last sample that was answered, the error, and how long the last exchange took.
+/// Runs until an error; returns the last answered sample, the error, and the duration of the last
+/// exchange.
 fn until_it_fails(
     controller: &mut dyn Controller,
     frames: &[SensorFrame],
@@ -25,10 +29,10 @@ fn until_it_fails(
     panic!("nothing went wrong");
 }
 
-/// Does something to a board some time after the first sample.
+/// Runs an action on a board some time after the first sample.
 fn after(
     board: &Board,
-    bounds: Bounds,
+    bounds: Timeouts,
     delay: Duration,
     what: impl FnOnce(&Board) + Send,
 ) -> (Option<u32>, ControllerError, Duration) {
@@ -42,42 +46,42 @@ fn after(
     })
 }
 
-fn tells(error: &ControllerError, last: Option<u32>) {
-    let told = last.map_or_else(|| "none".into(), |last| last.to_string());
+fn assert_last_sample(error: &ControllerError, last: Option<u32>) {
+    let last = last.map_or_else(|| "none".into(), |last| last.to_string());
     let text = error.to_string();
-    assert!(text.contains(&format!("last sequence number answered: {told}")), "{text}");
+    assert!(text.contains(&format!("last sequence number answered: {last}")), "{text}");
 }
 
 #[test]
-fn a_killed_board_is_noticed_at_once() {
+fn a_killed_board_is_an_error_at_once() {
     for delay_ms in [37, 151, 402] {
         let board = Board::start();
         let (last, error, took) =
             after(&board, PATIENT, Duration::from_millis(delay_ms), |board| board.signal(Signal::KILL));
         assert!(matches!(error, ControllerError::Ended { .. }), "{error:?}");
         assert!(took < Duration::from_secs(2), "{took:?}");
-        tells(&error, last);
+        assert_last_sample(&error, last);
     }
 }
 
 #[test]
-fn a_board_that_hangs_is_given_up_at_the_bound() {
+fn a_board_that_hangs_times_out() {
     let board = Board::start();
     let (last, error, took) =
-        after(&board, BOUNDS, Duration::from_millis(220), |board| board.signal(Signal::STOP));
+        after(&board, TIMEOUTS, Duration::from_millis(220), |board| board.signal(Signal::STOP));
     assert!(matches!(error, ControllerError::TimedOut { waiting_for: "a sample", .. }), "{error:?}");
     assert!(took < Duration::from_secs(8), "{took:?}");
-    tells(&error, last);
+    assert_last_sample(&error, last);
 }
 
 #[test]
-fn a_reset_board_is_noticed_and_gone_on_with_if_asked() {
+fn a_reset_board_is_an_error_or_the_run_continues_on_request() {
     let board = Board::start();
     let (last, error, took) =
         after(&board, PATIENT, Duration::from_millis(250), |board| board.monitor("system_reset"));
     assert!(matches!(error, ControllerError::Restarted { .. }), "{error:?}");
     assert!(took < Duration::from_secs(20), "{took:?}");
-    tells(&error, last);
+    assert_last_sample(&error, last);
 
     let frames = frames(1_500, 4);
     let controller = Box::new(board.attached());
@@ -86,18 +90,18 @@ fn a_reset_board_is_noticed_and_gone_on_with_if_asked() {
             thread::sleep(Duration::from_millis(300));
             board.monitor("system_reset");
         });
-        track_through(controller, BENCH_B, &frames, OnRestart::Continue).unwrap()
+        exchange_observed(controller, BENCH_B, &frames, OnRestart::Continue, None).unwrap()
     });
     assert_eq!(there.restarts.len(), 1);
     let here = Box::new(NativeController::start(BENCH_B).unwrap());
     assert_eq!(
-        bit_differences(&there, &track_restarting(here, BENCH_B, &frames, &there.restarts).unwrap()),
+        bit_differences(&there, &exchange_with_restarts(here, BENCH_B, &frames, &there.restarts).unwrap()),
         0
     );
 }
 
 #[test]
-fn a_host_that_went_leaves_the_board_to_the_next_one() {
+fn a_board_serves_the_next_host_after_one_that_left() {
     use std::io::Write;
     let board = Board::start();
     let frames = frames(200, 5);
@@ -111,7 +115,7 @@ fn a_host_that_went_leaves_the_board_to_the_next_one() {
         port.write_all(&[30, 1, 2]).unwrap();
         drop(port);
         assert_eq!(
-            bit_differences(&track(Box::new(board.attached()), &frames).unwrap(), &native(&frames)),
+            bit_differences(&exchange(Box::new(board.attached()), &frames).unwrap(), &native(&frames)),
             0
         );
     }

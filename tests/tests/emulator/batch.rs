@@ -1,16 +1,17 @@
-//! Images run in one go: the link's pipes are plain files, the image reads what was written beforehand and ends where it ends; its answers are
-//! read afterwards. After a reset it starts again with the same input and an emptied output.
+//! Images that run in one go. The link's pipes are plain files: the image reads input that was
+//! written before, ends with it, and its messages are read afterwards. After a reset it starts
+//! again with the same input and an empty output.
 
 use link::{Decoder, MAX_FRAME, ToController, ToHost, encode};
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longest run; the longest takes some seconds.
-const BOUND: Duration = Duration::from_secs(60);
+/// Timeout of a run; the slowest takes some seconds.
+const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// Runs an image on a machine of the emulator over messages; `command_line` is what semihosting gives it. Returns how it ended and what it said
-/// since its last start.
+/// Runs an image on a machine of the emulator over messages. `command_line` is the semihosting
+/// command line. Returns the exit status and the messages since the last start.
 pub(crate) fn run(
     machine: &str,
     image: &Path,
@@ -44,14 +45,14 @@ pub(crate) fn run(
         if let Some(status) = emulator.try_wait().unwrap() {
             break status;
         }
-        if start.elapsed() > BOUND {
+        if start.elapsed() > TIMEOUT {
             emulator.kill().unwrap();
             emulator.wait().unwrap();
-            panic!("{machine}, {command_line}: no end within {BOUND:?}");
+            panic!("{machine}, {command_line}: no end within {TIMEOUT:?}");
         }
         std::thread::sleep(Duration::from_millis(5));
     };
     let mut decoder = Decoder::new();
-    let said = std::fs::read(folder.path().join("to-host")).unwrap();
-    (status, said.iter().filter_map(|&byte| decoder.push(byte)).map(Result::unwrap).collect())
+    let received = std::fs::read(folder.path().join("to-host")).unwrap();
+    (status, received.iter().filter_map(|&byte| decoder.push(byte)).map(Result::unwrap).collect())
 }

@@ -1,21 +1,28 @@
-//! The image on the emulator behind its serial port, paced by its timer.
+//! The image on the emulator with its serial port, paced by its timer.
 
 use host_sim::controller::EmulatedController;
 use link::{
     Acknowledgement, Answer, Command, ControllerConfiguration, Counters, Decoder, MAX_FRAME, NumberedCommand,
-    NumberedEstimate, Refused, ToController, ToHost, encode,
+    NumberedEstimate, Refusal, ToController, ToHost, encode,
 };
 use std::io::{Read, Write};
 use std::process::{Child, Command as Process, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-/// The image on the emulator, with USART6 on pipes. An instruction takes 4 ns, so that a tick's work takes a third of its period.
+/// Estimates of a board that samples itself within which it answers: 10 s of its time. Bytes that
+/// were sent before a request may take seconds to arrive.
+const ANSWER_ESTIMATES: usize = 5000;
+/// Requests before a test gives up.
+const MAX_REQUESTS: u32 = 5;
+
+/// The image on the emulator, with USART6 on pipes. An instruction takes 4 ns, so that a tick takes
+/// a third of its period.
 pub(crate) struct Board {
     emulator: Child,
-    said: Receiver<ToHost>,
+    received: Receiver<ToHost>,
     commands: u32,
-    /// What came while an answer was waited for.
+    /// Estimates that arrived while a reply was awaited.
     pub(crate) estimates: Vec<NumberedEstimate>,
     _folder: tempfile::TempDir,
 }
@@ -29,7 +36,7 @@ impl Drop for Board {
 
 impl Board {
     pub(crate) fn start() -> Self {
-        // Without the link's pipes in its folder the image takes the serial port.
+        // Without the link's pipes in its folder, the image uses the serial port.
         let folder = tempfile::tempdir().unwrap();
         let elf = std::path::absolute(EmulatedController::default_elf()).unwrap();
         let mut emulator = Process::new("qemu-system-arm")
@@ -44,7 +51,7 @@ impl Board {
             .spawn()
             .unwrap();
         let mut out = emulator.stdout.take().unwrap();
-        let (sender, said) = channel();
+        let (sender, received) = channel();
         std::thread::spawn(move || {
             let mut decoder = Decoder::new();
             let mut buffer = [0; 4096];
@@ -56,13 +63,13 @@ impl Board {
                 }
             }
         });
-        let board = Self { emulator, said, commands: 0, estimates: vec![], _folder: folder };
+        let board = Self { emulator, received, commands: 0, estimates: vec![], _folder: folder };
         assert!(matches!(board.next(), ToHost::Hello(_)));
         board
     }
 
     pub(crate) fn next(&self) -> ToHost {
-        self.said.recv_timeout(Duration::from_secs(30)).unwrap()
+        self.received.recv_timeout(Duration::from_secs(30)).unwrap()
     }
 
     pub(crate) fn send(&mut self, message: &ToController) {
@@ -75,7 +82,7 @@ impl Board {
         input.write_all(bytes).and_then(|()| input.flush()).unwrap();
     }
 
-    /// The next estimate.
+    /// Returns the next estimate.
     pub(crate) fn estimate(&mut self) -> NumberedEstimate {
         if !self.estimates.is_empty() {
             return self.estimates.remove(0);
@@ -89,19 +96,27 @@ impl Board {
         }
     }
 
-    pub(crate) fn order(&mut self, command: Command) -> Result<Answer, Refused> {
+    pub(crate) fn order(&mut self, command: Command) -> Result<Answer, Refusal> {
+        self.try_order(command).unwrap_or_else(|| panic!("no answer to {command:?}"))
+    }
+
+    /// Sends a command; returns nothing if there was no answer within [`ANSWER_ESTIMATES`]. A board
+    /// that samples itself sends estimates for ever, so silence alone does not end the wait.
+    fn try_order(&mut self, command: Command) -> Option<Result<Answer, Refusal>> {
         self.commands += 1;
         let id = self.commands;
         self.send(&ToController::Command(NumberedCommand { id, command }));
-        loop {
+        let last = self.estimates.len() + ANSWER_ESTIMATES;
+        while self.estimates.len() < last {
             match self.next() {
                 ToHost::Acknowledged(Acknowledgement { id: answered, outcome }) if answered == id => {
-                    return outcome;
+                    return Some(outcome);
                 }
                 ToHost::Estimate(estimate) => self.estimates.push(estimate),
                 _ => {}
             }
         }
+        None
     }
 
     pub(crate) fn configured(configuration: ControllerConfiguration) -> Self {
@@ -111,9 +126,19 @@ impl Board {
     }
 
     pub(crate) fn counters(&mut self) -> Counters {
-        match self.order(Command::GetCounters) {
-            Ok(Answer::Counters(counters)) => counters,
-            other => panic!("{other:?}"),
+        self.counters_of_full_line().0
+    }
+
+    /// Returns the counters and the number of requests that it took. A request after bytes that
+    /// the board has no room for is lost with them.
+    pub(crate) fn counters_of_full_line(&mut self) -> (Counters, u32) {
+        for request in 1..=MAX_REQUESTS {
+            match self.try_order(Command::GetCounters) {
+                Some(Ok(Answer::Counters(counters))) => return (counters, request),
+                None => {}
+                other => panic!("{other:?}"),
+            }
         }
+        panic!("no answer to {MAX_REQUESTS} requests")
     }
 }

@@ -1,11 +1,12 @@
-//! What goes wrong with a controller has a name and an end: nothing hangs, and the last sample that was answered is told.
+//! Failures of a controller: each has a named error and a timeout, and the error states the last
+//! answered sample.
 
 use crate::frames::{configuration, troubled};
 use host_sim::controller::{Controller, ControllerError, EmulatedController, RemoteController};
-use inference::Bearing;
+use inference::BearingMaterial;
 use link::track::SensorStatus;
 use link::{
-    BadFrames, Counters, Fault, Field, FrameError, MAX_FRAME, OutOfRange, Refused, SensorFrame, ToController,
+    BadFrames, Counters, Fault, Field, FrameError, MAX_FRAME, OutOfRange, Refusal, SensorFrame, ToController,
     ToHost, encode,
 };
 use object::{Object, ObjectSection, ObjectSymbol};
@@ -14,25 +15,26 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 fn start() -> RemoteController {
-    EmulatedController::start(configuration(Bearing::Babbitt), &EmulatedController::default_elf()).unwrap()
+    EmulatedController::start(configuration(BearingMaterial::Babbitt), &EmulatedController::default_elf())
+        .unwrap()
 }
 
 fn frames() -> Vec<SensorFrame> {
-    troubled(&configuration(Bearing::Babbitt), 200, 9)
+    troubled(&configuration(BearingMaterial::Babbitt), 200, 9)
 }
 
 fn process(controller: &RemoteController) -> Pid {
     Pid::from_raw(controller.process_id().unwrap().try_into().unwrap()).unwrap()
 }
 
-/// Sends a signal and waits until every thread of the emulator is in the state that it leads to (T stopped, Z gone): a thread in
-/// mid-instruction still answers.
+/// Sends a signal and waits until every thread of the emulator has reached the state (T stopped, Z
+/// gone): a thread within an instruction may still reply.
 fn signal(controller: &RemoteController, signal: Signal, state: &str) {
     let id = controller.process_id().unwrap();
     kill_process(process(controller), signal).unwrap();
     let reached = || {
         let threads = std::fs::read_dir(format!("/proc/{id}/task")).unwrap();
-        // The state follows the name, which is in brackets. A thread that ended meanwhile has no state.
+        // The state follows the name in brackets. A thread that has ended has no state.
         threads
             .filter_map(|thread| std::fs::read_to_string(thread.ok()?.path().join("stat")).ok())
             .all(|stat| stat.rsplit_once(") ").is_some_and(|(_, rest)| rest.starts_with(state)))
@@ -44,25 +46,25 @@ fn signal(controller: &RemoteController, signal: Signal, state: &str) {
     }
 }
 
-/// How a start goes wrong, and how long that took.
+/// Returns the error of a start, and its duration.
 fn refused_start(elf: &Path) -> (ControllerError, Duration) {
     let started = Instant::now();
-    let error = EmulatedController::start(configuration(Bearing::Babbitt), elf).err().unwrap();
+    let error = EmulatedController::start(configuration(BearingMaterial::Babbitt), elf).err().unwrap();
     (error, started.elapsed())
 }
 
 #[test]
-fn disturbed_bytes_are_answered_counted_and_survived() {
+fn corrupted_bytes_are_answered_and_counted_and_change_no_estimate() {
     let frames = frames();
     let mut undisturbed = start();
     let mut disturbed = start();
     let mut damaged = [0; MAX_FRAME];
-    let sound = encode(&ToController::Sensor(frames[50], SensorStatus::GOOD), &mut damaged).unwrap().len();
-    let damaged = &mut damaged[..sound];
+    let length = encode(&ToController::Sensor(frames[50], SensorStatus::GOOD), &mut damaged).unwrap().len();
+    let damaged = &mut damaged[..length];
     damaged[5] ^= 0x10;
     let mut foreign = [0; MAX_FRAME];
     let foreign = encode(&ToHost::Fault(Fault::NotConfigured { sequence: 7 }), &mut foreign).unwrap();
-    // Sound stuffing: every 1 stands for a zero.
+    // Valid stuffing: every 1 stands for a zero.
     let mut overlong = [1; 3 * MAX_FRAME];
     overlong[3 * MAX_FRAME - 1] = 0;
     let disturbances: [(&[u8], FrameError); 4] = [
@@ -87,7 +89,7 @@ fn disturbed_bytes_are_answered_counted_and_survived() {
 }
 
 #[test]
-fn a_killed_emulator_is_noticed_at_once_and_the_last_sample_named() {
+fn a_killed_emulator_is_an_error_at_once_that_states_the_last_sample() {
     let mut controller = start();
     let frames = frames();
     for frame in &frames[..100] {
@@ -106,12 +108,12 @@ fn a_killed_emulator_is_noticed_at_once_and_the_last_sample_named() {
         other => panic!("{other:?}"),
     }
     assert!(error.to_string().contains(&format!("last sequence number answered: {last}")), "{error}");
-    // And again: it does not come back.
+    // The error repeats, because the controller does not return.
     assert!(matches!(controller.exchange(&frames[101]), Err(ControllerError::Ended { .. })));
 }
 
 #[test]
-fn a_silent_controller_times_out_within_its_bound_and_the_last_sample_is_named() {
+fn a_silent_controller_times_out_and_the_error_states_the_last_sample() {
     let mut controller = start();
     let frames = frames();
     for frame in &frames[..10] {
@@ -128,7 +130,7 @@ fn a_silent_controller_times_out_within_its_bound_and_the_last_sample_is_named()
         }
         other => panic!("{other:?}"),
     }
-    // A stopped process ends no less for it.
+    // A stopped process is ended, too.
     let gone = Path::new("/proc").join(controller.process_id().unwrap().to_string());
     assert!(gone.exists());
     drop(controller);
@@ -136,7 +138,7 @@ fn a_silent_controller_times_out_within_its_bound_and_the_last_sample_is_named()
 }
 
 #[test]
-fn an_answer_that_comes_too_late_is_not_taken_for_the_next_one() {
+fn a_late_reply_is_not_taken_for_the_next_one() {
     let mut controller = start();
     let frames = frames();
     controller.exchange(&frames[0]).unwrap();
@@ -147,7 +149,7 @@ fn an_answer_that_comes_too_late_is_not_taken_for_the_next_one() {
 }
 
 #[test]
-fn a_missing_image_is_named() {
+fn a_missing_image_is_an_error_with_its_path() {
     let (error, took) = refused_start(Path::new("/nowhere/estimator"));
     assert!(matches!(error, ControllerError::FirmwareMissing { .. }), "{error:?}");
     let text = error.to_string();
@@ -156,7 +158,7 @@ fn a_missing_image_is_named() {
 }
 
 #[test]
-fn what_is_no_image_of_ours_is_refused_within_the_bound() {
+fn a_file_that_is_not_the_firmware_is_refused_within_the_timeout() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);
@@ -173,7 +175,7 @@ fn what_is_no_image_of_ours_is_refused_within_the_bound() {
         (&empty, "no ELF image for ARM"),
         (&host, "no ELF image for ARM"),
         (folder.path(), "Is a directory"),
-        (&short, "ended before its greeting"),
+        (&short, "ended before its hello"),
     ] {
         let (error, took) = refused_start(elf);
         assert!(matches!(error, ControllerError::NotFirmware { .. }), "{error:?}");
@@ -186,8 +188,8 @@ fn what_is_no_image_of_ours_is_refused_within_the_bound() {
 }
 
 #[test]
-fn an_image_that_never_greets_is_given_up_at_the_bound() {
-    // The image of the firmware, its first instruction of the reset handler a branch to itself.
+fn an_image_without_a_hello_frame_times_out() {
+    // The firmware image with a branch to itself as the first instruction of the reset handler.
     let mut image = std::fs::read(EmulatedController::default_elf()).unwrap();
     let reset = offset_of_reset(&image);
     image[reset..reset + 2].copy_from_slice(&[0xFE, 0xE7]);
@@ -195,17 +197,17 @@ fn an_image_that_never_greets_is_given_up_at_the_bound() {
     std::fs::write(file.path(), &image).unwrap();
     let (error, took) = refused_start(file.path());
     assert!(
-        matches!(error, ControllerError::TimedOut { waiting_for: "its greeting", last_sequence: None, .. }),
+        matches!(error, ControllerError::TimedOut { waiting_for: "its hello", last_sequence: None, .. }),
         "{error:?}"
     );
     assert!(took < Duration::from_secs(22), "{took:?}");
 }
 
-/// Where in the file the reset handler begins.
+/// Returns the file offset of the reset handler.
 fn offset_of_reset(image: &[u8]) -> usize {
     let file = object::File::parse(image).unwrap();
     let reset = file.symbols().find(|symbol| symbol.name() == Ok("Reset")).unwrap();
-    // The lowest bit of an address of code says that it is Thumb code.
+    // The lowest bit of a code address marks Thumb code.
     let address = reset.address() & !1;
     let section = file.section_by_index(reset.section_index().unwrap()).unwrap();
     let (start, _) = section.file_range().unwrap();
@@ -213,16 +215,16 @@ fn offset_of_reset(image: &[u8]) -> usize {
 }
 
 #[test]
-fn a_refused_configuration_says_what_was_wrong_with_it() {
-    let mut bad = configuration(Bearing::Plastic);
+fn a_refused_configuration_lists_the_wrong_fields() {
+    let mut bad = configuration(BearingMaterial::Plastic);
     bad.bench.sample_period_us = 10;
     bad.limits.stuck_samples = 1;
     let error = EmulatedController::start(bad, &EmulatedController::default_elf()).err().unwrap();
-    let ControllerError::Refused(Refused::Configuration(reasons)) = &error else { panic!("{error:?}") };
-    let told: Vec<_> = reasons.iter().copied().collect();
+    let ControllerError::Refused(Refusal::Configuration(reasons)) = &error else { panic!("{error:?}") };
+    let fields: Vec<_> = reasons.iter().copied().collect();
     let period = OutOfRange { field: Field::SamplePeriod, found: 10, min: 50, max: 1_000 };
     let stuck = OutOfRange { field: Field::StuckSamples, found: 1, min: 10, max: 10_000 };
-    assert_eq!(told, [period, stuck]);
+    assert_eq!(fields, [period, stuck]);
     let text = error.to_string();
     assert!(text.contains("SamplePeriod: found 10, expected 50 to 1000"), "{text}");
 }

@@ -1,10 +1,11 @@
-//! Faults on demand: each is survived, recorded with its cause and address, and told in the greeting after the reset.
+//! Faults on demand: the controller survives each, records cause and address, and reports them in
+//! the hello frame after the reset.
 //!
-//! Runs the image that `cargo xtask firmware --provoke` builds: it greets, commits the fault that the command line names, resets, greets again
-//! and ends.
+//! The image of `cargo xtask firmware --provoke` sends its hello frame, commits the fault of the
+//! command line, resets, sends the next hello frame and ends.
 
 use crate::batch;
-use firmware::supervisor::record::build_hash;
+use controller::supervisor::record::build_hash;
 use host_sim::controller::EmulatedController;
 use link::start::{FaultKind, FaultRecord, ResetReason};
 use link::{Hello, ToHost};
@@ -16,17 +17,17 @@ fn provoking() -> PathBuf {
     EmulatedController::default_elf().with_file_name("estimator-provoke")
 }
 
-/// Runs an image until it ends, and returns how it ended and its last greeting.
+/// Runs an image until it ends; returns the exit status and its last hello frame.
 fn run(image: &Path, provocation: &str, more: &[&str]) -> (ExitStatus, Hello) {
-    let (status, said) = batch::run("netduinoplus2", image, provocation, more, &[]);
-    let mut greetings = said.iter().filter_map(|message| match message {
+    let (status, received) = batch::run("netduinoplus2", image, provocation, more, &[]);
+    let mut hellos = received.iter().filter_map(|message| match message {
         ToHost::Hello(hello) => Some(*hello),
         _ => None,
     });
-    (status, greetings.next_back().unwrap())
+    (status, hellos.next_back().unwrap())
 }
 
-/// The record that a provocation leaves behind.
+/// Returns the record of a provoked fault.
 fn record(provocation: &str) -> FaultRecord {
     let (status, hello) = run(&provoking(), provocation, &[]);
     assert!(status.success(), "{provocation}: {status}");
@@ -40,7 +41,7 @@ fn record(provocation: &str) -> FaultRecord {
     record
 }
 
-/// Whether an address lies in a function of the provoking image whose name contains a text.
+/// Returns whether an address is in a function of the provoking image whose name contains a text.
 fn is_in(address: u32, function: &str) -> bool {
     let bytes = std::fs::read(provoking()).unwrap();
     let file = object::File::parse(&*bytes).unwrap();
@@ -51,7 +52,7 @@ fn is_in(address: u32, function: &str) -> bool {
 }
 
 #[test]
-fn every_access_that_must_not_be_is_recorded_with_its_address_and_place() {
+fn every_forbidden_access_is_recorded_with_its_address_and_program_counter() {
     let cases = [
         ("wild-load", "bus error, data", Some(0xD000_0000), "provoke4load"),
         ("store-below-ram", "bus error, data", Some(0x1FFF_FFF0), "provoke5store"),
@@ -68,7 +69,7 @@ fn every_access_that_must_not_be_is_recorded_with_its_address_and_place() {
 }
 
 #[test]
-fn a_stack_overflow_is_survived_and_told_whether_it_meets_the_guard_or_leaps_over_it() {
+fn a_stack_overflow_is_survived_and_reported_with_and_without_meeting_the_guard() {
     for (provocation, msp) in [("overflow", 0x2000_0000..0x2000_0100), ("leaping-overflow", 0..0x2000_0000)] {
         let record = record(provocation);
         assert_eq!(record.kind, FaultKind::StackOverflow, "{provocation}: {record}");
@@ -77,7 +78,7 @@ fn a_stack_overflow_is_survived_and_told_whether_it_meets_the_guard_or_leaps_ove
 }
 
 #[test]
-fn a_party_that_does_not_check_in_is_named() {
+fn a_task_that_does_not_check_in_is_named() {
     for (name, bit) in [("sampling", 1), ("inference", 2), ("link", 4), ("self-test", 8)] {
         let record = record(&format!("starve-{name}"));
         assert_eq!(record.kind, FaultKind::Starved { missing: bit }, "{record}");
@@ -91,10 +92,10 @@ fn a_panic_is_recorded_as_one() {
 }
 
 #[test]
-fn a_fault_ends_the_emulation_where_no_reset_is_allowed() {
+fn a_fault_ends_the_emulation_if_no_reset_is_allowed() {
     let (status, hello) = run(&provoking(), "wild-load", &["-no-reboot"]);
     assert!(status.success(), "{status}");
-    assert_eq!(hello.start.fault, None, "the greeting before the fault");
+    assert_eq!(hello.start.fault, None, "the hello frame before the fault");
 }
 
 #[test]

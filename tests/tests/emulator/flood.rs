@@ -1,14 +1,15 @@
-//! Garbage on the link: the estimates, and what a tick costs, are those of a quiet line.
+//! Garbage on the link changes neither the estimates nor the cost of a tick.
 
 use crate::frames::{configuration, troubled};
 use host_sim::controller::{Controller, EmulatedController};
-use inference::Bearing;
+use inference::BearingMaterial;
 use link::{BadFrames, Counters, Decoder, EstimateFrame, Fault, ToController, ToHost};
 
-/// Samples of the run.
+/// Number of samples.
 const SAMPLES: u32 = 2_000;
 
-/// Bytes that end as one refused frame: any but zeros, of any length up to twice a frame's, then the delimiter.
+/// Returns bytes that end as one refused frame: any but zeros, up to twice the length of a frame,
+/// then the delimiter.
 pub(crate) fn garbage(index: u32) -> Vec<u8> {
     let mut state = index.wrapping_mul(0x9E37_79B9) | 1;
     let mut byte = || {
@@ -23,14 +24,14 @@ pub(crate) fn garbage(index: u32) -> Vec<u8> {
     bytes
 }
 
-/// Instructions of a tick. Its ticks depend on where in a SysTick period it begins, by one.
+/// Returns the instructions of a tick. The timer's count depends by one on the phase of SysTick.
 fn instructions(estimate: &EstimateFrame) -> f64 {
     (f64::from(estimate.instruction_ticks) / 10.752).round()
 }
 
 #[test]
 fn garbage_between_the_frames_changes_neither_estimates_nor_the_instructions_of_a_tick() {
-    let configuration = configuration(Bearing::Babbitt);
+    let configuration = configuration(BearingMaterial::Babbitt);
     let frames = troubled(&configuration, SAMPLES, 21);
     let elf = EmulatedController::default_elf();
     let mut quiet = EmulatedController::start(configuration, &elf).unwrap();

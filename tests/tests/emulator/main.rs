@@ -1,4 +1,5 @@
-//! The firmware's image in the emulator: it agrees with the host to the bit, repeats itself, and its failures have names and bounds.
+//! The firmware image in the emulator: it gives the host's bits, it repeats exactly, and its
+//! failures have named errors and timeouts.
 //!
 //! Needs qemu-system-arm and the image (`cargo xtask firmware`).
 #![cfg(feature = "emulated")]

@@ -1,11 +1,12 @@
-//! The image for another core (Cortex-M33, `cargo xtask firmware --board mps2-an505`) computes the same bits as the host.
+//! The image for another core (Cortex-M33, `cargo xtask firmware --board mps2-an505`) computes the
+//! same bits as the host.
 
 use crate::batch;
 use crate::frames::{configuration, troubled};
 use crate::update::package_for;
-use firmware::{Identity, NoTicks, Session};
+use controller::{Identity, NoTicks, Session};
 use host_sim::controller::EmulatedController;
-use inference::Bearing;
+use inference::BearingMaterial;
 use link::track::SensorStatus;
 use link::update::{SlotState, UpdateAnswer, UpdateRefusal, UpdateRequest};
 use link::{BuildId, ClockSource, Command, EstimateFrame, NumberedCommand, Target, ToController, ToHost};
@@ -19,25 +20,25 @@ fn image() -> PathBuf {
     target_folder.join("thumbv8m.main-none-eabihf/firmware/estimator")
 }
 
-fn estimates(said: &[ToHost]) -> Vec<EstimateFrame> {
+fn estimates(received: &[ToHost]) -> Vec<EstimateFrame> {
     let estimate = |message: &ToHost| match message {
         ToHost::Estimate(numbered) => Some(numbered.estimate),
         _ => None,
     };
-    said.iter().filter_map(estimate).collect()
+    received.iter().filter_map(estimate).collect()
 }
 
 #[test]
 fn another_core_estimates_the_same_bits() {
-    for (bearing, seed) in [(Bearing::Babbitt, 4), (Bearing::Plastic, 5)] {
+    for (bearing, seed) in [(BearingMaterial::Babbitt, 4), (BearingMaterial::Plastic, 5)] {
         let configuration = configuration(bearing);
         let configure = NumberedCommand { id: 1, command: Command::Configure(configuration) };
         let frames = troubled(&configuration, 5_000, seed);
         let sensors = frames.iter().map(|frame| ToController::Sensor(*frame, SensorStatus::GOOD));
         let messages: Vec<_> = std::iter::once(ToController::Command(configure)).chain(sensors).collect();
-        let (status, said) = batch::run("mps2-an505", &image(), "", &[], &messages);
+        let (status, received) = batch::run("mps2-an505", &image(), "", &[], &messages);
         assert!(status.success(), "{status}");
-        let on_target = estimates(&said);
+        let on_target = estimates(&received);
 
         let build_id = BuildId::new("host");
         let identity =
@@ -54,17 +55,17 @@ fn another_core_estimates_the_same_bits() {
 }
 
 #[test]
-fn it_takes_packages_of_its_own_and_refuses_and_records_another_board_s() {
+fn it_accepts_packages_for_its_board_and_refuses_and_records_others() {
     let [other, own] =
-        [board::STM32F405, board::MPS2_AN505].map(|board| package_for(board, 3, Bearing::Plastic));
+        [board::STM32F405, board::MPS2_AN505].map(|board| package_for(board, 3, BearingMaterial::Plastic));
     let requests = [
         UpdateRequest::Begin(other.signed),
         UpdateRequest::Refusals { index: 0 },
         UpdateRequest::Begin(own.signed),
     ];
-    let (status, said) = batch::run("mps2-an505", &image(), "", &[], &requests.map(ToController::Update));
+    let (status, received) = batch::run("mps2-an505", &image(), "", &[], &requests.map(ToController::Update));
     assert!(status.success(), "{status}");
-    let answers = said.iter().filter_map(|message| match message {
+    let answers = received.iter().filter_map(|message| match message {
         ToHost::Update(answer) => Some(*answer),
         _ => None,
     });

@@ -1,16 +1,17 @@
-//! The image samples its own sensors when it is told to, over its serial port and paced by its timer.
+//! The image samples its own sensors on command, paced by its timer, and reports over its serial
+//! port.
 //!
-//! The emulator's SPI port has nothing on it and reads zeros. No channel may make a value of that: every estimate says that sensors are missing,
-//! and the counts by channel say the same.
+//! The emulator's SPI port has no device and reads zeros. No channel may take that for a value:
+//! every estimate reports missing sensors, and so do the counts by channel.
 
 use crate::board::Board;
 use crate::frames::configuration;
-use firmware::flags::SENSOR_MISSING;
-use firmware::session::{OWN_EVERY, OWN_PERIOD_US};
-use inference::{Bearing, Flags};
+use controller::flags::SENSOR_MISSING;
+use controller::session::{OWN_ESTIMATE_INTERVAL, OWN_SAMPLE_PERIOD_US};
+use inference::{BearingMaterial, Flags};
 use link::track::SensorHealth;
 use link::{
-    Answer, Command, EstimateFrame, Field, NumberedEstimate, Refused, SensorFrame, SlowReport, ToController,
+    Answer, Command, EstimateFrame, Field, NumberedEstimate, Refusal, SensorFrame, SlowReport, ToController,
     ToHost,
 };
 
@@ -19,9 +20,9 @@ fn is_missing(estimate: &EstimateFrame) -> bool {
 }
 
 #[test]
-fn without_sensors_on_its_bus_it_estimates_on_time_and_says_that_every_channel_is_missing() {
-    let mut board = Board::configured(configuration(Bearing::Babbitt));
-    assert_eq!(board.order(Command::SampleYourself), Ok(Answer::Sampling { every: OWN_EVERY }));
+fn without_sensors_on_its_bus_it_estimates_on_time_and_reports_every_channel_as_missing() {
+    let mut board = Board::configured(configuration(BearingMaterial::Babbitt));
+    assert_eq!(board.order(Command::SampleYourself), Ok(Answer::Sampling { every: OWN_ESTIMATE_INTERVAL }));
     let mut health: Option<SensorHealth> = None;
     let mut estimates = std::mem::take(&mut board.estimates);
     while estimates.len() < 500 || health.is_none() {
@@ -35,12 +36,12 @@ fn without_sensors_on_its_bus_it_estimates_on_time_and_says_that_every_channel_i
             other => panic!("{other:?}"),
         }
     }
-    let period = u32::from(OWN_EVERY);
+    let period = u32::from(OWN_ESTIMATE_INTERVAL);
     for pair in estimates.windows(2) {
         let [NumberedEstimate { number, estimate, .. }, next] = pair else { unreachable!() };
         assert_eq!(next.number, number + 1, "one number a sent estimate");
         assert_eq!(next.estimate.sequence, estimate.sequence + period);
-        assert_eq!(next.estimate.time_us, estimate.time_us + period * OWN_PERIOD_US);
+        assert_eq!(next.estimate.time_us, estimate.time_us + period * OWN_SAMPLE_PERIOD_US);
     }
     assert!(estimates.iter().all(|numbered| is_missing(&numbered.estimate)));
     let served = estimates.last().unwrap().estimate.sequence;
@@ -59,9 +60,9 @@ fn without_sensors_on_its_bus_it_estimates_on_time_and_says_that_every_channel_i
     ];
     assert_eq!(lost, [0; 5]);
 
-    // A sample of the link has no place beside them.
+    // Samples over the link are dropped meanwhile.
     board.send(&ToController::Sensor(SensorFrame::default(), link::track::SensorStatus::GOOD));
-    // Until the next tick it is still in the queue.
+    // It is in the queue until the next tick.
     assert!((0..50).any(|_| board.counters().dropped_samples == 1));
     assert!(matches!(board.order(Command::Stop), Ok(Answer::Stopped(_))));
 }
@@ -69,12 +70,12 @@ fn without_sensors_on_its_bus_it_estimates_on_time_and_says_that_every_channel_i
 #[test]
 fn it_samples_itself_only_when_configured_for_its_own_period() {
     let mut board = Board::start();
-    assert_eq!(board.order(Command::SampleYourself), Err(Refused::NotConfigured));
-    let mut slow = configuration(Bearing::Babbitt);
+    assert_eq!(board.order(Command::SampleYourself), Err(Refusal::NotConfigured));
+    let mut slow = configuration(BearingMaterial::Babbitt);
     slow.bench.sample_period_us = 200;
     assert!(matches!(board.order(Command::Configure(slow)), Ok(Answer::Configured(_))));
     match board.order(Command::SampleYourself) {
-        Err(Refused::Configuration(reasons)) => {
+        Err(Refusal::Configuration(reasons)) => {
             assert_eq!(reasons.iter().map(|reason| reason.field).collect::<Vec<_>>(), [Field::SamplePeriod]);
         }
         other => panic!("{other:?}"),

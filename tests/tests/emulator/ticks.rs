@@ -1,39 +1,42 @@
-//! What a tick costs, sound samples and troubled ones, with the sensors' drivers complaining now and then: below the budget, and no
-//! more than its place in the tracker's block and a restart of the history tell.
+//! Cost of a tick over good and disturbed samples and with failing sensor drivers: below the
+//! budget. It depends only on the position in the tracker's block and on restarts of the history.
 
 use crate::batch;
-use crate::frames::{Random, configuration, troubled};
-use firmware::flags::{HELD, JUMP, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
-use firmware::tracking::{BLOCK, STRIDE};
+use crate::frames::{configuration, troubled};
+use controller::flags::{HELD, JUMP, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
+use controller::tracking::{BLOCK, STRIDE};
 use host_sim::controller::EmulatedController;
-use inference::{Bearing, Flags};
+use inference::{BearingMaterial, Flags};
 use link::track::SensorStatus;
 use link::{
     Command, ControllerConfiguration, EstimateFrame, NumberedCommand, SensorFrame, ToController, ToHost,
 };
 use std::collections::{BTreeMap, BTreeSet};
+use system_tests::random::SplitMix64;
 
-/// Most instructions of any tick: from a sample that has been read to the bytes of its estimate.
+/// Maximum instructions of a tick: from a sample to the bytes of its estimate.
 const BUDGET: u32 = 8_000;
-/// Faults after which the history starts anew.
+/// Flags after which the history restarts.
 const INTERRUPTIONS: Flags = Flags::from_bits(JUMP.bits() | SEQUENCE_GAP.bits() | TIME_FAULT.bits());
 /// SysTick's ticks of one emulated instruction: 64 ns at 168 MHz.
 const TICKS_PER_INSTRUCTION: f64 = 10.752;
-/// Samples of a run: two rounds of troubles, thirty-nine blocks.
+/// Samples of a run: two rounds of disturbances, thirty-nine blocks.
 const SAMPLES: u32 = 10_000;
-/// Samples after which everything that takes turns begins again.
+/// Samples after which all periodic work repeats.
 const ROUND: usize = (BLOCK * STRIDE) as usize;
 
-/// What the counter says in whole instructions. Where it starts anew, the emulator holds it at 0 up to the end of the instruction, and a reading just then
-/// is short by a part of one: no time of a core's, so it says no more than what the tick took at most.
+/// Returns the instructions of a timer count. `Err` holds an upper bound: when the counter
+/// restarts, the emulator holds it at 0 until the end of the instruction, and a reading at that
+/// moment is short by a fraction.
 fn instructions(ticks: u32) -> Result<u32, u32> {
     let exact = f64::from(ticks) / TICKS_PER_INSTRUCTION;
-    // Two readings cut off to whole ticks: less than one off.
-    let whole = (exact - exact.round()).abs() * TICKS_PER_INSTRUCTION < 1.0;
-    if whole { Ok(exact.round() as u32) } else { Err(exact.floor() as u32 + 2) }
+    // Two readings are truncated to ticks: the error is below one tick.
+    let is_integer = (exact - exact.round()).abs() * TICKS_PER_INSTRUCTION < 1.0;
+    if is_integer { Ok(exact.round() as u32) } else { Err(exact.floor() as u32 + 2) }
 }
 
-/// Every tick with its estimate: an estimate tells of the tick before it. At most two in 10,000 have no exact time.
+/// Returns every tick's cost with its estimate. An estimate reports the cost of the tick before it.
+/// At most two in 10,000 have no exact cost.
 fn ticks(
     configuration: ControllerConfiguration,
     frames: &[(SensorFrame, SensorStatus)],
@@ -41,9 +44,10 @@ fn ticks(
     let configure = NumberedCommand { id: 1, command: Command::Configure(configuration) };
     let samples = frames.iter().map(|&(frame, status)| ToController::Sensor(frame, status));
     let messages: Vec<_> = std::iter::once(ToController::Command(configure)).chain(samples).collect();
-    let (status, said) = batch::run("netduinoplus2", &EmulatedController::default_elf(), "", &[], &messages);
+    let (status, received) =
+        batch::run("netduinoplus2", &EmulatedController::default_elf(), "", &[], &messages);
     assert!(status.success(), "{status}");
-    let estimates: Vec<_> = said
+    let estimates: Vec<_> = received
         .iter()
         .filter_map(|message| match message {
             ToHost::Estimate(numbered) => Some(numbered.estimate),
@@ -61,10 +65,10 @@ fn ticks(
 fn no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data() {
     let (mut least, mut most, mut flags) = (u32::MAX, 0, 0);
     let mut restarts = BTreeSet::new();
-    for (bearing, seed) in [(Bearing::Babbitt, 31), (Bearing::Plastic, 32)] {
+    for (bearing, seed) in [(BearingMaterial::Babbitt, 31), (BearingMaterial::Plastic, 32)] {
         let mut configuration = configuration(bearing);
         configuration.limits.force_limit_n = 2_000;
-        let mut random = Random(seed);
+        let mut random = SplitMix64(seed);
         let frames: Vec<_> = troubled(&configuration, SAMPLES, seed)
             .into_iter()
             .map(|frame| {
@@ -74,7 +78,7 @@ fn no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data() {
             .collect();
         let ticks = ticks(configuration, &frames);
 
-        // By place; but for the first sample of all, which also starts the watch.
+        // By position. The first sample is left out, because it also starts the watchdog.
         let mut costs = vec![BTreeMap::new(); ROUND];
         for (index, &(cost, estimate)) in ticks.iter().enumerate().skip(1) {
             let Ok(cost) = cost else { continue };
@@ -82,10 +86,10 @@ fn no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data() {
             *costs[index % ROUND].entry(cost).or_insert(true) &= interrupted;
         }
         for (place, costs) in costs.iter().enumerate() {
-            let goes_on = *costs.first_key_value().unwrap().0;
-            for (&cost, &interrupted) in costs.range(goes_on + 1..) {
-                assert!(interrupted, "{bearing:?}, place {place}: {goes_on}, {cost} without a reason");
-                restarts.insert(cost - goes_on);
+            let usual = *costs.first_key_value().unwrap().0;
+            for (&cost, &interrupted) in costs.range(usual + 1..) {
+                assert!(interrupted, "{bearing:?}, place {place}: {usual}, {cost} without a reason");
+                restarts.insert(cost - usual);
             }
         }
         least = ticks.iter().filter_map(|(cost, _)| cost.ok()).fold(least, u32::min);
@@ -96,7 +100,8 @@ fn no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data() {
     assert_eq!(restarts.len(), 1, "a restart of the history costs the same wherever it comes: {restarts:?}");
     // `cargo xtask insn` reads this line.
     println!("troubled ticks: {least} to {most} instructions");
-    // Two networks of 3,700 multiply-accumulates, two a cycle at best: less is no measurement.
+    // Two networks of 3,700 multiply-accumulates, at most two in a cycle: a smaller count would be
+    // an error of measurement.
     assert!(least > 1_856, "{least}");
     assert!(most <= BUDGET, "{most}");
 }

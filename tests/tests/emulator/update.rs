@@ -1,23 +1,24 @@
-//! The emulated controller takes a model package over the link while it estimates, and refuses the others.
+//! The emulated controller accepts a model package over the link while it estimates, and rejects
+//! others.
 
 use crate::frames::{configuration, troubled};
+use controller::store::{Loaded, Models};
+use controller::{Identity, NoTicks, Session};
 use ed25519_dalek::SigningKey;
-use firmware::store::{Loaded, Models};
-use firmware::{Identity, NoTicks, Session};
 use host_sim::controller::{Controller, EmulatedController, RemoteController};
-use host_sim::update::{Ask, refusals, runs, update};
-use inference::{Bearing, shipped};
+use host_sim::device::update::{Ask, refusals, runs, update};
+use inference::{BearingMaterial, shipped};
 use link::track::SensorStatus;
 use link::update::{ModelMemory, ModelSource, UpdateAnswer, UpdateRefusal, UpdateRequest};
 use link::{BuildId, ClockSource, EstimateFrame, SensorFrame, Target, ToController, ToHost};
-use model_quant::image::AlignedImage;
-use model_quant::package::{Package, Purpose};
+use model_quant::exchange::package::{Package, PackageProperties};
+use model_quant::quantise::image::AlignedImage;
 use std::path::Path;
 
 const BOARD: u16 = model_package::board::STM32F405;
 
-/// The checked-in networks with one bias of the first layer changed: another model, and a sound one.
-fn other_image(bearing: Bearing) -> AlignedImage {
+/// Returns the shipped networks with one bias of the first layer changed: another valid model.
+fn other_image(bearing: BearingMaterial) -> AlignedImage {
     let mut image = shipped(bearing).to_vec();
     for (byte, new) in image.iter_mut().skip(64 + 12).zip(12_345_i32.to_le_bytes()) {
         *byte = new;
@@ -27,28 +28,29 @@ fn other_image(bearing: Bearing) -> AlignedImage {
 }
 
 fn development_key() -> SigningKey {
-    model_quant::key::parse(model_quant::key::DEVELOPMENT).unwrap()
+    model_quant::exchange::key::parse(model_quant::exchange::key::DEVELOPMENT).unwrap()
 }
 
-pub(crate) fn package(version: u32, bearing: Bearing) -> Package {
+pub(crate) fn package(version: u32, bearing: BearingMaterial) -> Package {
     package_for(BOARD, version, bearing)
 }
 
-pub(crate) fn package_for(board: u16, version: u32, bearing: Bearing) -> Package {
-    let purpose = Purpose { board, version, may_be_older: false };
+pub(crate) fn package_for(board: u16, version: u32, bearing: BearingMaterial) -> Package {
+    let purpose = PackageProperties { board, version, may_be_older: false };
     Package::new(purpose, &[other_image(bearing)], &development_key()).unwrap()
 }
 
 fn start() -> RemoteController {
-    EmulatedController::start(configuration(Bearing::Babbitt), &EmulatedController::default_elf()).unwrap()
+    EmulatedController::start(configuration(BearingMaterial::Babbitt), &EmulatedController::default_elf())
+        .unwrap()
 }
 
-/// The same firmware in this process.
+/// Returns the same firmware in this process.
 fn native() -> Session {
     let build_id = BuildId::new("test");
     let identity = Identity { build_id, target: Target::Emulator, clock: ClockSource::Host, core_hz: 0 };
     let mut session = Session::new(identity);
-    session.configure(&configuration(Bearing::Babbitt)).unwrap();
+    session.configure(&configuration(BearingMaterial::Babbitt)).unwrap();
     session
 }
 
@@ -65,7 +67,7 @@ fn models(package: &Package) -> Models {
     Models::of_package(checked, ModelSource::BuiltIn)
 }
 
-/// A controller that is given a sample after every request: the update goes on beside the estimates.
+/// A controller that gets a sample after every request: estimates continue during the update.
 struct Beside<'a, 'f> {
     controller: &'a mut RemoteController,
     native: &'a mut Session,
@@ -83,7 +85,7 @@ impl Ask for Beside<'_, '_> {
             && !self.switched
         {
             self.switched = true;
-            self.native.switch(models(self.package));
+            self.native.switch_models(models(self.package));
         }
         let frame = self.frames.next().unwrap();
         let emulated = self.controller.exchange(frame)?;
@@ -95,9 +97,9 @@ impl Ask for Beside<'_, '_> {
 }
 
 #[test]
-fn estimates_go_on_during_an_update_and_are_the_new_model_s_after_it_bit_for_bit() {
-    let frames = troubled(&configuration(Bearing::Babbitt), 6000, 4);
-    let package = package(7, Bearing::Babbitt);
+fn estimates_continue_during_an_update_and_equal_those_of_the_new_model_after_it() {
+    let frames = troubled(&configuration(BearingMaterial::Babbitt), 6000, 4);
+    let package = package(7, BearingMaterial::Babbitt);
     let (mut controller, mut session) = (start(), native());
     let mut beside = Beside {
         controller: &mut controller,
@@ -111,7 +113,7 @@ fn estimates_go_on_during_an_update_and_are_the_new_model_s_after_it_bit_for_bit
     assert_eq!((updated.before.running, updated.repeated), (ModelSource::BuiltIn, 0));
     assert_eq!(updated.after.memory, ModelMemory::Volatile);
     assert!(beside.switched && beside.exchanged > package.payload.len() as u32 / 128);
-    // All kinds of samples with the new model, and it is another one.
+    // All kinds of samples with the new model, which differs from the old one.
     let (mut differs, mut built_in) = (0, native());
     let rest = beside.frames.as_slice();
     for frame in rest {
@@ -125,41 +127,41 @@ fn estimates_go_on_during_an_update_and_are_the_new_model_s_after_it_bit_for_bit
 }
 
 #[test]
-fn packages_that_are_unsigned_altered_older_or_for_another_board_are_refused_and_recorded() {
+fn packages_that_are_unsigned_corrupted_older_or_for_another_board_are_refused_and_recorded() {
     let mut controller = start();
-    let good = package(7, Bearing::Plastic);
+    let good = package(7, BearingMaterial::Plastic);
     update(&mut controller, &good, |_| {}).unwrap();
     let refused =
         |controller: &mut RemoteController, package: &Package| match update(controller, package, |_| {}) {
-            Err(host_sim::update::UpdateError::Refused(reason)) => reason,
+            Err(host_sim::device::update::UpdateError::Refused(reason)) => reason,
             other => panic!("{other:?}"),
         };
-    let mut unsigned = package(8, Bearing::Plastic);
+    let mut unsigned = package(8, BearingMaterial::Plastic);
     unsigned.signed.signature = [[0; 32]; 2];
     assert_eq!(refused(&mut controller, &unsigned), UpdateRefusal::Signature);
     let foreign = Package::new(
-        Purpose { board: BOARD, version: 8, may_be_older: false },
-        &[other_image(Bearing::Plastic)],
+        PackageProperties { board: BOARD, version: 8, may_be_older: false },
+        &[other_image(BearingMaterial::Plastic)],
         &SigningKey::from_bytes(&[3; 32]),
     );
     assert_eq!(refused(&mut controller, &foreign.unwrap()), UpdateRefusal::Signature);
-    let older = package(6, Bearing::Babbitt);
+    let older = package(6, BearingMaterial::Babbitt);
     assert_eq!(refused(&mut controller, &older), UpdateRefusal::Version { found: 6, least: 8 });
     let other_board = Package::new(
-        Purpose { board: 0x2350, version: 8, may_be_older: false },
-        &[other_image(Bearing::Plastic)],
+        PackageProperties { board: 0x2350, version: 8, may_be_older: false },
+        &[other_image(BearingMaterial::Plastic)],
         &development_key(),
     );
     let expected = UpdateRefusal::Board { found: 0x2350, expected: BOARD };
     assert_eq!(refused(&mut controller, &other_board.unwrap()), expected);
-    // Altered behind the signature: found out when all of it is there.
-    let mut altered = package(8, Bearing::Plastic);
-    altered.payload.bytes_mut()[4000] ^= 1;
-    assert!(update(&mut controller, &altered, |_| {}).is_err());
+    // Corrupted after signing: detected when the package is complete.
+    let mut corrupted = package(8, BearingMaterial::Plastic);
+    corrupted.payload.bytes_mut()[4000] ^= 1;
+    assert!(update(&mut controller, &corrupted, |_| {}).is_err());
     let reasons: Vec<_> = refusals(&mut controller).unwrap().iter().map(|record| record.reason).collect();
     assert!(reasons.starts_with(&[UpdateRefusal::Hash]), "{reasons:?}");
     assert!(reasons.contains(&expected) && reasons.contains(&UpdateRefusal::Signature), "{reasons:?}");
-    // The one that was taken still runs.
+    // The accepted model still runs.
     let UpdateAnswer::Status(status) = controller.ask(UpdateRequest::Status).unwrap() else {
         panic!("no status")
     };
@@ -168,7 +170,7 @@ fn packages_that_are_unsigned_altered_older_or_for_another_board_are_refused_and
 }
 
 #[test]
-fn an_update_given_up_half_way_is_gone_on_with() {
+fn an_interrupted_update_is_continued() {
     struct Breaks<'a>(&'a mut RemoteController, u32);
     impl Ask for Breaks<'_> {
         fn ask(
@@ -189,11 +191,11 @@ fn an_update_given_up_half_way_is_gone_on_with() {
         }
     }
     let mut controller = start();
-    let package = package(2, Bearing::Babbitt);
+    let package = package(2, BearingMaterial::Babbitt);
     assert!(update(&mut Breaks(&mut controller, 30), &package, |_| {}).is_err());
     controller.ask(UpdateRequest::Abort).unwrap();
     let updated = update(&mut controller, &package, |_| {}).unwrap();
-    // What was written is still in the slot; the last chunk is sent once more.
+    // Written chunks are still in the slot; the last one is sent again.
     assert!(updated.resumed_at >= 20 * 128, "{updated:?}");
     let length = package.manifest.length().next_multiple_of(128);
     assert_eq!(updated.sent_bytes, length - updated.resumed_at);
@@ -203,12 +205,12 @@ fn an_update_given_up_half_way_is_gone_on_with() {
 fn the_command_makes_a_package_s_model_run() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("test.package");
-    std::fs::write(&file, package(3, Bearing::Plastic).to_bytes()).unwrap();
+    std::fs::write(&file, package(3, BearingMaterial::Plastic).to_bytes()).unwrap();
     let arguments = |file: &Path| host_sim::commands::update::UpdateArgs {
         package: Some(file.into()),
-        controller: host_sim::commands::update::Place::Emulated,
+        controller: host_sim::controller::choice::RemoteKind::Emulated,
         port: None,
-        probe: host_sim::commands::end::ProbeOptions::default(),
+        probe: host_sim::controller::choice::ProbeOptions::default(),
         elf: None,
         stop_run: false,
         status: false,

@@ -1,7 +1,8 @@
-//! The functions of an image: where they are, how much stack they take, whom they call.
+//! Functions of an image: addresses, stack frames and callees.
 //!
-//! Code is told from tables within it by the mapping symbols `$t` and `$d`. Frames are those that the compiler wrote down (`.stack_sizes`); for
-//! assembly and the compiler's runtime library, which bring none, what their instructions lower the stack pointer by, all of it added up.
+//! The mapping symbols `$t` and `$d` separate code from tables within it. Stack frames are those
+//! that the compiler records (`.stack_sizes`). Assembly and the compiler's runtime library have no
+//! records; for them, everything by which their instructions lower the stack pointer is added up.
 
 use super::thumb::{Effect, effect, is_wide};
 use crate::run::ChoreError;
@@ -38,7 +39,7 @@ impl Functions {
         let wrong = |found: String| ChoreError::File {
             file: path.into(),
             found,
-            expected: "an image whose use of the stack can be told",
+            expected: "an image whose use of the stack can be computed",
         };
         let bytes = std::fs::read(path).map_err(|error| wrong(error.to_string()))?;
         let file = object::File::parse(&*bytes).map_err(|error| wrong(error.to_string()))?;
@@ -92,7 +93,7 @@ impl Functions {
     }
 }
 
-/// `.stack_sizes`: an address and a size in ULEB128, over and over.
+/// Parses `.stack_sizes`: pairs of an address and a size in ULEB128.
 fn stack_sizes(mut bytes: &[u8]) -> Option<BTreeMap<u32, u32>> {
     let mut sizes = BTreeMap::new();
     while let Some((address, rest)) = bytes.split_first_chunk::<4>() {
@@ -126,7 +127,7 @@ impl Code<'_> {
     fn function(
         &self,
         name: &str,
-        told: Option<u32>,
+        recorded: Option<u32>,
         extents: &BTreeMap<u32, (u32, &str)>,
     ) -> Result<Function, String> {
         let mut function = Function { name: name.into(), ..Function::default() };
@@ -144,8 +145,8 @@ impl Code<'_> {
             match what {
                 Effect::None => {}
                 Effect::Lower(bytes) => lowered += bytes,
-                // The fault handler goes over to a stack of its own; it lowers nothing before it does.
-                Effect::Sets if told.is_some() || name == "HardFault" => {}
+                // The fault handler switches to its separate stack and lowers nothing before.
+                Effect::Sets if recorded.is_some() || name == "HardFault" => {}
                 Effect::Sets => {
                     return Err(format!("{name} at {address:#x}: a stack pointer from a register"));
                 }
@@ -163,7 +164,7 @@ impl Code<'_> {
             }
             address += if is_wide(first) { 4 } else { 2 };
         }
-        function.frame = told.unwrap_or(lowered);
+        function.frame = recorded.unwrap_or(lowered);
         Ok(function)
     }
 }

@@ -1,10 +1,12 @@
-//! The stack of the image: a static bound, and how deep it went in the emulator.
+//! Stack of the image: a static bound, and the depth that a run in the emulator reached.
 //!
-//! The bound is the deepest chain of calls from the reset handler, plus for every other handler of the vector table the core's frame and that
-//! handler's deepest chain: as if each of them interrupted the one before at its deepest point, whatever their priorities. Recursion
-//! and calls through registers have no bound here and are refused; the image has neither. The fault handler has a stack of
-//! its own and is checked against that; the frame that the core pushes for it is counted.
-//! The mark is the paint that a run of the estimator on the emulator left over, as the controller's greeting tells it.
+//! The bound is the deepest chain of calls from the reset handler, plus for every other handler of
+//! the vector table the core's frame and that handler's deepest chain. This assumes that each of
+//! them interrupts the one before at its deepest point, whatever their priorities. Recursion and
+//! calls through registers have no bound here and are refused; the image has neither. The fault
+//! handler has a separate stack and is checked against that; the frame that the core pushes for it
+//! is counted. The depth is what the controller's hello frame reports after a run of the estimator
+//! in the emulator.
 
 mod image;
 mod paint;
@@ -16,26 +18,26 @@ use image::Functions;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What the core pushes for an exception, with FPU registers and alignment, bytes.
+/// Bytes that the core pushes for an exception, with FPU registers and alignment.
 const EXCEPTION_FRAME: u32 = 26 * 4 + 4;
-/// Position of the reset and hard fault handlers in the vector table.
+/// Indexes of the reset and hard fault handlers in the vector table.
 const RESET: usize = 1;
 const HARD_FAULT: usize = 3;
-/// Most of the RAM that the stack may take, bytes: half of 128 KB.
-const MOST: u32 = 64 * 1024;
+/// Largest stack, bytes: half of 128 KB.
+const MAX_STACK: u32 = 64 * 1024;
 
 /// The figures.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Stack {
-    /// Most bytes that the stack can take.
+    /// Upper bound of the stack, bytes.
     pub(crate) stack_bound_bytes: u32,
-    /// Most bytes that it did take in the emulator.
+    /// Stack used in the emulator, bytes.
     pub(crate) stack_painted_bytes: u32,
-    /// Room for it.
+    /// Bytes reserved for the stack.
     pub(crate) stack_reserved_bytes: u32,
-    /// Most bytes that the fault handler can take of its own stack.
+    /// Upper bound of the fault handler's stack, bytes.
     pub(crate) emergency_bound_bytes: u32,
-    /// Room for that.
+    /// Bytes reserved for the fault handler's stack.
     pub(crate) emergency_bytes: u32,
     /// Deepest chain of each handler: its bytes, then the functions.
     #[serde(skip)]
@@ -72,17 +74,17 @@ fn figures() -> Result<Stack, ChoreError> {
 impl Stack {
     fn check(&self) -> Result<(), ChoreError> {
         let limits = [
-            ("the bound of the stack, bytes", self.stack_bound_bytes, self.stack_reserved_bytes.min(MOST)),
+            (
+                "the bound of the stack, bytes",
+                self.stack_bound_bytes,
+                self.stack_reserved_bytes.min(MAX_STACK),
+            ),
             (
                 "the bound of the fault handler's stack, bytes",
                 self.emergency_bound_bytes,
                 self.emergency_bytes,
             ),
-            (
-                "the stack that the emulator painted over, bytes",
-                self.stack_painted_bytes,
-                self.stack_bound_bytes,
-            ),
+            ("the stack used in the emulator, bytes", self.stack_painted_bytes, self.stack_bound_bytes),
         ];
         for (what, found, most) in limits {
             if found == 0 || found > most {
@@ -111,7 +113,8 @@ pub(crate) fn stack(json: bool) -> Result<(), ChoreError> {
         }
     }
     println!(
-        "bound {} bytes of {} reserved, {} painted over in the emulator; fault handler {} bytes of its own stack",
+        "bound {} bytes of {} reserved, {} used in the emulator; \
+         fault handler {} bytes of its separate stack",
         stack.stack_bound_bytes,
         stack.stack_reserved_bytes,
         stack.stack_painted_bytes,
@@ -132,7 +135,7 @@ fn bound(functions: &Functions) -> Result<Stack, String> {
         functions.vectors.iter().skip(RESET + 1).map(|address| address & !1).collect();
     handlers.sort_unstable();
     handlers.dedup();
-    // The default handler never returns: nothing interrupts anything after it, and the watchdog ends it.
+    // The default handler never returns: nothing is interrupted after it, and the watchdog ends it.
     handlers.retain(|&address| address != 0 && address != hard_fault && !is_default(address));
     let mut chains = vec![depths.chain(reset, &mut Vec::new())?];
     for handler in handlers {
@@ -208,7 +211,7 @@ mod tests {
     ];
 
     #[test]
-    fn every_handler_comes_on_top_of_the_deepest_chain() {
+    fn every_handler_adds_to_the_deepest_chain() {
         let mut list = LEAVES.to_vec();
         list.extend([(0x100, "Reset", 8, &[0x200, 0x600][..]), (0x200, "record", 16, &[][..])]);
         let stack = bound(&functions(&list)).unwrap();

@@ -1,23 +1,25 @@
-//! How deep the stack went: a run of the estimator on the emulator, asked at its end.
+//! Depth of the stack in a run of the estimator on the emulator.
 //!
-//! The link's pipes are plain files here: every frame is written beforehand, the image reads them one by one and ends where they do, and its
-//! answers are read afterwards.
+//! The link's pipes are plain files here. All frames are written before the run, and the image ends
+//! after the last one. Its answers are read afterwards.
 
-use crate::run::{ChoreError, run_for, target_folder};
+use crate::run::{ChoreError, run_with_timeout, target_folder};
 use crate::setup::EMULATOR;
-use firmware::configuration::BENCH_B;
+use controller::configuration::BENCH_B;
 use link::track::SensorStatus;
 use link::{Command, Decoder, MAX_FRAME, NumberedCommand, SensorFrame, ToController, ToHost, encode};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
 
-/// Samples of the run: the search for the mark goes on once in 16 frames and comes round several times.
+/// Samples of the run. The search for the mark advances once in 16 frames and completes several
+/// rounds.
 const SAMPLES: u32 = 12_000;
 /// The run takes less than two seconds.
-const LONGEST: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// Runs an image over contacts, a bad configuration, damaged frames and a stop; returns the bytes that its stack went deep.
+/// Runs an image with contacts, a bad configuration, damaged frames and a stop. Returns the used
+/// bytes of its stack.
 pub(super) fn run(image: &Path) -> Result<u32, ChoreError> {
     let folder = target_folder().join("painted");
     let file = |name: &str| folder.join(name);
@@ -43,7 +45,7 @@ pub(super) fn run(image: &Path) -> Result<u32, ChoreError> {
         Some(bytes) if estimates == SAMPLES => Ok(bytes),
         _ => Err(failed(
             format!("{estimates} estimates and {painted:?} in to-host"),
-            "one for each sample, and a greeting at the end",
+            "one for each sample, and a hello frame at the end",
         )),
     }
 }
@@ -66,7 +68,7 @@ fn emulate(image: &Path, folder: &Path) -> Result<(), ChoreError> {
         .arg(image)
         .current_dir(folder)
         .stdin(Stdio::null());
-    run_for(&mut command, LONGEST).map(|_| ())
+    run_with_timeout(&mut command, TIMEOUT).map(|_| ())
 }
 
 /// The host's side of the run.
@@ -94,7 +96,7 @@ fn frames() -> Vec<u8> {
     bytes
 }
 
-/// The journal goes in and out of contact below the centre while the shaft swings.
+/// Sample with the journal in and out of contact below the centre while the shaft swings.
 fn sample(sequence: u32) -> SensorFrame {
     let wave = |period: i64, most: i64| {
         let phase = i64::from(sequence) % period * 4 * most / period;

@@ -1,9 +1,10 @@
-//! As much of the Thumb instruction set as the use of the stack needs: where control goes, and what lowers the stack pointer.
+//! Part of the Thumb instruction set that determines the use of the stack: branches, calls and
+//! changes of the stack pointer.
 //!
-//! Encodings: Arm v7-M Architecture Reference Manual, chapters A5 and A7. Anything not listed moves neither control out of the function nor
-//! the stack pointer down, as compilers write it.
+//! Encodings: Arm v7-M Architecture Reference Manual, chapters A5 and A7. In compiled code no other
+//! instruction leaves the function or lowers the stack pointer.
 
-/// What an instruction does.
+/// Effect of an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
     /// Nothing of interest.
@@ -12,20 +13,20 @@ pub(super) enum Effect {
     Call(u32),
     /// Jumps to an address, within the function or out of it.
     Jump(u32),
-    /// Calls or jumps where a register says. Tables of branches within a function are none of these.
+    /// Calls or jumps to an address in a register. A branch table within a function does not count.
     Indirect,
-    /// Lowers the stack pointer by so many bytes.
+    /// Lowers the stack pointer by this number of bytes.
     Lower(u32),
-    /// Sets the stack pointer to what cannot be seen here.
+    /// Sets the stack pointer to an unknown value.
     Sets,
 }
 
-/// Whether a half-word is the first of two.
+/// Decides whether a half-word is the first of two.
 pub(super) const fn is_wide(first: u16) -> bool {
     first >> 11 >= 0b11101
 }
 
-/// The effect of an instruction at an address; `second` is looked at for wide ones only.
+/// Returns the effect of an instruction at an address; `second` is read for wide ones only.
 pub(super) fn effect(address: u32, first: u16, second: u16) -> Effect {
     let base = address.wrapping_add(4);
     if is_wide(first) { wide(base, first.into(), second.into()) } else { narrow(base, first.into()) }

@@ -1,15 +1,15 @@
-//! Terms that the nominal plants leave out and effects switch on. All absent: nominal. What they are and their equations:
-//! `crate::effects`; what they do to a plant: `crate::extended_friction`, `crate::transmission`, `crate::friction_rig`.
+//! Terms that the nominal plants leave out and effects switch on. Without any term a plant is
+//! nominal. Their equations are in `crate::effects`; their use is in `crate::plants`.
 
-/// Largest factor of dry friction over temperature: friction that heats itself would run away.
-const MOST_LEVEL: f64 = 3.0;
+/// Maximum factor of dry friction over temperature, against thermal runaway.
+const MAX_LEVEL: f64 = 3.0;
 
 /// Friction that falls with speed: `rise exp(-|v|/speed)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StribeckTerm {
-    /// Rise at rest: coefficient (bearing) or effort (axis).
+    /// Rise at speed 0: coefficient (bearing) or effort (axis).
     pub rise: f64,
-    /// Speed over which it is lost, m/s.
+    /// Speed in m/s over which the rise falls to 1/e.
     pub speed_m_s: f64,
 }
 
@@ -18,18 +18,18 @@ pub struct StribeckTerm {
 pub struct StepTerm {
     /// Relative change (bearing) or effort (axis).
     pub change: f64,
-    /// When, in the log's time, s.
+    /// Time of the change in the log's time, s.
     pub time_s: f64,
 }
 
-/// Static friction that a rest builds up and sliding takes away.
+/// Static friction that builds up at standstill and is lost by sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BreakawayTerm {
-    /// Excess after a long rest: relative (bearing) or effort (axis).
+    /// Excess after a long standstill: relative (bearing) or effort (axis).
     pub excess: f64,
-    /// Time of rest that builds it up, s.
+    /// Time of standstill over which the excess builds up, s.
     pub rest_time_s: f64,
-    /// Sliding distance that takes it away, m.
+    /// Sliding distance over which the excess is lost, m.
     pub distance_m: f64,
 }
 
@@ -39,19 +39,19 @@ impl BreakawayTerm {
         (1.0 - memory) / self.rest_time_s - sliding_m_s.abs() * memory / self.distance_m
     }
 
-    /// The memory that a steady sliding speed leaves, and the rate at which it is approached, 1/s.
+    /// Memory at a steady sliding speed, and the rate at which it is approached, 1/s.
     pub(crate) fn steady(&self, sliding_m_s: f64) -> (f64, f64) {
         let rate = 1.0 / self.rest_time_s + sliding_m_s.abs() / self.distance_m;
         (1.0 / (self.rest_time_s * rate), rate)
     }
 }
 
-/// Friction that follows the temperature that it causes.
+/// Friction that depends on the temperature rise that it causes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThermalTerm {
     /// Relative change of dry friction per kelvin.
     pub level_per_k: f64,
-    /// Temperature rise per heat, K/W.
+    /// Temperature rise per heat flow, K/W.
     pub resistance_k_w: f64,
     /// Time constant of the rise, s.
     pub time_constant_s: f64,
@@ -65,7 +65,7 @@ impl ThermalTerm {
 
     /// Factor of dry friction at a temperature rise.
     pub(crate) fn level(&self, rise_k: f64) -> f64 {
-        (1.0 + self.level_per_k * rise_k).clamp(0.0, MOST_LEVEL)
+        (1.0 + self.level_per_k * rise_k).clamp(0.0, MAX_LEVEL)
     }
 }
 
@@ -91,7 +91,7 @@ impl RippleTerm {
         self.cos * cos + self.sin * sin
     }
 
-    /// Integral over the argument: the potential, with its sign changed, of a ripple over position.
+    /// Integral over the argument; for a ripple over position the negative potential.
     pub(crate) fn integral(&self, argument: f64) -> f64 {
         let (sin, cos) = self.phase(argument).sin_cos();
         (self.cos * sin - self.sin * cos) / (core::f64::consts::TAU * self.per_unit)
@@ -103,13 +103,13 @@ pub(crate) fn ripples(terms: &[RippleTerm], argument: f64) -> f64 {
     terms.iter().map(|term| term.at(argument)).sum()
 }
 
-/// Film between journal and bearing that is squeezed out.
+/// Lubricant film that is squeezed out between journal and bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmTerm {
     /// Viscosity, Pa s.
     pub viscosity_pa_s: f64,
-    /// Thickness that roughness keeps, m.
-    pub least_thickness_m: f64,
+    /// Minimum thickness, due to roughness, m.
+    pub min_thickness_m: f64,
 }
 
 /// Terms of the transmission bench.
@@ -117,9 +117,9 @@ pub struct FilmTerm {
 pub struct Extension {
     /// Friction force on the journal per sliding speed, N s/m.
     pub viscous_n_s_m: f64,
-    /// The same with its sign changed in backward sliding, N s/m.
+    /// Friction force per sliding speed that reverses its sign in backward sliding, N s/m.
     pub viscous_asymmetry_n_s_m: f64,
-    /// Relative change of the friction level, opposite in the two directions.
+    /// Relative change of the friction level, with opposite signs in the two directions.
     pub coulomb_asymmetry: f64,
     /// Exponent of the normal force in the coefficient.
     pub load_exponent: f64,
@@ -127,19 +127,19 @@ pub struct Extension {
     pub stribeck: Vec<StribeckTerm>,
     /// Changes of dry friction.
     pub friction_steps: Vec<StepTerm>,
-    /// Static friction after a rest.
+    /// Static friction after a standstill.
     pub breakaway: Option<BreakawayTerm>,
-    /// Sliding distance over which friction turns round, m; 0: none.
+    /// Sliding distance over which friction reverses, m; 0: none.
     pub presliding_distance_m: f64,
     /// Friction over temperature.
     pub thermal: Option<ThermalTerm>,
-    /// Temperature rise at the first sample, K: a session's own, set by no effect.
+    /// Temperature rise at the first sample, K: a per-log parameter that no effect sets.
     pub temperature_start_k: f64,
     /// Compliance of the hydraulic column between drive cylinder and fork, m/N.
     pub hydraulic_compliance_m_n: f64,
-    /// Lag of the fork behind the drive cylinder, s.
+    /// Lag of the fork after the drive cylinder, s.
     pub drive_lag_s: f64,
-    /// Play of the fork beside that of `[fork]`, m.
+    /// Play of the fork in addition to that of `[fork]`, m.
     pub backlash_m: f64,
     /// Ripple of the load over time, N.
     pub load_ripples: Vec<RippleTerm>,
@@ -156,7 +156,7 @@ pub struct Extension {
 /// Terms of a driven axis; efforts in N or N m.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisExtension {
-    /// Viscous effort per speed with its sign changed in backward motion.
+    /// Viscous effort per speed that reverses its sign in backward motion.
     pub viscous_asymmetry: f64,
     /// Effort that falls with speed.
     pub stribeck: Vec<StribeckTerm>,
@@ -164,13 +164,13 @@ pub struct AxisExtension {
     pub friction_steps: Vec<StepTerm>,
     /// Static friction after a rest.
     pub breakaway: Option<BreakawayTerm>,
-    /// Sliding distance over which friction turns round, m at the friction radius; 0: none.
+    /// Sliding distance over which friction reverses, m at the friction radius; 0: none.
     pub presliding_distance_m: f64,
     /// Friction over temperature.
     pub thermal: Option<ThermalTerm>,
-    /// Temperature rise at the first sample, K: a session's own, set by no effect.
+    /// Temperature rise at the first sample, K: a per-log parameter that no effect sets.
     pub temperature_start_k: f64,
-    /// Lag of the axis behind its logged motion, s.
+    /// Lag of the axis after its logged motion, s.
     pub drive_lag_s: f64,
     /// Ripple of the load over time, N.
     pub load_ripples: Vec<RippleTerm>,

@@ -1,13 +1,13 @@
 //! Description of a single driven axis with a measured effort.
 
-use super::{AxisExtension, BearingMaterial, Load, Logging, Nuisances, is_zero};
-use crate::channel::Channel;
-use crate::effects::Effect;
-use crate::log_format::{Columns, TextFormat};
-use crate::motion::{Profile, sweep_s};
-use crate::sensor::Sensor;
+use super::common::plant_description;
+use super::plant::{HUGE, TINY, load_ranges, log_rate};
+use super::{AxisExtension, DriveChannels, Field, Load, Logging, PlantDescription, Range, is_zero};
+use crate::effects::Plant;
+use crate::signals::{Channel, Profile, sweep_s};
+use crate::simulate::LoggedPlant;
+use contact::BearingMaterial;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 section! {
     /// The driven axis of a friction rig.
@@ -18,7 +18,7 @@ section! {
         inertia: f64,
         /// Radius at which friction acts, m (rotary; 1 for a linear axis).
         friction_radius_m: f64,
-        /// Share of the load that the measured effort carries directly (0: none; a cylinder's force: 1).
+        /// Share of the load that the measured effort contains (0: none; a cylinder's force: 1).
         load_gain: f64,
         /// Dry friction that does not depend on the load: effort in N or N m.
         coulomb_effort: f64,
@@ -38,30 +38,32 @@ section! {
         /// Cycles of a record.
         #[serde(default = "one_cycle")]
         cycles: u32,
-        /// Rest before each half cycle of a record, s.
+        /// Standstill before each half cycle of a record, s.
         #[serde(default, skip_serializing_if = "is_zero")]
         dwell_s: f64,
-        /// Period at the end of a record, s: the frequency then moves evenly from the one to the other; 0: it stays.
+        /// Period at the end of a record in s, with a frequency that changes linearly; 0: constant
+        /// frequency.
         #[serde(default, skip_serializing_if = "is_zero")]
         last_period_s: f64,
-        /// Whether a record starts backwards.
+        /// True if a record starts backwards.
         #[serde(default, skip_serializing_if = "is_forwards")]
         backwards: bool,
     }
 }
 
 section! {
-    /// The rubbing pair of a friction rig; adds to the axis' own friction. See `friction_rig`.
+    /// The rubbing pair of a friction rig. Its friction adds to the axis' own friction. See
+    /// `plants::friction_rig`.
     Surface {
-        /// Which measured pair.
+        /// Material of the measured pair.
         material: BearingMaterial,
-        /// Static friction after a long rest over that after none.
+        /// Ratio of static friction after a long standstill to that after none.
         break_away_ratio: f64,
-        /// Time in s over which a rest builds it up.
+        /// Time of standstill in s over which it builds up.
         break_away_time_s: f64,
         /// Sliding distance in m over which it is lost.
         break_away_distance_m: f64,
-        /// Lag of the coefficient behind the speed, s.
+        /// Lag of the coefficient after the speed, s.
         lag_s: f64,
     }
 }
@@ -76,42 +78,21 @@ pub enum AxisKind {
     Linear,
 }
 
-/// Description of a single driven axis with a measured effort.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FrictionRig {
-    /// Always `friction-rig`.
-    pub plant: String,
-    /// The axis.
-    pub axis: Axis,
-    /// The rubbing pair; none: the axis' own coefficient alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub surface: Option<Surface>,
-    /// Load.
-    pub load: Load,
-    /// Log.
-    pub logging: Logging,
-    /// Sensors by channel.
-    #[serde(default)]
-    pub sensors: BTreeMap<Channel, Sensor>,
-    /// Standard deviation of what calibration may move, by parameter name.
-    #[serde(default)]
-    pub uncertain: BTreeMap<String, f64>,
-    /// What is a session's own.
-    #[serde(default, skip_serializing_if = "Nuisances::is_empty")]
-    pub nuisances: Nuisances,
-    /// How a foreign log is read.
-    #[serde(default, skip_serializing_if = "TextFormat::is_default")]
-    pub log: TextFormat,
-    /// Where a foreign log's signals come from.
-    #[serde(default, skip_serializing_if = "Columns::is_empty")]
-    pub columns: Columns,
-    /// Extensions beyond the nominal model.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub effects: Vec<Effect>,
-    /// What effects switch on; never in a file.
-    #[serde(skip)]
-    pub extension: AxisExtension,
+plant_description! {
+    /// Description of a single driven axis with a measured effort.
+    FrictionRig as FrictionRigFile "FrictionRigFile", plant "friction-rig", extension AxisExtension {
+        /// Always `friction-rig`.
+        plant: String,
+        /// The axis.
+        axis: Axis,
+        /// Rubbing pair; without one only the axis' own friction acts.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        surface: Option<Surface>,
+        /// Load.
+        load: Load,
+        /// Log.
+        logging: Logging,
+    }
 }
 
 fn one_cycle() -> u32 {
@@ -123,7 +104,7 @@ fn is_forwards(backwards: &bool) -> bool {
 }
 
 impl Axis {
-    /// The described motion.
+    /// Described motion.
     pub fn motion(&self) -> Profile {
         let stroke = if self.backwards { -2.0 * self.amplitude } else { 2.0 * self.amplitude };
         let (period_s, cycles) = (self.period_s, f64::from(self.cycles));
@@ -147,15 +128,137 @@ impl Axis {
 }
 
 impl FrictionRig {
-    /// Drive and effort channels of the axis: position, speed, effort.
+    /// Channels of the axis: position, speed, effort.
     pub fn channels(&self) -> (Channel, Channel, Channel) {
         match self.axis.kind {
-            crate::description::AxisKind::Rotary => {
-                (Channel::SpindleAngle, Channel::SpindleSpeed, Channel::DriveTorque)
-            }
-            crate::description::AxisKind::Linear => {
-                (Channel::Position, Channel::Velocity, Channel::DriveForce)
-            }
+            AxisKind::Rotary => (Channel::SpindleAngle, Channel::SpindleSpeed, Channel::DriveTorque),
+            AxisKind::Linear => (Channel::Position, Channel::Velocity, Channel::DriveForce),
         }
+    }
+}
+
+/// Omissions of the model.
+const LIMITS: &[&str] = &[
+    "The motion is given: the axis cannot stick, slip or vibrate.",
+    "The friction of the surfaces is an assumption in the shape of published curves.",
+    "The load is the same over the whole surface; wear and temperature are not modelled.",
+    "Below the width of the regularised sign, friction rises with speed, not displacement.",
+];
+
+impl PlantDescription for FrictionRig {
+    fn period_s(&self) -> f64 {
+        self.axis.period_s
+    }
+
+    fn stroke(&self) -> f64 {
+        2.0 * self.axis.amplitude
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.axis.duration_s()
+    }
+
+    fn cycles_field(&self) -> &'static str {
+        "axis.cycles"
+    }
+
+    fn set_cycles(&mut self, cycles: u32) {
+        self.axis.cycles = cycles;
+    }
+
+    fn ranges(&self) -> Vec<Range> {
+        let axis = &self.axis;
+        // A sweep has no standstill.
+        let longest_dwell_s = if axis.last_period_s > 0.0 { 0.0 } else { 1e6 };
+        let shortest_last_period_s = if axis.last_period_s == 0.0 { 0.0 } else { 1e-3 };
+        let mut ranges = vec![
+            ("axis.inertia", axis.inertia, 0.0, 1e9),
+            ("axis.friction_radius_m", axis.friction_radius_m, 1e-6, 1e3),
+            ("axis.load_gain", axis.load_gain, -1e3, 1e3),
+            ("axis.coulomb_effort", axis.coulomb_effort, 0.0, HUGE),
+            ("axis.viscous_effort", axis.viscous_effort, 0.0, HUGE),
+            ("axis.load_coefficient", axis.load_coefficient, 0.0, 10.0),
+            ("axis.coulomb_asymmetry", axis.coulomb_asymmetry, -HUGE, HUGE),
+            ("axis.regularisation_m_s", axis.regularisation_m_s, TINY, 1e3),
+            ("axis.period_s", axis.period_s, 1e-3, 1e6),
+            ("axis.amplitude", axis.amplitude, 1e-9, 1e6),
+            ("axis.cycles", f64::from(axis.cycles), 1.0, 1e6),
+            ("axis.dwell_s", axis.dwell_s, 0.0, longest_dwell_s),
+            ("axis.last_period_s", axis.last_period_s, shortest_last_period_s, 1e6),
+        ];
+        ranges.extend(load_ranges(&self.load));
+        ranges.push(log_rate(&self.logging, self.duration_s()));
+        if let Some(surface) = &self.surface {
+            ranges.extend([
+                ("surface.break_away_ratio", surface.break_away_ratio, 1.0, 10.0),
+                ("surface.break_away_time_s", surface.break_away_time_s, 1e-6, HUGE),
+                ("surface.break_away_distance_m", surface.break_away_distance_m, 1e-9, HUGE),
+                ("surface.lag_s", surface.lag_s, 0.0, 10.0),
+            ]);
+        }
+        ranges
+    }
+
+    fn limits(&self) -> &'static [&'static str] {
+        LIMITS
+    }
+
+    fn plant_parameter_mut(&mut self, name: &str) -> Option<&mut f64> {
+        match name {
+            "axis.inertia" => Some(&mut self.axis.inertia),
+            "axis.load_gain" => Some(&mut self.axis.load_gain),
+            "axis.coulomb_effort" => Some(&mut self.axis.coulomb_effort),
+            "axis.viscous_effort" => Some(&mut self.axis.viscous_effort),
+            "axis.load_coefficient" => Some(&mut self.axis.load_coefficient),
+            _ => None,
+        }
+    }
+
+    fn period_mut(&mut self) -> Option<Field<'_>> {
+        Some(("axis.period_s", &mut self.axis.period_s))
+    }
+
+    fn stroke_mut(&mut self) -> Option<Field<'_>> {
+        Some(("axis.amplitude", &mut self.axis.amplitude))
+    }
+
+    fn load(&self) -> Option<&Load> {
+        Some(&self.load)
+    }
+
+    fn load_mut(&mut self) -> Option<&mut Load> {
+        Some(&mut self.load)
+    }
+
+    fn has_thermal_friction(&self) -> bool {
+        self.extension.thermal.is_some()
+    }
+
+    fn set_temperature_start_k(&mut self, rise_k: f64) {
+        self.extension.temperature_start_k = rise_k;
+    }
+
+    fn effect_plant(&self) -> Option<Plant> {
+        Some(match self.axis.kind {
+            AxisKind::Rotary => Plant::Rotary,
+            AxisKind::Linear => Plant::Linear,
+        })
+    }
+
+    fn logged(&self) -> Option<&dyn LoggedPlant> {
+        Some(self)
+    }
+
+    fn sample_rate_hz(&self) -> f64 {
+        self.logging.sample_rate_hz
+    }
+
+    fn drive_channels(&self) -> Option<DriveChannels> {
+        let (position, speed, _) = self.channels();
+        Some(DriveChannels { position, speed })
+    }
+
+    fn simulates(&self, channel: Channel) -> bool {
+        channel == self.channels().2 || channel == Channel::FrictionTorque
     }
 }

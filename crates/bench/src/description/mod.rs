@@ -1,4 +1,5 @@
-//! The bench description: one TOML file says what a bench is, what its sensors do and what is uncertain about it.
+//! The data of a bench description: plant, sensors, uncertain parameters, log format and effects in
+//! one TOML file.
 
 macro_rules! section {
     ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident : $type:ty,)* }) => {
@@ -9,65 +10,31 @@ macro_rules! section {
     };
 }
 
-mod change;
-mod check;
+mod bench;
+mod common;
+mod effect;
+mod error;
 mod extension;
 mod friction_rig;
-mod laws;
+mod law_names;
 mod nuisances;
-mod ranges;
+mod plant;
+mod slider_crank;
 mod transmission;
 
+pub use bench::Bench;
+pub use common::Common;
+pub use effect::Effect;
+pub use error::DescriptionError;
 pub use extension::*;
 pub use friction_rig::*;
-pub use laws::integrates_friction;
+pub use law_names::{CompleteLawName, DampingName, DissipationName, FrictionName, StiffnessName};
 pub use nuisances::Nuisances;
-pub(crate) use ranges::shown;
+pub use plant::{CommonSections, DriveChannels, Field, PlantDescription, Range, Refusal};
+pub use slider_crank::*;
 pub use transmission::*;
 
 use serde::{Deserialize, Serialize};
-
-/// A bench of either kind that a log can be compared with.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Bench {
-    /// The rudder-drive transmission bench.
-    Transmission(Box<TransmissionBench>),
-    /// A single driven axis with a measured effort: the friction rig, or a linear axis.
-    FrictionRig(Box<FrictionRig>),
-}
-
-/// Why a description was refused.
-#[derive(Debug, thiserror::Error)]
-pub enum DescriptionError {
-    /// The file could not be read.
-    #[error("{file}: cannot be read: {source}")]
-    Unreadable {
-        /// Path given.
-        file: String,
-        /// Cause.
-        source: std::io::Error,
-    },
-    /// The text is no bench description.
-    #[error("{file}: {message}")]
-    Malformed {
-        /// Path or preset.
-        file: String,
-        /// Line, column, what was found and expected.
-        message: String,
-    },
-    /// A number is outside what the model can take.
-    #[error("{file}: {field} is {found}; expected {expected}")]
-    OutOfRange {
-        /// Path or preset.
-        file: String,
-        /// Dotted name of the field.
-        field: String,
-        /// What stands there.
-        found: String,
-        /// What may stand there.
-        expected: String,
-    },
-}
 
 section! {
     /// Force of the load cylinder.
@@ -79,21 +46,11 @@ section! {
     }
 }
 section! {
-    /// How a log of the bench is taken.
+    /// Recording of a log.
     Logging {
-        /// Samples a second.
+        /// Samples per second.
         sample_rate_hz: f64,
     }
-}
-
-/// Bearing materials with trained networks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BearingMaterial {
-    /// Babbitt alloy.
-    Babbitt,
-    /// Engineering plastic alloy.
-    Plastic,
 }
 
 fn one() -> f64 {
@@ -106,4 +63,13 @@ fn is_one(value: &f64) -> bool {
 
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
+}
+
+/// Formats a number for a message: plainly, or with a power of ten if that is shorter.
+pub(crate) fn format_number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e7).contains(&value.abs()) || !value.is_finite() {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
 }

@@ -1,62 +1,67 @@
-//! What changes from session to session and is no effect: `[nuisances]` of a description.
+//! Per-log nuisance parameters: `[nuisances]` of a description.
 //!
-//! A session is one log. Each one gets its own value of every declared nuisance, drawn from a normal distribution around 0 with the
-//! declared standard deviation; a diagnosis estimates it beside the uncertain parameters, for that log alone.
+//! Each log has its own value of every declared nuisance, drawn from a normal distribution around 0
+//! with the declared standard deviation. A diagnosis estimates it together with the uncertain
+//! parameters, for that log alone.
 //!
-//! | key | unit | what |
+//! | key | unit | meaning |
 //! | --- | --- | --- |
-//! | `temperature_start_k` | K, 0 to 1000 | rise of the bearing's temperature over its surroundings at a log's first sample; shows where friction follows temperature (`thermal-friction-drift`) |
+//! | `temperature_start_k` | K, 0 to 1000 | temperature rise at the first sample |
 //! | `offset.<channel>` | the channel's, 0 to 1e12 | constant added to an output's readings |
-//! | `delay_s.<channel>` | s, 0 to 10 | how far an output's clock runs behind that of the inputs (negative draws: ahead) |
+//! | `delay_s.<channel>` | s, 0 to 10 | delay of an output's clock relative to the inputs |
 //!
-//! Inputs have none: what is wrong with them would go through the whole simulation.
+//! Inputs have none: their errors would change the whole simulation.
 
-use super::shown;
-use crate::channel::{Channel, Role};
+use super::{Refusal, format_number};
+use crate::signals::{Channel, Role};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Largest declared temperature in K, offset in the channel's unit, delay in s.
-const MOST_TEMPERATURE_K: f64 = 1e3;
-const MOST_OFFSET: f64 = 1e12;
-const MOST_DELAY_S: f64 = 10.0;
+/// Maximum declared temperature in K.
+const MAX_TEMPERATURE_K: f64 = 1e3;
+const MAX_OFFSET: f64 = 1e12;
+const MAX_DELAY_S: f64 = 10.0;
 
-/// Standard deviations of what is a session's own; 0 or absent: none.
+/// Standard deviations of per-log parameters; 0 or absent: none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Nuisances {
-    /// Rise of the bearing's temperature over its surroundings at a log's first sample, K.
+    /// Bearing temperature above ambient at a log's first sample, K.
     #[serde(default, skip_serializing_if = "super::is_zero")]
     pub temperature_start_k: f64,
     /// Constant added to the readings of an output, in its unit.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub offset: BTreeMap<Channel, f64>,
-    /// How far the clock of an output runs behind that of the inputs, s.
+    /// Delay of an output's clock after that of the inputs, s.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub delay_s: BTreeMap<Channel, f64>,
 }
 
 impl Nuisances {
-    /// Whether nothing is declared.
+    /// Returns whether nothing is declared.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Field, what was found and what is expected, where a description may not say so.
-    pub(crate) fn refusal(&self) -> Option<(String, String, String)> {
-        let tables = [("offset", &self.offset, MOST_OFFSET), ("delay_s", &self.delay_s, MOST_DELAY_S)];
+    /// Returns the first declaration that is not allowed.
+    pub(crate) fn refusal(&self) -> Option<Refusal> {
+        let tables = [("offset", &self.offset, MAX_OFFSET), ("delay_s", &self.delay_s, MAX_DELAY_S)];
         let of_channels = tables.into_iter().flat_map(|(table, values, most)| {
             values.iter().map(move |(c, v)| (format!("nuisances.{table}.{c}"), Some(*c), *v, most))
         });
         let temperature =
-            ("nuisances.temperature_start_k".to_owned(), None, self.temperature_start_k, MOST_TEMPERATURE_K);
+            ("nuisances.temperature_start_k".to_owned(), None, self.temperature_start_k, MAX_TEMPERATURE_K);
         for (field, channel, value, most) in std::iter::once(temperature).chain(of_channels) {
             if channel.is_some_and(|c| c.role() == Role::Input) {
                 let expected = "an output, which is compared with the simulation, such as drive_force_n";
                 return Some((field, "of an input".into(), expected.into()));
             }
             if !(0.0..=most).contains(&value) {
-                return Some((field, shown(value), format!("a standard deviation, 0 to {}", shown(most))));
+                return Some((
+                    field,
+                    format_number(value),
+                    format!("a standard deviation, 0 to {}", format_number(most)),
+                ));
             }
         }
         None
@@ -97,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_name_the_field_what_was_found_and_what_is_expected() {
+    fn refusals_name_the_field_the_content_found_and_the_content_expected() {
         for (table, expected) in [
             (
                 "[nuisances]\ntemperature_start_k = -1.0",

@@ -1,39 +1,54 @@
-//! Static friction grows with the time of rest and is lost by sliding.
+//! Static friction grows with the time at standstill and is lost by sliding.
 //!
-//! `m' = (1 - m)/t_r - |v| m/d`, the ageing law of rate-and-state friction (Dieterich 1979, Ruina 1983) with its state between 0
-//! and 1. Bearing: dry friction times `1 + excess m` (`excess`, -0.9 to 5, prior 0.3); axis: an effort `excess m` more
-//! (`excess_effort` in N or N m, within 1e9, prior 1e3). Shapes: `rest_time_s` 1e-3 to 1e3, 0.5 unless given;
-//! `distance_m` 1e-6 to 0.1, 2e-4 unless given; the prior of both is a factor of 10. What stands at the start has rested for long, what moves has
-//! the age that this speed leaves.
-//! In a log: a peak of friction after each rest or reversal, lost over the distance.
-//! Confounded with Stribeck's fall (which peaks before a reversal too) and, where nothing rests, with pre-sliding.
+//! `m' = (1 - m)/t_r - |v| m/d`, the ageing law of rate-and-state friction (Dieterich 1979, Ruina
+//! 1983) with its state between 0 and 1. Bearing: dry friction times `1 + excess m` (`excess`, -0.9
+//! to 5, prior 0.3). Axis: an additional effort `excess m` (`excess_effort` in N or N m, within
+//! 1e9, prior 1e3). Shapes: `rest_time_s` 1e-3 to 1e3, default 0.5; `distance_m` 1e-6 to 0.1,
+//! default 2e-4; the prior of both is a factor of 10. At the start of a log, a part at standstill
+//! has been there for a long time, and a moving part has the state of steady sliding. In a log: a
+//! peak of friction after each standstill or reversal, which is lost over the distance. Confounded
+//! with Stribeck friction (which also peaks before a reversal) and, without standstills, with
+//! pre-sliding.
 
-use super::kind::{EffectKind, EffectParameter, Guess, Plant};
-use crate::channel::Channel;
-use crate::description::{Bench, BreakawayTerm};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant, Values};
+use crate::description::BreakawayTerm;
+use crate::signals::Channel;
 
 const REST: EffectParameter = EffectParameter::magnitude("rest_time_s", "s", 0.5, [1e-3, 1e3], 10.0);
 const DISTANCE: EffectParameter = EffectParameter::magnitude("distance_m", "m", 2e-4, [1e-6, 0.1], 10.0);
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "breakaway",
-    summary: "Static friction grows with the time of rest and is lost by sliding.",
-    per_channel: false,
-    plants: &[Plant::Planar, Plant::Rotary, Plant::Linear],
-    transmission: &[EffectParameter::size("excess", "1", 0.05, [-0.9, 5.0], 0.3), REST, DISTANCE],
-    axis: &[EffectParameter::size("excess_effort", "N or N m", 0.1, [-1e9, 1e9], 1e3), REST, DISTANCE],
+    summary: "Static friction grows with the time at standstill and is lost by sliding.",
     shows_in: Some(Channel::FrictionTorque),
     confounded_with: &["coulomb-level", "presliding-hysteresis", "stribeck-friction"],
     guess: Guess::Defaults,
-    apply: |bench, _, parameter| {
-        let term = |excess: &str| BreakawayTerm {
-            excess: parameter(excess),
-            rest_time_s: parameter("rest_time_s"),
-            distance_m: parameter("distance_m"),
-        };
-        match bench {
-            Bench::Transmission(bench) => bench.extension.breakaway = Some(term("excess")),
-            Bench::FrictionRig(rig) => rig.extension.breakaway = Some(term("excess_effort")),
-        }
-    },
+    actions: &[
+        Action {
+            plants: &[Plant::Planar],
+            parameters: &[EffectParameter::size("excess", "1", 0.05, [-0.9, 5.0], 0.3), REST, DISTANCE],
+            apply: Apply::Transmission(|bench, parameter| {
+                bench.extension.breakaway = Some(term("excess", parameter))
+            }),
+        },
+        Action {
+            plants: Plant::AXES,
+            parameters: &[
+                EffectParameter::size("excess_effort", "N or N m", 0.1, [-1e9, 1e9], 1e3),
+                REST,
+                DISTANCE,
+            ],
+            apply: Apply::Axis(|rig, parameter| {
+                rig.extension.breakaway = Some(term("excess_effort", parameter))
+            }),
+        },
+    ],
 };
+
+fn term(excess: &str, parameter: &Values<'_>) -> BreakawayTerm {
+    BreakawayTerm {
+        excess: parameter(excess),
+        rest_time_s: parameter("rest_time_s"),
+        distance_m: parameter("distance_m"),
+    }
+}

@@ -1,33 +1,44 @@
-//! Dry friction changes at once: lubricant arrives or is lost, a surface is scored, a seal is hurt.
+//! Dry friction changes at one time: lubricant arrives or is lost, a surface is scored, a seal is
+//! damaged.
 //!
-//! Bearing: dry friction times `1 + c H(t - t_0)` (`relative_change`, -0.95 to 5, prior 0.3); axis: an effort `c H(t - t_0)` more
-//! (`coulomb_effort` in N or N m, within 1e9, prior 1e3). `H` is smoothed over 2 ms. Shape: `time_s` in the log's own
-//! time (-1e6 to 1e6 s, 0 unless given, prior 1e3). A phenomenon, not a law.
-//! In a log: friction of two levels, one before and one after.
-//! Confounded with a thermal drift, with the level of friction where the step is near an end, and with drifting sensors.
+//! Bearing: dry friction times `1 + c H(t - t_0)` (`relative_change`, -0.95 to 5, prior 0.3). Axis:
+//! an additional effort `c H(t - t_0)` (`coulomb_effort` in N or N m, within 1e9, prior 1e3). `H`
+//! is smoothed over 2 ms. Shape: `time_s` in the log's own time (-1e6 to 1e6 s, default 0, prior
+//! 1e3). A phenomenon, not a law. In a log: friction of two levels, one before and one after the
+//! change. Confounded with a thermal drift, with the level of friction if the step is near an end,
+//! and with drifting sensors.
 
-use super::kind::{EffectKind, EffectParameter, Guess, Plant};
-use crate::channel::Channel;
-use crate::description::{Bench, StepTerm};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant, Values};
+use crate::description::StepTerm;
+use crate::signals::Channel;
 
 const TIME: EffectParameter =
     EffectParameter { scale: 0.02, ..EffectParameter::shape("time_s", "s", 0.0, [-1e6, 1e6], 1e3) };
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "friction-step",
-    summary: "Dry friction changes at once.",
-    per_channel: false,
-    plants: Plant::ALL,
-    transmission: &[EffectParameter::size("relative_change", "1", 0.02, [-0.95, 5.0], 0.3), TIME],
-    axis: &[EffectParameter::size("coulomb_effort", "N or N m", 0.1, [-1e9, 1e9], 1e3), TIME],
+    summary: "Dry friction changes at one time.",
     shows_in: Some(Channel::FrictionTorque),
     confounded_with: &["coulomb-level", "sensor-drift", "thermal-friction-drift"],
     guess: Guess::Onset("coulomb-level"),
-    apply: |bench, _, parameter| {
-        let term = |change: &str| StepTerm { change: parameter(change), time_s: parameter("time_s") };
-        match bench {
-            Bench::Transmission(bench) => bench.extension.friction_steps.push(term("relative_change")),
-            Bench::FrictionRig(rig) => rig.extension.friction_steps.push(term("coulomb_effort")),
-        }
-    },
+    actions: &[
+        Action {
+            plants: Plant::TRANSMISSION,
+            parameters: &[EffectParameter::size("relative_change", "1", 0.02, [-0.95, 5.0], 0.3), TIME],
+            apply: Apply::Transmission(|bench, parameter| {
+                bench.extension.friction_steps.push(term("relative_change", parameter))
+            }),
+        },
+        Action {
+            plants: Plant::AXES,
+            parameters: &[EffectParameter::size("coulomb_effort", "N or N m", 0.1, [-1e9, 1e9], 1e3), TIME],
+            apply: Apply::Axis(|rig, parameter| {
+                rig.extension.friction_steps.push(term("coulomb_effort", parameter))
+            }),
+        },
+    ],
 };
+
+fn term(change: &str, parameter: &Values<'_>) -> StepTerm {
+    StepTerm { change: parameter(change), time_s: parameter("time_s") }
+}

@@ -1,37 +1,34 @@
 //! The journal is oval: its radius varies over the shaft's angle.
 //!
-//! Radius deviation in the direction `b` of the journal's own frame: `rho(b) = c cos 2b + s sin 2b`, `b = psi - th` with
-//! `psi` the direction of the contact and `th` the shaft's angle. To first order in `rho/a` the deformation is
-//! `d = a - D + rho(psi - th)`; the normal force acts along the gradient of `d`, so beside `n` it has the share
-//! `rho'/a` across and the torque `F_n rho'` on the shaft (virtual work). Roundness as a Fourier series of the radius:
-//! ISO 12181-1; only the second harmonic, the ovality, is kept. Parameters: `cosine_m`, `sine_m`, within 0.2 mm,
-//! prior 10 um each.
-//! In a log: `journal_y_m`, `journal_z_m` deviate by an amount that follows twice the shaft's angle against the contact's
-//! direction, and repeat with it.
-//! Confounded with wear of the clearance (the crank turns through 35 degrees only, so part of it looks constant) and with
+//! Radius deviation in the direction `b` of the journal's own frame: `rho(b) = c cos 2b + s sin
+//! 2b`, `b = psi - th` with `psi` the direction of the contact and `th` the shaft's angle. To first
+//! order in `rho/a` the deformation is `d = a - D + rho(psi - th)`. The normal force acts along the
+//! gradient of `d`, so in addition to `n` it has the share `rho'/a` across and the torque `F_n
+//! rho'` on the shaft (virtual work). Roundness as a Fourier series of the radius: ISO 12181-1;
+//! only the second harmonic, the ovality, is modelled. Parameters: `cosine_m`, `sine_m`, within 0.2
+//! mm, prior 10 um each. In a log: `journal_y_m` and `journal_z_m` deviate by an amount that
+//! follows twice the angle between shaft and contact, and repeats with it. Confounded with
+//! clearance wear (the crank turns through 35 degrees only, so part of it looks constant) and with
 //! offsets of the journal's sensors.
 
-use super::kind::{EffectKind, EffectParameter, Guess, Plant};
-use crate::channel::Channel;
-use crate::description::Bench;
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "journal-out-of-round",
     summary: "The journal is oval: its radius varies over the shaft's angle.",
-    per_channel: false,
-    plants: &[Plant::Planar],
-    transmission: &[
-        EffectParameter::size("cosine_m", "m", 1e-6, [-2e-4, 2e-4], 1e-5),
-        EffectParameter::size("sine_m", "m", 1e-6, [-2e-4, 2e-4], 1e-5),
-    ],
-    axis: &[],
     shows_in: Some(Channel::JournalY),
     confounded_with: &["clearance-wear", "contact-stiffness", "sensor-gain", "sensor-offset"],
     guess: Guess::Defaults,
-    apply: |bench, _, parameter| {
-        if let Bench::Transmission(bench) = bench {
+    actions: &[Action {
+        plants: &[Plant::Planar],
+        parameters: &[
+            EffectParameter::size("cosine_m", "m", 1e-6, [-2e-4, 2e-4], 1e-5),
+            EffectParameter::size("sine_m", "m", 1e-6, [-2e-4, 2e-4], 1e-5),
+        ],
+        apply: Apply::Transmission(|bench, parameter| {
             bench.extension.out_of_round_m[0] += parameter("cosine_m");
             bench.extension.out_of_round_m[1] += parameter("sine_m");
-        }
-    },
+        }),
+    }],
 };

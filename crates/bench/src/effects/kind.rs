@@ -1,40 +1,33 @@
-//! What the catalogue holds of an effect: where it acts, its parameters with bounds and priors, what it is confounded with.
+//! Entry of the effect catalogue: plants, parameters with bounds and priors, and confounded
+//! effects.
 
-use crate::channel::Channel;
-use crate::description::{AxisKind, Bench};
-use core::fmt;
+use crate::description::{Bench, FrictionRig, TransmissionBench};
+use crate::signals::{Channel, Sensor};
 
-/// A plant that effects act on.
+/// Plant on which effects act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plant {
-    /// The transmission bench without tilt.
+    /// Transmission bench without tilt.
     Planar,
-    /// The transmission bench with a `[two_plane]` section.
+    /// Transmission bench with a `[two_plane]` section.
     TwoPlane,
-    /// A driven axis of kind `rotary`: the friction rig.
+    /// Driven axis of kind `rotary`: the friction rig.
     Rotary,
-    /// A driven axis of kind `linear`.
+    /// Driven axis of kind `linear`.
     Linear,
 }
 
 impl Plant {
-    /// Every plant, in the order of the documentation.
+    /// Plants on which effects act, in the order of the documentation.
     pub const ALL: &[Self] = &[Self::Planar, Self::TwoPlane, Self::Rotary, Self::Linear];
 
-    /// The plant of a description.
-    pub fn of(bench: &Bench) -> Self {
-        match bench {
-            Bench::Transmission(bench) if bench.two_plane.is_some() => Self::TwoPlane,
-            Bench::Transmission(_) => Self::Planar,
-            Bench::FrictionRig(rig) => match rig.axis.kind {
-                AxisKind::Rotary => Self::Rotary,
-                AxisKind::Linear => Self::Linear,
-            },
-        }
-    }
+    /// The transmission bench in either form.
+    pub(super) const TRANSMISSION: &[Self] = &[Self::Planar, Self::TwoPlane];
+    /// A driven axis of either kind.
+    pub(super) const AXES: &[Self] = &[Self::Rotary, Self::Linear];
 
-    /// The plant in words.
-    pub const fn words(self) -> &'static str {
+    /// Name of the plant for messages.
+    pub const fn description(self) -> &'static str {
         match self {
             Self::Planar => "planar transmission bench",
             Self::TwoPlane => "transmission bench with [two_plane]",
@@ -44,121 +37,167 @@ impl Plant {
     }
 }
 
-impl fmt::Display for Plant {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.words())
-    }
-}
-
-/// A parameter of an effect.
+/// Parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectParameter {
     /// Name with unit.
     pub name: &'static str,
     /// Unit.
     pub unit: &'static str,
-    /// A size that is visible but small: the step of finite differences and the first guess of a fit.
+    /// A visible but small value: the step of finite differences and the initial value of a fit.
     pub scale: f64,
-    /// Smallest value that makes sense.
-    pub least: f64,
-    /// Largest value that makes sense.
-    pub most: f64,
-    /// Standard deviation of what real benches show, around the default. Wide: it only holds what a log does not tell.
+    /// Minimum value.
+    pub min: f64,
+    /// Maximum value.
+    pub max: f64,
+    /// Standard deviation over real benches, around the default. It is wide and matters only where
+    /// a log contains no information.
     pub prior: f64,
-    /// Whether the prior is a factor: the parameter is positive and may be of any order of magnitude.
+    /// True if the prior is a factor: the parameter is positive and may have any order of
+    /// magnitude.
     pub is_factor: bool,
-    /// Value where a description gives none: 0 for a size.
+    /// Value if a description gives none: 0 for a size.
     pub default: f64,
-    /// Whether it is a size, at whose 0 the effect is gone; else it shapes the effect.
+    /// True if it is a size, which removes the effect at 0; otherwise it is a shape.
     pub is_size: bool,
 }
 
 impl EffectParameter {
-    /// A size: 0 switches the effect off.
+    /// Creates a size: 0 switches the effect off.
     pub(super) const fn size(
         name: &'static str,
         unit: &'static str,
         scale: f64,
-        [least, most]: [f64; 2],
+        [min, max]: [f64; 2],
         prior: f64,
     ) -> Self {
-        Self { name, unit, scale, least, most, prior, is_factor: false, default: 0.0, is_size: true }
+        Self { name, unit, scale, min, max, prior, is_factor: false, default: 0.0, is_size: true }
     }
 
-    /// A shape: what the effect looks like while its size is not 0.
+    /// Creates a shape: a property of the effect while its size is not 0.
     pub(super) const fn shape(
         name: &'static str,
         unit: &'static str,
         default: f64,
-        [least, most]: [f64; 2],
+        [min, max]: [f64; 2],
         prior: f64,
     ) -> Self {
-        Self { name, unit, scale: prior, least, most, prior, is_factor: false, default, is_size: false }
+        Self { name, unit, scale: prior, min, max, prior, is_factor: false, default, is_size: false }
     }
 
-    /// A shape that may be of any order of magnitude; `factor` is one standard deviation, up or down.
+    /// Creates a shape of any order of magnitude; `factor` is one standard deviation, up or down.
     pub(super) const fn magnitude(
         name: &'static str,
         unit: &'static str,
         default: f64,
-        [least, most]: [f64; 2],
+        [min, max]: [f64; 2],
         factor: f64,
     ) -> Self {
-        Self { name, unit, scale: 1.0, least, most, prior: factor, is_factor: true, default, is_size: false }
+        Self { name, unit, scale: 1.0, min, max, prior: factor, is_factor: true, default, is_size: false }
     }
 }
 
-/// How a log gives a first guess of an effect that a derivative at size 0 does not show.
+/// Source of the initial value for an effect whose derivative at size 0 does not show its shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Guess {
-    /// None needed: sizes start at 0, shapes at their defaults.
+    /// No source needed: sizes start at 0, shapes at their defaults.
     Defaults,
-    /// The shape parameter is a time at which the effect of this name sets in with full size.
+    /// The shape parameter is a time. The effect with this name, at full size, locates it.
     Onset(&'static str),
-    /// The shape parameter is a frequency in Hz, from peaks of the residual's periodogram over time.
+    /// The shape parameter is a frequency in Hz, from peaks of the residual's periodogram over
+    /// time.
     Frequency,
-    /// The shape parameter is a wavelength of the position, from peaks of the residual's periodogram over position.
+    /// The shape parameter is a wavelength of the position, from peaks of the residual's
+    /// periodogram over position.
     Wavelength,
     /// The size is the reciprocal of the largest reading of the sensor.
     LargestReading,
 }
 
-/// Applies an effect to a description; the function gives its parameters by name.
-pub(super) type Apply = fn(&mut Bench, Option<Channel>, &dyn Fn(&str) -> f64);
+/// Values of an effect's parameters by name.
+pub(super) type Values<'a> = dyn Fn(&str) -> f64 + 'a;
 
-/// An entry of the catalogue.
+/// Function that applies an effect to the part of a bench on which it acts.
 #[derive(Clone, Copy)]
-pub struct EffectKind {
-    /// Stable name in kebab-case.
-    pub name: &'static str,
-    /// What it is, for people.
-    pub summary: &'static str,
-    /// Whether it concerns one sensor.
-    pub per_channel: bool,
-    /// Where it acts.
+pub(super) enum Apply {
+    /// To the sensor of the effect's channel.
+    Sensor(fn(&mut Sensor, &Values<'_>)),
+    /// To a transmission bench.
+    Transmission(fn(&mut TransmissionBench, &Values<'_>)),
+    /// To a driven axis.
+    Axis(fn(&mut FrictionRig, &Values<'_>)),
+}
+
+impl Apply {
+    pub(super) fn to(self, bench: &mut Bench, channel: Option<Channel>, values: &Values<'_>) {
+        match self {
+            Self::Sensor(change) => {
+                if let Some(channel) = channel {
+                    change(bench.sensors_mut().entry(channel).or_default(), values);
+                }
+            }
+            Self::Transmission(change) => {
+                if let Some(bench) = bench.transmission_mut() {
+                    change(bench, values);
+                }
+            }
+            Self::Axis(change) => {
+                if let Some(rig) = bench.axis_mut() {
+                    change(rig, values);
+                }
+            }
+        }
+    }
+}
+
+/// Action of an effect on some plants.
+#[derive(Clone, Copy)]
+pub struct Action {
+    /// Plants on which it acts.
     pub plants: &'static [Plant],
-    /// Parameters on a transmission bench. For a sensor effect the scale is in multiples of the sensor's own floor
-    /// where the unit is the channel's.
-    pub transmission: &'static [EffectParameter],
-    /// Parameters on a driven axis.
-    pub axis: &'static [EffectParameter],
-    /// The channel of the transmission bench that shows it best; on an axis it is the effort, of a sensor effect its own.
-    pub shows_in: Option<Channel>,
-    /// Effects that look alike on some trajectories.
-    pub confounded_with: &'static [&'static str],
-    /// First guess.
-    pub guess: Guess,
+    /// Parameters there. For a sensor effect in the unit of the channel the scale is a multiple of
+    /// the sensor's noise floor.
+    pub parameters: &'static [EffectParameter],
     /// Applies the effect to a description.
     pub(super) apply: Apply,
 }
 
+/// Entry of the catalogue.
+#[derive(Clone, Copy)]
+pub struct EffectKind {
+    /// Stable name in kebab-case.
+    pub name: &'static str,
+    /// Summary for users.
+    pub summary: &'static str,
+    /// Channel of the transmission bench that shows it best. On an axis this is the effort, for a
+    /// sensor effect its own channel.
+    pub shows_in: Option<Channel>,
+    /// Effects that look alike on some trajectories.
+    pub confounded_with: &'static [&'static str],
+    /// Source of the initial value.
+    pub guess: Guess,
+    /// Actions, at most one for each plant. The effect is refused on every other plant.
+    pub actions: &'static [Action],
+}
+
 impl EffectKind {
-    /// Parameters for a bench, none if the effect does not act there.
+    /// Returns whether it acts on one sensor.
+    pub fn is_per_channel(&self) -> bool {
+        self.actions.iter().all(|action| matches!(action.apply, Apply::Sensor(_)))
+    }
+
+    /// Action on a plant; none if the effect does not act there.
+    pub fn action(&self, plant: Plant) -> Option<&'static Action> {
+        self.actions.iter().find(|action| action.plants.contains(&plant))
+    }
+
+    /// Plants on which it acts, in the order of the documentation.
+    pub fn plants(&self) -> impl Iterator<Item = Plant> {
+        Plant::ALL.iter().copied().filter(move |plant| self.action(*plant).is_some())
+    }
+
+    /// Parameters for a bench; none if the effect does not act there.
     pub fn parameters(&self, bench: &Bench) -> &'static [EffectParameter] {
-        match bench {
-            _ if !self.plants.contains(&Plant::of(bench)) => &[],
-            Bench::Transmission(_) => self.transmission,
-            Bench::FrictionRig(_) => self.axis,
-        }
+        bench.effect_plant().and_then(|plant| self.action(plant)).map_or(&[], |action| action.parameters)
     }
 }

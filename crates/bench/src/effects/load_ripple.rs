@@ -1,14 +1,15 @@
-//! The load pulsates, and the load's sensor does not show it: a pump, a valve, a resonance beyond the sensor's bandwidth.
+//! The load pulsates, and the load's sensor does not show it: a pump, a valve, a resonance beyond
+//! the sensor's bandwidth.
 //!
-//! `F' = F + A cos(2 pi f t) + B sin(2 pi f t)` in the log's own time. Parameters: `cos_force_n`, `sin_force_n` (within 1e6 N,
-//! prior 200 N), shape `frequency_hz` (1e-3 to 1e4, 10 unless given, prior 50). A phenomenon, not a law.
-//! In a log: a line in the periodogram of bearing and drive force (bench) or effort (an axis that carries its load), at a
-//! frequency that does not follow the motion.
-//! Confounded with a ripple over position at constant speed.
+//! `F' = F + A cos(2 pi f t) + B sin(2 pi f t)` in the log's own time. Parameters: `cos_force_n`,
+//! `sin_force_n` (within 1e6 N, prior 200 N), shape `frequency_hz` (1e-3 to 1e4, default 10, prior
+//! 50). A phenomenon, not a law. In a log: a line in the periodogram of bearing and drive force
+//! (bench) or effort (an axis that carries its load), at a frequency that does not depend on the
+//! motion. Confounded with a ripple over position at constant speed.
 
-use super::kind::{EffectKind, EffectParameter, Guess, Plant};
-use crate::channel::Channel;
-use crate::description::{Bench, RippleTerm};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant, Values};
+use crate::description::RippleTerm;
+use crate::signals::Channel;
 
 const PARAMETERS: &[EffectParameter] = &[
     EffectParameter::size("cos_force_n", "N", 10.0, [-1e6, 1e6], 200.0),
@@ -18,23 +19,28 @@ const PARAMETERS: &[EffectParameter] = &[
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "load-ripple",
-    summary: "The load pulsates, unseen by the load's sensor.",
-    per_channel: false,
-    plants: Plant::ALL,
-    transmission: PARAMETERS,
-    axis: PARAMETERS,
+    summary: "The load pulsates, and the load's sensor does not show it.",
     shows_in: Some(Channel::BearingForceY),
     confounded_with: &["inertia-mismatch", "lever-ratio", "position-ripple"],
     guess: Guess::Frequency,
-    apply: |bench, _, parameter| {
-        let term = RippleTerm {
-            cos: parameter("cos_force_n"),
-            sin: parameter("sin_force_n"),
-            per_unit: parameter("frequency_hz"),
-        };
-        match bench {
-            Bench::Transmission(bench) => bench.extension.load_ripples.push(term),
-            Bench::FrictionRig(rig) => rig.extension.load_ripples.push(term),
-        }
-    },
+    actions: &[
+        Action {
+            plants: Plant::TRANSMISSION,
+            parameters: PARAMETERS,
+            apply: Apply::Transmission(|bench, parameter| bench.extension.load_ripples.push(term(parameter))),
+        },
+        Action {
+            plants: Plant::AXES,
+            parameters: PARAMETERS,
+            apply: Apply::Axis(|rig, parameter| rig.extension.load_ripples.push(term(parameter))),
+        },
+    ],
 };
+
+fn term(parameter: &Values<'_>) -> RippleTerm {
+    RippleTerm {
+        cos: parameter("cos_force_n"),
+        sin: parameter("sin_force_n"),
+        per_unit: parameter("frequency_hz"),
+    }
+}

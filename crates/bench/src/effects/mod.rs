@@ -1,7 +1,9 @@
-//! Effects: what may be missing from a bench's nominal model, by a stable name.
+//! Effects: deviations from a bench's nominal model, by a stable name.
 //!
-//! An effect changes a description in place; at size 0 it changes nothing. A new effect is one new file and one line
-//! in [`CATALOGUE`]; `docs/effects.md` is the catalogue as a table.
+//! An effect changes a description in place; at size 0 it changes nothing. It names the plants on
+//! which it acts, with an [`Action`] for each kind of plant, and is refused on every other plant. A
+//! new effect on existing fields is one new file and one line in [`CATALOGUE`]; `docs/effects.md`
+//! is the catalogue as a table.
 
 mod breakaway;
 mod clearance_wear;
@@ -37,28 +39,12 @@ mod thermal_friction_drift;
 mod viscous_asymmetry;
 mod viscous_friction;
 
-pub use kind::{EffectKind, EffectParameter, Guess, Plant};
+pub use kind::{Action, EffectKind, EffectParameter, Guess, Plant};
 
-use crate::channel::Channel;
-use crate::description::Bench;
-use crate::sensor::Sensor;
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+pub use crate::description::Effect;
+use crate::description::{Bench, TransmissionBench};
 
-/// An effect with its parameters, as it stands under `[[effects]]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Effect {
-    /// Name in the catalogue.
-    pub name: String,
-    /// The sensor concerned, for sensor effects.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub channel: Option<Channel>,
-    /// Parameters by name; a missing one has its default, which is 0 for a size.
-    #[serde(flatten)]
-    pub parameters: BTreeMap<String, f64>,
-}
-
-/// Every effect the project knows.
+/// Every effect of the project.
 pub const CATALOGUE: &[EffectKind] = &[
     clearance_wear::EFFECT,
     contact_stiffness::EFFECT,
@@ -92,19 +78,19 @@ pub const CATALOGUE: &[EffectKind] = &[
     sensor_saturation::EFFECT,
 ];
 
-/// Why an effect was refused.
+/// Error of an effect in a description.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EffectError {
-    /// No such name.
+    /// The name is not in the catalogue.
     #[error("effects: `{0}` is not a known effect; expected one of {known}", known = names())]
     UnknownName(String),
-    /// The effect means nothing on this plant.
+    /// The effect does not act on this plant.
     #[error("effects: `{effect}` does not act on a {found}; expected {expected}")]
     Elsewhere {
         /// Effect.
         effect: String,
         /// The plant of the description.
-        found: Plant,
+        found: &'static str,
         /// Plants where it acts.
         expected: String,
     },
@@ -113,23 +99,23 @@ pub enum EffectError {
     UnknownParameter {
         /// Effect.
         effect: String,
-        /// What was found.
+        /// Name found.
         parameter: String,
-        /// What may stand there.
+        /// Names allowed.
         expected: String,
     },
-    /// A sensor effect names no channel, or another one does.
+    /// A sensor effect has no channel, or another effect has one.
     #[error("effects: `{effect}` {found}; expected {expected}")]
     Channel {
         /// Effect.
         effect: String,
-        /// What was found.
+        /// Content found.
         found: &'static str,
-        /// What may stand there.
+        /// Content allowed.
         expected: &'static str,
     },
-    /// A value outside its range.
-    #[error("effects: `{effect}`.{parameter} is {found}; expected {least} to {most}")]
+    /// A value is outside its range.
+    #[error("effects: `{effect}`.{parameter} is {found}; expected {min} to {max}")]
     OutOfRange {
         /// Effect.
         effect: String,
@@ -137,10 +123,10 @@ pub enum EffectError {
         parameter: String,
         /// Value.
         found: f64,
-        /// Smallest.
-        least: f64,
-        /// Largest.
-        most: f64,
+        /// Minimum.
+        min: f64,
+        /// Maximum.
+        max: f64,
     },
 }
 
@@ -148,7 +134,7 @@ fn names() -> String {
     CATALOGUE.iter().map(|k| k.name).collect::<Vec<_>>().join(", ")
 }
 
-/// The catalogue's entry of a name.
+/// Returns the catalogue's entry of a name.
 pub fn kind(name: &str) -> Option<&'static EffectKind> {
     CATALOGUE.iter().find(|k| k.name == name)
 }
@@ -161,15 +147,15 @@ impl Effect {
         if known.is_empty() {
             return Err(EffectError::Elsewhere {
                 effect: self.name.clone(),
-                found: Plant::of(bench),
-                expected: kind.plants.iter().map(|p| p.words()).collect::<Vec<_>>().join(" or "),
+                found: bench.effect_plant().map_or_else(|| bench.plant_name(), Plant::description),
+                expected: kind.plants().map(Plant::description).collect::<Vec<_>>().join(" or "),
             });
         }
-        if kind.per_channel != self.channel.is_some() {
+        if kind.is_per_channel() != self.channel.is_some() {
             return Err(EffectError::Channel {
                 effect: self.name.clone(),
-                found: if kind.per_channel { "names no channel" } else { "names a channel" },
-                expected: if kind.per_channel { "`channel = \"...\"`" } else { "none" },
+                found: if kind.is_per_channel() { "names no channel" } else { "names a channel" },
+                expected: if kind.is_per_channel() { "`channel = \"...\"`" } else { "none" },
             });
         }
         for (name, &value) in &self.parameters {
@@ -180,36 +166,56 @@ impl Effect {
                     expected: known.iter().map(|p| p.name).collect::<Vec<_>>().join(", "),
                 });
             };
-            if !(parameter.least..=parameter.most).contains(&value) {
+            if !(parameter.min..=parameter.max).contains(&value) {
                 return Err(EffectError::OutOfRange {
                     effect: self.name.clone(),
                     parameter: name.clone(),
                     found: value,
-                    least: parameter.least,
-                    most: parameter.most,
+                    min: parameter.min,
+                    max: parameter.max,
                 });
             }
         }
         Ok(kind)
     }
 
-    /// Applies the effect in place. The caller has checked it; on a plant where it does not act nothing happens.
+    /// Applies the effect in place. The caller has checked it; on a plant where it does not act it
+    /// changes nothing.
     pub fn apply(&self, bench: &mut Bench) {
-        let Some(kind) = kind(&self.name) else { return };
-        let known = kind.parameters(bench);
-        let default = |name: &str| known.iter().find(|p| p.name == name).map_or(0.0, |p| p.default);
-        let value = |name: &str| self.parameters.get(name).copied().unwrap_or_else(|| default(name));
-        if known.iter().any(|p| p.is_size && value(p.name) != 0.0) {
-            (kind.apply)(bench, self.channel, &value);
+        let kind = kind(&self.name).zip(bench.effect_plant());
+        let Some(action) = kind.and_then(|(kind, plant)| kind.action(plant)) else { return };
+        let value = |parameter: &EffectParameter| {
+            self.parameters.get(parameter.name).copied().unwrap_or(parameter.default)
+        };
+        let named = |name: &str| action.parameters.iter().find(|p| p.name == name).map_or(0.0, value);
+        if action.parameters.iter().any(|p| p.is_size && value(p) != 0.0) {
+            action.apply.to(bench, self.channel, &named);
         }
     }
 }
 
-/// The sensor of a channel, to be changed.
-fn sensor(bench: &mut Bench, channel: Option<Channel>) -> Option<&mut Sensor> {
-    let sensors = match bench {
-        Bench::Transmission(bench) => &mut bench.sensors,
-        Bench::FrictionRig(rig) => &mut rig.sensors,
-    };
-    Some(sensors.entry(channel?).or_default())
+impl Bench {
+    /// Returns the description with all its effects applied: the bench that is simulated.
+    pub fn resolved(&self) -> Self {
+        let mut bench = self.clone();
+        let effects = std::mem::take(bench.effects_mut());
+        for effect in &effects {
+            effect.apply(&mut bench);
+        }
+        // Without thermal friction the temperature has no influence: such benches compare as equal.
+        if !bench.has_thermal_friction() {
+            bench.set_temperature_start_k(0.0);
+        }
+        bench
+    }
+}
+
+impl TransmissionBench {
+    /// Returns the description with all its effects applied: the bench that is simulated.
+    pub fn resolved(&self) -> Self {
+        match Bench::from(self.clone()).resolved() {
+            Bench::Transmission(bench) => *bench,
+            _ => self.clone(),
+        }
+    }
 }

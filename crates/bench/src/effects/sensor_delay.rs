@@ -1,27 +1,21 @@
-//! A sensor is late.
+//! A sensor is delayed.
 //!
-//! `reading(t) = signal(t - delay_s)`. Parameter: `delay_s`, -0.5 to 0.5 s (negative: the others are late), prior 10 ms.
-//! In a log: one channel deviates in proportion to its own rate.
-//! Confounded with a lag of the drive, and on a sine with viscous friction or inertia.
+//! `reading(t) = signal(t - delay_s)`. Parameter: `delay_s`, -0.5 to 0.5 s (negative: the others
+//! are delayed), prior 10 ms. In a log: one channel deviates in proportion to its own rate.
+//! Confounded with a lag of the drive, and under sinusoidal motion with viscous friction or
+//! inertia.
 
-use super::kind::{EffectKind, EffectParameter, Guess, Plant};
-use super::sensor;
-
-const SIZE: &[EffectParameter] = &[EffectParameter::size("delay_s", "s", 2e-4, [-0.5, 0.5], 0.01)];
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-delay",
-    summary: "A sensor is late.",
-    per_channel: true,
-    plants: Plant::ALL,
-    transmission: SIZE,
-    axis: SIZE,
+    summary: "A sensor is delayed.",
     shows_in: None,
     confounded_with: &["drive-lag", "inertia-mismatch", "presliding-hysteresis", "viscous-friction"],
     guess: Guess::Defaults,
-    apply: |bench, channel, parameter| {
-        if let Some(sensor) = sensor(bench, channel) {
-            sensor.delay_s += parameter("delay_s");
-        }
-    },
+    actions: &[Action {
+        plants: Plant::ALL,
+        parameters: &[EffectParameter::size("delay_s", "s", 2e-4, [-0.5, 0.5], 0.01)],
+        apply: Apply::Sensor(|sensor, parameter| sensor.delay_s += parameter("delay_s")),
+    }],
 };

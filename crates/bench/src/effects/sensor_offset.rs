@@ -1,22 +1,15 @@
-//! A sensor reads a constant too much.
+//! A sensor has a constant offset.
 //!
-//! `reading = gain signal + offset`. Parameter: `offset` in the unit of the channel (within 1e12); scale and prior count in the
-//! sensor's own noise, prior 1000 of it.
-//! In a log: one channel is off by a constant, everything else is right.
-//! Confounded with whatever shifts that one channel: asymmetric friction, play that never changes sides, a lever under constant load.
+//! `reading = gain signal + offset`. Parameter: `offset` in the unit of the channel (within 1e12).
+//! Scale and prior are multiples of the sensor's noise; the prior is 1000 of it. In a log: one
+//! channel deviates by a constant, all others are right. Confounded with effects that shift that
+//! one channel: asymmetric friction, play that never changes sides, a lever under constant load.
 
-use super::kind::{EffectKind, EffectParameter, Guess, Plant};
-use super::sensor;
-
-const SIZE: &[EffectParameter] = &[EffectParameter::size("offset", "channel", 1.0, [-1e12, 1e12], 1e3)];
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-offset",
-    summary: "A sensor reads a constant too much.",
-    per_channel: true,
-    plants: Plant::ALL,
-    transmission: SIZE,
-    axis: SIZE,
+    summary: "A sensor has a constant offset.",
     shows_in: None,
     confounded_with: &[
         "clearance-wear",
@@ -31,9 +24,9 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "viscous-asymmetry",
     ],
     guess: Guess::Defaults,
-    apply: |bench, channel, parameter| {
-        if let Some(sensor) = sensor(bench, channel) {
-            sensor.offset += parameter("offset");
-        }
-    },
+    actions: &[Action {
+        plants: Plant::ALL,
+        parameters: &[EffectParameter::size("offset", "channel", 1.0, [-1e12, 1e12], 1e3)],
+        apply: Apply::Sensor(|sensor, parameter| sensor.offset += parameter("offset")),
+    }],
 };

@@ -1,37 +1,35 @@
-//! A film in the clearance damps the normal motion.
+//! A lubricant film in the clearance damps the normal motion.
 //!
-//! Force `-C a'` along the normal, in the gap and in contact, with
-//! `C = 12 pi eta L (R/D)^3 / (1 - e^2)^(3/2)`, `e = a/D`: the long journal bearing without cavitation in pure squeeze (Pinkus and
-//! Sternlicht, Theory of Hydrodynamic Lubrication, 1961). Roughness keeps a film: `1 - e^2` is not less than `2 h/D`. Parameters:
-//! `viscosity_pa_s`, 0 to 0.1, prior 1e-3; shape `least_film_m`, 5e-6 to 1e-3, 20 um unless given, prior 10 um. The formula overstates a
-//! bearing as short as this one; the viscosity found is an effective one.
-//! In a log: less swinging in `journal_y_m`, `journal_z_m`, a softer landing at the start; the film's force is part of the
-//! bearing force.
-//! Confounded with restitution: in lasting contact both damp the normal motion.
+//! Force `-C a'` along the normal, in the gap and in contact, with `C = 12 pi eta L (R/D)^3 / (1 -
+//! e^2)^(3/2)`, `e = a/D`: the long journal bearing without cavitation in pure squeeze (Pinkus and
+//! Sternlicht, Theory of Hydrodynamic Lubrication, 1961). Roughness maintains a film: `1 - e^2` is
+//! at least `2 h/D`. Parameters: `viscosity_pa_s`, 0 to 0.1, prior 1e-3; shape `least_film_m`, 5e-6
+//! to 1e-3, default 20 um, prior 10 um. The formula overestimates a bearing as short as this one,
+//! so the viscosity is an effective one. In a log: less swinging in `journal_y_m` and
+//! `journal_z_m`, a softer landing at the start. The film's force is part of the bearing force.
+//! Confounded with restitution: in sustained contact both damp the normal motion.
 
-use super::kind::{EffectKind, EffectParameter, Guess, Plant};
-use crate::channel::Channel;
-use crate::description::{Bench, FilmTerm};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use crate::description::FilmTerm;
+use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "squeeze-film",
-    summary: "A film in the clearance damps the normal motion.",
-    per_channel: false,
-    plants: &[Plant::Planar],
-    transmission: &[
-        EffectParameter::size("viscosity_pa_s", "Pa s", 1e-4, [0.0, 0.1], 1e-3),
-        EffectParameter::shape("least_film_m", "m", 2e-5, [5e-6, 1e-3], 1e-5),
-    ],
-    axis: &[],
+    summary: "A lubricant film in the clearance damps the normal motion.",
     shows_in: Some(Channel::JournalZ),
     confounded_with: &["clearance-wear", "contact-stiffness", "restitution"],
     guess: Guess::Defaults,
-    apply: |bench, _, parameter| {
-        if let Bench::Transmission(bench) = bench {
+    actions: &[Action {
+        plants: &[Plant::Planar],
+        parameters: &[
+            EffectParameter::size("viscosity_pa_s", "Pa s", 1e-4, [0.0, 0.1], 1e-3),
+            EffectParameter::shape("least_film_m", "m", 2e-5, [5e-6, 1e-3], 1e-5),
+        ],
+        apply: Apply::Transmission(|bench, parameter| {
             bench.extension.film = Some(FilmTerm {
                 viscosity_pa_s: parameter("viscosity_pa_s"),
-                least_thickness_m: parameter("least_film_m"),
+                min_thickness_m: parameter("least_film_m"),
             });
-        }
-    },
+        }),
+    }],
 };

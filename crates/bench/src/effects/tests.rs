@@ -1,16 +1,19 @@
-//! Every effect of the catalogue on every plant: nothing at size 0, visible and growing with its size, energy kept.
+//! Tests of every effect on every plant: no change at size 0, visible growth with its size, closed
+//! energy balance.
 
 use super::*;
 use crate::description::TwoPlaneSection;
-use crate::record::record;
-use crate::run::{DEFAULT_TOLERANCE, run_with_law};
-use crate::transmission::Transmission;
+use crate::plants::transmission::Transmission;
+use crate::signals::Channel;
+use crate::simulate::record;
+use crate::simulate::{DEFAULT_TOLERANCE, run_with_law};
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
 /// Largest readings of the effort, in the order of [`Plant::ALL`].
 const LARGEST: [f64; 4] = [11.6e3, 11.6e3, 990.0, 150.0];
 
-/// A short bench of every plant, without noise.
+/// Returns a short bench of every plant, without noise.
 fn plant(plant: Plant) -> Bench {
     let linear = include_str!("../../../../examples/seal-friction.toml");
     let mut bench = match plant {
@@ -18,9 +21,9 @@ fn plant(plant: Plant) -> Bench {
         Plant::Rotary => Bench::open("friction-rig").unwrap(),
         Plant::Linear => Bench::parse("linear", linear).unwrap(),
     };
+    bench.sensors_mut().clear();
     match &mut bench {
         Bench::Transmission(b) => {
-            b.sensors.clear();
             b.drive.cycles = 1;
             if plant == Plant::TwoPlane {
                 b.two_plane =
@@ -28,18 +31,18 @@ fn plant(plant: Plant) -> Bench {
             }
         }
         Bench::FrictionRig(r) => {
-            r.sensors.clear();
             // Some friction, which some effects change.
             r.axis.coulomb_effort += 10.0;
             // No sample falls on a reversal.
             r.axis.period_s = 2.0137;
             r.axis.dwell_s = 0.5;
         }
+        _ => {}
     }
     bench
 }
 
-/// What only a test knows: shapes that suit a short record, and sizes where the prior does not suit one.
+/// Effect with shapes that suit a short record, and with sizes where the prior is unsuitable.
 fn effect(kind: &EffectKind, bench: &Bench, share: f64) -> Effect {
     let mut parameters = BTreeMap::new();
     for p in kind.parameters(bench) {
@@ -48,28 +51,27 @@ fn effect(kind: &EffectKind, bench: &Bench, share: f64) -> Effect {
             (_, "time_constant_s") => 0.5,
             (_, "period") => 0.01,
             ("viscous-friction", "viscous_n_s_m") => 1e3 * share,
-            ("sensor-saturation", _) => 1.0 / (LARGEST[Plant::of(bench) as usize] * (1.01 - 0.5 * share)),
+            ("sensor-saturation", _) => {
+                1.0 / (LARGEST[bench.effect_plant().unwrap() as usize] * (1.01 - 0.5 * share))
+            }
             ("inertia-mismatch", "inertia_change") => 10.0 * share,
             _ if p.is_size => p.prior * share,
             _ => p.default,
         };
         parameters.insert(p.name.to_owned(), value);
     }
-    let channel = kind.per_channel.then_some(match bench {
-        Bench::Transmission(_) => Channel::BearingForceY,
-        Bench::FrictionRig(rig) => rig.channels().2,
-    });
+    let channel =
+        kind.is_per_channel().then_some(bench.axis().map_or(Channel::BearingForceY, |rig| rig.channels().2));
     Effect { name: kind.name.into(), channel, parameters }
 }
 
 fn effort_or(bench: &Bench, kind: &EffectKind) -> Channel {
-    match bench {
-        Bench::Transmission(_) => kind.shows_in.unwrap_or(Channel::BearingForceY),
-        Bench::FrictionRig(rig) => rig.channels().2,
-    }
+    let on_bench = kind.shows_in.unwrap_or(Channel::BearingForceY);
+    bench.axis().map_or(on_bench, |rig| rig.channels().2)
 }
 
-/// Where a rest would hide what is asked: at rest the turned sign holds and the nominal one lets go.
+/// Removes the standstills for pre-sliding: there it keeps its force while the nominal sign goes to
+/// 0.
 fn suited(kind: &EffectKind, mut bench: Bench) -> Bench {
     if let (Bench::FrictionRig(rig), "presliding-hysteresis") = (&mut bench, kind.name) {
         rig.axis.dwell_s = 0.0;
@@ -77,7 +79,8 @@ fn suited(kind: &EffectKind, mut bench: Bench) -> Bench {
     bench
 }
 
-/// The channel that shows an effect, with the effect at a share of its clear size (0: without the effect).
+/// Channel that shows an effect, with the effect at a share of its clear size (0: without the
+/// effect).
 fn shown(kind: &EffectKind, nominal: &Bench, share: f64) -> Vec<f64> {
     let mut bench = nominal.clone();
     if share != 0.0 {
@@ -96,31 +99,35 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 fn the_catalogue_is_the_vocabulary() {
     assert_eq!(CATALOGUE.len(), 30);
     for kind in CATALOGUE {
-        assert!(!kind.plants.is_empty() && !kind.summary.is_empty(), "{}", kind.name);
+        assert!(kind.plants().next().is_some() && !kind.summary.is_empty(), "{}", kind.name);
         for other in kind.confounded_with {
             let other = super::kind(other).unwrap_or_else(|| panic!("{}: {other}", kind.name));
             let mutual = other.confounded_with.contains(&kind.name);
             assert!(mutual, "{} names {}, which does not name it", kind.name, other.name);
         }
-        for p in kind.transmission.iter().chain(kind.axis) {
-            assert!(p.least <= p.default && p.default <= p.most, "{}.{}", kind.name, p.name);
+        for plant in Plant::ALL {
+            let actions = kind.actions.iter().filter(|action| action.plants.contains(plant));
+            assert!(actions.count() <= 1, "{} has two actions on a {plant:?}", kind.name);
+        }
+        for p in kind.actions.iter().flat_map(|action| action.parameters) {
+            assert!(p.min <= p.default && p.default <= p.max, "{}.{}", kind.name, p.name);
             assert!(p.scale > 0.0 && p.prior > 0.0, "{}.{}", kind.name, p.name);
         }
     }
 }
 
 #[test]
-fn an_effect_is_refused_where_it_means_nothing() {
+fn an_effect_is_refused_on_a_plant_where_it_does_not_act() {
     for &plant_of in Plant::ALL {
         let bench = plant(plant_of);
         for kind in CATALOGUE {
             let found = effect(kind, &bench, 0.5).check(&bench).map(|_| ());
-            if kind.plants.contains(&plant_of) {
+            if kind.action(plant_of).is_some() {
                 found.unwrap();
             } else {
                 let message = found.unwrap_err().to_string();
                 assert!(message.contains("does not act on a") && message.contains("; expected"), "{message}");
-                assert!(message.contains(kind.plants[0].words()), "{message}");
+                assert!(message.contains(kind.plants().next().unwrap().description()), "{message}");
             }
         }
     }
@@ -128,16 +135,18 @@ fn an_effect_is_refused_where_it_means_nothing() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
-    /// At size 0 the resolved description is the nominal one, whatever the shapes: so is every run, bit for bit.
+    /// At size 0 the resolved description, and so every run, is the nominal one to the bit, for all
+    /// shapes.
     #[test]
     fn an_effect_of_size_0_is_the_nominal_bench(share in 0.0..1.0_f64) {
         for &plant_of in Plant::ALL {
             let bench = plant(plant_of);
-            for kind in CATALOGUE.iter().filter(|k| k.plants.contains(&plant_of)) {
+            for kind in CATALOGUE.iter().filter(|k| k.action(plant_of).is_some()) {
                 let mut with = bench.clone();
                 let mut none = effect(kind, &bench, 0.0);
                 for p in kind.parameters(&bench) {
-                    let value = if p.is_size { 0.0 } else { p.default + share * (p.most.min(100.0) - p.default) };
+                    let range = p.max.min(100.0) - p.default;
+                    let value = if p.is_size { 0.0 } else { p.default + share * range };
                     none.parameters.insert(p.name.into(), value);
                 }
                 with.effects_mut().push(none);
@@ -148,20 +157,20 @@ proptest! {
     }
 }
 
-/// Visible at a clear size, the more the larger, and gone with its size.
+/// An effect is visible at a clear size, grows with its size, and vanishes with it.
 #[test]
 fn every_effect_grows_with_its_size_in_the_channel_that_shows_it() {
     for &plant_of in Plant::ALL {
         let bench = plant(plant_of);
-        for kind in CATALOGUE.iter().filter(|k| k.plants.contains(&plant_of)) {
+        for kind in CATALOGUE.iter().filter(|k| k.action(plant_of).is_some()) {
             let bench = suited(kind, bench.clone());
             let none = shown(kind, &bench, 0.0);
             let size = none.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
             let [tiny, small, large] = [1e-3, 0.3, 1.0].map(|share| rms(&shown(kind, &bench, share), &none));
-            eprintln!("{plant_of}, {}: {tiny:.3e} {small:.3e} {large:.3e} of {size:.3e}", kind.name);
-            assert!(large > small && small > tiny, "{plant_of}, {}: {tiny} {small} {large}", kind.name);
-            assert!(large > 1e-5 * size, "{plant_of}, {}: {large} of {size}", kind.name);
-            assert!(tiny < 0.1 * large, "{plant_of}, {}: {tiny} of {large}", kind.name);
+            eprintln!("{plant_of:?}, {}: {tiny:.3e} {small:.3e} {large:.3e} of {size:.3e}", kind.name);
+            assert!(large > small && small > tiny, "{plant_of:?}, {}: {tiny} {small} {large}", kind.name);
+            assert!(large > 1e-5 * size, "{plant_of:?}, {}: {large} of {size}", kind.name);
+            assert!(tiny < 0.1 * large, "{plant_of:?}, {}: {tiny} of {large}", kind.name);
         }
     }
 }
@@ -169,7 +178,7 @@ fn every_effect_grows_with_its_size_in_the_channel_that_shows_it() {
 #[test]
 fn the_energy_balance_closes_with_every_effect() {
     let nominal = plant(Plant::Planar);
-    for kind in CATALOGUE.iter().filter(|k| k.plants.contains(&Plant::Planar) && !k.per_channel) {
+    for kind in CATALOGUE.iter().filter(|k| k.action(Plant::Planar).is_some() && !k.is_per_channel()) {
         let mut bench = nominal.clone();
         bench.effects_mut().push(effect(kind, &nominal, 1.0));
         let Bench::Transmission(bench) = bench.resolved() else { panic!() };

@@ -1,16 +1,17 @@
-//! Friction follows the temperature that it causes.
+//! Friction depends on the temperature rise that it causes.
 //!
-//! `dT' = (R_th P - dT)/tau` with the heat `P` of friction, dry friction times `1 + b dT`, held within 0 to 3
-//! (friction that grows by its own heat would run away). One lumped heat capacity
-//! (Newton's law of cooling), linear in temperature. Parameters: `level_per_k` in 1/K (within 0.5, prior 0.02); shapes
-//! `resistance_k_w` in K/W (1e-4 to 100, 0.1 unless given, prior 0.05) and `time_constant_s` (0.5 to 1e5, 20 unless given,
-//! prior a factor of 5): ten grams of steel behind 0.1 K/W have half a second. A log without temperature tells only their products.
-//! In a log: friction drifts over many cycles, fast where much heat is made.
-//! Confounded with a step of friction, a drift of the torque's sensor, and in a short log with the level of friction.
+//! `dT' = (R_th P - dT)/tau` with the heat `P` of friction. Dry friction is multiplied by `1 + b
+//! dT`, limited to 0 to 3 against thermal runaway. One lumped heat capacity (Newton's law of
+//! cooling), linear in temperature. Parameters: `level_per_k` in 1/K (within 0.5, prior 0.02);
+//! shapes `resistance_k_w` in K/W (1e-4 to 100, default 0.1, prior 0.05) and `time_constant_s` (0.5
+//! to 1e5, default 20, prior a factor of 5). The minimum of half a second corresponds to ten grams
+//! of steel with 0.1 K/W. A log without temperature determines only the products of the parameters.
+//! In a log: friction drifts over many cycles, fast where much heat is generated. Confounded with a
+//! step of friction, a drift of the torque's sensor, and in a short log with the level of friction.
 
-use super::kind::{EffectKind, EffectParameter, Guess, Plant};
-use crate::channel::Channel;
-use crate::description::{Bench, ThermalTerm};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant, Values};
+use crate::description::ThermalTerm;
+use crate::signals::Channel;
 
 const PARAMETERS: &[EffectParameter] = &[
     EffectParameter::size("level_per_k", "1/K", 1e-3, [-0.5, 0.5], 0.02),
@@ -20,23 +21,28 @@ const PARAMETERS: &[EffectParameter] = &[
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "thermal-friction-drift",
-    summary: "Friction follows the temperature that it causes.",
-    per_channel: false,
-    plants: &[Plant::Planar, Plant::Rotary, Plant::Linear],
-    transmission: PARAMETERS,
-    axis: PARAMETERS,
+    summary: "Friction depends on the temperature rise that it causes.",
     shows_in: Some(Channel::FrictionTorque),
     confounded_with: &["coulomb-level", "friction-step", "load-dependent-friction", "sensor-drift"],
     guess: Guess::Defaults,
-    apply: |bench, _, parameter| {
-        let term = ThermalTerm {
-            level_per_k: parameter("level_per_k"),
-            resistance_k_w: parameter("resistance_k_w"),
-            time_constant_s: parameter("time_constant_s"),
-        };
-        match bench {
-            Bench::Transmission(bench) => bench.extension.thermal = Some(term),
-            Bench::FrictionRig(rig) => rig.extension.thermal = Some(term),
-        }
-    },
+    actions: &[
+        Action {
+            plants: &[Plant::Planar],
+            parameters: PARAMETERS,
+            apply: Apply::Transmission(|bench, parameter| bench.extension.thermal = Some(term(parameter))),
+        },
+        Action {
+            plants: Plant::AXES,
+            parameters: PARAMETERS,
+            apply: Apply::Axis(|rig, parameter| rig.extension.thermal = Some(term(parameter))),
+        },
+    ],
 };
+
+fn term(parameter: &Values<'_>) -> ThermalTerm {
+    ThermalTerm {
+        level_per_k: parameter("level_per_k"),
+        resistance_k_w: parameter("resistance_k_w"),
+        time_constant_s: parameter("time_constant_s"),
+    }
+}

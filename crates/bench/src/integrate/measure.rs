@@ -1,17 +1,18 @@
-//! What a contact comes to within a step, on the dense output: peak force, depth, work of the normal force.
+//! Peak force, depth and work of a contact within a step, from the dense output.
 //!
-//! Force, depth and power are read at start, middle and end of the span. The work is Simpson's rule over them, of the
-//! dense output's own order. A largest value in the inside is located by golden section, so that it does not depend on where
-//! steps and samples fall.
+//! Force, depth and power are read at start, middle and end of the span. The work is Simpson's rule
+//! over them, which has the order of the dense output. A maximum inside the span is located by
+//! golden section, so that it does not depend on the positions of steps and samples.
 
 use super::{ContactReading, Impact, IntegrationError};
 
 const POINTS: usize = 3;
 const LAST: usize = POINTS - 1;
-/// Golden sections of a search: they leave 1e-6 of the bracket, and of a flat top the square of that.
+/// Golden sections of a search: they reduce the bracket to 1e-6, and the error of a flat top to the
+/// square of that.
 const SECTIONS: usize = 28;
 
-/// A span in contact with what stands at its ends.
+/// A span in contact with the readings at its ends.
 pub(super) struct Span {
     pub(super) from: f64,
     pub(super) to: f64,
@@ -20,7 +21,8 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Adds the span to the impact of a contact; `read` gives the contact at a time within the span.
+    /// Adds the span to the impact of a contact. `read` returns the contact at a time within the
+    /// span.
     pub(super) fn measure(
         &self,
         read: &mut impl FnMut(f64) -> Result<ContactReading, IntegrationError>,
@@ -45,7 +47,7 @@ impl Span {
     }
 }
 
-/// Time and size of the highest value in a span, if it exceeds `known`.
+/// Time and value of the maximum in a span, if it exceeds `known`.
 fn highest(
     times_s: &[f64; POINTS],
     values: &[f64; POINTS],
@@ -54,11 +56,13 @@ fn highest(
 ) -> Option<(f64, f64)> {
     let top = (0..POINTS).fold(0, |best, i| if values[i] > values[best] { i } else { best });
     let best = (times_s[top], values[top]);
-    // A curve that error control has let pass rises by far less than a tenth above the highest of three points.
+    // Within a step of limited error a curve exceeds the highest of three points by far less than a
+    // tenth.
     if values[top] * 1.1 < known {
         return None;
     }
-    // One-sided slope at an end that is the highest point: does the curve still rise beyond or does it top inside?
+    // One-sided slope at an end that is the highest point: positive if the maximum lies inside the
+    // span.
     let [a, b, c] = match top {
         0 => [values[0], values[1], values[2]],
         LAST => [values[LAST], values[LAST - 1], values[LAST - 2]],
@@ -75,7 +79,7 @@ fn highest(
     (best.1 > known).then_some(best)
 }
 
-/// Largest value of a curve with one top in a bracket.
+/// Locates the maximum of a curve with one maximum in a bracket.
 fn golden(mut low: f64, mut high: f64, read: &mut impl FnMut(f64) -> f64) -> (f64, f64) {
     const RATIO: f64 = 0.618_033_988_749_894_9;
     let (mut left, mut right) = (high - RATIO * (high - low), low + RATIO * (high - low));
@@ -99,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_top_between_points_is_located_and_one_at_an_end_is_left_to_the_next_span() {
+    fn a_maximum_between_points_is_located_and_one_at_an_end_is_left_to_the_next_span() {
         let times = [0.0, 0.5, 1.0];
         for top in [0.1, 0.3, 0.62, 0.97] {
             let mut curve = |t: f64| 2.0 - (t - top) * (t - top);

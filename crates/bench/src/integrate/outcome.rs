@@ -1,18 +1,18 @@
-//! What an integration reports: impacts, the end, or why it ended early.
+//! Results of an integration: impacts, final state, errors.
 
 use super::ContactAngles;
 
 /// One period in contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impact {
-    /// Which contact of the plant; 0 where there is one.
+    /// Index of the contact; 0 if the plant has one.
     pub contact: usize,
     /// Time of onset in s.
     pub onset_s: f64,
     /// Angles at onset.
     pub angles: ContactAngles,
-    /// Approach speed at onset in m/s (0 for a run that starts in contact): what the latch then holds. A law with a
-    /// floor divides by the larger of the two.
+    /// Approach speed at onset in m/s, which the latch then holds; 0 for a run that starts in
+    /// contact. A law with a floor divides by the larger of the two.
     pub approach_speed_m_s: f64,
     /// Largest normal force in N.
     pub peak_force_n: f64,
@@ -20,7 +20,7 @@ pub struct Impact {
     pub peak_s: f64,
     /// Largest deformation in m.
     pub max_deformation_m: f64,
-    /// Work that the normal force took so far, J; over a closed contact its loss.
+    /// Work of the normal force so far, J; the loss of a contact that has ended.
     pub energy_lost_j: f64,
     /// Time of separation in s; `None` while still in contact at the end.
     pub separation_s: Option<f64>,
@@ -41,7 +41,7 @@ impl Impact {
     }
 }
 
-/// What an integration leaves behind.
+/// Result of an integration.
 #[derive(Clone, Debug)]
 pub struct Integration<const N: usize> {
     /// State at the end.
@@ -52,20 +52,21 @@ pub struct Integration<const N: usize> {
     pub steps: usize,
 }
 
-/// Why an integration ended early.
+/// Error that ended an integration early.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IntegrationError {
-    /// The method gave up.
+    /// The method failed.
     #[error("the integrator stopped at t = {time_s:e} s: {reason}")]
     Stopped {
         /// Time reached in s.
         time_s: f64,
-        /// The method's own words.
+        /// Message of the method.
         reason: String,
     },
-    /// The number of steps is bounded, so that no parameter set can hang a run.
+    /// The run needed more steps than allowed.
     #[error(
-        "the integrator used {steps} steps up to t = {time_s:e} s; expected fewer than {limit}: stiffer than the method can take"
+        "the integrator used {steps} steps up to t = {time_s:e} s; expected fewer than {limit}: \
+         the problem is too stiff for the method"
     )]
     TooManySteps {
         /// Steps used.
@@ -75,26 +76,33 @@ pub enum IntegrationError {
         /// Time reached in s.
         time_s: f64,
     },
-    /// A contact went deeper than its law holds.
+    /// The plant has no log to simulate.
+    #[error("found plant `{plant}`, which has no log; expected a transmission bench or a driven axis")]
+    NoLog {
+        /// Plant of the description.
+        plant: &'static str,
+    },
+    /// A contact became deeper than the range of its law.
     #[error(
-        "a contact went {deformation_m:e} m deep; expected at most the {largest_m:e} m up to which its law holds"
+        "a contact deformed by {deformation_m:e} m; expected at most {largest_m:e} m, the limit of its law"
     )]
     OutsideLaw {
         /// Deepest deformation.
         deformation_m: f64,
-        /// The law's largest.
+        /// Maximum deformation of the law.
         largest_m: f64,
     },
-    /// Onsets follow each other faster than the run can mean.
+    /// Onsets follow each other too fast for separate impacts.
     #[error(
-        "contact {contact} chatters: {count} onsets within {window_s:e} s up to t = {time_s:e} s; expected sustained contact or separate impacts"
+        "contact {contact} chatters: {count} onsets within {window_s:e} s up to t = {time_s:e} s; \
+         expected sustained contact or separate impacts"
     )]
     Chattering {
-        /// Which contact.
+        /// Index of the contact.
         contact: usize,
         /// Onsets counted.
         count: usize,
-        /// Within this time, s.
+        /// Duration of these onsets in s.
         window_s: f64,
         /// Time reached in s.
         time_s: f64,

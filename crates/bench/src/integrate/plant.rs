@@ -1,11 +1,12 @@
-//! What the integrator needs of a plant with contacts.
+//! Interface between the integrator and a plant with contacts.
 
 /// Angles at which a contact begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactAngles {
     /// Angle of the crank, rad.
     pub crank_rad: f64,
-    /// Direction from the bearing's centre to the point of contact, rad from the plant's first axis.
+    /// Direction from the bearing's centre to the point of contact, rad from the plant's first
+    /// axis.
     pub contact_rad: f64,
 }
 
@@ -22,8 +23,9 @@ pub struct ContactReading {
 
 /// A plant with `N` states and one contact.
 pub trait ContactPlant<const N: usize> {
-    /// State derivative, in contact with the latched approach speed in m/s, or in a gap (`None`): without contact force,
-    /// even where a trial state of the integrator reaches beyond the surface. So each phase is smooth up to its event.
+    /// Computes the state derivative: in contact with the latched approach speed in m/s, or in a
+    /// gap (`None`) without contact force, even if a trial state of the integrator crosses the
+    /// surface. So each phase is smooth up to its event.
     fn derivative(&self, time_s: f64, state: &[f64; N], latched_m_s: Option<f64>, derivative: &mut [f64; N]);
     /// Deformation in m (negative: gap) and its rate in m/s.
     fn deformation(&self, time_s: f64, state: &[f64; N]) -> (f64, f64);
@@ -41,7 +43,8 @@ pub trait ContactPlant<const N: usize> {
 pub trait SlicedPlant<const N: usize> {
     /// Number of contacts.
     fn slices(&self) -> usize;
-    /// State derivative with the latched approach speed of each contact, `None` in a gap; see [`ContactPlant`].
+    /// Computes the state derivative with the latched approach speed of each contact, `None` in a
+    /// gap; see [`ContactPlant`].
     fn sliced_derivative(
         &self,
         time_s: f64,

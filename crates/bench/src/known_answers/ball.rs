@@ -1,14 +1,14 @@
 //! Hertz' impact and the bouncing ball.
 
 use super::{KnownAnswer, KnownAnswerError};
-use crate::falling_ball::FallingBall;
 use crate::integrate::integrate;
+use crate::known_answers::falling_ball::FallingBall;
 use contact::{Dissipation, NormalLaw, Stiffness, produced_restitution};
 
 /// Gravity in m/s2.
 const GRAVITY_M_S2: f64 = 9.81;
-/// Stiffness of a floor on which contacts last nanoseconds, N/m^1.5: how small bounces may become before the ball sticks
-/// goes with the length of a contact.
+/// Stiffness of a floor on which contacts last nanoseconds, N/m^1.5. The duration of a contact
+/// limits how small bounces can be before the ball stays on the floor.
 const HARD: f64 = 1e20;
 
 pub(super) fn cases() -> Result<Vec<KnownAnswer>, KnownAnswerError> {
@@ -37,10 +37,10 @@ fn hertz() -> Result<Vec<KnownAnswer>, KnownAnswerError> {
     ])
 }
 
-/// Time until a ball dropped from 1 m has come to rest, less the time in contact, which the closed form takes as 0. At rest the floor is
-/// stiff: `end_s` should follow soon.
+/// Time until a ball dropped from 1 m comes to rest, without the time in contact, which the closed
+/// form neglects. The floor is stiff for a ball at rest, so `end_s` should follow soon.
 fn time_to_rest_s(restitution: f64, end_s: f64) -> Result<f64, KnownAnswerError> {
-    // The nominal restitution whose factor really produces the wanted one.
+    // Nominal restitution whose dissipation factor produces the required one.
     let dissipation = Dissipation::ZhiyingQishao;
     let (mut low, mut high) = (0.01, 1.0);
     for _ in 0..60 {

@@ -1,12 +1,13 @@
 //! The slider-crank with a clearance joint: onset, peaks of the laws, statistics of the run.
 
 use super::{KnownAnswer, KnownAnswerError};
+use crate::description::SliderCrankBench;
 use crate::integrate::{Integration, integrate};
-use crate::slider_crank::SliderCrank;
-use crate::slider_crank_description::reference_problem;
+use crate::plants::slider_crank::SliderCrank;
 use contact::{Dissipation, Material, NormalLaw, Stiffness, effective_modulus_pa};
 
-/// Relative tolerance: the error of the run is below the last printed digit of the references.
+/// Relative tolerance at which the error of the run is below the last printed digit of the
+/// references.
 const TOLERANCE: f64 = 1e-12;
 
 fn run(plant: &SliderCrank, revolutions: f64) -> Result<Integration<4>, KnownAnswerError> {
@@ -16,7 +17,7 @@ fn run(plant: &SliderCrank, revolutions: f64) -> Result<Integration<4>, KnownAns
 }
 
 pub(super) fn cases() -> Result<Vec<KnownAnswer>, KnownAnswerError> {
-    let bench = reference_problem()?;
+    let bench = SliderCrankBench::open("slider-crank")?;
     let plant = bench.plant();
     let result = run(&plant, 0.6)?;
     let missing = KnownAnswerError::Missing("the slider-crank's joint made no contact");
@@ -29,7 +30,7 @@ pub(super) fn cases() -> Result<Vec<KnownAnswer>, KnownAnswerError> {
         KnownAnswer::absolute(name("separation, s"), separation, 280.763e-6, 5e-10),
         KnownAnswer::absolute(name("contacts in .6 revolutions"), result.impacts.len() as f64, 20.0, 0.0),
         KnownAnswer::absolute(name("x(.6 rev), m"), result.state[1], 0.0754435223, 2e-9),
-        // Impacts amplify: 1e-9 m in the position go with 1e-5 m/s in the speed.
+        // Impacts amplify errors: 1e-9 m in the position correspond to 1e-5 m/s in the speed.
         KnownAnswer::absolute(name("v(.6 rev), m/s"), result.state[3], 9.984871, 2e-5),
     ];
     for (i, (impact, known)) in
@@ -39,9 +40,9 @@ pub(super) fn cases() -> Result<Vec<KnownAnswer>, KnownAnswerError> {
         // The independent codes agree to about 1e-6.
         cases.push(KnownAnswer::relative(name, impact.peak_force_n, known, 1e-6));
     }
-    let whole = run(&plant, 1.0)?;
-    cases.push(KnownAnswer::absolute(name("x(1 rev), m"), whole.state[1], 0.17032374, 1e-7));
-    // The slider of an ideal joint decelerates hardest where crank and rod are in line.
+    let revolution = run(&plant, 1.0)?;
+    cases.push(KnownAnswer::absolute(name("x(1 rev), m"), revolution.state[1], 0.17032374, 1e-7));
+    // The slider of an ideal joint decelerates most where crank and rod are in line.
     let (r, w) = (plant.crank_length_m, plant.crank_speed_rad_s);
     let ideal = r * w * w * (1.0 + r / plant.rod_length_m);
     let peak = result.impacts.iter().map(|i| i.peak_force_n).fold(0.0, f64::max);

@@ -1,9 +1,10 @@
-//! Binary files with what this project does not write: unsigned columns of Parquet; objects and large matrices in MAT-files.
+//! Binary files that this project does not write: unsigned columns of Parquet; objects and large
+//! matrices in MAT-files.
 
 use super::tests::{own, small};
 use super::*;
 
-/// A Parquet file with one column of each type under a schema.
+/// Returns a Parquet file with one column of each type under a schema.
 fn parquet_of(schema: &str, times: &[f64], counts: &[i32], long: &[i64]) -> Vec<u8> {
     use ::parquet::data_type::{DoubleType, Int32Type, Int64Type};
     let schema = ::parquet::schema::parser::parse_message_type(schema).unwrap();
@@ -39,17 +40,18 @@ fn unsigned_parquet_columns_are_read_without_a_sign() {
         ("", "", (-1.0, -1.0)),
     ] {
         let schema = format!(
-            "message log {{ REQUIRED DOUBLE t_s; REQUIRED INT32 position_m {short}; REQUIRED INT64 velocity_m_s {long}; }}"
+            "message log {{ REQUIRED DOUBLE t_s; REQUIRED INT32 position_m {short}; \
+             REQUIRED INT64 velocity_m_s {long}; }}"
         );
         let bytes = parquet_of(&schema, &times, &[7, -1], &[7, -1]);
-        let log = MeasuredLog::of_bytes("a.parquet", bytes, &own(), true).unwrap();
+        let log = reader::from_bytes("a.parquet", bytes, &own(), true).unwrap();
         let last = (log.channels[&Channel::Position][1], log.channels[&Channel::Velocity][1]);
         assert_eq!(last, expected, "{short} {long}");
         assert_eq!(log.channels[&Channel::Position][0], 7.0);
     }
 }
 
-/// An element of a MAT-file.
+/// Returns an element of a MAT-file.
 fn element(kind: u32, data: &[u8]) -> Vec<u8> {
     let mut out = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
     out.extend(data);
@@ -57,14 +59,15 @@ fn element(kind: u32, data: &[u8]) -> Vec<u8> {
     out
 }
 
-/// The MAT-file of a small log with further variables behind its own.
+/// Returns the MAT-file of a small log, followed by further variables.
 fn mat_with(variables: &[Vec<u8>]) -> Vec<u8> {
     let mut bytes = mat_write::bytes("a.mat", &small(vec![1.0, 2.0, 4.0])).unwrap();
     bytes.extend(variables.concat());
     bytes
 }
 
-/// An object of MATLAB's own as it stands in a file: flags, name, "MCOS", class, a reference to the last variable.
+/// Returns a MATLAB object as a file holds it: flags, name, "MCOS", class, reference to the last
+/// variable.
 fn object(name: &str, class: &str) -> Vec<u8> {
     let reference = [
         element(6, &[13_u32.to_le_bytes(), [0; 4]].concat()),
@@ -83,11 +86,11 @@ fn object(name: &str, class: &str) -> Vec<u8> {
 }
 
 #[test]
-fn a_mat_file_with_strings_and_tables_beside_its_signals_is_read() {
+fn a_mat_file_with_strings_and_tables_besides_its_signals_is_read() {
     let bytes = mat_with(&[object("note", "string"), object("position_m", "table")]);
     let read = |bytes: Vec<u8>, columns: &str| {
         let columns = toml::from_str(columns).unwrap();
-        MeasuredLog::of_bytes("a.mat", bytes, &LogFormat { columns, ..own() }, true)
+        reader::from_bytes("a.mat", bytes, &LogFormat { columns, ..own() }, true)
     };
     let log = read(mat_with(&[object("note", "string"), object("when", "datetime")]), "").unwrap();
     assert_eq!(log.channels[&Channel::JournalY], [1.0, 2.0, 4.0]);
@@ -100,7 +103,7 @@ fn a_mat_file_with_strings_and_tables_beside_its_signals_is_read() {
     }
 }
 
-/// A compressed matrix of doubles.
+/// Returns a compressed matrix of doubles.
 fn compressed(rows: i32, columns: i32) -> Vec<u8> {
     use std::io::Write as _;
     let array = [
@@ -119,7 +122,9 @@ fn compressed(rows: i32, columns: i32) -> Vec<u8> {
 fn a_mat_file_of_many_megabytes_is_read() {
     // Forty signals of 550 000 rows: 176 MB in one variable.
     let bytes = mat_with(&[compressed(550_000, 40)]);
-    let columns = toml::from_str("t_s = { from = \"all(:,1)\" }\njournal_y_m = { from = \"all(:,40)\" }\nload_force_n = { from = \"all(:,2)\" }").unwrap();
-    let log = MeasuredLog::of_bytes("a.mat", bytes, &LogFormat { columns, ..own() }, false).unwrap();
+    let columns = "t_s = { from = \"all(:,1)\" }\njournal_y_m = { from = \"all(:,40)\" }\n\
+                   load_force_n = { from = \"all(:,2)\" }";
+    let columns = toml::from_str(columns).unwrap();
+    let log = reader::from_bytes("a.mat", bytes, &LogFormat { columns, ..own() }, false).unwrap();
     assert_eq!(log.time_s.len(), 550_000);
 }

@@ -1,6 +1,6 @@
-//! Why a log was refused.
+//! Errors of reading a log.
 
-/// Why a log was refused.
+/// Error of reading or writing a log.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
     /// The file could not be read or written.
@@ -11,34 +11,34 @@ pub enum LogError {
         /// Cause.
         source: std::io::Error,
     },
-    /// A field is not what it should be.
+    /// A field has an unexpected content.
     #[error("{file}: {place}, {column}: found {found}; expected {expected}")]
     Field {
         /// Path.
         file: String,
-        /// Line of a text, row of a table, element of a variable; from 1.
+        /// Line of a text, row of a table or element of a variable, from 1.
         place: String,
         /// Column by name or index.
         column: String,
-        /// What stands there.
+        /// Content found.
         found: String,
-        /// What may stand there.
+        /// Content expected.
         expected: &'static str,
     },
-    /// The log as a whole lacks something.
+    /// The log lacks a required part.
     #[error("{file}: {found}; expected {expected}")]
     Content {
         /// Path.
         file: String,
-        /// What was found.
+        /// Content found.
         found: String,
-        /// What is needed.
+        /// Content expected.
         expected: String,
     },
 }
 
 impl LogError {
-    /// The refusal of a file or one of its columns as a whole.
+    /// Returns the error of a file or of one of its columns.
     pub(super) fn content(file: &str, found: impl Into<String>, expected: impl Into<String>) -> Self {
         Self::Content { file: file.into(), found: found.into(), expected: expected.into() }
     }

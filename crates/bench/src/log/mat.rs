@@ -1,29 +1,34 @@
-//! MAT-files of version 5 to 7 (`save -v6`, `-v7`; Octave and SciPy write them too), in either order of bytes.
+//! MAT-files of version 5 to 7 (`save -v6`, `-v7`; Octave and SciPy write them too), in either byte
+//! order.
 //!
-//! Listed are numeric and logical arrays: vectors by the name of their variable (`qm`), fields of a struct with a point
-//! (`data.qm`, also deeper), the columns of a matrix with their number (`data(:,2)`). Everything else (text, cells, arrays
-//! of structs, sparse or complex arrays, objects such as `string`, `datetime` and `table`) keeps its name and is refused where
-//! it is asked for.
+//! Numeric and logical arrays are listed: vectors by the name of their variable (`qm`), fields of a
+//! struct with a point (`data.qm`, also deeper), the columns of a matrix with their number
+//! (`data(:,2)`). Everything else keeps its name and is refused when a column asks for it: text,
+//! cells, arrays of structs, sparse or complex arrays, and objects such as `string`, `datetime` and
+//! `table`.
 //!
-//! Own code because the published readers know no structs, take `int32` for `uint32`, or panic on a damaged file. Layout:
-//! "MAT-File Format", MathWorks, chapter 1, "Level 5 MAT-File Format". An element is a tag (type, bytes) and data padded
-//! to 8 bytes; up to 4 bytes of data share the first 8 with their tag; a compressed element is zlib around another one. Not in
-//! it: an object of MATLAB's own has its name where others have dimensions, and all objects share a nameless last variable.
+//! This is own code because the published readers do not know structs, take `int32` for `uint32`,
+//! or panic on a damaged file. Layout: "MAT-File Format", MathWorks, chapter 1, "Level 5 MAT-File
+//! Format". An element is a tag (type, bytes) and data padded to 8 bytes. Up to 4 bytes of data
+//! share the first 8 bytes with their tag. A compressed element contains another element as zlib
+//! data. Not documented there: a MATLAB object has its name where others have dimensions, and all
+//! objects share a nameless last variable.
 
-use super::{LogError, MOST_ROWS};
+use super::{LogError, MAX_ROWS};
 use std::io::Read;
 
 const HEADER_BYTES: usize = 128;
-/// Structs inside structs that are followed.
-const MOST_DEPTH: usize = 8;
-/// Columns of a matrix that are listed.
-const MOST_COLUMNS: usize = 1000;
-/// Variables and fields that are listed.
-const MOST_NAMES: usize = 100_000;
-/// Numbers that a file may hold in all: a small file of compressed zeros could fill any memory.
-const MOST_VALUES: usize = 10 * MOST_ROWS;
-/// Bytes that a compressed element may hold: a struct or a matrix with all signals of a long log.
-const MOST_BYTES: u64 = 1 << 30;
+/// Maximum depth of nested structs.
+const MAX_DEPTH: usize = 8;
+/// Maximum number of listed columns of a matrix.
+const MAX_COLUMNS: usize = 1000;
+/// Maximum number of listed variables and fields.
+const MAX_NAMES: usize = 100_000;
+/// Maximum number of values in a file; a small file of compressed zeros could otherwise fill any
+/// memory.
+const MAX_VALUES: usize = 10 * MAX_ROWS;
+/// Maximum size of a compressed element: a struct or a matrix with all signals of a long log.
+const MAX_BYTES: u64 = 1 << 30;
 
 const INT32: u32 = 5;
 const UINT32: u32 = 6;
@@ -36,36 +41,37 @@ const NUMERIC: std::ops::RangeInclusive<u8> = 6..=15;
 const COMPLEX: u8 = 0x08;
 
 const NO_NUMBERS: &str = "no numbers (text, a cell, an object or a sparse array)";
-const WHOLE: &str = "a whole MAT-file of version 5 to 7";
+const COMPLETE: &str = "a complete MAT-file of version 5 to 7";
 
-/// Why a file is not taken apart further.
+/// Reason to stop parsing a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Flaw {
     Damage,
     TooLarge,
 }
 
-/// The numeric arrays of a file.
+/// Numeric arrays of a file.
 pub(super) struct Variables {
     pub(super) names: Vec<String>,
     contents: Vec<Content>,
     values: usize,
 }
 
-/// Numbers, or what stands there instead of them.
+/// Numbers, or the name of other content.
 type Content = Result<Vec<f64>, &'static str>;
 
 impl Variables {
     pub(super) fn open(file: &str, bytes: &[u8]) -> Result<Self, LogError> {
         let mut out = Self { names: Vec::new(), contents: Vec::new(), values: 0 };
         let refused = |flaw: Flaw, at: &str| match flaw {
-            Flaw::Damage => LogError::content(file, format!("damage {at}"), WHOLE),
+            Flaw::Damage => LogError::content(file, format!("damage {at}"), COMPLETE),
             Flaw::TooLarge => LogError::content(
                 file,
                 format!("more than can be held {at}"),
                 format!(
-                    "at most {} MB in a variable, {MOST_VALUES} numbers and {MOST_NAMES} names: a log cut into sessions",
-                    MOST_BYTES >> 20
+                    "at most {} MB in a variable, {MAX_VALUES} numbers and {MAX_NAMES} names; \
+                 divide the log into several",
+                    MAX_BYTES >> 20
                 ),
             ),
         };
@@ -85,11 +91,11 @@ impl Variables {
         Ok(out)
     }
 
-    /// Adds the first variable; gives what comes after it.
+    /// Adds the first variable and returns the bytes after it.
     fn variable<'a>(&mut self, cut: Cut, bytes: &'a [u8]) -> Result<&'a [u8], Flaw> {
         let (kind, data, after) = cut.element(bytes)?;
         if kind == COMPRESSED {
-            let inflated = inflate(data, MOST_BYTES)?;
+            let inflated = inflate(data, MAX_BYTES)?;
             let (kind, data, _) = cut.element(&inflated)?;
             if kind == MATRIX {
                 self.add(cut, data, None, 0)?;
@@ -116,13 +122,13 @@ impl Variables {
     fn push(&mut self, name: String, content: Content) -> Result<(), Flaw> {
         self.names.push(name);
         self.contents.push(content);
-        if self.names.len() <= MOST_NAMES { Ok(()) } else { Err(Flaw::TooLarge) }
+        if self.names.len() <= MAX_NAMES { Ok(()) } else { Err(Flaw::TooLarge) }
     }
 
-    /// Adds an array with all that is in it.
+    /// Adds an array with all its content.
     fn add(&mut self, cut: Cut, data: &[u8], name: Option<String>, depth: usize) -> Result<(), Flaw> {
         if data.is_empty() {
-            // An empty array inside a struct may be written without anything.
+            // An empty array inside a struct may have no content.
             return self.push(name.ok_or(Flaw::Damage)?, Err("an empty array"));
         }
         let (kind, flags, rest) = cut.element(data)?;
@@ -145,31 +151,41 @@ impl Variables {
         let (_, own_name, rest) = cut.element(rest)?;
         let name = name.unwrap_or_else(|| String::from_utf8_lossy(own_name).into_owned());
         match class {
-            STRUCT if count == 1 && depth < MOST_DEPTH => self.fields(cut, rest, &name, depth),
-            STRUCT => self.push(name, Err("an array of structs, or structs too deep in each other")),
+            STRUCT if count == 1 && depth < MAX_DEPTH => self.fields(cut, rest, &name, depth),
+            STRUCT => self.push(name, Err("an array of structs, or structs that are nested too deeply")),
             class if NUMERIC.contains(&class) && flags & COMPLEX != 0 => {
                 self.push(name, Err("complex numbers"))
             }
-            class if NUMERIC.contains(&class) => {
-                let (kind, data, _) = cut.element(rest)?;
-                // Before they are widened to eight bytes each.
-                if count > MOST_VALUES.saturating_sub(self.values) {
-                    return Err(Flaw::TooLarge);
-                }
-                let values = cut.numbers(kind, data, count)?;
-                self.values += count;
-                self.columns(name, &dimensions, values)
-            }
+            class if NUMERIC.contains(&class) => self.numbers(cut, rest, name, &dimensions, count),
             _ => self.push(name, Err(NO_NUMBERS)),
         }
     }
 
-    /// A vector under its name, a matrix as its columns.
+    /// Adds an array of `count` numbers.
+    fn numbers(
+        &mut self,
+        cut: Cut,
+        data: &[u8],
+        name: String,
+        dimensions: &[usize],
+        count: usize,
+    ) -> Result<(), Flaw> {
+        let (kind, data, _) = cut.element(data)?;
+        // Checked before the values are widened to eight bytes each.
+        if count > MAX_VALUES.saturating_sub(self.values) {
+            return Err(Flaw::TooLarge);
+        }
+        let values = cut.numbers(kind, data, count)?;
+        self.values += count;
+        self.columns(name, dimensions, values)
+    }
+
+    /// Adds a vector under its name, a matrix as its columns.
     fn columns(&mut self, name: String, dimensions: &[usize], values: Vec<f64>) -> Result<(), Flaw> {
         match dimensions {
             [] => Err(Flaw::Damage),
             [rows, columns] if *rows > 1 && *columns > 1 => {
-                if *columns > MOST_COLUMNS {
+                if *columns > MAX_COLUMNS {
                     return self.push(name, Err("a matrix with too many columns"));
                 }
                 for (i, column) in values.chunks_exact(*rows).enumerate() {
@@ -185,7 +201,7 @@ impl Variables {
         }
     }
 
-    /// The fields of a struct.
+    /// Adds the fields of a struct.
     fn fields(&mut self, cut: Cut, data: &[u8], name: &str, depth: usize) -> Result<(), Flaw> {
         let (_, length, rest) = cut.element(data)?;
         let length = cut.u32(length)? as usize;
@@ -206,7 +222,7 @@ impl Variables {
     }
 }
 
-/// Cuts bytes into elements and numbers; what makes no sense is damage.
+/// Cuts bytes into elements and numbers; inconsistent bytes are damage.
 #[derive(Clone, Copy)]
 struct Cut {
     big: bool,
@@ -218,7 +234,7 @@ impl Cut {
         Ok(if self.big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
     }
 
-    /// The first element: type, data, what comes after.
+    /// Returns the first element: type, data and the bytes after it.
     fn element(self, bytes: &[u8]) -> Result<(u32, &[u8], &[u8]), Flaw> {
         self.element_of(self.u32(bytes)?, bytes).ok_or(Flaw::Damage)
     }
@@ -235,8 +251,8 @@ impl Cut {
         Some((kind, data.get(..length)?, data.get(padded..).unwrap_or_default()))
     }
 
-    /// Numbers of a storage type, which may be smaller than the array's class.
-    /// So many numbers of a type, no more and no fewer.
+    /// Returns exactly `count` numbers of a storage type, which may be smaller than the array's
+    /// class.
     fn numbers(self, kind: u32, data: &[u8], count: usize) -> Result<Vec<f64>, Flaw> {
         macro_rules! read {
             ($type:ty) => {{
@@ -245,7 +261,11 @@ impl Cut {
                 }
                 data.chunks_exact(size_of::<$type>())
                     .filter_map(|c| c.try_into().ok())
-                    .map(|c| if self.big { <$type>::from_be_bytes(c) } else { <$type>::from_le_bytes(c) } as f64)
+                    .map(|c| {
+                        let value =
+                            if self.big { <$type>::from_be_bytes(c) } else { <$type>::from_le_bytes(c) };
+                        value as f64
+                    })
                     .collect()
             }};
         }
@@ -278,7 +298,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_too_large_is_not_called_damage() {
+    fn an_array_above_the_limit_is_not_reported_as_damage() {
         let mut zipped = flate2::read::ZlibEncoder::new(&[7; 1000][..], flate2::Compression::fast());
         let mut bytes = Vec::new();
         zipped.read_to_end(&mut bytes).unwrap();

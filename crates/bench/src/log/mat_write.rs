@@ -1,12 +1,13 @@
-//! A log as a MAT-file of version 5, not compressed: a column vector of doubles for each signal, under its channel's name.
+//! Writes a log as an uncompressed MAT-file of version 5: one column vector of doubles per signal,
+//! named after its channel.
 
 use super::{LogError, MeasuredLog};
-use crate::log_format::TIME;
+use crate::log::TIME;
 
-/// Bytes of the header's text.
+/// Length of the header's text in bytes.
 const TEXT_BYTES: usize = 116;
 
-/// The log as a MAT-file.
+/// Returns the log as a MAT-file.
 pub(super) fn bytes(file: &str, log: &MeasuredLog) -> Result<Vec<u8>, LogError> {
     let mut out = format!("{:<TEXT_BYTES$}", "MATLAB 5.0 MAT-file, measured log").into_bytes();
     out.extend([0; 8]);

@@ -1,10 +1,12 @@
-//! Parquet logs: columns of whole numbers with or without a sign, floating-point numbers or booleans, nullable or not, in any number of row groups.
+//! Parquet logs: columns of signed or unsigned integers, floating-point numbers or booleans,
+//! nullable or not, in any number of row groups.
 //!
-//! Columns inside groups are named with points (`motor.angle`); lists are refused where they are asked for. Pages may be
-//! plain or compressed with Snappy, gzip or LZ4. Written are required doubles in one row group, without compression.
+//! Columns inside groups are named with points (`motor.angle`); lists are refused when a column
+//! asks for them. Pages may be plain or compressed with Snappy, gzip or LZ4. Logs are written as
+//! required doubles in one row group, without compression.
 
-use super::{LogError, MOST_ROWS, MeasuredLog};
-use crate::log_format::TIME;
+use super::{LogError, MAX_ROWS, MeasuredLog};
+use crate::log::TIME;
 use bytes::Bytes;
 use parquet::basic::ConvertedType;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -18,7 +20,7 @@ use std::sync::Arc;
 
 /// Rows read at a time.
 const BATCH: usize = 16_384;
-const READABLE: &str = "whole Parquet with plain, Snappy, gzip or LZ4 pages";
+const READABLE: &str = "complete Parquet with plain, Snappy, gzip or LZ4 pages";
 
 /// An open file.
 pub(super) struct Table {
@@ -47,9 +49,9 @@ impl Table {
             return Err(column("a list in each row".into(), "one number in each row"));
         }
         if description.converted_type() == ConvertedType::DECIMAL {
-            return Err(column("decimal numbers".into(), "whole or floating-point numbers"));
+            return Err(column("decimal numbers".into(), "integers or floating-point numbers"));
         }
-        // The library derives this type from the logical one where only that is written.
+        // The library derives this type from the logical type if only that is written.
         let unsigned = matches!(
             description.converted_type(),
             ConvertedType::UINT_8 | ConvertedType::UINT_16 | ConvertedType::UINT_32 | ConvertedType::UINT_64
@@ -64,7 +66,7 @@ impl Table {
                 Ok(true) => {}
                 Ok(false) => {
                     let found = format!("{} values", description.physical_type());
-                    return Err(column(found, "whole or floating-point numbers"));
+                    return Err(column(found, "integers or floating-point numbers"));
                 }
                 Err(e) => return Err(column(format!("row group {}: {e}", group + 1), READABLE)),
             }
@@ -77,14 +79,14 @@ impl Table {
     }
 }
 
-/// The library panics on some damaged files: that is a refusal like any other.
+/// Turns a panic of the library on a damaged file into an ordinary error.
 fn guarded<T>(read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
     let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(read));
     result.unwrap_or_else(|_| Err(ParquetError::General("a damaged file".into())))
 }
 
-/// Appends what a row group holds of a column; `false`: these are no numbers. Whole numbers are stored with a sign, also
-/// those that are `unsigned`.
+/// Appends the values of a column in a row group; returns `false` if they are no numbers. Integers
+/// are stored as signed, also those that are `unsigned`.
 fn append_any(
     reader: ColumnReader,
     unsigned: bool,
@@ -126,14 +128,14 @@ fn append<T: DataType>(
         } else {
             out.extend(values);
         }
-        // Rows beyond what a log may have are refused by the caller; here they must only not fill the memory.
-        if out.len() > MOST_ROWS {
+        // The caller refuses rows beyond the limit; here they must only not fill the memory.
+        if out.len() > MAX_ROWS {
             return Ok(());
         }
     }
 }
 
-/// The log as a Parquet file.
+/// Returns the log as a Parquet file.
 pub(super) fn bytes(log: &MeasuredLog) -> Result<Vec<u8>, ParquetError> {
     let names = std::iter::once(TIME).chain(log.channels.keys().map(|c| c.name()));
     let fields: String = names.map(|name| format!("REQUIRED DOUBLE {name};\n")).collect();

@@ -1,22 +1,23 @@
-//! A log's file, taken apart into columns by name. The format is told by the first bytes, never by the name alone.
+//! A log's file, split into columns by name. The format is detected from the first bytes, never
+//! from the name alone.
 
 use super::LogError;
 use super::mat::Variables;
 use super::parquet::Table;
 use super::text::Text;
-use crate::log_format::{Column, ColumnId, TextFormat};
+use crate::log::{Column, ColumnId, TextFormat};
 
 /// First bytes of a Parquet file.
 const PARQUET: &[u8] = b"PAR1";
-/// First bytes of a MAT-file of version 5, 6 or 7, and of one of version 7.3.
+/// First bytes of a MAT-file of version 5, 6 or 7.
 const MAT_5: &[u8] = b"MATLAB 5.0 MAT-file";
 const MAT_73: &[u8] = b"MATLAB 7.3 MAT-file";
 /// First bytes of an HDF5 file.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
-/// Bytes looked through for a zero, which no text has.
-const LOOKED_THROUGH: usize = 4096;
+/// Number of bytes that are searched for a zero, which no text has.
+const SEARCHED_BYTES: usize = 4096;
 
-/// A log's file.
+/// File of a log, by format.
 pub(super) enum Source {
     Text(Text),
     Parquet(Table),
@@ -24,7 +25,7 @@ pub(super) enum Source {
 }
 
 impl Source {
-    /// Takes a file apart.
+    /// Opens a file and splits it into columns.
     pub(super) fn open(file: &str, bytes: Vec<u8>, format: &TextFormat) -> Result<Self, LogError> {
         if bytes.starts_with(PARQUET) {
             return Table::open(file, bytes).map(Self::Parquet);
@@ -36,12 +37,12 @@ impl Source {
                 "version 5 to 7: in MATLAB, save(\"log.mat\", \"-v7\"); or CSV, or Parquet",
             ));
         }
-        // Other writers put their own text first; the version and the order of bytes stand at its end.
+        // Other writers begin with their own text; version and byte order follow at its end.
         let marked = matches!(bytes.get(124..128), Some([0, 1, b'I', b'M'] | [1, 0, b'M', b'I']));
         if marked || bytes.starts_with(MAT_5) {
             return Variables::open(file, &bytes).map(Self::Mat);
         }
-        if bytes.iter().take(LOOKED_THROUGH).any(|&b| b == 0) {
+        if bytes.iter().take(SEARCHED_BYTES).any(|&b| b == 0) {
             return Err(LogError::content(
                 file,
                 "an unknown binary file",
@@ -51,7 +52,7 @@ impl Source {
         Text::open(file, &String::from_utf8_lossy(&bytes), format).map(Self::Text)
     }
 
-    /// Names of the columns; none in a text without a header.
+    /// Names of the columns; empty for a text without a header.
     pub(super) fn names(&self) -> &[String] {
         match self {
             Self::Text(text) => &text.header,
@@ -60,7 +61,7 @@ impl Source {
         }
     }
 
-    /// Where a column stands.
+    /// Index of a column.
     pub(super) fn locate(&self, file: &str, column: &Column) -> Result<usize, LogError> {
         match &column.from {
             ColumnId::Index(index) => Ok(*index),
@@ -72,7 +73,10 @@ impl Source {
                         Self::Text(_) => format!("a header with `{name}`"),
                         Self::Parquet(_) => format!("a column `{name}`"),
                         Self::Mat(_) => {
-                            format!("a variable `{name}` (a field of a struct is `data.{name}`, a column `{name}(:,1)`)")
+                            format!(
+                                "a variable `{name}` (a field of a struct is `data.{name}`, \
+                                 a column `{name}(:,1)`)"
+                            )
                         }
                     },
                 )
@@ -80,7 +84,7 @@ impl Source {
         }
     }
 
-    /// The values of a column, a missing one as NaN; `wanted` names it in messages.
+    /// Values of a column, NaN where missing; `wanted` names it in messages.
     pub(super) fn values(
         &self,
         file: &str,
@@ -95,7 +99,7 @@ impl Source {
         }
     }
 
-    /// A row in words: what a reader of the file would count.
+    /// Describes a row as a reader of the file would count it.
     pub(super) fn place(&self, row: usize) -> String {
         match self {
             Self::Text(text) => format!("line {}", text.line(row)),

@@ -1,7 +1,8 @@
-//! Logs of every format: what is read, what is refused and in which words; round trips; damaged files.
+//! Logs of every format: accepted content, refusals with their messages, round trips, damaged
+//! files.
 
 use super::*;
-use crate::log_format::{Separator, TextFormat};
+use crate::log::{Separator, TextFormat};
 use proptest::prelude::*;
 
 pub(super) fn own() -> LogFormat {
@@ -56,7 +57,7 @@ proptest! {
     }
 }
 
-/// A log that other programs wrote; see `write.py` beside them.
+/// Reads a log that another program wrote; see `write.py` in the same folder.
 fn foreign(name: &str, columns: &str) -> Result<MeasuredLog, LogError> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign-logs").join(name);
     let columns = toml::from_str(columns).unwrap();
@@ -69,7 +70,8 @@ fn mat_files_of_another_writer_are_read() {
         let log = foreign(
             name,
             "t_s = { from = \"data.t\" }\nspindle_angle_rad = { from = \"data.qm\", scale = 0.01 }\n\
-             drive_torque_nm = { from = \"data.motor.torque\" }\nspindle_speed_rad_s = { from = \"table(:,2)\" }\n",
+             drive_torque_nm = { from = \"data.motor.torque\" }\n\
+             spindle_speed_rad_s = { from = \"table(:,2)\" }\n",
         )
         .unwrap();
         assert_eq!(log.time_s.len(), 20);
@@ -81,7 +83,7 @@ fn mat_files_of_another_writer_are_read() {
 }
 
 #[test]
-fn what_is_no_real_vector_is_refused_by_name() {
+fn other_content_than_a_real_vector_is_refused_by_name() {
     let time = "t_s = { from = \"data.t\" }\n";
     for (from, expected) in [
         ("phasor", "variable `phasor` for position_m: complex numbers"),
@@ -99,7 +101,8 @@ fn what_is_no_real_vector_is_refused_by_name() {
 #[test]
 fn parquet_of_another_writer_is_read_with_its_gaps() {
     let columns = "t_s = { from = \"t\" }\nspindle_angle_rad = { from = \"qm\", scale = 0.01 }\n\
-                   drive_torque_nm = { from = \"motor.torque\" }\nspindle_speed_rad_s = { from = \"torque\" }\n";
+                   drive_torque_nm = { from = \"motor.torque\" }\n\
+                   spindle_speed_rad_s = { from = \"torque\" }\n";
     for name in ["none.parquet", "snappy.parquet", "gzip.parquet", "lz4.parquet"] {
         let log = foreign(name, columns).unwrap();
         let angle = &log.channels[&Channel::SpindleAngle];
@@ -107,7 +110,7 @@ fn parquet_of_another_writer_is_read_with_its_gaps() {
         assert!(angle[7].is_nan());
         assert_eq!(log.channels[&Channel::DriveTorque], log.channels[&Channel::SpindleSpeed]);
     }
-    let columns: crate::log_format::Columns = toml::from_str(columns).unwrap();
+    let columns: crate::log::Columns = toml::from_str(columns).unwrap();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign-logs/snappy.parquet");
     let strict = MeasuredLog::read(&path, &LogFormat { columns, ..LogFormat::default() }).unwrap_err();
     assert!(
@@ -117,7 +120,7 @@ fn parquet_of_another_writer_is_read_with_its_gaps() {
     for (name, from, expected) in [
         ("snappy.parquet", "label", "column `label` for position_m: BYTE_ARRAY values"),
         ("snappy.parquet", "raw.list.element", "a list in each row"),
-        ("zstd.parquet", "qm", "expected whole Parquet with plain, Snappy, gzip or LZ4 pages"),
+        ("zstd.parquet", "qm", "expected complete Parquet with plain, Snappy, gzip or LZ4 pages"),
     ] {
         let columns = format!("t_s = {{ from = \"t\" }}\nposition_m = {{ from = \"{from}\" }}");
         let error = foreign(name, &columns).unwrap_err().to_string();
@@ -126,7 +129,7 @@ fn parquet_of_another_writer_is_read_with_its_gaps() {
 }
 
 #[test]
-fn hdf5_and_unknown_files_are_refused_with_a_way_out() {
+fn hdf5_and_unknown_files_are_refused_with_advice() {
     let mut new = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".to_vec();
     new.resize(512, b' ');
     new.extend(b"\x89HDF\r\n\x1a\n");
@@ -134,22 +137,22 @@ fn hdf5_and_unknown_files_are_refused_with_a_way_out() {
         (new, "save(\"log.mat\", \"-v7\")"),
         (b"\x89HDF\r\n\x1a\n\0\0".to_vec(), "save(\"log.mat\", \"-v7\")"),
         (vec![0; 100], "an unknown binary file"),
-        (b"PAR1PAR1".to_vec(), "expected whole Parquet"),
+        (b"PAR1PAR1".to_vec(), "expected complete Parquet"),
         (b"MATLAB 5.0 MAT-file".to_vec(), "damage in the header"),
     ] {
-        let error = MeasuredLog::of_bytes("a.csv", bytes, &own(), false).unwrap_err().to_string();
+        let error = reader::from_bytes("a.csv", bytes, &own(), false).unwrap_err().to_string();
         assert!(error.starts_with("a.csv") && error.contains(expected), "{error}");
     }
 }
 
 #[test]
-fn as_found_a_text_keeps_its_gaps_and_its_times() {
+fn a_text_read_as_found_keeps_its_gaps_and_its_times() {
     let text = "t_s,journal_y_m\n0,1\n0,\n-1,NaN\n2,4\n3\n";
-    let log = MeasuredLog::of_bytes("a.csv", text.as_bytes().to_vec(), &own(), false).unwrap();
+    let log = reader::from_bytes("a.csv", text.as_bytes().to_vec(), &own(), false).unwrap();
     assert_eq!(log.time_s, [0.0, 0.0, -1.0, 2.0, 3.0]);
     let finite: Vec<bool> = log.channels[&Channel::JournalY].iter().map(|v| v.is_finite()).collect();
     assert_eq!(finite, [true, false, false, true, false]);
-    let bad = MeasuredLog::of_bytes("a.csv", b"t_s,journal_y_m\n0,1\n1,x\n".to_vec(), &own(), false);
+    let bad = reader::from_bytes("a.csv", b"t_s,journal_y_m\n0,1\n1,x\n".to_vec(), &own(), false);
     assert!(bad.unwrap_err().to_string().contains("line 3, journal_y_m: found `x`"));
 }
 
@@ -167,9 +170,10 @@ pub(super) fn small(values: Vec<f64>) -> MeasuredLog {
 #[test]
 fn damaged_binary_files_are_refused_or_read_and_never_panic() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign-logs");
-    let columns = "t_s = { from = \"t\" }\nspindle_angle_rad = { from = \"qm\" }\nposition_m = { from = \"motor.torque\" }";
-    let parquet: crate::log_format::Columns = toml::from_str(columns).unwrap();
-    let mat: crate::log_format::Columns = toml::from_str(&columns.replace("= \"", "= \"data.")).unwrap();
+    let columns = "t_s = { from = \"t\" }\nspindle_angle_rad = { from = \"qm\" }\n\
+                   position_m = { from = \"motor.torque\" }";
+    let parquet: crate::log::Columns = toml::from_str(columns).unwrap();
+    let mat: crate::log::Columns = toml::from_str(&columns.replace("= \"", "= \"data.")).unwrap();
     let mut state = 1_u64;
     let mut random = move |below: usize| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -182,19 +186,19 @@ fn damaged_binary_files_are_refused_or_read_and_never_panic() {
         ("gzip.parquet", &parquet),
         ("lz4.parquet", &parquet),
     ] {
-        let whole = std::fs::read(folder.join(name)).unwrap();
+        let complete = std::fs::read(folder.join(name)).unwrap();
         let format = LogFormat { columns: columns.clone(), ..LogFormat::default() };
-        for length in (0..whole.len()).step_by(7) {
-            let cut = whole[..length].to_vec();
-            let _ = MeasuredLog::of_bytes(name, cut, &format, false);
+        for length in (0..complete.len()).step_by(7) {
+            let cut = complete[..length].to_vec();
+            let _ = reader::from_bytes(name, cut, &format, false);
         }
         for _ in 0..3000 {
-            let mut bytes = whole.clone();
+            let mut bytes = complete.clone();
             for _ in 0..=random(4) {
                 let at = random(bytes.len());
                 bytes[at] = if random(4) == 0 { 0xff } else { random(256) as u8 };
             }
-            let _ = MeasuredLog::of_bytes(name, bytes, &format, false);
+            let _ = reader::from_bytes(name, bytes, &format, false);
         }
     }
 }

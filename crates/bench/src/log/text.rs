@@ -1,12 +1,13 @@
-//! Text logs: a line a sample, fields apart by a separator, `#` begins a comment, a header line with names if there is one.
+//! Text logs: one line per sample, fields with a separator, comments from `#`, an optional header
+//! line with names.
 
 use super::LogError;
-use crate::log_format::{Separator, TextFormat};
+use crate::log::{Separator, TextFormat};
 
-/// What loggers write where they have no reading.
+/// Entries that loggers write in place of a missing reading.
 const MISSING: [&str; 8] = ["", "nan", "na", "n/a", "null", "none", "inf", "-inf"];
 
-/// A text cut into fields.
+/// Text split into fields.
 pub(super) struct Text {
     pub(super) header: Vec<String>,
     rows: Vec<(u64, Vec<String>)>,

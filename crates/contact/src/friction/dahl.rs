@@ -1,11 +1,12 @@
 //! Dahl 1968: friction as a spring that yields.
 //!
-//! `z' = v |1 - s z/mu_c|^alpha sgn(1 - s z/mu_c)`, `s = s_0 sgn v`; `F = -N s_0 z`, with `s_0` in 1/m. The form with
-//! `alpha = 1` was checked against public implementations; the exponent `alpha` is recalled.
+//! `z' = v |1 - s z/mu_c|^alpha sgn(1 - s z/mu_c)`, `s = s_0 sgn v`; `F = -N s_0 z`, with `s_0` in
+//! 1/m. The form with `alpha = 1` was checked against public implementations; the exponent `alpha`
+//! is recalled.
 //!
-//! Before sliding the force over displacement is a hysteresis loop; in steady sliding it is Coulomb's `mu_c N`. No static excess,
-//! so no stick-slip. For every `alpha` the power taken, less the growth of the stored `N s_0 z^2/2`, is not negative: the
-//! law is passive (tested).
+//! Before sliding the force over displacement is a hysteresis loop; in steady sliding it is
+//! Coulomb's `mu_c N`. There is no static excess, so no stick-slip. For every `alpha` the power
+//! input minus the growth of the stored `N s_0 z^2/2` is not negative: the law is passive (tested).
 
 use crate::error::{LawError, above_zero};
 use crate::real::Real;
@@ -19,7 +20,8 @@ pub struct Dahl<T = f64> {
 }
 
 impl<T: Real> Dahl<T> {
-    /// `mu_c` above 0, bristle stiffness per normal force `s_0` in 1/m above 0, `alpha` above 0 (1 is usual).
+    /// `mu_c` above 0, bristle stiffness per normal force `s_0` in 1/m above 0, `alpha` above 0 (1
+    /// is usual).
     pub fn new(coulomb_coefficient: T, stiffness_per_m: T, exponent: T) -> Result<Self, LawError> {
         above_zero("Coulomb coefficient", coulomb_coefficient)?;
         above_zero("bristle stiffness (1/m)", stiffness_per_m)?;
@@ -34,7 +36,8 @@ impl<T: Real> Dahl<T> {
         v * left.abs().powf(self.exponent) * left.sign()
     }
 
-    /// The deflection after `duration_s` of constant speed: exact for `alpha = 1`, whatever the stiffness and the step.
+    /// Returns the deflection after `duration_s` of constant speed: exact for `alpha = 1`, for any
+    /// stiffness and step.
     ///
     /// For other exponents use [`Dahl::rate_m_s`] with an integrator; this returns `None`.
     pub fn advanced_m(&self, deflection_m: T, sliding_speed_m_s: T, duration_s: T) -> Option<T> {
@@ -93,7 +96,8 @@ mod tests {
         }
         assert!(loops[3].0 > 0.0);
         assert!((loops[3].0 / loops[2].0 - 1.0).abs() < 0.05, "{loops:?}");
-        // The deflection never reaches the 2 um of sliding, and comes back to within the drift of the last loop.
+        // The deflection never reaches the 2 um of sliding, and returns to within the drift of the
+        // last loop.
         assert!((loops[3].1 - loops[2].1).abs() < 0.05 * amplitude, "{loops:?}");
         // Far less than Coulomb's loop, 4 F A: this is pre-sliding.
         assert!(loops[3].0 < 0.5 * 4.0 * 20.0 * amplitude);

@@ -1,12 +1,14 @@
-//! Karnopp 1985: a band of speeds that counts as rest.
+//! Karnopp 1985: a band of speeds that counts as standstill.
 //!
-//! Inside `|v| < v_band` friction balances the applied force up to `mu_s N`; if it can, the joint sticks. Outside,
-//! it is `mu_c N` plus a viscous part, against the motion. Checked against public implementations and quotations (band,
-//! balance and break-away; Coulomb and viscous outside).
+//! Inside `|v| < v_band` friction balances the applied force up to `mu_s N`; below that limit the
+//! joint sticks. Outside, friction is `mu_c N` plus a viscous part, against the motion. Checked
+//! against public implementations and quotations (band, balance and break-away; Coulomb and viscous
+//! outside).
 //!
-//! The law needs the applied tangential force: the sum of all others on the sliding body, along the sliding direction. That
-//! is its known limit: in a mechanism this force comes from the equations of motion. While it sticks, hold the
-//! speed at 0 (Karnopp's own rule) or let it rest at its remainder inside the band; the creep is then below `v_band`.
+//! The law needs the applied tangential force: the sum of all others on the sliding body, along the
+//! sliding direction. That is its known limit: in a mechanism this force follows from the equations
+//! of motion. While the joint sticks, set the speed to 0 (Karnopp's own rule) or leave its residual
+//! inside the band; the creep is then below `v_band`.
 
 use crate::error::{LawError, above_zero, at_least_zero, expect};
 use crate::real::Real;
@@ -20,7 +22,7 @@ pub struct Karnopp<T = f64> {
     band_m_s: T,
 }
 
-/// Whether a joint sticks.
+/// State of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KarnoppState {
     /// In the band, and friction balances the applied force.
@@ -47,7 +49,7 @@ impl<T: Real> Karnopp<T> {
         Ok(Self { coulomb_coefficient, static_coefficient, viscous_slope_s_m, band_m_s })
     }
 
-    /// The state at a sliding speed under an applied tangential force.
+    /// Returns the state at a sliding speed under an applied tangential force.
     pub fn state(&self, normal_force_n: T, sliding_speed_m_s: T, applied_n: T) -> KarnoppState {
         if sliding_speed_m_s.abs() >= self.band_m_s {
             KarnoppState::Sliding

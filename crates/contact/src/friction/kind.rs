@@ -1,8 +1,8 @@
-//! The friction laws by name.
+//! Friction laws by name.
 
 use crate::catalogue::{Entry, Group};
 
-/// Which friction law.
+/// Kind of a friction law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FrictionKind {
     /// [`super::SlidingLaw::Coulomb`].
@@ -48,12 +48,12 @@ impl FrictionKind {
         Self::SevenParameter,
     ];
 
-    /// The law of a name of the catalogue.
+    /// Returns the law of a name of the catalogue.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.entry().name == name)
     }
 
-    /// Whether the law keeps a state between steps.
+    /// Decides whether the law keeps a state between steps.
     pub const fn has_state(self) -> bool {
         matches!(self, Self::Dahl | Self::LuGre | Self::SevenParameter)
     }

@@ -1,14 +1,16 @@
 //! LuGre (Canudas de Wit, Olsson, Astrom, Lischinsky 1995): bristles with a Stribeck curve.
 //!
-//! `z' = v - s_0 |v| z/g(v)`, `g(v) = mu_c + (mu_s - mu_c) exp(-(v/v_s)^2)`, `F = -N (s_0 z + s_1 z' + s_2 v)`, with `s_0` in
-//! 1/m, `s_1` and `s_2` in s/m. Checked against several public implementations (which give the force-scaled form; dividing
-//! by `N` is the form used for tyres). With the load in front, a change of `N` scales the force at once and leaves
-//! the deflection alone.
+//! `z' = v - s_0 |v| z/g(v)`, `g(v) = mu_c + (mu_s - mu_c) exp(-(v/v_s)^2)`, `F = -N (s_0 z + s_1
+//! z' + s_2 v)`, with `s_0` in 1/m, `s_1` and `s_2` in s/m. Checked against several public
+//! implementations (which give the force-scaled form; dividing by `N` is the form used for tyres).
+//! With the load as a factor, a change of `N` scales the force at once and does not change the
+//! deflection.
 //!
-//! Steady sliding: `F = -N (g(v) sgn v + s_2 v)`. What to know: break-away falls with the rate of the applied force; a load
-//! below break-away that oscillates lets the joint drift. The power taken, less the growth of the stored `N s_0 z^2/2`, is
-//! not negative while `s_1 |v| <= 4 g(v)` (the discriminant of that quadratic in `z`; tested): a damping that
-//! violates it at the speeds of a run can deliver energy.
+//! Steady sliding: `F = -N (g(v) sgn v + s_2 v)`. Break-away falls with the rate of the applied
+//! force. A load below break-away that oscillates lets the joint drift. The power input minus the
+//! growth of the stored `N s_0 z^2/2` is not negative while `s_1 |v| <= 4 g(v)` (the discriminant
+//! of that quadratic in `z`; tested): a damping that violates it at the speeds of a run can deliver
+//! energy.
 
 use crate::error::{LawError, above_zero, at_least_zero, expect};
 use crate::real::Real;
@@ -31,7 +33,7 @@ pub struct LuGre<T = f64> {
 }
 
 impl<T: Real> LuGre<T> {
-    /// Checks every figure.
+    /// Checks every parameter.
     pub fn check(&self) -> Result<(), LawError> {
         above_zero("Coulomb coefficient", self.coulomb_coefficient)?;
         let holds = self.static_coefficient >= self.coulomb_coefficient;
@@ -43,7 +45,7 @@ impl<T: Real> LuGre<T> {
         Ok(())
     }
 
-    /// `g(v)`: the coefficient of steady sliding without its viscous part.
+    /// Returns `g(v)`: the coefficient of steady sliding without its viscous part.
     pub fn steady_coefficient(&self, sliding_speed_m_s: T) -> T {
         let ratio = sliding_speed_m_s / self.stribeck_speed_m_s;
         self.coulomb_coefficient
@@ -56,10 +58,12 @@ impl<T: Real> LuGre<T> {
         v - self.stiffness_per_m * v.abs() * deflection_m / self.steady_coefficient(v)
     }
 
-    /// The deflection after `duration_s` of constant speed: exact, whatever the stiffness and the step.
+    /// Returns the deflection after `duration_s` of constant speed: exact for any stiffness and
+    /// step.
     ///
-    /// At constant speed the rate is linear in the deflection. The bristles' own time, `g/(s_0 |v|)`, is microseconds on a
-    /// stiff joint; with this step an integrator of the mechanism need not follow it.
+    /// At constant speed the rate is linear in the deflection. The time constant of the bristles,
+    /// `g/(s_0 |v|)`, is microseconds on a stiff joint. With this step an integrator of the
+    /// mechanism need not resolve it.
     pub fn advanced_m(&self, deflection_m: T, sliding_speed_m_s: T, duration_s: T) -> T {
         let v = sliding_speed_m_s;
         if v == T::ZERO {

@@ -1,9 +1,11 @@
-//! Dry friction. Sliding speeds in m/s, forces in N along the sliding direction, so that friction has the opposite sign.
+//! Dry friction. Sliding speeds in m/s, forces in N along the sliding direction, so that friction
+//! has the opposite sign.
 //!
-//! Laws without memory are functions of normal force and speed: [`FrictionLaw`], [`SlidingLaw`]. Those with memory have a
-//! state that the caller keeps, so that an integrator can step it and a run can be repeated: [`Karnopp`], [`Dahl`],
-//! [`LuGre`], [`SevenParameter`]. All scale with the normal force, which varies on a bench: stiffness and damping of the
-//! bristles are given per newton of it.
+//! Laws without memory are functions of normal force and speed: [`FrictionLaw`], [`SlidingLaw`].
+//! Those with memory have a state that the caller keeps, so that an integrator can step it and a
+//! run can be repeated: [`Karnopp`], [`Dahl`], [`LuGre`], [`SevenParameter`]. All scale with the
+//! normal force, which varies on a bench: stiffness and damping of the bristles are given per
+//! newton of it.
 
 mod dahl;
 mod karnopp;

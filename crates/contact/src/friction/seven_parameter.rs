@@ -1,20 +1,23 @@
-//! The seven-parameter model (Armstrong-Helouvry 1991; Armstrong-Helouvry, Dupont and Canudas de Wit 1994): a spring
-//! while it sticks, a delayed Stribeck curve while it slides, a break-away force that rises with the time at rest.
+//! Seven-parameter model (Armstrong-Helouvry 1991; Armstrong-Helouvry, Dupont and Canudas de Wit
+//! 1994): a spring while it sticks, a delayed Stribeck curve while it slides, a break-away force
+//! that rises with the time at standstill.
 //!
 //! * Sticking: `F = -N s_0 x`, `x` the pre-sliding displacement.
 //! * Sliding: `F = -N (mu_c + k |v| + mu_st/(1 + (v_L/v_s)^2)) sgn v`.
-//! * Break-away when `s_0 |x|` reaches `mu_c + mu_st(t_2)`, `mu_st(t_2) = mu_a + (mu_inf - mu_a) t_2/(t_2 + gamma)`, with `t_2` the
-//!   time at rest and `mu_a` the Stribeck part at the end of the last slide.
+//! * Break-away when `s_0 |x|` reaches `mu_c + mu_st(t_2)`, `mu_st(t_2) = mu_a + (mu_inf - mu_a)
+//!   t_2/(t_2 + gamma)`, with `t_2` the time at standstill and `mu_a` the Stribeck part at the end
+//!   of the last slide.
 //!
-//! The seven: `s_0, mu_c, k, mu_inf, v_s, tau, gamma`. Quoted from memory: neither the articles' text nor an
-//! implementation was found, only summaries that list the parts (two regimes, delay, rising static friction). One
-//! thing differs from the articles on purpose: they delay the speed of the Stribeck part by a dead time `tau`, which
-//! needs a history of the speed; here `v_L` follows the speed by `v_L' = (v - v_L)/tau`, which agrees to first
-//! order in `tau` and keeps the state finite. Slides end where the speed changes its sign.
+//! The seven: `s_0, mu_c, k, mu_inf, v_s, tau, gamma`. Quoted from memory: neither the articles'
+//! text nor an implementation was found, only summaries that list the parts (two regimes, delay,
+//! rising static friction). One deliberate difference: the articles delay the speed of the Stribeck
+//! part by a dead time `tau`, which needs a history of the speed. Here `v_L` follows the speed by
+//! `v_L' = (v - v_L)/tau`, which agrees to first order in `tau` and keeps the state finite. Slides
+//! end where the speed changes its sign.
 //!
-//! The state is two regimes, so there is a step, [`SevenParameter::advanced`], and no rate function over all of it. Within a
-//! regime the step is exact for a constant speed; regimes change at the end of a step, so the step bounds the error of
-//! the time of break-away.
+//! The state has two regimes, so there is a step, [`SevenParameter::advanced`], and no rate
+//! function over all of it. Within a regime the step is exact for a constant speed. Regimes change
+//! at the end of a step, so the step bounds the error of the time of break-away.
 
 use crate::error::{LawError, above_zero, at_least_zero};
 use crate::real::Real;
@@ -28,7 +31,7 @@ pub struct SevenParameter<T = f64> {
     pub coulomb_coefficient: T,
     /// `k` in s/m, 0 or more.
     pub viscous_slope_s_m: T,
-    /// `mu_inf`: static excess after a long rest, 0 or more.
+    /// `mu_inf`: static excess after a long standstill, 0 or more.
     pub long_rest_excess: T,
     /// `v_s` in m/s, above 0.
     pub stribeck_speed_m_s: T,
@@ -38,10 +41,10 @@ pub struct SevenParameter<T = f64> {
     pub rise_s: T,
 }
 
-/// What the law remembers.
+/// State of the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SevenParameterState<T = f64> {
-    /// At rest but for the spring.
+    /// At standstill except for the spring.
     Sticking {
         /// `x` in m.
         displacement_m: T,
@@ -62,7 +65,7 @@ pub enum SevenParameterState<T = f64> {
 }
 
 impl<T: Real> SevenParameter<T> {
-    /// Checks every figure.
+    /// Checks every parameter.
     pub fn check(&self) -> Result<(), LawError> {
         above_zero("stiffness (1/m)", self.stiffness_per_m)?;
         at_least_zero("Coulomb coefficient", self.coulomb_coefficient)?;
@@ -74,7 +77,7 @@ impl<T: Real> SevenParameter<T> {
         Ok(())
     }
 
-    /// A joint that has rested for long, its spring slack.
+    /// State of a joint after a long standstill, its spring slack.
     pub fn rested(&self) -> SevenParameterState<T> {
         SevenParameterState::Sticking {
             displacement_m: T::ZERO,
@@ -92,7 +95,8 @@ impl<T: Real> SevenParameter<T> {
         excess / (T::ONE + ratio * ratio)
     }
 
-    /// Coefficient at which a sticking joint breaks away; of a sliding one, that at which it would stick again.
+    /// Coefficient at which a sticking joint breaks away; for a sliding one, that at which it would
+    /// stick again.
     pub fn break_away_coefficient(&self, state: &SevenParameterState<T>) -> T {
         self.coulomb_coefficient
             + match *state {
@@ -105,7 +109,7 @@ impl<T: Real> SevenParameter<T> {
             }
     }
 
-    /// The state after `duration_s` at a constant sliding speed in m/s.
+    /// Returns the state after `duration_s` at a constant sliding speed in m/s.
     pub fn advanced(
         &self,
         state: SevenParameterState<T>,
@@ -127,7 +131,8 @@ impl<T: Real> SevenParameter<T> {
             }
             SevenParameterState::Sliding { direction, lagging_speed_m_s, excess } => {
                 if v * direction <= T::ZERO {
-                    // The spring takes over at the force at which the slide ends, so that the force does not jump.
+                    // The spring starts with the force at which the slide ends, so that the force
+                    // does not jump.
                     let initial_excess = self.stribeck(excess, lagging_speed_m_s);
                     let stretch = (self.coulomb_coefficient + initial_excess) / self.stiffness_per_m;
                     return SevenParameterState::Sticking {
@@ -174,7 +179,8 @@ mod tests {
         rise_s: 0.5,
     };
 
-    /// Slides for `slide_s` at 10 mm/s, reverses for one step, rests for `rest_s`, and returns the break-away coefficient.
+    /// Slides for `slide_s` at 10 mm/s, reverses for one step, is at standstill for `rest_s`, and
+    /// returns the break-away coefficient.
     fn break_away_after(rest_s: f64) -> f64 {
         let mut state = LAW.rested();
         for _ in 0..10_000 {
@@ -207,7 +213,7 @@ mod tests {
         assert!((LAW.force_n(100.0, &state, 1e-3) + 100.0 * (0.15 + 0.05 + 1e-4)).abs() < 1e-3);
         let stribeck = |state: &_| -LAW.force_n(100.0, state, 0.0) / 100.0 - 0.15;
         let after = LAW.advanced(state, 2e-3, 0.01);
-        // After one memory time the lagging speed has come 1 - 1/e of the way from 1 to 2 mm/s.
+        // After one memory time the lagging speed has covered 1 - 1/e of the step from 1 to 2 mm/s.
         let lagging = 2.0 - (-1.0_f64).exp();
         assert!((stribeck(&after) - 0.1 / (1.0 + lagging * lagging)).abs() < 1e-5);
     }
@@ -239,7 +245,9 @@ mod tests {
         }
 
         #[test]
-        fn it_is_odd_and_sliding_dissipates(v in 1e-5..0.1_f64, step in 1e-5..1e-2_f64, count in 1..50_usize) {
+        fn it_is_odd_and_sliding_dissipates(
+            v in 1e-5..0.1_f64, step in 1e-5..1e-2_f64, count in 1..50_usize,
+        ) {
             let (mut forward, mut backward) = (LAW.rested(), LAW.rested());
             for _ in 0..count {
                 forward = LAW.advanced(forward, v, step);

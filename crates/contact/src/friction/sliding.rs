@@ -1,29 +1,33 @@
-//! Friction laws without memory: `F = -N mu(v) sgn v`, regularised each in its own way.
+//! Friction laws without memory: `F = -N mu(v) sgn v` with different regularisations.
 //!
-//! | law | `mu` times sign, `v > 0` | checked against |
-//! |---|---|---|
-//! | Coulomb | `mu_c`, 0 at rest | public code |
-//! | regularised linear | `mu_c min(v/v_1, 1)` | follows from its description |
-//! | Ambrosio | 0 up to `v_0`, linear to `mu_c` at `v_1` | not confirmed |
-//! | Threlfall | `mu_c (1 - exp(-3 v/v_1))/(1 - exp(-3))` up to `v_1`, then `mu_c` | not confirmed |
-//! | Bengisu-Akay | `mu_s (1 - (v/v_1 - 1)^2)` up to `v_1`, then `mu_c + (mu_s - mu_c) exp(-(v - v_1)/v_s)` | not confirmed |
-//! | Brown-McPhee | `mu_c tanh(4 r) + (mu_s - mu_c) r/(r^2/4 + 3/4)^2`, `r = v/v_1`, plus `k v tanh(4 N/N_t)` | public sources; the static part peaks at `v_1`, as its authors meant |
-//! | Stribeck | [`FrictionLaw`] | the paper, public code |
+//! Coefficient `mu` for `v > 0`, and what it was checked against:
 //!
-//! Ambrosio (2003), Threlfall (1978) and Bengisu and Akay (1994) are quoted from memory of later reviews: their texts and
-//! an implementation were looked for and not found. Threlfall's denominator is printed as 0.95, the rounded `1 - exp(-3)`, which leaves a step
-//! of .02 % at `v_1`; here the exact value closes it. Bengisu and Akay's exponent is written there as `xi (v - v_1)`; `v_s`
-//! is `1/xi`.
+//! * **Coulomb**: `mu_c`, and 0 at standstill. Public code.
+//! * **Regularised linear**: `mu_c min(v/v_1, 1)`. Follows from its description.
+//! * **Ambrosio**: 0 up to `v_0`, linear to `mu_c` at `v_1`. Not confirmed.
+//! * **Threlfall**: `mu_c (1 - exp(-3 v/v_1))/(1 - exp(-3))` up to `v_1`, then `mu_c`. Not
+//!   confirmed.
+//! * **Bengisu-Akay**: `mu_s (1 - (v/v_1 - 1)^2)` up to `v_1`, then
+//!   `mu_c + (mu_s - mu_c) exp(-(v - v_1)/v_s)`. Not confirmed.
+//! * **Brown-McPhee**: `mu_c tanh(4 r) + (mu_s - mu_c) r/(r^2/4 + 3/4)^2` with `r = v/v_1`, plus
+//!   `k v tanh(4 N/N_t)`. Public sources; the static part peaks at `v_1`, as its authors meant.
+//! * **Stribeck**: [`FrictionLaw`]. The paper and public code.
 //!
-//! All are odd in `v`, dissipate at every speed and end in Coulomb's law as their speeds go to 0 (tested). None holds a
-//! load at rest: a regularised law creeps. For sticking take a law with a state.
+//! Ambrosio (2003), Threlfall (1978) and Bengisu and Akay (1994) are quoted from memory of later
+//! reviews: neither their texts nor an implementation was found. Threlfall's denominator is printed
+//! as 0.95, the rounded `1 - exp(-3)`, which leaves a step of .02 % at `v_1`; here the exact value
+//! removes it. Bengisu and Akay write the exponent as `xi (v - v_1)`; `v_s` is `1/xi`.
+//!
+//! All are odd in `v`, dissipate at every speed and tend to Coulomb's law as their speeds tend to 0
+//! (tested). None carries a load at standstill: a regularised law creeps. For sticking use a law
+//! with a state.
 
 use super::{FrictionLaw, StribeckShape};
 use crate::error::{LawError, above_zero, at_least_zero, expect};
 use crate::friction::FrictionKind;
 use crate::real::Real;
 
-/// A friction law without memory. Coefficients dimensionless, speeds in m/s.
+/// Friction law without memory. Coefficients dimensionless, speeds in m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SlidingLaw<T = f64> {
     /// Coulomb, discontinuous.
@@ -42,7 +46,7 @@ pub enum SlidingLaw<T = f64> {
     Stribeck(FrictionLaw<T>),
 }
 
-/// What the laws without memory are built from; each uses what its formula names and ignores the rest.
+/// Parameters of the laws without memory; each uses those of its formula and ignores the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlidingParameters<T = f64> {
     /// `mu_c`, 0 or more.
@@ -51,7 +55,8 @@ pub struct SlidingParameters<T = f64> {
     pub static_coefficient: T,
     /// `v_0` of Ambrosio's law: no friction below, 0 or more.
     pub still_speed_m_s: T,
-    /// `v_1`, where friction is fully developed: above 0 and above `v_0`. The width of the sign in Stribeck's law.
+    /// `v_1`, where friction is fully developed: above 0 and above `v_0`. The width of the sign
+    /// function in Stribeck's law.
     pub full_speed_m_s: T,
     /// `v_s`, over which the static coefficient decays, above 0.
     pub stribeck_speed_m_s: T,
@@ -77,7 +82,7 @@ impl<T: Real> SlidingParameters<T> {
 }
 
 impl<T: Real> SlidingLaw<T> {
-    /// Builds a law without memory, after checking its figures.
+    /// Builds a law without memory after checking its parameters.
     pub fn new(kind: FrictionKind, parameters: SlidingParameters<T>) -> Result<Self, LawError> {
         parameters.check()?;
         let stribeck = |shape| {
@@ -109,7 +114,7 @@ impl<T: Real> SlidingLaw<T> {
         })
     }
 
-    /// The law without memory of a name of the catalogue.
+    /// Builds the law without memory of a name of the catalogue.
     pub fn from_name(name: &str, parameters: SlidingParameters<T>) -> Result<Self, LawError> {
         let kind = FrictionKind::from_name(name).ok_or(LawError::UnknownName { group: "friction" })?;
         Self::new(kind, parameters)
@@ -118,7 +123,7 @@ impl<T: Real> SlidingLaw<T> {
     /// Friction force in N along the sliding direction: opposed to the sliding speed.
     pub fn force_n(&self, normal_force_n: T, sliding_speed_m_s: T) -> T {
         let v = sliding_speed_m_s;
-        let (one, of) = (T::ONE, T::of);
+        let (one, of) = (T::ONE, T::from_f64);
         let p = match self {
             Self::Stribeck(law) => return law.force_n(normal_force_n, v),
             Self::Coulomb(p)
@@ -204,7 +209,7 @@ mod tests {
         assert_eq!(at(FrictionKind::BengisuAkay, 1e-3), 250.0);
         assert!((at(FrictionKind::BengisuAkay, 1.000_001e-3) - 250.0).abs() < 1e-3);
         assert!((at(FrictionKind::BengisuAkay, 0.011) - (150.0 + 100.0 * (-1.0_f64).exp())).abs() < 1e-9);
-        // At v = v_1 Brown and McPhee's width is 1, so both coefficients appear whole.
+        // At v = v_1 Brown and McPhee's width is 1, so both coefficients appear in full.
         let expected = 150.0 * 4.0_f64.tanh() + 100.0 + 0.1 * 1e-3 * 40.0_f64.tanh();
         assert!((at(FrictionKind::BrownMcPhee, 1e-3) - expected).abs() < 1e-9);
         let expected = 150.0 * 8.0_f64.tanh() + 100.0 * 2.0 / (1.75 * 1.75) + 0.1 * 2e-3 * 40.0_f64.tanh();
@@ -240,7 +245,7 @@ mod tests {
         }
 
         #[test]
-        fn every_law_ends_in_coulombs(v in 1e-3..1.0_f64, n in 1.0..1e5_f64) {
+        fn every_law_tends_to_coulombs_law(v in 1e-3..1.0_f64, n in 1.0..1e5_f64) {
             let parameters = SlidingParameters {
                 still_speed_m_s: 1e-9,
                 full_speed_m_s: 1e-8,

@@ -1,11 +1,11 @@
-//! The same log given twice: noise that agrees to the last digit is a copied file, and would pass for something that repeats. Held out it would
-//! promise a gain on what was fitted.
+//! Copies of a log. A copy has the same noise, which would count as repeatable. The gain on a
+//! held-out copy would be one on fitted data.
 
 use super::finding::{Finding, Severity};
 use bench::MeasuredLog;
 
-/// The logs that are none of those before them; what is said of the others.
-pub(super) fn distinct<'a>(
+/// The logs that are not copies of earlier ones; each copy becomes a finding.
+pub(super) fn leave_out_copies<'a>(
     logs: &'a [MeasuredLog],
     before: &[&MeasuredLog],
     findings: &mut Vec<Finding>,
@@ -24,14 +24,14 @@ pub(super) fn distinct<'a>(
                 "copy",
                 format!("every reading is that of {}", other.source),
             )
-            .cause("the same recording given twice")
+            .cause("the same recording was given twice")
             .done("left out"),
         );
     }
     out
 }
 
-/// Whether all readings are the same; the clock may have been set anew.
+/// Returns whether all readings are the same; the times may differ.
 fn is_copy(a: &MeasuredLog, b: &MeasuredLog) -> bool {
     let same = |(a, b): (&Vec<f64>, &Vec<f64>)| {
         a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())

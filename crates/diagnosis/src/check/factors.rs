@@ -1,19 +1,15 @@
-//! Factors between a reading and SI that have a name.
+//! Known factors between a reading and its SI value.
 
+use super::tuning;
 use bench::{Bench, Channel};
 use core::f64::consts::PI;
 
-/// Least logarithm of a factor that no honest change of a bench makes: more than fourfold.
-const LEAST: f64 = 1.4;
-/// The same for efforts of friction, which nobody knows well.
-const LEAST_FRICTION: f64 = 3.5;
-
-/// Whether a description may be far from the truth on a channel.
+/// Returns whether a channel shows mostly friction, which a description may miss by far.
 fn is_friction(bench: &Bench, channel: Channel) -> bool {
-    channel == Channel::FrictionTorque || matches!(bench, Bench::FrictionRig(_))
+    channel == Channel::FrictionTorque || bench.is_axis()
 }
 
-/// Factors `reading = factor x SI` of wrong units, with their cause.
+/// Factors `reading = factor x SI` of wrong units, with their causes.
 pub(super) fn units(bench: &Bench, channel: Channel) -> Vec<(f64, String)> {
     let degree = 180.0 / PI;
     let named: &[(f64, &str)] = match channel.unit() {
@@ -25,32 +21,33 @@ pub(super) fn units(bench: &Bench, channel: Channel) -> Vec<(f64, String)> {
         "N m" => &[(1e-3, "kN m"), (1e3, "N mm"), (1e2, "N cm"), (1.0 / 9.806_65, "kgf m")],
         _ => &[],
     };
-    let least = if is_friction(bench, channel) { LEAST_FRICTION } else { LEAST };
+    let min =
+        if is_friction(bench, channel) { tuning::MIN_LOG_FACTOR_FRICTION } else { tuning::MIN_LOG_FACTOR };
     let mut out: Vec<(f64, String)> = named
         .iter()
         .map(|(f, unit)| (*f, format!("the readings are in {unit}, not in {}", channel.unit())))
         .collect();
     for factor in [1e3, 1e-3, 1e6, 1e-6, degree, 1.0 / degree] {
-        let angular = factor == degree || factor == 1.0 / degree;
-        if (!angular || channel.unit().starts_with("rad"))
-            && !out.iter().any(|(f, _)| f64::abs(f / factor - 1.0) < 1e-9)
+        let is_angular = factor == degree || factor == 1.0 / degree;
+        if (!is_angular || channel.unit().starts_with("rad"))
+            && !out.iter().any(|(f, _)| f64::abs(f / factor - 1.0) < tuning::SAME_FACTOR_TOLERANCE)
         {
-            out.push((factor, "the factor to SI was applied twice, or the wrong way round".into()));
+            out.push((factor, "the factor to SI was applied twice, or its inverse was".into()));
         }
     }
-    out.retain(|(f, _)| f.ln().abs() > least);
+    out.retain(|(f, _)| f.ln().abs() > min);
     out
 }
 
-/// Factors of a wrong length or area in the making of a reading, with their cause.
+/// Factors of a wrong length or area in the conversion of a reading, with their causes.
 pub(super) fn geometry(bench: &Bench) -> Vec<(f64, String)> {
     let mut out = vec![
         (2.0, "a diameter in place of a radius, or both halves of a bridge counted".to_owned()),
-        (0.5, "a radius in place of a diameter, or half a bridge taken for a whole one".to_owned()),
+        (0.5, "a radius in place of a diameter, or half a bridge taken for a full one".to_owned()),
         (4.0 / PI, "the area of a square in place of a circle's (4/pi)".to_owned()),
         (PI / 4.0, "pi/4 applied twice to an area".to_owned()),
     ];
-    if let Bench::Transmission(b) = bench {
+    if let Some(b) = bench.transmission() {
         let ratio = b.geometry.load_lever_radius_m / b.geometry.drive_lever_radius_m;
         out.push((ratio, "the ratio of the load crank to the drive crank: taken at the wrong lever".into()));
         out.push((
@@ -58,11 +55,11 @@ pub(super) fn geometry(bench: &Bench) -> Vec<(f64, String)> {
             "the ratio of the drive crank to the load crank: taken at the wrong lever".into(),
         ));
     }
-    out.retain(|(f, _)| f.ln().abs() > 0.12);
+    out.retain(|(f, _)| f.ln().abs() > tuning::MIN_LOG_GEOMETRY);
     out
 }
 
-/// Factors of a pressure taken over a wrong area, for a load.
+/// Factors of a load that was computed from a pressure with a wrong area, with their causes.
 pub(super) fn areas() -> [(f64, String); 2] {
     [
         (4.0, "the cylinder's area from its diameter in place of its radius".into()),

@@ -1,22 +1,23 @@
-//! What reading and checking a log found.
+//! Findings of the checks of a log.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What a finding means for the diagnosis.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
-    /// As it stands the channel would make the diagnosis meaningless. It was corrected where the correction is exact, else left out.
+    /// The channel would make the diagnosis meaningless. It was corrected if the correction is
+    /// exact, else left out.
     Wrong,
-    /// May mislead; somebody should look.
+    /// May lead to a wrong diagnosis; needs a look by the user.
     Doubtful,
-    /// Worth knowing.
+    /// For information.
     Note,
 }
 
 impl Severity {
-    /// The word in JSON and on the command line.
+    /// Name in JSON and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Wrong => "wrong",
@@ -26,32 +27,34 @@ impl Severity {
     }
 }
 
-/// One finding about one channel of one log.
+/// A finding about one channel of one log.
 #[derive(Clone, Debug, Serialize)]
 pub struct Finding {
-    /// What it means.
+    /// Severity.
     pub severity: Severity,
-    /// The log.
+    /// Name of the log.
     pub log: String,
-    /// The channel's name, or `t_s`.
+    /// Name of the channel, or `t_s`.
     pub channel: String,
-    /// What was found, one of a stable vocabulary in kebab-case: `sampling`, `gap`, `jitter`, `duplicate-time`, `backward-time`,
-    /// `clock-unit`, `missing-values`, `outliers`, `stuck`, `constant`, `saturated`, `quantised`, `unit`, `sign`,
-    /// `swapped-axes`, `gain`, `contradiction`, `delay`, `copy`, `nuisance-at-bound`.
+    /// Kind, from a stable vocabulary: `sampling`, `gap`, `jitter`, `duplicate-time`,
+    /// `backward-time`, `clock-unit`, `missing-values`, `outliers`, `stuck`, `constant`,
+    /// `saturated`, `quantised`, `unit`, `sign`, `swapped-axes`, `gain`, `contradiction`, `delay`,
+    /// `copy`, `nuisance-at-bound`.
     pub kind: &'static str,
-    /// The same in words.
+    /// The finding as a clause.
     pub found: String,
-    /// The likely cause in words.
+    /// The likely cause.
     pub cause: String,
-    /// The numbers behind it.
+    /// The numbers that support it.
     pub evidence: BTreeMap<&'static str, f64>,
-    /// The line of `[columns]` that would mend it.
+    /// The line of `[columns]` that corrects it.
     pub mend: Option<String>,
-    /// What was done to the data before the diagnosis.
+    /// Change of the data before the diagnosis; none if nothing was changed.
     pub done: Option<String>,
 }
 
 impl Finding {
+    /// A finding without cause, evidence and correction.
     pub(crate) fn new(
         severity: Severity,
         log: &str,
@@ -72,24 +75,28 @@ impl Finding {
         }
     }
 
+    /// Adds the likely cause.
     pub(crate) fn cause(mut self, words: impl Into<String>) -> Self {
         self.cause = words.into();
         self
     }
 
+    /// Adds a number that supports the finding.
     pub(crate) fn evidence(mut self, name: &'static str, value: f64) -> Self {
-        // JSON has no other numbers.
+        // JSON has no infinite numbers.
         if value.is_finite() {
             self.evidence.insert(name, value);
         }
         self
     }
 
+    /// Adds the line of `[columns]` that corrects it.
     pub(super) fn mend(mut self, line: String) -> Self {
         self.mend = Some(line);
         self
     }
 
+    /// Adds the change of the data.
     pub(super) fn done(mut self, words: impl Into<String>) -> Self {
         self.done = Some(words.into());
         self

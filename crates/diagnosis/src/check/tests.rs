@@ -1,11 +1,13 @@
-//! Each fault is hidden in a recorded log and has to be found by name.
+//! Faults hidden in recorded logs, each of which must be found by its kind.
 
+use super::rows::{keep_rows, multiply};
 use super::*;
-use bench::log_format::LogFormat;
-use bench::record::record;
-use bench::respond::{Inputs, respond};
+use bench::Channel;
+use bench::log::LogFormat;
+use bench::simulate::record;
+use bench::simulate::{Inputs, respond};
 
-/// The real bench is not quite the described one.
+/// A bench that differs from its description within the declared uncertainty.
 pub(super) fn real(seed: u64) -> Bench {
     let mut bench = Bench::open("bench-b").unwrap();
     bench.set_cycles(2);
@@ -22,17 +24,18 @@ pub(super) fn found(log: &MeasuredLog) -> (MeasuredLog, Vec<Finding>) {
     (checked.logs.remove(0), checked.findings)
 }
 
-pub(super) fn graves(findings: &[Finding]) -> Vec<(&str, &'static str)> {
+pub(super) fn wrong_findings(findings: &[Finding]) -> Vec<(&str, &'static str)> {
     findings.iter().filter(|f| f.severity == Severity::Wrong).map(|f| (f.channel.as_str(), f.kind)).collect()
 }
 
-/// Hides a fault in a log; exactly this has to be found, and after the correction nothing.
+/// Hides a fault in a log, and asserts that it is the only finding, and that none is left after the
+/// correction.
 fn hidden(change: impl Fn(&mut MeasuredLog), channel: &str, kind: &'static str) -> Finding {
     let mut log = record(&real(5), 5).unwrap();
     change(&mut log);
-    let (mended, findings) = found(&log);
-    assert_eq!(graves(&findings), [(channel, kind)], "{findings:#?}");
-    assert_eq!(graves(&found(&mended).1), [], "after the correction");
+    let (corrected, findings) = found(&log);
+    assert_eq!(wrong_findings(&findings), [(channel, kind)], "{findings:#?}");
+    assert_eq!(wrong_findings(&found(&corrected).1), [], "after the correction");
     findings.into_iter().find(|f| f.severity == Severity::Wrong).unwrap()
 }
 
@@ -57,14 +60,14 @@ fn units_are_named_and_corrected() {
     ] {
         let finding = hidden(times(channel, factor), channel.name(), "unit");
         assert!(finding.cause.contains(words), "{finding:?}");
-        let mend: bench::log_format::Columns = toml::from_str(finding.mend.as_deref().unwrap()).unwrap();
+        let mend: bench::log::Columns = toml::from_str(finding.mend.as_deref().unwrap()).unwrap();
         let scale = mend.get(channel.name()).unwrap().scale;
         assert!((scale * factor - 1.0).abs() < 1e-6, "{finding:?}");
     }
 }
 
 #[test]
-fn a_drive_without_a_velocity_is_measured_by_its_stroke() {
+fn a_drive_without_velocity_is_compared_by_its_stroke() {
     let change = |log: &mut MeasuredLog| {
         log.channels.remove(&Channel::DriveVelocity);
         multiply(log, Channel::DriveDisplacement, 1e3);
@@ -99,23 +102,23 @@ fn swapped_axes_are_named_and_exchanged() {
         let mut swapped = log.clone();
         swapped.channels.insert(y, log.channels[&z].clone());
         swapped.channels.insert(z, log.channels[&y].clone());
-        let (mended, findings) = found(&swapped);
+        let (corrected, findings) = found(&swapped);
         assert_eq!(
-            graves(&findings),
+            wrong_findings(&findings),
             [(y.name(), "swapped-axes"), (z.name(), "swapped-axes")],
             "{findings:#?}"
         );
-        assert_eq!(mended, found(&log).0);
+        assert_eq!(corrected, found(&log).0);
         assert!(findings[0].mend.as_deref().unwrap().starts_with(&format!("{z} = {{ from = \"{y}\"")));
         let mut alone = log.clone();
         alone.channels.insert(y, log.channels[&z].clone());
         alone.channels.remove(&z);
-        assert_eq!(graves(&found(&alone).1), [(y.name(), "swapped-axes")]);
+        assert_eq!(wrong_findings(&found(&alone).1), [(y.name(), "swapped-axes")]);
     }
 }
 
 #[test]
-fn factors_of_the_geometry_are_named_where_only_the_sensor_can_have_made_them() {
+fn factors_of_the_geometry_are_named_and_corrected() {
     for (channel, factor) in [
         (Channel::BearingForceY, 1.2),
         (Channel::DriveForce, 1.0 / 1.2),
@@ -133,7 +136,7 @@ fn factors_of_the_geometry_are_named_where_only_the_sensor_can_have_made_them() 
 }
 
 #[test]
-fn inputs_that_contradict_each_other_are_named() {
+fn an_input_that_contradicts_another_one_is_left_out() {
     hidden(times(Channel::DriveVelocity, 1.4), "drive_velocity_m_s", "contradiction");
     let late = |log: &mut MeasuredLog| {
         let v = log.channels.get_mut(&Channel::DriveVelocity).unwrap();
@@ -151,12 +154,12 @@ fn inputs_that_contradict_each_other_are_named() {
 }
 
 #[test]
-fn outputs_that_contradict_each_other_are_told() {
+fn contradicting_outputs_are_reported() {
     let mut log = record(&real(5), 5).unwrap();
     multiply(&mut log, Channel::ShaftSpeed, 1.4);
     let (_, findings) = found(&log);
-    let told = findings.iter().find(|f| f.kind == "contradiction").unwrap();
-    assert_eq!((told.channel.as_str(), told.severity), ("shaft_speed_rad_s", Severity::Doubtful));
+    let finding = findings.iter().find(|f| f.kind == "contradiction").unwrap();
+    assert_eq!((finding.channel.as_str(), finding.severity), ("shaft_speed_rad_s", Severity::Doubtful));
 }
 
 #[test]
@@ -166,13 +169,13 @@ fn a_clock_in_other_units_is_named_and_corrected() {
         let finding = hidden(change, "t_s", "clock-unit");
         assert!(finding.mend.unwrap().starts_with("t_s = { from = \"t_s\", scale = "));
     }
-    // Another rate is no wrong clock.
+    // Another sample rate is no wrong clock.
     let mut fast = real(3);
-    if let Bench::Transmission(b) = &mut fast {
+    if let Some(b) = fast.transmission_mut() {
         b.logging.sample_rate_hz = 100.0;
         b.drive.period_s = 3.0;
     }
-    assert_eq!(graves(&found(&record(&fast, 3).unwrap()).1), []);
+    assert_eq!(wrong_findings(&found(&record(&fast, 3).unwrap()).1), []);
 }
 
 #[test]
@@ -198,7 +201,7 @@ fn dead_and_stuck_channels_are_left_out_and_named() {
 }
 
 #[test]
-fn a_rail_is_told_and_left_to_the_diagnosis() {
+fn a_rail_is_reported_and_left_to_the_diagnosis() {
     let mut log = record(&real(4), 4).unwrap();
     let mut sizes: Vec<f64> = log.channels[&Channel::BearingForceY].iter().map(|v| v.abs()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -211,11 +214,11 @@ fn a_rail_is_told_and_left_to_the_diagnosis() {
         findings.iter().any(|f| f.kind == "saturated" && f.channel == "bearing_force_y_n"),
         "{findings:#?}"
     );
-    assert_eq!((graves(&findings), after), (vec![], log));
+    assert_eq!((wrong_findings(&findings), after), (vec![], log));
 }
 
-/// A log of the friction rig whose torque is more than described, so that nothing says that the bench goes beyond a limit, with the torque
-/// that no sensor limits; mirrored for a negative sign.
+/// A log of the friction rig with a larger torque than described, so that the simulation never goes
+/// beyond a limit; also returns the torque without a limit. A negative sign mirrors it.
 fn torque_beyond_the_described(sign: f64) -> (Bench, MeasuredLog, Vec<f64>) {
     let mut bench = Bench::open("friction-rig").unwrap();
     bench.set_cycles(1);
@@ -232,7 +235,7 @@ fn torque_beyond_the_described(sign: f64) -> (Bench, MeasuredLog, Vec<f64>) {
 }
 
 #[test]
-fn a_rail_that_is_reached_once_is_no_hang_and_one_that_the_bench_leaves_is() {
+fn clipped_readings_are_saturated_and_readings_constant_while_the_bench_returns_are_stuck() {
     for sign in [1.0, -1.0] {
         let (bench, mut log, torque) = torque_beyond_the_described(sign);
         let limit = torque.iter().map(|t| sign * t).fold(f64::NEG_INFINITY, f64::max) - 55.0;
@@ -240,20 +243,22 @@ fn a_rail_that_is_reached_once_is_no_hang_and_one_that_the_bench_leaves_is() {
             |torque: &[f64]| -> Vec<f64> { torque.iter().map(|t| sign * (sign * t).min(limit)).collect() };
         log.channels.insert(Channel::DriveTorque, clipped(&torque));
         let from = torque.iter().position(|t| sign * t >= limit).unwrap();
-        // Also where the log begins at the limit: nothing before tells by how much the bench is beyond.
+        // The same for a log that begins at the limit: nothing before it shows how far the bench is
+        // beyond.
         let mut cut = log.clone();
         cut.time_s.drain(..from);
         cut.channels.values_mut().for_each(|values| drop(values.drain(..from)));
         for log in [&log, &cut] {
             let checked = check(&bench, std::slice::from_ref(log), &[]).unwrap();
-            let of = |f: &&Finding| f.channel == Channel::DriveTorque.name();
-            let kinds: Vec<_> = checked.findings.iter().filter(of).map(|f| f.kind).collect();
+            let is_own = |f: &&Finding| f.channel == Channel::DriveTorque.name();
+            let kinds: Vec<_> = checked.findings.iter().filter(is_own).map(|f| f.kind).collect();
             assert_eq!(kinds, ["saturated"], "{sign}");
         }
         let mut hung = torque;
         hung[from..from + 1100].fill(sign * limit);
         log.channels.insert(Channel::DriveTorque, clipped(&hung));
-        // Nothing is left to compare with: it was the only output that is simulated. What is wrong with an input is not the reason.
+        // The only simulated output is left out, and the error names this reason and no fault of an
+        // input.
         log.channels.insert(Channel::BearingTemperature, vec![20.0; log.time_s.len()]);
         log.time_s.iter_mut().for_each(|t| *t *= 1e3);
         let error = check(&bench, &[log], &[]).map(|_| ()).unwrap_err().to_string();
@@ -265,16 +270,17 @@ fn a_rail_that_is_reached_once_is_no_hang_and_one_that_the_bench_leaves_is() {
 }
 
 #[test]
-fn an_end_of_a_range_that_is_reached_twice_is_no_hang() {
-    // Where the bench is expected to stay below: nothing says that it is a rail, and nothing that the sensor hangs.
+fn a_limit_that_is_reached_twice_is_saturated_and_not_stuck() {
+    // The simulation stays below this end of the range, so it shows neither a rail nor a stuck
+    // sensor.
     let mut log = record(&real(4), 4).unwrap();
     let force = log.channels.get_mut(&Channel::BearingForceZ).unwrap();
     let largest = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     force[400..700].fill(largest);
     force[1100..1400].fill(largest);
     let (after, findings) = found(&log);
-    let of = |f: &&Finding| f.channel == Channel::BearingForceZ.name();
-    let kinds: Vec<_> = findings.iter().filter(of).map(|f| f.kind).collect();
+    let is_own = |f: &&Finding| f.channel == Channel::BearingForceZ.name();
+    let kinds: Vec<_> = findings.iter().filter(is_own).map(|f| f.kind).collect();
     assert!(kinds.contains(&"saturated") && !kinds.contains(&"stuck"), "{findings:#?}");
     assert!(after.channels.contains_key(&Channel::BearingForceZ));
 }
@@ -298,7 +304,7 @@ fn outliers_are_left_out_with_their_count() {
 }
 
 #[test]
-fn times_in_disorder_and_missing_rows_are_mended() {
+fn times_out_of_order_and_missing_rows_are_corrected() {
     let clean = record(&real(8), 8).unwrap();
     let mut log = clean.clone();
     let repeat = |v: &mut Vec<f64>| v.insert(501, v[500]);
@@ -312,22 +318,22 @@ fn times_in_disorder_and_missing_rows_are_mended() {
         assert!(kinds.contains(&kind), "{kinds:?}");
     }
     assert_eq!(after.time_s.len(), clean.time_s.len() - 2);
-    assert_eq!(graves(&findings), []);
-    // Every row twice changes nothing.
+    assert_eq!(wrong_findings(&findings), []);
+    // Repeating every row changes nothing.
     let mut twice = clean.clone();
     let double = |v: &mut Vec<f64>| *v = v.iter().flat_map(|x| [*x, *x]).collect();
     double(&mut twice.time_s);
     twice.channels.values_mut().for_each(double);
     assert_eq!(found(&twice).0, found(&clean).0);
-    // Every time for three rows is no log.
+    // A log with three rows for every time is refused.
     let mut coarse = clean;
     coarse.time_s.iter_mut().for_each(|t| *t = (*t * 300.0).floor() / 300.0);
-    let refused = check(&Bench::open("bench-b").unwrap(), &[coarse], &[]).err().unwrap().to_string();
-    assert!(refused.contains("times that ascend strictly"), "{refused}");
+    let error = check(&Bench::open("bench-b").unwrap(), &[coarse], &[]).err().unwrap().to_string();
+    assert!(error.contains("times that ascend strictly"), "{error}");
 }
 
 #[test]
-fn gaps_jitter_and_steps_are_told() {
+fn gaps_and_coarse_readings_are_reported() {
     let mut log = record(&real(9), 9).unwrap();
     let mut keep = vec![true; log.time_s.len()];
     keep[600..640].fill(false);
@@ -336,11 +342,11 @@ fn gaps_jitter_and_steps_are_told() {
         *v = (*v / 2.5).round() * 2.5;
     }
     let (_, findings) = found(&log);
-    let of = |kind: &str| findings.iter().find(|f| f.kind == kind).unwrap();
-    assert!((of("gap").evidence["lost_s"] - 0.040).abs() < 1e-6);
-    assert!((of("quantised").evidence["step"] - 2.5).abs() < 1e-9);
-    assert!((of("sampling").evidence["rate_hz"] - 1000.0).abs() < 1e-3);
-    assert_eq!(graves(&findings), []);
+    let by_kind = |kind: &str| findings.iter().find(|f| f.kind == kind).unwrap();
+    assert!((by_kind("gap").evidence["lost_s"] - 0.040).abs() < 1e-6);
+    assert!((by_kind("quantised").evidence["step"] - 2.5).abs() < 1e-9);
+    assert!((by_kind("sampling").evidence["rate_hz"] - 1000.0).abs() < 1e-3);
+    assert_eq!(wrong_findings(&findings), []);
 }
 
 #[test]
@@ -357,19 +363,19 @@ fn faults_of_a_friction_rig_are_named_too() {
         let mut log = clean.clone();
         multiply(&mut log, channel, factor);
         let findings = check(&bench, &[log], &[]).unwrap().findings;
-        assert_eq!(graves(&findings), [(channel.name(), kind)], "{findings:#?}");
+        assert_eq!(wrong_findings(&findings), [(channel.name(), kind)], "{findings:#?}");
     }
 }
 
 #[test]
-fn a_mend_keeps_what_the_description_says_already() {
+fn a_correction_keeps_the_described_scale_and_offset() {
     let mut bench = Bench::open("bench-b").unwrap();
-    let columns: bench::log_format::Columns =
+    let columns: bench::log::Columns =
         toml::from_str("journal_y_m = { from = \"Y\", scale = 1e-3, offset = 2e-5 }").unwrap();
-    if let Bench::Transmission(b) = &mut bench {
-        b.columns = columns;
+    if let Some(b) = bench.transmission_mut() {
+        b.common.columns = columns;
     }
-    let text = mend::scaled(&bench, "journal_y_m", -1.0);
+    let text = column_mapping::scaled(&bench, "journal_y_m", -1.0);
     assert_eq!(text, "journal_y_m = { from = \"Y\", scale = -0.001, offset = -2e-5 }");
     let _: LogFormat = bench.log_format();
 }

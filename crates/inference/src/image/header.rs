@@ -1,10 +1,10 @@
-//! The header of a model image: which bearing, which training, which ranges.
+//! Header of a model image: bearing, training and ranges.
 //!
-//! All ranges are whole numbers in a unit small enough; the same in SI units as `f32` come from the methods.
+//! All ranges are integers in sufficiently small units; methods return them in SI units as `f32`.
 
 use super::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
-use crate::bearing::Bearing;
 use crate::error::ImageError;
+use contact::BearingMaterial;
 
 /// Closed interval of a physical quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,12 +16,12 @@ pub struct Range {
 }
 
 impl Range {
-    /// Whether a value lies inside.
+    /// Decides whether a value lies inside.
     pub fn contains(&self, value: f32) -> bool {
         value >= self.low && value <= self.high
     }
 
-    /// The nearest value inside.
+    /// Returns the nearest value inside.
     pub fn clamp(&self, value: f32) -> f32 {
         if value < self.low {
             self.low
@@ -33,15 +33,15 @@ impl Range {
     }
 }
 
-/// Everything an image says about itself apart from its layers.
+/// Everything that an image contains apart from its layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Header {
     /// Bearing the networks were trained for.
-    pub bearing: Bearing,
+    pub bearing: BearingMaterial,
     /// Identity of the training: CRC-64 of the float checkpoint.
     pub training_id: u64,
-    /// The collision network's output times the deformation (over its upper end) to the power of so many halves is
-    /// the square root of the normal force; 0, 1 or 2.
+    /// Exponent, in halves, of the normalised deformation that multiplies the collision output to
+    /// give the square root of the normal force; 0, 1 or 2.
     pub deformation_half_powers: u8,
     /// Lower end of the training range of the radial clearance in nm, above 0.
     pub clearance_low_nm: u32,
@@ -49,9 +49,9 @@ pub struct Header {
     pub clearance_high_nm: u32,
     /// Upper end of the training range of the deformation in pm; the lower is 0.
     pub deformation_high_pm: u32,
-    /// Ends of the training range of the rate over the approach speed, by magnitude, times 2^16.
+    /// Largest magnitude of the rate over the approach speed in the training range, times 2^16.
     pub rate_ratio_high_q16: u32,
-    /// Ends of the training range of the sliding speed in nm/s, by magnitude.
+    /// Largest magnitude of the sliding speed in the training range, nm/s.
     pub sliding_speed_high_nm_s: u32,
     /// Largest normal force of the training set in mN; the smallest is 0.
     pub normal_force_high_mn: u32,
@@ -59,15 +59,16 @@ pub struct Header {
     pub latch_floor_nm_s: u32,
     /// Scale of the friction network's third input in nm/s: the onset of sliding.
     pub slow_speed_nm_s: u32,
-    /// Scale of the friction network's fourth input in nm/s: the Stribeck range.
+    /// Scale of the friction network's fourth input in nm/s: the speed range of the Stribeck
+    /// effect.
     pub fast_speed_nm_s: u32,
 }
 
 /// Largest value of a field in nm, pm or nm/s: 2^30, so that sums of two stay in 32 bits.
-const LARGEST: u32 = 1 << 30;
+const MAX_FIELD: u32 = 1 << 30;
 
 impl Header {
-    /// Reads a header; the image is `length` bytes long.
+    /// Parses a header of an image of `length` bytes.
     pub(crate) fn parse(bytes: &[u8; HEADER_LENGTH], length: usize) -> Result<Self, ImageError> {
         let bytes: &[[u8; 4]; HEADER_LENGTH / 4] =
             bytes.as_chunks::<4>().0.try_into().map_err(|_| ImageError::TooShort)?;
@@ -91,7 +92,7 @@ impl Header {
         if usize::try_from(declared) != Ok(length) {
             return Err(ImageError::Length { found: length, expected: declared });
         }
-        let bearing = Bearing::from_code(bearing).ok_or(ImageError::Bearing { found: bearing })?;
+        let bearing = BearingMaterial::from_code(bearing).ok_or(ImageError::Bearing { found: bearing })?;
         let training_id =
             u64::from(u32::from_le_bytes(id_low)) | u64::from(u32::from_le_bytes(id_high)) << 32;
         let [low, high, deformation, ratio, sliding, force, floor, slow, fast, reserved] =
@@ -115,8 +116,9 @@ impl Header {
     }
 
     fn check(&self, reserved: u32) -> Result<(), ImageError> {
-        // Features divide by the largest rate inside the range: at the floor it is the floor times the ratio, in nm/s.
-        let least_floor = (1u32 << 16).div_ceil(self.rate_ratio_high_q16.max(1));
+        // Features divide by the largest rate inside the range. At the floor that rate is the floor
+        // times the ratio, in nm/s.
+        let min_floor = (1u32 << 16).div_ceil(self.rate_ratio_high_q16.max(1));
         let fields = [
             (
                 self.clearance_low_nm,
@@ -125,14 +127,14 @@ impl Header {
                 "radial clearance, lower end in nm",
             ),
             (self.clearance_high_nm, 2, 2_000_000, "radial clearance, upper end in nm"),
-            (self.deformation_high_pm, 1, LARGEST, "deformation in pm"),
+            (self.deformation_high_pm, 1, MAX_FIELD, "deformation in pm"),
             // 1/16 to 64 times the approach speed.
             (self.rate_ratio_high_q16, 1 << 12, 1 << 22, "rate ratio times 2^16"),
-            (self.sliding_speed_high_nm_s, 1, LARGEST, "sliding speed in nm/s"),
+            (self.sliding_speed_high_nm_s, 1, MAX_FIELD, "sliding speed in nm/s"),
             (self.normal_force_high_mn, 1, i32::MAX as u32, "normal force in mN"),
-            (self.latch_floor_nm_s, least_floor, LARGEST, "latch floor in nm/s"),
-            (self.slow_speed_nm_s, 1, LARGEST, "slow speed in nm/s"),
-            (self.fast_speed_nm_s, 1, LARGEST, "fast speed in nm/s"),
+            (self.latch_floor_nm_s, min_floor, MAX_FIELD, "latch floor in nm/s"),
+            (self.slow_speed_nm_s, 1, MAX_FIELD, "slow speed in nm/s"),
+            (self.fast_speed_nm_s, 1, MAX_FIELD, "fast speed in nm/s"),
             (u32::from(self.deformation_half_powers), 0, 2, "half powers"),
             (reserved, 0, 0, "reserved number"),
         ];
@@ -142,7 +144,7 @@ impl Header {
         }
     }
 
-    /// The header's bytes in an image of so many bytes.
+    /// Returns the header's bytes for an image of `length` bytes.
     pub(crate) fn to_bytes(self, length: u32) -> [u8; HEADER_LENGTH] {
         let [version_low, version_high] = FORMAT_VERSION.to_le_bytes();
         let mut words = [[0; 4]; HEADER_LENGTH / 4];

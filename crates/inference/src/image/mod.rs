@@ -1,9 +1,9 @@
-//! The model image: one blob of bytes that is checked once and then read in place.
+//! Model image: one blob of bytes that is checked once and then read in place.
 //!
-//! Little-endian, no pointers; any address divisible by 4. Everything in it is a whole number, so that loading and running it take
-//! no floating point.
+//! Little-endian, no pointers, any address divisible by 4. Every number in it is an integer, so
+//! that loading and running need no floating point.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 0..8 | magic |
 //! | 8..10 | format version |
@@ -18,13 +18,15 @@
 //!
 //! A layer is its [`LayerShape`] (12 bytes), then
 //!
-//! * a convolution: per output an i32 bias, the weights, an i32 multiplier (the real factor times 2^32);
-//! * a head: i32 multiplier and u32 shift of its scale (multiplier / 2^shift), one i32 bias per output, the weights.
+//! * a convolution: per output an i32 bias, the weights, an i32 multiplier (the real factor times
+//!   2^32);
+//! * a head: i32 multiplier and u32 shift of its scale (multiplier / 2^shift), one i32 bias per
+//!   output, the weights.
 //!
-//! The order is told in [`crate::storage`]; every group of weights takes four bytes.
+//! [`crate::storage`] defines the order; every group of weights takes four bytes.
 
 mod header;
-mod load;
+mod layers;
 mod name;
 mod proof;
 mod reader;
@@ -32,7 +34,7 @@ mod shape;
 pub mod write;
 
 pub use header::{Header, Range};
-pub use load::load;
+pub use layers::load_layers;
 pub use name::LayerName;
 pub use proof::{Unproven, prove};
 pub use reader::Reader;
@@ -46,13 +48,13 @@ pub const FORMAT_VERSION: u16 = 3;
 pub const HEADER_LENGTH: usize = 64;
 /// Bytes of a layer's shape.
 pub const SHAPE_LENGTH: usize = 12;
-/// Bytes of the check sum.
+/// Bytes of the checksum.
 pub const CRC_LENGTH: usize = 4;
 
 static CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
-/// CRC-32 (ISO-HDLC, as in zlib) of some bytes.
-pub fn check_sum(bytes: &[u8]) -> u32 {
+/// Returns the CRC-32 (ISO-HDLC, as in zlib) of some bytes.
+pub fn checksum(bytes: &[u8]) -> u32 {
     CRC.checksum(bytes)
 }
 

@@ -12,7 +12,7 @@ pub struct LayerName {
 }
 
 impl LayerName {
-    /// The layer behind this one.
+    /// Returns the name of the next layer.
     pub fn next(self) -> Self {
         Self { index: self.index.saturating_add(1), ..self }
     }

@@ -1,20 +1,21 @@
-//! The proof that no sum of a network can overflow, from its actual weights.
+//! Proof from the actual weights that no sum of a network can overflow.
 //!
-//! For every output: `|bias| + sum |weight| * 2^(input bits - 1)` must stay below 2^31. As a constant function it runs when an image
-//! is loaded, and for the shipped ones already when the crate is compiled.
+//! For every output, `|bias| + sum |weight| * 2^(input bits - 1)` must be below 2^31. The proof is
+//! a constant function: it runs when an image is loaded and, for the shipped images, already when
+//! the crate is compiled.
 //!
-//! The bound holds for the sum in any order and for every part of it, with inputs from the smallest value there is (-2^15, -2^7) on.
-//! Weights that fill up a group are counted, although no kernel multiplies them with anything but 0: an image may be refused for
-//! them, never accepted.
+//! The bound holds for every order of the additions and every partial sum, for all inputs from
+//! -2^15 or -2^7 on. Weights that pad a group count, although kernels multiply them by 0 only. So
+//! an image may be refused because of them, but never wrongly accepted.
 
 use super::SHAPE_LENGTH;
 use super::shape::{LayerKind, LayerShape, WeightForm};
 use crate::kernel::BLOCK;
 
-/// Why a network could not be proven.
+/// Reason why a network could not be proven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unproven {
-    /// The bytes are not layers from beginning to end.
+    /// The bytes are not a complete sequence of layers.
     Malformed {
         /// Position of the layer, counted over all networks.
         layer: u8,
@@ -35,22 +36,22 @@ pub enum Unproven {
     },
 }
 
-/// Shifts of a head's scale that the estimate's arithmetic can follow.
+/// Range of a head's shift for which the arithmetic of the estimate is valid.
 pub(crate) const SHIFT_RANGE: core::ops::RangeInclusive<u32> = 25..=78;
 
-/// Proves every layer in a sequence of them.
+/// Proves every layer of a sequence.
 pub const fn prove(networks: &[u8]) -> Result<(), Unproven> {
     let mut rest = networks;
     let mut layer = 0u8;
-    while let Some((shape, behind)) = rest.split_first_chunk::<SHAPE_LENGTH>() {
+    while let Some((shape, after)) = rest.split_first_chunk::<SHAPE_LENGTH>() {
         let Some(shape) = LayerShape::from_bytes(shape) else { return Err(Unproven::Malformed { layer }) };
-        let Some((body, behind)) = behind.split_at_checked(shape.length().wrapping_sub(SHAPE_LENGTH)) else {
+        let Some((body, after)) = after.split_at_checked(shape.length().wrapping_sub(SHAPE_LENGTH)) else {
             return Err(Unproven::Malformed { layer });
         };
         if let Err(error) = prove_layer(layer, &shape, body) {
             return Err(error);
         }
-        rest = behind;
+        rest = after;
         layer = layer.saturating_add(1);
     }
     if rest.is_empty() { Ok(()) } else { Err(Unproven::Malformed { layer }) }
@@ -112,18 +113,18 @@ const fn prove_layer(layer: u8, shape: &LayerShape, mut body: &[u8]) -> Result<(
     if body.is_empty() { Ok(()) } else { malformed }
 }
 
-/// The next four bytes.
+/// Reads the next four bytes.
 const fn word(bytes: &mut &[u8]) -> Option<[u8; 4]> {
     match bytes.split_first_chunk() {
-        Some((word, behind)) => {
-            *bytes = behind;
+        Some((word, after)) => {
+            *bytes = after;
             Some(*word)
         }
         None => None,
     }
 }
 
-/// Reads one of four; a lane past the end, which there is not, would read 0.
+/// Returns one of four sums; 0 for an invalid lane, which does not occur.
 const fn get(sums: &[i64; BLOCK], lane: usize) -> i64 {
     if lane < BLOCK { sums[lane] } else { 0 }
 }
@@ -134,7 +135,7 @@ const fn set(sums: &mut [i64; BLOCK], lane: usize, value: i64) {
     }
 }
 
-/// Sum of the magnitudes of a group of weights.
+/// Returns the sum of the magnitudes of a group of weights.
 const fn magnitude(form: WeightForm, [a, b, c, d]: [u8; 4]) -> i64 {
     match form {
         WeightForm::Packed => {

@@ -1,4 +1,4 @@
-//! A cursor over an image's bytes: every read is bounded and in place.
+//! Cursor over an image's bytes: every read is bounded and in place.
 
 use super::{LayerName, LayerShape, WeightForm};
 use crate::error::ImageError;
@@ -10,24 +10,24 @@ pub struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Reads `bytes`, which should lie at an address divisible by 4.
+    /// Creates a reader of `bytes`, which should be at an address divisible by 4.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes }
     }
 
-    /// Whether everything has been read.
+    /// Decides whether everything has been read.
     pub fn is_empty(&self) -> bool {
         self.rest.is_empty()
     }
 
-    /// The next `N` bytes.
+    /// Reads the next `N` bytes.
     pub(crate) fn chunk<const N: usize>(&mut self) -> Result<&'a [u8; N], ImageError> {
         let (chunk, rest) = self.rest.split_first_chunk().ok_or(ImageError::TooShort)?;
         self.rest = rest;
         Ok(chunk)
     }
 
-    /// The next `count` values.
+    /// Reads the next `count` values.
     pub(crate) fn slice<T: bytemuck::Pod>(&mut self, count: usize) -> Result<&'a [T], ImageError> {
         let length = count.checked_mul(size_of::<T>()).ok_or(ImageError::TooShort)?;
         let (bytes, rest) = self.rest.split_at_checked(length).ok_or(ImageError::TooShort)?;
@@ -38,12 +38,13 @@ impl<'a> Reader<'a> {
         bytemuck::try_cast_slice(bytes).map_err(|_| ImageError::Alignment)
     }
 
-    /// The next `N` values.
+    /// Reads the next `N` values.
     pub(crate) fn array<T: bytemuck::Pod, const N: usize>(&mut self) -> Result<&'a [T; N], ImageError> {
         self.slice(N)?.try_into().map_err(|_| ImageError::TooShort)
     }
 
-    /// The next layer's shape, which must be `expected` in some form of storage; gives the form.
+    /// Reads the next layer's shape, which must be `expected` in some storage form; returns the
+    /// form.
     pub(crate) fn shape(
         &mut self,
         layer: LayerName,
@@ -55,7 +56,7 @@ impl<'a> Reader<'a> {
         if found == Some(expected) { Ok(form) } else { Err(ImageError::Shape { layer, found, expected }) }
     }
 
-    /// The next four bytes.
+    /// Reads the next four bytes.
     pub(crate) fn u32(&mut self) -> Result<u32, ImageError> {
         self.chunk().copied().map(u32::from_le_bytes)
     }

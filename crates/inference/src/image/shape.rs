@@ -1,9 +1,9 @@
-//! The shape of a layer as an image declares it.
+//! Shape of a layer as an image declares it.
 
 use super::SHAPE_LENGTH;
 use core::fmt;
 
-/// What a layer does.
+/// Kind of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerKind {
     /// 1-D convolution with ReLU.
@@ -12,7 +12,7 @@ pub enum LayerKind {
     Head,
 }
 
-/// Form in which weights are stored, see [`crate::storage`].
+/// Storage form of weights, see [`crate::storage`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WeightForm {
     /// 8 bits each.
@@ -24,24 +24,24 @@ pub enum WeightForm {
 /// Shape of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LayerShape {
-    /// What the layer does.
+    /// Kind of the layer.
     pub kind: LayerKind,
-    /// Columns that one output looks at: the kernel's length.
+    /// Number of columns per output: the kernel's length.
     pub columns: u8,
-    /// Values of an input column.
+    /// Number of values in an input column.
     pub inputs: u16,
-    /// Outputs per position.
+    /// Number of outputs per position.
     pub outputs: u16,
     /// Width of the inputs in bits: 8 or 16.
     pub input_bits: u8,
     /// Width of the outputs in bits: 8 or 16; 32 for a head.
     pub output_bits: u8,
-    /// Form of the weights.
+    /// Storage form of the weights.
     pub form: WeightForm,
 }
 
 impl LayerShape {
-    /// The bytes of an image.
+    /// Returns the bytes in an image.
     pub const fn to_bytes(self) -> [u8; SHAPE_LENGTH] {
         let [inputs_low, inputs_high] = self.inputs.to_le_bytes();
         let [outputs_low, outputs_high] = self.outputs.to_le_bytes();
@@ -69,7 +69,7 @@ impl LayerShape {
         ]
     }
 
-    /// The shape in an image, if it is one.
+    /// Parses a shape, if the bytes are one.
     pub const fn from_bytes(bytes: &[u8; SHAPE_LENGTH]) -> Option<Self> {
         let [kind, columns, in_low, in_high, out_low, out_high, input_bits, output_bits, form, 0, 0, 0] =
             *bytes
@@ -94,12 +94,12 @@ impl LayerShape {
         Some(Self { kind, columns, inputs, outputs, input_bits, output_bits, form })
     }
 
-    /// Inputs of one output.
+    /// Number of inputs of one output.
     pub const fn taps(&self) -> usize {
         (self.columns as usize).wrapping_mul(self.inputs as usize)
     }
 
-    /// Weights in four bytes.
+    /// Number of weights in four bytes.
     pub const fn taps_per_group(&self) -> usize {
         match self.form {
             WeightForm::Packed => 4,
@@ -107,12 +107,12 @@ impl LayerShape {
         }
     }
 
-    /// Groups of weights of one output.
+    /// Number of groups of weights of one output.
     pub const fn groups(&self) -> usize {
         self.taps().div_ceil(self.taps_per_group())
     }
 
-    /// Bytes of a convolution's multipliers, of a head's scale.
+    /// Bytes of a convolution's multipliers or of a head's scale.
     const fn scale_length(&self) -> usize {
         match self.kind {
             LayerKind::Convolution => (self.outputs as usize).wrapping_mul(4),
@@ -136,7 +136,8 @@ impl fmt::Display for LayerShape {
         let Self { columns, inputs, outputs, input_bits, output_bits, .. } = self;
         write!(
             f,
-            "{kind} of {columns} columns, {inputs} inputs ({input_bits} bits), {outputs} outputs ({output_bits} bits)"
+            "{kind} of {columns} columns, {inputs} inputs ({input_bits} bits), \
+             {outputs} outputs ({output_bits} bits)"
         )
     }
 }

@@ -1,17 +1,17 @@
-//! Writing model images: the counterpart of [`crate::Model::load`], for the tool that quantises.
+//! Writing model images: the counterpart of [`crate::Model::load`], for the quantisation tool.
 //!
-//! Lives here so that the format has one home. The controller does not call it.
+//! It is here so that the format has one home. The controller does not call it.
 
-use super::{CRC_LENGTH, HEADER_LENGTH, Header, LayerShape, check_sum};
+use super::{CRC_LENGTH, HEADER_LENGTH, Header, LayerShape, checksum};
 use crate::head::Scale;
 use crate::image::{LayerKind, WeightForm};
 use crate::kernel::BLOCK;
 use crate::storage::{Packed8, Packed16, Storage, Wide};
 
-/// What a layer of some shape is filled with.
+/// Contents of a layer.
 #[derive(Clone, Copy, Debug)]
 pub struct LayerParts<'a> {
-    /// The shape.
+    /// Shape of the layer.
     pub shape: LayerShape,
     /// One bias per output, at the sum's scale.
     pub biases: &'a [i32],
@@ -23,12 +23,12 @@ pub struct LayerParts<'a> {
     pub weights: &'a [i16],
 }
 
-/// Why something could not be written.
+/// Reason why something could not be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteError {
-    /// The room is too small.
+    /// The output buffer is too small.
     NoRoom,
-    /// The parts do not have the lengths of the shape.
+    /// The lengths of the parts do not match the shape.
     Lengths,
 }
 
@@ -43,7 +43,7 @@ impl core::fmt::Display for WriteError {
 
 impl core::error::Error for WriteError {}
 
-/// Room being filled from its front.
+/// Output buffer that is filled from its front.
 struct Room<'a> {
     bytes: &'a mut [u8],
     used: usize,
@@ -65,7 +65,8 @@ impl Room<'_> {
         self.put(&word.to_le_bytes())
     }
 
-    /// Outputs, four at a time as long as there are so many; around the weights of each what there is of biases and multipliers.
+    /// Writes the outputs, in blocks of four while possible, each with its bias and multiplier if
+    /// it has them.
     fn outputs<S: Storage>(
         &mut self,
         [biases, multipliers]: [&[i32]; 2],
@@ -114,7 +115,7 @@ impl Room<'_> {
     }
 }
 
-/// Writes layers without header and check sum; gives their length in bytes.
+/// Writes layers without header and checksum; returns their length in bytes.
 pub fn layers(layers: &[LayerParts<'_>], out: &mut [u8]) -> Result<usize, WriteError> {
     let mut room = Room { bytes: out, used: 0 };
     for layer in layers {
@@ -123,13 +124,13 @@ pub fn layers(layers: &[LayerParts<'_>], out: &mut [u8]) -> Result<usize, WriteE
     Ok(room.used)
 }
 
-/// Length in bytes of an image with layers of these shapes.
+/// Returns the length in bytes of an image with layers of these shapes.
 pub fn image_length<'s>(shapes: impl IntoIterator<Item = &'s LayerShape>) -> usize {
     HEADER_LENGTH + shapes.into_iter().map(LayerShape::length).sum::<usize>() + CRC_LENGTH
 }
 
-/// Writes a whole image, the layers of the collision network before those of the friction network, and gives its length in
-/// bytes. Nothing is proven here: load the image afterwards.
+/// Writes a complete image, the layers of the collision network before those of the friction
+/// network; returns its length in bytes. Nothing is proven here: load the image afterwards.
 pub fn image(header: &Header, parts: &[LayerParts<'_>], out: &mut [u8]) -> Result<usize, WriteError> {
     let (head, rest) = out.split_first_chunk_mut::<HEADER_LENGTH>().ok_or(WriteError::NoRoom)?;
     let length = HEADER_LENGTH + layers(parts, rest)? + CRC_LENGTH;
@@ -138,9 +139,9 @@ pub fn image(header: &Header, parts: &[LayerParts<'_>], out: &mut [u8]) -> Resul
     Ok(length)
 }
 
-/// Puts the check sum of everything before it at the end of an image.
+/// Writes the checksum of everything before it at the end of an image.
 pub fn seal(image: &mut [u8]) {
     if let Some((body, sum)) = image.split_last_chunk_mut::<CRC_LENGTH>() {
-        *sum = check_sum(body).to_le_bytes();
+        *sum = checksum(body).to_le_bytes();
     }
 }

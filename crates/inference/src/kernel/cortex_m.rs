@@ -1,29 +1,36 @@
-//! The kernels with the DSP instructions of Cortex-M4, M7, M33 and M55: with `layer`, which does all blocks of a layer at once, and `difference`, which
-//! compares the two copies of a column, the only unsafe code of this crate.
+//! Kernels with the DSP instructions of Cortex-M4, M7, M33 and M55.
 //!
-//! SMLAD adds two products of 16-bit halves to a sum. A pair of taps at two positions and four outputs takes 12
-//! instructions for its 16 products: eight SMLAD, two loads of activations, two LDM of two weights each. Sums, weights and
-//! activations fill all fourteen registers, so the end of the loop waits on the stack. Packed weights are widened by
-//! SXTB16, which takes one instruction for two of them.
+//! Together with its submodules this is the only unsafe code of the crate: `layer` computes all
+//! blocks of a layer at once, `difference` compares the two copies of a column.
 //!
-//! Shapes are constants of the functions: four groups of taps a turn, the rest unrolled behind the loop, and no branch that
-//! depends on data. The count of instructions is that of the shape; only where a column takes no whole number of words (odd `IN` of 16 bits)
-//! does a head's also depend on the address of the columns.
+//! SMLAD adds two products of 16-bit halves to a sum. A pair of taps at two positions and four
+//! outputs takes 12 instructions for its 16 products: eight SMLAD, two loads of activations, two
+//! LDM of two weights each. Sums, weights and activations use all fourteen registers, so the end of
+//! the loop is on the stack. SXTB16 widens two packed weights per instruction.
+//!
+//! Shapes are constants of the functions. Four groups of taps are computed per turn, the remaining
+//! ones are unrolled after the loop, and no branch depends on data. The number of instructions
+//! depends on the shape only. One exception: if a column is no integer number of words (odd `IN` of
+//! 16 bits), that of a head also depends on the address of the columns.
 //!
 //! # Safety argument
 //!
-//! The functions read `K` (or, at two positions, `K + 1`) columns and `groups` groups of weights and write the sums; the
-//! safe wrappers check both lengths and do nothing if they are not met. An odd tap at the end is loaded alone, so no
-//! load leaves the columns; beside it stands 0, so the weights that fill a group up count for nothing, whatever they are. Weights are
-//! loaded by LDM and LDRD, which need addresses divisible by 4, and are words. Activations are loaded by LDR, LDRH and LDRB, which
-//! take any address of normal memory (all RAM and flash, unless an MPU region says otherwise) while CCR.UNALIGN_TRP is clear, as it
-//! is after a reset: with it set, or in device memory, an odd column would be a usage fault, not a wrong sum. The one LDM of
-//! activations is behind a test of their address. The sums are i32, hence aligned.
+//! The functions read `K` (or, at two positions, `K + 1`) columns and `groups` groups of weights
+//! and write the sums. The safe wrappers check both lengths and do nothing if they are wrong. An
+//! odd tap at the end is loaded alone, so no load exceeds the columns. The other half is 0, so the
+//! weights that pad a group have no effect.
 //!
-//! The functions follow the procedure call standard: those that use them save r4 to r11 and lr, r12 and the flags are theirs
-//! (SMLAD may set Q, which nobody reads); 48, 40 and 32 bytes of stack keep it aligned to 8, and nothing is kept below the stack
-//! pointer, where an interrupt writes. They touch no other memory. Constants fit their instructions, or the shape does not
-//! compile: MOVW holds 65535, an offset of LDR 4095.
+//! LDM and LDRD load the weights; they need addresses divisible by 4, and weights are words. LDR,
+//! LDRH and LDRB load the activations. They accept any address of normal memory (all RAM and flash,
+//! unless an MPU region forbids it) while CCR.UNALIGN_TRP is clear, as it is after a reset. With it
+//! set, or in device memory, an odd column causes a usage fault, not a wrong sum. The one LDM of
+//! activations follows a test of their address. The sums are i32, hence aligned.
+//!
+//! The functions follow the procedure call standard. They save r4 to r11 and lr if they use them;
+//! r12 and the flags are free to use (SMLAD may set Q, which no code reads). They use 48, 40 and 32
+//! bytes of stack, which keeps it aligned to 8. Nothing is stored below the stack pointer, where an
+//! interrupt writes. They access no other memory. A shape whose constants do not fit their
+//! instructions does not compile: MOVW holds 65535, an offset of LDR 4095.
 #![allow(unsafe_code)]
 
 mod difference;
@@ -31,12 +38,12 @@ mod layer;
 
 pub(crate) use difference::difference;
 
-use super::{BLOCK, Done, Engine, Kernel, Quad};
+use super::{BLOCK, Engine, Kernel, LayerOutcome, Quad};
 use crate::activation::Activation;
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
 use core::arch::{asm, naked_asm};
 
-/// The engine of Cortex-M cores with the DSP instructions.
+/// Engine of Cortex-M cores with the DSP instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct CortexM;
 
@@ -56,11 +63,13 @@ impl Engine for CortexM {
 /// See [`super::read_anew`].
 #[inline]
 pub(super) fn read_anew<T>(value: &mut T) {
-    // SAFETY: no instruction; all that the compiler is told is that what may be written through the pointer may have been.
+    // SAFETY: no instruction is emitted; the compiler only has to assume that everything that may
+    // be written through the pointer has been written.
     unsafe { asm!("// {}", in(reg) core::ptr::from_mut(value), options(nostack, preserves_flags)) }
 }
 
-/// Multiplies a pair of weights for outputs 0 and 1 (in r11, r12) with activations r0 (first position) and lr (second).
+/// Multiplies a pair of weights for outputs 0 and 1 (in r11, r12) by activations r0 (first
+/// position) and lr (second).
 macro_rules! four_low {
     () => {
         "smlad r3, r11, r0, r3\n smlad r4, r12, r0, r4\n smlad r7, r11, lr, r7\n smlad r8, r12, lr, r8\n"
@@ -72,7 +81,7 @@ macro_rules! four_high {
         "smlad r5, r11, r0, r5\n smlad r6, r12, r0, r6\n smlad r9, r11, lr, r9\n smlad r10, r12, lr, r10\n"
     };
 }
-/// Two pairs of weights a time, as they are stored, with the activations in r0 and lr.
+/// Multiplies two pairs of weights at a time, as they are stored, by the activations in r0 and lr.
 macro_rules! wide_quad {
     () => {
         concat!("ldm r1!, {{r11, r12}}\n", four_low!(), "ldm r1!, {{r11, r12}}\n", four_high!())
@@ -89,7 +98,7 @@ macro_rules! even_quad {
         )
     };
 }
-/// Bytes 1 and 3 of each of four words of weights, and on to the next four.
+/// Bytes 1 and 3 of each of four words of weights; advances to the next four.
 macro_rules! odd_quad {
     () => {
         concat!(
@@ -101,8 +110,9 @@ macro_rules! odd_quad {
     };
 }
 
-/// Four outputs, two positions: `r0` sums, `r1` weights, `r2` columns; `$full` multiplies one whole group, `$rest` the last,
-/// partial one. `{step}` is the distance of the positions, `{turns}` and `{left}` the whole groups in and behind the loop.
+/// Four outputs, two positions: `r0` sums, `r1` weights, `r2` columns; `$full` multiplies one
+/// complete group, `$rest` the last, partial one. `{step}` is the distance of the positions,
+/// `{turns}` and `{left}` count the complete groups in and after the loop.
 macro_rules! pair {
     ($full:expr, $rest:expr) => {
         concat!(
@@ -138,7 +148,7 @@ macro_rules! block {
     };
 }
 
-/// One output, one position: sum in `r0`. `$four` multiplies four whole groups, `$full` one.
+/// One output, one position: sum in `r0`. `$four` multiplies four complete groups, `$full` one.
 macro_rules! row {
     ($four:expr, $full:expr, $rest:expr) => {
         concat!(
@@ -155,16 +165,20 @@ macro_rules! row {
     };
 }
 
-/// Turns of four groups, one behind the other.
+/// Four groups, one after the other.
 macro_rules! four_times {
     ($full:expr) => {
         concat!("2:\n .rept 4\n", $full, ".endr\n cmp r1, r3\n bne 2b\n")
     };
 }
 
-/// Defines the three functions of one form of storage and wraps them.
+/// Defines the three functions of one storage form and their wrappers.
 macro_rules! kernel {
-    ($storage:ty, $taps:literal, $bytes:literal, $pair:ident: $pair_text:expr, $block:ident: $block_text:expr, $row:ident: $row_text:expr $(, $($more:tt)*)?) => {
+    (
+        $storage:ty, $taps:literal, $bytes:literal,
+        $pair:ident: $pair_text:expr, $block:ident: $block_text:expr, $row:ident: $row_text:expr
+        $(, $($more:tt)*)?
+    ) => {
         #[unsafe(naked)]
         unsafe extern "C" fn $pair<const IN: usize, const K: usize>(
             sums: *mut i32,
@@ -217,7 +231,7 @@ macro_rules! kernel {
             ) {
                 const { assert!(IN * $bytes + 16 <= 4095 && K * IN / $taps / 4 * 64 <= 65535) };
                 if weights.len() == groups::<$storage>(K * IN) && columns.len() == K + 1 {
-                    // SAFETY: the lengths are those of the argument above.
+                    // SAFETY: the lengths match the module's safety argument.
                     unsafe {
                         $pair::<IN, K>(
                             sums.as_mut_ptr().cast(),
@@ -268,17 +282,20 @@ kernel!(Wide, 2, 2,
         concat!(".if {rest}\n ldrh lr, [r2, #{step}]\n ldrh r0, [r2]\n", wide_quad!(), ".endif\n")
     ),
     wide_block: block!(
-        "ldr r0, [r2], #4\n ldm r1!, {{r7-r10}}\n smlad r3, r7, r0, r3\n smlad r4, r8, r0, r4\n smlad r5, r9, r0, r5\n smlad r6, r10, r0, r6\n",
-        ".if {rest}\n ldrh r0, [r2]\n ldm r1!, {{r7-r10}}\n smlad r3, r7, r0, r3\n smlad r4, r8, r0, r4\n smlad r5, r9, r0, r5\n smlad r6, r10, r0, r6\n .endif\n"
+        "ldr r0, [r2], #4\n ldm r1!, {{r7-r10}}\n smlad r3, r7, r0, r3\n smlad r4, r8, r0, r4\n \
+         smlad r5, r9, r0, r5\n smlad r6, r10, r0, r6\n",
+        ".if {rest}\n ldrh r0, [r2]\n ldm r1!, {{r7-r10}}\n smlad r3, r7, r0, r3\n smlad r4, r8, r0, r4\n \
+         smlad r5, r9, r0, r5\n smlad r6, r10, r0, r6\n .endif\n"
     ),
     wide_row: row!(
-        // Activations at an address divisible by 4 come four words at once.
+        // Activations at an address divisible by 4 are loaded four words at once.
         concat!(
             "tst r2, #3\n bne 3f\n",
             "2:\n ldm r1!, {{r4-r7}}\n ldm r2!, {{r8-r10, r12}}\n",
             "smlad r0, r4, r8, r0\n smlad r0, r5, r9, r0\n smlad r0, r6, r10, r0\n smlad r0, r7, r12, r0\n",
             "cmp r1, r3\n bne 2b\n b 4f\n",
-            "3:\n ldm r1!, {{r4-r7}}\n ldr r8, [r2], #4\n ldr r9, [r2], #4\n ldr r10, [r2], #4\n ldr r12, [r2], #4\n",
+            "3:\n ldm r1!, {{r4-r7}}\n ldr r8, [r2], #4\n ldr r9, [r2], #4\n ldr r10, [r2], #4\n",
+            "ldr r12, [r2], #4\n",
             "smlad r0, r4, r8, r0\n smlad r0, r5, r9, r0\n smlad r0, r6, r10, r0\n smlad r0, r7, r12, r0\n",
             "cmp r1, r3\n bne 3b\n",
             "4:\n"
@@ -289,20 +306,23 @@ kernel!(Wide, 2, 2,
     #[inline]
     fn blocks<B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         blocks: &[Quad],
-        first: usize,
         columns: &[[i16; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> Done {
-        let wide = if B::BITS == 16 { bytemuck::try_cast_slice_mut(outputs.as_flattened_mut()).ok() } else { None };
-        let own = wide.and_then(|outputs| outputs.get_mut(first.wrapping_mul(BLOCK)..));
-        match own.and_then(|outputs| layer::run::<IN, OUT, K, N>(blocks, columns, outputs)) {
-            Some(done) => done,
-            None => super::blockwise::<Self, Wide, B, IN, OUT, K, N>(blocks, first, columns, outputs),
+    ) -> LayerOutcome {
+        let wide = if B::BITS == 16 {
+            bytemuck::try_cast_slice_mut(outputs.as_flattened_mut()).ok()
+        } else {
+            None
+        };
+        match wide.and_then(|outputs| layer::run::<IN, OUT, K, N>(blocks, columns, outputs)) {
+            Some(outcome) => outcome,
+            None => super::blockwise::<Self, Wide, B, IN, OUT, K, N>(blocks, columns, outputs),
         }
     }
 );
 
-/// Two pairs of weights of four outputs out of packed ones (r7 to r10), with activations in r0 and r12.
+/// Multiplies two pairs of weights of four outputs, unpacked from r7 to r10, by the activations in
+/// r0 and r12.
 macro_rules! packed_block {
     () => {
         concat!(
@@ -314,10 +334,11 @@ macro_rules! packed_block {
         )
     };
 }
-/// The same of one output, with activations in r12 and lr.
+/// Multiplies the weights of one output by the activations in r12 and lr.
 macro_rules! packed_row {
     () => {
-        "ldr r4, [r1], #4\n sxtb16 r5, r4\n smlad r0, r5, r12, r0\n sxtb16 r4, r4, ror #8\n smlad r0, r4, lr, r0\n"
+        "ldr r4, [r1], #4\n sxtb16 r5, r4\n smlad r0, r5, r12, r0\n sxtb16 r4, r4, ror #8\n \
+         smlad r0, r4, lr, r0\n"
     };
 }
 
@@ -354,7 +375,8 @@ kernel!(Packed16, 4, 2,
     )
 );
 
-/// Loads what is left of a group of bytes at `[r2, #offset]` into a register; `$spare` is overwritten.
+/// Loads the remaining bytes of a group at `[r2, #offset]` into a register; `$spare` is
+/// overwritten.
 macro_rules! bytes_left {
     ($register:literal, $spare:literal, $offset:literal) => {
         concat!(
@@ -388,7 +410,8 @@ kernel!(Packed8, 4, 1,
     packed8_pair: pair!(
         concat!(
             "ldr lr, [r2, #{step}]\n ldr r0, [r2]\n sxtb16 lr, lr\n sxtb16 r0, r0\n", even_quad!(),
-            "ldr lr, [r2, #{step}]\n ldr r0, [r2], #4\n sxtb16 lr, lr, ror #8\n sxtb16 r0, r0, ror #8\n", odd_quad!()
+            "ldr lr, [r2, #{step}]\n ldr r0, [r2], #4\n sxtb16 lr, lr, ror #8\n sxtb16 r0, r0, ror #8\n",
+            odd_quad!()
         ),
         concat!(
             ".if {rest}\n",

@@ -1,11 +1,13 @@
-//! Dot products: the only place where multiplications are counted.
+//! Dot products: nearly all multiplications of a network are here.
 //!
-//! Channels-last columns are contiguous, so the taps of an output are one slice of memory and a convolution is nothing but
-//! dot products. Three shapes do all of it: four outputs at two neighbouring positions, four outputs at one position,
-//! one output at one position.
+//! Channels-last columns are contiguous, so the taps of an output are one slice of memory and a
+//! convolution is a set of dot products. Three shapes cover everything: four outputs at two
+//! neighbouring positions, four outputs at one position, and one output at one position.
 //!
-//! [`Portable`] is safe Rust and the oracle; `Simd` runs on hosts and `CortexM` on cores with the DSP instructions. Whole numbers of 32 bits add up to the same sum in any order, and the loader has proven
-//! that none overflows ([`crate::image::prove`]): so all of them give the same bits, which tests show on every one of them.
+//! [`Portable`] is safe Rust and the reference; `Simd` runs on hosts, `CortexM` on cores with the
+//! DSP instructions. Sums of 32-bit integers do not depend on the order, and the loader has proven
+//! that none overflows ([`crate::image::prove`]). So all engines give the same bits, which tests
+//! show for each of them.
 
 use crate::activation::Activation;
 use crate::storage::{Packed8, Packed16, Storage, Wide, scaled_groups};
@@ -19,28 +21,28 @@ pub mod simd;
 
 pub use portable::Portable;
 
-/// Outputs computed together.
+/// Number of outputs computed together.
 pub const BLOCK: usize = 4;
 
 /// Weights of four outputs in one group of taps.
 pub type Quad = [u32; BLOCK];
 
-/// What a layer's outputs tell beside themselves.
+/// Result of computing a layer's outputs, apart from the outputs.
 #[must_use]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Done {
-    /// Activations clipped at full scale.
+pub struct LayerOutcome {
+    /// Number of activations clipped at full scale.
     pub clipped: u32,
-    /// Not 0 where the way through the layer's numbers did not end where they end: the outputs are not to be trusted.
-    pub astray: u32,
+    /// Non-zero if the weight pointer did not end at the end of the layer: the outputs are wrong.
+    pub corruption: u32,
 }
 
-/// Dot products with weights of one form of storage.
+/// Dot products with weights of one storage form.
 ///
-/// `weights` are [`crate::storage::groups`]`(K * IN)` groups; with fewer, the sums are not what they should be, but nothing
-/// else happens.
+/// `weights` are [`crate::storage::groups`]`(K * IN)` groups; with fewer groups the sums are wrong,
+/// but no memory is violated.
 pub trait Kernel<S: Storage> {
-    /// Adds four outputs at each of two neighbouring positions; `columns` are `K + 1`.
+    /// Adds four outputs at each of two neighbouring positions; `columns` has `K + 1` columns.
     fn pair<const IN: usize, const K: usize>(
         weights: &[Quad],
         columns: &[[S::Activation; IN]],
@@ -61,23 +63,23 @@ pub trait Kernel<S: Storage> {
         sum: i32,
     ) -> i32;
 
-    /// The outputs of some blocks at one position, scaled, clipped and stored, the `first` of them and on, in the first of some columns and, unless `N`
-    /// is 0, in the one `N` behind it. Each block is [`scaled_groups`]`(K * IN)` long.
+    /// Computes the outputs of some blocks at one position: scales, clips and stores them in the
+    /// first of the columns in `outputs` and, unless `N` is 0, also in the column `N` places after
+    /// it. Each block is [`scaled_groups`]`(K * IN)` long.
     #[inline]
     fn blocks<B: Activation, const IN: usize, const OUT: usize, const K: usize, const N: usize>(
         blocks: &[Quad],
-        first: usize,
         columns: &[[S::Activation; IN]; K],
         outputs: &mut [[B; OUT]],
-    ) -> Done
+    ) -> LayerOutcome
     where
         Self: Engine + Sized,
     {
-        blockwise::<Self, S, B, IN, OUT, K, N>(blocks, first, columns, outputs)
+        blockwise::<Self, S, B, IN, OUT, K, N>(blocks, columns, outputs)
     }
 }
 
-/// [`Kernel::blocks`] one block after the other.
+/// [`Kernel::blocks`], one block after the other.
 #[inline]
 fn blockwise<
     E: Engine + Kernel<S>,
@@ -89,47 +91,44 @@ fn blockwise<
     const N: usize,
 >(
     blocks: &[Quad],
-    first: usize,
     columns: &[[S::Activation; IN]; K],
     outputs: &mut [[B; OUT]],
-) -> Done {
+) -> LayerOutcome {
     let mut clipped = 0u32;
     let (own, _) = outputs.first_mut().map(|column| column.as_chunks_mut::<BLOCK>()).unwrap_or_default();
-    let own = own.get_mut(first..).unwrap_or_default();
     let blocks = blocks.chunks_exact(scaled_groups::<S>(K * IN));
-    let start = first.wrapping_mul(BLOCK);
-    let end = start.wrapping_add(blocks.len().wrapping_mul(BLOCK));
+    let count = blocks.len().wrapping_mul(BLOCK);
     for (block, outputs) in blocks.zip(own) {
         let Some((mut sums, weights, multipliers)) = scaling(block) else { break };
         <E as Kernel<S>>::block::<IN, K>(weights, columns, &mut sums);
         clipped = clipped.wrapping_add(finish::<E, B>(&sums, &multipliers, outputs));
     }
-    copy::<B, OUT, N>(outputs, start..end);
-    Done { clipped, astray: 0 }
+    copy::<B, OUT, N>(outputs, 0..count);
+    LayerOutcome { clipped, corruption: 0 }
 }
 
-/// A block's biases, weights and multipliers.
+/// Splits a block into biases, weights and multipliers.
 #[inline]
 pub(crate) fn scaling(block: &[Quad]) -> Option<([i32; BLOCK], &[Quad], [i32; BLOCK])> {
     let [biases, weights @ .., multipliers] = block else { return None };
     Some((biases.map(u32::cast_signed), weights, multipliers.map(u32::cast_signed)))
 }
 
-/// Copies some outputs of the first column to the one `N` behind it, unless that is itself.
+/// Copies some outputs of the first column to the column `N` places after it; nothing if `N` is 0.
 #[inline]
 pub(crate) fn copy<B: Copy, const OUT: usize, const N: usize>(
     columns: &mut [[B; OUT]],
     outputs: Range<usize>,
 ) {
-    if let Some((first, behind)) = columns.split_first_mut()
-        && let Some(second) = behind.get_mut(N.wrapping_sub(1))
+    if let Some((first, others)) = columns.split_first_mut()
+        && let Some(second) = others.get_mut(N.wrapping_sub(1))
         && let (Some(second), Some(first)) = (second.get_mut(outputs.clone()), first.get(outputs))
     {
         second.copy_from_slice(first);
     }
 }
 
-/// Scales and stores sums; gives how many were clipped at full scale.
+/// Scales and stores sums; returns the number clipped at full scale.
 #[inline]
 pub(crate) fn finish<E: Engine, B: Activation>(sums: &[i32], multipliers: &[i32], outputs: &mut [B]) -> u32 {
     let mut clipped = 0u32;
@@ -141,9 +140,9 @@ pub(crate) fn finish<E: Engine, B: Activation>(sums: &[i32], multipliers: &[i32]
     clipped
 }
 
-/// Kernels for every form of storage, and the step to the next layer's scale.
+/// Kernels for every storage form, and the conversion to the next layer's scale.
 pub trait Engine: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8> {
-    /// A sum times `multiplier / 2^32`, rounded to nearest, halves up.
+    /// Returns a sum times `multiplier / 2^32`, rounded to nearest, halves up.
     #[inline]
     fn requantise(sum: i32, multiplier: i32) -> i32 {
         let product = i64::from(sum).wrapping_mul(i64::from(multiplier));
@@ -151,17 +150,18 @@ pub trait Engine: Kernel<Wide> + Kernel<Packed16> + Kernel<Packed8> {
     }
 }
 
-/// Has the compiler put a value into memory, and read it from there from here on: what it holds in registers meanwhile does not count.
+/// Forces the compiler to store a value in memory and to read it from there afterwards, in place of
+/// copies in registers.
 #[inline]
 pub fn read_anew<T>(value: &mut T) {
     #[cfg(pintle_dsp)]
     cortex_m::read_anew(value);
-    // The same, by a pointer that is itself put into memory.
+    // The same effect through a pointer that is itself stored in memory.
     #[cfg(not(pintle_dsp))]
     core::hint::black_box(value);
 }
 
-/// Not 0 where two columns of words differ.
+/// Returns non-zero if two columns of words differ.
 #[inline]
 pub(crate) fn difference(first: &[u32], second: &[u32]) -> u32 {
     #[cfg(pintle_dsp)]
@@ -174,7 +174,7 @@ pub(crate) fn difference(first: &[u32], second: &[u32]) -> u32 {
     first.iter().zip(second).fold(0, |found, (first, second)| found | (first ^ second))
 }
 
-/// The same where a column has exactly so many times four words.
+/// Compares columns of exactly four times `QUADS` words.
 #[cfg(pintle_dsp)]
 #[inline]
 fn quads_difference<const QUADS: usize>(first: &[u32], second: &[u32]) -> Option<u32> {

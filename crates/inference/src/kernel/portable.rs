@@ -1,4 +1,4 @@
-//! The kernels in safe Rust for any target: the oracle of the others.
+//! Kernels in safe Rust for any target: the reference for the others.
 
 use super::{BLOCK, Engine, Kernel, Quad};
 use crate::activation::Activation;

@@ -1,13 +1,14 @@
-//! The kernels with the host's 128-bit registers.
+//! Kernels with the host's 128-bit registers.
 //!
-//! Memory holds four outputs' pairs of weights side by side: what a multiply-add of pairs (`pmaddwd` of SSE2, the like on NEON)
-//! wants, eight products an instruction for one position. The crate `wide` has it for every host behind safe functions.
+//! Memory holds four outputs' pairs of weights side by side, as a multiply-add of pairs needs them
+//! (`pmaddwd` of SSE2 or its NEON equivalent): eight products per instruction at one position. The
+//! crate `wide` offers it on every host through safe functions.
 
 use super::{BLOCK, Engine, Kernel, Portable, Quad};
 use crate::storage::{Packed8, Packed16, Storage, Wide};
 use wide::{i16x8, i32x4};
 
-/// The engine of hosts.
+/// Engine of hosts.
 #[derive(Clone, Copy, Debug)]
 pub struct Simd;
 
@@ -21,19 +22,19 @@ trait Multiply: Storage {
     fn multiply(quad: Quad, inputs: Self::Inputs) -> i32x4;
 }
 
-/// Two activations in every lane of 32 bits.
+/// Returns two activations repeated in every lane of 32 bits.
 #[inline]
 fn both(first: i16, second: i16) -> i16x8 {
     bytemuck::cast([[first, second]; BLOCK])
 }
 
-/// Bytes 0 and 2 of every lane, widened.
+/// Returns bytes 0 and 2 of every lane, widened.
 #[inline]
 fn even(bytes: i16x8) -> i16x8 {
     (bytes << 8) >> 8
 }
 
-/// Bytes 1 and 3 of every lane, widened.
+/// Returns bytes 1 and 3 of every lane, widened.
 #[inline]
 fn odd(bytes: i16x8) -> i16x8 {
     bytes >> 8
@@ -128,7 +129,7 @@ impl<S: Multiply> Kernel<S> for Simd {
         columns: &[[S::Activation; IN]; K],
         sum: i32,
     ) -> i32 {
-        // The compiler makes multiply-adds of the plain loop over one output.
+        // The compiler vectorises the plain loop over one output.
         <Portable as Kernel<S>>::row(weights, columns, sum)
     }
 }

@@ -1,4 +1,4 @@
-//! Every way to run a network against the plain second implementation, on random networks and inputs.
+//! Every mode compared with a plain second implementation, on random networks and inputs.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
 mod plain;
@@ -7,17 +7,17 @@ use inference::activation::Activation;
 use inference::chain::{Chain, Sums, Then};
 use inference::image::{LayerShape, WeightForm};
 use inference::kernel::{Engine, Native, Portable};
-use inference::{Causal, Convolution, Head, Interleaved, Pad, Padding, Same, Streaming, Valid, Windowed};
+use inference::{Causal, Convolution, Head, Pad, Padding, Same, Streaming, Valid, Windowed};
 use plain::{Noise, Plain, plain};
 use proptest::prelude::*;
 
 const POSITIONS: usize = if cfg!(miri) { 9 } else { 40 };
 const P: usize = 12;
 
-/// Two convolutions and a head with shapes that leave rests everywhere.
+/// Two convolutions and a head whose shapes leave partial blocks and groups everywhere.
 type Odd<'a, A> =
     Then<Convolution<'a, i16, A, 3, 6, 5>, Then<Convolution<'a, A, A, 6, 7, 2>, Head<'a, A, 7, 4, 2>>>;
-/// The family of the shipped networks.
+/// Family of the shipped networks.
 type Family<'a, A> = inference::Network<'a, A, 8>;
 
 fn odd<A: Activation>(form: WeightForm) -> Vec<LayerShape> {
@@ -36,14 +36,14 @@ fn family<A: Activation>(form: WeightForm) -> Vec<LayerShape> {
 }
 
 fn read<'a, N: Chain<'a, i16, IN>, const IN: usize>(words: &'a [u32]) -> N {
-    inference::image::load(bytemuck::cast_slice(words), "test").expect("network")
+    inference::image::load_layers(bytemuck::cast_slice(words), "test").expect("network")
 }
 
 fn wide<const OUT: usize>(sums: Sums<OUT>) -> Vec<i64> {
     sums.0.map(i64::from).to_vec()
 }
 
-/// Streaming and interleaved, at every position; gives how many activations were clipped.
+/// Checks the stream at every position; returns the number of clipped activations.
 fn streams<'a, N, E, const IN: usize, const OUT: usize>(
     words: &'a [u32],
     network: &Plain,
@@ -58,9 +58,6 @@ where
     let chain: N = read(words);
     let causal = network.stream(&plain(&columns));
     let mut stream = Streaming::<N, i16, IN, E>::new(chain);
-    let mut pieces = Interleaved::<N, i16, IN, 3, E>::new(chain);
-    let mut more_pieces = Interleaved::<N, i16, IN, 64, E>::new(chain);
-    prop_assert!(pieces.tick().is_none(), "nothing has begun");
     let mut clipped = 0;
     for (position, column) in columns.iter().enumerate() {
         let (sums, count) = stream.push(column);
@@ -75,18 +72,11 @@ where
                 position
             );
         }
-        prop_assert!(pieces.begin(column) && more_pieces.begin(column));
-        prop_assert!(!pieces.begin(column), "the work of a column is not done");
-        let results: Vec<_> = (0..3).filter_map(|_| pieces.tick()).collect();
-        prop_assert_eq!(results, vec![(sums, count)], "3 pieces, position {}", position);
-        let results: Vec<_> = (0..64).filter_map(|_| more_pieces.tick()).collect();
-        prop_assert_eq!(results, vec![(sums, count)], "64 pieces, position {}", position);
-        prop_assert!(pieces.tick().is_none(), "all is done");
     }
     Ok(clipped)
 }
 
-/// A window, evaluated and moved, at every position.
+/// Checks a window, evaluated and moved, at every position.
 fn windows<'a, N, D, E, const IN: usize, const OUT: usize>(
     words: &'a [u32],
     network: &Plain,
@@ -115,7 +105,7 @@ where
     Ok(())
 }
 
-/// Whole windows and moves in any order, in the smallest window that the head allows.
+/// Checks complete windows and moves in any order, in the smallest window that the head allows.
 fn windows_of<'a, N, D, const IN: usize, const OUT: usize, const SIZE: usize>(
     words: &'a [u32],
     network: &Plain,
@@ -186,7 +176,7 @@ proptest! {
 
     #[test]
     #[cfg_attr(miri, ignore = "takes minutes there, and the streams run the same code")]
-    fn moves_follow_whole_windows_in_the_smallest_windows(seed in any::<u64>(), form in forms()) {
+    fn moves_agree_with_complete_windows_in_the_smallest_windows(seed in any::<u64>(), form in forms()) {
         let network = Plain::random(&odd::<i16>(form), seed, 1.0);
         let words = network.bytes();
         windows_of::<Odd<'_, i16>, Same, 3, 2, 4>(&words, &network, seed)?;
@@ -204,7 +194,8 @@ proptest! {
         let [first, second, head] = &network.0[..] else { panic!("three layers") };
         for output in 0..6 {
             for tap in 0..15 {
-                prop_assert_eq!(chain.layer.weight(output, tap), Some(i32::from(first.weights[output * 15 + tap])));
+                let expected = i32::from(first.weights[output * 15 + tap]);
+                prop_assert_eq!(chain.layer.weight(output, tap), Some(expected));
             }
         }
         for output in 0..7 {
@@ -221,7 +212,7 @@ proptest! {
         }
         prop_assert_eq!(chain.layer.bias(5), Some(first.biases[5]));
         prop_assert_eq!(chain.layer.multiplier(5), Some(first.multipliers[5]));
-        // Behind the last output stand those of another block, behind the last tap the multiplier.
+        // The last output is followed by those of another block, the last tap by the multiplier.
         for output in 6..10 {
             prop_assert_eq!((chain.layer.bias(output), chain.layer.multiplier(output)), (None, None));
             prop_assert_eq!(chain.layer.weight(output, 0), None);

@@ -1,11 +1,11 @@
-//! Networks written a second time, plainly: no history, no blocks, 64-bit sums, one loop inside the other. What the crate does is
-//! compared with this, position by position.
+//! A second, plain implementation of the networks: no history, no blocks, 64-bit sums, nested
+//! loops. The crate is compared with it position by position.
 
 use inference::image::write::{LayerParts, layers};
 use inference::image::{LayerKind, LayerShape, WeightForm};
 use inference::{Padding, Scale};
 
-/// A small generator: its seed is all that a failing case has to show.
+/// Small random generator; its seed reproduces a failing case.
 pub(super) struct Noise(pub(super) u64);
 
 impl Noise {
@@ -23,7 +23,7 @@ impl Noise {
     }
 }
 
-/// A layer's parameters, in plain order.
+/// Parameters of a layer, in plain order.
 pub(super) struct PlainLayer {
     pub(super) shape: LayerShape,
     pub(super) biases: Vec<i32>,
@@ -31,17 +31,18 @@ pub(super) struct PlainLayer {
     pub(super) weights: Vec<i16>,
 }
 
-/// The parameters of a network, in plain order.
+/// Parameters of a network, in plain order.
 pub(super) struct Plain(pub(super) Vec<PlainLayer>);
 
 impl Plain {
-    /// Random parameters; the activations are about as large as full scale, `gain` times, and some are clipped.
+    /// Returns random parameters. Activations are about `gain` times full scale, and some are
+    /// clipped.
     pub(super) fn random(shapes: &[LayerShape], seed: u64, gain: f64) -> Self {
         let mut noise = Noise(seed);
         Self(shapes.iter().map(|shape| PlainLayer::random(*shape, &mut noise, gain)).collect())
     }
 
-    /// The bytes of an image's layers, at an address that they can be read from.
+    /// Returns the bytes of an image's layers, at an address that they can be read from.
     pub(super) fn bytes(&self) -> Vec<u32> {
         let parts: Vec<LayerParts<'_>> = self.0.iter().map(PlainLayer::parts).collect();
         let mut words = vec![0u32; self.0.iter().map(|layer| layer.shape.length()).sum::<usize>() / 4];
@@ -50,33 +51,35 @@ impl Plain {
         words
     }
 
-    /// The sums of the head over a whole window (or history) of columns, and how many activations were clipped.
+    /// Returns the head's sums over a window (or history) of columns and the number of clipped
+    /// activations.
     pub(super) fn evaluate(&self, columns: &[Vec<i64>], padding: Padding) -> (Vec<i64>, u32) {
-        let (head, behind, clipped) = self.convolutions(columns, padding);
-        let newest = behind.len() - usize::from(head.shape.columns);
-        (head.sums(&behind, newest as i64), clipped.iter().sum())
+        let (head, outputs, clipped) = self.convolutions(columns, padding);
+        let newest = outputs.len() - usize::from(head.shape.columns);
+        (head.sums(&outputs, newest as i64), clipped.iter().sum())
     }
 
-    /// The head's sums at every position of a history with causal zeros before it, and how many activations of that
-    /// position were clipped.
+    /// Returns the head's sums at every position of a history with causal zeros before it, and the
+    /// number of clipped activations of that position.
     pub(super) fn stream(&self, columns: &[Vec<i64>]) -> Vec<(Vec<i64>, u32)> {
-        let (head, behind, clipped) = self.convolutions(columns, Padding::Causal);
+        let (head, outputs, clipped) = self.convolutions(columns, Padding::Causal);
         let oldest = |position: usize| position as i64 - i64::from(head.shape.columns) + 1;
         clipped
             .into_iter()
             .enumerate()
-            .map(|(at, clipped)| (head.sums(&behind, oldest(at)), clipped))
+            .map(|(at, clipped)| (head.sums(&outputs, oldest(at)), clipped))
             .collect()
     }
 
-    /// The head, the columns that it sees, and how many activations were clipped at each input position.
+    /// Returns the head, its input columns, and the number of clipped activations at each input
+    /// position.
     fn convolutions(&self, columns: &[Vec<i64>], padding: Padding) -> (&PlainLayer, Vec<Vec<i64>>, Vec<u32>) {
         let (head, convolutions) = self.0.split_last().expect("a head");
         let mut clipped = vec![0; columns.len()];
-        let behind = convolutions
+        let outputs = convolutions
             .iter()
             .fold(columns.to_vec(), |columns, layer| layer.convolve(&columns, padding, &mut clipped));
-        (head, behind, clipped)
+        (head, outputs, clipped)
     }
 }
 
@@ -157,7 +160,7 @@ impl PlainLayer {
     }
 }
 
-/// Columns of a network's type as plain ones.
+/// Converts the columns of a network's type to plain columns.
 pub(super) fn plain<const IN: usize>(columns: &[[i16; IN]]) -> Vec<Vec<i64>> {
     columns.iter().map(|column| column.iter().map(|&value| i64::from(value)).collect()).collect()
 }

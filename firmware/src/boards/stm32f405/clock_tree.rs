@@ -1,11 +1,13 @@
-//! The reset and clock controller behind [`ClockPort`]. Sources: RM0090 sections 3.5 (flash), 6 and 7 (RCC).
+//! Reset and clock controller for [`ClockPort`]. Sources: RM0090 sections 3.5 (flash), 6 and 7
+//! (RCC).
 
 use link::ClockSource;
 use stm32f4xx_hal::pac::{FLASH, RCC};
 
-use crate::clock::{ClockPort, PllInput};
+use controller::clock::{ClockPort, PllInput};
 
-/// The PLL's input after its first divider, MHz; 1 to 2 are allowed, 2 jitters least. 25 MHz only divides to 1.
+/// Dividers of the PLL. Its input after the first divider must be 1 to 2 MHz; 2 MHz has the least
+/// jitter. 25 MHz can only be divided to 1 MHz.
 const fn dividers(input: PllInput) -> (u8, u16) {
     match input {
         PllInput::Internal => (8, 168),
@@ -50,7 +52,8 @@ impl ClockPort for ClockTree<'_> {
     fn select(&mut self, source: ClockSource) {
         let fast = matches!(source, ClockSource::PllCrystal | ClockSource::PllInternal);
         if fast {
-            // Five wait states for 168 MHz at 3.3 V; buses at 42 and 84 MHz. Before the switch, never after it.
+            // Five wait states for 168 MHz at 3.3 V; buses at 42 and 84 MHz. They must be set
+            // before the switch.
             self.flash
                 .acr()
                 .modify(|_, w| w.latency().ws5().prften().set_bit().icen().set_bit().dcen().set_bit());

@@ -1,24 +1,26 @@
-//! The last four sectors of the flash: 128 KiB each, for what is written at run time (RM0090 table 5, section 3.6).
+//! The last four flash sectors, 128 KiB each, for data that is written at run time (RM0090 table 5,
+//! section 3.6).
 //!
-//! | sectors | address | what |
+//! | sectors | address | content |
 //! |---|---|---|
-//! | 8, 9 | 0x0808_0000 | configuration, two places |
+//! | 8, 9 | 0x0808_0000 | configuration, two halves |
 //! | 10, 11 | 0x080C_0000 | models, two slots |
 //!
-//! There is one bank: whatever the core fetches from flash while a sector is erased (1 s, at most 2 s) or a word is programmed (16 us, at most
-//! 100 us) waits for its end, interrupts included. So this is done only while no run is on ([`crate::store::SlotMemory::stalls_the_core`]). Words of 32 bits
-//! need a supply of 2.7 V or more.
+//! There is one bank. While a sector is erased (1 s, at most 2 s) or a word is programmed (16 us,
+//! at most 100 us), every fetch from flash stalls, interrupts included. So flash is written only
+//! while no run is on ([`controller::store::SlotMemory::stalls_the_core`]). Words of 32 bits
+//! require a supply of 2.7 V or more.
 
 use stm32f4xx_hal::pac::FLASH;
 
-use crate::store::controller::{FlashError, FlashPort, Status, erase, program};
+use controller::store::controller::{FlashError, FlashPort, Status, erase, program};
 
 const SECTOR_BYTES: usize = 128 * 1024;
 const FLASH_START: usize = 0x0800_0000;
-/// Address of sector 4 less four sectors of 128 KiB: from sector 5 on the number is the distance in units of that size, plus 4.
+/// Sector number that corresponds to offset 0 in units of 128 KiB: sectors 5 and up have this size.
 const FIRST_LARGE: u8 = 4;
 
-/// Two neighbouring sectors.
+/// Two adjacent sectors.
 #[derive(Debug)]
 pub(in crate::boards) struct Sectors {
     first: u8,
@@ -36,7 +38,7 @@ impl Sectors {
         2 * SECTOR_BYTES
     }
 
-    /// Erases whole sectors.
+    /// Erases complete sectors.
     pub(in crate::boards) fn erase(&mut self, start: usize, length: usize) -> Result<(), FlashError> {
         let offset = start.checked_sub(self.start()).ok_or(FlashError::OutOfBounds)?;
         if !offset.is_multiple_of(SECTOR_BYTES) || !length.is_multiple_of(SECTOR_BYTES) {
@@ -53,11 +55,12 @@ impl Sectors {
     }
 }
 
-/// The flash controller. Only `idle` writes flash, one operation at a time; the clock tree has set the wait states before.
+/// The flash controller. Only `idle` writes flash, one operation at a time. The clock tree has set
+/// the wait states before.
 struct Port;
 
 fn registers() -> &'static stm32f4xx_hal::pac::flash::RegisterBlock {
-    #[expect(unsafe_code, reason = "see `Port`: nobody else uses these registers any more")]
+    #[expect(unsafe_code, reason = "see `Port`: no other code uses these registers")]
     unsafe {
         &*FLASH::ptr()
     }

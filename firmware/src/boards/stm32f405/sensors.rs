@@ -1,17 +1,17 @@
-//! What is connected to the sensors' bus: an ADS8688 with two probes and a load transmitter, an AS5047P.
+//! Devices on the sensor bus: an ADS8688 with two probes and a load transmitter, and an AS5047P.
 //!
-//! Which input is what and what its codes mean is the configuration's wiring.
+//! The wiring of the configuration assigns the inputs and scales their codes.
 
 use stm32f4xx_hal::gpio::{Output, PB8, PB9, PushPull};
 
 use super::spi::Device;
-use crate::configuration::{BENCH_B, wiring};
-use crate::sensors::{Absolute, Ads8688, As5047p, Sampler};
+use controller::configuration::{BENCH_B, wiring};
+use controller::sensors::{Absolute, Ads8688, As5047p, Sampler};
 
 /// The sensors of this board.
 pub type Sensors = Sampler<Device<PB9<Output<PushPull>>>, Absolute<Device<PB8<Output<PushPull>>>>>;
 
-/// The sampler of the two devices, wired as nominal until a configuration tells.
+/// Creates the sampler of both devices with the nominal wiring, which a configuration replaces.
 pub(super) fn sampler(
     converter: Device<PB9<Output<PushPull>>>,
     encoder: Device<PB8<Output<PushPull>>>,

@@ -1,50 +1,52 @@
 //! The link over USART6: PC6 out, PC7 in, 500 kbaud, 8N1.
 //!
-//! 500 kbaud divides every clock that bring-up can arrive at without remainder. It carries about 1,000 exchanges a second; the
-//! sample period of a bench on this link is 1 ms.
+//! 500 kbaud divides every possible clock without remainder. It carries about 1,000 exchanges per
+//! second; the sample period of a bench on this link is 1 ms.
 //!
-//! On silicon DMA2's stream 1 (channel 5, RM0090 table 43) stores what comes in in a circular buffer: 20 ms of a full line, without
-//! an interrupt a byte. The interrupt then comes for bytes with errors only. The emulator has no DMA; there it comes for every byte.
+//! On silicon stream 1 of DMA2 (channel 5, RM0090 table 43) stores received bytes in a circular
+//! buffer of 20 ms, without an interrupt per byte. Then the interrupt reports bytes with errors
+//! only. The emulator has no DMA; there every byte causes an interrupt.
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
 use link::LineErrors;
 use stm32f4xx_hal::pac::{DMA2, USART6};
 
-use crate::boards::Came;
-use crate::boards::ring::Ring;
+use crate::boards::ReceiveEvent;
+use controller::buffers::dma_ring::DmaRing;
 
 /// Line speed, baud.
-pub(in crate::boards) const BAUD: u32 = 500_000;
+const BAUD: u32 = 500_000;
 
-/// Polls for room in the transmitter before a byte is given up: some 20 byte times at 168 MHz.
+/// Polls for room in the transmitter before a byte is dropped: about 20 byte times at 168 MHz.
 const POLLS: u32 = 20_000;
-/// Bytes of the buffer.
+/// Length of the buffer, bytes.
 const LENGTH: usize = 1024;
-/// Stream and channel of what USART6 receives.
+/// DMA stream and channel of USART6 reception.
 const STREAM: usize = 1;
 const CHANNEL: u8 = 5;
 
-/// What DMA writes to. In the main RAM: DMA does not reach the core-coupled one.
+/// Buffer that DMA writes. It is in the main RAM: DMA cannot reach the core-coupled memory.
 static BUFFER: [AtomicU8; LENGTH] = [const { AtomicU8::new(0) }; LENGTH];
 
-/// The receiving half, for the interrupt.
+/// Receiving half for the interrupt.
 pub struct Receiver {
-    /// Whether every byte comes by interrupt.
+    /// True if every byte arrives by interrupt.
     bytes: bool,
 }
 
-/// The receiving half, for the link's loop.
+/// Receiving half for the link service.
 pub struct Inbox {
-    /// None without DMA.
+    /// `None` without DMA.
     stream: Option<DMA2>,
-    ring: Ring<LENGTH>,
+    ring: DmaRing<LENGTH>,
 }
 
-/// The sending half.
+/// Sending half.
 pub struct Transmitter(());
 
-/// Sets the port up for a peripheral clock of `bus_hz`, receiving by DMA or by interrupt. The clocks of both and the pins must be on.
+/// Sets up the port for a peripheral clock of `bus_hz`, receiving by DMA or by interrupt. The
+/// clocks of both and the pins must be enabled.
 pub(in crate::boards) fn set_up(
     port: USART6,
     dma: DMA2,
@@ -64,11 +66,11 @@ pub(in crate::boards) fn set_up(
         port.cr3().write(|w| w.dmar().set_bit().eie().set_bit());
     }
     port.cr1().write(|w| w.ue().set_bit().te().set_bit().re().set_bit().rxneie().bit(!by_dma));
-    let inbox = Inbox { stream: by_dma.then_some(dma), ring: Ring::new() };
+    let inbox = Inbox { stream: by_dma.then_some(dma), ring: DmaRing::new() };
     (Receiver { bytes: !by_dma }, inbox, Transmitter(()))
 }
 
-/// Starts the stream at the front of the buffer.
+/// Starts the stream at index 0 of the buffer.
 fn start(dma: &DMA2) {
     let stream = dma.st(STREAM);
     dma.lifcr().write(|w| {
@@ -92,58 +94,58 @@ fn port() -> &'static stm32f4xx_hal::pac::usart6::RegisterBlock {
 }
 
 impl Receiver {
-    /// What has come. Reading it clears the interrupt and any line error.
-    pub fn fetch(&mut self) -> Came {
+    /// Reads the received byte and its errors. Reading clears the interrupt and the errors.
+    pub fn fetch(&mut self) -> ReceiveEvent {
         let status = port().sr().read();
         let (overrun, framing, noise) = (status.ore().bit(), status.fe().bit(), status.nf().bit());
         let full = self.bytes && status.rxne().bit();
-        let mut came = Came::default();
+        let mut event = ReceiveEvent::default();
         if full || overrun || framing || noise {
             let [low, ..] = port().dr().read().bits().to_le_bytes();
-            came.byte = full.then_some(low);
+            event.byte = full.then_some(low);
         }
-        came.errors =
-            LineErrors { overruns: overrun.into(), framing: framing.into(), noise: noise.into() };
-        came
+        event.errors = LineErrors { overruns: overrun.into(), framing: framing.into(), noise: noise.into() };
+        event
     }
 }
 
 impl Inbox {
-    /// The next byte that has come, where they come by DMA.
+    /// Takes the next byte that DMA has stored.
     pub fn take(&mut self) -> Option<u8> {
         let dma = self.stream.as_ref()?;
         let stream = dma.st(STREAM);
         if !stream.cr().read().en().bit() {
-            // It stops by itself after a bus error only.
+            // The stream stops by itself only after a bus error.
             start(dma);
         }
-        let place = || LENGTH.saturating_sub(stream.ndtr().read().ndt().bits().into()) % LENGTH;
-        // Between two readings of the place that go on in the buffer it has not come round, so that its flag belongs to both.
-        let mut came_round = false;
-        let mut before = place();
+        let position = || LENGTH.saturating_sub(stream.ndtr().read().ndt().bits().into()) % LENGTH;
+        // If the position has not decreased between two readings, no wrap lies between them, so
+        // that the flag belongs to both.
+        let mut has_wrapped = false;
+        let mut before = position();
         for _ in 0..2 {
             if dma.lisr().read().tcif1().bit() {
                 dma.lifcr().write(|w| w.ctcif1().set_bit());
-                came_round = true;
+                has_wrapped = true;
             }
-            let now = place();
+            let now = position();
             if now >= before {
-                self.ring.look(now, came_round);
+                self.ring.update(now, has_wrapped);
                 break;
             }
             before = now;
         }
-        self.ring.take().and_then(|place| BUFFER.get(place)).map(|byte| byte.load(Ordering::Relaxed))
+        self.ring.take().and_then(|position| BUFFER.get(position)).map(|byte| byte.load(Ordering::Relaxed))
     }
 
-    /// Bytes that were written over before they were taken.
+    /// Returns the number of bytes that were overwritten before they were taken.
     pub fn lost(&self) -> u32 {
         self.ring.lost()
     }
 }
 
 impl Transmitter {
-    /// Sends bytes, waiting a bounded time for each; false if the port did not take them all.
+    /// Sends bytes, waiting a bounded time for each. Returns false if the port did not take all.
     #[must_use]
     pub fn write(&mut self, bytes: &[u8]) -> bool {
         bytes.iter().all(|&byte| {

@@ -1,9 +1,13 @@
-//! The sensors' bus: SPI2, PB13 clock, PB14 in, PB15 out, mode 1, most significant bit first; a select of its own for each device.
+//! The sensor bus: SPI2, PB13 clock, PB14 in, PB15 out, mode 1, most significant bit first. Each
+//! device has a select pin.
 //!
-//! The peripheral's clock is 42 MHz under the PLL: the converter is read at 10.5 MHz (17 at most), the encoder at 5.25 MHz (10 at most).
-//! A sample of four inputs and the angle is 18 bytes, 15 us of clocks. Every wait is bounded: a transaction whose bytes do not come is given up
-//! with the first of them. What an absent device's data line reads is for the drivers to find.
-//! Source: RM0090 section 28 (SPI); AS5047P v1-11 (350 ns from select to clock, and between two selects).
+//! The peripheral's clock is 42 MHz with the PLL: the converter is read at 10.5 MHz (at most 17),
+//! the encoder at 5.25 MHz (at most 10). A sample of four inputs and the angle has 18 bytes, 15 us
+//! of clocks. Every wait is bounded: a transaction ends at the first byte that does not arrive. The
+//! drivers detect an absent device.
+//!
+//! Sources: RM0090 section 28 (SPI); AS5047P v1-11 (350 ns from select to clock, and between two
+//! selects).
 
 use core::convert::Infallible;
 
@@ -13,18 +17,18 @@ use stm32f4xx_hal::pac::SPI2;
 
 /// Polls for a byte: four byte times of the slower device at 168 MHz.
 const POLLS: u32 = 200;
-/// Core cycles of 350 ns at 168 MHz; a slower core waits longer than it must.
+/// Core cycles in 350 ns at 168 MHz; a slower core waits longer than necessary.
 const SELECT_CYCLES: u32 = 60;
 /// Clock phase: the second edge samples.
 const PHASE: u16 = 1;
 const CONTROLLER: u16 = 1 << 2;
 const ENABLE: u16 = 1 << 6;
-/// The select input is not a pin: held high inside.
+/// The select input is held high internally; it is not a pin.
 const SELECT_INSIDE: u16 = 1 << 8 | 1 << 9;
-/// Where the divider's bits are.
+/// Position of the divider's bits.
 const DIVIDER: u32 = 3;
 
-/// How the bus clock is divided, as the register has it.
+/// Divider of the bus clock with its register value.
 #[derive(Clone, Copy, Debug)]
 #[repr(u16)]
 pub(super) enum Divider {
@@ -34,7 +38,7 @@ pub(super) enum Divider {
     Eight = 2,
 }
 
-/// A byte did not come in its time.
+/// Error: a byte did not arrive in time.
 #[derive(Clone, Copy, Debug)]
 pub struct NoByte;
 
@@ -44,13 +48,14 @@ impl Error for NoByte {
     }
 }
 
-/// A device on the bus. All of them are used by one task.
+/// A device on the bus. One task uses all of them.
 pub struct Device<SELECT> {
     select: SELECT,
     divider: Divider,
 }
 
-/// Gives the devices of both selects out, once. The port's clock and pins must be on, the selects high.
+/// Creates the devices of both selects, once. The port's clock and pins must be enabled, the
+/// selects high.
 pub(super) fn split<A, B>(_port: SPI2, first: (A, Divider), second: (B, Divider)) -> (Device<A>, Device<B>) {
     (Device { select: first.0, divider: first.1 }, Device { select: second.0, divider: second.1 })
 }
@@ -62,7 +67,7 @@ fn port() -> &'static stm32f4xx_hal::pac::spi1::RegisterBlock {
     }
 }
 
-/// Sends a byte and returns the one that comes meanwhile.
+/// Sends a byte and returns the byte received at the same time.
 fn exchange(byte: u8) -> Result<u8, NoByte> {
     let port = port();
     port.dr().write(|w| {
@@ -71,29 +76,31 @@ fn exchange(byte: u8) -> Result<u8, NoByte> {
             w.bits(byte.into())
         }
     });
-    let came = (0..POLLS).any(|_| port.sr().read().rxne().bit_is_set());
+    let received = (0..POLLS).any(|_| port.sr().read().rxne().bit_is_set());
     let [low, ..] = port.dr().read().bits().to_le_bytes();
-    if came { Ok(low) } else { Err(NoByte) }
+    if received { Ok(low) } else { Err(NoByte) }
 }
 
 fn serve(operation: &mut Operation<'_, u8>) -> Result<(), NoByte> {
     match operation {
-        Operation::Read(bytes) => bytes.iter_mut().try_for_each(|byte| exchange(0).map(|came| *byte = came)),
+        Operation::Read(bytes) => {
+            bytes.iter_mut().try_for_each(|byte| exchange(0).map(|received| *byte = received))
+        }
         Operation::Write(bytes) => bytes.iter().try_for_each(|&byte| exchange(byte).map(|_| ())),
         Operation::Transfer(read, write) => {
             for at in 0..read.len().max(write.len()) {
-                let came = exchange(write.get(at).copied().unwrap_or_default())?;
-                if let Some(place) = read.get_mut(at) {
-                    *place = came;
+                let received = exchange(write.get(at).copied().unwrap_or_default())?;
+                if let Some(slot) = read.get_mut(at) {
+                    *slot = received;
                 }
             }
             Ok(())
         }
         Operation::TransferInPlace(bytes) => {
-            bytes.iter_mut().try_for_each(|byte| exchange(*byte).map(|came| *byte = came))
+            bytes.iter_mut().try_for_each(|byte| exchange(*byte).map(|received| *byte = received))
         }
         Operation::DelayNs(nanoseconds) => {
-            // At most 168 cycles a us; a longer wait than asked for is allowed.
+            // A cycle is at least 1/168 us; a longer wait than requested is allowed.
             cortex_m::asm::delay((*nanoseconds / 5).saturating_add(1));
             Ok(())
         }

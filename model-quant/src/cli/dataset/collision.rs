@@ -1,63 +1,65 @@
-//! `model-quant dataset collision`: the collision set of a bearing, split, as files.
+//! `model-quant dataset collision`: writes the collision set of a bearing in three parts.
 
 use super::super::{CliError, parse_bearing, print, print_json};
 use super::progress::Progress;
-use inference::Bearing;
-use model_quant::dataset::bench_runs::{self, BenchRun, OutsideShare, bench_runs, outside};
-use model_quant::dataset::collision::{COLUMNS, CollisionSet, Effects, window_names};
-use model_quant::dataset::grid::ROWS;
-use model_quant::dataset::sink::{Complete, Format, Part, Sink, publish};
-use model_quant::dataset::split::Split;
-use model_quant::dataset::spread::Spread;
-use model_quant::dataset::stream::stream;
-use model_quant::features::FloatFeatures;
-use model_quant::ranges::{RangeKind, header};
-use model_quant::write::write_whole;
+use crate::data::bench_runs::{self, BenchRun, OutsideShare, bench_runs, measure_outside_share};
+use crate::data::collision::{COLUMNS, CollisionSet, LimitStatistics, window_names};
+use crate::data::features::FloatFeatures;
+use crate::data::file::write_atomically;
+use crate::data::histogram::Histogram;
+use crate::data::parameter_grid::ROWS;
+use crate::data::ranges::{RangeKind, header};
+use crate::data::sink::{Complete, Format, FormattedRows, Sink, publish};
+use crate::data::split::Split;
+use crate::data::stream::stream;
+use inference::BearingMaterial;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The collision set of a bearing: Table 2 of the paper in full, split into training, validation and test
+/// The collision set of a bearing: Table 2 of the paper in full, split into training, validation
+/// and test
 ///
-/// `--range paper` is Table 2: 15 clearances (uniform), 100 deformations, 100 rates and 100 latched rates (exponential), all
-/// 1.5e7 combinations, shuffled and split 1e7 / 2.5e6 / 2.5e6. `--range bench` draws as many rows from what the bench
-/// meets, the rows of the shipped models. Table 2 gives the ratio of the rates no bound: the latched rate is raised to
-/// 1 mm/s and the rate then lowered to 6 times that; the summary shows what this does to the force. `--source bench`
-/// takes 24 runs of bench B at 10 kHz through its noisy sensors instead, whole runs to each part. A row depends on seed
-/// and place alone: a set of fewer rows is the beginning of each part, on any number of threads.
+/// `--range paper` is Table 2: 15 clearances (uniform), 100 deformations, 100 rates and 100
+/// approach speeds (exponential), all 1.5e7 combinations, shuffled and split 1e7 / 2.5e6 / 2.5e6.
+/// `--range bench` draws the same number of rows from the states of the bench, as for the shipped
+/// models. Table 2 does not limit the ratio of rate to approach speed: the approach speed is raised
+/// to 1 mm/s, then the rate is limited to 6 times that; the summary shows the effect on the force.
+/// `--source bench` takes 24 simulated runs of bench B at 10 kHz through its noisy sensors; each
+/// run belongs to one part. A row depends on seed and index alone: a smaller set is the beginning
+/// of each part, on any number of threads.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Examples:\n  model-quant dataset collision --bearing plastic --out sets --format parquet\n  \
+#[command(after_help = "Examples:\n  model-quant dataset collision --bearing plastic --out sets \
+                  --format parquet\n  \
                   model-quant dataset collision --range bench --rows 60000 --windows --out sets\n  \
                   model-quant dataset collision --source bench --out sets\n  \
-                  model-quant dataset collision --summary --json"
-)]
+                  model-quant dataset collision --summary --json")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
-    bearing: Bearing,
-    /// Where the rows come from: the tables' ranges, or recorded runs of bench B
+    bearing: BearingMaterial,
+    /// Source of the rows: the ranges, or simulated runs of bench B
     #[arg(long, value_enum, default_value_t = Source::Table)]
     source: Source,
-    /// Ranges and distributions; the ranges of the inputs with --windows
+    /// Ranges and distributions; with --windows the ranges of the features
     #[arg(long, value_enum, default_value_t = RangeKind::Paper)]
     range: RangeKind,
-    /// Rows of all three parts together; 15000000 if not given
+    /// Rows of all three parts together; default: 15000000
     #[arg(long, value_name = "N")]
     rows: Option<u64>,
     /// Write the networks' windows instead of states
     #[arg(long)]
     windows: bool,
-    /// Seed of every draw
+    /// Seed of every random draw
     #[arg(long, default_value_t = 2)]
     seed: u64,
-    /// Form of the files
+    /// File format
     #[arg(long, value_enum, default_value_t = Format::Csv)]
     format: Format,
-    /// Directory that gets the three files and a card, NAME.json
+    /// Output directory for the three files and a card, NAME.json
     #[arg(long, value_name = "DIR", required_unless_present = "summary")]
     out: Option<PathBuf>,
-    /// Make and summarise all rows, write nothing
+    /// Generate and summarise all rows; write nothing
     #[arg(long, conflicts_with_all = ["out", "format"])]
     summary: bool,
     /// Print the summary as JSON
@@ -72,10 +74,10 @@ enum Source {
     Bench,
 }
 
-/// What came of a set.
-struct Made {
+/// Result of a set.
+struct GeneratedSet {
     rows: [u64; 3],
-    effects: Effects,
+    limits: LimitStatistics,
     files: Vec<Complete>,
 }
 
@@ -83,37 +85,37 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(rows) = arguments.rows {
         if arguments.source == Source::Bench {
             let found = format!("{rows} with --source bench");
-            return Err(CliError::Argument("--rows", found, "nothing: the runs have their length"));
+            return Err(CliError::Argument("--rows", found, "nothing: the length of the runs is fixed"));
         }
         if !(6..=ROWS).contains(&rows) {
             return Err(CliError::Argument("--rows", rows.to_string(), "6 to 15000000"));
         }
     }
     let started = Instant::now();
-    let features = FloatFeatures::of(&header(arguments.bearing, arguments.range));
+    let features = FloatFeatures::from_header(&header(arguments.bearing, arguments.range));
     let runs = || bench_runs(arguments.bearing, arguments.seed);
-    let (made, runs, seconds) = match arguments.source {
+    let (set, runs, seconds) = match arguments.source {
         Source::Table => {
-            let made = from_table(arguments)?;
+            let set = from_table(arguments)?;
             let seconds = started.elapsed().as_secs_f64();
-            (made, runs()?, seconds)
+            (set, runs()?, seconds)
         }
         Source::Bench => {
             let runs = runs()?;
-            let made = from_runs(arguments, &features, &runs)?;
-            (made, runs, started.elapsed().as_secs_f64())
+            let set = from_runs(arguments, &features, &runs)?;
+            (set, runs, started.elapsed().as_secs_f64())
         }
     };
-    let outside = outside(&features, &runs);
-    let card = card(arguments, &made, &outside);
+    let outside = measure_outside_share(&features, &runs);
+    let card = card(arguments, &set, &outside);
     let mut files = Vec::new();
     if let Some(directory) = &arguments.out {
-        files = publish(made.files)?;
+        files = publish(set.files)?;
         let path = directory.join(format!("{}.json", name(arguments)));
-        write_whole(&path, format!("{}\n", serde_json::to_string_pretty(&card)?).as_bytes())?;
+        write_atomically(&path, format!("{}\n", serde_json::to_string_pretty(&card)?).as_bytes())?;
         files.push(path);
     }
-    let rows_per_s = made.rows.iter().sum::<u64>() as f64 / seconds;
+    let rows_per_s = set.rows.iter().sum::<u64>() as f64 / seconds;
     if arguments.json {
         let mut summary = card;
         summary["seconds"] = json!(seconds);
@@ -121,15 +123,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         summary["files"] = json!(files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>());
         return print_json(&summary);
     }
-    text(arguments, &made.rows, &made.effects, &outside)?;
+    text(arguments, &set.rows, &set.limits, &outside)?;
     for file in files {
         print(format_args!("wrote {}", file.display()))?;
     }
-    let did = if arguments.summary { "made" } else { "made and written" };
-    print(format_args!("{did} in {seconds:.2} s, {:.2} million rows/s", 1e-6 * rows_per_s))
+    let action = if arguments.summary { "made" } else { "made and written" };
+    print(format_args!("{action} in {seconds:.2} s, {:.2} million rows/s", 1e-6 * rows_per_s))
 }
 
-/// Name of the set's files, before the part's.
+/// File name of the set, without the name of the part.
 fn name(arguments: &Arguments) -> String {
     let source = match (arguments.source, arguments.range) {
         (Source::Bench, _) => "runs",
@@ -141,35 +143,35 @@ fn name(arguments: &Arguments) -> String {
     format!("collision-{}-{source}{windows}", arguments.bearing.name())
 }
 
-/// Opens the file of a part, unless nothing is to be written.
+/// Opens the file of a part unless only a summary is requested.
 fn open(arguments: &Arguments, split: Split, names: &[String]) -> Result<Option<Sink>, CliError> {
     let Some(directory) = &arguments.out else { return Ok(None) };
     let file = format!("{}-{}.{}", name(arguments), split.name(), arguments.format.ending());
     let path: &Path = &directory.join(file);
-    // The values of the grid's axes come again and again; forces and windows do not.
+    // The values of the grid's axes repeat; forces and windows do not.
     let repeating = |column| !arguments.windows && column + 1 < names.len();
     Ok(Some(Sink::create(path, arguments.format, names, repeating)?))
 }
 
-fn from_table(arguments: &Arguments) -> Result<Made, CliError> {
+fn from_table(arguments: &Arguments) -> Result<GeneratedSet, CliError> {
     let set = CollisionSet::new(arguments.bearing, arguments.range, arguments.seed);
     let names = if arguments.windows { window_names() } else { COLUMNS.map(str::to_owned).to_vec() };
     let total = arguments.rows.unwrap_or(ROWS);
     let progress = Progress::new(total);
-    let (mut effects, mut files) = (Effects::default(), Vec::new());
-    let rows = Split::ALL.map(|split| split.rows_of(total));
+    let (mut limits, mut files) = (LimitStatistics::default(), Vec::new());
+    let rows = Split::ALL.map(|split| split.row_count(total));
     for (split, rows) in Split::ALL.into_iter().zip(rows) {
         let mut sink = open(arguments, split, &names)?;
         let writes = sink.is_some();
         let make = |rows: std::ops::Range<u64>| {
             let count = rows.end - rows.start;
-            let (columns, effects) = set.block(split, rows, arguments.windows);
-            (writes.then(|| Part::new(columns, arguments.format)), effects, count)
+            let (columns, limits) = set.block(split, rows, arguments.windows);
+            (writes.then(|| FormattedRows::new(columns, arguments.format)), limits, count)
         };
         stream(0..rows, names.len(), make, |blocks| {
             let mut parts = Vec::new();
             for (part, more, count) in blocks {
-                effects.join(&more);
+                limits.join(&more);
                 parts.extend(part);
                 progress.add(count);
             }
@@ -177,62 +179,69 @@ fn from_table(arguments: &Arguments) -> Result<Made, CliError> {
         })?;
         files.extend(sink.map(Sink::complete).transpose()?);
     }
-    Ok(Made { rows, effects, files })
+    Ok(GeneratedSet { rows, limits, files })
 }
 
-fn from_runs(arguments: &Arguments, features: &FloatFeatures, runs: &[BenchRun]) -> Result<Made, CliError> {
+fn from_runs(
+    arguments: &Arguments,
+    features: &FloatFeatures,
+    runs: &[BenchRun],
+) -> Result<GeneratedSet, CliError> {
     let start = ["run".to_owned(), "time_s".to_owned()];
     let names = if arguments.windows {
         start.into_iter().chain(window_names()).collect()
     } else {
         bench_runs::COLUMNS.map(str::to_owned).to_vec()
     };
-    let (mut effects, mut files, mut rows) = (Effects::default(), Vec::new(), [0; 3]);
+    let (mut limits, mut files, mut rows) = (LimitStatistics::default(), Vec::new(), [0; 3]);
     for (split, rows) in Split::ALL.into_iter().zip(&mut rows) {
         let columns = bench_runs::columns(features, runs, arguments.seed, split, arguments.windows);
         let forces = columns.last().map(Vec::as_slice).unwrap_or_default();
         *rows = forces.len() as u64;
-        forces.iter().for_each(|&force| effects.force_n.add(f64::from(force)));
+        forces.iter().for_each(|&force| limits.force_n.add(f64::from(force)));
         if let Some(mut sink) = open(arguments, split, &names)? {
-            sink.write(&[Part::new(columns, arguments.format)])?;
+            sink.write(&[FormattedRows::new(columns, arguments.format)])?;
             files.push(sink.complete()?);
         }
     }
-    Ok(Made { rows, effects, files })
+    Ok(GeneratedSet { rows, limits, files })
 }
 
-/// Shares at which a spread is shown.
+/// Quantiles in the summary.
 const SHARES: [f64; 5] = [0.01, 0.25, 0.5, 0.75, 0.99];
 
-fn figures(spread: &Spread) -> Value {
-    let [p1, p25, p50, p75, p99] = SHARES.map(|share| spread.quantile(share));
+fn figures(histogram: &Histogram) -> Value {
+    let [p1, p25, p50, p75, p99] = SHARES.map(|share| histogram.quantile(share));
     json!({
-        "min": spread.low(), "p1": p1, "p25": p25, "median": p50, "p75": p75, "p99": p99, "max": spread.high(),
-        "mean": spread.mean(),
+        "min": histogram.low(), "p1": p1, "p25": p25, "median": p50,
+        "p75": p75, "p99": p99, "max": histogram.high(),
+        "mean": histogram.mean(),
     })
 }
 
-/// The spreads of the force that there are, with what they stand for.
-fn spreads(effects: &Effects) -> Vec<(&'static str, &Spread)> {
-    let mut spreads = vec![("as_written", &effects.force_n)];
-    if let Some([floored, bare]) = &effects.without {
-        spreads.extend([("floor_without_limit", floored), ("no_floor_no_limit", bare)]);
+/// Available force distributions with their labels.
+fn histograms(limits: &LimitStatistics) -> Vec<(&'static str, &Histogram)> {
+    let mut histograms = vec![("as_written", &limits.force_n)];
+    if let Some([floored, bare]) = &limits.unlimited_force_n {
+        histograms.extend([("floor_without_limit", floored), ("no_floor_no_limit", bare)]);
     }
-    spreads
+    histograms
 }
 
-fn card(arguments: &Arguments, made: &Made, outside: &OutsideShare) -> Value {
-    let count = made.rows.iter().sum::<u64>().max(1) as f64;
-    let [training, validation, test] = made.rows;
+fn card(arguments: &Arguments, set: &GeneratedSet, outside: &OutsideShare) -> Value {
+    let count = set.rows.iter().sum::<u64>().max(1) as f64;
+    let [training, validation, test] = set.rows;
     let rules = (arguments.source == Source::Table).then(|| {
         json!({
-            "rule": "latched rate raised to 1 mm/s, rate then lowered to 6 times that",
-            "share_limited": made.effects.limited as f64 / count,
-            "share_below_floor": made.effects.below_floor as f64 / count,
+            "rule": "approach speed raised to 1 mm/s, rate then lowered to 6 times that",
+            "share_limited": set.limits.limited as f64 / count,
+            "share_below_floor": set.limits.below_floor as f64 / count,
         })
     });
-    let force: serde_json::Map<_, _> =
-        spreads(&made.effects).into_iter().map(|(name, spread)| (name.to_owned(), figures(spread))).collect();
+    let force: serde_json::Map<_, _> = histograms(&set.limits)
+        .into_iter()
+        .map(|(name, histogram)| (name.to_owned(), figures(histogram)))
+        .collect();
     json!({
         "set": "collision",
         "bearing": arguments.bearing.name(),
@@ -250,7 +259,7 @@ fn card(arguments: &Arguments, made: &Made, outside: &OutsideShare) -> Value {
 fn text(
     arguments: &Arguments,
     rows: &[u64; 3],
-    effects: &Effects,
+    limits: &LimitStatistics,
     outside: &OutsideShare,
 ) -> Result<(), CliError> {
     let [training, validation, test] = rows;
@@ -262,28 +271,29 @@ fn text(
     ))?;
     if arguments.source == Source::Table {
         print(format_args!(
-            "rate over latched rate limited to 6 in {:.2} % of the rows; latched rate below the floor of 1 mm/s in {:.2} %",
-            100.0 * effects.limited as f64 / count,
-            100.0 * effects.below_floor as f64 / count
+            "rate over approach speed limited to 6 in {:.2} % of the rows; \
+             approach speed below the floor of 1 mm/s in {:.2} %",
+            100.0 * limits.limited as f64 / count,
+            100.0 * limits.below_floor as f64 / count
         ))?;
     }
     print(format_args!(
         "{:20} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}",
         "normal force in N", "min", "1 %", "25 %", "median", "75 %", "99 %", "max", "mean"
     ))?;
-    for (name, spread) in spreads(effects) {
-        let [p1, p25, p50, p75, p99] = SHARES.map(|share| spread.quantile(share));
+    for (name, histogram) in histograms(limits) {
+        let [p1, p25, p50, p75, p99] = SHARES.map(|share| histogram.quantile(share));
         print(format_args!(
             "{:20} {:10.3e} {p1:10.3e} {p25:10.3e} {p50:10.3e} {p75:10.3e} {p99:10.3e} {:10.3e} {:10.3e}",
             name.replace('_', " "),
-            spread.low(),
-            spread.high(),
-            spread.mean()
+            histogram.low(),
+            histogram.high(),
+            histogram.mean()
         ))?;
     }
     print(format_args!(
-        "outside the range: {:.2} % of the contact of 24 runs of bench B ({:.2} % by the deformation, deepest {:.0} um; {:.2} % by the \
-         ratio); the rate is below 0 in {:.1} %",
+        "outside the range: {:.2} % of the contact of 24 runs of bench B ({:.2} % by the deformation, \
+         deepest {:.0} um; {:.2} % by the ratio); the rate is below 0 in {:.1} %",
         100.0 * outside.any,
         100.0 * outside.deformation,
         1e6 * outside.deepest_m,

@@ -1,46 +1,54 @@
-//! `model-quant dataset friction`: the friction set of a bearing, split, as files, and the picture of its cleaning.
+//! `model-quant dataset friction`: writes the friction set of a bearing and a picture of its
+//! cleaning.
 
 use super::super::{CliError, parse_bearing, print, print_json};
-use inference::Bearing;
-use model_quant::dataset::friction::{CHANNELS, COLUMNS, DRAWS, FrictionSet, Group, SAMPLES, torque_errors};
-use model_quant::dataset::friction_source::{from_logs, from_rig, truth_of_rig};
-use model_quant::dataset::picture::comparison;
-use model_quant::dataset::sink::{Format, Part, Sink, publish};
-use model_quant::dataset::split::Split;
-use model_quant::write::write_whole;
+use crate::data::file::{check_directory, write_atomically};
+use crate::data::friction::{CHANNELS, COLUMNS, DRAWS, FrictionSet, Group, SAMPLES, torque_errors};
+use crate::data::friction_source::{from_logs, from_rig, truth_of_rig};
+use crate::data::picture::comparison;
+use crate::data::sink::{Format, FormattedRows, Sink, publish};
+use crate::data::split::Split;
+use inference::BearingMaterial;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// The friction set of a bearing: groups of the friction rig, or measured logs, cleaned, scaled and sampled
+/// The friction set of a bearing: groups of the friction rig or measured logs, cleaned, scaled and
+/// sampled
 ///
-/// 20 groups (loads of 0, 100, 150, 200 and 240 kN up and down, turning both ways), 12/4/4 to training, validation and
-/// test. Outliers are replaced by the median around them, noise is lowered by a Gaussian-weighted moving average, `_z`
-/// columns are (x - mean)/deviation with mean and deviation of the training groups; 5 draws of 2048 samples a group. With
-/// --logs every file is a group; --bench says how its columns are called (`[log]` and `[columns]` of a description).
+/// The rig has 20 groups (loads of 0, 100, 150, 200 and 240 kN up and down, both rotation
+/// directions), 12/4/4 for training, validation and test. Outliers are replaced by the median
+/// around them, and a Gaussian-weighted moving average reduces the noise. `_z` columns are (x -
+/// mean)/deviation with mean and deviation of the training groups. Each group gives 5 draws of 2048
+/// samples. With --logs every file is a group; --bench defines the names of its columns (`[log]`
+/// and `[columns]` of a description).
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  model-quant dataset friction --bearing plastic --out sets\n  \
-                        model-quant dataset friction --out sets --logs day1.csv day2.csv day3.csv --bench my-rig.toml\n\n\
-                        A log needs t_s, load_force_n, spindle_speed_rad_s and friction_torque_nm and at least 2048 samples.")]
+                        model-quant dataset friction --out sets --logs day1.csv day2.csv day3.csv \
+                        --bench my-rig.toml\n\n\
+                        A log needs t_s, load_force_n, spindle_speed_rad_s and friction_torque_nm and at \
+                        least 2048 samples.")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
-    bearing: Bearing,
-    /// Measured logs that take the rig's place, one group a file, at least 3
+    bearing: BearingMaterial,
+    /// Measured logs in place of the rig, one group a file, at least 3
     #[arg(long, value_name = "FILE", num_args = 1..)]
     logs: Vec<PathBuf>,
-    /// Bench description of the rig or of the logs' columns; the bearing's preset if not given
+    /// Bench description of the rig or of the logs' columns; default: the bearing's preset
     #[arg(long, value_name = "PRESET or FILE")]
     bench: Option<String>,
-    /// Standard deviation of the moving average's weights in ms; more lowers the noise and rounds the break-away off
+    /// Standard deviation of the averaging weights in ms; a larger one reduces the noise and rounds
+    /// the break-away peak
     #[arg(long, value_name = "MS", default_value_t = 10.0)]
     smoothing_ms: f64,
     /// Seed of noise, split and samples
     #[arg(long, default_value_t = 2)]
     seed: u64,
-    /// Form of the files
+    /// File format
     #[arg(long, value_enum, default_value_t = Format::Csv)]
     format: Format,
-    /// Directory that gets the three files, a card, NAME.json, and the picture of the cleaning, NAME-cleaning.svg
+    /// Output directory for the three files, a card, NAME.json, and the picture of the cleaning,
+    /// NAME-cleaning.svg
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Print the summary as JSON
@@ -54,6 +62,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         let found = arguments.smoothing_ms.to_string();
         return Err(CliError::Argument("--smoothing-ms", found, "1 to 10000"));
     }
+    check_directory(&arguments.out)?;
     let preset = format!("friction-rig-{}", arguments.bearing.name());
     let description = arguments.bench.as_deref().unwrap_or(&preset);
     let measured = !arguments.logs.is_empty();
@@ -72,7 +81,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
         let path = arguments.out.join(file);
         let mut sink =
             Sink::create(&path, arguments.format, &COLUMNS.map(str::to_owned), |column| column < 2)?;
-        sink.write(&[Part::new(set.columns(split), arguments.format)])?;
+        sink.write(&[FormattedRows::new(set.columns(split), arguments.format)])?;
         files.push(sink.complete()?);
     }
     let shown = shown(&set);
@@ -84,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     {
         if let Some(text) = text {
             let path = arguments.out.join(format!("{name}{ending}"));
-            write_whole(&path, text.as_bytes())?;
+            write_atomically(&path, text.as_bytes())?;
             files.push(path);
         }
     }
@@ -96,14 +105,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let counts = Split::ALL.map(|split| count(&set, split));
     let [training, validation, test] = counts;
     print(format_args!(
-        "{name}, seed {}: {} groups, {training} training, {validation} validation, {test} test, {DRAWS} x {SAMPLES} samples of each",
+        "{name}, seed {}: {} groups, {training} training, {validation} validation, {test} test, \
+         {DRAWS} x {SAMPLES} samples of each",
         arguments.seed,
         set.groups.len()
     ))?;
     print(format_args!("outliers of the torque replaced: {}", outliers(&set)))?;
     if let Some([raw, clean]) = errors {
         print(format_args!(
-            "torque against the same log without noise and outliers: {raw:.2} N m rms as logged, {clean:.2} N m cleaned"
+            "torque against the same log without noise and outliers: {raw:.2} N m rms as logged, \
+             {clean:.2} N m cleaned"
         ))?;
     }
     for (channel, scale) in CHANNELS.iter().zip(&set.scales) {
@@ -112,7 +123,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     files.iter().try_for_each(|file| print(format_args!("wrote {}", file.display())))
 }
 
-/// The group of the picture: the first with the highest load.
+/// Group for the picture: the first with the highest load.
 fn shown(set: &FrictionSet) -> Option<&Group> {
     let load =
         |group: &Group| group.clean.first().and_then(|load| load.last()).map_or(0.0, |load| load.abs());
@@ -138,7 +149,8 @@ fn card(
     let groups: Vec<_> = (set.groups.iter())
         .map(|group| {
             json!({
-                "source": group.source, "part": group.split, "samples": group.time_s.len(), "outliers": group.outliers,
+                "source": group.source, "part": group.split, "samples": group.time_s.len(),
+                "outliers": group.outliers,
             })
         })
         .collect();

@@ -1,9 +1,9 @@
-//! A progress bar that shows itself after a second.
+//! Progress bar that appears after a second.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::{Duration, Instant};
 
-/// Work shorter than this is not worth a bar.
+/// Shorter work has no progress bar.
 const SILENT: Duration = Duration::from_secs(1);
 
 /// Progress over rows.
@@ -13,7 +13,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// A bar over so many rows, hidden at first.
+    /// Creates a hidden bar for a number of rows.
     pub(super) fn new(rows: u64) -> Self {
         let bar = ProgressBar::with_draw_target(Some(rows), ProgressDrawTarget::hidden());
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} rows, {eta} left") {

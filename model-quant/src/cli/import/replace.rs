@@ -2,20 +2,19 @@
 
 use super::Arguments;
 use crate::cli::{CliError, checkpoint, print, print_json};
-use inference::Bearing;
-use model_quant::checkpoint::Checkpoint;
-use model_quant::exchange::recognise::Imported;
-use model_quant::exchange::samples::{Difference, Samples};
-use model_quant::round::weights_on_grid;
-use model_quant::shapes;
-use model_quant::train::Trained;
-use model_quant::write::write_whole;
+use crate::data::file::write_atomically;
+use crate::exchange::onnx_import::Imported;
+use crate::exchange::samples::{Difference, Samples};
+use crate::network::checkpoint::{Checkpoint, Trained};
+use crate::network::{NetworkKind, Shape};
+use crate::train::freezer::weights_on_grid;
+use inference::BearingMaterial;
 use serde_json::json;
 
-/// Puts the network in place of the one of its shape in a float checkpoint.
+/// Replaces the network of the same shape in a float checkpoint.
 pub(super) fn replace(
     arguments: &Arguments,
-    bearing: Bearing,
+    bearing: BearingMaterial,
     imported: &Imported,
     checked: Option<&(Samples, Difference)>,
 ) -> Result<(), CliError> {
@@ -25,27 +24,23 @@ pub(super) fn replace(
         return Err(CliError::Argument("--checkpoint", found, "one of the bearing of --bearing"));
     }
     let shape = imported.network.shape();
-    let replaced = if *shape == shapes::collision() {
-        "collision"
-    } else if *shape == shapes::friction() {
-        "friction"
-    } else {
-        let expected = "that of a shipped network: 8 columns of 8 (collision) or 4 values (friction), three 'valid' \
-                        convolutions of 16 channels over 3 columns, 1 output";
-        return Err(CliError::Argument(
-            "--bearing with a network of shape",
-            serde_json::to_string(shape)?,
-            expected,
-        ));
+    let Some(kind) = NetworkKind::ALL.into_iter().find(|kind| kind.shape() == *shape) else {
+        let [collision, friction] = NetworkKind::ALL.map(|kind| sizes(&kind.shape()));
+        return Err(CliError::Shape {
+            file: arguments.file.clone(),
+            found: sizes(shape),
+            expected: format!("that of a shipped network: {collision} (collision) or {friction} (friction)"),
+        });
     };
     let trained = Trained { tuned: weights_on_grid(&imported.network), float: imported.network.clone() };
-    match replaced {
-        "collision" => checkpoint.collision = trained,
-        _ => checkpoint.friction = trained,
+    match kind {
+        NetworkKind::Collision => checkpoint.collision = trained,
+        NetworkKind::Friction => checkpoint.friction = trained,
     }
+    let replaced = kind.name();
     let bytes = checkpoint.to_bytes()?;
     let file = arguments.out.join(format!("{}.float", bearing.name()));
-    write_whole(&file, &bytes)?;
+    write_atomically(&file, &bytes)?;
     let training_id = format!("{:016x}", Checkpoint::training_id(&bytes));
     if arguments.json {
         return print_json(&json!({
@@ -56,15 +51,23 @@ pub(super) fn replace(
             "difference": checked.map(|(_, difference)| difference),
         }));
     }
-    let off = checked.map_or("not checked with samples".to_owned(), |(_, difference)| {
-        format!("off the framework by {:.1e} of the largest output", difference.relative())
+    let agreement = checked.map_or("not checked with samples".to_owned(), |(_, difference)| {
+        format!("differs from the framework by {:.1e} of the largest output", difference.relative())
     });
     print(format_args!(
-        "wrote {}: the {replaced} network replaced, {off}; training id {training_id}",
+        "wrote {}: the {replaced} network replaced, {agreement}; training id {training_id}",
         file.display()
     ))?;
-    print(format_args!(
-        "its recipe is that of the other network; nothing in it tells how the imported one was trained"
-    ))?;
+    print(format_args!("its recipe describes the other network, not the training of the imported one"))?;
     print(format_args!("next: model-quant quantize --checkpoint {}", file.display()))
+}
+
+/// Sizes of a network in words.
+fn sizes(shape: &Shape) -> String {
+    let Shape { columns, inputs, outputs, .. } = shape;
+    let padding = shape.padding.name();
+    let convolutions: Vec<String> =
+        shape.convolutions.iter().map(|c| format!("{} of {} channels", c.kernel, c.outputs)).collect();
+    let convolutions = convolutions.join(", ");
+    format!("{columns} columns of {inputs}, {padding} convolutions over {convolutions}, outputs: {outputs}")
 }

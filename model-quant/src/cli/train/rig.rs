@@ -1,25 +1,25 @@
-//! `model-quant train --friction rig`: the friction network of the rig, and what it is worth.
+//! `model-quant train --friction rig`: trains and evaluates the friction network of the rig.
 
-use super::{Arguments, Watch, recipe};
+use super::{Arguments, EpochBar, recipe};
 use crate::cli::{CliError, print, print_json};
-use model_quant::dataset::friction::FrictionSet;
-use model_quant::dataset::friction_source::{from_logs, from_rig, truth_of_rig};
-use model_quant::errors::Errors;
-use model_quant::features::FloatFeatures;
-use model_quant::pipeline::Network;
-use model_quant::ranges::{RangeKind, header};
-use model_quant::recipe::Recipe;
-use model_quant::rig::{CLEARANCE_M, SMOOTHING_S, check_loads, collision_force_n, train_on};
-use model_quant::shapes::collision;
-use model_quant::sources::Sources;
-use model_quant::train::{Loss, Training};
-use model_quant::write::{check_directory, write_whole};
+use crate::data::features::FloatFeatures;
+use crate::data::file::{check_directory, write_atomically};
+use crate::data::friction::FrictionSet;
+use crate::data::friction_source::{from_logs, from_rig, truth_of_rig};
+use crate::data::ranges::{RangeKind, header};
+use crate::evaluate::errors::Errors;
+use crate::evaluate::rig;
+use crate::network::NetworkKind;
+use crate::network::recipe::Recipe;
+use crate::train::rig::{CLEARANCE_M, SMOOTHING_S, check_loads, collision_force_n, train_on};
+use crate::train::sources::Sources;
+use crate::train::{Loss, Training};
 use serde_json::json;
 
-/// Passes over the rows unless given: both networks learn little after that.
+/// Default number of epochs: later epochs improve both networks little.
 const EPOCHS: usize = 60;
 
-/// Refuses what has no meaning here, so that nobody believes it was heeded.
+/// Refuses options without effect on this training.
 fn check(arguments: &Arguments) -> Result<(), CliError> {
     let given = [
         ("--range", arguments.range.is_some()),
@@ -29,7 +29,8 @@ fn check(arguments: &Arguments) -> Result<(), CliError> {
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((name, _)) => {
-            let expected = "nothing: the rig has its range, no 8-bit grid and no state that is kept";
+            let expected =
+                "nothing: the training for the rig has a fixed range, no 8-bit grid and no state files";
             Err(CliError::Argument(name, "it with --friction rig".to_owned(), expected))
         }
         None => Ok(()),
@@ -50,53 +51,65 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         (from_logs(description, &arguments.logs)?, Vec::new())
     };
     let set = FrictionSet::new(logs, SMOOTHING_S, recipe.seed)?;
-    let features = FloatFeatures::of(&header(bearing, recipe.range));
+    let features = FloatFeatures::from_header(&header(bearing, recipe.range));
     check_loads(&set, &features)?;
-    let mut watch = Watch::new(&recipe);
+    let mut epoch_bar = EpochBar::new(&recipe);
     let sources = Sources::new(bearing, &recipe);
-    let (rows, validation) = sources.of(Network::Collision);
-    let mut fit = Training::new(&recipe, collision(), (&rows, &validation), Loss::Clamped, 0);
+    let (rows, validation) = sources.parts_for(NetworkKind::Collision);
+    let mut fit =
+        Training::new(&recipe, NetworkKind::Collision.shape(), (&rows, &validation), Loss::Clamped, 0);
     while !fit.is_done() {
-        watch.epoch(Network::Collision, &fit.epoch());
+        epoch_bar.add(NetworkKind::Collision, &fit.epoch());
     }
     let collision = fit.finish().float;
-    let outcome = train_on(&set, &truth, &collision, &features, &recipe, &mut |progress| {
-        watch.epoch(Network::Friction, &progress);
+    let outcome = train_on(&set, &collision, &features, &recipe, &mut |progress| {
+        epoch_bar.add(NetworkKind::Friction, &progress);
     });
-    watch.bar.finish_and_clear();
+    epoch_bar.bar.finish_and_clear();
+    let found = rig::errors(&set, &truth, [&collision, &outcome.network], &features);
     let loads = [100e3, 150e3, 200e3, 240e3];
     let forces: Vec<_> = (loads.iter())
-        .map(|&load_n| json!({ "load_n": load_n, "collision_force_n": collision_force_n(&collision, &features, load_n) }))
+        .map(|&load_n| {
+            let force_n = collision_force_n(&collision, &features, load_n);
+            json!({ "load_n": load_n, "collision_force_n": force_n })
+        })
         .collect();
-    let errors = |errors: &Errors| json!({ "rows": errors.rows, "r2": errors.r2, "mae_nm": errors.mae_n, "largest_nm": errors.largest_n });
+    let errors = |errors: &Errors| {
+        let (rows, r2) = (errors.rows, errors.r2);
+        json!({ "rows": rows, "r2": r2, "mae_nm": errors.mae_n, "largest_nm": errors.largest_n })
+    };
+    let groups: Vec<_> = (set.groups.iter())
+        .map(|group| json!({ "source": group.source, "part": group.split.name() }))
+        .collect();
     let result = json!({
         "bearing": bearing.name(),
-        "groups": set.groups.iter().map(|g| json!({ "source": g.source, "part": g.split.name() })).collect::<Vec<_>>(),
+        "groups": groups,
         "scales": set.scales,
         "recipe": recipe,
         "clearance_m": CLEARANCE_M,
         "collision": forces,
-        "test_against_truth": outcome.truth.as_ref().map(errors),
-        "test_against_cleaned": errors(&outcome.cleaned),
+        "test_against_truth": found.truth.as_ref().map(errors),
+        "test_against_cleaned": errors(&found.cleaned),
         "shape": outcome.network.shape(),
         "parameters": outcome.network.parameters().collect::<Vec<f32>>(),
         "collision_parameters": collision.parameters().collect::<Vec<f32>>(),
         "epochs": outcome.history,
     });
     let file = arguments.out.join(format!("{}.rig.json", bearing.name()));
-    write_whole(&file, format!("{result}\n").as_bytes())?;
+    write_atomically(&file, format!("{result}\n").as_bytes())?;
     if arguments.json {
         return print_json(&result);
     }
     let line = |what: &str, errors: &Errors| {
         print(format_args!(
-            "test groups, {} samples, torque against {what}: R^2 {:.5}, mean absolute error {:.2} N m, largest {:.1} N m",
+            "test groups, {} samples, torque against {what}: R^2 {:.5}, mean absolute error {:.2} N m, \
+             largest {:.1} N m",
             errors.rows, errors.r2, errors.mae_n, errors.largest_n
         ))
     };
-    if let Some(truth) = &outcome.truth {
+    if let Some(truth) = &found.truth {
         line("the truth without noise", truth)?;
     }
-    line("the cleaned torque", &outcome.cleaned)?;
+    line("the cleaned torque", &found.cleaned)?;
     print(format_args!("wrote {}", file.display()))
 }

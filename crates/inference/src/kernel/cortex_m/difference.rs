@@ -1,10 +1,12 @@
-//! Whether two columns of four or eight words are the same: LDM of four words each and USADA8, which adds up by how much the bytes of two words differ.
-//! 6 instructions for four words; one by one it would be 16.
+//! Comparison of two columns of four or eight words: LDM of four words each and USADA8, which
+//! accumulates the differences of the bytes of two words. It takes 6 instructions for four words in
+//! place of 16.
 //!
 //! # Safety argument
 //!
-//! The function reads `4 QUADS` words at each of its two arguments; the wrapper takes references to arrays of that length, whose words are aligned
-//! as LDM wants them. r4 to r9 are saved, 24 bytes of stack keep it aligned to 8; r12 and the flags are the function's own. It writes no other memory.
+//! The function reads `4 QUADS` words at each of its two arguments. The wrapper takes references to
+//! arrays of that length, whose words are aligned as LDM requires. r4 to r9 are saved; 24 bytes of
+//! stack keep it aligned to 8; r12 and the flags are free to use. No other memory is written.
 
 use core::arch::naked_asm;
 
@@ -28,7 +30,7 @@ unsafe extern "C" fn quads<const QUADS: usize>(first: *const u32, second: *const
     )
 }
 
-/// By how much the bytes of two columns differ, 0 if not at all.
+/// Returns the sum of the byte differences of two columns, 0 if they are equal.
 #[inline]
 pub(crate) fn difference<const QUADS: usize>(first: &[[u32; 4]; QUADS], second: &[[u32; 4]; QUADS]) -> u32 {
     // SAFETY: two arrays of `4 QUADS` words.

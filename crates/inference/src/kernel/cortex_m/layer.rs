@@ -1,27 +1,36 @@
-//! All blocks of a convolution at one position in one go: products, scaling, clipping and storing, wide weights and 16-bit activations.
+//! All blocks of a convolution at one position in one function: products, scaling, clipping and
+//! storing, for wide weights and 16-bit activations.
 //!
-//! A stream spends most of its instructions here, and at one position what surrounds the products costs as much as a quarter of them: so one
-//! function does the whole layer. Six pairs of taps of four outputs take 31 instructions for their 48 products: 24 SMLAD,
-//! four LDM of six weights each, three LDRD of two pairs of activations. What surrounds the products of four outputs takes 29, one more where they are
-//! stored twice.
+//! A stream spends most of its instructions here. At one position the overhead around the products
+//! costs a quarter of them, so one function computes the complete layer. Six pairs of taps of four
+//! outputs take 31 instructions for their 48 products: 24 SMLAD, four LDM of six weights each,
+//! three LDRD of two pairs of activations. The overhead for four outputs is 29 instructions, one
+//! more if they are stored twice.
 //!
-//! Clipping: USAT keeps 16 bits, so bit 15 of a half says that the output is beyond full scale; the halves of two words are counted
-//! side by side. UQADD16 with 0x8000 in each half saturates exactly those, and EOR with the same takes it away again: what is left is the
-//! smaller of the value and 0x7FFF.
+//! Clipping: USAT keeps 16 bits, so bit 15 of a half is set if the output exceeds full scale; both
+//! halves of two words are counted side by side. UQADD16 with 0x8000 in each half saturates exactly
+//! those, and EOR with the same removes it again. The result is the smaller of the value and
+//! 0x7FFF.
 //!
-//! Biases, weights and multipliers come one behind the other, so a single pointer, which never leaves its register, goes through all of them. The function gives
-//! where it ended: elsewhere than the layer does if the place of the outputs or their end, which wait on the stack, were not what had been put there. It does not tell of
-//! the count of clipped outputs, nor of the columns' place, which is read from there where a layer has more than 95 pairs of taps or 4095 bytes of them.
+//! Biases, weights and multipliers are stored one after the other, so a single pointer, which never
+//! leaves its register, passes through all of them. The function returns where it ended. That
+//! differs from the end of the layer if the output pointer or its end, which are on the stack, were
+//! corrupted. It does not detect a corrupted count of clipped outputs. It also does not detect a
+//! corrupted pointer to the columns, which is read from the stack if a layer has more than 95 pairs
+//! of taps or 4095 bytes of them.
 //!
 //! # Safety argument
 //!
-//! `K * IN` is even and the columns are `K * IN / 2` words; the layer is `blocks` (not 0) times `K * IN / 2 + 2` groups of four words; outputs (two words) are
-//! `blocks`; as much memory for outputs is `N` columns of `OUT` behind these. [`run`] checks
-//! all of it, and that columns and outputs stand at addresses divisible by 4, as LDRD, STRD, LDM and STM need it; otherwise it does nothing. The pointer of the outputs is that of all this memory. Flags (GE and Q among them),
-//! r0 to r3 and r12 are the function's own by the procedure call standard; it saves the other registers
-//! that it uses. Its 56 bytes of stack keep the stack pointer aligned to 8, and it touches no other memory.
+//! `K * IN` is even and the columns are `K * IN / 2` words. The layer is `blocks` (not 0) times `K
+//! * IN / 2 + 2` groups of four words. There are `blocks` outputs of two words each, followed by as
+//! much memory for outputs as `N` columns of `OUT`. [`run`] checks all of this, and that columns
+//! and outputs are at addresses divisible by 4, as LDRD, STRD, LDM and STM require; otherwise it
+//! does nothing. The output pointer is valid for all this memory. Flags (GE and Q among them), r0
+//! to r3 and r12 are free to use by the procedure call standard; the function saves the other
+//! registers that it uses. Its 56 bytes of stack keep the stack pointer aligned to 8. It accesses
+//! no other memory.
 
-use crate::kernel::{BLOCK, Done, Quad};
+use crate::kernel::{BLOCK, LayerOutcome, Quad};
 use core::arch::naked_asm;
 
 /// Products of outputs 0 to 3 with a pair of activations: `$a` to `$d` are the weights.
@@ -66,8 +75,9 @@ macro_rules! six {
     };
 }
 
-/// Words behind the stack pointer: outputs, their end, clipped, columns, ten saved registers (r12 is there for the alignment). Gives how many outputs were clipped and,
-/// in the upper half, where the way through the blocks ended.
+/// Words above the stack pointer: outputs, their end, clipped, columns, ten saved registers (r12
+/// for alignment). Returns the number of clipped outputs and, in the upper half, the final weight
+/// pointer.
 #[unsafe(naked)]
 unsafe extern "C" fn wide_layer<const IN: usize, const OUT: usize, const K: usize, const N: usize>(
     outputs: *mut i16,
@@ -89,7 +99,7 @@ unsafe extern "C" fn wide_layer<const IN: usize, const OUT: usize, const K: usiz
         six!(),
         ".endr",
         ".endif",
-        // The end of the whole turns, found by the start of the columns.
+        // The end of the complete turns, computed from the start of the columns.
         ".if {turns} > 1",
         "ldr r8, [sp, #12]",
         "movw r9, #({turns} * 96)",
@@ -158,19 +168,21 @@ unsafe extern "C" fn wide_layer<const IN: usize, const OUT: usize, const K: usiz
     )
 }
 
-/// Bytes from a column to its copy; one that is not at a word's address is none for this function.
+/// Returns the bytes from a column to its copy; 0 if the copy is not word-aligned, which this
+/// function does not support.
 const fn distance<const OUT: usize, const N: usize>() -> usize {
     let bytes = 2 * OUT * N;
     if bytes.is_multiple_of(4) { bytes } else { 0 }
 }
 
-/// Computes some blocks, if this function can, stored from `outputs` on and `N` columns of `OUT` behind that.
+/// Computes some blocks if this function supports the shape. Stores the outputs in `outputs` and
+/// `N` columns of `OUT` after it.
 #[inline]
 pub(super) fn run<const IN: usize, const OUT: usize, const K: usize, const N: usize>(
     blocks: &[Quad],
     columns: &[[i16; IN]; K],
     outputs: &mut [i16],
-) -> Option<Done> {
+) -> Option<LayerOutcome> {
     const { assert!(K * IN / 2 / 24 * 96 <= 65535 && 2 * OUT * N <= 65535) };
     let aligned = (columns.as_ptr().addr() | outputs.as_ptr().addr() | 2 * OUT * N).is_multiple_of(4);
     let block = K * IN / 2 + 2;
@@ -187,8 +199,8 @@ pub(super) fn run<const IN: usize, const OUT: usize, const K: usize, const N: us
     }
     let start = outputs.as_mut_ptr();
     let end = start.wrapping_add(count.wrapping_mul(BLOCK));
-    // SAFETY: the lengths and addresses are those of the argument above.
+    // SAFETY: lengths and addresses match the module's safety argument.
     let done = unsafe { wide_layer::<IN, OUT, K, N>(start, end, blocks.as_ptr(), columns.as_ptr().cast()) };
     let last = blocks.as_ptr_range().end.addr() as u32;
-    Some(Done { clipped: done as u32, astray: (done >> 32) as u32 ^ last })
+    Some(LayerOutcome { clipped: done as u32, corruption: (done >> 32) as u32 ^ last })
 }

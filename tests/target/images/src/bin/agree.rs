@@ -1,4 +1,5 @@
-//! Prints the digest of everything in `on_target::agreement` with both engines of the core it runs on.
+//! Prints the digest of `on_target::agreement` with both engines of the core and, with
+//! an FPU, that of `on_target::filter`.
 #![no_std]
 #![no_main]
 
@@ -24,6 +25,8 @@ fn main() -> ! {
             hprintln!("{} {:016x}", seed, found.map_or(0, |digest| digest.0));
         }
     }
+    #[cfg(feature = "filter")]
+    hprintln!("filter {:016x}", on_target::filter::digest().unwrap_or(0));
     debug::exit(debug::EXIT_SUCCESS);
     loop {}
 }

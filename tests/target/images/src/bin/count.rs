@@ -1,6 +1,8 @@
-//! Counts the instructions of the reference network's modes, of single layers and of an estimate's frame, on a board whose SysTick runs at 168 MHz.
+//! Counts the instructions of the reference network's modes, of single layers and of an estimate's
+//! frame, on a board whose SysTick runs at 168 MHz.
 //!
-//! One line a figure: name, fewest and most instructions over random inputs, multiply-accumulates.
+//! Prints one line per figure: name, minimum and maximum of the instructions over random inputs,
+//! multiply-accumulates.
 #![no_std]
 #![no_main]
 
@@ -13,11 +15,14 @@ use inference::activation::Activation;
 use inference::chain::{Chain, Then};
 use inference::features::{COLLISION_INPUTS, FRICTION_INPUTS};
 use inference::image::WeightForm;
+use inference::word_sum::WordSum;
 use inference::kernel::{Engine, Native, Portable};
 use inference::{
-    Bearing, Convolution, Head, Interleaved, Model, Network, Pair, Same, Sample, Streaming, Windowed, shipped,
+    BearingMaterial, Convolution, Head, Model, Network, Pair, Same, Sample, Streaming, Windowed, shipped,
 };
+use controller::filter::Filter;
 use link::{ESTIMATE_FRAME, EstimateLayout, NumberedEstimate, encode_estimate};
+use on_target::filter::Orbit;
 use on_target::network::{COLUMNS, INPUTS, Reference, Room, random, read, reference_shapes};
 use on_target::noise::Noise;
 
@@ -28,7 +33,8 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     loop {}
 }
 
-/// SysTick as a counter of instructions: with `-icount shift=6` an instruction is 64 ns, that is 10.752 ticks at 168 MHz.
+/// SysTick as an instruction counter: with `-icount shift=6` an instruction takes 64 ns, which is
+/// 10.752 ticks at 168 MHz.
 struct Counter {
     overhead: u32,
 }
@@ -49,12 +55,12 @@ impl Counter {
         work();
         let after = SYST::get_current();
         let ticks = before.wrapping_sub(after) & 0x00ff_ffff;
-        // Instructions = ticks / 10.752, to the nearest.
+        // Instructions = ticks / 10.752, rounded to nearest.
         ((u64::from(ticks) * 1000 + 5376) / 10752) as u32 - self.overhead
     }
 }
 
-/// The extremes over many inputs.
+/// Minimum and maximum over many inputs.
 struct Extremes(u32, u32);
 
 impl Extremes {
@@ -70,11 +76,11 @@ impl Extremes {
     }
 }
 
-/// Random inputs for each figure.
+/// Number of random inputs for each figure.
 const TIMES: usize = 1000;
 /// All positions of the window.
 const REFERENCE_WINDOW_MACS: usize = 32 * (5 * 6 * 16 + 5 * 16 * 32 + 3 * 32 * 32) + 32 * 32;
-/// What a move by one column changes: 5, 9 and 11 positions of 32, and the dense layer.
+/// Work of a move by one column: 5, 9 and 11 positions of 32, and the dense layer.
 const REFERENCE_REUSE_MACS: usize = 5 * 5 * 6 * 16 + 9 * 5 * 16 * 32 + 11 * 3 * 32 * 32 + 32 * 32;
 
 type Collision<'a> = Network<'a, i16, COLLISION_INPUTS>;
@@ -84,12 +90,12 @@ fn column(noise: &mut Noise) -> [i16; INPUTS] {
     core::array::from_fn(|_| noise.within(32767) as i16)
 }
 
-/// The reference network in every mode.
+/// Counts the reference network in every mode.
 fn modes<A: Activation, E: Engine>(
     counter: &Counter,
     room: &mut Room,
     form: WeightForm,
-    [window_name, reuse_name, stream_name, pieces_name]: [&str; 4],
+    [window_name, reuse_name, stream_name]: [&str; 3],
 ) -> Option<()> {
     let used = random(&reference_shapes::<A>(form, form), 1, room).ok()?;
     let network: Reference<'_, A> = read(room.0.get(..used)?).ok()?;
@@ -117,23 +123,10 @@ fn modes<A: Activation, E: Engine>(
         })
     })
     .print(stream_name, Reference::<'_, A>::MACS);
-    let mut pieces = Interleaved::<_, i16, INPUTS, 4, E>::new(network);
-    Extremes::over(TIMES, || {
-        let _taken = pieces.begin(&column(&mut noise));
-        (0..4)
-            .map(|_| {
-                counter.count(|| {
-                    black_box(pieces.tick());
-                })
-            })
-            .max()
-            .unwrap_or(0)
-    })
-    .print(pieces_name, Reference::<'_, A>::MACS / 4);
     Some(())
 }
 
-/// A layer at one position and at two neighbouring ones.
+/// Counts a layer at one position and at two neighbouring positions.
 fn layer<A: Activation, const IN: usize, const OUT: usize, const K: usize>(
     counter: &Counter,
     room: &mut Room,
@@ -162,7 +155,7 @@ fn layer<A: Activation, const IN: usize, const OUT: usize, const K: usize>(
     Some(())
 }
 
-/// One dense output.
+/// Counts one dense output.
 fn head<A: Activation, const IN: usize, const COLUMNS: usize>(
     counter: &Counter,
     room: &mut Room,
@@ -184,7 +177,7 @@ fn head<A: Activation, const IN: usize, const COLUMNS: usize>(
     Some(())
 }
 
-/// The shapes of the reference and of the shipped networks.
+/// Counts the shapes of the reference network and of the shipped networks.
 fn layers<A: Activation>(counter: &Counter, room: &mut Room, form: WeightForm, mode: &str) -> Option<()> {
     layer::<A, 6, 16, 5>(counter, room, form, mode)?;
     layer::<A, 16, 32, 5>(counter, room, form, mode)?;
@@ -196,8 +189,8 @@ fn layers<A: Activation>(counter: &Counter, room: &mut Room, form: WeightForm, m
     head::<A, 16, 2>(counter, room, form, mode)
 }
 
-/// The pair of a bearing over samples all over and beyond its ranges.
-fn pair(counter: &Counter, bearing: Bearing) -> Option<()> {
+/// Counts the pair of a bearing over samples within and beyond its ranges.
+fn pair(counter: &Counter, bearing: BearingMaterial) -> Option<()> {
     let mut pair: Pair = Pair::new(Model::load(shipped(bearing)).ok()?);
     let mut noise = Noise(5);
     let macs = Collision::<'_>::MACS + Friction::<'_>::MACS;
@@ -217,21 +210,41 @@ fn pair(counter: &Counter, bearing: Bearing) -> Option<()> {
     Some(())
 }
 
-/// The frame of an estimate over any bits, zeros among them.
+/// Counts the frame of an estimate over random bytes, zeros among them.
 fn frame(counter: &Counter) {
     let mut noise = Noise(6);
     Extremes::over(TIMES, || {
         let sparse = noise.bits();
         let mut byte = |at: usize| if sparse >> (at % 32) & 1 == 0 { 0 } else { noise.bits() as u8 };
         let first = [byte(0), byte(1), byte(2)];
-        let words: [[u8; 4]; 11] = core::array::from_fn(|word| core::array::from_fn(|at| byte(4 * word + at)));
+        let words: [[u8; 4]; 11] =
+            core::array::from_fn(|word| core::array::from_fn(|at| byte(4 * word + at)));
         let estimate = NumberedEstimate::from(EstimateLayout(first, words));
         let mut frame = [0; ESTIMATE_FRAME];
-        let count = counter.count(|| encode_estimate(black_box(&estimate), estimate.estimate.parity(), &mut frame));
+        let computed = WordSum::from_words(&estimate.estimate.value_bits());
+        let count = counter.count(|| {
+            let check = |values: &[u32; 6]| WordSum::from_words(values).difference(computed);
+            encode_estimate(black_box(&estimate), check, &mut frame);
+        });
         black_box(frame);
         count
     })
     .print("estimate_frame", 0);
+}
+
+/// Counts a sample of the Kalman filter: in contact, at its loss and onset, and at slow sliding.
+fn filter(counter: &Counter) {
+    for (name, drive_force) in [("filter", false), ("filter_drive_force", true)] {
+        let Some(mut orbit) = Orbit::new(drive_force) else { return };
+        Extremes::over(TIMES, || {
+            let measured = orbit.next();
+            counter.count(|| {
+                black_box(orbit.filter.step(&measured));
+            })
+        })
+        .print(name, 0);
+    }
+    hprintln!("filter_bytes {} {} 0", size_of::<Filter>(), size_of::<Filter>());
 }
 
 fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
@@ -240,7 +253,7 @@ fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
         counter,
         room,
         wide,
-        ["reference_window", "reference_reuse", "reference_stream", "reference_interleaved_4"],
+        ["reference_window", "reference_reuse", "reference_stream"],
     )?;
     modes::<i16, Native>(
         counter,
@@ -250,7 +263,6 @@ fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
             "reference_window_packed",
             "reference_reuse_packed",
             "reference_stream_packed",
-            "reference_interleaved_4_packed",
         ],
     )?;
     modes::<i8, Native>(
@@ -261,7 +273,6 @@ fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
             "reference_window_compact",
             "reference_reuse_compact",
             "reference_stream_compact",
-            "reference_interleaved_4_compact",
         ],
     )?;
     modes::<i16, Portable>(
@@ -272,13 +283,13 @@ fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
             "reference_window_portable",
             "reference_reuse_portable",
             "reference_stream_portable",
-            "reference_interleaved_4_portable",
         ],
     )?;
-    for bearing in Bearing::ALL {
+    for bearing in BearingMaterial::ALL {
         pair(counter, bearing)?;
     }
     frame(counter);
+    filter(counter);
     layers::<i16>(counter, room, wide, "wide")?;
     layers::<i16>(counter, room, packed, "packed")?;
     layers::<i8>(counter, room, packed, "compact")

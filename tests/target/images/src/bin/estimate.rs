@@ -1,13 +1,14 @@
-//! The least that uses the crate: a shipped model, samples in, forces out, no floating point. Its symbols are looked at, and its size.
+//! Smallest program that uses the crate: a shipped model, samples in, forces out, no floating
+//! point. The build checks its symbols and its size.
 #![no_std]
 #![no_main]
 
 use core::ptr::{read_volatile, write_volatile};
 use cortex_m as _;
 use cortex_m_rt::entry;
-use inference::{Bearing, Model, Pair, Sample, shipped};
+use inference::{BearingMaterial, Model, Pair, Sample, shipped};
 
-/// In the image only if a panic is reachable.
+/// Linked only if a panic is reachable.
 #[unsafe(no_mangle)]
 static PINTLE_PANIC_MARKER: u32 = 0x0BAD_F00D;
 
@@ -30,10 +31,11 @@ static mut FORCE_MN: i32 = 0;
 #[entry]
 fn main() -> ! {
     loop {
-        let Ok(model) = Model::load(shipped(Bearing::Babbitt)) else { loop {} };
+        let Ok(model) = Model::load(shipped(BearingMaterial::Babbitt)) else { loop {} };
         let mut pair: Pair = Pair::new(model);
         for _ in 0..1000 {
-            // SAFETY: nothing else touches these; volatile, so that the work is done.
+            // SAFETY: nothing else accesses these; volatile, so that the work is not optimised
+            // away.
             unsafe {
                 let sample = read_volatile(&raw const SAMPLE);
                 write_volatile(&raw mut FORCE_MN, pair.step(&sample).normal_force_mn);

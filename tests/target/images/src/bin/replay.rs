@@ -1,5 +1,6 @@
-//! Runs the windows of `model-quant/peers` through the shipped networks and prints the sum of each, a line each, in the order of the
-//! file: Babbitt collision, Babbitt friction, plastic collision, plastic friction.
+//! Runs the windows of `model-quant/peers` through the shipped networks and prints the sum of each
+//! on a line, in the order of the file: Babbitt collision, Babbitt friction, plastic collision,
+//! plastic friction.
 #![no_std]
 #![no_main]
 
@@ -7,7 +8,7 @@ use cortex_m as _;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use inference::chain::{Chain, Sums};
-use inference::{Bearing, Model, Streaming, WINDOW, shipped};
+use inference::{BearingMaterial, Model, Streaming, WINDOW, shipped};
 
 /// The file, see `model-quant/peers/README.md`.
 static WINDOWS: &[u8] = include_bytes!("../../../../../model-quant/peers/windows.bin");
@@ -62,7 +63,7 @@ fn network<N: Chain<'static, i16, IN, Output = Sums<1>> + Copy, const IN: usize>
 
 fn everything() -> Option<()> {
     let mut windows = Reader(WINDOWS.get(16..)?);
-    for bearing in Bearing::ALL {
+    for bearing in BearingMaterial::ALL {
         let model: Model = Model::load(shipped(bearing)).ok()?;
         network(&mut windows, *model.collision())?;
         network(&mut windows, *model.friction())?;

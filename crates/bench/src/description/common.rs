@@ -1,0 +1,104 @@
+//! Sections that every plant's description has: sensors, uncertainty, log format and effects.
+
+use super::{Effect, Nuisances};
+use crate::log::{Columns, TextFormat};
+use crate::signals::{Channel, Sensor};
+use std::collections::BTreeMap;
+
+/// Sections that every plant's description has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Common {
+    /// Sensors by channel.
+    pub sensors: BTreeMap<Channel, Sensor>,
+    /// Standard deviations of the parameters that calibration may move, by parameter name.
+    pub uncertain: BTreeMap<String, f64>,
+    /// Per-log nuisance parameters.
+    pub nuisances: Nuisances,
+    /// Text format of a foreign log.
+    pub log: TextFormat,
+    /// Columns of a foreign log by channel.
+    pub columns: Columns,
+    /// Deviations from the nominal model.
+    pub effects: Vec<Effect>,
+}
+
+/// Defines a plant's description: its name, its own sections, the [`Common`] ones and its
+/// extension.
+///
+/// `#[serde(flatten)]` would accept unknown fields and lose line and column. So the file is read
+/// into a private struct that lists all sections side by side, and converted.
+macro_rules! plant_description {
+    (
+        $(#[$meta:meta])*
+        $name:ident as $file:ident $file_name:literal, plant $plant:literal, extension $extension:ty {
+            $($(#[$field_meta:meta])* $field:ident : $type:ty,)*
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(from = $file_name, into = $file_name)]
+        pub struct $name {
+            $($(#[$field_meta])* pub $field: $type,)*
+            /// Sections that every plant has.
+            pub common: $crate::description::Common,
+            /// Terms that effects switch on; never in a file.
+            pub extension: $extension,
+        }
+
+        impl $name {
+            /// Name of the plant, as `plant` in a description.
+            pub const PLANT: &str = $plant;
+        }
+
+        impl $crate::description::CommonSections for $name {
+            fn plant_name(&self) -> &'static str {
+                Self::PLANT
+            }
+
+            fn common(&self) -> &$crate::description::Common {
+                &self.common
+            }
+
+            fn common_mut(&mut self) -> &mut $crate::description::Common {
+                &mut self.common
+            }
+        }
+
+        #[derive(serde::Serialize, serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct $file {
+            $($(#[$field_meta])* $field: $type,)*
+            #[serde(default)]
+            sensors: std::collections::BTreeMap<$crate::signals::Channel, $crate::signals::Sensor>,
+            #[serde(default)]
+            uncertain: std::collections::BTreeMap<String, f64>,
+            #[serde(default, skip_serializing_if = "crate::description::Nuisances::is_empty")]
+            nuisances: $crate::description::Nuisances,
+            #[serde(default, skip_serializing_if = "crate::log::TextFormat::is_default")]
+            log: $crate::log::TextFormat,
+            #[serde(default, skip_serializing_if = "crate::log::Columns::is_empty")]
+            columns: $crate::log::Columns,
+            #[serde(default, skip_serializing_if = "Vec::is_empty")]
+            effects: Vec<$crate::description::Effect>,
+        }
+
+        impl From<$file> for $name {
+            fn from(file: $file) -> Self {
+                let $file { $($field,)* sensors, uncertain, nuisances, log, columns, effects } = file;
+                let common =
+                    $crate::description::Common { sensors, uncertain, nuisances, log, columns, effects };
+                Self { $($field,)* common, extension: <$extension>::default() }
+            }
+        }
+
+        impl From<$name> for $file {
+            fn from(bench: $name) -> Self {
+                let $name { $($field,)* common, extension: _ } = bench;
+                let $crate::description::Common { sensors, uncertain, nuisances, log, columns, effects } =
+                    common;
+                Self { $($field,)* sensors, uncertain, nuisances, log, columns, effects }
+            }
+        }
+    };
+}
+pub(super) use plant_description;

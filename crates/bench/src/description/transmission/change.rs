@@ -1,0 +1,39 @@
+//! Changes of a transmission bench's description: bearing material and clearance.
+
+use super::{ShapeName, TransmissionBench};
+use contact::{BearingMaterial, StribeckShape};
+
+impl TransmissionBench {
+    /// Replaces bearing material and friction by those of a trained bearing. Clearance and geometry
+    /// do not change.
+    pub fn set_material(&mut self, material: BearingMaterial) {
+        let (elastic, friction) = (material.elastic(), material.friction_law());
+        let old_modulus = self.bearing.youngs_modulus_pa;
+        self.bearing.material = material;
+        self.bearing.youngs_modulus_pa = elastic.youngs_modulus_pa;
+        self.bearing.poisson_ratio = elastic.poisson_ratio;
+        self.bearing.restitution = material.restitution();
+        self.friction.coulomb_coefficient = friction.coulomb_coefficient;
+        self.friction.static_coefficient = friction.static_coefficient;
+        self.friction.stribeck_speed_m_s = friction.stribeck_speed_m_s;
+        self.friction.shape = match friction.shape {
+            StribeckShape::Tustin => ShapeName::Tustin,
+            StribeckShape::Gauss => ShapeName::Gauss,
+        };
+        self.friction.viscous_slope_s_m = friction.viscous_slope_s_m;
+        self.friction.viscous_onset_m_s = friction.viscous_onset_m_s;
+        self.friction.regularisation_m_s = friction.regularisation_m_s;
+        // The relative uncertainty of the modulus does not change.
+        if let Some(deviation) = self.common.uncertain.get_mut("bearing.youngs_modulus_pa") {
+            *deviation *= elastic.youngs_modulus_pa / old_modulus;
+        }
+    }
+
+    /// Changes the clearance. Its relative uncertainty does not change.
+    pub fn set_radial_clearance(&mut self, radial_clearance_m: f64) {
+        if let Some(deviation) = self.common.uncertain.get_mut("bearing.radial_clearance_m") {
+            *deviation *= radial_clearance_m / self.bearing.radial_clearance_m;
+        }
+        self.bearing.radial_clearance_m = radial_clearance_m;
+    }
+}

@@ -1,0 +1,87 @@
+//! Checks of the laws in a description: each can be built from the given parameters, and each given
+//! parameter is used.
+
+use super::TransmissionBench;
+use crate::description::{Refusal, format_number};
+use crate::plants::contact_laws::{BearingFriction, JointLaw};
+use contact::{CompleteLawKind, FrictionKind, LawError, StiffnessKind};
+
+/// Friction laws of the catalogue that no bench can integrate. Two are discontinuous at speed 0,
+/// which an error-controlled step cannot pass. Karnopp's law and the seven-parameter law also need
+/// the holding force or the duration of a standstill.
+const NOT_INTEGRATED: [FrictionKind; 3] =
+    [FrictionKind::Coulomb, FrictionKind::Karnopp, FrictionKind::SevenParameter];
+
+/// Returns whether a bench can be integrated with the friction law of this name.
+pub fn integrates_friction(name: &str) -> bool {
+    FrictionKind::from_name(name).is_some_and(|kind| !NOT_INTEGRATED.contains(&kind))
+}
+
+/// Returns whether the friction law of a description has bristles.
+pub(super) fn has_bristles(bench: &TransmissionBench) -> bool {
+    BearingFriction::from_section(&bench.friction).is_ok_and(|law| law.has_state())
+}
+
+/// Returns the first law that is not allowed.
+pub(super) fn refusal(bench: &TransmissionBench) -> Option<Refusal> {
+    if let Some(name) = bench.friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
+        let fit = FrictionKind::ALL.iter().filter(|kind| !NOT_INTEGRATED.contains(kind));
+        let names: Vec<&str> = fit.map(|kind| kind.entry().name).collect();
+        let expected = format!(
+            "one of {}: a bench integrates laws that depend on the speed continuously",
+            names.join(", ")
+        );
+        return Some(("friction.law".into(), name.0.entry().name.into(), expected));
+    }
+    unused_parameter(bench)
+        .or_else(|| wrong("contact", JointLaw::from_bench(bench).err()?))
+        .or_else(|| wrong("friction", BearingFriction::from_section(&bench.friction).err()?))
+}
+
+fn wrong(section: &str, error: LawError) -> Option<Refusal> {
+    Some(match error {
+        LawError::OutOfRange { quantity, found, expected } => {
+            (format!("{section}: {quantity}"), format_number(found), expected.into())
+        }
+        LawError::Missing { law, quantity } => {
+            let field = quantity.trim_start_matches("an ").trim_start_matches("a ");
+            (format!("{section}.{field}"), "missing".into(), format!("a number, which `{law}` needs"))
+        }
+        LawError::UnknownName { .. } => (section.into(), error.to_string(), "a law of the catalogue".into()),
+    })
+}
+
+/// Returns a parameter of the contact that the named law does not use.
+fn unused_parameter(bench: &TransmissionBench) -> Option<Refusal> {
+    let section = &bench.contact;
+    let (law, used): (&str, &[&str]) = match section.law {
+        Some(complete) => (
+            complete.0.entry().name,
+            match complete.0 {
+                CompleteLawKind::KelvinVoigt => &["coefficient", "damping_n_s_m"],
+                CompleteLawKind::Anagnostopoulos => &["coefficient"],
+                CompleteLawKind::AdamsImpact => {
+                    &["coefficient", "exponent", "damping_n_s_m", "full_damping_depth_m"]
+                }
+            },
+        ),
+        None => (
+            section.stiffness.0.entry().name,
+            match section.stiffness.0 {
+                StiffnessKind::Linear | StiffnessKind::Hertz => &["coefficient"],
+                StiffnessKind::Power => &["coefficient", "exponent"],
+                _ => &[],
+            },
+        ),
+    };
+    let given = [
+        ("coefficient", section.coefficient),
+        ("exponent", section.exponent),
+        ("damping_n_s_m", section.damping_n_s_m),
+        ("full_damping_depth_m", section.full_damping_depth_m),
+    ];
+    let (field, value) = given
+        .into_iter()
+        .find_map(|(field, value)| Some((field, value?)).filter(|g| !used.contains(&g.0)))?;
+    Some((format!("contact.{field}"), format_number(value), format!("none: `{law}` does not use it")))
+}

@@ -1,0 +1,272 @@
+//! Description of the transmission bench.
+
+mod change;
+mod laws;
+mod plant;
+
+pub use laws::integrates_friction;
+
+use super::common::plant_description;
+use super::{Extension, Load, Logging, is_one, is_zero, one};
+use crate::description::law_names::{
+    CompleteLawName, DampingName, DissipationName, FrictionName, StiffnessName,
+};
+use contact::BearingMaterial;
+use serde::{Deserialize, Serialize};
+
+section! {
+    /// Levers and stroke of the transmission bench.
+    Geometry {
+        /// Drive crank `R_d` in m.
+        drive_lever_radius_m: f64,
+        /// Load crank `R_l` in m.
+        load_lever_radius_m: f64,
+    }
+}
+section! {
+    /// The shaft with all parts that move with it.
+    Shaft {
+        /// Mass in kg.
+        mass_kg: f64,
+        /// Moment of inertia about its axis in kg m2.
+        inertia_kg_m2: f64,
+    }
+}
+section! {
+    /// The clearance bearing.
+    Bearing {
+        /// Material; it selects the trained networks.
+        material: BearingMaterial,
+        /// Bearing radius `R_B` in m.
+        bearing_radius_m: f64,
+        /// Radial clearance `D` in m.
+        radial_clearance_m: f64,
+        /// Bearing length in m.
+        length_m: f64,
+        /// Young's modulus of the bearing in Pa.
+        youngs_modulus_pa: f64,
+        /// Poisson's ratio of the bearing.
+        poisson_ratio: f64,
+        /// Nominal restitution.
+        restitution: f64,
+    }
+}
+section! {
+    /// Normal law of the contact.
+    ContactSection {
+        /// Stiffness part.
+        stiffness: StiffnessName,
+        /// Dissipation factor.
+        dissipation: DissipationName,
+        /// Floor of the latched approach speed in m/s; the reference speed with `damping =
+        /// "reference"`.
+        latch_floor_m_s: f64,
+        /// Reference of the deformation rate.
+        #[serde(default, skip_serializing_if = "DampingName::is_latched")]
+        damping: DampingName,
+        /// Law with its own damping; replaces stiffness and dissipation.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        law: Option<CompleteLawName>,
+        /// `K` in N/m^n, for laws that do not compute it from the joint.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        coefficient: Option<f64>,
+        /// `n`, for laws with a free exponent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        exponent: Option<f64>,
+        /// Damping in N s/m: constant for `kelvin-voigt`, full damping for `adams-impact`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        damping_n_s_m: Option<f64>,
+        /// Depth in m at which `adams-impact` has its full damping.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        full_damping_depth_m: Option<f64>,
+    }
+}
+section! {
+    /// Friction law of the contact; see `contact::FrictionLaw` and the catalogue of `contact`.
+    FrictionSection {
+        /// Name of the law; Stribeck's without one.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        law: Option<FrictionName>,
+        /// Coefficient at high speed.
+        coulomb_coefficient: f64,
+        /// Coefficient at the onset of sliding.
+        static_coefficient: f64,
+        /// Stribeck speed in m/s.
+        stribeck_speed_m_s: f64,
+        /// Stribeck exponent by name.
+        shape: ShapeName,
+        /// Slope over speed in s/m.
+        viscous_slope_s_m: f64,
+        /// Speed where the slope begins, m/s.
+        viscous_onset_m_s: f64,
+        /// Width of the regularised sign in m/s.
+        regularisation_m_s: f64,
+        /// Speed in m/s up to which Ambrosio's law gives no friction.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        still_speed_m_s: f64,
+        /// Force in N over which the viscous part of Brown and McPhee's law develops.
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        transition_force_n: f64,
+        /// Stiffness of the bristles in 1/m, for `dahl` and `lugre`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        bristle_stiffness_per_m: Option<f64>,
+        /// Damping of the bristles in s/m, for `lugre`.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        bristle_damping_s_m: f64,
+        /// Factor on the total coefficient: the "friction level" of `[uncertain]`.
+        #[serde(default = "one")]
+        level: f64,
+    }
+}
+section! {
+    /// Motion of the drive: velocity `V sin(wt)`, so a one-sided stroke `(X/2)(1 - cos wt)`.
+    Drive {
+        /// Stroke `X` in m.
+        stroke_m: f64,
+        /// Period in s.
+        period_s: f64,
+        /// Cycles of a run.
+        cycles: u32,
+    }
+}
+section! {
+    /// Play between fork and crank; see `plants::transmission::fork`.
+    Fork {
+        /// Total play in m.
+        backlash_m: f64,
+        /// Stiffness of fork and pin in N/m.
+        #[serde(default = "fork_stiffness_n_m")]
+        stiffness_n_m: f64,
+        /// Relative gain of the force per closing speed, s/m.
+        #[serde(default = "one")]
+        damping_s_m: f64,
+    }
+}
+section! {
+    /// Friction of the load cylinder against the motion: `coulomb_n tanh(v/v_r) + viscous_n_s_m v`.
+    LoadFriction {
+        /// Dry friction in N.
+        coulomb_n: f64,
+        /// Viscous friction in N s/m.
+        #[serde(default)]
+        viscous_n_s_m: f64,
+        /// Width `v_r` of the regularised sign in m/s.
+        #[serde(default = "millimetre_per_second")]
+        regularisation_m_s: f64,
+    }
+}
+section! {
+    /// Tilt of the shaft in its bearing; see `plants::two_plane`.
+    TwoPlaneSection {
+        /// Slices of the bearing along its length.
+        #[serde(default = "eleven")]
+        slices: u32,
+        /// Moment of inertia about an axis across the shaft, kg m2.
+        #[serde(default = "transverse_inertia_kg_m2")]
+        transverse_inertia_kg_m2: f64,
+        /// Plane of the drive crank from the bearing's middle, m.
+        #[serde(default)]
+        drive_offset_m: f64,
+        /// Plane of the load crank from the bearing's middle, m.
+        #[serde(default)]
+        load_offset_m: f64,
+        /// Slope of the bearing's axis in Y, rad.
+        #[serde(default)]
+        misalignment_y_rad: f64,
+        /// Slope of the bearing's axis in Z, rad.
+        #[serde(default)]
+        misalignment_z_rad: f64,
+        /// Stiffness of additional supports against tilt, N m/rad.
+        #[serde(default)]
+        support_stiffness_nm_rad: f64,
+        /// Damping of additional supports against tilt, N m s/rad.
+        #[serde(default)]
+        support_damping_nm_s_rad: f64,
+    }
+}
+
+impl Default for TwoPlaneSection {
+    fn default() -> Self {
+        Self {
+            slices: eleven(),
+            transverse_inertia_kg_m2: transverse_inertia_kg_m2(),
+            drive_offset_m: 0.0,
+            load_offset_m: 0.0,
+            misalignment_y_rad: 0.0,
+            misalignment_z_rad: 0.0,
+            support_stiffness_nm_rad: 0.0,
+            support_damping_nm_s_rad: 0.0,
+        }
+    }
+}
+
+/// Stribeck exponents that a description may name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShapeName {
+    /// Exponent 1.
+    Tustin,
+    /// Exponent 2.
+    Gauss,
+}
+
+/// Stiffness of a steel fork on its pin: 10 kN deform it by 0.1 mm.
+fn fork_stiffness_n_m() -> f64 {
+    1e8
+}
+
+fn millimetre_per_second() -> f64 {
+    1e-3
+}
+
+fn eleven() -> u32 {
+    11
+}
+
+/// Transverse inertia of a shaft of 150 kg over 0.9 m. It is an assumption, as is the polar
+/// inertia.
+fn transverse_inertia_kg_m2() -> f64 {
+    10.0
+}
+
+plant_description! {
+    /// Description of the transmission bench.
+    TransmissionBench as TransmissionFile "TransmissionFile", plant "transmission-bench",
+    extension Extension {
+        /// Always `transmission-bench`.
+        plant: String,
+        /// Levers.
+        geometry: Geometry,
+        /// Shaft.
+        shaft: Shaft,
+        /// Clearance bearing.
+        bearing: Bearing,
+        /// Normal law.
+        contact: ContactSection,
+        /// Friction law.
+        friction: FrictionSection,
+        /// Drive motion.
+        drive: Drive,
+        /// Load.
+        load: Load,
+        /// Play in the fork; without it the fork is rigid, unless an effect adds a hydraulic
+        /// column.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        fork: Option<Fork>,
+        /// Tilt of the shaft; without it the bench is planar.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        two_plane: Option<TwoPlaneSection>,
+        /// Friction of the load cylinder; without it the cylinder is frictionless.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        load_friction: Option<LoadFriction>,
+        /// Log.
+        logging: Logging,
+    }
+}
+
+impl LoadFriction {
+    /// Force on the load crank's pin along +Y in N at the pin's speed.
+    pub(crate) fn force_n(&self, rate_m_s: f64) -> f64 {
+        -self.coulomb_n * (rate_m_s / self.regularisation_m_s).tanh() - self.viscous_n_s_m * rate_m_s
+    }
+}

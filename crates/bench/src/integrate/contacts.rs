@@ -1,0 +1,258 @@
+//! The contacts of a plant during a run: their phase, the search for the next event, and the
+//! impacts.
+
+use super::measure::Span;
+use super::{ContactReading, Impact, IntegrationError, SlicedPlant};
+use differential_equations::prelude::ODE;
+use std::collections::VecDeque;
+
+/// Onsets of one contact within one largest step at which a run counts as chattering.
+pub const CHATTER_CONTACTS: usize = 500;
+/// Parts of a step at whose ends a grazing contact is noticed.
+const PROBES: usize = 4;
+/// Bisections of an event's bracket: more than a double has binary digits.
+const BISECTIONS: usize = 60;
+
+/// Time and state at which a contact begins or ends.
+pub(super) type Event<const N: usize> = (f64, [f64; N]);
+
+/// The plant between two events: each contact touches, with a latched speed, or has a gap.
+pub(super) struct Phase<'a, P> {
+    plant: &'a P,
+    /// Latched approach speed of each contact in m/s, `None` in a gap.
+    pub(super) latched_m_s: Vec<Option<f64>>,
+}
+
+impl<P: SlicedPlant<N>, const N: usize> ODE<f64, [f64; N]> for Phase<'_, P> {
+    fn diff(&self, time_s: f64, state: &[f64; N], derivative: &mut [f64; N]) {
+        self.plant.sliced_derivative(time_s, state, &self.latched_m_s, derivative);
+    }
+}
+
+/// One contact during a run.
+#[derive(Default)]
+struct Contact {
+    is_touching: bool,
+    /// Index of the open impact.
+    impact: usize,
+    /// Reading at the start of the step.
+    before: ContactReading,
+    /// Reading at the end of the step.
+    after: ContactReading,
+    /// Times of the last onsets in s.
+    onsets_s: VecDeque<f64>,
+}
+
+impl Contact {
+    /// Records an onset and returns an error if onsets follow each other too fast.
+    fn record_onset(&mut self, contact: usize, time_s: f64, window_s: f64) -> Result<(), IntegrationError> {
+        self.onsets_s.push_back(time_s);
+        if self.onsets_s.len() <= CHATTER_CONTACTS {
+            return Ok(());
+        }
+        match self.onsets_s.pop_front() {
+            Some(first) if time_s - first < window_s => Err(IntegrationError::Chattering {
+                contact,
+                count: CHATTER_CONTACTS,
+                window_s: time_s - first,
+                time_s,
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// All contacts of a plant during a run.
+pub(super) struct Contacts<'a, P> {
+    pub(super) phase: Phase<'a, P>,
+    contacts: Vec<Contact>,
+    /// Impacts so far, in the order of their onsets.
+    pub(super) impacts: Vec<Impact>,
+}
+
+impl<'a, P> Contacts<'a, P> {
+    /// Contacts at the start of a run; one that starts in contact has the latched speed 0.
+    pub(super) fn new<const N: usize>(
+        plant: &'a P,
+        start_s: f64,
+        initial: &[f64; N],
+        in_contact: &[bool],
+    ) -> Self
+    where
+        P: SlicedPlant<N>,
+    {
+        let phase = Phase { plant, latched_m_s: Vec::with_capacity(plant.slices()) };
+        let mut contacts = Self { phase, contacts: Vec::with_capacity(plant.slices()), impacts: Vec::new() };
+        for slice in 0..plant.slices() {
+            let is_touching = in_contact.get(slice).copied().unwrap_or(false);
+            contacts.phase.latched_m_s.push(is_touching.then_some(0.0));
+            if is_touching {
+                contacts.impacts.push(Impact {
+                    contact: slice,
+                    onset_s: start_s,
+                    peak_s: start_s,
+                    angles: plant.slice_angles(slice, start_s, initial),
+                    ..Impact::default()
+                });
+            }
+            contacts.contacts.push(Contact {
+                is_touching,
+                impact: contacts.impacts.len().saturating_sub(1),
+                before: plant.slice_contact(slice, start_s, initial, 0.0),
+                ..Contact::default()
+            });
+        }
+        contacts
+    }
+
+    fn latched_m_s(&self, slice: usize) -> f64 {
+        self.phase.latched_m_s.get(slice).copied().flatten().unwrap_or_default()
+    }
+
+    /// Reads every contact at the end of a step and returns whether any may have changed within it.
+    /// A contact whose surface cannot be reached within the step needs no search.
+    pub(super) fn read_end<const N: usize>(&mut self, (from, to): (f64, f64), end: &[f64; N]) -> bool
+    where
+        P: SlicedPlant<N>,
+    {
+        let mut is_near = false;
+        for slice in 0..self.contacts.len() {
+            let reading = self.phase.plant.slice_contact(slice, to, end, self.latched_m_s(slice));
+            let Some(contact) = self.contacts.get_mut(slice) else { continue };
+            let reach = (to - from) * (contact.before.rate_m_s.abs() + reading.rate_m_s.abs());
+            is_near |= (reading.depth_m > 0.0) != contact.is_touching
+                || reading.depth_m.abs().min(contact.before.depth_m.abs()) <= reach;
+            contact.after = reading;
+        }
+        is_near
+    }
+
+    /// Returns whether any contact touches where it had a gap, or the reverse.
+    fn has_changed<const N: usize>(&self, time_s: f64, state: &[f64; N]) -> bool
+    where
+        P: SlicedPlant<N>,
+    {
+        let plant = self.phase.plant;
+        self.contacts
+            .iter()
+            .enumerate()
+            .any(|(slice, c)| (plant.slice_deformation(slice, time_s, state).0 > 0.0) != c.is_touching)
+    }
+
+    /// The first event within a step, if there is one. The first probe on the other side of a
+    /// surface brackets it.
+    pub(super) fn locate_event<const N: usize>(
+        &self,
+        (from, to): (f64, f64),
+        state_at: &mut impl FnMut(f64) -> Result<[f64; N], IntegrationError>,
+    ) -> Result<Option<Event<N>>, IntegrationError>
+    where
+        P: SlicedPlant<N>,
+    {
+        let mut low = from;
+        for i in 1..=PROBES {
+            let t = if i == PROBES { to } else { from + (to - from) * i as f64 / PROBES as f64 };
+            if self.has_changed(t, &state_at(t)?) {
+                let high = self.bisect((low, t), state_at)?;
+                return Ok(Some((high, state_at(high)?)));
+            }
+            low = t;
+        }
+        Ok(None)
+    }
+
+    /// The earliest time after the event in a bracket that holds it.
+    fn bisect<const N: usize>(
+        &self,
+        (mut low, mut high): (f64, f64),
+        state_at: &mut impl FnMut(f64) -> Result<[f64; N], IntegrationError>,
+    ) -> Result<f64, IntegrationError>
+    where
+        P: SlicedPlant<N>,
+    {
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if self.has_changed(middle, &state_at(middle)?) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        Ok(high)
+    }
+
+    /// Adds the span of a step up to its end or its event to the open impacts.
+    pub(super) fn measure<const N: usize>(
+        &mut self,
+        (from, to): (f64, f64),
+        event: Option<&Event<N>>,
+        state_at: &mut impl FnMut(f64) -> Result<[f64; N], IntegrationError>,
+    ) -> Result<(), IntegrationError>
+    where
+        P: SlicedPlant<N>,
+    {
+        let plant = self.phase.plant;
+        for (slice, contact) in self.contacts.iter().enumerate().filter(|(_, c)| c.is_touching) {
+            let latched_m_s = self.latched_m_s(slice);
+            let end = match event {
+                Some((t, state)) => plant.slice_contact(slice, *t, state, latched_m_s),
+                None => contact.after,
+            };
+            if let Some(impact) = self.impacts.get_mut(contact.impact) {
+                let span = Span { from, to, start: contact.before, end };
+                let mut read = |t: f64| state_at(t).map(|s| plant.slice_contact(slice, t, &s, latched_m_s));
+                span.measure(&mut read, impact)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Completes a step without an event.
+    pub(super) fn complete_step(&mut self) {
+        for contact in &mut self.contacts {
+            contact.before = contact.after;
+        }
+    }
+
+    /// Changes the phase of every contact that begins or ends at an event: opens or closes its
+    /// impact and its latch.
+    pub(super) fn switch<const N: usize>(
+        &mut self,
+        time_s: f64,
+        state: &[f64; N],
+        chatter_window_s: f64,
+    ) -> Result<(), IntegrationError>
+    where
+        P: SlicedPlant<N>,
+    {
+        let plant = self.phase.plant;
+        let slices = self.contacts.iter_mut().zip(&mut self.phase.latched_m_s).enumerate();
+        for (slice, (contact, latched)) in slices {
+            let (depth, rate) = plant.slice_deformation(slice, time_s, state);
+            if (depth > 0.0) != contact.is_touching {
+                contact.is_touching = !contact.is_touching;
+                *latched = contact.is_touching.then_some(rate.max(0.0));
+                if let Some(speed) = *latched {
+                    contact.impact = self.impacts.len();
+                    self.impacts.push(Impact {
+                        contact: slice,
+                        onset_s: time_s,
+                        peak_s: time_s,
+                        angles: plant.slice_angles(slice, time_s, state),
+                        approach_speed_m_s: speed,
+                        ..Impact::default()
+                    });
+                    contact.record_onset(slice, time_s, chatter_window_s)?;
+                } else if let Some(impact) = self.impacts.get_mut(contact.impact) {
+                    impact.separation_s = Some(time_s);
+                    impact.separation_speed_m_s = -rate;
+                }
+            }
+            contact.before = plant.slice_contact(slice, time_s, state, latched.unwrap_or_default());
+        }
+        Ok(())
+    }
+}

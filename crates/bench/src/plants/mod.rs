@@ -1,0 +1,10 @@
+//! Equations of each plant: motion, contact, friction and energy; and its log.
+
+mod axis_log;
+pub(crate) mod contact_laws;
+pub mod energy;
+mod extended_friction;
+pub mod friction_rig;
+pub mod slider_crank;
+pub mod transmission;
+pub mod two_plane;

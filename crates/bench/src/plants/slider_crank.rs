@@ -1,0 +1,217 @@
+//! Slider-crank with one dry clearance joint at the pin between rod and slider; the crank speed is
+//! prescribed.
+//!
+//! The rod hangs from the crank pin (prescribed motion) and turns freely; the slider moves along x.
+//! The pin at the far end of the rod is the journal, and the slider carries the bearing. There is
+//! no gravity and no friction. States: rod angle, slider position, and their rates. The rod's
+//! centre of mass is at its middle.
+
+use crate::description::SliderCrankBench;
+use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Tolerances};
+use contact::{
+    LawError, Material, NormalLaw, Stiffness, StiffnessKind, StiffnessParameters, hertz_sphere_in_sphere,
+};
+
+/// Relative tolerance at which the slider of the published problem is within 2e-7 m of its
+/// reference after 0.6 revolutions.
+pub const DEFAULT_TOLERANCE: f64 = 3e-9;
+
+/// Parameters, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SliderCrank {
+    /// Crank length in m.
+    pub crank_length_m: f64,
+    /// Crank speed in rad/s.
+    pub crank_speed_rad_s: f64,
+    /// Rod length in m.
+    pub rod_length_m: f64,
+    /// Rod mass in kg.
+    pub rod_mass_kg: f64,
+    /// Rod inertia about its centre of mass in kg m2.
+    pub rod_inertia_kg_m2: f64,
+    /// Slider mass in kg.
+    pub slider_mass_kg: f64,
+    /// Radial clearance in m.
+    pub radial_clearance_m: f64,
+    /// Normal law of the joint.
+    pub normal_law: NormalLaw,
+}
+
+impl SliderCrank {
+    /// Initial state: aligned, concentric, slider at standstill. The rod has the angular speed that
+    /// keeps its pin at standstill.
+    pub fn initial_state(&self) -> [f64; 4] {
+        let rod_speed = -self.crank_length_m * self.crank_speed_rad_s / self.rod_length_m;
+        [0.0, self.crank_length_m + self.rod_length_m, rod_speed, 0.0]
+    }
+
+    /// Error control at a relative tolerance; see [`DEFAULT_TOLERANCE`].
+    pub fn tolerances(&self, relative: f64) -> Tolerances<4> {
+        Tolerances { relative, absolute: [relative * 1e-2; 4], largest_step_s: 1e-4 }
+    }
+
+    fn pose(&self, time_s: f64, [rod, slider, rod_rate, slider_rate]: &[f64; 4]) -> Pose {
+        let (crank_sin, crank_cos) = (self.crank_speed_rad_s * time_s).sin_cos();
+        let (rod_sin, rod_cos) = rod.sin_cos();
+        let (r, l, w) = (self.crank_length_m, self.rod_length_m, self.crank_speed_rad_s);
+        // Journal centre relative to the bearing centre, and its rate.
+        let (x, y) = (r * crank_cos + l * rod_cos - slider, r * crank_sin + l * rod_sin);
+        let (vx, vy) = (
+            -r * w * crank_sin - l * rod_rate * rod_sin - slider_rate,
+            r * w * crank_cos + l * rod_rate * rod_cos,
+        );
+        let distance = (x * x + y * y).sqrt();
+        let (nx, ny) = if distance > 0.0 { (x / distance, y / distance) } else { (0.0, 0.0) };
+        Pose {
+            crank_sin,
+            crank_cos,
+            rod_sin,
+            rod_cos,
+            nx,
+            ny,
+            depth_m: distance - self.radial_clearance_m,
+            rate_m_s: nx * vx + ny * vy,
+        }
+    }
+}
+
+impl SliderCrankBench {
+    /// Builds the stiffness part of the joint's normal law.
+    pub(crate) fn stiffness(&self) -> Result<Stiffness, LawError> {
+        let solid = Material {
+            youngs_modulus_pa: self.joint.youngs_modulus_pa,
+            poisson_ratio: self.joint.poisson_ratio,
+        };
+        let (bearing, journal) = (self.joint.bearing_radius_m, self.joint.journal_radius_m);
+        let Some(name) = self.joint.stiffness.filter(|name| name.0 != StiffnessKind::Hertz) else {
+            let coefficient = hertz_sphere_in_sphere(bearing, &solid, journal, &solid);
+            return Ok(Stiffness::Hertz { coefficient });
+        };
+        let law = name.0.entry().name;
+        let length_m = self.joint.length_m.ok_or(LawError::Missing { law, quantity: "length_m" })?;
+        name.0.build(&StiffnessParameters::from_joint(contact::Joint {
+            bearing_radius_m: bearing,
+            radial_clearance_m: bearing - journal,
+            length_m,
+            bearing: solid,
+            journal: solid,
+        }))
+    }
+
+    /// Builds the plant.
+    pub fn plant(&self) -> SliderCrank {
+        SliderCrank {
+            crank_length_m: self.crank.length_m,
+            crank_speed_rad_s: self.crank.speed_rpm * core::f64::consts::PI / 30.0,
+            rod_length_m: self.rod.length_m,
+            rod_mass_kg: self.rod.mass_kg,
+            rod_inertia_kg_m2: self.rod.inertia_kg_m2,
+            slider_mass_kg: self.slider.mass_kg,
+            radial_clearance_m: self.joint.bearing_radius_m - self.joint.journal_radius_m,
+            normal_law: NormalLaw {
+                // The description was checked when it was read; a law that a later change took out
+                // of its range gives NaN.
+                stiffness: self.stiffness().unwrap_or(Stiffness::Linear { coefficient: f64::NAN }),
+                dissipation: self.joint.dissipation.0,
+                restitution: self.joint.restitution,
+                latch_floor_m_s: self.joint.latch_floor_m_s,
+            },
+        }
+    }
+}
+
+/// Angles and contact at one state.
+struct Pose {
+    crank_sin: f64,
+    crank_cos: f64,
+    rod_sin: f64,
+    rod_cos: f64,
+    nx: f64,
+    ny: f64,
+    depth_m: f64,
+    rate_m_s: f64,
+}
+
+impl ContactPlant<4> for SliderCrank {
+    fn derivative(&self, time_s: f64, state: &[f64; 4], latched_m_s: Option<f64>, out: &mut [f64; 4]) {
+        let p = self.pose(time_s, state);
+        let force = latched_m_s.map_or(0.0, |l| self.normal_law.force_n(p.depth_m, p.rate_m_s, l));
+        // Force on the journal is -F n, on the slider's bearing +F n.
+        let (l, half) = (self.rod_length_m, 0.5 * self.rod_length_m);
+        let pin = self.crank_length_m * self.crank_speed_rad_s * self.crank_speed_rad_s;
+        let (pin_ax, pin_ay) = (-pin * p.crank_cos, -pin * p.crank_sin);
+        // Moments about the moving crank pin: I_pin rod'' = r x F - m half (e x a_pin).
+        let inertia = self.rod_inertia_kg_m2 + self.rod_mass_kg * half * half;
+        let moment = l * (p.rod_cos * (-force * p.ny) - p.rod_sin * (-force * p.nx))
+            - self.rod_mass_kg * half * (p.rod_cos * pin_ay - p.rod_sin * pin_ax);
+        *out = [state[2], state[3], moment / inertia, force * p.nx / self.slider_mass_kg];
+    }
+
+    fn deformation(&self, time_s: f64, state: &[f64; 4]) -> (f64, f64) {
+        let p = self.pose(time_s, state);
+        (p.depth_m, p.rate_m_s)
+    }
+
+    fn contact(&self, time_s: f64, state: &[f64; 4], latched_m_s: f64) -> ContactReading {
+        let p = self.pose(time_s, state);
+        ContactReading {
+            depth_m: p.depth_m,
+            rate_m_s: p.rate_m_s,
+            force_n: self.normal_law.force_n(p.depth_m, p.rate_m_s, latched_m_s),
+        }
+    }
+
+    fn angles(&self, time_s: f64, state: &[f64; 4]) -> ContactAngles {
+        let p = self.pose(time_s, state);
+        ContactAngles { crank_rad: self.crank_speed_rad_s * time_s, contact_rad: p.ny.atan2(p.nx) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DEFAULT_TOLERANCE;
+    use crate::description::SliderCrankBench;
+    use crate::integrate::integrate;
+
+    #[test]
+    fn the_default_tolerance_keeps_the_slider_within_its_bound() {
+        let bench = SliderCrankBench::open("slider-crank").unwrap();
+        let plant = bench.plant();
+        let tolerances = plant.tolerances(DEFAULT_TOLERANCE);
+        let span = (0.0, bench.duration_s());
+        let run =
+            integrate(&plant, span, plant.initial_state(), false, &[], &tolerances, |_, _, _| {}).unwrap();
+        assert!((run.state[1] - 0.0754435223).abs() <= 2e-7, "{}", run.state[1]);
+    }
+
+    #[test]
+    fn slider_crank_matches_the_known_answers() {
+        let bench = SliderCrankBench::open("slider-crank").unwrap();
+        let plant = bench.plant();
+        let result = integrate(
+            &plant,
+            (0.0, bench.duration_s()),
+            plant.initial_state(),
+            false,
+            &[],
+            &plant.tolerances(1e-11),
+            |_, _, _| {},
+        )
+        .unwrap();
+        let first = result.impacts[0];
+        assert!((first.onset_s - 227.286e-6).abs() < 1e-9, "onset {}", first.onset_s);
+        assert!((first.approach_speed_m_s - 4.385783).abs() < 1e-6, "speed {}", first.approach_speed_m_s);
+        assert!((first.peak_force_n / 45777.46 - 1.0).abs() < 1e-6, "peak {}", first.peak_force_n);
+        assert!(
+            (first.separation_s.unwrap() - 280.763e-6).abs() < 1e-9,
+            "separation {:?}",
+            first.separation_s
+        );
+        for (impact, peak) in result.impacts.iter().zip([45777.46, 20971.99, 25593.21, 6770.89, 13012.17]) {
+            assert!((impact.peak_force_n / peak - 1.0).abs() < 1e-5, "{impact:?} for {peak}");
+        }
+        assert_eq!(result.impacts.len(), 20);
+        assert!((result.state[1] - 0.0754435223).abs() < 1e-6, "x(.6 rev) = {}", result.state[1]);
+        assert!((result.state[3] - 9.984871).abs() < 1e-3, "v(.6 rev) = {}", result.state[3]);
+    }
+}

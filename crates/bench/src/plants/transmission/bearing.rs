@@ -1,0 +1,90 @@
+//! Forces of the clearance bearing: the described laws, the effects on them, and the resulting
+//! action on the shaft.
+
+use super::geometry::Geometry;
+use super::{BRISTLE, BearingForces, ContactView, REST, RISE, State, Transmission};
+use crate::plants::extended_friction::Memory;
+
+/// Action of the bearing on the shaft.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct OnShaft {
+    /// Along Y in N.
+    pub(crate) force_y_n: f64,
+    /// Along Z in N.
+    pub(crate) force_z_n: f64,
+    /// Torque in N m.
+    pub(crate) torque_nm: f64,
+    /// Friction along the sliding direction in N.
+    pub(crate) friction_n: f64,
+}
+
+impl Transmission {
+    /// Evaluates the analytic laws of the description for a contact without history and without the
+    /// effects on friction. A friction law with bristles is taken in its steady state.
+    pub fn law(&self, view: &ContactView) -> BearingForces {
+        self.forces_of(view, self.friction_law.steady_deflection_m(view.sliding_speed_m_s))
+    }
+
+    /// Evaluates the analytic laws at a state, with the effects on friction.
+    pub fn forces(&self, time_s: f64, s: &State, latched_m_s: f64) -> BearingForces {
+        self.forces_at(time_s, s, &self.contact_view(time_s, s, latched_m_s))
+    }
+
+    pub(super) fn forces_at(&self, time_s: f64, s: &State, view: &ContactView) -> BearingForces {
+        self.with_effects(time_s, s, view, self.forces_of(view, s[BRISTLE]))
+    }
+
+    fn forces_of(&self, view: &ContactView, deflection_m: f64) -> BearingForces {
+        if view.deformation_m <= 0.0 {
+            return BearingForces::default();
+        }
+        let normal_n = self.joint_law.law.force_n(view.deformation_m, view.rate_m_s, view.latched_m_s);
+        let v = view.sliding_speed_m_s;
+        let friction_n = self.friction_law.force_n(normal_n, v, deflection_m) * self.friction_level;
+        BearingForces { normal_n, friction_n }
+    }
+
+    /// Applies the effects on friction to the forces of the described laws or of a network.
+    pub(crate) fn with_effects(
+        &self,
+        time_s: f64,
+        s: &State,
+        view: &ContactView,
+        forces: BearingForces,
+    ) -> BearingForces {
+        // A viscous term would act through the gap.
+        if self.plain_friction || view.deformation_m <= 0.0 {
+            return forces;
+        }
+        let memory = Memory { bristle: s[BRISTLE], rest: s[REST], rise_k: s[RISE] };
+        let (v, width) = (view.sliding_speed_m_s, self.sign_width_m_s);
+        let (normal, dry) = (forces.normal_n, forces.friction_n);
+        let friction_n = self.extension.friction_n(time_s, normal, dry, v, width, &memory);
+        BearingForces { friction_n, ..forces }
+    }
+
+    /// Action of given forces and of the film on the shaft.
+    pub(crate) fn on_shaft_at(&self, g: &Geometry, forces: &BearingForces) -> OnShaft {
+        let (normal, friction) = (forces.normal_n, forces.friction_n);
+        let mut force_y_n = -normal * g.ny + friction * g.nz;
+        let mut force_z_n = -normal * g.nz - friction * g.ny;
+        let mut torque_nm = friction * self.journal_radius_m;
+        if g.oval_m != 0.0 {
+            // The normal force acts along the gradient of the deformation over y, z and the angle.
+            force_y_n += normal * g.across * g.nz;
+            force_z_n -= normal * g.across * g.ny;
+            torque_nm += normal * g.oval_m;
+        }
+        if let Some(film) = &self.extension.film {
+            let distance = g.depth_m + self.radial_clearance_m;
+            let share = 1.0 - (distance / self.radial_clearance_m).powi(2);
+            let share = share.max(2.0 * film.min_thickness_m / self.radial_clearance_m);
+            let slender = (self.journal_radius_m / self.radial_clearance_m).powi(3) * self.bearing_length_m;
+            let damping =
+                12.0 * core::f64::consts::PI * film.viscosity_pa_s * slender / (share * share.sqrt());
+            force_y_n -= damping * g.radial_m_s * g.ny;
+            force_z_n -= damping * g.radial_m_s * g.nz;
+        }
+        OnShaft { force_y_n, force_z_n, torque_nm, friction_n: friction }
+    }
+}

@@ -1,0 +1,137 @@
+//! Reading, checking and writing of bench descriptions, and the presets.
+
+mod check;
+
+use crate::atomic;
+use crate::description::{Bench, DescriptionError};
+use std::path::Path;
+
+/// Presets by name, as TOML.
+pub const PRESETS: &[(&str, &str)] = &[
+    ("bench-b", include_str!("../../presets/bench-b.toml")),
+    ("bench-a", include_str!("../../presets/bench-a.toml")),
+    ("friction-rig", include_str!("../../presets/friction-rig.toml")),
+    ("friction-rig-babbitt", include_str!("../../presets/friction-rig-babbitt.toml")),
+    ("friction-rig-plastic", include_str!("../../presets/friction-rig-plastic.toml")),
+    ("slider-crank", include_str!("../../presets/slider-crank.toml")),
+];
+
+impl Bench {
+    /// Opens a preset by name, or a description from a file.
+    pub fn open(name_or_file: &str) -> Result<Self, DescriptionError> {
+        if let Some((name, text)) = PRESETS.iter().find(|(name, _)| *name == name_or_file) {
+            return Self::parse(name, text);
+        }
+        let text = std::fs::read_to_string(name_or_file).map_err(|source| {
+            let known = PRESETS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+            DescriptionError::Unreadable {
+                file: format!("{name_or_file} (neither a preset, {known}, nor a file)"),
+                source,
+            }
+        })?;
+        Self::parse(name_or_file, &text)
+    }
+
+    /// Parses and checks a description; `file` names it in messages.
+    pub fn parse(file: &str, text: &str) -> Result<Self, DescriptionError> {
+        let malformed =
+            |e: toml::de::Error| DescriptionError::Malformed { file: file.into(), message: e.to_string() };
+        let table: toml::Table = toml::from_str(text).map_err(malformed)?;
+        let plant = table.get("plant").and_then(toml::Value::as_str);
+        let Some(bench) = plant.and_then(|plant| Self::from_toml(plant, text)) else {
+            return Err(DescriptionError::OutOfRange {
+                file: file.into(),
+                field: "plant".into(),
+                found: plant.map_or("missing or no text".into(), |plant| format!("`{plant}`")),
+                expected: format!("one of `{}`", Self::PLANTS.join("`, `")),
+            });
+        };
+        let bench = bench.map_err(malformed)?;
+        bench.check(file)?;
+        Ok(bench)
+    }
+
+    /// Writes the description to a file atomically.
+    pub fn write(&self, path: &Path) -> std::io::Result<()> {
+        let text = self.to_toml().map_err(std::io::Error::other)?;
+        atomic::write(path, text.as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::description::TransmissionBench;
+
+    #[test]
+    fn presets_parse_and_survive_a_round_trip() {
+        for (name, _) in PRESETS {
+            let bench = Bench::open(name).unwrap();
+            let again = Bench::parse(name, &bench.to_toml().unwrap()).unwrap();
+            assert_eq!(bench, again, "{name}");
+        }
+    }
+
+    #[test]
+    fn every_plant_states_what_its_model_omits() {
+        for (name, _) in PRESETS {
+            let limits = Bench::open(name).unwrap().limits();
+            assert!(limits.len() >= 2, "{name}");
+            assert!(limits.iter().all(|s| s.ends_with('.') && s.len() < 130), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_sweep_has_no_standstills_and_the_right_duration() {
+        let (_, text) = PRESETS.iter().find(|(name, _)| *name == "friction-rig").unwrap();
+        let with = |line: &str| Bench::parse("rig", &text.replace("[axis]", &format!("[axis]\n{line}")));
+        let refused = |line: &str| with(line).unwrap_err().to_string();
+        assert_eq!(
+            refused("last_period_s = 1e-9"),
+            "rig: axis.last_period_s is 1e-9; expected 0.001 to 1000000"
+        );
+        let both = refused("last_period_s = 5.0\ndwell_s = 1.0");
+        assert_eq!(both, "rig: axis.dwell_s is 1; expected 0 to 0");
+        let Bench::FrictionRig(plain) = with("").unwrap() else { panic!("{text}") };
+        let line = format!("last_period_s = {:?}\nbackwards = true", plain.axis.period_s / 3.0);
+        let Bench::FrictionRig(swept) = with(&line).unwrap() else { panic!("{text}") };
+        assert!((swept.axis.duration_s() / plain.axis.duration_s() - 0.5).abs() < 1e-12);
+        let early = 0.01 * plain.axis.period_s;
+        assert!(swept.axis.motion().at(early).value < 0.0 && plain.axis.motion().at(early).value > 0.0);
+        let swept = Bench::FrictionRig(swept);
+        assert_eq!(Bench::parse("again", &swept.to_toml().unwrap()).unwrap(), swept);
+    }
+
+    #[test]
+    fn a_slider_crank_is_refused_with_the_field_and_has_no_log() {
+        let (_, text) = PRESETS.iter().find(|(name, _)| *name == "slider-crank").unwrap();
+        let refused = |text: &str| Bench::parse("x", text).unwrap_err().to_string();
+        let error = refused(&text.replace("9.5e-3", "10.5e-3"));
+        assert!(error.contains("joint.journal_radius_m is 0.0105; expected 1e-9 to 0.009999"), "{error}");
+        let error = refused(&text.replace("mass_kg = 0.14", "mas = 1"));
+        assert!(error.contains("unknown field `mas`"), "{error}");
+        let named = |more: &str| {
+            text.replace("dissipation", &format!("stiffness = \"johnson\"\n{more}\ndissipation"))
+        };
+        let error = refused(&named(""));
+        assert!(error.contains("joint is johnson needs length_m, found none"), "{error}");
+        let Bench::SliderCrank(johnson) = Bench::parse("x", &named("length_m = 0.02")).unwrap() else {
+            panic!()
+        };
+        assert!(matches!(johnson.plant().normal_law.stiffness, contact::Stiffness::Logarithmic(_)));
+        let error = refused(&format!("{text}\n[sensors]\nshaft_angle_rad = {{ noise = 1e-6 }}\n"));
+        assert!(error.contains("which has no log"), "{error}");
+        let bench = Bench::open("slider-crank").unwrap();
+        let error = crate::simulate::record(&bench, 1).unwrap_err().to_string();
+        assert!(error.starts_with("found plant `slider-crank`, which has no log"), "{error}");
+    }
+
+    #[test]
+    fn an_unknown_section_is_refused_with_line_and_column() {
+        let (_, text) = PRESETS[0];
+        let error = Bench::parse("x", &format!("gremlins = 1\n{text}")).unwrap_err().to_string();
+        assert!(error.contains("line 1, column 1") && error.contains("unknown field `gremlins`"), "{error}");
+        let other = TransmissionBench::open("friction-rig").unwrap_err().to_string();
+        assert_eq!(other, "friction-rig: found plant `friction-rig`; expected `transmission-bench`");
+    }
+}

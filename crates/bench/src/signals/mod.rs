@@ -1,0 +1,13 @@
+//! Signals over time: channels of a log, motions that drive a plant, sensors, and white noise.
+
+mod axis_motion;
+mod channel;
+mod motion;
+mod sensor;
+mod standstill;
+pub mod white_noise;
+
+pub(crate) use axis_motion::{follow, smoothed};
+pub use channel::{Channel, Role};
+pub use motion::{Motion, Profile, sweep_s};
+pub use sensor::Sensor;

@@ -1,0 +1,14 @@
+//! Simulation of a bench: runs with all states, records as its sensors would log them, and
+//! responses to a measured log.
+
+pub mod impact_table;
+pub mod peaks;
+mod record;
+pub(crate) mod respond;
+mod rig_groups;
+mod run;
+
+pub use record::{log_from_samples, record};
+pub use respond::{Inputs, LoggedPlant, RespondError, Response, Truth, respond, sensed};
+pub use rig_groups::{LOADS_N, RigGroup, rig_groups};
+pub use run::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law, snapshots};

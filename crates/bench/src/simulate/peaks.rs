@@ -1,0 +1,172 @@
+//! Peaks with their numerical error bars: the same run twice, at two accuracies.
+//!
+//! The value is that of the finer run. The bar is the distance between the two runs. To first order
+//! it is the error of the coarser run, and so an upper estimate for the value's own error. The runs
+//! differ in tolerance or, with a held force, in the communication step. A bar says nothing about
+//! the model. In a run whose trajectories decorrelate (a slider-crank beyond two revolutions) bars
+//! become as large as the peaks; then only statistics can be compared.
+
+use crate::integrate::{Impact, IntegrationError, SlicedPlant, Tolerances, integrate_slices};
+use crate::plants::transmission::Snapshot;
+
+/// Tolerance of the finer run relative to that of the coarser one.
+pub const TIGHTER: f64 = 0.03;
+/// Interval of the search for peaks, s.
+const COARSE_S: f64 = 1e-4;
+/// Interval at which peaks are read, s: a torque that reverses falls from its peak within 50 us.
+const FINE_S: f64 = 2e-6;
+/// Number of peaks per quantity that are read finely: the highest ones at the coarse interval.
+const PLACES: usize = 6;
+
+/// A peak with its error bar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// Quantity, unit included.
+    pub name: &'static str,
+    /// Largest magnitude.
+    pub value: f64,
+    /// Distance from the coarser run; infinite if that run gave no result.
+    pub error_bar: f64,
+    /// Time of the peak in s.
+    pub time_s: f64,
+}
+
+/// Quantities of the transmission bench whose peaks are reported.
+type Quantity = (&'static str, fn(&Snapshot) -> f64);
+const QUANTITIES: [Quantity; 5] = [
+    ("peak_contact_force_n", |s| s.forces.normal_n),
+    ("peak_force_y_n", |s| s.force_y_n),
+    ("peak_force_z_n", |s| s.force_z_n),
+    ("peak_friction_torque_nm", |s| s.friction_torque_nm),
+    ("max_deformation_m", |s| s.contact.deformation_m.max(0.0)),
+];
+
+/// Largest magnitude of every quantity, each with its time in s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extremes([(f64, f64); QUANTITIES.len()]);
+
+impl Extremes {
+    /// Adds the state of the bench at one time.
+    pub(crate) fn update(&mut self, snapshot: &Snapshot) {
+        for ((largest, time_s), (_, read)) in self.0.iter_mut().zip(QUANTITIES) {
+            let size = read(snapshot).abs();
+            if size > *largest {
+                (*largest, *time_s) = (size, snapshot.time_s);
+            }
+        }
+    }
+
+    /// Returns the extremes as peaks, with their distance from those of a coarser run.
+    pub fn to_peaks(&self, coarser: Option<&Self>) -> Vec<Peak> {
+        let bars = self.0.iter().enumerate().map(|(i, (value, _))| {
+            let other = coarser.and_then(|c| c.0.get(i));
+            other.map_or(f64::INFINITY, |(other, _)| (value - other).abs())
+        });
+        let rows = QUANTITIES.iter().zip(&self.0).zip(bars);
+        rows.map(|(((name, _), &(value, time_s)), error_bar)| Peak { name, value, error_bar, time_s })
+            .collect()
+    }
+}
+
+/// Returns the peaks from `from_s` to `end_s` with their bars. `run` simulates the bench at
+/// ascending times, the first of them 0, at a relative tolerance; it is called with `tolerance` and
+/// with a tighter one.
+pub fn peaks_with_bars<E>(
+    (from_s, end_s): (f64, f64),
+    tolerance: f64,
+    run: impl Fn(f64, &[f64]) -> Result<Vec<Snapshot>, E>,
+) -> Result<Vec<Peak>, E> {
+    let at = |tolerance| located((from_s, end_s), |times: &[f64]| run(tolerance, times));
+    Ok(at(tolerance * TIGHTER)?.to_peaks(Some(&at(tolerance)?)))
+}
+
+/// Extremes of a repeatable run: searched at the coarse interval, then read finely near the highest
+/// values.
+fn located<E>(
+    (from_s, end_s): (f64, f64),
+    run: impl Fn(&[f64]) -> Result<Vec<Snapshot>, E>,
+) -> Result<Extremes, E> {
+    let times: Vec<f64> = (0..(end_s / COARSE_S).ceil() as usize).map(|i| i as f64 * COARSE_S).collect();
+    let samples = run(&times)?;
+    let counted = samples.get(samples.partition_point(|s| s.time_s < from_s)..).unwrap_or_default();
+    let places = QUANTITIES.map(|(_, read)| highest(counted, read));
+    let around = |t: &f64| {
+        let (first, last) = ((t - COARSE_S).max(from_s), (t + COARSE_S).min(end_s));
+        let count = ((last - first) / FINE_S) as usize;
+        (0..=count).map(move |i| first + i as f64 * FINE_S)
+    };
+    let mut fine: Vec<f64> = places.iter().flatten().flat_map(around).chain([0.0]).collect();
+    fine.sort_by(f64::total_cmp);
+    fine.dedup();
+    let mut extremes = Extremes::default();
+    counted.iter().for_each(|s| extremes.update(s));
+    run(&fine)?.iter().filter(|s| s.time_s >= from_s).for_each(|s| extremes.update(s));
+    Ok(extremes)
+}
+
+/// Times of the highest local maxima of a magnitude, the ends included.
+fn highest(samples: &[Snapshot], read: fn(&Snapshot) -> f64) -> Vec<f64> {
+    let size = |i: usize| samples.get(i).map_or(f64::NEG_INFINITY, |s| read(s).abs());
+    let mut tops: Vec<usize> = (0..samples.len())
+        .filter(|&i| size(i) >= size(i + 1) && i.checked_sub(1).is_none_or(|before| size(i) >= size(before)))
+        .collect();
+    tops.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
+    tops.iter().take(PLACES).filter_map(|&i| samples.get(i)).map(|s| s.time_s).collect()
+}
+
+/// Returns every impact of a plant with the error bar of its peak force. A contact that only one of
+/// the runs has gets an infinite bar.
+pub fn impacts_with_bars<P: SlicedPlant<N>, const N: usize>(
+    plant: &P,
+    span_s: (f64, f64),
+    initial: [f64; N],
+    tolerances: &Tolerances<N>,
+) -> Result<Vec<(Impact, f64)>, IntegrationError> {
+    let tighter = Tolerances {
+        relative: tolerances.relative * TIGHTER,
+        absolute: tolerances.absolute.map(|a| a * TIGHTER),
+        largest_step_s: tolerances.largest_step_s,
+    };
+    let run = |tolerances| integrate_slices(plant, span_s, initial, &[], &[], tolerances, |_, _, _| {});
+    let (coarse, fine) = (run(tolerances)?, run(&tighter)?);
+    let bar = |i: usize, impact: &Impact| {
+        coarse.impacts.get(i).map_or(f64::INFINITY, |c| (c.peak_force_n - impact.peak_force_n).abs())
+    };
+    Ok(fine.impacts.iter().enumerate().map(|(i, impact)| (*impact, bar(i, impact))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::description::{SliderCrankBench, TransmissionBench};
+    use crate::simulate::snapshots;
+
+    #[test]
+    fn bars_cover_the_known_peaks_and_grow_along_a_chaotic_run() {
+        let bench = SliderCrankBench::open("slider-crank").unwrap();
+        let plant = bench.plant();
+        let span = (0.0, bench.duration_s());
+        let peaks = impacts_with_bars(&plant, span, plant.initial_state(), &plant.tolerances(1e-8)).unwrap();
+        for ((impact, bar), known) in peaks.iter().zip([45777.458, 20971.99, 25593.21, 6770.89, 13012.17]) {
+            assert!((impact.peak_force_n - known).abs() < bar + 0.01, "{impact:?} +- {bar} for {known}");
+            assert!(*bar < 2e-4 * known, "{bar} of {known}");
+        }
+        assert!(peaks[15].1 > 10.0 * peaks[0].1);
+    }
+
+    #[test]
+    fn bench_b_has_peaks_with_small_bars() {
+        let bench = TransmissionBench::open("bench-b").unwrap();
+        let run = |tolerance, times: &[f64]| {
+            snapshots(&bench, (bench.drive_profile(), bench.load_profile()), 1.0, times, tolerance)
+        };
+        let peaks = peaks_with_bars((0.05, 1.0), 1e-6, run).unwrap();
+        // Values of another run, read at every microsecond.
+        for (peak, known) in
+            peaks.iter().zip([11755.003656, 11855.979192, 2403.820530, 137.098368, 45.7933e-6])
+        {
+            assert!((peak.value / known - 1.0).abs() < 1e-4, "{peak:?} for {known}");
+            assert!(peak.error_bar > 0.0 && peak.error_bar < 1e-4 * peak.value, "{peak:?}");
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! Runs of the transmission bench with its analytic laws, or with an external bearing force that is
+//! held over a step.
+
+use crate::description::TransmissionBench;
+use crate::integrate::{ContactPlant, Impact, IntegrationError, integrate};
+use crate::plants::energy::EnergyAudit;
+use crate::plants::transmission::{
+    BearingForces, ContactView, MOVING, OnShaft, PLAIN, Reduced, STATES, Snapshot, State, Transmission,
+};
+use crate::plants::two_plane::{TwoPlane, run_two_plane};
+use crate::signals::Profile;
+use crate::simulate::peaks::Extremes;
+
+/// Relative tolerance of a run unless stated otherwise.
+pub const DEFAULT_TOLERANCE: f64 = 1e-7;
+
+/// Result of a run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// State of the bench at the requested times.
+    pub samples: Vec<Snapshot>,
+    /// Periods in contact. With a held force their times are those of communication steps.
+    pub impacts: Vec<Impact>,
+    /// Residual of the energy balance, relative to the drive's absolute work.
+    pub energy_residual_rel: f64,
+    /// The energy balance.
+    pub energy: EnergyAudit,
+    /// Integrator steps.
+    pub steps: usize,
+    /// Extremes over all communication steps after the load's ramp; only with a held force.
+    pub extremes: Option<Extremes>,
+}
+
+impl TransmissionBench {
+    /// Described motion of the drive.
+    pub fn drive_profile(&self) -> Profile {
+        Profile::Cycles {
+            stroke: self.drive.stroke_m,
+            period_s: self.drive.period_s,
+            cycles: f64::from(self.drive.cycles),
+        }
+    }
+
+    /// Described load.
+    pub fn load_profile(&self) -> Profile {
+        Profile::Ramp { level: self.load.force_n, ramp_s: self.load.ramp_s }
+    }
+
+    /// Length of a run in s.
+    pub fn duration_s(&self) -> f64 {
+        self.drive.period_s * f64::from(self.drive.cycles)
+    }
+
+    /// Ascending sample times of a run at a rate, from 0 up to but without the end.
+    pub fn sample_times_s(&self, rate_hz: f64) -> Vec<f64> {
+        let count = (self.duration_s() * rate_hz).round() as usize;
+        (0..count).map(|i| i as f64 / rate_hz).collect()
+    }
+}
+
+impl Transmission {
+    /// Refuses contacts that are deeper than the range of the normal law.
+    fn check_deformation(&self, impacts: &[Impact]) -> Result<(), IntegrationError> {
+        let deformation_m = impacts.iter().map(|i| i.max_deformation_m).fold(0.0, f64::max);
+        match self.largest_deformation_m().filter(|largest| deformation_m > *largest) {
+            Some(largest_m) => Err(IntegrationError::OutsideLaw { deformation_m, largest_m }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Integrates the plant with its analytic laws.
+pub fn run_with_law(
+    plant: &Transmission,
+    end_s: f64,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Run, IntegrationError> {
+    let start_s = samples_s.first().copied().unwrap_or_default().min(end_s);
+    let initial = plant.initial_state(start_s);
+    let mut samples = Vec::with_capacity(samples_s.len());
+    let result = integrate(
+        plant,
+        (start_s, end_s),
+        initial,
+        false,
+        samples_s,
+        &plant.tolerances(tolerance),
+        |t, s, latched| {
+            let forces = plant.forces(t, s, latched);
+            samples.push(plant.snapshot(t, s, latched, forces));
+        },
+    )?;
+    plant.check_deformation(&result.impacts)?;
+    let energy = plant.audit((start_s, &initial), (end_s, &result.state));
+    Ok(Run {
+        samples,
+        impacts: result.impacts,
+        energy_residual_rel: energy.residual_rel,
+        energy,
+        steps: result.steps,
+        extremes: None,
+    })
+}
+
+/// Simulates the bench under a drive and a load with its analytic laws and returns its states at
+/// the given times. The plant is planar, or has two planes if the description has a `[two_plane]`
+/// section.
+pub fn snapshots(
+    bench: &TransmissionBench,
+    (drive, load): (Profile, Profile),
+    end_s: f64,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Vec<Snapshot>, IntegrationError> {
+    if bench.two_plane.is_some() {
+        let run = run_two_plane(&TwoPlane::new(bench, drive, load), end_s, samples_s, tolerance)?;
+        return Ok(run.samples.into_iter().map(|s| s.planar).collect());
+    }
+    let plant = Transmission::new(bench, drive, load);
+    if plant.is_plain() {
+        run_reduced::<PLAIN>(&plant, end_s, samples_s, tolerance)
+    } else {
+        run_reduced::<MOVING>(&plant, end_s, samples_s, tolerance)
+    }
+}
+
+/// Integrates as [`run_with_law`], without the energy balance.
+fn run_reduced<const N: usize>(
+    plant: &Transmission,
+    end_s: f64,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Vec<Snapshot>, IntegrationError> {
+    let start_s = samples_s.first().copied().unwrap_or_default().min(end_s);
+    let reduced = Reduced::<N>(plant);
+    let initial = reduced.reduce(&plant.initial_state(start_s));
+    let mut samples = Vec::with_capacity(samples_s.len());
+    let tolerances = reduced.tolerances(tolerance);
+    let result =
+        integrate(&reduced, (start_s, end_s), initial, false, samples_s, &tolerances, |t, s, latched| {
+            let full = reduced.expand(s);
+            let forces = plant.forces(t, &full, latched);
+            samples.push(plant.snapshot(t, &full, latched, forces));
+        })?;
+    plant.check_deformation(&result.impacts)?;
+    Ok(samples)
+}
+
+/// Takes one step of the classical fourth-order Runge-Kutta method under a held bearing force, and
+/// returns the state and its rates under that force. Every communication step begins with another
+/// force, so a library's stepper would have to be set up anew each time.
+fn held_step(
+    plant: &Transmission,
+    bearing: &OnShaft,
+    time_s: f64,
+    state: &State,
+    step_s: f64,
+) -> (State, State) {
+    let rates = |time_s: f64, state: &State| {
+        let mut rates = [0.0; STATES];
+        plant.dynamics(time_s, state, bearing, &mut rates);
+        rates
+    };
+    let half = 0.5 * step_s;
+    let along = |rates: &State, by: f64| -> State { std::array::from_fn(|i| state[i] + by * rates[i]) };
+    let first = rates(time_s, state);
+    let second = rates(time_s + half, &along(&first, half));
+    let third = rates(time_s + half, &along(&second, half));
+    let fourth = rates(time_s + step_s, &along(&third, step_s));
+    let sum = |i: usize| first[i] + 2.0 * (second[i] + third[i]) + fourth[i];
+    // The last stage's rates equal those of the end up to the method's own order.
+    (std::array::from_fn(|i| state[i] + step_s / 6.0 * sum(i)), fourth)
+}
+
+/// Integrates the plant with an external bearing force that is held over a communication step of
+/// `step_s`.
+///
+/// `force` reads the contact once per step, extrapolated to the middle of the step. Its components
+/// are held in the direction of the contact there, with the description's effects on friction
+/// applied. A direction that is half a step late would push the swinging journal along its path and
+/// feed the oscillation (10 % in half a second at 5 us). In sustained contact the damping `chi
+/// d'/d'0` makes the loop stiff and limits the step; the command `host-sim run --step-us` shows the
+/// error against the law.
+pub fn run_with_held_force(
+    plant: &Transmission,
+    end_s: f64,
+    samples_s: &[f64],
+    step_s: f64,
+    mut force: impl FnMut(&ContactView) -> BearingForces,
+) -> Result<Run, IntegrationError> {
+    let count = (end_s / step_s).round() as usize;
+    let initial = plant.initial_state(0.0);
+    let mut state = initial;
+    let mut rates = [0.0; STATES];
+    plant.dynamics(0.0, &state, &OnShaft::default(), &mut rates);
+    let mut samples = Vec::with_capacity(samples_s.len());
+    let mut next_sample = 0;
+    let mut impacts: Vec<Impact> = Vec::new();
+    let mut extremes = Extremes::default();
+    let (mut contact, mut latched) = (false, 0.0);
+    for step in 0..count {
+        let time_s = step as f64 * step_s;
+        let half = 0.5 * step_s;
+        let middle: State = std::array::from_fn(|i| state[i] + half * rates[i]);
+        let geometry = plant.geometry(time_s + half, &middle);
+        let mut view = plant.view(&geometry, latched);
+        let touching = view.deformation_m > 0.0;
+        if touching && !contact {
+            latched = view.rate_m_s.max(0.0);
+            view.latched_m_s = latched;
+            impacts.push(Impact {
+                onset_s: time_s,
+                peak_s: time_s,
+                approach_speed_m_s: latched,
+                angles: plant.angles(time_s, &state),
+                ..Impact::default()
+            });
+        } else if !touching && contact {
+            latched = 0.0;
+            view.latched_m_s = 0.0;
+            if let Some(impact) = impacts.last_mut() {
+                impact.separation_s = Some(time_s);
+                impact.separation_speed_m_s = -view.rate_m_s;
+            }
+        }
+        contact = touching;
+        let forces = plant.with_effects(time_s + half, &middle, &view, force(&view));
+        if !(forces.normal_n.is_finite() && forces.friction_n.is_finite()) {
+            return Err(IntegrationError::Stopped {
+                time_s,
+                reason: "the bearing force is not finite".into(),
+            });
+        }
+        if touching && let Some(impact) = impacts.last_mut() {
+            impact.max_deformation_m = impact.max_deformation_m.max(view.deformation_m);
+            impact.energy_lost_j += forces.normal_n * view.rate_m_s * step_s;
+            if forces.normal_n > impact.peak_force_n {
+                (impact.peak_force_n, impact.peak_s) = (forces.normal_n, time_s);
+            }
+        }
+        let snapshot = plant.snapshot(time_s, &state, latched, forces);
+        if time_s >= plant.load_ramp_end_s() {
+            extremes.update(&snapshot);
+        }
+        while samples_s.get(next_sample).is_some_and(|&t| t < time_s + 0.5 * step_s) {
+            samples.push(snapshot);
+            next_sample += 1;
+        }
+        let bearing = plant.on_shaft_at(&geometry, &forces);
+        (state, rates) = held_step(plant, &bearing, time_s, &state, step_s);
+        if !state.iter().all(|v| v.is_finite()) {
+            return Err(IntegrationError::Stopped { time_s, reason: "the state is no longer finite".into() });
+        }
+    }
+    let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state));
+    let extremes = Some(extremes);
+    Ok(Run { samples, impacts, energy_residual_rel: energy.residual_rel, energy, steps: count, extremes })
+}

@@ -1,0 +1,17 @@
+//! The table of boards: every fact about a board that does not need a register.
+//!
+//! The firmware, its `build.rs`, `xtask` and `host-sim` all read this table. `build.rs` includes
+//! this folder as source, so it uses `core` only and refers to nothing else in this crate.
+//!
+//! Adding a board with a microcontroller of the table takes one row in [`BOARDS`].
+
+mod memory_map;
+mod signals;
+mod table;
+
+pub use memory_map::{MemoryMap, Region};
+pub use signals::{Port, SIGNALS, Signal};
+pub use table::{BOARDS, Board, Light, Microcontroller, UnknownBoard, find, parse};
+
+#[cfg(test)]
+mod tests;

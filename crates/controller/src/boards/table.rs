@@ -1,0 +1,206 @@
+//! Boards and their microcontrollers.
+//!
+//! Sources: Adafruit product 4382, Olimex STM32-H405 user's manual, Netduino Plus 2 schematic,
+//! RM0090 table 5 (flash sectors of the STM32F405).
+
+use super::memory_map::MemoryMap;
+use super::signals::{Port, SIGNALS};
+
+/// Properties that all boards with one microcontroller share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Microcontroller {
+    /// Feature of the crate `firmware`.
+    pub feature: &'static str,
+    /// Compilation target.
+    pub target: &'static str,
+    /// Memory map that the firmware links with.
+    pub memory_map: MemoryMap,
+    /// Start addresses of the flash sectors that an image may occupy.
+    pub flash_sectors: &'static [u32],
+    /// Name of the microcontroller in probe-rs; `None` if it exists in the emulator only.
+    pub probe_name: Option<&'static str>,
+    /// Interrupts that the firmware's board file declares itself; a device crate declares its own.
+    pub declared_interrupts: &'static [&'static str],
+}
+
+impl Microcontroller {
+    /// Decides whether the microcontroller exists in the emulator only.
+    #[must_use]
+    pub const fn is_emulated_only(&self) -> bool {
+        self.probe_name.is_none()
+    }
+}
+
+/// An indicator light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Light {
+    /// GPIO port.
+    pub port: Port,
+    /// Number of the pin in the port.
+    pub pin: u8,
+    /// True if a low level switches the light on.
+    pub is_active_low: bool,
+}
+
+/// A board that an image can be built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Board {
+    /// Name for `--board`.
+    pub name: &'static str,
+    /// Name of the product.
+    pub title: &'static str,
+    /// Microcontroller.
+    pub microcontroller: &'static Microcontroller,
+    /// Frequency of the crystal, MHz; `None` if it is unknown or absent.
+    pub crystal_mhz: Option<u8>,
+    /// Indicator light; `None` if there is none to use.
+    pub light: Option<Light>,
+    /// Header labels of the [`SIGNALS`], in their order; `None` for an image that serves several
+    /// boards.
+    pub labels: Option<[&'static str; SIGNALS.len()]>,
+}
+
+/// STM32F405: Cortex-M4F.
+static STM32F405: Microcontroller = Microcontroller {
+    feature: "stm32f405",
+    target: "thumbv7em-none-eabihf",
+    memory_map: MemoryMap { path: "memory.x", text: include_str!("../../../../memory.x") },
+    flash_sectors: &[
+        0x0800_0000,
+        0x0800_4000,
+        0x0800_8000,
+        0x0800_C000,
+        0x0801_0000,
+        0x0802_0000,
+        0x0804_0000,
+        0x0806_0000,
+    ],
+    probe_name: Some("STM32F405RGTx"),
+    declared_interrupts: &[],
+};
+
+/// Arm MPS2+ with image AN505: Cortex-M33.
+static MPS2_AN505: Microcontroller = Microcontroller {
+    feature: "mps2-an505",
+    target: "thumbv8m.main-none-eabihf",
+    memory_map: MemoryMap {
+        path: "firmware/memory/mps2-an505.x",
+        text: include_str!("../../../../firmware/memory/mps2-an505.x"),
+    },
+    flash_sectors: &[],
+    probe_name: None,
+    declared_interrupts: &["SERIAL"],
+};
+
+/// Every board. The first one of a microcontroller is the default for its feature.
+pub static BOARDS: [Board; 5] = [
+    Board {
+        name: "stm32f405",
+        title: "any board with an STM32F405",
+        microcontroller: &STM32F405,
+        crystal_mhz: None,
+        light: None,
+        labels: None,
+    },
+    Board {
+        name: "feather-stm32f405",
+        title: "Adafruit Feather STM32F405",
+        microcontroller: &STM32F405,
+        crystal_mhz: Some(12),
+        light: Some(Light { port: Port::C, pin: 1, is_active_low: false }),
+        labels: Some(["D6", "D5", "SCK", "MISO", "MOSI", "D10", "D9"]),
+    },
+    Board {
+        name: "olimex-stm32-h405",
+        title: "Olimex STM32-H405",
+        microcontroller: &STM32F405,
+        crystal_mhz: Some(8),
+        light: Some(Light { port: Port::C, pin: 12, is_active_low: true }),
+        labels: Some(["PC6", "PC7", "PB13", "PB14", "PB15", "PB9", "PB8"]),
+    },
+    Board {
+        name: "netduino-plus-2",
+        title: "Netduino Plus 2",
+        microcontroller: &STM32F405,
+        crystal_mhz: Some(25),
+        light: Some(Light { port: Port::A, pin: 10, is_active_low: false }),
+        labels: Some(["D1", "D0", "D13", "D12", "D11", "D6", "D5"]),
+    },
+    Board {
+        name: "mps2-an505",
+        title: "Arm MPS2+ with image AN505",
+        microcontroller: &MPS2_AN505,
+        crystal_mhz: None,
+        light: None,
+        labels: None,
+    },
+];
+
+impl Board {
+    /// File name of the image that `cargo xtask firmware` builds: a board that shares its target
+    /// with the default board gets a separate file.
+    pub fn image_name(&self) -> impl core::fmt::Display {
+        let [default, ..] = &BOARDS;
+        let is_shared = self.microcontroller.target == default.microcontroller.target;
+        ImageName((is_shared && self.name != default.name).then_some(self.name))
+    }
+}
+
+struct ImageName(Option<&'static str>);
+
+impl core::fmt::Display for ImageName {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.0 {
+            Some(name) => write!(f, "estimator-{name}"),
+            None => f.write_str("estimator"),
+        }
+    }
+}
+
+/// Error of [`parse`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnknownBoard;
+
+impl core::fmt::Display for UnknownBoard {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("expected one of ")?;
+        for (index, board) in BOARDS.iter().enumerate() {
+            write!(f, "{}{}", if index == 0 { "" } else { ", " }, board.name)?;
+        }
+        Ok(())
+    }
+}
+
+impl core::error::Error for UnknownBoard {}
+
+/// Parses the argument of `--board`.
+///
+/// # Errors
+///
+/// No board has this name; the error lists the names.
+pub fn parse(name: &str) -> Result<Board, UnknownBoard> {
+    find(name).copied().ok_or(UnknownBoard)
+}
+
+/// Returns the board of a name, also at compile time.
+#[must_use]
+pub const fn find(name: &str) -> Option<&'static Board> {
+    let mut remaining: &[Board] = &BOARDS;
+    while let [board, others @ ..] = remaining {
+        if is_same(board.name.as_bytes(), name.as_bytes()) {
+            return Some(board);
+        }
+        remaining = others;
+    }
+    None
+}
+
+const fn is_same(mut left: &[u8], mut right: &[u8]) -> bool {
+    while let ([a, more_left @ ..], [b, more_right @ ..]) = (left, right) {
+        if *a != *b {
+            return false;
+        }
+        (left, right) = (more_left, more_right);
+    }
+    left.is_empty() && right.is_empty()
+}

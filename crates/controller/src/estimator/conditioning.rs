@@ -1,0 +1,105 @@
+//! Parameters of the conditioning beyond the bench's [`link::BenchConfiguration`].
+//!
+//! Masses, damping and noise are used by the prediction (Newton's law) and its observer. They need
+//! not be exact: an error of 10 % in the masses adds a force error of 0.2 % of full scale, 30 % in
+//! the damping factor adds at most 1 %. Without masses the rate depends on the position alone.
+
+use inference::BearingMaterial;
+use link::track::MonitorConfiguration;
+
+/// Masses that can be served, g: 1 kg to 4000 t. Outside, the masses count as unknown.
+pub const MASS_RANGE_G: core::ops::RangeInclusive<u32> = 1_000..=u32::MAX;
+
+/// Noise of a journal coordinate that can be served, nm: the observer's squares fit into 32 bits.
+pub const NOISE_RANGE_NM: core::ops::RangeInclusive<i64> = 10..=8_000;
+
+/// The masses that the contact force moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Masses {
+    /// Along y, g: the shaft and the inertia that turns with it, `m + J/R_d^2`.
+    pub along_y_g: u32,
+    /// Along z, g: the shaft.
+    pub along_z_g: u32,
+}
+
+/// Parameters of the conditioning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Conditioning {
+    /// The masses, if they are known.
+    pub masses: Option<Masses>,
+    /// Damping factor `chi(e)` of the contact law that the network has learnt, thousandths.
+    pub damping_per_mille: u32,
+    /// Standard deviation of a journal coordinate's noise, nm. A larger innovation of the observer
+    /// is not noise.
+    pub noise_nm: u32,
+}
+
+impl Conditioning {
+    /// The default: the project's bench (150 kg, 60 kg m2 on a lever of 0.3 m, 0.2 um of noise) and
+    /// the contact law of the shipped networks, `chi = (3/4)(1-e^2) exp(2(1-e))` with restitution
+    /// 0.4 and 0.8.
+    #[must_use]
+    pub const fn for_bearing(bearing: BearingMaterial) -> Self {
+        Self {
+            masses: Some(Masses { along_y_g: 816_667, along_z_g: 150_000 }),
+            damping_per_mille: bearing.damping_per_mille(),
+            noise_nm: 200,
+        }
+    }
+
+    /// Converts the configuration. With a lever of 0 or masses out of range the masses are unknown;
+    /// a damping factor of 0 means that of the shipped networks.
+    #[must_use]
+    pub fn from_monitor(bearing: BearingMaterial, monitor: &MonitorConfiguration) -> Self {
+        let default = Self::for_bearing(bearing);
+        let lever_um2 = u64::from(monitor.drive_lever_um).wrapping_mul(u64::from(monitor.drive_lever_um));
+        let reflected_g = u64::from(monitor.inertia_g_m2)
+            .saturating_mul(1_000_000_000_000)
+            .checked_div(lever_um2)
+            .unwrap_or(u64::MAX);
+        let along_y_g = u32::try_from(reflected_g.saturating_add(monitor.mass_g.into())).ok();
+        let known = MASS_RANGE_G.contains(&monitor.mass_g);
+        Self {
+            masses: along_y_g
+                .filter(|_| known)
+                .map(|along_y_g| Masses { along_y_g, along_z_g: monitor.mass_g }),
+            damping_per_mille: match monitor.damping_per_mille {
+                0 => default.damping_per_mille,
+                given => given,
+            },
+            noise_nm: monitor.journal_noise_nm.into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::configuration::BENCH_B;
+
+    #[test]
+    fn the_bench_s_configuration_gives_what_is_assumed_of_the_bench() {
+        assert_eq!(
+            Conditioning::from_monitor(BearingMaterial::Babbitt, &BENCH_B.monitor),
+            Conditioning {
+                masses: Some(Masses { along_y_g: 816_666, along_z_g: 150_000 }),
+                ..Conditioning::for_bearing(BearingMaterial::Babbitt)
+            }
+        );
+    }
+
+    #[test]
+    fn masses_that_cannot_be_are_unknown() {
+        let monitor = BENCH_B.monitor;
+        for (drive_lever_um, mass_g) in [(0, 150_000), (300_000, 0), (1, 150_000), (300_000, 999)] {
+            let given = MonitorConfiguration { drive_lever_um, mass_g, ..monitor };
+            assert_eq!(
+                Conditioning::from_monitor(BearingMaterial::Babbitt, &given).masses,
+                None,
+                "{drive_lever_um} {mass_g}"
+            );
+        }
+        let given = MonitorConfiguration { damping_per_mille: 0, ..monitor };
+        assert_eq!(Conditioning::from_monitor(BearingMaterial::Babbitt, &given).damping_per_mille, 2_092);
+    }
+}

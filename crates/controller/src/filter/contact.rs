@@ -1,0 +1,306 @@
+//! Force of the contact with its gradient over the filter's state.
+//!
+//! Elastic force: hybrid law of Bai and Zhao as the paper prints it, `K(d) = S(d) d^2` with `S(d) =
+//! sqrt(2) (pi/8) E* (3D + 2d)/(D + d)^1.5`. Normal force `N = (1+e) K(d) (1 + r d')`, `r = (1+l)
+//! chi/v` with the approach speed `v` of the onset. Friction `f = -(1+q) mu(v_t) N`.
+//!
+//! Near the onset the deformation is known no better than the clearance, and a tangent to the force
+//! at its mean is no approximation: without contact it is 0 and would hide the clearance. The
+//! square of the deformation is therefore replaced by its expectation over the normal distribution
+//! of the deformation, restricted to contact, and the slope by that expectation's derivative.
+
+use super::configuration::FilterConfiguration;
+use super::state::{BIAS, Bias, CLEARANCE, DAMPING, FRICTION, Gradient, MOTION, Motion, STIFFNESS};
+use contact::FrictionLaw;
+use core::f32::consts::{PI, SQRT_2};
+
+/// Deviations beyond which the sign of the deformation is certain.
+const CERTAIN: f32 = 4.0;
+/// Least distance of the journal from the centre of the bearing, m: its direction must exist.
+const MIN_DISTANCE_M: f32 = 1e-7;
+/// Largest second derivative of tanh: 4/(3 sqrt 3).
+const TANH_CURVATURE: f32 = 0.77;
+
+/// Constants of the contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactModel {
+    /// `sqrt(2) (pi/8) E*`, Pa.
+    modulus: f32,
+    clearance: f32,
+    damping_factor: f32,
+    friction: FrictionLaw<f32>,
+}
+
+/// Kinematics of the contact, SI units.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    /// Direction of the contact.
+    pub(super) normal_y: f32,
+    /// Direction of the contact.
+    pub(super) normal_z: f32,
+    /// Distance of the journal's centre from that of the bearing.
+    pub(super) distance: f32,
+    /// Deformation; negative without contact.
+    pub(super) deformation: f32,
+    /// Rate of the deformation.
+    pub(super) rate: f32,
+    /// Speed of the journal's centre around that of the bearing.
+    pub(super) around: f32,
+    /// Clearance with its estimated offset.
+    gap: f32,
+}
+
+/// Forces of the contact and their partial derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Forces {
+    pub(super) place: Place,
+    /// Normal force, 0 or more, N.
+    pub(super) normal: f32,
+    /// Friction force in the direction of positive sliding, N.
+    pub(super) friction: f32,
+    /// Error of the normal force's linear approximation, N.
+    pub(super) normal_curvature: f32,
+    /// Error of the friction force's linear approximation, N.
+    pub(super) friction_curvature: f32,
+    by_deformation: f32,
+    by_rate: f32,
+    by_stiffness: f32,
+    by_damping: f32,
+    by_sliding: f32,
+    /// Friction per normal force.
+    by_normal: f32,
+    by_friction_factor: f32,
+    /// Derivative of the sliding speed over the journal's Y speed, as far as the shaft turns.
+    turning_slope: f32,
+}
+
+/// Standard deviations that decide how the contact is linearised.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Deviations {
+    /// Deformation, m.
+    pub(super) deformation: f32,
+    /// Sliding speed, m/s.
+    pub(super) sliding: f32,
+    /// Stiffness factor.
+    pub(super) stiffness: f32,
+    /// Damping factor.
+    pub(super) damping: f32,
+}
+
+/// Motion of the shaft that a force depends on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turning {
+    /// Speed of the surface, m/s.
+    pub(super) surface: f32,
+    /// Its derivative over the journal's Y speed.
+    pub(super) slope: f32,
+    /// Latched approach speed, m/s.
+    pub(super) approach: f32,
+}
+
+impl Place {
+    /// Direction around the bearing: the normal turned by a quarter.
+    pub(super) fn tangent(&self) -> (f32, f32) {
+        (-self.normal_z, self.normal_y)
+    }
+}
+
+impl Forces {
+    /// No contact at a place.
+    const fn none(place: Place, turning: &Turning) -> Self {
+        Self {
+            place,
+            normal: 0.0,
+            friction: 0.0,
+            normal_curvature: 0.0,
+            friction_curvature: 0.0,
+            by_deformation: 0.0,
+            by_rate: 0.0,
+            by_stiffness: 0.0,
+            by_damping: 0.0,
+            by_sliding: 0.0,
+            by_normal: 0.0,
+            by_friction_factor: 0.0,
+            turning_slope: turning.slope,
+        }
+    }
+
+    /// Returns the gradient of the normal force.
+    pub(super) fn normal_gradient(&self) -> Gradient {
+        let place = self.place;
+        let (tangent_y, tangent_z) = place.tangent();
+        // The direction turns with the journal, and with it the radial part of the speed.
+        let turned = self.by_rate * place.around / place.distance;
+        Gradient::from([
+            self.by_deformation * place.normal_y + turned * tangent_y,
+            self.by_deformation * place.normal_z + turned * tangent_z,
+            self.by_rate * place.normal_y,
+            self.by_rate * place.normal_z,
+            0.0,
+            self.by_stiffness,
+            -self.by_deformation,
+            0.0,
+            self.by_damping,
+        ])
+    }
+
+    /// Returns the gradient of the friction force, from that of the normal force.
+    pub(super) fn friction_gradient(&self, normal: &Gradient) -> Gradient {
+        let place = self.place;
+        let (tangent_y, tangent_z) = place.tangent();
+        let turned = self.by_sliding * place.rate / place.distance;
+        let mut gradient = normal * self.by_normal;
+        gradient[0] += turned * tangent_y;
+        gradient[1] += turned * tangent_z;
+        gradient[2] += self.by_sliding * (self.turning_slope - tangent_y);
+        gradient[3] -= self.by_sliding * tangent_z;
+        gradient[MOTION + FRICTION] = self.by_friction_factor;
+        gradient
+    }
+
+    /// Returns force components on the journal, Y and Z.
+    pub(super) fn components(&self) -> (f32, f32) {
+        let Place { normal_y, normal_z, .. } = self.place;
+        (
+            self.friction * normal_z - self.normal * normal_y,
+            -self.normal * normal_z - self.friction * normal_y,
+        )
+    }
+
+    /// Returns the gradients of the force components, from those of normal force and friction.
+    pub(super) fn component_gradients(&self, normal: &Gradient, friction: &Gradient) -> (Gradient, Gradient) {
+        let place = self.place;
+        let (tangent_y, tangent_z) = place.tangent();
+        let mut along_y = friction * place.normal_z - normal * place.normal_y;
+        let mut along_z = -(normal * place.normal_z + friction * place.normal_y);
+        let turned_y = (self.friction * tangent_z - self.normal * tangent_y) / place.distance;
+        let turned_z = -(self.normal * tangent_z + self.friction * tangent_y) / place.distance;
+        along_y[0] += turned_y * tangent_y;
+        along_y[1] += turned_y * tangent_z;
+        along_z[0] += turned_z * tangent_y;
+        along_z[1] += turned_z * tangent_z;
+        (along_y, along_z)
+    }
+}
+
+impl ContactModel {
+    pub(super) fn new(config: &FilterConfiguration) -> Self {
+        Self {
+            modulus: SQRT_2 * PI / 8.0 * config.effective_modulus_pa,
+            clearance: config.radial_clearance_m,
+            damping_factor: config.damping_factor,
+            friction: config.friction,
+        }
+    }
+
+    /// Returns the kinematics of the contact at a state.
+    pub(super) fn place(&self, motion: &Motion, bias: &Bias) -> Place {
+        let [y, z, speed_y, speed_z] = (*motion).into();
+        let distance = libm::sqrtf(y * y + z * z).max(MIN_DISTANCE_M);
+        let (normal_y, normal_z) = (y / distance, z / distance);
+        let gap = (self.clearance + bias[CLEARANCE]).max(MIN_DISTANCE_M);
+        Place {
+            normal_y,
+            normal_z,
+            distance,
+            deformation: distance - gap,
+            rate: normal_y * speed_y + normal_z * speed_z,
+            around: normal_y * speed_z - normal_z * speed_y,
+            gap,
+        }
+    }
+
+    /// Returns force over the square of the deformation, `S(d)`, in N/m2, and its derivative.
+    fn shape(&self, gap: f32, deformation: f32) -> (f32, f32) {
+        let sum = gap + deformation;
+        let size = 3.0 * gap + 2.0 * deformation;
+        let shape = self.modulus * size / (sum * libm::sqrtf(sum));
+        (shape, shape * (2.0 / size - 1.5 / sum))
+    }
+
+    /// Returns the elastic force of a deformation as large as the noise of the position sensors, N:
+    /// the smallest deviation that an estimate may claim.
+    pub(super) fn force_of_noise(&self, noise: f32) -> f32 {
+        self.shape(self.clearance, 0.0).0 * noise * noise
+    }
+
+    /// Returns the forces at a place.
+    pub(super) fn forces(&self, place: Place, bias: &Bias, turning: &Turning, sds: &Deviations) -> Forces {
+        let mut forces = Forces::none(place, turning);
+        if place.deformation <= -CERTAIN * sds.deformation {
+            return forces;
+        }
+        self.add_normal(&mut forces, bias, turning, sds);
+        if forces.normal > 0.0 {
+            self.add_friction(&mut forces, bias, turning, sds);
+        }
+        forces
+    }
+
+    /// Adds the normal force with its derivatives.
+    fn add_normal(&self, forces: &mut Forces, bias: &Bias, turning: &Turning, sds: &Deviations) {
+        let place = forces.place;
+        let (square, twice) = contact_moments(place.deformation, sds.deformation);
+        let (shape, shape_slope) = self.shape(place.gap, place.deformation.max(0.0));
+        let per_damping = self.damping_factor / turning.approach;
+        let ratio = (1.0 + bias[DAMPING]) * per_damping;
+        let (stiffness, damping) = (1.0 + bias[STIFFNESS], 1.0 + ratio * place.rate);
+        let elastic = shape * square;
+        let normal = stiffness * elastic * damping;
+        if normal <= 0.0 {
+            return;
+        }
+        forces.normal = normal;
+        forces.by_deformation = stiffness * damping * (shape * twice + shape_slope * square);
+        forces.by_rate = stiffness * elastic * ratio;
+        forces.by_stiffness = elastic * damping;
+        forces.by_damping = stiffness * elastic * per_damping * place.rate;
+        // Second-order terms: the square of the deformation, and products of uncertain factors.
+        let deformation = (forces.by_deformation * sds.deformation).abs();
+        let stiffness = (forces.by_stiffness * sds.stiffness).abs();
+        let damping = (forces.by_damping * sds.damping).abs();
+        let products = deformation * damping + stiffness * (deformation + damping);
+        forces.normal_curvature =
+            SQRT_2 * shape * sds.deformation * sds.deformation + products / normal.max(1.0);
+    }
+
+    /// Adds friction with its derivatives.
+    fn add_friction(&self, forces: &mut Forces, bias: &Bias, turning: &Turning, sds: &Deviations) {
+        let sliding = turning.surface - forces.place.around;
+        let (coefficient, slope) = self.friction.signed_coefficient(sliding);
+        let level = 1.0 + bias[FRICTION];
+        forces.by_normal = -level * coefficient;
+        forces.friction = forces.by_normal * forces.normal;
+        forces.by_sliding = -level * slope * forces.normal;
+        forces.by_friction_factor = -coefficient * forces.normal;
+        let width = self.friction.regularisation_m_s;
+        if sliding.abs() < 3.0 * width {
+            let ratio = sds.sliding / width;
+            let steepest = self.friction.static_coefficient * forces.normal;
+            forces.friction_curvature = (0.5 * TANH_CURVATURE * ratio * ratio).min(0.3) * steepest;
+        }
+    }
+
+    /// Returns whether friction may turn abruptly at a sliding speed.
+    pub(super) fn turns_abruptly(&self, sliding: f32) -> bool {
+        sliding.abs() < 5.0 * self.friction.regularisation_m_s
+    }
+}
+
+/// Returns the expectation of `max(d, 0)^2` and its derivative for a normally distributed `d`.
+fn contact_moments(mean: f32, deviation: f32) -> (f32, f32) {
+    let ratio = mean / deviation;
+    if ratio >= CERTAIN {
+        return (mean * mean + deviation * deviation, 2.0 * mean);
+    }
+    let density = 0.398_942_3 * libm::expf(-0.5 * ratio * ratio);
+    // Abramowitz and Stegun, formula 26.2.17, error below 1e-7.
+    let t = 1.0 / (1.0 + 0.231_641_9 * ratio.abs());
+    let series = 0.319_381_53 + t * (-0.356_563_78 + t * (1.781_477_9 + t * (-1.821_256 + t * 1.330_274_4)));
+    let tail = density * t * series;
+    let touching = if ratio > 0.0 { 1.0 - tail } else { tail };
+    let first = mean * touching + deviation * density;
+    (mean * first + deviation * deviation * touching, 2.0 * first)
+}
+
+const _: () = assert!(MOTION == 4 && BIAS == 5);

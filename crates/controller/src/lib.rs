@@ -1,0 +1,40 @@
+//! The controller without its board: sensor samples in, contact forces out.
+//!
+//! A tick runs from the outside in: `service::Exchange::tick`, [`Session`], [`Monitor`] (faults,
+//! safe state), [`Estimator`] (conditioning, onset latch), the networks (`inference::Pair`).
+//! [`Session`] also conducts the conversation with the host. Both are free of I/O, heap and
+//! panics. They run in the host's process and on the controller and give the same bits on both:
+//! integers, `+ - * /` and `sqrt` in f32.
+//!
+//! Only the firmware's boards access registers. [`clock`] separates their start-up decisions from
+//! the registers, so that the host can test them.
+//!
+//! Not a safety function: an estimate that cannot be trusted is flagged ([`flags`]), not corrected.
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+#![warn(clippy::indexing_slicing)]
+
+pub mod boards;
+pub mod buffers;
+pub mod clock;
+pub mod configuration;
+pub mod estimator;
+pub mod filter;
+pub mod flags;
+mod integrity;
+pub mod monitor;
+pub mod sensors;
+pub mod service;
+pub mod session;
+pub mod store;
+pub mod supervisor;
+pub mod tracking;
+
+pub use estimator::Estimator;
+pub use monitor::Monitor;
+pub use session::{Identity, NoTicks, Session, TickSource};
+
+/// Compiles the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDoctests;

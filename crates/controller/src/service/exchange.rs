@@ -1,0 +1,134 @@
+//! State that the timer tick and the link service share.
+
+use core::convert::Infallible;
+
+use embedded_hal::spi::SpiDevice;
+use heapless::Deque;
+use link::track::SensorStatus;
+use link::{ESTIMATE_FRAME, SensorFrame, State};
+
+use crate::sensors::{AngleSensor, Sampler, Wiring};
+use crate::session::{Session, TickSource};
+
+/// Length of the queues of samples and estimates. A host in lockstep has one sample on the way.
+const QUEUE: usize = 8;
+
+/// Sensors of the board.
+pub trait SampleSource {
+    /// Samples every sensor once. `time_us` is the controller's time.
+    fn sample(&mut self, time_us: u32) -> (SensorFrame, SensorStatus);
+    /// Returns the last sample before calibration.
+    fn latest(&self) -> SensorFrame;
+    /// Uses other wiring from the next sample on.
+    fn rewire(&mut self, wiring: Wiring);
+}
+
+impl<SPI: SpiDevice, ANGLE: AngleSensor> SampleSource for Sampler<SPI, ANGLE> {
+    fn sample(&mut self, time_us: u32) -> (SensorFrame, SensorStatus) {
+        Sampler::sample(self, time_us)
+    }
+
+    fn latest(&self) -> SensorFrame {
+        Sampler::latest(self)
+    }
+
+    fn rewire(&mut self, wiring: Wiring) {
+        Sampler::rewire(self, wiring);
+    }
+}
+
+/// The sensors of a board without sensors.
+impl SampleSource for Infallible {
+    fn sample(&mut self, _time_us: u32) -> (SensorFrame, SensorStatus) {
+        match *self {}
+    }
+
+    fn latest(&self) -> SensorFrame {
+        match *self {}
+    }
+
+    fn rewire(&mut self, _wiring: Wiring) {
+        match *self {}
+    }
+}
+
+/// Outcome of [`Exchange::tick`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tick {
+    /// There was a sample.
+    Sampled,
+    /// No sample was waiting.
+    Idle,
+}
+
+/// The session with the queues between tick and service, and the board's sensors.
+pub struct Exchange<S> {
+    /// The session.
+    pub session: Session,
+    samples: Deque<(SensorFrame, SensorStatus), QUEUE>,
+    estimates: Deque<[u8; ESTIMATE_FRAME], QUEUE>,
+    sensors: Option<S>,
+}
+
+impl<S: SampleSource> Exchange<S> {
+    /// Creates the state with empty queues.
+    pub const fn new(session: Session, sensors: Option<S>) -> Self {
+        Self { session, samples: Deque::new(), estimates: Deque::new(), sensors }
+    }
+
+    /// Decides whether the session estimates.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        self.session.state() == State::Running
+    }
+
+    /// Runs one timer tick: takes a sample of the board's sensors or the link's next one,
+    /// estimates, and queues the frame of the estimate.
+    pub fn tick(&mut self, now_us: u32, ticks: &mut impl TickSource) -> Tick {
+        let received = self.samples.pop_front();
+        let estimate = match (&mut self.sensors, received) {
+            (Some(sensors), received) if self.session.is_sampling() => {
+                if received.is_some() {
+                    self.session.count_dropped_sample();
+                }
+                self.session.tick_own_sample(|| sensors.sample(now_us), ticks)
+            }
+            // A sample before any configuration has no answer: the state is in every hello frame.
+            (_, Some((frame, status))) => self.session.tick(&frame, status, ticks).ok(),
+            (_, None) => {
+                self.session.count_idle_tick();
+                return Tick::Idle;
+            }
+        };
+        if let Some(estimate) = estimate
+            && self.estimates.push_back(estimate).is_err()
+        {
+            self.session.count_dropped_estimate();
+        }
+        Tick::Sampled
+    }
+
+    /// Queues a sample of the link for the tick, or counts it as dropped.
+    pub(super) fn queue_sample(&mut self, frame: SensorFrame, status: SensorStatus) {
+        if self.samples.push_back((frame, status)).is_err() {
+            self.session.count_dropped_sample();
+        }
+    }
+
+    /// Takes the oldest queued estimate.
+    pub(super) fn next_estimate(&mut self) -> Option<[u8; ESTIMATE_FRAME]> {
+        self.estimates.pop_front()
+    }
+
+    /// Returns the last sample of the board's sensors.
+    pub(super) fn latest_sample(&self) -> Option<SensorFrame> {
+        self.sensors.as_ref().map(S::latest)
+    }
+
+    /// Passes the wiring of a newly accepted configuration to the sensors.
+    pub(super) fn rewire(&mut self) {
+        if let (Some(wiring), Some(sensors)) = (self.session.take_wiring(), &mut self.sensors) {
+            sensors.rewire(wiring);
+        }
+    }
+}

@@ -1,0 +1,399 @@
+//! The service with a scripted transport.
+
+use std::collections::VecDeque;
+use std::convert::Infallible;
+
+use embedded_storage::nor_flash::{ErrorType, MultiwriteNorFlash, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use link::start::StackReport;
+use link::track::SensorStatus;
+use link::update::{ModelMemory, UpdateRequest};
+use link::{
+    Answer, BuildId, ClockSource, Command, Decoder, NumberedCommand, ReportKind, SensorFrame, SlowReport,
+    Target, ToController, ToHost,
+};
+use rtic_core::Exclusive;
+
+use super::*;
+use crate::configuration::BENCH_B;
+use crate::session::{Identity, NoTicks, Session};
+use crate::store::key::DEVELOPMENT_KEY;
+use crate::supervisor::paint::{Mark, PAINT};
+use crate::supervisor::{Attendance, CodeCheck, Periods};
+
+/// Addresses of the test's code.
+const SPANS: [std::ops::Range<usize>; crate::supervisor::code::SPANS] =
+    [0..16, 16..32, 32..48, 48..56, 60..64];
+
+/// A transport whose received bytes are written beforehand and whose sent frames are recorded.
+#[derive(Default)]
+struct Script {
+    received: VecDeque<u8>,
+    sent: Vec<u8>,
+    /// Purposes of the sent frames.
+    purposes: Vec<Purpose>,
+    is_closed_at_end: bool,
+    is_blocked: bool,
+    line: LineReport,
+}
+
+impl Script {
+    fn write(&mut self, messages: &[ToController]) {
+        for message in messages {
+            self.received.extend(encode(message, &mut [0; MAX_FRAME]).unwrap());
+        }
+    }
+
+    /// Takes what was sent.
+    fn replies(&mut self) -> Vec<ToHost> {
+        let mut decoder = Decoder::new();
+        let sent = std::mem::take(&mut self.sent);
+        sent.iter().filter_map(|&byte| decoder.push(byte)).map(Result::unwrap).collect()
+    }
+}
+
+impl Transport for &mut Script {
+    fn receive(&mut self) -> Received {
+        match self.received.pop_front() {
+            Some(byte) => Received::Byte(byte),
+            None if self.is_closed_at_end => Received::Closed,
+            None => Received::Nothing,
+        }
+    }
+
+    fn send(&mut self, frame: &[u8], purpose: Purpose) -> bool {
+        if !self.is_blocked {
+            self.sent.extend(frame);
+            self.purposes.push(purpose);
+        }
+        !self.is_blocked
+    }
+
+    fn line(&self) -> LineReport {
+        self.line
+    }
+}
+
+/// Flash memory of two parts.
+struct Flash(Box<[u8; 2 * 20 * 1024]>);
+
+impl ErrorType for Flash {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+        bytes.copy_from_slice(&self.0[offset as usize..][..bytes.len()]);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.len()
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 4;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
+        self.0[from as usize..to as usize].fill(0xFF);
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+        for (stored, byte) in self.0[offset as usize..].iter_mut().zip(bytes) {
+            *stored &= byte;
+        }
+        Ok(())
+    }
+}
+
+impl MultiwriteNorFlash for Flash {}
+
+impl SlotMemory for Flash {
+    fn kind(&self) -> ModelMemory {
+        ModelMemory::Volatile
+    }
+
+    fn stalls_the_core(&self) -> bool {
+        false
+    }
+
+    fn in_place(&self, _offset: u32, _length: u32) -> &'static [u8] {
+        &[]
+    }
+}
+
+/// A board with 16 words of code.
+struct Board {
+    attendance: Attendance,
+    uptime_us: u32,
+    code: [u32; 16],
+    ticks: NoTicks,
+}
+
+impl Platform for Board {
+    type Ticks = NoTicks;
+
+    fn ticks(&mut self) -> &mut NoTicks {
+        &mut self.ticks
+    }
+
+    fn uptime_us(&self) -> u32 {
+        self.uptime_us
+    }
+
+    fn attendance(&self) -> &Attendance {
+        &self.attendance
+    }
+
+    fn code_word(&self, address: usize) -> u32 {
+        self.code[address / 4]
+    }
+
+    fn search_stack(&self, mark: &mut Mark) -> StackReport {
+        mark.search(100, |word| if word < 6 { PAINT } else { 0 });
+        StackReport { reserved_bytes: 40, used_bytes: mark.used_bytes() as u32 }
+    }
+}
+
+/// Everything but the transports.
+struct Fixture {
+    service: LinkService<Flash>,
+    exchange: Exchange<Infallible>,
+    board: Board,
+}
+
+fn fixture(pacing: Pacing, places: Flash) -> Fixture {
+    let periods = Periods { sampling_us: 1_000, inference_us: 1_000, link_us: 1_000, self_test_us: 1_000 };
+    let board = Board {
+        attendance: Attendance::new(periods),
+        uptime_us: 0,
+        code: std::array::from_fn(|index| index as u32),
+        ticks: NoTicks,
+    };
+    let identity = Identity {
+        build_id: BuildId::new("test"),
+        target: Target::Native,
+        clock: ClockSource::Host,
+        core_hz: 0,
+    };
+    let mut session = Session::new(identity);
+    let slots = Flash(Box::new([0xFF; 2 * 20 * 1024]));
+    let (store, models) = Store::start(slots, 0, DEVELOPMENT_KEY);
+    session.switch_models(models);
+    let code = CodeCheck::new(SPANS, crate::supervisor::code::UNSEALED);
+    let background = Background::start(code, Mark::new(10), &mut session, &board);
+    let service = LinkService::new(pacing, store, Keeper::start(places), background);
+    Fixture { service, exchange: Exchange::new(session, None), board }
+}
+
+fn blank() -> Flash {
+    Flash(Box::new([0xFF; 2 * 20 * 1024]))
+}
+
+impl Fixture {
+    /// Runs passes over two scripted transports until the first one's script is read or the service
+    /// ends.
+    fn run(&mut self, first: &mut Script, second: &mut Script, passes: usize) -> Result<(), Stop> {
+        let mut ports = Ports::new(first, second);
+        (0..passes).try_for_each(|_| {
+            self.service.pass(&mut ports, &mut Exclusive(&mut self.exchange), &mut self.board)
+        })
+    }
+
+    fn ask(&mut self, message: ToController) -> Vec<ToHost> {
+        let mut script = Script::default();
+        script.write(&[message]);
+        self.run(&mut script, &mut Script::default(), 2).unwrap();
+        script.replies()
+    }
+
+    fn order(&mut self, command: Command) -> Answer {
+        let id = self.exchange.session.hello(0).last_command + 1;
+        match self.ask(ToController::Command(NumberedCommand { id, command }))[..] {
+            [ToHost::Acknowledged(acknowledgement)] => acknowledgement.outcome.unwrap(),
+            ref other => panic!("{other:?}"),
+        }
+    }
+}
+
+fn sample(sequence: u32) -> ToController {
+    let frame = SensorFrame { sequence, time_us: sequence * 100, ..SensorFrame::default() };
+    ToController::Sensor(frame, SensorStatus::GOOD)
+}
+
+#[test]
+fn in_lockstep_every_sample_is_estimated_at_once_and_the_end_of_the_script_stops_the_service() {
+    let mut fixture = fixture(Pacing::Lockstep, blank());
+    fixture.order(Command::Configure(BENCH_B));
+    let mut script = Script { is_closed_at_end: true, ..Script::default() };
+    script.write(&[sample(0), sample(1), sample(2)]);
+    assert_eq!(fixture.run(&mut script, &mut Script::default(), 10), Err(Stop::Closed));
+    let numbers: Vec<_> = script
+        .replies()
+        .into_iter()
+        .map(|reply| match reply {
+            ToHost::Estimate(estimate) => estimate.number,
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(numbers, [0, 1, 2]);
+    let [sampling, inference, ..] = fixture.board.attendance.look(0);
+    assert!(sampling.expected && inference.expected);
+}
+
+#[test]
+fn paced_by_the_timer_samples_wait_for_the_tick_and_samples_without_room_are_counted() {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    fixture.order(Command::Configure(BENCH_B));
+    let mut script = Script::default();
+    script.write(&(0..10).map(sample).collect::<Vec<_>>());
+    fixture.run(&mut script, &mut Script::default(), 10).unwrap();
+    assert!(script.replies().is_empty());
+    assert_eq!(fixture.exchange.session.counters().dropped_samples, 2);
+    for _ in 0..8 {
+        assert_eq!(fixture.exchange.tick(0, &mut NoTicks), Tick::Sampled);
+    }
+    assert_eq!(fixture.exchange.tick(0, &mut NoTicks), Tick::Idle);
+    let mut script = Script::default();
+    fixture.run(&mut script, &mut Script::default(), 1).unwrap();
+    assert_eq!(script.replies().len(), 8);
+    assert!(script.purposes.iter().all(|&purpose| purpose == Purpose::Stream));
+}
+
+#[test]
+fn replies_go_to_the_port_of_the_request_and_estimates_to_the_port_of_the_last_frame() {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    fixture.order(Command::Configure(BENCH_B));
+    let (mut serial, mut probe) = (Script::default(), Script::default());
+    probe.write(&[ToController::Identify { token: 5 }, sample(0)]);
+    let mut ports = Ports::new(&mut serial, &mut probe);
+    for _ in 0..3 {
+        let mut exchange = Exclusive(&mut fixture.exchange);
+        fixture.service.pass(&mut ports, &mut exchange, &mut fixture.board).unwrap();
+        fixture.exchange.tick(0, &mut NoTicks);
+    }
+    assert!(serial.sent.is_empty());
+    assert!(matches!(probe.replies()[..], [ToHost::Hello(hello), ToHost::Estimate(_)] if hello.token == 5));
+    assert_eq!(probe.purposes, [Purpose::Reply, Purpose::Stream]);
+}
+
+#[test]
+fn one_pass_sends_at_most_one_reply() {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    let mut script = Script::default();
+    script.write(&[ToController::Identify { token: 1 }, ToController::Identify { token: 2 }]);
+    fixture.run(&mut script, &mut Script::default(), 1).unwrap();
+    assert_eq!(script.replies().len(), 1);
+    fixture.run(&mut script, &mut Script::default(), 1).unwrap();
+    assert_eq!(script.replies().len(), 1);
+}
+
+#[test]
+fn the_bytes_of_one_pass_are_bounded() {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    let mut script = Script { received: vec![1; 1_000].into(), ..Script::default() };
+    fixture.run(&mut script, &mut Script::default(), 1).unwrap();
+    assert_eq!(script.received.len(), 1_000 - MAX_BYTES_PER_PASS);
+}
+
+#[test]
+fn the_hello_frame_of_a_start_goes_to_both_ports_after_the_end_of_a_cut_frame() {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    let (mut serial, mut probe) = (Script::default(), Script::default());
+    let mut ports = Ports::new(&mut serial, &mut probe);
+    let hello = fixture.service.announce(&mut ports, &mut Exclusive(&mut fixture.exchange));
+    assert_eq!((hello.token, hello.stack), (0, StackReport { reserved_bytes: 40, used_bytes: 16 }));
+    for port in [&mut serial, &mut probe] {
+        assert_eq!(port.sent.first(), Some(&link::DELIMITER));
+        assert_eq!(port.replies(), [ToHost::Hello(hello)]);
+    }
+}
+
+#[test]
+fn a_saved_configuration_is_restored_at_the_next_start() {
+    let mut first = fixture(Pacing::Timer, blank());
+    first.order(Command::Configure(BENCH_B));
+    first.order(Command::Stop);
+    assert_eq!(first.order(Command::Keep), Answer::Kept);
+    let mut second = fixture(Pacing::Timer, first.service.keeper.into_memory());
+    assert!(!second.exchange.is_running());
+    second.service.restore(&mut Exclusive(&mut second.exchange));
+    assert!(second.exchange.is_running());
+    assert_eq!(second.order(Command::GetConfiguration), Answer::Configuration(Some(BENCH_B)));
+}
+
+#[test]
+fn status_of_supervisor_and_models_is_current_when_a_report_is_requested() {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    // A pass reads the check-ins before its own, so the first pass sees none of the link.
+    fixture.order(Command::GetCounters);
+    fixture.board.uptime_us = 77;
+    let Answer::Report(SlowReport::Supervisor(report)) =
+        fixture.order(Command::GetReport(ReportKind::Supervisor))
+    else {
+        panic!("expected the supervisor's report")
+    };
+    assert_eq!((report.uptime_us, report.parties[2].expected), (77, true));
+    assert!(matches!(
+        fixture.ask(ToController::Update(UpdateRequest::Status))[..],
+        [ToHost::Update(UpdateAnswer::Status(_))]
+    ));
+}
+
+#[test]
+fn telemetry_is_sent_when_it_is_due() {
+    let mut fixture = fixture(Pacing::Lockstep, blank());
+    let mut configuration = BENCH_B;
+    configuration.limits.slow_every = 10;
+    fixture.order(Command::Configure(configuration));
+    let mut script = Script::default();
+    script.write(&(0..20).map(sample).collect::<Vec<_>>());
+    fixture.run(&mut script, &mut Script::default(), 25).unwrap();
+    let telemetry = script.replies().into_iter().filter(|reply| matches!(reply, ToHost::Slow(_)));
+    assert_eq!(telemetry.count(), 2);
+}
+
+#[test]
+fn frames_that_the_transport_does_not_take_and_line_errors_are_counted() {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    let line = LineReport { dropped_bytes: 3, ..LineReport::default() };
+    let mut script = Script { is_blocked: true, line, ..Script::default() };
+    script.write(&[ToController::Identify { token: 1 }]);
+    fixture.run(&mut script, &mut Script::default(), 1).unwrap();
+    let counters = fixture.exchange.session.counters();
+    assert_eq!((counters.dropped_answers, counters.dropped_bytes), (1, 3));
+}
+
+#[test]
+fn corrupted_code_stops_the_service_and_at_a_start_refuses_every_run() {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    fixture.run(&mut Script::default(), &mut Script::default(), 20).unwrap();
+    fixture.board.code[9] ^= 1 << 20;
+    let stopped = fixture.run(&mut Script::default(), &mut Script::default(), 20);
+    assert_eq!(stopped, Err(Stop::Corrupted));
+    // A sealed image whose seal does not match.
+    let mut session = crate::session::Session::new(Identity {
+        build_id: BuildId::new("test"),
+        target: Target::Native,
+        clock: ClockSource::Host,
+        core_hz: 0,
+    });
+    let code = CodeCheck::new(SPANS, 1);
+    Background::start(code, Mark::new(10), &mut session, &fixture.board);
+    assert!(session.configure(&BENCH_B).is_err());
+}
+
+#[test]
+fn the_self_test_checks_in_after_a_round() {
+    let mut fixture = fixture(Pacing::Timer, blank());
+    let mut passes = 0;
+    while !fixture.board.attendance.look(0)[3].expected {
+        fixture.run(&mut Script::default(), &mut Script::default(), 1).unwrap();
+        passes += 1;
+        assert!(passes < 1_000, "a round ends");
+    }
+}

@@ -1,0 +1,105 @@
+//! Samples of the controller's own sensors.
+
+use super::*;
+use crate::flags::SENSOR_MISSING;
+use link::Decoder;
+use link::track::SensorChannel;
+
+fn sampling() -> Session {
+    let mut session = configured(Target::Silicon, BENCH_B);
+    assert_eq!(order(&mut session, Command::SampleYourself), Err(Refusal::NoSensors));
+    assert!(!session.is_sampling());
+    session.set_has_sensors(true);
+    assert_eq!(
+        order(&mut session, Command::SampleYourself),
+        Ok(Answer::Sampling { every: OWN_ESTIMATE_INTERVAL })
+    );
+    assert!(session.is_sampling());
+    session
+}
+
+fn sample(sequence: u32) -> (SensorFrame, SensorStatus) {
+    let time_us = sequence * OWN_SAMPLE_PERIOD_US;
+    let frame = SensorFrame { sequence, time_us, ..SensorFrame::default() };
+    (frame, SensorStatus::GOOD.missing(SensorChannel::JournalY))
+}
+
+fn decoded(bytes: &[u8]) -> NumberedEstimate {
+    let mut decoder = Decoder::new();
+    match bytes.iter().find_map(|&byte| decoder.push::<ToHost>(byte)) {
+        Some(Ok(ToHost::Estimate(estimate))) => estimate,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn one_estimate_in_so_many_is_sent_and_their_numbers_have_no_gaps() {
+    let mut session = sampling();
+    let sent: Vec<_> = (0..200)
+        .filter_map(|sequence| session.tick_own_sample(|| sample(sequence), &mut NoTicks))
+        .map(|bytes| decoded(&bytes))
+        .collect();
+    let every = u32::from(OWN_ESTIMATE_INTERVAL);
+    assert_eq!(sent.len() as u32, 200 / every);
+    for (estimate, number) in sent.iter().zip(0..) {
+        assert_eq!((estimate.number, estimate.estimate.sequence), (number, (number + 1) * every - 1));
+        assert!(Flags::from_bits(estimate.estimate.flags).contains(SENSOR_MISSING));
+    }
+    assert_eq!((session.counters().samples, session.counters().flagged), (200, 200));
+}
+
+#[test]
+fn the_time_to_take_the_sample_is_part_of_the_deadline() {
+    /// A counter that only the sample moves.
+    struct Moved(std::rc::Rc<std::cell::Cell<u32>>);
+    impl TickSource for Moved {
+        fn start(&mut self) -> u32 {
+            self.0.get()
+        }
+        fn since(&mut self, start: u32) -> u32 {
+            self.0.get() - start
+        }
+    }
+    let mut session = sampling();
+    let count = std::rc::Rc::new(std::cell::Cell::new(0));
+    for sequence in 0..5 {
+        let slow = || {
+            // A cycle more than a sample period at 168 MHz.
+            count.set(count.get() + 16_801);
+            sample(sequence)
+        };
+        session.tick_own_sample(slow, &mut Moved(count.clone()));
+    }
+    assert_eq!(session.counters().deadline_overruns, 5);
+}
+
+#[test]
+fn the_wiring_of_a_configuration_is_returned_once() {
+    let mut configuration = BENCH_B;
+    configuration.wiring.load_input = 5;
+    let mut session = configured(Target::Silicon, configuration);
+    assert_eq!(session.take_wiring().map(|wiring| wiring.load.input), Some(5));
+    assert!(session.take_wiring().is_none());
+    configuration.wiring.load_input = 0;
+    assert!(order(&mut session, Command::Configure(configuration)).is_err());
+    assert!(session.take_wiring().is_none(), "refused, it changes nothing");
+}
+
+#[test]
+fn a_stop_a_new_configuration_and_another_period_end_it() {
+    let mut session = sampling();
+    stopped(&mut session);
+    assert!(!session.is_sampling());
+    assert_eq!(session.tick_own_sample(|| sample(0), &mut NoTicks), None);
+    assert_eq!(order(&mut session, Command::SampleYourself), Err(Refusal::NotConfigured));
+    let mut other = BENCH_B;
+    other.bench.sample_period_us = 200;
+    assert!(matches!(order(&mut session, Command::Configure(other)), Ok(Answer::Configured(_))));
+    match order(&mut session, Command::SampleYourself) {
+        Err(Refusal::Configuration(reasons)) => {
+            assert_eq!(reasons.iter().map(|reason| reason.field).collect::<Vec<_>>(), [Field::SamplePeriod]);
+        }
+        answer => panic!("{answer:?}"),
+    }
+    assert!(!session.is_sampling());
+}

@@ -1,0 +1,113 @@
+//! For any sensor values and any configuration of the conditioning, the estimate is finite and the
+//! normal force is not negative.
+//!
+//! Tests run with overflow checks: an overflow in the tick would fail them.
+
+use controller::Estimator;
+use controller::estimator::{Conditioning, Masses};
+use inference::{BearingMaterial, shipped};
+use link::{BenchConfiguration, EstimateFrame, SensorFrame};
+use proptest::prelude::*;
+
+/// Codes of every size: near the clearance, anywhere, and the ends of the range.
+fn code() -> impl Strategy<Value = i32> {
+    prop_oneof![
+        4 => -700_000..700_000_i32,
+        1 => any::<i32>(),
+        1 => prop_oneof![Just(i32::MIN), Just(i32::MAX), Just(0), Just(-1)],
+    ]
+}
+
+fn frame() -> impl Strategy<Value = SensorFrame> {
+    (any::<u32>(), any::<u32>(), code(), code(), code(), code()).prop_map(
+        |(sequence, time_us, journal_y_nm, journal_z_nm, shaft_angle_nrad, load_force_mn)| SensorFrame {
+            sequence,
+            time_us,
+            journal_y_nm,
+            journal_z_nm,
+            shaft_angle_nrad,
+            load_force_mn,
+        },
+    )
+}
+
+fn configuration() -> impl Strategy<Value = BenchConfiguration> {
+    let ends = |low: u32, high: u32| prop_oneof![2 => low..=high, 1 => Just(low), 1 => Just(high)];
+    (
+        0..2_u8,
+        ends(1_000, 5_000_000),
+        ends(1_000_000, 1_000_000_000),
+        ends(50, 1_000),
+        ends(1, 1_000_000),
+        ends(1, 1_000_000),
+    )
+        .prop_map(
+            |(bearing, radial_clearance_nm, journal_radius_nm, sample_period_us, floor, unseen)| {
+                BenchConfiguration {
+                    bearing,
+                    radial_clearance_nm,
+                    journal_radius_nm,
+                    sample_period_us,
+                    latch_floor_um_s: floor,
+                    unseen_approach_um_s: unseen,
+                }
+            },
+        )
+}
+
+fn conditioning() -> impl Strategy<Value = Conditioning> {
+    let any_number = || prop_oneof![3 => 1..2_000_000_u32, 1 => any::<u32>()];
+    (prop::option::of((any_number(), any_number())), any_number(), any_number()).prop_map(
+        |(masses, damping_per_mille, noise_nm)| Conditioning {
+            masses: masses.map(|(along_y_g, along_z_g)| Masses { along_y_g, along_z_g }),
+            damping_per_mille,
+            noise_nm,
+        },
+    )
+}
+
+/// Independent frames, or consecutive frames, which fill the window so that rates are computed.
+fn sequence() -> impl Strategy<Value = (Vec<SensorFrame>, bool)> {
+    (prop::collection::vec(frame(), 1..240), any::<bool>())
+}
+
+fn is_sound(estimate: &EstimateFrame) -> bool {
+    let all = [
+        estimate.normal_force_n,
+        estimate.force_y_n,
+        estimate.force_z_n,
+        estimate.friction_torque_nm,
+        estimate.deformation_m,
+        estimate.contact_angle_rad,
+    ];
+    all.iter().all(|value| value.is_finite()) && estimate.normal_force_n >= 0.0
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    #[test]
+    fn any_frames_give_finite_estimates(
+        (frames, joined) in sequence(),
+        configuration in configuration(),
+        conditioning in conditioning(),
+    ) {
+        let bearing = BearingMaterial::from_code(configuration.bearing).unwrap();
+        let mut estimator = Estimator::conditioned(shipped(bearing), configuration, &conditioning).unwrap();
+        for (mut frame, index) in frames.into_iter().zip(0_u32..) {
+            if joined {
+                // A regular clock and small steps, wrapped around the range of codes: only jumps
+                // restart the window.
+                frame.sequence = index;
+                frame.time_us = index.wrapping_mul(configuration.sample_period_us);
+                frame.journal_y_nm %= 20_000;
+                let clearance_nm = i32::try_from(configuration.radial_clearance_nm).unwrap();
+                frame.journal_z_nm = clearance_nm + frame.journal_z_nm % 20_000;
+                frame.shaft_angle_nrad %= 400_000;
+            }
+            let estimate = estimator.step(&frame);
+            prop_assert!(is_sound(&estimate), "{frame:?}: {estimate:?}");
+            prop_assert_eq!((estimate.sequence, estimate.time_us), (frame.sequence, frame.time_us));
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Power failure at every step of saving a configuration: the old or the new one is read, never a
+//! mixture.
+
+use crate::flash::{Flash, HALF};
+use controller::store::Keeper;
+use controller::store::keeper::{KeepError, LONGEST, RECORD};
+
+/// Two places of two records each: every second write erases.
+type Places = Flash<{ 4 * RECORD }>;
+/// A value whose parts must belong together.
+type Value = [u64; 16];
+
+fn value(number: u64) -> Value {
+    std::array::from_fn(|part| number.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ part as u64)
+}
+
+fn read(flash: Places) -> (Keeper<Places>, Option<Value>) {
+    let mut keeper = Keeper::start(flash);
+    let value = keeper.value(1);
+    (keeper, value)
+}
+
+#[test]
+fn a_blank_or_foreign_memory_contains_no_value() {
+    assert_eq!(read(Flash::new()).1, None);
+    let mut foreign = Flash::new();
+    for (at, byte) in foreign.bytes.iter_mut().enumerate() {
+        *byte = (at * 7 % 251) as u8;
+    }
+    let (mut keeper, found) = read(foreign);
+    assert_eq!(found, None);
+    keeper.keep(1, &value(5)).unwrap();
+    assert_eq!(read(keeper.into_memory()).1, Some(value(5)));
+}
+
+#[test]
+fn power_lost_at_any_step_leaves_the_old_value_or_the_new_one() {
+    let mut flash: Places = Flash::new();
+    for number in 1..12_u64 {
+        let (mut keeper, old) = read(flash.clone().restart(None, 1));
+        assert_eq!(old, (number > 1).then(|| value(number - 1)));
+        keeper.keep(1, &value(number)).unwrap();
+        let whole = keeper.into_memory();
+        for cut in 0..whole.steps {
+            let (mut keeper, _) = read(flash.clone().restart(Some(cut), number << 32 | cut as u64));
+            assert_eq!(keeper.keep(1, &value(number)), Err(KeepError::Flash));
+            let (mut keeper, found) = read(keeper.into_memory().restart(None, 1));
+            // The last word is the checksum: without all of its bits the record is invalid.
+            let expected = if found == Some(value(number)) { Some(value(number)) } else { old };
+            assert_eq!(found, expected, "value {number}, step {cut} of {}", whole.steps);
+            keeper.keep(1, &value(1000 + number)).unwrap();
+            assert_eq!(read(keeper.into_memory()).1, Some(value(1000 + number)));
+        }
+        flash = whole;
+    }
+}
+
+#[test]
+fn a_value_of_another_form_is_not_read_and_one_too_long_is_not_saved() {
+    let mut keeper = Keeper::start(Flash::<{ 2 * HALF }>::new());
+    keeper.keep(1, &value(1)).unwrap();
+    assert_eq!(keeper.value::<Value>(2), None);
+    assert_eq!(keeper.value::<Value>(1), Some(value(1)));
+    let long = [[1_u8; 31]; LONGEST / 31 + 1];
+    let long: [_; 8] = long[..8].try_into().unwrap();
+    assert_eq!(keeper.keep(1, &long), Err(KeepError::TooLong));
+    assert_eq!(keeper.value::<Value>(1), Some(value(1)));
+}
+
+#[test]
+fn places_are_written_in_turn_and_each_word_once_between_erasures() {
+    let (mut keeper, _) = read(Flash::new());
+    for number in 1..40 {
+        keeper.keep(1, &value(number)).unwrap();
+        let (again, found) = read(keeper.into_memory());
+        assert_eq!(found, Some(value(number)));
+        keeper = again;
+    }
+}

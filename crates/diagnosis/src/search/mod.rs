@@ -1,0 +1,14 @@
+//! Search for the effects that explain a residual: score tests, initial guesses, refits and forward
+//! selection of causes.
+
+pub(crate) mod contender;
+mod initial_guess;
+mod marginality;
+mod periodogram;
+mod refinement;
+pub(crate) mod score;
+pub(crate) mod selection;
+mod size_search;
+pub(crate) mod stage;
+pub(crate) mod threshold;
+mod tuning;

@@ -1,0 +1,100 @@
+//! Causes of a diagnosis with their parameters.
+
+use super::explanation::Explanation;
+use crate::fit::model::Candidate;
+use crate::fit::tuning::Z_95;
+use crate::search::contender::Contender;
+use bench::Channel;
+use serde::Serialize;
+
+/// A fitted parameter.
+#[derive(Clone, Debug, Serialize)]
+pub struct ParameterEstimate {
+    /// Name in the bench description.
+    pub name: String,
+    /// Estimate.
+    pub value: f64,
+    /// Unit.
+    pub unit: String,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+/// A cause that the diagnosis names.
+#[derive(Clone, Debug, Serialize)]
+pub struct Cause {
+    /// Effect in kebab-case.
+    pub effect: String,
+    /// Sensor, for sensor effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+    /// Posterior probability that it is a cause, alone or with another one.
+    pub probability: f64,
+    /// Its parameters.
+    pub parameters: Vec<ParameterEstimate>,
+}
+
+/// An effect that fits as well as a named one.
+#[derive(Clone, Debug, Serialize)]
+pub struct EquivalentEffect {
+    /// Effect in kebab-case.
+    pub effect: String,
+    /// Sensor, for sensor effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+    /// Posterior probability.
+    pub probability: f64,
+    /// Correlation of its projected signature with that of the named effect.
+    pub correlation: f64,
+}
+
+impl EquivalentEffect {
+    /// The effect of a contender; `known` is the probability that the cause is not unknown.
+    pub(crate) fn new(contender: &Contender, known: f64) -> Self {
+        Self {
+            effect: contender.candidate.kind.name.into(),
+            channel: contender.candidate.channel,
+            probability: known * contender.probability,
+            correlation: contender.correlation,
+        }
+    }
+}
+
+/// Name of an effect, with its sensor.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct EffectName {
+    /// Effect in kebab-case.
+    pub effect: String,
+    /// Sensor, for sensor effects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+}
+
+impl From<&Candidate> for EffectName {
+    fn from(candidate: &Candidate) -> Self {
+        Self { effect: candidate.kind.name.into(), channel: candidate.channel }
+    }
+}
+
+/// The causes of an explanation; `known` is the probability that the cause is not unknown.
+pub(crate) fn causes(explanation: &Explanation, known: f64) -> Vec<Cause> {
+    let cause = |which: usize| {
+        let (candidate, probability) = explanation.causes[which];
+        let parameters = explanation.model.effect_parameters(which).into_iter().map(|i| {
+            let (p, half) = (&explanation.model.parameters[i], Z_95 * explanation.deviations[i]);
+            ParameterEstimate {
+                name: p.name().into(),
+                value: p.value(explanation.z[i]),
+                unit: p.unit.clone(),
+                ci95: [p.value(explanation.z[i] - half), p.value(explanation.z[i] + half)],
+            }
+        });
+        Cause {
+            effect: candidate.kind.name.into(),
+            channel: candidate.channel,
+            probability: known * probability,
+            parameters: parameters.collect(),
+        }
+    };
+    (0..explanation.causes.len()).map(cause).collect()
+}

@@ -1,0 +1,54 @@
+//! The board as the link service uses it.
+
+use controller::service;
+use controller::supervisor::paint::Mark;
+use controller::supervisor::{Attendance, Party};
+use link::start::StackReport;
+
+use super::{Timer, check_in, code_word, stack_used, uptime_us};
+
+/// Register of check-ins and timer of the work in lockstep.
+pub struct Platform<'a> {
+    attendance: &'a Attendance,
+    timer: Timer,
+}
+
+impl<'a> Platform<'a> {
+    /// Creates the platform.
+    #[must_use]
+    pub const fn new(attendance: &'a Attendance, timer: Timer) -> Self {
+        Self { attendance, timer }
+    }
+}
+
+impl service::Platform for Platform<'_> {
+    type Ticks = Timer;
+
+    fn ticks(&mut self) -> &mut Timer {
+        &mut self.timer
+    }
+
+    fn uptime_us(&self) -> u32 {
+        uptime_us()
+    }
+
+    fn attendance(&self) -> &Attendance {
+        self.attendance
+    }
+
+    fn check_in(&self, party: Party) {
+        check_in(self.attendance, party);
+    }
+
+    fn code_word(&self, address: usize) -> u32 {
+        code_word(address)
+    }
+
+    fn search_stack(&self, mark: &mut Mark) -> StackReport {
+        stack_used(mark)
+    }
+
+    fn log_refused_update(&self, count: u16) {
+        defmt::warn!("request about models refused; packages refused so far: {=u16}", count);
+    }
+}

@@ -1,0 +1,115 @@
+//! Start-up of the STM32F405: target, reason of the start, clocks, guard, watchdog, link, timers.
+
+mod clock_tree;
+mod light;
+mod sectors;
+mod sensors;
+mod serial;
+mod spi;
+mod watchdog;
+
+use link::{BuildId, ClockSource, Target};
+use stm32f4xx_hal::gpio::{GpioExt, PinState, Speed};
+use stm32f4xx_hal::rcc::RccExt;
+
+pub use light::Light;
+pub use sensors::Sensors;
+pub use serial::{Inbox, Receiver, Transmitter};
+pub use watchdog::Watchdog;
+
+use super::{BOARD, BUILD_ID, Board, Files, Link, Probe, Storage, Timer, fault, guard, timer};
+use clock_tree::ClockTree;
+use controller::clock::{Clocks, INTERNAL_HZ, bring_up};
+use controller::session::Identity;
+use controller::supervisor::start::reason_of_flags;
+pub(super) use sectors::Sectors;
+use spi::Divider;
+
+/// The device for the task framework.
+pub mod device {
+    pub use stm32f4xx_hal::pac::{NVIC_PRIO_BITS, Peripherals};
+
+    /// Interrupts in use, named by their purpose. The memory map binds the names to the vector
+    /// table's.
+    #[derive(Clone, Copy, Debug)]
+    #[repr(u16)]
+    pub enum Interrupt {
+        /// USART6 has a byte.
+        SERIAL = stm32f4xx_hal::pac::Interrupt::USART6 as u16,
+    }
+    pub use Interrupt as interrupt;
+
+    #[expect(unsafe_code, reason = "every value is the number of one interrupt")]
+    unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
+        fn number(self) -> u16 {
+            self as u16
+        }
+    }
+}
+
+/// Board code of model packages.
+pub const PACKAGES_FOR: u16 = model_package::board::STM32F405;
+
+/// SysTick's frequency in the emulator, Hz, whatever the clock registers contain.
+const EMULATOR_HZ: u32 = 168_000_000;
+
+/// Starts the board. Every wait has a bound.
+#[must_use]
+pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board {
+    guard::set(&core.MPU);
+    let start = fault::start_report(reason_of_flags(device.RCC.csr().read().bits()));
+    // The next start must find its own flags only.
+    device.RCC.csr().modify(|_, w| w.rmvf().set_bit());
+    // Before anything that could hang.
+    let watchdog = Watchdog::start(device.IWDG, &device.DBGMCU);
+
+    // The device number reads 0x413 on silicon; the emulator models nothing there and gives 0.
+    let target = if device.DBGMCU.idcode().read().bits() == 0 { Target::Emulator } else { Target::Silicon };
+    let clocks = match target {
+        Target::Silicon => {
+            bring_up(&mut ClockTree { rcc: &device.RCC, flash: &device.FLASH }, BOARD.crystal_mhz)
+        }
+        // The emulator ignores the clock registers.
+        _ => Clocks { source: ClockSource::Internal, core_hz: EMULATOR_HZ },
+    };
+    let files = if target == Target::Emulator { Files::open() } else { None };
+
+    device.RCC.apb2enr().modify(|_, w| w.usart6en().set_bit());
+    device.RCC.ahb1enr().modify(|_, w| w.dma2en().set_bit());
+    device.RCC.apb1enr().modify(|_, w| w.spi2en().set_bit());
+    let bus_hz = match clocks.source {
+        ClockSource::PllCrystal | ClockSource::PllInternal => clocks.core_hz / 2,
+        ClockSource::Crystal => clocks.core_hz,
+        ClockSource::Internal | ClockSource::Host => INTERNAL_HZ,
+    };
+    let mut rcc = device.RCC.constrain();
+    let (port_b, port_c) = (device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
+    let _ = (port_c.pc6.into_alternate::<8>(), port_c.pc7.into_alternate::<8>());
+    let light = Light::start(BOARD.light);
+    let fast = Speed::High;
+    let _ = (
+        port_b.pb13.into_alternate::<5>().speed(fast),
+        port_b.pb14.into_alternate::<5>(),
+        port_b.pb15.into_alternate::<5>().speed(fast),
+    );
+    let (converter, encoder) = spi::split(
+        device.SPI2,
+        (port_b.pb9.into_push_pull_output_in_state(PinState::High), Divider::Four),
+        (port_b.pb8.into_push_pull_output_in_state(PinState::High), Divider::Eight),
+    );
+    let sensors = sensors::sampler(converter, encoder);
+    // The emulator has no DMA.
+    let (receiver, inbox, transmitter) =
+        serial::set_up(device.USART6, device.DMA2, bus_hz, target == Target::Silicon);
+
+    let paced = files.is_none();
+    let timer = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, target, paced);
+    let identity =
+        Identity { build_id: BuildId::new(BUILD_ID), target, clock: clocks.source, core_hz: clocks.core_hz };
+    let link = files.map_or(Link::Serial(transmitter, Probe::new()), Link::Files);
+    // The emulator ignores stores to flash.
+    let storage =
+        Storage::new((target == Target::Silicon).then_some([Sectors::MODELS, Sectors::CONFIGURATION]));
+    let attendance = timer::attendance(paced);
+    Board { identity, start, link, receiver, inbox, timer, watchdog, light, attendance, storage, sensors }
+}

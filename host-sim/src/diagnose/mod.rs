@@ -1,0 +1,7 @@
+//! Text and report page of a diagnosis.
+
+mod pictures;
+pub(crate) mod report;
+mod sentences;
+mod tables;
+pub(crate) mod text;

@@ -1,0 +1,54 @@
+//! Text of a diagnosis for the terminal.
+
+use super::sentences::{left_words, rejection_words, sentence};
+use super::tables::{Table, causes, checks, gains, nuisances};
+use diagnosis::{Diagnosis, Severity, Verdict};
+use std::fmt::Write as _;
+
+/// Formats the verdict, findings, causes, errors and remarks.
+pub(crate) fn text(diagnosis: &Diagnosis) -> String {
+    let mut out = format!("verdict: {}\n{}\n", diagnosis.verdict.name(), sentence(diagnosis));
+    let is_graver_than_note =
+        |row: &Vec<String>| row.first().is_some_and(|word| word != Severity::Note.name());
+    let mut findings = checks(diagnosis);
+    findings.rows.retain(is_graver_than_note);
+    for table in [findings, causes(diagnosis), gains(diagnosis), nuisances(diagnosis)] {
+        push(&mut out, &table);
+    }
+    let is_in_verdict = diagnosis.verdict == Verdict::Unknown;
+    if let (Some(left), false) = (&diagnosis.signature, is_in_verdict) {
+        let _ = write!(out, "\nremaining error: {}\n", left_words(left));
+    }
+    if let (Some(rejection), false) = (&diagnosis.rejection, is_in_verdict) {
+        let _ = write!(out, "\nrefused: {}\n", rejection_words(rejection));
+    }
+    for remark in &diagnosis.identifiability {
+        let _ = write!(out, "\nnot determined by these logs: {}\n", remark.words);
+    }
+    if let Some(next) = &diagnosis.next_experiment {
+        let _ = write!(out, "\nnext: {next}\n");
+    }
+    if let Some(path) = &diagnosis.extended_bench {
+        let _ = write!(out, "\nextended bench: {path}\n");
+    }
+    out
+}
+
+fn push(out: &mut String, table: &Table) {
+    if table.rows.is_empty() {
+        return;
+    }
+    let width = |i: usize| {
+        let cells = table.rows.iter().filter_map(|row| row.get(i)).map(|cell| cell.chars().count());
+        cells.chain(table.header.get(i).map(|cell| cell.len())).max().unwrap_or_default()
+    };
+    out.push('\n');
+    let header: Vec<String> = table.header.iter().map(|cell| (*cell).to_owned()).collect();
+    for row in std::iter::once(&header).chain(&table.rows) {
+        for (i, cell) in row.iter().enumerate() {
+            let _ = write!(out, "{cell:<width$}  ", width = width(i));
+        }
+        out.truncate(out.trim_end().len());
+        out.push('\n');
+    }
+}

@@ -1,0 +1,119 @@
+//! Options of `host-sim run`.
+
+use super::exchange::OnRestart;
+use super::force::ForceSource;
+use crate::cli::error::CliError;
+use crate::cli::options::BenchOptions;
+use crate::controller::choice::ProbeOptions;
+use clap::{Args, Parser, ValueEnum};
+use std::path::PathBuf;
+
+/// Transport to the estimator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ControllerChoice {
+    /// No estimator.
+    None,
+    /// The firmware's estimator in this process.
+    Native,
+    /// The firmware on the emulated controller, in lockstep. It also runs natively, and the two are
+    /// compared to the bit.
+    Emulated,
+    /// A board on a serial port or at a debug probe, in lockstep. The estimator also runs natively,
+    /// and the two are compared to the bit.
+    Attached,
+}
+
+/// Arguments of `host-sim run`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Examples:\n  host-sim run\n  \
+    host-sim run --force law --bearing plastic --clearance-mm 1 --load-kn -5\n  \
+    host-sim run --controller emulated --json\n  \
+    host-sim run --controller emulated --watch --watch-speed 0.2\n  \
+    host-sim run --controller attached --port /dev/ttyUSB0 --on-restart continue --record out/run/link.rec")]
+pub struct RunArgs {
+    /// The bench.
+    #[command(flatten)]
+    pub bench: BenchOptions,
+    /// Source of the bearing force.
+    #[arg(long, value_enum, default_value = "quantised-net")]
+    pub force: ForceSource,
+    /// Controller that runs the estimator.
+    #[arg(long, value_enum, default_value = "native", requires_if("attached", "way"))]
+    pub controller: ControllerChoice,
+    /// Communication step of the networks in microseconds: their force is held constant over it.
+    #[arg(long, default_value_t = 10.0, value_name = "US", allow_negative_numbers = true)]
+    pub step_us: f64,
+    /// Seed of the sensors' noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Share of the readings that do not reach the controller, per channel. Noise, delay,
+    /// bandwidth, resolution, offset, drift and limits are in the bench's description under
+    /// `[sensors]`.
+    #[arg(long, default_value_t = 0.0, value_name = "SHARE", allow_negative_numbers = true)]
+    pub dropout_share: f64,
+    /// Number of readings lost in a row.
+    #[arg(long, default_value_t = 1.0, value_name = "N", allow_negative_numbers = true)]
+    pub dropout_samples: f64,
+    /// Firmware for the emulated controller.
+    #[arg(long, value_name = "FILE")]
+    pub elf: Option<PathBuf>,
+    /// Serial port of the attached controller.
+    #[arg(long, value_name = "PATH", group = "way")]
+    pub port: Option<PathBuf>,
+    /// Its debug probe.
+    #[command(flatten)]
+    pub probe: ProbeOptions,
+    /// Reaction to a restart of the controller in the middle of the run; the emulator ends when it
+    /// restarts.
+    #[arg(long, value_enum, default_value = "stop")]
+    pub on_restart: OnRestart,
+    /// File for every frame exchanged with the controller; `host-sim replay` replays it.
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Draw force, orbit and flags in the terminal while the estimator runs, at the bench's own
+    /// pace; q closes the view.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
+    /// Simulated seconds per second of the live view.
+    #[arg(
+        long,
+        default_value_t = 1.0,
+        value_name = "FACTOR",
+        requires = "watch",
+        allow_negative_numbers = true
+    )]
+    pub watch_speed: f64,
+    /// Folder for log.csv, impacts.csv, run.json and report.html; on a bench in two planes also
+    /// tilt.csv.
+    #[arg(long, default_value = "out/run", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Print the figures as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Parser)]
+struct Defaults {
+    #[command(flatten)]
+    args: RunArgs,
+}
+
+impl RunArgs {
+    /// The main job: every option at its default.
+    pub fn default_job() -> Self {
+        Defaults::parse_from(["host-sim"]).args
+    }
+}
+
+/// Range of the communication step, s.
+const STEP_RANGE_S: (f64, f64) = (1e-7, 1e-3);
+
+/// Converts a communication step from microseconds to s and checks its range.
+pub(crate) fn communication_step_s(step_us: f64) -> Result<f64, CliError> {
+    let step_s = step_us * 1e-6;
+    if (STEP_RANGE_S.0..=STEP_RANGE_S.1).contains(&step_s) {
+        Ok(step_s)
+    } else {
+        Err(CliError::Input(format!("--step-us: found {step_us}; expected 0.1 to 1000")))
+    }
+}

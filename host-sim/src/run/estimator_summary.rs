@@ -1,0 +1,148 @@
+//! Figures of the estimator in a run: its errors, its cost and the controller's counters.
+
+use crate::controller::Losses;
+use crate::run::exchange::ExchangeResult;
+use crate::run::same_signals::{Forces, OnSignals};
+use crate::run::summary::{after_start, peak, rms};
+use bench::description::TransmissionBench;
+use bench::plants::transmission::Snapshot;
+use controller::flags::SENSOR_FAULT;
+use inference::Flags;
+use link::{Counters, EstimateFrame};
+use serde::Serialize;
+
+/// Timer ticks per instruction of the emulated controller: 64 ns at 168 MHz.
+const TICKS_PER_INSTRUCTION: f64 = 10.752;
+
+/// Results of the estimator.
+#[derive(Clone, Debug, Serialize)]
+pub struct EstimatorSummary {
+    /// Transport: `native`, `emulated` or `attached`.
+    pub controller: &'static str,
+    /// Rms error of the estimated normal force, after the start.
+    pub force_rms_error_n: f64,
+    /// Largest true normal force after the start: reference value of the error.
+    pub force_full_scale_n: f64,
+    /// Number of sensor frames.
+    pub ticks: u64,
+    /// Ticks that took longer than the sample period.
+    pub deadline_misses: u64,
+    /// Minimum instructions per tick, if the controller counts them.
+    pub instructions_per_tick_min: Option<u64>,
+    /// Mean instructions per tick, if the controller counts them.
+    pub instructions_per_tick_mean: Option<f64>,
+    /// Maximum instructions per tick, if the controller counts them.
+    pub instructions_per_tick_max: Option<u64>,
+    /// Exchanged frames per second, there and back.
+    pub exchanges_per_s: f64,
+    /// Number of estimates that differ in any bit between the native and the emulated controller;
+    /// null unless both ran.
+    pub native_emulated_bit_differences: Option<u64>,
+    /// The same for the attached controller.
+    pub native_attached_bit_differences: Option<u64>,
+    /// Number of restarts after which the controller was configured again.
+    pub restarts: u64,
+    /// Share of the ticks with a flag of the training range.
+    pub outside_training_share: f64,
+    /// Share of the ticks with a sensor or timing flag.
+    pub suspect_share: f64,
+    /// Differences from the bench, after the start.
+    pub against_truth: Differences,
+    /// Differences from the float networks on the same signals, after the start: the effect of
+    /// quantisation.
+    pub against_float: Differences,
+    /// Differences from the analytic law on the same signals, after the start: the effect of the
+    /// networks.
+    pub against_law: Differences,
+    /// Counters of the controller.
+    pub counters: Counters,
+    /// Losses on the line.
+    pub losses: Losses,
+}
+
+/// Differences of the normal force and the friction torque.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Differences {
+    /// Rms of the force difference.
+    pub force_rms_n: f64,
+    /// Largest force difference.
+    pub force_max_n: f64,
+    /// Rms of the torque difference.
+    pub torque_rms_nm: f64,
+    /// Largest torque difference.
+    pub torque_max_nm: f64,
+}
+
+impl Differences {
+    /// Evaluates pairs of a normal force in N and a friction torque in N m.
+    pub fn from_pairs(pairs: impl Iterator<Item = [Forces; 2]> + Clone) -> Self {
+        let apart = |i: usize| pairs.clone().map(move |[a, b]| a[i] - b[i]);
+        let most = |i: usize| apart(i).fold(0.0, |most: f64, value| most.max(value.abs()));
+        Self {
+            force_rms_n: rms(apart(0)),
+            force_max_n: most(0),
+            torque_rms_nm: rms(apart(1)),
+            torque_max_nm: most(1),
+        }
+    }
+}
+
+impl EstimatorSummary {
+    /// Compares the estimates with the true forces and with the alternatives on the same signals.
+    pub fn from_exchange(
+        bench: &TransmissionBench,
+        truth: &[Snapshot],
+        exchange: &ExchangeResult,
+        same_signals: &[OnSignals],
+        differences: Option<u64>,
+    ) -> Self {
+        let counted = after_start(bench, truth);
+        let skipped = truth.len() - counted.len();
+        let estimates = exchange.estimates.iter().skip(skipped);
+        let estimates = estimates.map(|e| [f64::from(e.normal_force_n), f64::from(e.friction_torque_nm)]);
+        let on_signals = same_signals.iter().skip(skipped);
+        let against_truth = Differences::from_pairs(
+            estimates.clone().zip(counted).map(|(e, s)| [e, [s.forces.normal_n, s.friction_torque_nm]]),
+        );
+        let share = |flags: Flags| {
+            let hits =
+                exchange.estimates.iter().filter(|e| Flags::from_bits(e.flags).intersects(flags)).count();
+            hits as f64 / exchange.estimates.len().max(1) as f64
+        };
+        let instructions = |ticks: Option<u32>| {
+            ticks.filter(|&t| t > 0).map(|t| (f64::from(t) / TICKS_PER_INSTRUCTION).round() as u64)
+        };
+        let ticks = || exchange.estimates.iter().map(|e| e.instruction_ticks);
+        Self {
+            controller: exchange.controller,
+            force_rms_error_n: against_truth.force_rms_n,
+            force_full_scale_n: peak(counted, |s| s.forces.normal_n),
+            ticks: exchange.estimates.len() as u64,
+            deadline_misses: u64::from(exchange.counters.deadline_overruns),
+            // The first estimate contains no duration of a tick before it.
+            instructions_per_tick_min: instructions(ticks().filter(|&ticks| ticks > 0).min()),
+            instructions_per_tick_mean: mean_instructions(&exchange.estimates),
+            instructions_per_tick_max: instructions(ticks().max()),
+            exchanges_per_s: exchange.estimates.len() as f64 / exchange.wall_s.max(1e-9),
+            native_emulated_bit_differences: differences.filter(|_| exchange.controller == "emulated"),
+            native_attached_bit_differences: differences.filter(|_| exchange.controller == "attached"),
+            restarts: exchange.restarts.len() as u64,
+            outside_training_share: share(Flags::OUTSIDE_TRAINING),
+            suspect_share: share(SENSOR_FAULT),
+            against_truth,
+            against_float: Differences::from_pairs(
+                estimates.clone().zip(on_signals.clone()).map(|(e, on)| [e, on.float_network]),
+            ),
+            against_law: Differences::from_pairs(estimates.zip(on_signals).map(|(e, on)| [e, on.law])),
+            counters: exchange.counters,
+            losses: exchange.losses,
+        }
+    }
+}
+
+/// Mean instructions per tick; none where the controller does not count them.
+fn mean_instructions(estimates: &[EstimateFrame]) -> Option<f64> {
+    let counted = || estimates.iter().map(|e| f64::from(e.instruction_ticks)).filter(|&ticks| ticks > 0.0);
+    let count = counted().count();
+    (count > 0).then(|| counted().sum::<f64>() / count as f64 / TICKS_PER_INSTRUCTION)
+}

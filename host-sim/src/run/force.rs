@@ -1,0 +1,244 @@
+//! Sources of the bearing force: the analytic law, the law held over a step, the float networks,
+//! the quantised networks.
+
+use crate::cli::error::CliError;
+use bench::BearingMaterial;
+use bench::description::TransmissionBench;
+use bench::plants::transmission::{BearingForces, ContactView, Transmission};
+use bench::plants::two_plane::{TwoPlane, TwoPlaneSnapshot, run_two_plane};
+use bench::simulate::peaks::{Peak, peaks_with_bars};
+use bench::simulate::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law, snapshots};
+use clap::ValueEnum;
+use inference::{ContactState, Flags, Model, Pair, shipped};
+use model_quant::network::float_pair::FloatPair;
+use model_quant::network::shipped::shipped_checkpoint;
+use serde::{Deserialize, Serialize};
+use std::time::Instant;
+
+/// Source of the bearing force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ForceSource {
+    /// The description's analytic laws, error-controlled.
+    Law,
+    /// The same laws held over the communication step: shows the effect of the step alone.
+    HeldLaw,
+    /// The trained networks in floating point, held over the communication step.
+    FloatNet,
+    /// The quantised networks, the controller's own code, held over the communication step.
+    QuantisedNet,
+}
+
+impl ForceSource {
+    /// The name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Law => "law",
+            Self::HeldLaw => "held-law",
+            Self::FloatNet => "float-net",
+            Self::QuantisedNet => "quantised-net",
+        }
+    }
+}
+
+/// Sample rate of the controller and of a run, Hz.
+pub const SAMPLE_RATE_HZ: f64 = 10_000.0;
+/// Default communication step of the networks, s.
+pub const DEFAULT_STEP_S: f64 = 1e-5;
+
+/// Maximum duration of a run, s. The samples of a longer one would not fit into memory.
+const MAX_S: f64 = 2000.0;
+/// Maximum duration on a bench in two planes, whose samples contain every slice, s.
+const MAX_TILTING_S: f64 = 200.0;
+
+/// A run with data about its force source.
+#[derive(Clone, Debug)]
+pub struct ForcedRun {
+    /// The run.
+    pub run: Run,
+    /// Wall time of the run alone, s.
+    pub wall_s: f64,
+    /// Peaks from the end of the load's ramp on. With the law they are read at a tighter tolerance,
+    /// and the error bar is the distance from the run's own. With networks it is the distance from
+    /// a run at twice the communication step.
+    pub peaks: Vec<Peak>,
+    /// Share of the contact samples outside the networks' training range.
+    pub outside_training_share: f64,
+    /// Largest force of a held source without contact, N.
+    pub without_contact_n: f64,
+    /// The shaft's tilt, on a bench in two planes.
+    pub tilt: Option<Tilt>,
+    /// The slices at every sample, on a bench in two planes.
+    pub tilting: Vec<TwoPlaneSnapshot>,
+}
+
+/// Largest tilt of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tilt {
+    /// Largest angle between shaft and machine axis.
+    pub largest_tilt_rad: f64,
+    /// Largest line load at an end of the bearing relative to the mean.
+    pub largest_edge_ratio: f64,
+}
+
+/// Checksum of a source's networks, in hexadecimal. A recorded run depends on it as well as on the
+/// description. Empty for the laws.
+pub fn identity(source: ForceSource, material: BearingMaterial) -> String {
+    let bytes = match source {
+        ForceSource::Law | ForceSource::HeldLaw => return String::new(),
+        ForceSource::FloatNet => shipped_checkpoint(material),
+        ForceSource::QuantisedNet => shipped(material),
+    };
+    bytes.last_chunk::<4>().map_or_else(String::new, |sum| format!("{:08x}", u32::from_le_bytes(*sum)))
+}
+
+/// Inputs of the networks for a contact.
+pub fn contact_state(view: &ContactView) -> ContactState {
+    ContactState {
+        radial_clearance_m: view.radial_clearance_m as f32,
+        deformation_m: view.deformation_m as f32,
+        deformation_rate_m_s: view.rate_m_s as f32,
+        approach_speed_m_s: view.latched_m_s as f32,
+        sliding_speed_m_s: view.sliding_speed_m_s as f32,
+    }
+}
+
+/// Runs a resolved bench over its drive's cycles, sampled at [`SAMPLE_RATE_HZ`]. `step_s` is the
+/// communication step of the networks. `tick` is called about a hundred times during the run.
+pub fn run_bench(
+    bench: &TransmissionBench,
+    source: ForceSource,
+    step_s: f64,
+    tick: impl FnMut(),
+) -> Result<ForcedRun, CliError> {
+    let longest_s = if bench.two_plane.is_some() { MAX_TILTING_S } else { MAX_S };
+    if bench.duration_s() > longest_s {
+        return Err(CliError::Input(format!(
+            "drive.cycles: found {} of drive.period_s {}; expected a run of at most {longest_s} s",
+            bench.drive.cycles, bench.drive.period_s
+        )));
+    }
+    let started = Instant::now();
+    let forced = if bench.two_plane.is_some() {
+        run_tilting(bench, source)?
+    } else {
+        run_planar(bench, source, step_s, tick)?
+    };
+    let wall_s = started.elapsed().as_secs_f64();
+    let peaks = match &forced.run.extremes {
+        Some(extremes) => {
+            // A step too coarse for the contact gives no peaks, and the error bar is unknown.
+            let coarser = run_planar(bench, source, 2.0 * step_s, || {}).ok();
+            extremes.to_peaks(coarser.and_then(|c| c.run.extremes).as_ref())
+        }
+        None => law_peaks(bench)?,
+    };
+    Ok(ForcedRun { wall_s, peaks, ..forced })
+}
+
+/// Peaks of the analytic law: error bars from the run's tolerance, values from a tighter one.
+pub fn law_peaks(bench: &TransmissionBench) -> Result<Vec<Peak>, CliError> {
+    let profiles = || (bench.drive_profile(), bench.load_profile());
+    let span = (bench.load.ramp_s, bench.duration_s());
+    Ok(peaks_with_bars(span, DEFAULT_TOLERANCE, |tolerance, times| {
+        snapshots(bench, profiles(), bench.duration_s(), times, tolerance)
+    })?)
+}
+
+/// Runs the bench in two planes. The networks are trained without tilt, so only the law is allowed.
+fn run_tilting(bench: &TransmissionBench, source: ForceSource) -> Result<ForcedRun, CliError> {
+    if source != ForceSource::Law {
+        return Err(CliError::Input(format!(
+            "force: found {} on a bench with [two_plane]; expected law: the networks know no tilt",
+            source.name()
+        )));
+    }
+    let plant = TwoPlane::new(bench, bench.drive_profile(), bench.load_profile());
+    let times = bench.sample_times_s(SAMPLE_RATE_HZ);
+    let run = run_two_plane(&plant, bench.duration_s(), &times, DEFAULT_TOLERANCE)?;
+    let largest = |read: fn(&TwoPlaneSnapshot) -> f64| run.samples.iter().map(read).fold(0.0, f64::max);
+    let tilt = Tilt {
+        largest_tilt_rad: largest(|s| s.tilt_about_y_rad.hypot(s.tilt_about_z_rad)),
+        largest_edge_ratio: largest(TwoPlaneSnapshot::edge_ratio),
+    };
+    let tilting = run.samples;
+    let run = Run {
+        samples: tilting.iter().map(|s| s.planar).collect(),
+        impacts: run.impacts,
+        energy_residual_rel: run.energy.residual_rel,
+        energy: run.energy,
+        steps: run.steps,
+        extremes: None,
+    };
+    Ok(ForcedRun { tilt: Some(tilt), tilting, ..ForcedRun::from_run(run) })
+}
+
+impl ForcedRun {
+    fn from_run(run: Run) -> Self {
+        Self {
+            run,
+            wall_s: 0.0,
+            peaks: Vec::new(),
+            outside_training_share: 0.0,
+            without_contact_n: 0.0,
+            tilt: None,
+            tilting: Vec::new(),
+        }
+    }
+}
+
+/// Runs the planar bench.
+fn run_planar(
+    bench: &TransmissionBench,
+    source: ForceSource,
+    step_s: f64,
+    mut tick: impl FnMut(),
+) -> Result<ForcedRun, CliError> {
+    let plant = &Transmission::new(bench, bench.drive_profile(), bench.load_profile());
+    let (samples_s, end_s) = (&bench.sample_times_s(SAMPLE_RATE_HZ), bench.duration_s());
+    let bearing = bench.bearing.material;
+    let every = ((end_s / step_s / 100.0) as usize).max(1);
+    let (mut steps, mut contacts, mut outside) = (0_usize, 0_usize, 0_usize);
+    let mut without_contact_n = 0.0_f64;
+    let mut held = |view: &ContactView, [normal_n, friction_n]: [f64; 2], flags: Flags| {
+        steps += 1;
+        if steps.is_multiple_of(every) {
+            tick();
+        }
+        if view.deformation_m > 0.0 {
+            contacts += 1;
+            outside += usize::from(flags.intersects(Flags::OUTSIDE_TRAINING));
+        } else {
+            without_contact_n = without_contact_n.max(normal_n.abs()).max(friction_n.abs());
+        }
+        BearingForces { normal_n, friction_n }
+    };
+    let run = match source {
+        ForceSource::Law => run_with_law(plant, end_s, samples_s, DEFAULT_TOLERANCE)?,
+        ForceSource::HeldLaw => run_with_held_force(plant, end_s, samples_s, step_s, |view| {
+            let law = plant.law(view);
+            held(view, [law.normal_n, law.friction_n], Flags::NONE)
+        })?,
+        ForceSource::FloatNet => {
+            let mut pair =
+                FloatPair::new(bearing).map_err(|e| CliError::Work(format!("shipped checkpoint: {e}")))?;
+            run_with_held_force(plant, end_s, samples_s, step_s, |view| {
+                let estimate = pair.push(&contact_state(view));
+                let forces = [estimate.normal_force_n, estimate.friction_force_n].map(f64::from);
+                held(view, forces, estimate.flags)
+            })?
+        }
+        ForceSource::QuantisedNet => {
+            let model =
+                Model::load(shipped(bearing)).map_err(|e| CliError::Work(format!("shipped image: {e}")))?;
+            let mut pair: Pair = Pair::new(model);
+            run_with_held_force(plant, end_s, samples_s, step_s, |view| {
+                let estimate = pair.push(&contact_state(view));
+                let forces = [estimate.normal_force_n(), estimate.friction_force_n()].map(f64::from);
+                held(view, forces, estimate.flags)
+            })?
+        }
+    };
+    let outside_training_share = if contacts > 0 { outside as f64 / contacts as f64 } else { 0.0 };
+    Ok(ForcedRun { outside_training_share, without_contact_n, ..ForcedRun::from_run(run) })
+}

@@ -1,0 +1,156 @@
+//! One run of the bench: the source of the bearing force, the sensors, the controller with its
+//! estimator, the figures.
+
+pub mod arguments;
+pub mod conditions;
+pub mod configuration;
+mod estimator;
+pub mod estimator_summary;
+pub mod exchange;
+pub mod force;
+pub(crate) mod page;
+pub(crate) mod report;
+pub mod same_signals;
+pub mod sensing;
+pub(crate) mod slider_crank;
+pub mod summary;
+pub(crate) mod tilt;
+
+pub use arguments::{ControllerChoice, RunArgs};
+
+use crate::cli::error::CliError;
+use crate::cli::progress;
+use crate::controller::Recording;
+use crate::watch::Watch;
+use crate::watch::scene::Scene;
+use arguments::communication_step_s;
+use bench::description::TransmissionBench;
+use bench::plants::transmission::Transmission;
+use bench::{Bench, MeasuredLog};
+use estimator_summary::EstimatorSummary;
+use exchange::{ExchangeResult, Observer};
+use force::{ForceSource, ForcedRun, SAMPLE_RATE_HZ};
+use sensing::DropOut;
+use summary::{AgainstLaw, Figures, PeakRow, Summary};
+
+/// A finished run with everything that its report shows.
+pub struct Finished {
+    /// The bench as run.
+    pub bench: TransmissionBench,
+    /// Figures.
+    pub summary: Summary,
+    /// The run.
+    pub forced: ForcedRun,
+    /// The run with the analytic law, if the run itself used networks.
+    pub law: Option<ForcedRun>,
+    /// The estimates, if there was a controller.
+    pub exchange: Option<ExchangeResult>,
+    /// The link session, if it was to be recorded.
+    pub recording: Option<Recording>,
+}
+
+impl Finished {
+    /// Returns the number of samples per row of the log.
+    pub(crate) fn log_interval(&self) -> usize {
+        ((SAMPLE_RATE_HZ / self.bench.logging.sample_rate_hz).round() as usize).max(1)
+    }
+
+    /// Returns the run as a measured log, with the bench's sensors at its logging rate.
+    pub(crate) fn log(&self, seed: u64) -> MeasuredLog {
+        let samples = (self.forced.run.samples.as_slice(), self.log_interval());
+        bench::simulate::log_from_samples(&Bench::from(self.bench.clone()), samples, seed)
+    }
+}
+
+/// Runs the bench and the estimator.
+pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
+    let bench = args.bench.open_transmission()?;
+    let step_s = communication_step_s(args.step_us)?;
+    let drop_out = drop_out(args)?;
+    let resolved = bench.resolved();
+    let described = Bench::from(bench);
+    let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
+
+    let bar = progress::bar(args.json, progress::PERCENT);
+    bar.set_message(format!("bench with {}", args.force.name()));
+    let forced = force::run_bench(&resolved, args.force, step_s, || bar.inc(1))?;
+    let mut summary = Summary {
+        figures: Figures::from_run(&resolved, args.force, &forced, SAMPLE_RATE_HZ),
+        wall_s_per_simulated_s: forced.wall_s / resolved.duration_s(),
+        energy: forced
+            .run
+            .energy
+            .terms()
+            .map(|(name, value)| (name.to_owned(), value.into()))
+            .into_iter()
+            .collect(),
+        peaks: forced.peaks.iter().map(PeakRow::from).collect(),
+        law_peaks: Vec::new(),
+        tilt: forced.tilt,
+        estimator: None,
+        against_law: None,
+    };
+    let law = if args.force == ForceSource::Law {
+        None
+    } else {
+        let law = force::run_bench(&resolved, ForceSource::Law, step_s, || {})?;
+        summary.law_peaks = law.peaks.iter().map(PeakRow::from).collect();
+        summary.against_law = Some(AgainstLaw::compare(&resolved, &forced.run.samples, &law.run.samples));
+        Some(law)
+    };
+    bar.set_message("estimator");
+    let configuration = configuration::controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ)?;
+    let frames = sensing::samples(&described, &forced.run.samples, args.seed, drop_out);
+    let (mut exchange, mut recording) = (None, None);
+    let mut watch = if args.watch {
+        bar.finish_and_clear();
+        Some(Watch::open(scene(&resolved, &forced, args), args.watch_speed)?)
+    } else {
+        None
+    };
+    let mut see = watch.as_mut().map(|watch| |sample: &_, estimate: &_| watch.observe(sample, estimate));
+    let see = see.as_mut().map(|see| see as &mut Observer<'_>);
+    let estimated = estimator::estimate(args, configuration, &frames, see)?;
+    drop(watch);
+    if let Some(estimated) = estimated {
+        let seen = frames.iter().map(|sampled| sampled.frame);
+        summary.estimator = Some(EstimatorSummary::from_exchange(
+            &resolved,
+            &forced.run.samples,
+            &estimated.exchange,
+            &same_signals::follow(&resolved, &configuration, seen)?,
+            estimated.differences,
+        ));
+        (exchange, recording) = (Some(estimated.exchange), estimated.recording);
+    }
+    bar.finish_and_clear();
+    Ok(Finished { bench: resolved, summary, forced, law, exchange, recording })
+}
+
+/// Creates the live view of a run.
+fn scene(bench: &TransmissionBench, forced: &ForcedRun, args: &RunArgs) -> Scene {
+    let title = format!(
+        "{}, {:.2} mm, {:+.1} kN, {:?}",
+        bench.bearing.material.name(),
+        bench.bearing.radial_clearance_m * 1e3,
+        bench.load.force_n * 1e-3,
+        args.controller,
+    );
+    let truth = forced.run.samples.iter().map(|s| (s.time_s, s.forces.normal_n));
+    Scene::new(title.to_lowercase(), bench.duration_s(), bench.bearing.radial_clearance_m, truth)
+}
+
+/// Checks the options for drop-outs.
+fn drop_out(args: &RunArgs) -> Result<DropOut, CliError> {
+    let refuse = |option: &str, found: f64, expected: &str| {
+        Err(CliError::Input(format!("{option}: found {found}; expected {expected}")))
+    };
+    let (share, samples) = (args.dropout_share, args.dropout_samples);
+    if !(0.0..=0.9).contains(&share) {
+        return refuse("--dropout-share", share, "0 to 0.9");
+    }
+    if !(1.0..=1e6).contains(&samples) || samples.fract() != 0.0 {
+        return refuse("--dropout-samples", samples, "an integer, 1 to 1000000");
+    }
+    Ok(DropOut { share, samples })
+}

@@ -1,0 +1,162 @@
+//! The report page of a run.
+
+use super::estimator_summary::EstimatorSummary;
+use super::report::{
+    EQUIVALENCE_HEADER, PEAK_HEADER, counted_rows, energy_rows, equivalence_rows, impact_header, impact_rows,
+    peak_rows, rows,
+};
+use super::{Finished, tilt};
+use crate::cli::limits;
+use bench::plants::transmission::Snapshot;
+use report::figure::{Chart, Series, Style, lines, map};
+use report::page::Page;
+
+const WIDE: (u32, u32) = (1040, 360);
+const SQUARE: (u32, u32) = (500, 500);
+
+/// Builds the page. An error describes a failure of drawing.
+pub(crate) fn page(finished: &Finished) -> Result<Page, String> {
+    let summary = &finished.summary;
+    let figures = &summary.figures;
+    let mut page = Page::new("Transmission bench: one run");
+    page.lead(&format!(
+        "{}, radial clearance {:.2} mm, load {:+.1} kN, bearing force from {}: peak contact force {:.0} N, \
+         oscillation {:.0} N rms.",
+        figures.bearing.name(),
+        figures.clearance_mm,
+        figures.load_kn,
+        figures.force.name(),
+        figures.peak_contact_force_n,
+        figures.oscillation_rms_n,
+    ));
+    page.note(
+        "Peaks and errors count from the end of the load's ramp. Forces are those of the \
+         bearing on the journal, normal and friction together.",
+    );
+    let table: Vec<Vec<String>> = rows(summary).into_iter().map(Vec::from).collect();
+    page.section("Figures").table(&["quantity", "value"], &table);
+    forces_section(&mut page, finished)?;
+    journal_section(&mut page, finished)?;
+    if !finished.forced.tilting.is_empty() {
+        tilt::section(&mut page, &finished.bench, &finished.forced.tilting)?;
+    }
+    if let Some(estimator) = &summary.estimator {
+        controller_section(&mut page, estimator);
+    }
+    audit_sections(&mut page, finished);
+    limits::section(&mut page, &finished.bench);
+    Ok(page)
+}
+
+fn over_time(name: &str, samples: &[Snapshot], read: fn(&Snapshot) -> f64) -> Series {
+    Series::new(name, samples.iter().map(|s| s.time_s), samples.iter().map(read))
+}
+
+/// Contact force, estimate, force components and friction torque over time.
+fn forces_section(page: &mut Page, finished: &Finished) -> Result<(), String> {
+    page.section("Forces over the cycle");
+    let samples = &finished.forced.run.samples;
+    let law = finished.law.as_ref().map(|l| l.run.samples.as_slice());
+    // The law is drawn first, so that a difference of the networks remains visible.
+    let against_law = |read: fn(&Snapshot) -> f64| -> Vec<Series> {
+        let law = law.map(|law| over_time("analytic law", law, read).styled(Style::Wide));
+        law.into_iter().chain([over_time(finished.summary.figures.force.name(), samples, read)]).collect()
+    };
+    page.figure(
+        &lines(
+            &Chart { title: "Contact force", x: "time, s", y: "N", size: WIDE },
+            &against_law(|s| s.forces.normal_n),
+        )?,
+        "Normal force of the contact.",
+    );
+    if let Some(exchange) = &finished.exchange {
+        let estimate = Series::new(
+            "estimator",
+            exchange.estimates.iter().map(|e| f64::from(e.time_us) * 1e-6),
+            exchange.estimates.iter().map(|e| f64::from(e.normal_force_n)),
+        );
+        let truth = over_time("bench", samples, |s| s.forces.normal_n);
+        page.figure(
+            &lines(
+                &Chart { title: "Estimated contact force", x: "time, s", y: "N", size: WIDE },
+                &[estimate, truth],
+            )?,
+            "Estimated by the controller from noisy position and angle sensors at 10 kHz.",
+        );
+    }
+    let components = [over_time("Y", samples, |s| s.force_y_n), over_time("Z", samples, |s| s.force_z_n)];
+    page.figure(
+        &lines(&Chart { title: "Force on the journal", x: "time, s", y: "N", size: WIDE }, &components)?,
+        "Components along Y (transverse, towards the drive) and Z (upwards).",
+    );
+    page.figure(
+        &lines(
+            &Chart { title: "Friction torque", x: "time, s", y: "N m", size: WIDE },
+            &against_law(|s| s.friction_torque_nm),
+        )?,
+        "Torque of the bearing on the shaft, negative during forward rotation.",
+    );
+    Ok(())
+}
+
+/// Orbit and deformation.
+fn journal_section(page: &mut Page, finished: &Finished) -> Result<(), String> {
+    page.section("The journal in its clearance");
+    let samples = &finished.forced.run.samples;
+    let clearance_um = finished.bench.bearing.radial_clearance_m * 1e6;
+    let circle = Series::through(
+        "clearance circle",
+        (0..=180)
+            .map(|i| f64::from(i) * core::f64::consts::TAU / 180.0)
+            .map(|a| (clearance_um * a.cos(), clearance_um * a.sin()))
+            .collect(),
+    );
+    let orbit = |name: &str, samples: &[Snapshot]| {
+        let thinned = samples.iter().step_by((samples.len() / 2000).max(1));
+        Series::through(name, thinned.map(|s| (s.y_m * 1e6, s.z_m * 1e6)).collect())
+    };
+    let deformation = over_time("deformation", samples, |s| s.contact.deformation_m * 1e6);
+    page.figures(&[
+        (
+            map(
+                &Chart { title: "Orbit", x: "y, um", y: "z, um", size: SQUARE },
+                &[orbit("journal centre", samples), circle],
+            )?,
+            "Journal centre from the bearing's centre; outside the circle it deforms the bearing.",
+        ),
+        (
+            lines(&Chart { title: "Deformation", x: "time, s", y: "um", size: SQUARE }, &[deformation])?,
+            "Negative values are a gap.",
+        ),
+    ]);
+    Ok(())
+}
+
+/// Differences of the estimates, and the counters.
+fn controller_section(page: &mut Page, estimator: &EstimatorSummary) {
+    page.section("The controller").table(&EQUIVALENCE_HEADER, &equivalence_rows(estimator));
+    page.note(
+        "Difference from the bench: error of sensors, conditioning and networks together. Differences \
+         from the law and from the float networks on the same signals: error of the networks and of their \
+         quantisation. All are evaluated after the load ramp.",
+    );
+    page.table(&["counted", "times"], &counted_rows(estimator));
+    page.note("Counters at zero are omitted.");
+}
+
+/// Peaks with error bars, energy balance and contacts.
+fn audit_sections(page: &mut Page, finished: &Finished) {
+    page.section("Peaks").table(&PEAK_HEADER, &peak_rows(&finished.summary));
+    page.note(
+        "The error bar is numerical: the difference of runs at two tolerances, with networks of runs at one \
+         and two communication steps. It does not contain the error of the networks, which is their \
+         difference from the law.",
+    );
+    page.section("Energy").table(&["term", "value"], &energy_rows(finished));
+    page.note(
+        "Residual: work of drive, load and gravity minus friction heat, damping loss and change of the \
+         stored energy.",
+    );
+    page.section("Contacts").table(&impact_header(finished), &impact_rows(finished));
+    page.note("The first 30. impacts.csv contains all, with angles, latched speeds and restitution.");
+}

@@ -1,0 +1,200 @@
+//! Tables of a run, for the terminal and the page.
+
+use super::Finished;
+use crate::run::estimator_summary::{Differences, EstimatorSummary};
+use crate::run::summary::{PeakRow, Summary};
+use bench::integrate::Impact;
+
+/// Rows with name and value, unit included.
+pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
+    let row = |name: &str, value: String| [name.to_owned(), value];
+    let figures = &summary.figures;
+    let mut rows = vec![
+        row(
+            "bearing",
+            format!("{}, {:.2} mm, {:+.1} kN", figures.bearing.name(), figures.clearance_mm, figures.load_kn),
+        ),
+        row("bearing force from", figures.force.name().into()),
+        row("peak contact force", format!("{:.0} N", figures.peak_contact_force_n)),
+        row("peak force along Y", format!("{:.0} N", figures.peak_force_y_n)),
+        row("peak force along Z", format!("{:.0} N", figures.peak_force_z_n)),
+        row("peak friction torque", format!("{:.1} N m", figures.peak_friction_torque_nm)),
+        row("largest deformation", format!("{:.1} um", figures.max_deformation_m * 1e6)),
+        row("oscillation, rms", format!("{:.0} N", figures.oscillation_rms_n)),
+        row("periods in contact", figures.contacts.to_string()),
+        row("energy residual", format!("{:.1e}", figures.energy_residual_rel)),
+        row("outside the training range", format!("{:.2} %", 100.0 * figures.outside_training_share)),
+        row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
+    ];
+    if let Some(tilt) = &summary.tilt {
+        rows.push(row("largest tilt of the shaft", format!("{:.2} mrad", 1e3 * tilt.largest_tilt_rad)));
+        rows.push(row("largest edge load over the mean", format!("{:.2}", tilt.largest_edge_ratio)));
+    }
+    if let Some(law) = &summary.against_law {
+        rows.push(row(
+            "peak contact force of the analytic law",
+            format!("{:.0} N", law.peak_contact_force_n),
+        ));
+        rows.push(row("rms difference from the law, force", format!("{:.0} N", law.force_rms_difference_n)));
+        rows.push(row(
+            "rms difference from the law, journal",
+            format!("{:.2} um", law.journal_rms_difference_m * 1e6),
+        ));
+    }
+    if let Some(e) = &summary.estimator {
+        rows.push(row("estimator", e.controller.into()));
+        rows.push(row("estimator, rms error of the force", format!("{:.0} N", e.force_rms_error_n)));
+        rows.push(row(
+            "estimator, rms error of full scale",
+            format!("{:.2} %", 100.0 * e.force_rms_error_n / e.force_full_scale_n.max(1e-9)),
+        ));
+        rows.push(row(
+            "estimator, outside the training range",
+            format!("{:.2} %", 100.0 * e.outside_training_share),
+        ));
+        rows.push(row("estimator, suspect sensors or timing", format!("{:.2} %", 100.0 * e.suspect_share)));
+        rows.push(row("estimator, ticks", e.ticks.to_string()));
+        rows.push(row("estimator, deadline misses", e.deadline_misses.to_string()));
+        if let (Some(least), Some(mean), Some(most)) =
+            (e.instructions_per_tick_min, e.instructions_per_tick_mean, e.instructions_per_tick_max)
+        {
+            rows.push(row("estimator, instructions a tick", format!("{least} / {mean:.0} / {most}")));
+        }
+        rows.push(row("exchanges per second", format!("{:.0}", e.exchanges_per_s)));
+        if let Some(differences) = e.native_emulated_bit_differences {
+            rows.push(row("estimates that differ, native and emulated", differences.to_string()));
+        }
+        if let Some(differences) = e.native_attached_bit_differences {
+            rows.push(row("estimates that differ, native and attached", differences.to_string()));
+        }
+        if e.restarts > 0 {
+            rows.push(row("restarts of the controller", e.restarts.to_string()));
+        }
+    }
+    rows
+}
+
+pub(super) const EQUIVALENCE_HEADER: [&str; 5] =
+    ["estimates against", "force, rms, N", "force, most, N", "torque, rms, N m", "torque, most, N m"];
+
+/// Differences of the estimates from the bench, the law and the float networks.
+pub(super) fn equivalence_rows(e: &EstimatorSummary) -> Vec<Vec<String>> {
+    let row = |name: &str, d: &Differences| {
+        let figures = [d.force_rms_n, d.force_max_n, d.torque_rms_nm, d.torque_max_nm];
+        std::iter::once(name.to_owned()).chain(figures.map(number)).collect()
+    };
+    vec![
+        row("the bench", &e.against_truth),
+        row("the analytic law, same signals", &e.against_law),
+        row("the float networks, same signals", &e.against_float),
+    ]
+}
+
+/// Counters of controller and line that are not zero.
+pub(super) fn counted_rows(e: &EstimatorSummary) -> Vec<Vec<String>> {
+    let of = |counts: serde_json::Result<serde_json::Value>, prefix: &str| -> Vec<Vec<String>> {
+        let mut rows = Vec::new();
+        flatten(prefix, &counts.unwrap_or_default(), &mut rows);
+        rows
+    };
+    [of(serde_json::to_value(e.counters), "controller"), of(serde_json::to_value(e.losses), "line")].concat()
+}
+
+fn flatten(name: &str, value: &serde_json::Value, rows: &mut Vec<Vec<String>>) {
+    match value {
+        serde_json::Value::Object(fields) => {
+            fields.iter().for_each(|(field, value)| {
+                flatten(&format!("{name}, {}", field.replace('_', " ")), value, rows)
+            });
+        }
+        value if value.as_u64() != Some(0) => rows.push(vec![name.into(), value.to_string()]),
+        _ => {}
+    }
+}
+
+/// Maximum number of contacts in the list.
+const LISTED: usize = 30;
+
+/// Formats a number with five significant digits.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-2..1e6).contains(&size) {
+        let digits = (4.0 - size.max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+const IMPACT_HEADER: [&str; 7] = [
+    "onset, s",
+    "crank angle, deg",
+    "approach speed, mm/s",
+    "peak force, N",
+    "deformation, um",
+    "duration, ms",
+    "energy lost, J",
+];
+
+/// The column `slice` is shown only on a bench with several slices.
+pub(super) fn impact_header(finished: &Finished) -> Vec<&'static str> {
+    let slice = (!finished.forced.tilting.is_empty()).then_some("slice");
+    slice.into_iter().chain(IMPACT_HEADER).collect()
+}
+
+pub(super) fn impact_rows(finished: &Finished) -> Vec<Vec<String>> {
+    let slices = !finished.forced.tilting.is_empty();
+    let row = |i: &Impact| {
+        let slice = slices.then(|| (i.contact + 1).to_string());
+        let cells = [
+            format!("{:.6}", i.onset_s),
+            format!("{:.3}", i.angles.crank_rad.to_degrees()),
+            format!("{:.3}", 1e3 * i.approach_speed_m_s),
+            format!("{:.1}", i.peak_force_n),
+            format!("{:.2}", 1e6 * i.max_deformation_m),
+            i.duration_s().map_or_else(|| "to the end".into(), |d| format!("{:.3}", 1e3 * d)),
+            number(i.energy_lost_j),
+        ];
+        slice.into_iter().chain(cells).collect()
+    };
+    finished.forced.run.impacts.iter().take(LISTED).map(row).collect()
+}
+
+pub(super) fn energy_rows(finished: &Finished) -> Vec<Vec<String>> {
+    finished
+        .forced
+        .run
+        .energy
+        .terms()
+        .iter()
+        .map(|(name, value)| vec![(*name).to_owned(), number(*value)])
+        .collect()
+}
+
+pub(super) fn peak_rows(summary: &Summary) -> Vec<Vec<String>> {
+    let row = |source: &str, p: &PeakRow| {
+        let bar = p.error_bar.map_or_else(|| "unknown".into(), |bar| format!("{bar:.1e}"));
+        vec![source.into(), p.name.to_owned(), number(p.value), bar, format!("{:.4}", p.time_s)]
+    };
+    let own = summary.peaks.iter().map(|p| row(summary.figures.force.name(), p));
+    own.chain(summary.law_peaks.iter().map(|p| row("law", p))).collect()
+}
+
+/// Prints energy balance, contacts and peaks with their error bars.
+pub(crate) fn print_audit(finished: &Finished) {
+    let table = |title: &str, header: &[&str], rows: Vec<Vec<String>>| {
+        let line = |cells: &[String]| cells.iter().map(|c| format!("{c:>21}")).collect::<Vec<_>>().join(" ");
+        print_line!("\n{title}");
+        print_line!("{}", line(&header.iter().map(|h| (*h).to_owned()).collect::<Vec<_>>()));
+        rows.iter().for_each(|row| print_line!("{}", line(row)));
+    };
+    if let Some(estimator) = &finished.summary.estimator {
+        table("estimates", &EQUIVALENCE_HEADER, equivalence_rows(estimator));
+        table("counted", &["what", "count"], counted_rows(estimator));
+    }
+    table("energy", &["term", "value"], energy_rows(finished));
+    table("contacts (all in impacts.csv)", &impact_header(finished), impact_rows(finished));
+    table("peaks", &PEAK_HEADER, peak_rows(&finished.summary));
+}
+
+pub(super) const PEAK_HEADER: [&str; 5] = ["force from", "peak", "value", "error bar", "at, s"];

@@ -1,0 +1,311 @@
+//! The figures of a run, with the stable names of the machine-readable output.
+
+use crate::run::estimator_summary::EstimatorSummary;
+use crate::run::force::{ForceSource, ForcedRun, Tilt};
+use bench::BearingMaterial;
+use bench::description::TransmissionBench;
+use bench::plants::transmission::Snapshot;
+use bench::simulate::peaks::Peak;
+use serde::{Deserialize, Serialize};
+
+/// Window of the moving mean that is subtracted before the oscillation is measured, s.
+const OSCILLATION_MEAN_S: f64 = 0.020;
+/// Window of the oscillation, in periods before and after the first sign change of the angular
+/// acceleration.
+const OSCILLATION_WINDOW: (f64, f64) = (0.02, 0.13);
+
+/// Figures of a run, reproducible to the bit. Peaks count from the end of the load's ramp. Each has
+/// a numerical error bar, see [`ForcedRun::peaks`]; none where the coarser run failed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
+    /// Bearing material.
+    pub bearing: BearingMaterial,
+    /// Radial clearance, mm.
+    pub clearance_mm: f64,
+    /// Load along +Y, kN.
+    pub load_kn: f64,
+    /// Source of the bearing force.
+    pub force: ForceSource,
+    /// Largest normal force.
+    pub peak_contact_force_n: f64,
+    /// Largest force along Y by magnitude.
+    pub peak_force_y_n: f64,
+    /// Largest force along Z by magnitude.
+    pub peak_force_z_n: f64,
+    /// Largest friction torque by magnitude.
+    pub peak_friction_torque_nm: f64,
+    /// Largest deformation.
+    pub max_deformation_m: f64,
+    /// Rms of the contact force less its 20 ms moving mean, around the first sign change of the
+    /// angular acceleration.
+    pub oscillation_rms_n: f64,
+    /// Number of contacts.
+    pub contacts: usize,
+    /// Energy residual relative to the drive's absolute work.
+    pub energy_residual_rel: f64,
+    /// Share of the contact samples outside the networks' training range.
+    pub outside_training_share: f64,
+    /// Error bars of the peaks.
+    pub error_bars: ErrorBars,
+}
+
+/// Numerical error bars, under the names of the peaks.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorBars {
+    /// Error bar of the normal force.
+    pub peak_contact_force_n: Option<f64>,
+    /// Error bar of the force along Y.
+    pub peak_force_y_n: Option<f64>,
+    /// Error bar of the force along Z.
+    pub peak_force_z_n: Option<f64>,
+    /// Error bar of the friction torque.
+    pub peak_friction_torque_nm: Option<f64>,
+    /// Error bar of the deformation.
+    pub max_deformation_m: Option<f64>,
+}
+
+impl ErrorBars {
+    /// Describes the largest error bars of some runs.
+    pub fn largest<'a>(runs: impl Iterator<Item = &'a Figures> + Clone) -> String {
+        let most = |read: fn(&Self) -> Option<f64>, unit: f64| {
+            let bar = runs.clone().map(|f| read(&f.error_bars)).try_fold(0.0_f64, |m, b| Some(m.max(b?)));
+            bar.map_or_else(|| "unknown".into(), |bar| format!("{:.1e}", bar * unit))
+        };
+        format!(
+            "numerical error bars of the peaks, the largest: contact force {} N, Y {} N, Z {} N, torque {} N \
+             m, deformation {} um; from two tolerances, with networks from twice the communication step",
+            most(|b| b.peak_contact_force_n, 1.0),
+            most(|b| b.peak_force_y_n, 1.0),
+            most(|b| b.peak_force_z_n, 1.0),
+            most(|b| b.peak_friction_torque_nm, 1.0),
+            most(|b| b.max_deformation_m, 1e6)
+        )
+    }
+}
+
+/// The figures of a run with wall time, energy balance, peaks, estimator and comparison with the
+/// law.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Figures of the bench.
+    #[serde(flatten)]
+    pub figures: Figures,
+    /// Wall time of the bench alone per simulated second.
+    pub wall_s_per_simulated_s: f64,
+    /// Terms of the energy balance in J, and its relative residual.
+    pub energy: serde_json::Map<String, serde_json::Value>,
+    /// The run's peaks with their error bars and times.
+    pub peaks: Vec<PeakRow>,
+    /// Peaks of the analytic law, if the run itself used networks.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub law_peaks: Vec<PeakRow>,
+    /// The shaft's tilt, on a bench in two planes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<Tilt>,
+    /// Results of the estimator, if there was a controller.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimator: Option<EstimatorSummary>,
+    /// Comparison with the analytic law, if the run itself used networks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against_law: Option<AgainstLaw>,
+}
+
+/// A peak for output.
+#[derive(Clone, Debug, Serialize)]
+pub struct PeakRow {
+    /// Name of the quantity, unit included.
+    pub name: &'static str,
+    /// Largest magnitude.
+    pub value: f64,
+    /// Distance from the coarser run; none if that run failed.
+    pub error_bar: Option<f64>,
+    /// Time of the peak, s.
+    pub time_s: f64,
+}
+
+impl From<&Peak> for PeakRow {
+    fn from(&Peak { name, value, error_bar, time_s }: &Peak) -> Self {
+        Self { name, value, error_bar: Some(error_bar).filter(|b| b.is_finite()), time_s }
+    }
+}
+
+/// Difference between a run with networks and the run with the analytic law.
+#[derive(Clone, Debug, Serialize)]
+pub struct AgainstLaw {
+    /// Peak normal force with the law.
+    pub peak_contact_force_n: f64,
+    /// Rms difference of the normal force, after the start.
+    pub force_rms_difference_n: f64,
+    /// Rms difference of the journal's position, after the start.
+    pub journal_rms_difference_m: f64,
+}
+
+/// Returns the samples from the end of the load's ramp on.
+pub fn after_start<'a>(bench: &TransmissionBench, samples: &'a [Snapshot]) -> &'a [Snapshot] {
+    let start = samples.partition_point(|s| s.time_s < bench.load.ramp_s);
+    samples.get(start..).unwrap_or_default()
+}
+
+/// Returns the largest magnitude of a reading.
+pub fn peak(samples: &[Snapshot], read: impl Fn(&Snapshot) -> f64) -> f64 {
+    samples.iter().map(|s| read(s).abs()).fold(0.0, f64::max)
+}
+
+/// Root mean square.
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0_usize), |(s, n), v| (s + v * v, n + 1));
+    if count > 0 { (sum / count as f64).sqrt() } else { 0.0 }
+}
+
+impl Figures {
+    /// Computes the figures of a run whose samples have the rate `rate_hz`.
+    pub fn from_run(bench: &TransmissionBench, force: ForceSource, forced: &ForcedRun, rate_hz: f64) -> Self {
+        let peak = |name: &str| forced.peaks.iter().find(|p| p.name == name);
+        let value = |name: &str| peak(name).map_or(0.0, |p| p.value);
+        let bar = |name: &str| peak(name).map(|p| p.error_bar).filter(|b| b.is_finite());
+        Self {
+            bearing: bench.bearing.material,
+            clearance_mm: bench.bearing.radial_clearance_m * 1e3,
+            load_kn: bench.load.force_n * 1e-3,
+            force,
+            peak_contact_force_n: value("peak_contact_force_n"),
+            peak_force_y_n: value("peak_force_y_n"),
+            peak_force_z_n: value("peak_force_z_n"),
+            peak_friction_torque_nm: value("peak_friction_torque_nm"),
+            max_deformation_m: value("max_deformation_m"),
+            oscillation_rms_n: oscillation_rms_n(bench, &forced.run.samples, rate_hz),
+            contacts: forced.run.impacts.len(),
+            energy_residual_rel: forced.run.energy_residual_rel,
+            outside_training_share: forced.outside_training_share,
+            error_bars: ErrorBars {
+                peak_contact_force_n: bar("peak_contact_force_n"),
+                peak_force_y_n: bar("peak_force_y_n"),
+                peak_force_z_n: bar("peak_force_z_n"),
+                peak_friction_torque_nm: bar("peak_friction_torque_nm"),
+                max_deformation_m: bar("max_deformation_m"),
+            },
+        }
+    }
+}
+
+impl AgainstLaw {
+    /// Compares two runs sample by sample. The sample times of a run with a held force are rounded
+    /// to communication steps, so the law's times define the end of the start.
+    pub fn compare(bench: &TransmissionBench, run: &[Snapshot], law: &[Snapshot]) -> Self {
+        let counted = after_start(bench, law);
+        let run = run.get(law.len() - counted.len()..).unwrap_or_default();
+        let law = counted;
+        Self {
+            peak_contact_force_n: peak(law, |s| s.forces.normal_n),
+            force_rms_difference_n: rms(run
+                .iter()
+                .zip(law)
+                .map(|(a, b)| a.forces.normal_n - b.forces.normal_n)),
+            journal_rms_difference_m: rms(run
+                .iter()
+                .zip(law)
+                .map(|(a, b)| (a.y_m - b.y_m).hypot(a.z_m - b.z_m))),
+        }
+    }
+}
+
+/// Angular acceleration of the crank with the journal centred, rad/s2.
+pub fn ideal_angular_acceleration(bench: &TransmissionBench, time_s: f64) -> f64 {
+    let lever = bench.geometry.drive_lever_radius_m;
+    let motion = bench.drive_profile().at(time_s);
+    let sin = motion.value / lever;
+    let cos = (1.0 - sin * sin).sqrt();
+    let speed = motion.rate / (lever * cos);
+    (motion.acceleration + lever * sin * speed * speed) / (lever * cos)
+}
+
+/// Times of the sign changes of the crank's angular acceleration in the first cycle, with the
+/// journal centred, s.
+pub fn acceleration_reversals_s(bench: &TransmissionBench) -> Vec<f64> {
+    let step = bench.drive.period_s * 1e-4;
+    let acceleration = |i: u32| ideal_angular_acceleration(bench, f64::from(i) * step);
+    (1..10_000)
+        .filter(|&i| acceleration(i) * acceleration(i - 1) < 0.0)
+        .map(|i| f64::from(i) * step)
+        .collect()
+}
+
+/// Time of the first of these sign changes, s.
+fn first_acceleration_reversal_s(bench: &TransmissionBench) -> Option<f64> {
+    acceleration_reversals_s(bench).first().copied()
+}
+
+/// Window in which the oscillation after a reversal is measured, s.
+pub fn oscillation_window_s(bench: &TransmissionBench, reversal_s: f64) -> (f64, f64) {
+    let period = bench.drive.period_s;
+    (reversal_s - OSCILLATION_WINDOW.0 * period, reversal_s + OSCILLATION_WINDOW.1 * period)
+}
+
+fn oscillation_rms_n(bench: &TransmissionBench, samples: &[Snapshot], rate_hz: f64) -> f64 {
+    first_acceleration_reversal_s(bench)
+        .map_or(0.0, |reversal| fluctuation_rms_n(samples, rate_hz, oscillation_window_s(bench, reversal)))
+}
+
+/// Rms of the contact force less its 20 ms moving mean, between two times.
+pub fn fluctuation_rms_n(samples: &[Snapshot], rate_hz: f64, (from_s, to_s): (f64, f64)) -> f64 {
+    let half = (0.5 * OSCILLATION_MEAN_S * rate_hz).round() as usize;
+    let low = samples.partition_point(|s| s.time_s < from_s);
+    let high = samples.partition_point(|s| s.time_s <= to_s);
+    rms((low..high).filter_map(|i| {
+        let window = samples.get(i.checked_sub(half)?..=i + half)?;
+        let mean = window.iter().map(|s| s.forces.normal_n).sum::<f64>() / window.len() as f64;
+        Some(samples.get(i)?.forces.normal_n - mean)
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::estimator_summary::Differences;
+    use crate::run::force::run_bench;
+
+    #[test]
+    fn differences_are_those_of_force_and_torque() {
+        let pairs = [[[10.0, 1.0], [7.0, 1.5]], [[0.0, -2.0], [4.0, -2.0]]];
+        let found = Differences::from_pairs(pairs.into_iter());
+        assert_eq!((found.force_max_n, found.torque_max_nm), (4.0, 0.5));
+        assert!((found.force_rms_n - 12.5_f64.sqrt()).abs() < 1e-12);
+        assert!((found.torque_rms_nm - 0.125_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_run_is_compared_with_the_law_sample_by_sample_at_any_step() {
+        let bench = TransmissionBench::open("bench-b").unwrap();
+        let law = run_bench(&bench, ForceSource::Law, 1e-5, || {}).unwrap();
+        for step_s in [1e-5, 3e-6] {
+            let held = run_bench(&bench, ForceSource::HeldLaw, step_s, || {}).unwrap();
+            let found = AgainstLaw::compare(&bench, &held.run.samples, &law.run.samples);
+            // A shift by one sample would give about 40 N and 2 um.
+            assert!(found.force_rms_difference_n < 15.0, "{step_s}: {found:?}");
+            assert!(found.journal_rms_difference_m < 8e-7, "{step_s}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn the_reversal_and_the_oscillation_match_the_published_table() {
+        for (material, rows) in [
+            (BearingMaterial::Babbitt, [(0.1, 94.0), (0.25, 743.0), (0.5, 1034.0), (1.0, 1152.0)]),
+            (BearingMaterial::Plastic, [(0.1, 189.0), (0.25, 378.0), (0.5, 523.0), (1.0, 526.0)]),
+        ] {
+            for (clearance_mm, expected) in rows {
+                let mut bench = TransmissionBench::open("bench-b").unwrap();
+                bench.set_material(material);
+                bench.set_radial_clearance(clearance_mm * 1e-3);
+                let reversals = acceleration_reversals_s(&bench);
+                assert_eq!(reversals.len(), 2, "{reversals:?}");
+                assert!((reversals[0] - 0.266).abs() < 5e-4 && (reversals[1] - 0.734).abs() < 5e-4);
+                let forced = run_bench(&bench, ForceSource::Law, 1e-5, || {}).unwrap();
+                let found = Figures::from_run(&bench, ForceSource::Law, &forced, 10_000.0).oscillation_rms_n;
+                assert!(
+                    (found / expected - 1.0).abs() < 0.02,
+                    "{material:?} {clearance_mm} mm: {found} for {expected}"
+                );
+            }
+        }
+    }
+}

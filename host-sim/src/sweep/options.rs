@@ -1,0 +1,38 @@
+//! Options that every command with many runs takes.
+
+use crate::cli::error::CliError;
+use crate::run::arguments::communication_step_s;
+use crate::run::force::{DEFAULT_STEP_S, ForceSource};
+use bench::description::TransmissionBench;
+use clap::Args;
+
+/// Options of many runs.
+#[derive(Args, Clone, Debug)]
+pub struct SweepOptions {
+    /// Preset or bench description that the runs vary; the file of a sweep names its own.
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// Source of the bearing force; default: the quantised networks, or the source in the sweep's
+    /// file.
+    #[arg(long, value_enum)]
+    pub force: Option<ForceSource>,
+    /// Communication step of the networks in microseconds: their force is held constant over it.
+    #[arg(long, default_value_t = 1e6 * DEFAULT_STEP_S, value_name = "US", allow_negative_numbers = true)]
+    pub step_us: f64,
+    /// Threads; 0 uses one per core. The result does not depend on it.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub threads: usize,
+}
+
+impl SweepOptions {
+    /// Returns the checked communication step in s.
+    pub fn step_s(&self) -> Result<f64, CliError> {
+        communication_step_s(self.step_us)
+    }
+
+    /// Opens the bench that the runs vary.
+    pub fn base(&self) -> Result<TransmissionBench, CliError> {
+        let name = self.bench.as_deref().unwrap_or("bench-b");
+        Ok(TransmissionBench::open(name)?)
+    }
+}
