@@ -104,6 +104,7 @@ pub(crate) fn check() -> Result<Comparison, ChoreError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::insn::Figure;
 
     #[test]
     fn the_readme_of_inference_shows_the_golden_sizes() {
@@ -124,6 +125,15 @@ mod tests {
         let used = [counts.reference_window, counts.reference_reuse, counts.reference_stream];
         assert!(used.iter().zip(BUDGETS).all(|(&used, budget)| used <= budget), "{used:?}");
         assert!(counts.estimator_tick_max.max(counts.troubled_tick_max) <= TICK_BUDGET);
-        assert!(counts.figures.values().all(|figure| figure.min == figure.max), "data-dependent counts");
+    }
+
+    /// Checks every kernel but the filter, which does more while the journal touches the bearing.
+    #[test]
+    fn the_counts_of_the_networks_do_not_depend_on_the_data() {
+        let figures = golden().unwrap().figures;
+        let depends =
+            |(name, count): &(&String, &Figure)| !name.starts_with("filter") && count.min != count.max;
+        let dependent: Vec<_> = figures.iter().filter(depends).collect();
+        assert!(dependent.is_empty(), "{dependent:?}");
     }
 }

@@ -19,13 +19,13 @@ pub(crate) fn test(is_long: bool) -> Result<(), ChoreError> {
     let mut skipped = checks()?;
     let mut tally = Tally::default();
     tally.run(&mut workspace_tests())?;
-    // Separate, because the probe's library takes longer to build than all the rest of `host-sim`.
-    tally.run(cargo().args(["test", "--package", "host-sim"]).args([
-        "--features",
-        "fake-probe",
-        "--test",
-        "fake_probe",
-    ]))?;
+    // Separate, so that the first run tests `host-sim` without probes. The complete workspace and
+    // its features are named again, so that the dependencies already built are used.
+    tally.run(
+        cargo()
+            .args(["test", "--workspace", "--test", "fake_probe"])
+            .args(["--features", "host-sim/fake-probe,system-tests/emulated"]),
+    )?;
     if is_long {
         let ignored = std::mem::take(&mut tally.ignored);
         let long = Instant::now();

@@ -33,7 +33,7 @@ pub enum Style {
     Points,
     /// The points and a line through them.
     Both,
-    /// The area within the points, pale and behind everything else.
+    /// The area within the points, pale and under everything else.
     Area,
 }
 
@@ -230,7 +230,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_area_is_one_polygon_behind_the_lines() {
+    fn an_area_is_one_polygon_under_the_lines() {
         let outline = vec![(0.0, 1.0), (1.0, 2.0), (1.0, -2.0), (0.0, -1.0)];
         let series = [
             Series::new("line", [0.0, 1.0], [0.0, 0.5]),

@@ -112,8 +112,8 @@ impl FilterEstimate {
         sums.iter().all(|sum| sum.is_finite())
     }
 
-    /// Estimate while nothing is known: before the first complete sample, and after a state that was
-    /// no longer finite.
+    /// Estimate while nothing is known: before the first complete sample, and after a state that
+    /// was no longer finite.
     const UNKNOWN: Self = Self {
         normal_force_n: 0.0,
         friction_force_n: 0.0,
