@@ -25,6 +25,7 @@
 //! different words cancel in about one of 32 pairs. Everything else has a CRC-32 ([`link::crc32`]),
 //! which detects every flip of two bits and every change within a word.
 
+use fixed::types::U2F30;
 use link::crc32::Digest;
 
 pub(crate) use inference::word_sum::{WordSum, read_anew};
@@ -100,6 +101,7 @@ one_word! {
     bool => |value| u32::from(value),
     u8 => |value| u32::from(value),
     u16 => |value| u32::from(value),
+    U2F30 => |value| value.to_bits(),
 }
 
 impl Words for i64 {

@@ -77,6 +77,11 @@ pub enum ImageError {
 }
 
 impl ImageError {
+    /// Cause of an image whose CRC-32 is wrong.
+    pub const CRC: u8 = 4;
+    /// Cause of a bearing code that no material has.
+    pub const BEARING: u8 = 5;
+
     /// Returns the reason as one byte for compact reports. The codes never change; new reasons get
     /// new codes.
     pub const fn cause(&self) -> u8 {
@@ -85,8 +90,8 @@ impl ImageError {
             Self::Magic => 1,
             Self::Version { .. } => 2,
             Self::TooShort => 3,
-            Self::Crc { .. } => 4,
-            Self::Bearing { .. } => 5,
+            Self::Crc { .. } => Self::CRC,
+            Self::Bearing { .. } => Self::BEARING,
             Self::Shape { .. } => 6,
             Self::Field { .. } => 7,
             Self::Overflow { .. } => 8,

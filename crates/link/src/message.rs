@@ -132,7 +132,7 @@ pub enum Refusal {
     Configuration(Reasons),
     /// The model image on board is damaged or made for another bearing.
     Image {
-        /// Index of the cause in the inference crate's list of image errors.
+        /// Cause in the inference crate's list of image errors; 100: an image of another bearing.
         cause: u8,
     },
     /// Nothing is configured.

@@ -204,7 +204,8 @@ pub struct MonitorConfiguration {
     pub crank_vertical_nrad: i32,
     /// Effective modulus of bearing and journal, kPa: `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`.
     pub effective_modulus_kpa: u32,
-    /// Damping factor `chi(e)` of the contact law, thousandths.
+    /// Dissipation factor `chi(e)` of the contact law, thousandths; 0: that of the bearing's
+    /// material.
     pub damping_per_mille: u32,
     /// One standard deviation of the contact's stiffness, thousandths of it.
     pub stiffness_deviation_per_mille: u16,
@@ -297,19 +298,6 @@ pub enum MonitorField {
     WearLimit,
     /// `wear_hysteresis_nm`.
     WearHysteresis,
-}
-
-/// Value of a [`MonitorConfiguration`] outside its accepted range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MonitorRefusal {
-    /// Field with the value.
-    pub field: MonitorField,
-    /// Value found.
-    pub found: u32,
-    /// Minimum accepted value.
-    pub min: u32,
-    /// Maximum accepted value.
-    pub max: u32,
 }
 
 #[cfg(test)]

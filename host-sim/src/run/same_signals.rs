@@ -37,7 +37,7 @@ pub fn follow(
     let refused = |e: &dyn std::fmt::Debug| CliError::Work(format!("estimator: {e:?}"));
     let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let bearing = bench.bearing.material;
-    let conditioning = Conditioning::from_monitor(bearing, &configuration.monitor);
+    let conditioning = Conditioning::from_monitor(&configuration.monitor);
     let mut estimator = Estimator::conditioned(shipped(bearing), configuration.bench, &conditioning)
         .map_err(|e| refused(&e))?;
     let mut float = FloatPair::new(bearing).map_err(|e| refused(&e))?;

@@ -1,17 +1,17 @@
 //! Offset and gain of every channel, in fixed point, without a branch on data.
 //!
-//! `true = (raw - offset) * gain`, with the gain as a multiple of 2^-30 and the result rounded to
-//! the nearest unit. Gain 1 and offset 0 leave every code unchanged. Results beyond an `i32`
+//! `true = (raw - offset) * gain`, with 30 fraction bits in the gain and the result rounded to the
+//! nearest unit. Gain 1 and offset 0 leave every code unchanged. Results beyond an `i32`
 //! saturate. The shaft angle is known modulo 2^32 nrad only, which is not compatible with a gain.
 //! Therefore its steps are multiplied and summed, so that nothing jumps when the code wraps around.
 
 use crate::integrity::{Words, words};
+use fixed::types::{I34F30, U2F30};
 use link::crc32::Digest;
 use link::track::CHANNELS;
 use link::{Calibration, SensorFrame};
 
-const FRACTION_BITS: u32 = 30;
-const HALF: i64 = 1 << (FRACTION_BITS - 1);
+const HALF: I34F30 = I34F30::lit("0.5");
 
 /// Applies a calibration.
 #[derive(Clone, Debug)]
@@ -24,8 +24,7 @@ pub struct Calibrator {
 #[derive(Clone, Debug)]
 struct Config {
     offsets: [i32; CHANNELS],
-    /// Gains in units of 2^-30.
-    gains: [u32; CHANNELS],
+    gains: [U2F30; CHANNELS],
 }
 words!(Config { offsets, gains });
 
@@ -34,8 +33,8 @@ words!(Config { offsets, gains });
 struct AngleState {
     /// Code of the last sample less the offset.
     code: i32,
-    /// Sum of the calibrated steps, in units of 2^-30 nrad.
-    sum: i64,
+    /// Sum of the calibrated steps, nrad.
+    sum: I34F30,
 }
 
 impl Calibrator {
@@ -48,8 +47,8 @@ impl Calibrator {
     #[must_use]
     pub fn new(calibration: &[Calibration; CHANNELS]) -> Self {
         let gain = |channel: &Calibration| {
-            let scaled = (u64::from(channel.gain_ppm) << FRACTION_BITS).wrapping_add(500_000) / 1_000_000;
-            u32::try_from(scaled).unwrap_or(u32::MAX)
+            let scaled = (u64::from(channel.gain_ppm) << U2F30::FRAC_NBITS).wrapping_add(500_000) / 1_000_000;
+            U2F30::from_bits(u32::try_from(scaled).unwrap_or(u32::MAX))
         };
         let [y, z, angle, load] = calibration;
         Self {
@@ -69,20 +68,24 @@ impl Calibrator {
         let code = frame.shaft_angle_nrad.wrapping_sub(angle);
         let step = code.wrapping_sub(state.code);
         state.code = code;
-        state.sum = state.sum.wrapping_add(i64::from(step).wrapping_mul(angle_gain.into()));
+        state.sum = state.sum.wrapping_add(product(step, angle_gain));
         SensorFrame {
             journal_y_nm: scaled(frame.journal_y_nm, y, y_gain),
             journal_z_nm: scaled(frame.journal_z_nm, z, z_gain),
-            shaft_angle_nrad: (state.sum.wrapping_add(HALF) >> FRACTION_BITS) as i32,
+            shaft_angle_nrad: state.sum.wrapping_add(HALF).wrapping_to_num(),
             load_force_mn: scaled(frame.load_force_mn, load, load_gain),
             ..*frame
         }
     }
 }
 
-fn scaled(raw: i32, offset: i32, gain: u32) -> i32 {
-    let product = i64::from(raw.saturating_sub(offset)).wrapping_mul(gain.into());
-    (product.wrapping_add(HALF) >> FRACTION_BITS).clamp(i32::MIN.into(), i32::MAX.into()) as i32
+fn scaled(raw: i32, offset: i32, gain: U2F30) -> i32 {
+    product(raw.saturating_sub(offset), gain).wrapping_add(HALF).saturating_to_num()
+}
+
+/// Returns the exact product.
+fn product(value: i32, gain: U2F30) -> I34F30 {
+    I34F30::from_bits(i64::from(value).wrapping_mul(gain.to_bits().into()))
 }
 
 #[cfg(test)]

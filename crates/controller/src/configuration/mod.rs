@@ -14,7 +14,7 @@ pub use wiring::wiring;
 use link::{ControllerConfiguration, crc32};
 
 /// Maximum length of the serialised form, bytes: that of the keeper's record.
-const MAX_LENGTH: usize = crate::store::keeper::LONGEST;
+const MAX_LENGTH: usize = crate::store::keeper::MAX_VALUE_LENGTH;
 
 /// Returns the CRC-32 of a configuration's serialised form, which identifies it.
 #[must_use]

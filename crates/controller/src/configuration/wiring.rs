@@ -4,6 +4,8 @@ use core::ops::RangeInclusive;
 
 use link::{ControllerConfiguration, WiringField};
 
+use fixed::types::{I2F30, I16F16};
+
 use crate::sensors::{INPUTS, LoadInput, Probe, ProbePair, Scale, Transmitter, Wiring};
 
 /// Field, its value and the accepted values.
@@ -59,20 +61,23 @@ pub fn wiring(configuration: &ControllerConfiguration) -> Option<Wiring> {
     // A code over 2^16 is the span's millionth part times 2^16: nm/V times the span in V.
     let probe = |input, gain_nm_v: i32| -> Option<Probe> {
         let gain = i64::from(gain_nm_v).checked_mul(range.span_uv().into())? / 1_000_000;
-        let scale =
-            Scale { zero_code: range.zero_code(), gain_nm_q16: i32::try_from(gain).ok()?, table_nm: None };
+        let scale = Scale {
+            zero_code: range.zero_code(),
+            gain_nm: I16F16::from_bits(i32::try_from(gain).ok()?),
+            table_nm: None,
+        };
         Some(Probe { input, scale })
     };
     let current =
         u64::from(given.load_range.span_uv()).checked_mul(10_000)?.checked_div(given.shunt_deciohm.into())?;
     let transmitter = Transmitter::new(
         given.load_range.zero_code(),
-        i32::try_from(current).ok()?,
+        I16F16::from_bits(i32::try_from(current).ok()?),
         given.transmitter_range_kpa.checked_mul(1_000)?,
         given.piston_mm2,
     )?;
     let gaps_nm = given.centre_gap_um.map(|gap_um| i32::from(gap_um).wrapping_mul(1_000));
-    let direction = direction_q30(given.first_probe_centidegrees);
+    let direction = direction(given.first_probe_centidegrees);
     Some(Wiring {
         probes: [probe(first, first_gain)?, probe(second, second_gain)?],
         opposite: None,
@@ -84,9 +89,9 @@ pub fn wiring(configuration: &ControllerConfiguration) -> Option<Wiring> {
     })
 }
 
-/// Returns cosine and sine of an angle in hundredths of a degree, times 2^30, by their series
-/// within 45 degrees of an axis.
-fn direction_q30(centidegrees: i16) -> [i32; 2] {
+/// Returns cosine and sine of an angle in hundredths of a degree, by their series within 45 degrees
+/// of an axis.
+fn direction(centidegrees: i16) -> [I2F30; 2] {
     let shifted = i32::from(centidegrees).wrapping_add(4_500);
     let quarter = shifted.div_euclid(9_000).rem_euclid(4);
     let angle = f64::from(shifted.rem_euclid(9_000).wrapping_sub(4_500)) * (core::f64::consts::PI / 18_000.0);
@@ -97,10 +102,10 @@ fn direction_q30(centidegrees: i16) -> [i32; 2] {
         cosine = 1.0 - square / (term * (term + 1.0)) * cosine;
         sine = 1.0 - square / ((term + 1.0) * (term + 2.0)) * sine;
     }
+    // Rounds to the nearest value. The conversion of `fixed` itself would panic for NaN.
     let fixed = |value: f64| {
-        let scaled = value * f64::from(1 << 30);
-        // Rounds to the nearest integer.
-        (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i32
+        let bits = value * f64::from(I2F30::ONE.to_bits());
+        I2F30::from_bits((if bits < 0.0 { bits - 0.5 } else { bits + 0.5 }) as i32)
     };
     let (cosine, sine) = (fixed(cosine), fixed(sine * angle));
     match quarter {
@@ -169,8 +174,8 @@ mod tests {
         #[test]
         fn a_direction_is_that_of_the_standard_library(centidegrees in -18_000..=18_000_i16) {
             let angle = f64::from(centidegrees).to_radians() / 100.0;
-            for (found, exact) in direction_q30(centidegrees).into_iter().zip([angle.cos(), angle.sin()]) {
-                prop_assert!((f64::from(found) - exact * f64::from(1 << 30)).abs() < 1.0);
+            for (found, exact) in direction(centidegrees).into_iter().zip([angle.cos(), angle.sin()]) {
+                prop_assert!((f64::from(found) - exact).abs() < 2.0_f64.powi(-30));
             }
         }
 

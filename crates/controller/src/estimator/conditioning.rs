@@ -47,11 +47,9 @@ impl Conditioning {
         }
     }
 
-    /// Converts the configuration. With a lever of 0 or masses out of range the masses are unknown;
-    /// a damping factor of 0 means that of the shipped networks.
+    /// Converts the configuration. With a lever of 0 or masses out of range the masses are unknown.
     #[must_use]
-    pub fn from_monitor(bearing: BearingMaterial, monitor: &MonitorConfiguration) -> Self {
-        let default = Self::for_bearing(bearing);
+    pub fn from_monitor(monitor: &MonitorConfiguration) -> Self {
         let lever_um2 = u64::from(monitor.drive_lever_um).wrapping_mul(u64::from(monitor.drive_lever_um));
         let reflected_g = u64::from(monitor.inertia_g_m2)
             .saturating_mul(1_000_000_000_000)
@@ -63,10 +61,7 @@ impl Conditioning {
             masses: along_y_g
                 .filter(|_| known)
                 .map(|along_y_g| Masses { along_y_g, along_z_g: monitor.mass_g }),
-            damping_per_mille: match monitor.damping_per_mille {
-                0 => default.damping_per_mille,
-                given => given,
-            },
+            damping_per_mille: monitor.damping_per_mille,
             noise_nm: monitor.journal_noise_nm.into(),
         }
     }
@@ -80,7 +75,7 @@ mod tests {
     #[test]
     fn the_bench_s_configuration_gives_what_is_assumed_of_the_bench() {
         assert_eq!(
-            Conditioning::from_monitor(BearingMaterial::Babbitt, &BENCH_B.monitor),
+            Conditioning::from_monitor(&BENCH_B.monitor),
             Conditioning {
                 masses: Some(Masses { along_y_g: 816_666, along_z_g: 150_000 }),
                 ..Conditioning::for_bearing(BearingMaterial::Babbitt)
@@ -93,13 +88,7 @@ mod tests {
         let monitor = BENCH_B.monitor;
         for (drive_lever_um, mass_g) in [(0, 150_000), (300_000, 0), (1, 150_000), (300_000, 999)] {
             let given = MonitorConfiguration { drive_lever_um, mass_g, ..monitor };
-            assert_eq!(
-                Conditioning::from_monitor(BearingMaterial::Babbitt, &given).masses,
-                None,
-                "{drive_lever_um} {mass_g}"
-            );
+            assert_eq!(Conditioning::from_monitor(&given).masses, None, "{drive_lever_um} {mass_g}");
         }
-        let given = MonitorConfiguration { damping_per_mille: 0, ..monitor };
-        assert_eq!(Conditioning::from_monitor(BearingMaterial::Babbitt, &given).damping_per_mille, 2_092);
     }
 }

@@ -210,8 +210,10 @@ impl Estimator {
     }
 
     /// Switches to another model of the same bearing from the next sample on. The networks'
-    /// history starts anew. Conditioning and latch do not depend on the model and continue.
+    /// history starts anew. The prediction takes the new model's floor; observer and latch
+    /// continue.
     pub fn switch(&mut self, model: Model<'static>) {
+        self.config.setup.image_floor_nm_s = model.header().latch_floor_nm_s;
         self.pair.switch(model);
     }
 

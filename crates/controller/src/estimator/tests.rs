@@ -4,7 +4,8 @@ use crate::estimator::latch::LatchState;
 use crate::estimator::observer::Radial;
 use crate::estimator::{Estimator, flags_of};
 use crate::flags::ONSET_NOT_SEEN;
-use inference::{BearingMaterial, Flags, shipped};
+use inference::image::write::seal;
+use inference::{BearingMaterial, Flags, Model, shipped};
 use link::{BenchConfiguration, EstimateFrame, SensorFrame};
 
 /// A journal in sustained contact that swings by 2 um at 5 Hz along z: slow enough for observer and
@@ -54,7 +55,7 @@ fn a_gap_in_the_samples_is_not_flagged_as_corruption() {
     let gap = |index: u32| frame(if index < 1_000 { index } else { index + 5 });
     let mut estimator = estimator();
     let estimates: Vec<_> = (0..1_200).map(|index| estimator.step(&gap(index))).collect();
-    assert_eq!(flagged(&estimates), []);
+    assert!(flagged(&estimates).is_empty());
 }
 
 #[test]
@@ -63,7 +64,7 @@ fn a_state_corrupted_between_two_ticks_is_flagged_once_and_restarted() {
     let corrupted = run(1_000, |estimator| {
         estimator.conditioner.value_mut().observer = estimator.config.observer.start()
     });
-    assert_eq!(flagged(&intact), []);
+    assert!(flagged(&intact).is_empty());
     assert_eq!(flagged(&corrupted), [1_000]);
     assert_eq!(intact[..1_000], corrupted[..1_000]);
     // The window replaces the observer at once: the difference is what the observer adds to the
@@ -112,4 +113,28 @@ fn a_latch_that_restarts_with_the_samples_is_not_flagged() {
     let mut estimator = estimator();
     estimator.restart();
     assert!(!estimator.latch.is_corrupted());
+}
+
+#[test]
+fn the_prediction_takes_the_floor_of_another_model() {
+    // Position of the floor in the header.
+    const FLOOR: core::ops::Range<usize> = 48..52;
+    let mut image = shipped(BearingMaterial::Babbitt).to_vec();
+    let floor = u32::from_le_bytes(image[FLOOR].try_into().unwrap());
+    image[FLOOR].copy_from_slice(&(2 * floor).to_le_bytes());
+    seal(&mut image);
+    let words: Vec<u64> = image
+        .chunks(8)
+        .map(|bytes| {
+            let mut word = [0; 8];
+            word[..bytes.len()].copy_from_slice(bytes);
+            u64::from_ne_bytes(word)
+        })
+        .collect();
+    let aligned: &'static [u64] = words.leak();
+    let model = Model::load(&bytemuck::cast_slice(aligned)[..image.len()]).unwrap();
+    let mut estimator = estimator();
+    assert_eq!(estimator.config.setup.image_floor_nm_s, floor);
+    estimator.switch(model);
+    assert_eq!(estimator.config.setup.image_floor_nm_s, 2 * floor);
 }

@@ -4,7 +4,7 @@ use core::ops::RangeInclusive;
 
 use link::track::{MonitorConfiguration, MonitorField};
 
-use crate::estimator::NOISE_RANGE_NM;
+use crate::estimator::{MASS_RANGE_G, NOISE_RANGE_NM};
 
 /// A field, its value and its valid range.
 type Ranged = (MonitorField, i64, RangeInclusive<i64>);
@@ -16,8 +16,8 @@ pub fn ranges(monitor: &MonitorConfiguration) -> [Ranged; 24] {
     // More than half of a quantity is not an error but another bench.
     let per_mille = 0..=500;
     [
-        // 100 g to 100 t.
-        (Field::Mass, monitor.mass_g.into(), 100..=100_000_000),
+        // Up to 100 t.
+        (Field::Mass, monitor.mass_g.into(), i64::from(*MASS_RANGE_G.start())..=100_000_000),
         (Field::Inertia, monitor.inertia_g_m2.into(), 0..=1_000_000_000),
         // 10 mm to 10 m.
         (Field::DriveLever, monitor.drive_lever_um.into(), 10_000..=10_000_000),

@@ -14,7 +14,7 @@ mod limits;
 mod safe_state;
 mod tally;
 
-use inference::{Flags, Model};
+use inference::{BearingMaterial, Flags, Model};
 use link::crc32::Digest;
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, SensorHealth, SensorStatus, TrackReport};
 use link::{BenchConfiguration, EstimateFrame, Refusal, SensorFrame};
@@ -77,7 +77,8 @@ impl Monitor {
         stuck_samples: u16,
     ) -> Result<Self, Refusal> {
         let bearing = bearing_of(configuration)?;
-        let conditioning = Conditioning::from_monitor(bearing, monitor);
+        let monitor = &with_dissipation(bearing, monitor);
+        let conditioning = Conditioning::from_monitor(monitor);
         let mut estimator = Estimator::conditioned(image, *configuration, &conditioning)?;
         estimator.plausibility_mut().set_limits(&limits_of(configuration, monitor, stuck_samples));
         Ok(Self {
@@ -240,4 +241,14 @@ fn limits_of(
             per_load: (1.0 - lever_ratio).abs() / (monitor.mass_g as f32 * 1e-3),
         },
     }
+}
+
+/// Replaces a dissipation factor of 0 by that of the bearing's material, which the shipped networks
+/// have learnt.
+fn with_dissipation(bearing: BearingMaterial, monitor: &MonitorConfiguration) -> MonitorConfiguration {
+    let damping_per_mille = match monitor.damping_per_mille {
+        0 => bearing.damping_per_mille(),
+        given => given,
+    };
+    MonitorConfiguration { damping_per_mille, ..*monitor }
 }

@@ -12,11 +12,13 @@
 //! towards +z.
 
 use super::SensorFault;
+use fixed::FixedI64;
+use fixed::types::extra::{U30, U36};
+use fixed::types::{I2F30, I4F60};
 
-/// Fraction bits of the direction.
-const BITS: u32 = 30;
-/// Fraction bits of the reciprocal of a diameter.
-const CURVATURE_BITS: u32 = 36;
+const HALF: FixedI64<U30> = FixedI64::lit("0.5");
+/// Maximum difference of a squared direction from 1.
+const DIRECTION_TOLERANCE: I4F60 = I4F60::lit("2e-6");
 /// Maximum displacement of a journal, nm: 8 mm.
 const FARTHEST_NM: i64 = 1 << 23;
 /// Minimum journal radius, nm: 1 mm.
@@ -25,9 +27,10 @@ const MIN_RADIUS_NM: u32 = 1_000_000;
 /// Two probes at 90 degrees.
 #[derive(Clone, Copy, Debug)]
 pub struct ProbePair {
-    direction: [i64; 2],
+    direction: [I2F30; 2],
     gaps_nm: [i32; 2],
-    curvature: i64,
+    /// Reciprocal of the diameter, 1/nm.
+    curvature: FixedI64<U36>,
     opposite: Option<Opposite>,
 }
 
@@ -41,26 +44,25 @@ pub struct Opposite {
 }
 
 impl ProbePair {
-    /// Creates a pair from the direction of the first probe (its y and z times 2^30) and the gaps
-    /// with the journal in the bearing's centre. Returns `None` if the direction is not of length 1
-    /// (to 1e-6) or the radius is below 1 mm.
+    /// Creates a pair from the direction of the first probe (y, z) and the gaps with the journal in
+    /// the bearing's centre. Returns `None` if the direction is not of length 1 (to 1e-6) or the
+    /// radius is below 1 mm.
     #[must_use]
     pub fn new(
-        direction_q30: [i32; 2],
+        direction: [I2F30; 2],
         gaps_nm: [i32; 2],
         journal_radius_nm: u32,
         opposite: Option<Opposite>,
     ) -> Option<Self> {
-        let direction = direction_q30.map(i64::from);
-        let square = direction.iter().fold(0_i64, |sum, part| sum.wrapping_add(part.wrapping_mul(*part)));
-        // 2e-6 of 2^60.
-        let is_unit = square.wrapping_sub(1 << (2 * BITS)).unsigned_abs() < 2_305_843_009_214;
-        let per_diameter =
-            (1_i64 << CURVATURE_BITS).checked_div(i64::from(journal_radius_nm).wrapping_mul(2));
+        let [y, z] = direction.map(|part| part.wide_mul(part));
+        // Squares are at most 4 each: a sum of 8 wraps around to -8, which is not 1 either.
+        let is_unit = y.wrapping_add(z).wrapping_sub(I4F60::ONE).wrapping_abs() < DIRECTION_TOLERANCE;
+        let diameter_nm = i64::from(journal_radius_nm).wrapping_mul(2);
+        let curvature = FixedI64::<U36>::ONE.checked_div_int(diameter_nm)?;
         (is_unit && journal_radius_nm >= MIN_RADIUS_NM).then_some(Self {
             direction,
             gaps_nm,
-            curvature: per_diameter.unwrap_or_default(),
+            curvature,
             opposite,
         })
     }
@@ -72,17 +74,12 @@ impl ProbePair {
         let along_true = along.wrapping_add(self.curvature_nm(across));
         let across_true = across.wrapping_add(self.curvature_nm(along));
         let [y, z] = self.direction;
-        let axis = |a: i64, b: i64| {
-            let sum = a.wrapping_mul(along_true).wrapping_add(b.wrapping_mul(across_true));
-            (sum.wrapping_add(1 << (BITS - 1)) >> BITS) as i32
+        let axis = |a: I2F30, b: I2F30| {
+            let part =
+                |a: I2F30, b_nm: i64| FixedI64::<U30>::from_bits(a.to_bits().into()).wrapping_mul_int(b_nm);
+            part(a, along_true).wrapping_add(part(b, across_true)).wrapping_add(HALF).wrapping_to_num()
         };
         [axis(y, z.wrapping_neg()), axis(z, y)]
-    }
-
-    /// Returns `true` if there is a third probe.
-    #[must_use]
-    pub const fn has_opposite(&self) -> bool {
-        self.opposite.is_some()
     }
 
     /// Compares the gap of the third probe with the value expected from the other two.
@@ -115,7 +112,7 @@ impl ProbePair {
     /// Returns the curvature's contribution to a gap.
     fn curvature_nm(&self, across_nm: i64) -> i64 {
         // At most 2^46 times 2^15.
-        across_nm.wrapping_mul(across_nm).wrapping_mul(self.curvature) >> CURVATURE_BITS
+        self.curvature.wrapping_mul_int(across_nm.wrapping_mul(across_nm)).wrapping_to_num()
     }
 }
 
@@ -125,6 +122,7 @@ mod tests {
     use proptest::prelude::*;
 
     const RADIUS_NM: f64 = 69.5e6;
+    const AXIS: [I2F30; 2] = [I2F30::ONE, I2F30::ZERO];
     const CENTRED_NM: [i32; 2] = [1_000_000, 1_100_000];
 
     /// Returns the exact gap of a probe along `u` (nm) with the shaft's circle at `r`.
@@ -135,9 +133,8 @@ mod tests {
     }
 
     fn pair(angle: f64, opposite: Option<Opposite>) -> ProbePair {
-        let fixed = |value: f64| (value * f64::from(1 << 30)).round() as i32;
-        ProbePair::new([fixed(angle.cos()), fixed(angle.sin())], CENTRED_NM, RADIUS_NM as u32, opposite)
-            .unwrap()
+        let direction = [angle.cos(), angle.sin()].map(I2F30::from_num);
+        ProbePair::new(direction, CENTRED_NM, RADIUS_NM as u32, opposite).unwrap()
     }
 
     proptest! {
@@ -172,8 +169,8 @@ mod tests {
 
     #[test]
     fn invalid_directions_and_shafts_are_refused() {
-        assert!(ProbePair::new([1 << 30, 0], [0; 2], 69_500_000, None).is_some());
-        assert!(ProbePair::new([1 << 30, 1 << 29], [0; 2], 69_500_000, None).is_none());
-        assert!(ProbePair::new([1 << 30, 0], [0; 2], 999_999, None).is_none());
+        assert!(ProbePair::new(AXIS, [0; 2], 69_500_000, None).is_some());
+        assert!(ProbePair::new([I2F30::ONE, I2F30::lit("0.5")], [0; 2], 69_500_000, None).is_none());
+        assert!(ProbePair::new(AXIS, [0; 2], 999_999, None).is_none());
     }
 }

@@ -12,36 +12,36 @@
 
 use super::SensorFault;
 use super::scale::linear;
+use fixed::types::{I16F16, I44F20};
 
 const MIN_NA: i64 = 3_600_000;
 const ZERO_NA: i64 = 4_000_000;
 const SPAN_NA: u64 = 16_000_000;
 const MAX_NA: i64 = 21_000_000;
-/// Fraction bits of the force a nanoampere.
-const BITS: u32 = 20;
 
 /// Transmitter and its piston.
 #[derive(Clone, Copy, Debug)]
 pub struct Transmitter {
     zero_code: u16,
-    gain_na_q16: i32,
-    /// mN a nA, times 2^20.
-    force: i64,
+    /// Current of a code, nA.
+    gain_na: I16F16,
+    /// Force of a nanoampere, mN.
+    force_mn: I44F20,
 }
 
 impl Transmitter {
-    /// Creates a transmitter from the zero code and gain of its current (nA a code, times 2^16),
-    /// the pressure at full scale and the area of the piston. Returns `None` if pressure times area
-    /// is above 10 MN.
+    /// Creates a transmitter from the zero code of its current and the current of a code (nA), the
+    /// pressure at full scale and the area of the piston. Returns `None` if pressure times area is
+    /// above 10 MN.
     #[must_use]
-    pub fn new(zero_code: u16, gain_na_q16: i32, range_pa: u32, area_mm2: u32) -> Option<Self> {
+    pub fn new(zero_code: u16, gain_na: I16F16, range_pa: u32, area_mm2: u32) -> Option<Self> {
         // Pa mm2 are uN.
         let span_un = u64::from(range_pa).checked_mul(u64::from(area_mm2))?;
         if span_un > 10_000_000_000_000 {
             return None;
         }
-        let force = (span_un << BITS) / (1000 * SPAN_NA);
-        Some(Self { zero_code, gain_na_q16, force: force as i64 })
+        let force = (span_un << I44F20::FRAC_NBITS) / (1000 * SPAN_NA);
+        Some(Self { zero_code, gain_na, force_mn: I44F20::from_bits(force.cast_signed()) })
     }
 
     /// Returns the force of a code, mN.
@@ -50,14 +50,15 @@ impl Transmitter {
     ///
     /// No intact loop carries this current.
     pub fn force_mn(&self, code: u16) -> Result<i64, SensorFault> {
-        let current_na = linear(code, self.zero_code, self.gain_na_q16);
+        let current_na = linear(code, self.zero_code, self.gain_na);
         if current_na < MIN_NA {
             Err(SensorFault::BrokenWire)
         } else if current_na > MAX_NA {
             Err(SensorFault::ShortCircuit)
         } else {
             // At most 2^24 times 2^30.
-            Ok(current_na.wrapping_sub(ZERO_NA).wrapping_mul(self.force) >> BITS)
+            let force_mn = self.force_mn.wrapping_mul_int(current_na.wrapping_sub(ZERO_NA));
+            Ok(force_mn.wrapping_to_num())
         }
     }
 }
@@ -68,7 +69,7 @@ mod tests {
 
     /// 0 to 5.12 V over 240 ohm: 325.5 nA a code. 250 bar on 20 cm2: 50 kN.
     fn transmitter() -> Transmitter {
-        Transmitter::new(0, (325.520_833 * 65536.0) as i32, 25_000_000, 2_000).unwrap()
+        Transmitter::new(0, I16F16::lit("325.520833"), 25_000_000, 2_000).unwrap()
     }
 
     fn code(milliampere: f64) -> u16 {
@@ -102,7 +103,7 @@ mod tests {
 
     #[test]
     fn a_force_beyond_every_rudder_is_refused() {
-        assert!(Transmitter::new(0, 1, u32::MAX, u32::MAX).is_none());
-        assert!(Transmitter::new(0, 1, 40_000_000, 250_000).is_some());
+        assert!(Transmitter::new(0, I16F16::DELTA, u32::MAX, u32::MAX).is_none());
+        assert!(Transmitter::new(0, I16F16::DELTA, 40_000_000, 250_000).is_some());
     }
 }

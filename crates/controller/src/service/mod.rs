@@ -23,13 +23,14 @@ use link::{
 };
 use rtic_core::Mutex;
 
+pub use crate::session::LineReport;
 use crate::session::{NoTicks, Status};
 use crate::store::{Keeper, SlotMemory, Store};
 use crate::supervisor::Party;
 pub use background::{Background, Platform};
 pub use exchange::{Exchange, SampleSource, Tick};
 use transport::Event;
-pub use transport::{LineReport, Ports, Purpose, Received, Transport, Unconnected};
+pub use transport::{Ports, Purpose, Received, Transport, Unconnected};
 
 /// Maximum number of received bytes that one pass reads.
 const MAX_BYTES_PER_PASS: usize = 256;

@@ -1,6 +1,7 @@
 //! Transports of the link and the ports that the service reads.
 
-use link::{DELIMITER, Decoder, FrameError, LineErrors, ToController};
+use crate::session::LineReport;
+use link::{DELIMITER, Decoder, FrameError, ToController};
 
 /// Result of [`Transport::receive`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,15 +21,6 @@ pub enum Purpose {
     Reply,
     /// Estimate or telemetry. A transport with a small buffer leaves room for a reply.
     Stream,
-}
-
-/// Losses on the way in, counted since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LineReport {
-    /// Received bytes without room in a buffer.
-    pub dropped_bytes: u32,
-    /// Errors that the port's hardware detected.
-    pub errors: LineErrors,
 }
 
 /// Carries the bytes of the link: a serial port, a debug probe or files of the host.

@@ -1,6 +1,7 @@
 //! Execution of commands: each once, in the order of their numbers, answered as often as it
 //! arrives.
 
+use inference::ImageError;
 use link::{
     Acknowledgement, Answer, Command, Configured, ControllerConfiguration, NumberedCommand, Refusal,
     ToController,
@@ -11,9 +12,6 @@ use super::conversation::Order;
 use super::run::Run;
 use super::telemetry::count;
 use crate::configuration::validate;
-
-/// Position of the checksum's cause in the list of image errors.
-const CHECKSUM_CAUSE: u8 = 4;
 
 impl Session {
     /// Executes a command if it is the next one, or repeats the outcome if it is the last one.
@@ -73,7 +71,7 @@ impl Session {
     /// corrupted.
     pub fn configure(&mut self, configuration: &ControllerConfiguration) -> Result<Configured, Refusal> {
         if self.conversation.is_code_corrupted {
-            return Err(Refusal::Image { cause: CHECKSUM_CAUSE });
+            return Err(Refusal::Image { cause: ImageError::CRC });
         }
         validate(configuration).map_err(Refusal::Configuration)?;
         let run = Run::new(*configuration, &self.models, self.conversation.timed_hz())?;

@@ -35,13 +35,12 @@ use link::{
 use crate::configuration::wiring;
 use crate::integrity::WordSum;
 use crate::sensors::Wiring;
-use crate::service::LineReport;
 use crate::store::Models;
 use conversation::Conversation;
 pub use conversation::Identity;
 use run::Run;
 pub use run::{OWN_ESTIMATE_INTERVAL, OWN_SAMPLE_PERIOD_US};
-pub use telemetry::Status;
+pub use telemetry::{LineReport, Status};
 use telemetry::{Telemetry, count};
 pub use ticks::{NoTicks, TickSource};
 

@@ -1,6 +1,6 @@
 //! One run: estimator, configuration, deadline and numbering of the estimates.
 
-use inference::{BearingMaterial, Flags};
+use inference::{BearingMaterial, Flags, ImageError};
 use link::crc32::Digest;
 use link::track::SensorStatus;
 use link::{
@@ -60,8 +60,9 @@ impl Run {
         watched_hz: u32,
     ) -> Result<Self, Refusal> {
         let bench = configuration.bench;
-        let bearing = BearingMaterial::from_code(bench.bearing).ok_or(Refusal::Image { cause: 0 })?;
-        let &Loaded { image, .. } = models.of(bearing).ok_or(Refusal::Image { cause: 4 })?;
+        let bearing =
+            BearingMaterial::from_code(bench.bearing).ok_or(Refusal::Image { cause: ImageError::BEARING })?;
+        let &Loaded { image, .. } = models.of(bearing).ok_or(Refusal::Image { cause: ImageError::CRC })?;
         let limits = configuration.limits;
         let mut monitor = Monitor::new(image, &bench, &configuration.monitor, limits.stuck_samples)?;
         monitor.limit_friction(limits.friction_level_limit_per_mille);

@@ -4,7 +4,7 @@
 use inference::Flags;
 use link::start::{PARTIES, Presence};
 use link::update::UpdateStatus;
-use link::{Counters, ReportKind, SensorFrame};
+use link::{Counters, LineErrors, ReportKind, SensorFrame};
 
 use super::run::TimedEstimate;
 use crate::flags::{LOAD_CONTRADICTED, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
@@ -20,6 +20,15 @@ pub struct Status {
     pub models: UpdateStatus,
     /// Last sample of the controller's own sensors.
     pub sample: Option<SensorFrame>,
+}
+
+/// Losses on the way in, counted since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LineReport {
+    /// Received bytes without room in a buffer.
+    pub dropped_bytes: u32,
+    /// Errors that the port's hardware detected.
+    pub errors: LineErrors,
 }
 
 /// Counters, schedule and status.

@@ -22,8 +22,8 @@ use serde::de::DeserializeOwned;
 pub const RECORD: usize = 256;
 /// Bytes before the value.
 const HEAD: usize = 8;
-/// Longest value in its encoding, bytes.
-pub const LONGEST: usize = RECORD - HEAD - 4;
+/// Maximum length of an encoded value, bytes.
+pub const MAX_VALUE_LENGTH: usize = RECORD - HEAD - 4;
 
 /// Reason why a value was not stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,6 +4,7 @@
 //! nine, Jacobians by central differences, covariance updates in Joseph's form.
 
 use controller::filter::{FilterConfiguration, Measurement};
+use nalgebra::{SMatrix, SVector};
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// States: y, z, y', z', residual force, then stiffness, clearance, friction and damping as
@@ -443,23 +444,8 @@ fn sandwich(a: &Matrix, p: &Matrix) -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| left[i][k] * a[j][k]).sum()))
 }
 
-/// Solves a linear system by elimination with pivots.
-fn solve(mut a: Matrix, mut b: Vector) -> Vector {
-    for column in 0..N {
-        let pivot = (column..N).max_by(|i, j| a[*i][column].abs().total_cmp(&a[*j][column].abs())).unwrap();
-        a.swap(column, pivot);
-        b.swap(column, pivot);
-        for row in column + 1..N {
-            let factor = a[row][column] / a[column][column];
-            for k in column..N {
-                a[row][k] -= factor * a[column][k];
-            }
-            b[row] -= factor * b[column];
-        }
-    }
-    for row in (0..N).rev() {
-        let known: f64 = (row + 1..N).map(|k| a[row][k] * b[k]).sum();
-        b[row] = (b[row] - known) / a[row][row];
-    }
-    b
+/// Solves a linear system.
+fn solve(a: Matrix, b: Vector) -> Vector {
+    let matrix = SMatrix::<f64, N, N>::from_fn(|row, column| a[row][column]);
+    matrix.lu().solve(&SVector::from(b)).unwrap().into()
 }

@@ -86,7 +86,7 @@ fn the_ends_of_every_field_s_range_are_served() {
         monitor.report()
     };
     let smallest = MonitorConfiguration {
-        mass_g: 100,
+        mass_g: 1_000,
         inertia_g_m2: 0,
         drive_lever_um: 10_000,
         load_lever_um: 0,

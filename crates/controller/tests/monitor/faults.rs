@@ -209,6 +209,19 @@ fn a_fault_that_lasts_loses_the_estimate() {
 }
 
 #[test]
+fn a_dissipation_factor_of_0_is_that_of_the_material() {
+    for bearing in BearingMaterial::ALL {
+        let frames = frames();
+        let [given, default] = [bearing.damping_per_mille(), 0].map(|factor| {
+            let mut monitor = monitor(bearing, |configuration| configuration.damping_per_mille = factor);
+            let estimates = follow(&mut monitor, &frames);
+            (estimates, monitor.report())
+        });
+        assert_eq!(given, default, "{bearing:?}");
+    }
+}
+
+#[test]
 fn networks_that_contradict_the_law_are_flagged_held_and_counted() {
     // The same networks with a law of half the modulus: corrupted weights have the same effect.
     let mut monitor =

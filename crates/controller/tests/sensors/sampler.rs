@@ -6,6 +6,7 @@ use controller::sensors::{
     Transmitter, Wiring,
 };
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+use fixed::types::{I2F30, I16F16};
 use link::track::{SensorChannel, SensorStatus};
 
 /// Angles, or faults, one a sample.
@@ -19,7 +20,7 @@ impl AngleSensor for Angles {
 
 /// 20 nm a code; the journal is in the centre at code 50,000 of either probe.
 fn probe(input: u8) -> Probe {
-    Probe { input, scale: Scale { zero_code: 0, gain_nm_q16: 20 << 16, table_nm: None } }
+    Probe { input, scale: Scale { zero_code: 0, gain_nm: I16F16::lit("20"), table_nm: None } }
 }
 
 fn wiring(opposite: bool) -> Wiring {
@@ -27,12 +28,15 @@ fn wiring(opposite: bool) -> Wiring {
     Wiring {
         probes: [probe(0), probe(1)],
         opposite: opposite.then_some(probe(2)),
-        geometry: ProbePair::new([1 << 30, 0], [1_000_000; 2], 69_500_000, third).unwrap(),
+        geometry: ProbePair::new([I2F30::ONE, I2F30::ZERO], [1_000_000; 2], 69_500_000, third).unwrap(),
         // 500 nA a code; 100 bar on 10 cm2, 10 kN.
-        load: LoadInput { input: 6, transmitter: Transmitter::new(0, 500 << 16, 10_000_000, 1_000).unwrap() },
+        load: LoadInput {
+            input: 6,
+            transmitter: Transmitter::new(0, I16F16::lit("500"), 10_000_000, 1_000).unwrap(),
+        },
         counter_load: Some(LoadInput {
             input: 7,
-            transmitter: Transmitter::new(0, 500 << 16, 10_000_000, 500).unwrap(),
+            transmitter: Transmitter::new(0, I16F16::lit("500"), 10_000_000, 500).unwrap(),
         }),
         probe_range: InputRange::Unipolar10V,
         load_range: InputRange::Unipolar5V,

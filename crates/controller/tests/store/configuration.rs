@@ -3,7 +3,7 @@
 
 use crate::flash::{Flash, HALF};
 use controller::store::Keeper;
-use controller::store::keeper::{KeepError, LONGEST, RECORD};
+use controller::store::keeper::{KeepError, MAX_VALUE_LENGTH, RECORD};
 
 /// Two places of two records each: every second write erases.
 type Places = Flash<{ 4 * RECORD }>;
@@ -61,7 +61,7 @@ fn a_value_of_another_form_is_not_read_and_one_too_long_is_not_saved() {
     keeper.keep(1, &value(1)).unwrap();
     assert_eq!(keeper.value::<Value>(2), None);
     assert_eq!(keeper.value::<Value>(1), Some(value(1)));
-    let long = [[1_u8; 31]; LONGEST / 31 + 1];
+    let long = [[1_u8; 31]; MAX_VALUE_LENGTH / 31 + 1];
     let long: [_; 8] = long[..8].try_into().unwrap();
     assert_eq!(keeper.keep(1, &long), Err(KeepError::TooLong));
     assert_eq!(keeper.value::<Value>(1), Some(value(1)));

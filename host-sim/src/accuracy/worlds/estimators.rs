@@ -65,7 +65,7 @@ fn ticks(bench: &TransmissionBench, readings: &[Reading]) -> Result<Vec<Estimate
     let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let configuration = controller_configuration(&plant, bench, SAMPLE_RATE_HZ)?;
     let bearing = bench.bearing.material;
-    let conditioning = Conditioning::from_monitor(bearing, &configuration.monitor);
+    let conditioning = Conditioning::from_monitor(&configuration.monitor);
     let mut estimator = Estimator::conditioned(shipped(bearing), configuration.bench, &conditioning)
         .map_err(|e| refused("estimator", &e))?;
     let estimate = |(index, r): (usize, &Reading)| {
