@@ -1,5 +1,5 @@
-//! Flags of an estimate about its sensors: bits 15 to 31 of [`Flags`]. Bits 0 to 14 belong to the
-//! networks.
+//! Flags that the controller adds to an estimate: sensors, supervision, deadline, limits. Bits 15 to
+//! 31 of [`Flags`]; bits 0 to 14 belong to the networks.
 
 use inference::Flags;
 
@@ -12,7 +12,7 @@ pub const LOAD_CONTRADICTED: Flags = Flags::from_bits(1 << 15);
 pub const IMPLAUSIBLE_POSITION: Flags = Flags::from_bits(1 << 16);
 /// A sensor moved further since the last sample than the machine can; the window restarts.
 pub const JUMP: Flags = Flags::from_bits(1 << 17);
-/// A sensor has shown the same code for [`crate::estimator::STUCK_SAMPLES`] samples.
+/// A sensor has shown the same code for the configured number of samples.
 pub const STUCK: Flags = Flags::from_bits(1 << 18);
 /// The sequence number did not follow: samples were lost or repeated; the window restarts.
 pub const SEQUENCE_GAP: Flags = Flags::from_bits(1 << 19);

@@ -4,12 +4,13 @@
 //! safe state), [`Estimator`] (conditioning, onset latch), the networks (`inference::Pair`).
 //! [`Session`] also conducts the conversation with the host. Both are free of I/O, heap and
 //! panics. They run in the host's process and on the controller and give the same bits on both:
-//! integers, `+ - * /` and `sqrt` in f32.
+//! integers, and f32 with `+ - * /` and routines written in Rust (libm, micromath).
 //!
 //! Only the firmware's boards access registers. [`clock`] separates their start-up decisions from
 //! the registers, so that the host can test them.
 //!
-//! Not a safety function: an estimate that cannot be trusted is flagged ([`flags`]), not corrected.
+//! Not a safety function: an estimate that cannot be trusted is flagged ([`flags`]) and replaced by
+//! the last trusted one; after the configured number of samples its forces are 0.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![warn(clippy::indexing_slicing)]

@@ -42,7 +42,7 @@ pub struct EstimateFrame {
     pub deformation_m: f32,
     /// Direction of the journal from the bearing's centre, rad, from +y towards +z.
     pub contact_angle_rad: f32,
-    /// Flags of the networks (bits 0 to 14) and of the sensors (bits 15 to 31).
+    /// Flags of the networks (bits 0 to 14), and those that the controller adds (bits 15 to 31).
     pub flags: u32,
     /// Number of activations that saturated in this sample.
     pub saturated: u16,

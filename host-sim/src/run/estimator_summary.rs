@@ -11,7 +11,8 @@ use inference::Flags;
 use link::{Counters, EstimateFrame};
 use serde::Serialize;
 
-/// Timer ticks per instruction of the emulated controller: 64 ns at 168 MHz.
+/// Timer counts per instruction of the emulated controller: 64 ns at 168 MHz. A board counts core
+/// cycles, which do not convert to instructions.
 const TICKS_PER_INSTRUCTION: f64 = 10.752;
 
 /// Results of the estimator.
@@ -27,11 +28,11 @@ pub struct EstimatorSummary {
     pub ticks: u64,
     /// Ticks that took longer than the sample period.
     pub deadline_misses: u64,
-    /// Minimum instructions per tick, if the controller counts them.
+    /// Minimum instructions per tick; null unless the controller is emulated.
     pub instructions_per_tick_min: Option<u64>,
-    /// Mean instructions per tick, if the controller counts them.
+    /// Mean instructions per tick; null unless the controller is emulated.
     pub instructions_per_tick_mean: Option<f64>,
-    /// Maximum instructions per tick, if the controller counts them.
+    /// Maximum instructions per tick; null unless the controller is emulated.
     pub instructions_per_tick_max: Option<u64>,
     /// Exchanged frames per second, there and back.
     pub exchanges_per_s: f64,
@@ -109,8 +110,11 @@ impl EstimatorSummary {
                 exchange.estimates.iter().filter(|e| Flags::from_bits(e.flags).intersects(flags)).count();
             hits as f64 / exchange.estimates.len().max(1) as f64
         };
+        let are_instructions = exchange.controller == "emulated";
         let instructions = |ticks: Option<u32>| {
-            ticks.filter(|&t| t > 0).map(|t| (f64::from(t) / TICKS_PER_INSTRUCTION).round() as u64)
+            ticks
+                .filter(|&t| are_instructions && t > 0)
+                .map(|t| (f64::from(t) / TICKS_PER_INSTRUCTION).round() as u64)
         };
         let ticks = || exchange.estimates.iter().map(|e| e.instruction_ticks);
         Self {
@@ -121,7 +125,7 @@ impl EstimatorSummary {
             deadline_misses: u64::from(exchange.counters.deadline_overruns),
             // The first estimate contains no duration of a tick before it.
             instructions_per_tick_min: instructions(ticks().filter(|&ticks| ticks > 0).min()),
-            instructions_per_tick_mean: mean_instructions(&exchange.estimates),
+            instructions_per_tick_mean: mean_instructions(&exchange.estimates).filter(|_| are_instructions),
             instructions_per_tick_max: instructions(ticks().max()),
             exchanges_per_s: exchange.estimates.len() as f64 / exchange.wall_s.max(1e-9),
             native_emulated_bit_differences: differences.filter(|_| exchange.controller == "emulated"),
@@ -140,7 +144,7 @@ impl EstimatorSummary {
     }
 }
 
-/// Mean instructions per tick; none where the controller does not count them.
+/// Mean instructions per tick of the emulated controller; none where nothing was counted.
 fn mean_instructions(estimates: &[EstimateFrame]) -> Option<f64> {
     let counted = || estimates.iter().map(|e| f64::from(e.instruction_ticks)).filter(|&ticks| ticks > 0.0);
     let count = counted().count();

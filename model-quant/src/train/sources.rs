@@ -85,7 +85,7 @@ impl PartWindows<'_> {
             Rows::Generated { set, split, .. } if self.network == NetworkKind::Collision => {
                 Some(set.row(*split, index))
             }
-            // The collision set has no sliding speeds.
+            // With the range `paper` the collision set has no sliding speeds.
             Rows::Generated { split, .. } => {
                 let purpose =
                     if *split == Split::Training { Purpose::TrainingRows } else { Purpose::ValidationRows };

@@ -42,6 +42,7 @@ impl Text {
 }
 
 fn rows(file: &str, text: &str, separator: Separator) -> Result<Vec<(u64, Vec<String>)>, LogError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let delimiter = match separator {
         Separator::Whitespace => {
             return Ok(text
@@ -55,7 +56,6 @@ fn rows(file: &str, text: &str, separator: Separator) -> Result<Vec<(u64, Vec<St
         Separator::Semicolon => b';',
         Separator::Tab => b'\t',
     };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .delimiter(delimiter)

@@ -1,7 +1,7 @@
 //! Configuration of the filter: the described bench, its sensors and what is uncertain about them.
 //!
 //! Noise levels are derived here, from the sensors' noise, the declared uncertainties and the
-//! bench's own forces. There is no other tuning.
+//! bench's own forces. Five constants below and three in [`super`] are chosen once for all benches.
 
 use contact::FrictionLaw;
 use core::f32::consts::TAU;

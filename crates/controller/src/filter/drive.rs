@@ -3,8 +3,8 @@
 //! The displacement of the fork is `y + R_d sin(angle)`: measured, not commanded, so a drive that
 //! lags is followed. A Kalman filter of displacement, speed, acceleration and jerk; the jerk is a
 //! first-order Markov process whose deviation and time follow from stroke and period. The gains
-//! settle within the jerk's correlation time and are then kept, so that rounding cannot accumulate
-//! in the covariance.
+//! settle within twice the jerk's correlation time and are then kept, so that rounding cannot
+//! accumulate in the covariance.
 
 use super::configuration::FilterConfiguration;
 use nalgebra::{Matrix4, Vector4};

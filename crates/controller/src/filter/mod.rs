@@ -96,8 +96,8 @@ pub struct FilterEstimate {
     pub friction_sd: f32,
     /// True as long as the start still dominates the uncertainty.
     pub is_converging: bool,
-    /// False if the innovations are larger than model and sensors explain. The standard deviations
-    /// are then widened by the excess.
+    /// False if the innovations are larger than model and sensors explain. The variances of force
+    /// and torque are then multiplied by the excess.
     pub fits: bool,
 }
 

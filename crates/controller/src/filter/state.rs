@@ -37,7 +37,7 @@ pub(super) struct Transition {
     pub(super) residual: f32,
 }
 
-/// A measured scalar: innovation, its noise, and its covariance with the state.
+/// Change of the state by one measurement, and its normalised innovation.
 pub(super) struct Correction {
     pub(super) motion: Motion,
     pub(super) bias: Bias,

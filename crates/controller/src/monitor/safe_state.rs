@@ -20,7 +20,7 @@ use link::track::SafeState;
 use crate::flags::HELD;
 use crate::integrity::{WordSum, words};
 
-/// The numbers of an estimate that are held: four forces and torques, then deformation and angle.
+/// The numbers of an estimate that are held: three forces and a torque, then deformation and angle.
 type Trusted = [u32; 6];
 
 /// Times of the safe state.

@@ -10,7 +10,8 @@ use crate::statistics::median;
 use bench::{Bench, Channel, MeasuredLog};
 
 /// Finds and corrects a wrong load, which all outputs show together. Returns the simulation under
-/// the corrected load.
+/// the corrected load; `None` if no load is plausible or the inputs cannot be simulated. The
+/// outputs then remain unchecked.
 pub(super) fn check(bench: &Bench, log: &mut MeasuredLog, findings: &mut Vec<Finding>) -> Option<Simulated> {
     let described_n = bench.load_n();
     let load_n = median(log.channels.get(&Channel::LoadForce).into_iter().flatten().copied());
@@ -55,7 +56,21 @@ pub(super) fn check(bench: &Bench, log: &mut MeasuredLog, findings: &mut Vec<Fin
             multiply(log, Channel::LoadForce, 1.0 / factor);
             Simulated::new(bench, log)
         }
-        _ => own,
+        _ if is_possible => own,
+        _ => {
+            let found = format!("{load_n:.0} N, described {described_n:.0} N: the outputs were not checked");
+            findings.push(
+                Finding::new(
+                    Severity::Doubtful,
+                    &log.source,
+                    Channel::LoadForce.name(),
+                    "contradiction",
+                    found,
+                )
+                .cause("another bench, or a load in an unknown unit"),
+            );
+            None
+        }
     }
 }
 

@@ -76,6 +76,18 @@ fn a_drive_without_velocity_is_compared_by_its_stroke() {
 }
 
 #[test]
+fn a_load_far_from_every_known_factor_is_reported_and_the_outputs_stay_unchecked() {
+    let mut log = record(&real(5), 5).unwrap();
+    multiply(&mut log, Channel::LoadForce, 137.0);
+    multiply(&mut log, Channel::JournalY, 1e3);
+    let (_, findings) = found(&log);
+    let load: Vec<_> = findings.iter().filter(|f| f.channel == Channel::LoadForce.name()).collect();
+    let [finding] = load[..] else { panic!("{findings:#?}") };
+    assert_eq!((finding.severity, finding.kind), (Severity::Doubtful, "contradiction"));
+    assert!(finding.found.ends_with("the outputs were not checked"), "{}", finding.found);
+}
+
+#[test]
 fn signs_are_named_and_corrected() {
     for channel in [
         Channel::BearingForceY,

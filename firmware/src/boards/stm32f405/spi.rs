@@ -2,7 +2,7 @@
 //! device has a select pin.
 //!
 //! The peripheral's clock is 42 MHz with the PLL: the converter is read at 10.5 MHz (at most 17),
-//! the encoder at 5.25 MHz (at most 10). A sample of four inputs and the angle has 18 bytes, 15 us
+//! the encoder at 5.25 MHz (at most 10). A sample of three inputs and the angle has 14 bytes, 12 us
 //! of clocks. Every wait is bounded: a transaction ends at the first byte that does not arrive. The
 //! drivers detect an absent device.
 //!
