@@ -1,37 +1,11 @@
 //! Every law by its stable name, for descriptions and for lists on a command line.
 
+pub use crate::entry::{Entry, Group};
+
 use crate::contact_law::CompleteLawKind;
 use crate::dissipation::Dissipation;
 use crate::friction::kind::FrictionKind;
 use crate::stiffness_kind::StiffnessKind;
-
-/// Kind of law that a name selects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Group {
-    /// Dissipation factor, [`Dissipation`].
-    Dissipation,
-    /// Stiffness part, [`crate::Stiffness`].
-    Stiffness,
-    /// Complete normal law with its own damping, [`CompleteLawKind`].
-    Complete,
-    /// Friction law, [`FrictionKind`].
-    Friction,
-}
-
-/// Catalogue entry of one law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Entry {
-    /// Kind of law.
-    pub group: Group,
-    /// Stable name, in kebab case.
-    pub name: &'static str,
-    /// Description in one line.
-    pub description: &'static str,
-    /// Author and year.
-    pub source: &'static str,
-    /// Range of validity.
-    pub range: &'static str,
-}
 
 /// Returns every law: dissipation factors, stiffness parts, complete normal laws, friction laws.
 pub fn all() -> impl Iterator<Item = Entry> {

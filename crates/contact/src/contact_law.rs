@@ -4,7 +4,7 @@
 //! s^2 (3 - 2 s)`, `s = d/d_max` clamped to 0..1, so the damping starts without a jump. Deformation
 //! in m, rates in m/s, force in N, never negative.
 
-use crate::catalogue::{Entry, Group};
+use crate::entry::{Entry, Group};
 use crate::error::{LawError, above_zero, at_least_zero, needed};
 use crate::normal::{FactorisedLaw, NormalLaw};
 use crate::real::Real;

@@ -5,7 +5,7 @@
 //! factors were compared with public implementations. Hu and Guo's, which one of them halves, was
 //! compared with the exact relation (it then agrees within 6 % down to `e = 0.4`).
 
-use crate::catalogue::{Entry, Group};
+use crate::entry::{Entry, Group};
 use crate::error::{LawError, expect};
 use crate::real::Real;
 use crate::restitution;

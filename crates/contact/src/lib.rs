@@ -7,6 +7,7 @@ pub mod catalogue;
 mod contact_law;
 mod damping;
 mod dissipation;
+mod entry;
 mod error;
 mod friction;
 mod joint;

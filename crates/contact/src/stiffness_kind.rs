@@ -1,6 +1,6 @@
 //! Stiffness parts by name, and their checked construction from a joint.
 
-use crate::catalogue::{Entry, Group};
+use crate::entry::{Entry, Group};
 use crate::error::{LawError, above_zero, needed};
 use crate::joint::Joint;
 use crate::logarithmic::{Logarithmic, LogarithmicKind};

@@ -1,6 +1,6 @@
 //! Friction laws by name.
 
-use crate::catalogue::{Entry, Group};
+use crate::entry::{Entry, Group};
 
 /// Kind of a friction law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
