@@ -3,8 +3,6 @@
 //! Activations have no zero point: zero padding is 0, and no kernel subtracts an offset. After a
 //! ReLU they are 0 to [`Activation::MAX`]. Features also use the negative half.
 
-use crate::weights::{PackedWeights, Weights16, WeightsOf};
-
 mod sealed {
     pub trait Sealed {}
     impl Sealed for i8 {}
@@ -17,8 +15,6 @@ pub trait Activation: sealed::Sealed + bytemuck::Pod + Default + Ord + core::fmt
     const BITS: u8;
     /// Largest value: full scale.
     const MAX: i32;
-    /// Forms in which the weights of a layer with such inputs may be stored.
-    type Weights<'a>: WeightsOf<'a, Self>;
 
     /// Returns the value with 32 bits.
     fn widen(self) -> i32;
@@ -33,7 +29,6 @@ pub trait Activation: sealed::Sealed + bytemuck::Pod + Default + Ord + core::fmt
 impl Activation for i16 {
     const BITS: u8 = 16;
     const MAX: i32 = i16::MAX as i32;
-    type Weights<'a> = Weights16<'a>;
 
     #[inline]
     fn widen(self) -> i32 {
@@ -54,7 +49,6 @@ impl Activation for i16 {
 impl Activation for i8 {
     const BITS: u8 = 8;
     const MAX: i32 = i8::MAX as i32;
-    type Weights<'a> = PackedWeights<'a>;
 
     #[inline]
     fn widen(self) -> i32 {

@@ -10,14 +10,13 @@
 //! * over a window that moved by one column, where only the changed outputs are computed
 //!   ([`crate::Windowed::slide`]).
 
-use crate::activation::Activation;
 use crate::convolution::Convolution;
-use crate::error::ImageError;
 use crate::head::Head;
-use crate::image::{LayerName, Reader};
+use crate::image::{ImageError, LayerName, ReadLayers, Reader};
 use crate::kernel::Engine;
+use crate::padding::Padding;
 use crate::ring::Ring;
-use crate::windowed::Padding;
+use crate::weights::LayerInput;
 use core::hash::Hasher;
 
 /// A layer and the rest of the chain.
@@ -30,7 +29,7 @@ pub struct Then<L, R> {
 }
 
 /// Chain of layers that takes columns of `IN` activations `A`.
-pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
+pub trait Chain<'a, A: LayerInput, const IN: usize>: ReadLayers<'a> {
     /// Multiply-accumulates of a streaming step.
     const MACS: usize;
     /// Number of columns that one result depends on.
@@ -44,9 +43,6 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
     /// State of a window of `P` columns.
     type Window<const P: usize>: Clone + core::fmt::Debug;
 
-    /// Reads the chain from an image and checks it against its type.
-    fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError>;
-
     /// Returns a stream whose history is zeros.
     fn stream() -> Self::Stream;
 
@@ -58,7 +54,7 @@ pub trait Chain<'a, A: Activation, const IN: usize>: Sized {
 
     /// Computes the newest column with the preceding layer; returns the number of clipped
     /// activations.
-    fn receive<E: Engine, F: Activation, const FRONT: usize, const TAPS: usize>(
+    fn receive<E: Engine, F: LayerInput, const FRONT: usize, const TAPS: usize>(
         stream: &mut Self::Stream,
         layer: &Convolution<'_, F, A, FRONT, IN, TAPS>,
         columns: &[[F; FRONT]; TAPS],
@@ -132,11 +128,23 @@ pub struct HeadWindow<A, const IN: usize, const P: usize> {
     columns: [[A; IN]; P],
 }
 
+impl<'a, A, B, R, const IN: usize, const OUT: usize, const K: usize> ReadLayers<'a>
+    for Then<Convolution<'a, A, B, IN, OUT, K>, R>
+where
+    A: LayerInput,
+    B: LayerInput,
+    R: ReadLayers<'a>,
+{
+    fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
+        Ok(Self { layer: Convolution::read(reader, layer)?, rest: R::read(reader, layer.next())? })
+    }
+}
+
 impl<'a, A, B, R, const IN: usize, const OUT: usize, const K: usize> Chain<'a, A, IN>
     for Then<Convolution<'a, A, B, IN, OUT, K>, R>
 where
-    A: Activation,
-    B: Activation,
+    A: LayerInput,
+    B: LayerInput,
     R: Chain<'a, B, OUT>,
 {
     const MACS: usize = Convolution::<A, B, IN, OUT, K>::MACS + R::MACS;
@@ -145,10 +153,6 @@ where
     type Output = R::Output;
     type Stream = ConvolutionStream<A, IN, K, R::Stream>;
     type Window<const P: usize> = ConvolutionWindow<A, IN, P, R::Window<P>>;
-
-    fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
-        Ok(Self { layer: Convolution::read(reader, layer)?, rest: R::read(reader, layer.next())? })
-    }
 
     fn stream() -> Self::Stream {
         ConvolutionStream { history: Ring::new(), rest: R::stream() }
@@ -166,7 +170,7 @@ where
     }
 
     #[inline]
-    fn receive<E: Engine, F: Activation, const FRONT: usize, const TAPS: usize>(
+    fn receive<E: Engine, F: LayerInput, const FRONT: usize, const TAPS: usize>(
         stream: &mut Self::Stream,
         layer: &Convolution<'_, F, A, FRONT, IN, TAPS>,
         columns: &[[F; FRONT]; TAPS],
@@ -240,7 +244,15 @@ where
     }
 }
 
-impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize> Chain<'a, A, IN>
+impl<'a, A: LayerInput, const IN: usize, const COLUMNS: usize, const OUT: usize> ReadLayers<'a>
+    for Head<'a, A, IN, COLUMNS, OUT>
+{
+    fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
+        Head::read(reader, layer)
+    }
+}
+
+impl<'a, A: LayerInput, const IN: usize, const COLUMNS: usize, const OUT: usize> Chain<'a, A, IN>
     for Head<'a, A, IN, COLUMNS, OUT>
 {
     const MACS: usize = Self::MACS;
@@ -249,10 +261,6 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
     type Output = Sums<OUT>;
     type Stream = HeadStream<A, IN, COLUMNS, OUT>;
     type Window<const P: usize> = HeadWindow<A, IN, P>;
-
-    fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
-        Head::read(reader, layer)
-    }
 
     fn stream() -> Self::Stream {
         HeadStream { history: Ring::new(), sums: [0; OUT] }
@@ -269,7 +277,7 @@ impl<'a, A: Activation, const IN: usize, const COLUMNS: usize, const OUT: usize>
     }
 
     #[inline]
-    fn receive<E: Engine, F: Activation, const FRONT: usize, const TAPS: usize>(
+    fn receive<E: Engine, F: LayerInput, const FRONT: usize, const TAPS: usize>(
         stream: &mut Self::Stream,
         layer: &Convolution<'_, F, A, FRONT, IN, TAPS>,
         columns: &[[F; FRONT]; TAPS],
@@ -341,8 +349,8 @@ impl<const OUT: usize> Default for Sums<OUT> {
 #[inline]
 fn receive<
     E: Engine,
-    A: Activation,
-    B: Activation,
+    A: LayerInput,
+    B: LayerInput,
     const IN: usize,
     const OUT: usize,
     const K: usize,

@@ -1,10 +1,9 @@
 //! A 1-D convolution with ReLU.
 
 use crate::activation::Activation;
-use crate::error::ImageError;
-use crate::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
+use crate::image::{ImageError, LayerKind, LayerName, LayerShape, Reader, WeightForm};
 use crate::kernel::{Engine, LayerOutcome};
-use crate::weights::{Around, WeightsOf};
+use crate::weights::{Around, LayerInput, WeightsOf};
 use core::hash::Hasher;
 use core::ops::Range;
 
@@ -13,12 +12,12 @@ use core::ops::Range;
 /// Each output is ReLU(bias + sum of weight x input) times the multiplier of the output, rounded to
 /// nearest (halves up) and clipped to the full scale of `B`.
 #[derive(Clone, Copy, Debug)]
-pub struct Convolution<'a, A: Activation, B, const IN: usize, const OUT: usize, const K: usize> {
+pub struct Convolution<'a, A: LayerInput, B, const IN: usize, const OUT: usize, const K: usize> {
     weights: A::Weights<'a>,
     outputs: core::marker::PhantomData<B>,
 }
 
-impl<'a, A: Activation, B: Activation, const IN: usize, const OUT: usize, const K: usize>
+impl<'a, A: LayerInput, B: Activation, const IN: usize, const OUT: usize, const K: usize>
     Convolution<'a, A, B, IN, OUT, K>
 {
     /// Multiply-accumulates at one position.

@@ -2,10 +2,12 @@
 
 use crate::chain::{Chain, Then};
 use crate::convolution::Convolution;
-use crate::error::ImageError;
 use crate::features::{COLLISION_INPUTS, FRICTION_INPUTS};
 use crate::head::Head;
-use crate::image::{CRC_LENGTH, HEADER_LENGTH, Header, LayerName, Reader, checksum, prove};
+use crate::image::{
+    CRC_LENGTH, HEADER_LENGTH, Header, ImageError, LayerName, ReadLayers, Reader, checksum, prove,
+};
+use crate::weights::LayerInput;
 use core::hash::{Hash, Hasher};
 
 /// Channels of every convolution of the shipped networks.
@@ -30,7 +32,7 @@ pub type Network<'a, B, const IN: usize> = Then<
 >;
 
 /// Activation between the layers of the shipped networks: `i16` (default) or `i8` (compact).
-pub trait Between: crate::activation::Activation {}
+pub trait Between: LayerInput {}
 impl Between for i16 {}
 impl Between for i8 {}
 
@@ -75,8 +77,8 @@ impl<'a, B: Between> Model<'a, B> {
         let model = Self {
             header,
             checksum: found,
-            collision: Chain::read(&mut reader, collision)?,
-            friction: Chain::read(&mut reader, friction)?,
+            collision: ReadLayers::read(&mut reader, collision)?,
+            friction: ReadLayers::read(&mut reader, friction)?,
         };
         if !reader.is_empty() {
             return Err(ImageError::Trailing);

@@ -1,8 +1,7 @@
 //! Weights of one layer, read in place, and the loops over its outputs.
 
 use crate::activation::Activation;
-use crate::error::ImageError;
-use crate::image::{Reader, WeightForm};
+use crate::image::{ImageError, Reader, WeightForm};
 use crate::kernel::{BLOCK, Engine, Kernel, LayerOutcome, Quad, copy, finish, scaling};
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups, scaled_groups};
 use core::hash::{Hash, Hasher};
@@ -227,6 +226,20 @@ pub trait WeightsOf<'a, A: Activation>: sealed::Sealed + Copy + core::fmt::Debug
     /// Returns bias and multiplier of a convolution's output, if it exists.
     #[doc(hidden)]
     fn around(&self, output: usize, taps: usize) -> Option<[i32; 2]>;
+}
+
+/// Activation that a layer may take as input: `i16` or `i8`.
+pub trait LayerInput: Activation {
+    /// Forms in which the weights of a layer with such inputs may be stored.
+    type Weights<'a>: WeightsOf<'a, Self>;
+}
+
+impl LayerInput for i16 {
+    type Weights<'a> = Weights16<'a>;
+}
+
+impl LayerInput for i8 {
+    type Weights<'a> = PackedWeights<'a>;
 }
 
 /// Weights for 16-bit activations.

@@ -2,11 +2,10 @@
 
 use crate::network::{COLUMNS, INPUTS, Reference, Room, random, read, reference_shapes};
 use crate::noise::Noise;
-use inference::activation::Activation;
 use inference::chain::{Sums, Then};
 use inference::image::WeightForm;
 use inference::kernel::Engine;
-use inference::{Causal, Convolution, Head, Pad, Same, Streaming, Windowed};
+use inference::{Causal, Convolution, Head, LayerInput, Pad, Same, Streaming, Windowed};
 
 /// FNV-1a hash over integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +32,7 @@ const PLACES: usize = 9;
 
 /// Computes one convolution at every position of a window with every padding, and a head over its
 /// outputs.
-fn layer<E: Engine, A: Activation, B: Activation, const IN: usize, const OUT: usize, const K: usize>(
+fn layer<E: Engine, A: LayerInput, B: LayerInput, const IN: usize, const OUT: usize, const K: usize>(
     form: WeightForm,
     (seed, digest, room): (&mut u64, &mut Digest, &mut Room),
 ) -> Option<()> {
@@ -66,7 +65,7 @@ fn layer<E: Engine, A: Activation, B: Activation, const IN: usize, const OUT: us
 }
 
 /// Computes the reference network in all of its modes.
-fn network<E: Engine, A: Activation, D: Pad>(
+fn network<E: Engine, A: LayerInput, D: Pad>(
     form: WeightForm,
     seed: &mut u64,
     digest: &mut Digest,

@@ -1,11 +1,10 @@
 //! Reference network of the published instruction counts, and networks with random parameters.
 
 use crate::noise::Noise;
-use inference::activation::Activation;
 use inference::chain::{Chain, Then};
 use inference::image::write::{LayerParts, WriteError, layers};
 use inference::image::{LayerKind, LayerName, LayerShape, Reader, WeightForm};
-use inference::{Convolution, Head, ImageError, Scale};
+use inference::{Convolution, Head, ImageError, LayerInput, Scale};
 
 /// Number of inputs in a column of the reference network.
 pub const INPUTS: usize = 6;
@@ -23,7 +22,7 @@ pub type Reference<'a, A> = Then<
 >;
 
 /// Returns the shapes of its layers.
-pub fn reference_shapes<A: Activation>(first: WeightForm, others: WeightForm) -> [LayerShape; 4] {
+pub fn reference_shapes<A: LayerInput>(first: WeightForm, others: WeightForm) -> [LayerShape; 4] {
     [
         Convolution::<i16, A, INPUTS, 16, 5>::shape(first),
         Convolution::<A, A, 16, 32, 5>::shape(others),
@@ -87,7 +86,7 @@ pub fn random(shapes: &[LayerShape], seed: u64, room: &mut Room) -> Result<usize
 /// # Errors
 ///
 /// The bytes are not such a chain.
-pub fn read<'a, N: Chain<'a, A, IN>, A: Activation, const IN: usize>(
+pub fn read<'a, N: Chain<'a, A, IN>, A: LayerInput, const IN: usize>(
     bytes: &'a [u8],
 ) -> Result<N, ImageError> {
     // Not `image::load_layers`: the instruction counts depend on this code layout.

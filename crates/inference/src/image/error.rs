@@ -1,8 +1,7 @@
 //! Reasons for refusing a model image.
 
+use super::{LayerName, LayerShape};
 use contact::BearingMaterial;
-
-use crate::image::{LayerName, LayerShape};
 use core::fmt;
 
 /// Reason for refusing a model image.

@@ -2,8 +2,7 @@
 //!
 //! All ranges are integers in sufficiently small units; methods return them in SI units as `f32`.
 
-use super::{FORMAT_VERSION, HEADER_LENGTH, MAGIC};
-use crate::error::ImageError;
+use super::{FORMAT_VERSION, HEADER_LENGTH, ImageError, MAGIC};
 use contact::BearingMaterial;
 
 /// Closed interval of a physical quantity.

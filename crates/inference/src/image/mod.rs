@@ -25,6 +25,7 @@
 //!
 //! [`crate::storage`] defines the order; every group of weights takes four bytes.
 
+mod error;
 mod header;
 mod layers;
 mod name;
@@ -33,8 +34,9 @@ mod reader;
 mod shape;
 pub mod write;
 
+pub use error::ImageError;
 pub use header::{Header, Range};
-pub use layers::load_layers;
+pub use layers::{ReadLayers, load_layers};
 pub use name::LayerName;
 pub use proof::{Unproven, prove};
 pub use reader::Reader;

@@ -1,7 +1,6 @@
 //! Cursor over an image's bytes: every read is bounded and in place.
 
-use super::{LayerName, LayerShape, WeightForm};
-use crate::error::ImageError;
+use super::{ImageError, LayerName, LayerShape, WeightForm};
 
 /// Bytes not yet read.
 #[derive(Clone, Debug)]

@@ -2,10 +2,9 @@
 //!
 //! It is here so that the format has one home. The controller does not call it.
 
-use super::{CRC_LENGTH, HEADER_LENGTH, Header, LayerShape, checksum};
-use crate::head::Scale;
-use crate::image::{LayerKind, WeightForm};
+use super::{CRC_LENGTH, HEADER_LENGTH, Header, LayerKind, LayerShape, WeightForm, checksum};
 use crate::kernel::BLOCK;
+use crate::scale::Scale;
 use crate::storage::{Packed8, Packed16, Storage, Wide};
 
 /// Contents of a layer.

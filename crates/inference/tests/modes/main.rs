@@ -3,11 +3,10 @@
 
 mod plain;
 
-use inference::activation::Activation;
 use inference::chain::{Chain, Sums, Then};
 use inference::image::{LayerShape, WeightForm};
 use inference::kernel::{Engine, Native, Portable};
-use inference::{Causal, Convolution, Head, Pad, Padding, Same, Streaming, Valid, Windowed};
+use inference::{Causal, Convolution, Head, LayerInput, Pad, Padding, Same, Streaming, Valid, Windowed};
 use plain::{Noise, Plain, plain};
 use proptest::prelude::*;
 
@@ -20,7 +19,7 @@ type Odd<'a, A> =
 /// Family of the shipped networks.
 type Family<'a, A> = inference::Network<'a, A, 8>;
 
-fn odd<A: Activation>(form: WeightForm) -> Vec<LayerShape> {
+fn odd<A: LayerInput>(form: WeightForm) -> Vec<LayerShape> {
     let between = if A::BITS == 8 { WeightForm::Packed } else { form };
     vec![
         Convolution::<i16, A, 3, 6, 5>::shape(form),
@@ -29,7 +28,7 @@ fn odd<A: Activation>(form: WeightForm) -> Vec<LayerShape> {
     ]
 }
 
-fn family<A: Activation>(form: WeightForm) -> Vec<LayerShape> {
+fn family<A: LayerInput>(form: WeightForm) -> Vec<LayerShape> {
     let between = if A::BITS == 8 { WeightForm::Packed } else { form };
     let hidden = Convolution::<A, A, 16, 16, 3>::shape(between);
     vec![Convolution::<i16, A, 8, 16, 3>::shape(form), hidden, hidden, Head::<A, 16, 2, 1>::shape(between)]

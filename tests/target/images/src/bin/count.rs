@@ -11,14 +11,14 @@ use cortex_m as _;
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use inference::activation::Activation;
 use inference::chain::{Chain, Then};
 use inference::features::{COLLISION_INPUTS, FRICTION_INPUTS};
 use inference::image::WeightForm;
 use inference::word_sum::WordSum;
 use inference::kernel::{Engine, Native, Portable};
 use inference::{
-    BearingMaterial, Convolution, Head, Model, Network, Pair, Same, Sample, Streaming, Windowed, shipped,
+    BearingMaterial, Convolution, Head, LayerInput, Model, Network, Pair, Same, Sample, Streaming, Windowed,
+    shipped,
 };
 use controller::filter::Filter;
 use link::{ESTIMATE_FRAME, EstimateLayout, NumberedEstimate, encode_estimate};
@@ -91,7 +91,7 @@ fn column(noise: &mut Noise) -> [i16; INPUTS] {
 }
 
 /// Counts the reference network in every mode.
-fn modes<A: Activation, E: Engine>(
+fn modes<A: LayerInput, E: Engine>(
     counter: &Counter,
     room: &mut Room,
     form: WeightForm,
@@ -127,7 +127,7 @@ fn modes<A: Activation, E: Engine>(
 }
 
 /// Counts a layer at one position and at two neighbouring positions.
-fn layer<A: Activation, const IN: usize, const OUT: usize, const K: usize>(
+fn layer<A: LayerInput, const IN: usize, const OUT: usize, const K: usize>(
     counter: &Counter,
     room: &mut Room,
     form: WeightForm,
@@ -156,7 +156,7 @@ fn layer<A: Activation, const IN: usize, const OUT: usize, const K: usize>(
 }
 
 /// Counts one dense output.
-fn head<A: Activation, const IN: usize, const COLUMNS: usize>(
+fn head<A: LayerInput, const IN: usize, const COLUMNS: usize>(
     counter: &Counter,
     room: &mut Room,
     form: WeightForm,
@@ -178,7 +178,7 @@ fn head<A: Activation, const IN: usize, const COLUMNS: usize>(
 }
 
 /// Counts the shapes of the reference network and of the shipped networks.
-fn layers<A: Activation>(counter: &Counter, room: &mut Room, form: WeightForm, mode: &str) -> Option<()> {
+fn layers<A: LayerInput>(counter: &Counter, room: &mut Room, form: WeightForm, mode: &str) -> Option<()> {
     layer::<A, 6, 16, 5>(counter, room, form, mode)?;
     layer::<A, 16, 32, 5>(counter, room, form, mode)?;
     layer::<A, 32, 32, 3>(counter, room, form, mode)?;
