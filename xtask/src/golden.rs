@@ -2,8 +2,9 @@
 //!
 //! Counts are exact for the pinned compiler. With another one, only the budgets are compared.
 
+use crate::counts::Counts;
 use crate::document::Block;
-use crate::insn::{Counts, count};
+use crate::insn::count;
 use crate::run::{ChoreError, root, write_atomically};
 use crate::setup::{TARGET, Toolchain, target};
 use crate::table::render;
@@ -104,7 +105,7 @@ pub(crate) fn check() -> Result<Comparison, ChoreError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::insn::Figure;
+    use crate::counts::Figure;
 
     #[test]
     fn the_readme_of_inference_shows_the_golden_sizes() {

@@ -5,6 +5,7 @@ mod boards;
 mod budget;
 mod campaigns;
 mod compile;
+mod counts;
 mod document;
 mod firmware;
 mod flash;

@@ -1,6 +1,6 @@
 //! Tables of instruction counts in Markdown, as the README shows them.
 
-use crate::insn::Counts;
+use crate::counts::Counts;
 use std::fmt::Write;
 
 /// Rows of the reference network: name of the figure without the mode, and its description.
