@@ -2,7 +2,7 @@
 //!
 //! * [`signals`]: channels, motions over time, sensors, white noise.
 //! * [`log`]: measured logs as CSV, Parquet and MAT files.
-//! * [`description`]: the data of a bench description, [`Bench`], and the interface of its plants.
+//! * [`description`]: the data of a bench description, [`Bench`], and the facts of its plants.
 //! * [`effects`]: deviations from the nominal model, by name.
 //! * [`integrate`]: error-controlled integration with located contacts.
 //! * [`plants`]: equations of motion, friction and energy of each plant.
@@ -23,9 +23,9 @@ pub mod signals;
 pub mod simulate;
 
 pub use contact::BearingMaterial;
-pub use description::{Bench, DescriptionError, integrates_friction};
+pub use description::{Bench, DescriptionError};
 pub use log::MeasuredLog;
-pub use reading::PRESETS;
+pub use reading::{PRESETS, integrates_friction};
 pub use signals::{Channel, Role};
 
 /// Compiles and runs the example of the README.

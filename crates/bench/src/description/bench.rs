@@ -64,11 +64,6 @@ macro_rules! plants {
             }
 
             impl $plant {
-                /// Opens a preset or a file, as [`Bench::open`], and refuses every other plant.
-                pub fn open(name_or_file: &str) -> Result<Self, DescriptionError> {
-                    Self::from_bench(Bench::open(name_or_file)?, name_or_file)
-                }
-
                 /// Returns the plant of a bench and refuses every other plant; `file` names the
                 /// bench in messages.
                 pub fn from_bench(bench: Bench, file: &str) -> Result<Self, DescriptionError> {

@@ -2,10 +2,8 @@
 
 use super::common::plant_description;
 use super::plant::{HUGE, TINY, load_ranges, log_rate};
-use super::{AxisExtension, DriveChannels, Field, Load, Logging, PlantDescription, Range, is_zero};
-use crate::effects::Plant;
+use super::{AxisExtension, DriveChannels, Field, Load, Logging, Plant, PlantDescription, Range, is_zero};
 use crate::signals::{Channel, Profile, sweep_s};
-use crate::simulate::LoggedPlant;
 use contact::BearingMaterial;
 use serde::{Deserialize, Serialize};
 
@@ -243,10 +241,6 @@ impl PlantDescription for FrictionRig {
             AxisKind::Rotary => Plant::Rotary,
             AxisKind::Linear => Plant::Linear,
         })
-    }
-
-    fn logged(&self) -> Option<&dyn LoggedPlant> {
-        Some(self)
     }
 
     fn sample_rate_hz(&self) -> f64 {

@@ -24,7 +24,7 @@ mod transmission;
 
 pub use bench::Bench;
 pub use common::Common;
-pub use effect::Effect;
+pub use effect::{Effect, Plant};
 pub use error::DescriptionError;
 pub use extension::*;
 pub use friction_rig::*;

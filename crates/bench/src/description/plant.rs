@@ -1,9 +1,7 @@
 //! Interface of a plant's description: facts that its readers need, whatever the plant.
 
-use super::{Common, Load, Logging};
-use crate::effects::Plant;
+use super::{Common, Load, Logging, Plant};
 use crate::signals::Channel;
-use crate::simulate::LoggedPlant;
 
 /// Dotted name of a number of a description, and the number.
 pub type Field<'a> = (&'static str, &'a mut f64);
@@ -68,7 +66,8 @@ pub trait PlantDescription: CommonSections {
     /// Omissions of the plant's model for a report, one sentence each.
     fn limits(&self) -> &'static [&'static str];
 
-    /// Returns the first entry that is not allowed although every number is in its range.
+    /// Returns the first entry that is not allowed although every number is in its range. Laws are
+    /// checked apart, because that requires building them.
     fn refusal(&self) -> Option<Refusal> {
         None
     }
@@ -103,10 +102,6 @@ pub trait PlantDescription: CommonSections {
         None
     }
 
-    /// The plant as one that records logs; none if it has no log.
-    fn logged(&self) -> Option<&dyn LoggedPlant> {
-        None
-    }
     /// Described samples per second of a log; 0 where the plant has no log.
     fn sample_rate_hz(&self) -> f64 {
         0.0

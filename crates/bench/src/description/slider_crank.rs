@@ -3,7 +3,7 @@
 use super::common::plant_description;
 use super::law_names::{DissipationName, StiffnessName};
 use super::plant::TINY;
-use super::{PlantDescription, Range, Refusal};
+use super::{PlantDescription, Range};
 use serde::{Deserialize, Serialize};
 
 section! {
@@ -135,10 +135,5 @@ impl PlantDescription for SliderCrankBench {
 
     fn limits(&self) -> &'static [&'static str] {
         LIMITS
-    }
-
-    fn refusal(&self) -> Option<Refusal> {
-        let error = self.stiffness().err()?;
-        Some(("joint".into(), error.to_string(), "a stiffness with its parameters in range".into()))
     }
 }

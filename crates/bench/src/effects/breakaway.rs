@@ -10,8 +10,8 @@
 //! with Stribeck friction (which also peaks before a reversal) and, without standstills, with
 //! pre-sliding.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant, Values};
-use crate::description::BreakawayTerm;
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Values};
+use crate::description::{BreakawayTerm, Plant};
 use crate::signals::Channel;
 
 const REST: EffectParameter = EffectParameter::magnitude("rest_time_s", "s", 0.5, [1e-3, 1e3], 10.0);

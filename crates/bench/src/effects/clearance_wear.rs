@@ -7,7 +7,8 @@
 //! `journal_y_m` and `journal_z_m` show it first. Confounded with a softer contact (both allow more
 //! displacement under load) and, with one journal axis alone, with that sensor's offset.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

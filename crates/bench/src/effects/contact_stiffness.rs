@@ -7,7 +7,8 @@
 //! at 10 kN. Confounded with the clearance if the force hardly varies, and with the gain of the
 //! journal's sensors.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

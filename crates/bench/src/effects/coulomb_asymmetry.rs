@@ -7,7 +7,8 @@
 //! standstill. Confounded with an offset of the effort's sensor, from which only standstills and
 //! reversals distinguish it.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

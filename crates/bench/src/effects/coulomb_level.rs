@@ -6,7 +6,8 @@
 //! that changes its sign with the motion. Confounded with load-dependent friction at a constant
 //! load, with the gain of the torque sensor, and with a step or a drift in a short log.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

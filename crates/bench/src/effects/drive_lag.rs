@@ -6,7 +6,8 @@
 //! that shows it, with viscous friction and inertia under sinusoidal motion, and with a compliant
 //! drive if the force follows the speed.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 const LAG: &[EffectParameter] = &[EffectParameter::size("lag_s", "s", 1e-4, [-0.05, 0.2], 5e-3)];

@@ -9,7 +9,8 @@
 //! offset remains. Confounded with pre-sliding and a drive lag if it changes sides, with a
 //! compliant column, and otherwise with an offset of the angle's sensor.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

@@ -8,8 +8,8 @@
 //! change. Confounded with a thermal drift, with the level of friction if the step is near an end,
 //! and with drifting sensors.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant, Values};
-use crate::description::StepTerm;
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Values};
+use crate::description::{Plant, StepTerm};
 use crate::signals::Channel;
 
 const TIME: EffectParameter =

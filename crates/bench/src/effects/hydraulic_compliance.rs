@@ -9,7 +9,8 @@
 //! from those of the drive's displacement, in proportion to the drive force. Confounded with play
 //! of the fork, with a drive lag if the force follows the speed, and with a flexible shaft.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

@@ -7,7 +7,8 @@
 //! delay or a lag (under sinusoidal motion the acceleration is proportional to the negative
 //! position).
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

@@ -11,7 +11,8 @@
 //! clearance wear (the crank turns through 35 degrees only, so part of it looks constant) and with
 //! offsets of the journal's sensors.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

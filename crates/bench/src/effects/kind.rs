@@ -1,41 +1,8 @@
 //! Entry of the effect catalogue: plants, parameters with bounds and priors, and confounded
 //! effects.
 
-use crate::description::{Bench, FrictionRig, TransmissionBench};
+use crate::description::{Bench, FrictionRig, Plant, TransmissionBench};
 use crate::signals::{Channel, Sensor};
-
-/// Plant on which effects act.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plant {
-    /// Transmission bench without tilt.
-    Planar,
-    /// Transmission bench with a `[two_plane]` section.
-    TwoPlane,
-    /// Driven axis of kind `rotary`: the friction rig.
-    Rotary,
-    /// Driven axis of kind `linear`.
-    Linear,
-}
-
-impl Plant {
-    /// Plants on which effects act, in the order of the documentation.
-    pub const ALL: &[Self] = &[Self::Planar, Self::TwoPlane, Self::Rotary, Self::Linear];
-
-    /// The transmission bench in either form.
-    pub(super) const TRANSMISSION: &[Self] = &[Self::Planar, Self::TwoPlane];
-    /// A driven axis of either kind.
-    pub(super) const AXES: &[Self] = &[Self::Rotary, Self::Linear];
-
-    /// Name of the plant for messages.
-    pub const fn description(self) -> &'static str {
-        match self {
-            Self::Planar => "planar transmission bench",
-            Self::TwoPlane => "transmission bench with [two_plane]",
-            Self::Rotary => "friction rig",
-            Self::Linear => "linear axis",
-        }
-    }
-}
 
 /// Parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]

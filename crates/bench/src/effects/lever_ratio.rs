@@ -5,7 +5,8 @@
 //! change in proportion to the load, `F_L R_l/R_d`. Confounded with the gain of the load cell or of
 //! the force sensors, and under a constant load with their offsets.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

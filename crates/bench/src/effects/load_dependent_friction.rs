@@ -6,7 +6,8 @@
 //! polymers (Bowden and Tabor). In a log: friction that is not proportional to the load; visible
 //! only if the load varies. Confounded with the level of dry friction under a constant load.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

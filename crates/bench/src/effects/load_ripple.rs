@@ -7,8 +7,8 @@
 //! (bench) or effort (an axis that carries its load), at a frequency that does not depend on the
 //! motion. Confounded with a ripple over position at constant speed.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant, Values};
-use crate::description::RippleTerm;
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Values};
+use crate::description::{Plant, RippleTerm};
 use crate::signals::Channel;
 
 const PARAMETERS: &[EffectParameter] = &[

@@ -10,7 +10,8 @@
 //! negative give the same log. Offset cranks tilt the shaft and distinguish the two. Confounded
 //! with clearance and contact stiffness.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

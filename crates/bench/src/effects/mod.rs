@@ -39,10 +39,10 @@ mod thermal_friction_drift;
 mod viscous_asymmetry;
 mod viscous_friction;
 
-pub use kind::{Action, EffectKind, EffectParameter, Guess, Plant};
+pub use kind::{Action, EffectKind, EffectParameter, Guess};
 
-pub use crate::description::Effect;
 use crate::description::{Bench, TransmissionBench};
+pub use crate::description::{Effect, Plant};
 
 /// Every effect of the project.
 pub const CATALOGUE: &[EffectKind] = &[

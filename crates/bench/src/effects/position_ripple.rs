@@ -9,8 +9,8 @@
 //! angle for every speed. Confounded with inertia if the period is as long as the stroke (under
 //! sinusoidal motion the acceleration is proportional to the negative position).
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
-use crate::description::RippleTerm;
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::{Plant, RippleTerm};
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

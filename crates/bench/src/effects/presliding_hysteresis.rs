@@ -10,7 +10,8 @@
 //! shows a rounded loop. Confounded with play (which also delays friction by a distance), with a
 //! delay of the friction's sensor, and with breakaway or Stribeck friction of the opposite sign.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

@@ -6,7 +6,8 @@
 //! impact or a change of sign decays faster or more slowly; at standstill nothing changes.
 //! Confounded with a squeeze film, which also damps the normal motion.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

@@ -10,8 +10,8 @@
 //! `bearing_force_y_n`, not in the bearing's friction torque. Confounded with the lever ratio, and
 //! with friction of the bearing if its torque is not measured.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
-use crate::description::LoadFriction;
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::{LoadFriction, Plant};
 use crate::signals::Channel;
 
 /// Width of the sign in m/s if the description has no `[load_friction]`.

@@ -5,7 +5,8 @@
 //! Confounded with a lag of the drive, and under sinusoidal motion with viscous friction or
 //! inertia.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-delay",

@@ -6,7 +6,8 @@
 //! of the motion. Confounded with an offset in a short log, and with drifting friction if the
 //! motion has one direction.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-drift",

@@ -5,7 +5,8 @@
 //! effects that scale that channel alone: the friction level (torque), inertia (force), stiffness
 //! (journal).
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-gain",

@@ -5,7 +5,8 @@
 //! channel deviates by a constant, all others are right. Confounded with effects that shift that
 //! one channel: asymmetric friction, play that never changes sides, a lever under constant load.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-offset",

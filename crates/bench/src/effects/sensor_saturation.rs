@@ -6,7 +6,8 @@
 //! channel. Confounded with a gain of the sensor if most readings are beyond the limit; a limit
 //! that no reading reaches is invisible.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-saturation",

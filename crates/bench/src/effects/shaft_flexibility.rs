@@ -15,7 +15,8 @@
 //! a compliant shaft. Confounded with a compliant hydraulic column (a spring on the other side of
 //! the same inertia) and, far below the resonance, with inertia.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

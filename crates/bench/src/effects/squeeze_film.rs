@@ -9,8 +9,8 @@
 //! `journal_z_m`, a softer landing at the start. The film's force is part of the bearing force.
 //! Confounded with restitution: in sustained contact both damp the normal motion.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
-use crate::description::FilmTerm;
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::{FilmTerm, Plant};
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

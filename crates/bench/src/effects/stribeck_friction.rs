@@ -8,8 +8,8 @@
 //! reversal, narrow in speed. Confounded with breakaway (which peaks on one side only), with
 //! pre-sliding, and over a narrow range of speeds with viscous friction of negative sign.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant, Values};
-use crate::description::StribeckTerm;
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Values};
+use crate::description::{Plant, StribeckTerm};
 use crate::signals::Channel;
 
 const SPEED: EffectParameter = EffectParameter::magnitude("speed_m_s", "m/s", 0.01, [1e-4, 1.0], 10.0);

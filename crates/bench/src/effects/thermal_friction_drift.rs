@@ -9,8 +9,8 @@
 //! In a log: friction drifts over many cycles, fast where much heat is generated. Confounded with a
 //! step of friction, a drift of the torque's sensor, and in a short log with the level of friction.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant, Values};
-use crate::description::ThermalTerm;
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Values};
+use crate::description::{Plant, ThermalTerm};
 use crate::signals::Channel;
 
 const PARAMETERS: &[EffectParameter] = &[

@@ -7,7 +7,8 @@
 //! proportional to the magnitude of the speed. Confounded with asymmetric dry friction at a nearly
 //! constant speed, and with an offset of the effort's sensor.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

@@ -7,7 +7,8 @@
 //! motion (both shift a force by a quarter of a period), with Stribeck friction of the opposite
 //! sign, and with asymmetric viscous friction if the motion is mostly in one direction.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Plant};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use crate::description::Plant;
 use crate::signals::Channel;
 
 pub(super) const EFFECT: EffectKind = EffectKind {

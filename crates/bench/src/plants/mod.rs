@@ -1,6 +1,5 @@
-//! Equations of each plant: motion, contact, friction and energy; and its log.
+//! Equations of each plant: motion, contact, friction and energy.
 
-mod axis_log;
 pub(crate) mod contact_laws;
 pub mod energy;
 mod extended_friction;

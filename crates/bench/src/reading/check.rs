@@ -1,5 +1,6 @@
 //! Checks of a description: every number against its range, every name against its list.
 
+use super::laws;
 use crate::description::{Bench, Common, DescriptionError, Refusal, format_number};
 use crate::log::unknown_column;
 
@@ -9,6 +10,7 @@ impl Bench {
         let refusal = self
             .range_refusal()
             .or_else(|| self.refusal())
+            .or_else(|| laws::refusal(self))
             .or_else(|| self.log_refusal())
             .or_else(|| self.sensor_refusal())
             .or_else(|| self.column_refusal())
@@ -31,7 +33,7 @@ impl Bench {
 
     /// Refuses sections that only a plant with a log has.
     fn log_refusal(&self) -> Option<Refusal> {
-        if self.logged().is_some() || *self.common() == Common::default() {
+        if self.drive_channels().is_some() || *self.common() == Common::default() {
             return None;
         }
         let expected = "no `[sensors]`, `[uncertain]`, `[nuisances]`, `[log]`, `[columns]` or `[[effects]]`";

@@ -1,8 +1,7 @@
 //! Checks of the laws in a description: each can be built from the given parameters, and each given
 //! parameter is used.
 
-use super::TransmissionBench;
-use crate::description::{Refusal, format_number};
+use crate::description::{Bench, Refusal, SliderCrankBench, TransmissionBench, format_number};
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 use contact::{CompleteLawKind, FrictionKind, LawError, StiffnessKind};
 
@@ -18,12 +17,21 @@ pub fn integrates_friction(name: &str) -> bool {
 }
 
 /// Returns whether the friction law of a description has bristles.
-pub(super) fn has_bristles(bench: &TransmissionBench) -> bool {
+fn has_bristles(bench: &TransmissionBench) -> bool {
     BearingFriction::from_section(&bench.friction).is_ok_and(|law| law.has_state())
 }
 
-/// Returns the first law that is not allowed.
-pub(super) fn refusal(bench: &TransmissionBench) -> Option<Refusal> {
+/// Returns the first law of a description that is not allowed.
+pub(super) fn refusal(bench: &Bench) -> Option<Refusal> {
+    match bench {
+        Bench::Transmission(bench) => bearing_refusal(bench).or_else(|| bristle_refusal(bench)),
+        Bench::SliderCrank(bench) => joint_refusal(bench),
+        Bench::FrictionRig(_) => None,
+    }
+}
+
+/// Returns the first law of a bearing that is not allowed.
+fn bearing_refusal(bench: &TransmissionBench) -> Option<Refusal> {
     if let Some(name) = bench.friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
         let fit = FrictionKind::ALL.iter().filter(|kind| !NOT_INTEGRATED.contains(kind));
         let names: Vec<&str> = fit.map(|kind| kind.entry().name).collect();
@@ -84,4 +92,22 @@ fn unused_parameter(bench: &TransmissionBench) -> Option<Refusal> {
         .into_iter()
         .find_map(|(field, value)| Some((field, value?)).filter(|g| !used.contains(&g.0)))?;
     Some((format!("contact.{field}"), format_number(value), format!("none: `{law}` does not use it")))
+}
+
+/// Checks that pre-sliding is described once: by bristles or by an effect.
+fn bristle_refusal(bench: &TransmissionBench) -> Option<Refusal> {
+    let has_effect = bench.common.effects.iter().any(|effect| effect.name == "presliding-hysteresis");
+    (has_effect && has_bristles(bench)).then(|| {
+        (
+            "effects".into(),
+            "`presliding-hysteresis` with a friction law with bristles".into(),
+            "one of the two: such a law includes pre-sliding".into(),
+        )
+    })
+}
+
+/// Checks the stiffness of a slider-crank's joint.
+fn joint_refusal(bench: &SliderCrankBench) -> Option<Refusal> {
+    let error = bench.stiffness().err()?;
+    Some(("joint".into(), error.to_string(), "a stiffness with its parameters in range".into()))
 }

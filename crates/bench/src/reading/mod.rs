@@ -1,9 +1,12 @@
 //! Reading, checking and writing of bench descriptions, and the presets.
 
 mod check;
+mod laws;
+
+pub use laws::integrates_friction;
 
 use crate::atomic;
-use crate::description::{Bench, DescriptionError};
+use crate::description::{Bench, DescriptionError, FrictionRig, SliderCrankBench, TransmissionBench};
 use std::path::Path;
 
 /// Presets by name, as TOML.
@@ -58,10 +61,23 @@ impl Bench {
     }
 }
 
+/// Defines opening for each plant.
+macro_rules! opened_plants {
+    ($($plant:ident),*) => {$(
+        impl $plant {
+            /// Opens a preset or a file, as [`Bench::open`], and refuses every other plant.
+            pub fn open(name_or_file: &str) -> Result<Self, DescriptionError> {
+                Self::from_bench(Bench::open(name_or_file)?, name_or_file)
+            }
+        }
+    )*};
+}
+
+opened_plants!(TransmissionBench, FrictionRig, SliderCrankBench);
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::TransmissionBench;
 
     #[test]
     fn presets_parse_and_survive_a_round_trip() {

@@ -1,11 +1,11 @@
 //! Logs of a driven axis: recording, and simulation under the inputs of a log.
 
-use super::friction_rig::{Given, efforts, efforts_along};
+use super::respond::{Inputs, LoggedPlant, Response, Truth, refined, smooth_load};
 use crate::description::FrictionRig;
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
+use crate::plants::friction_rig::{Given, efforts, efforts_along};
 use crate::signals::{Channel, Motion, Profile, follow, smoothed};
-use crate::simulate::respond::{Inputs, LoggedPlant, Response, Truth, refined, smooth_load};
 
 /// Number of simulated intervals per sample.
 const FINENESS: usize = 4;

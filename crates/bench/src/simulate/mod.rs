@@ -1,12 +1,14 @@
 //! Simulation of a bench: runs with all states, records as its sensors would log them, and
 //! responses to a measured log.
 
+mod axis_log;
 pub mod impact_table;
 pub mod peaks;
 mod record;
 pub(crate) mod respond;
 mod rig_groups;
 mod run;
+mod transmission_log;
 
 pub use record::{log_from_samples, record};
 pub use respond::{Inputs, LoggedPlant, RespondError, Response, Truth, respond, sensed};

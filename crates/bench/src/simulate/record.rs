@@ -1,11 +1,11 @@
 //! Logs of simulated benches as their sensors would record them, from a seed.
 
 use super::respond::{Truth, read_samples};
+use super::transmission_log::{CHANNELS, outputs_from};
 use crate::description::Bench;
 use crate::integrate::IntegrationError;
 use crate::log::MeasuredLog;
 use crate::plants::transmission::Snapshot;
-use crate::plants::transmission::log::{CHANNELS, outputs_from};
 use crate::signals::Sensor;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -50,8 +50,8 @@ fn sensed(resolved: &Bench, fine_s: &[f64], truth: Truth, seed: u64) -> Measured
 #[cfg(test)]
 mod tests {
     use super::super::respond::refined;
+    use super::super::transmission_log::FINENESS;
     use super::*;
-    use crate::plants::transmission::log::FINENESS;
     use crate::signals::Channel;
     use crate::simulate::{DEFAULT_TOLERANCE, snapshots};
 

@@ -23,6 +23,17 @@ pub trait LoggedPlant {
     fn run(&self) -> Result<(Vec<f64>, Truth), IntegrationError>;
 }
 
+impl Bench {
+    /// The plant as one that records logs; none if it has no log.
+    pub fn logged(&self) -> Option<&dyn LoggedPlant> {
+        match self {
+            Self::Transmission(plant) => Some(&**plant),
+            Self::FrictionRig(plant) => Some(&**plant),
+            Self::SliderCrank(_) => None,
+        }
+    }
+}
+
 /// Divides every interval of `time_s` into `fineness` equal parts.
 pub(crate) fn refined(time_s: &[f64], fineness: usize) -> Vec<f64> {
     let parts = time_s.windows(2).flat_map(|pair| {

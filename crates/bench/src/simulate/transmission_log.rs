@@ -1,21 +1,21 @@
 //! Logs of the transmission bench: recording, and simulation under the inputs of a log.
 
-use super::Snapshot;
+use super::respond::{Inputs, LoggedPlant, Response, Truth, mean_step_s, refined, smooth_load};
+use super::{DEFAULT_TOLERANCE, snapshots};
 use crate::description::TransmissionBench;
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
+use crate::plants::transmission::Snapshot;
 use crate::signals::{Channel, Profile};
-use crate::simulate::respond::{Inputs, LoggedPlant, Response, Truth, mean_step_s, refined, smooth_load};
-use crate::simulate::{DEFAULT_TOLERANCE, snapshots};
 
 /// Number of simulated intervals per sample.
-pub(crate) const FINENESS: usize = 8;
+pub(super) const FINENESS: usize = 8;
 
 /// Half window in s of the polynomial that smooths a drive displacement with its velocity.
 const DRIVE_HALF_WINDOW_S: f64 = 0.010;
 
 /// Inputs and outputs of the transmission bench's log.
-pub(crate) const CHANNELS: &[Channel] = &[
+pub(super) const CHANNELS: &[Channel] = &[
     Channel::DriveDisplacement,
     Channel::DriveVelocity,
     Channel::LoadForce,
@@ -55,7 +55,7 @@ impl LoggedPlant for TransmissionBench {
 }
 
 /// True outputs of a run on the given channels. Channels that the bench does not have are left out.
-pub(crate) fn outputs_from(samples: &[Snapshot], channels: &[Channel]) -> Response {
+pub(super) fn outputs_from(samples: &[Snapshot], channels: &[Channel]) -> Response {
     let mut response = Response::new();
     for &channel in channels {
         let read: fn(&Snapshot) -> f64 = match channel {

@@ -1,10 +1,8 @@
 //! Description of the transmission bench.
 
 mod change;
-mod laws;
+mod operation;
 mod plant;
-
-pub use laws::integrates_friction;
 
 use super::common::plant_description;
 use super::{Extension, Load, Logging, is_one, is_zero, one};

@@ -1,11 +1,9 @@
 //! The transmission bench as one of the plants: its facts, ranges and parameters.
 
-use super::{TransmissionBench, laws};
+use super::TransmissionBench;
 use crate::description::plant::{HUGE, TINY, load_ranges, log_rate};
-use crate::description::{DriveChannels, Field, Load, PlantDescription, Range, Refusal};
-use crate::effects::Plant;
+use crate::description::{DriveChannels, Field, Load, Plant, PlantDescription, Range, Refusal};
 use crate::signals::Channel;
-use crate::simulate::LoggedPlant;
 
 /// Omissions of the planar model.
 const PLANAR_LIMITS: &[&str] = &[
@@ -63,14 +61,13 @@ impl PlantDescription for TransmissionBench {
     }
 
     fn refusal(&self) -> Option<Refusal> {
-        if self.two_plane.is_some() && self.fork.is_some() {
-            return Some((
+        (self.two_plane.is_some() && self.fork.is_some()).then(|| {
+            (
                 "two_plane".into(),
                 "combined with a compliant drive".into(),
                 "no `[fork]`: its fork is rigid".into(),
-            ));
-        }
-        laws::refusal(self).or_else(|| self.bristle_refusal())
+            )
+        })
     }
 
     fn plant_parameter_mut(&mut self, name: &str) -> Option<&mut f64> {
@@ -115,10 +112,6 @@ impl PlantDescription for TransmissionBench {
 
     fn effect_plant(&self) -> Option<Plant> {
         Some(if self.two_plane.is_some() { Plant::TwoPlane } else { Plant::Planar })
-    }
-
-    fn logged(&self) -> Option<&dyn LoggedPlant> {
-        Some(self)
     }
 
     fn sample_rate_hz(&self) -> f64 {
@@ -221,17 +214,5 @@ impl TransmissionBench {
             ]);
         }
         ranges
-    }
-
-    /// Checks that pre-sliding is described once: by bristles or by an effect.
-    fn bristle_refusal(&self) -> Option<Refusal> {
-        let has_effect = self.common.effects.iter().any(|effect| effect.name == "presliding-hysteresis");
-        (has_effect && laws::has_bristles(self)).then(|| {
-            (
-                "effects".into(),
-                "`presliding-hysteresis` with a friction law with bristles".into(),
-                "one of the two: such a law includes pre-sliding".into(),
-            )
-        })
     }
 }

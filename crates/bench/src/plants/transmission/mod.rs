@@ -29,7 +29,6 @@ mod bearing;
 mod dynamics;
 mod fork;
 mod geometry;
-pub(crate) mod log;
 mod reduced;
 mod shaft;
 

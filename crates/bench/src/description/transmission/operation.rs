@@ -1,0 +1,31 @@
+//! Described operation of the transmission bench: drive, load, length and sample times of a run.
+
+use super::TransmissionBench;
+use crate::signals::Profile;
+
+impl TransmissionBench {
+    /// Described motion of the drive.
+    pub fn drive_profile(&self) -> Profile {
+        Profile::Cycles {
+            stroke: self.drive.stroke_m,
+            period_s: self.drive.period_s,
+            cycles: f64::from(self.drive.cycles),
+        }
+    }
+
+    /// Described load.
+    pub fn load_profile(&self) -> Profile {
+        Profile::Ramp { level: self.load.force_n, ramp_s: self.load.ramp_s }
+    }
+
+    /// Length of a run in s.
+    pub fn duration_s(&self) -> f64 {
+        self.drive.period_s * f64::from(self.drive.cycles)
+    }
+
+    /// Ascending sample times of a run at a rate, from 0 up to but without the end.
+    pub fn sample_times_s(&self, rate_hz: f64) -> Vec<f64> {
+        let count = (self.duration_s() * rate_hz).round() as usize;
+        (0..count).map(|i| i as f64 / rate_hz).collect()
+    }
+}
