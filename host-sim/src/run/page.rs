@@ -84,6 +84,7 @@ fn forces_section(page: &mut Page, finished: &Finished) -> Result<(), String> {
             "Estimated by the controller from noisy position and angle sensors at 10 kHz.",
         );
     }
+    filter_figure(page, finished)?;
     let components = [over_time("Y", samples, |s| s.force_y_n), over_time("Z", samples, |s| s.force_z_n)];
     page.figure(
         &lines(&Chart { title: "Force on the journal", x: "time, s", y: "N", size: WIDE }, &components)?,
@@ -95,6 +96,34 @@ fn forces_section(page: &mut Page, finished: &Finished) -> Result<(), String> {
             &against_law(|s| s.friction_torque_nm),
         )?,
         "Torque of the bearing on the shaft, negative during forward rotation.",
+    );
+    Ok(())
+}
+
+/// The filter's force with its band of two standard deviations.
+fn filter_figure(page: &mut Page, finished: &Finished) -> Result<(), String> {
+    let samples = &finished.forced.run.samples;
+    let edge = |sign: f64| {
+        samples.iter().zip(&finished.filtered).filter(|(_, e)| e.normal_force_sd_n.is_finite()).map(
+            move |(s, e)| {
+                (s.time_s, f64::from(e.normal_force_n) + 2.0 * sign * f64::from(e.normal_force_sd_n))
+            },
+        )
+    };
+    let mut band: Vec<(f64, f64)> = edge(1.0).collect();
+    if band.is_empty() {
+        return Ok(());
+    }
+    band.extend(edge(-1.0).rev());
+    let series = [
+        Series::through("two standard deviations", band).styled(Style::Area),
+        Series::through("filter", edge(0.0).collect()),
+        over_time("bench", samples, |s| s.forces.normal_n),
+    ];
+    page.figure(
+        &lines(&Chart { title: "Force with its uncertainty", x: "time, s", y: "N", size: WIDE }, &series)?,
+        "Kalman filter on the same samples, computed on the host: the controller does not run it yet. The \
+         clearance is tracked, not taken from the description.",
     );
     Ok(())
 }

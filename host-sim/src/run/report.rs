@@ -71,6 +71,14 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
             rows.push(row("restarts of the controller", e.restarts.to_string()));
         }
     }
+    if let Some(filter) = &summary.filter {
+        rows.push(row("filter, rms error of the force vector", format!("{:.0} N", filter.force_rms_error_n)));
+        rows.push(row("filter, within two deviations", format!("{:.1} %", 100.0 * filter.inside_2sd)));
+        rows.push(row(
+            "filter, radial clearance at the end",
+            format!("{:.2} +- {:.2} um", 1e6 * filter.clearance_m, 1e6 * filter.clearance_sd_m),
+        ));
+    }
     rows
 }
 

@@ -68,6 +68,8 @@ impl Measurement {
 pub struct FilterEstimate {
     /// Normal force, N.
     pub normal_force_n: f32,
+    /// Standard deviation of the normal force, N; above 0.
+    pub normal_force_sd_n: f32,
     /// Friction force, positive in the direction of positive sliding, N.
     pub friction_force_n: f32,
     /// Force of the bearing on the journal along Y, N.
@@ -105,7 +107,7 @@ impl FilterEstimate {
     /// Returns true if forces, deviations and factors are numbers.
     fn is_finite(&self) -> bool {
         let sums = [
-            self.force_y_n + self.force_z_n + self.force_sd_n,
+            self.force_y_n + self.force_z_n + self.force_sd_n + self.normal_force_sd_n,
             self.friction_torque_nm + self.friction_torque_sd_nm,
             self.clearance_m + self.stiffness_factor + self.friction_factor,
         ];
@@ -116,6 +118,7 @@ impl FilterEstimate {
     /// was no longer finite.
     const UNKNOWN: Self = Self {
         normal_force_n: 0.0,
+        normal_force_sd_n: f32::INFINITY,
         friction_force_n: 0.0,
         force_y_n: 0.0,
         force_z_n: 0.0,
@@ -370,6 +373,7 @@ impl Filter {
         let radius = self.config.journal_radius_m;
         FilterEstimate {
             normal_force_n: normal,
+            normal_force_sd_n: reported_root(widening * normal_variance),
             friction_force_n: friction,
             force_y_n,
             force_z_n,

@@ -2,12 +2,12 @@
 
 use crate::cli::error::CliError;
 use crate::run::configuration::controller_configuration;
+use crate::run::filtered;
 use crate::run::force::SAMPLE_RATE_HZ;
 use crate::run::sensing;
 use ::worlds::{Deviations, Reading, Sensors};
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Transmission;
-use contact::{Dissipation, FrictionLaw, Material, effective_modulus_pa};
 use controller::Estimator;
 use controller::estimator::Conditioning;
 use controller::filter::{Filter, FilterConfiguration, Measurement, SensorNoise, Uncertainty};
@@ -104,46 +104,22 @@ fn filtered(
     Ok(readings.iter().map(estimate).collect())
 }
 
-/// Returns the filter's configuration: the described bench, its sensors and declared deviations.
-pub fn filter_configuration(bench: &TransmissionBench) -> Result<FilterConfiguration, CliError> {
-    let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
-    let elastic = Material::new(bench.bearing.youngs_modulus_pa, bench.bearing.poisson_ratio)
-        .map_err(|e| CliError::Input(format!("bearing: {e}")))?;
-    let (law, sensors, declared) = (bench.friction_law(), Sensors::BENCH_B, Deviations::BENCH_B);
-    Ok(FilterConfiguration {
-        sample_period_s: (1.0 / SAMPLE_RATE_HZ) as f32,
-        mass_kg: bench.shaft.mass_kg as f32,
-        inertia_kg_m2: bench.shaft.inertia_kg_m2 as f32,
-        drive_lever_m: bench.geometry.drive_lever_radius_m as f32,
-        load_lever_m: bench.geometry.load_lever_radius_m as f32,
-        journal_radius_m: plant.journal_radius_m() as f32,
-        radial_clearance_m: plant.radial_clearance_m() as f32,
-        effective_modulus_pa: effective_modulus_pa(&elastic, &Material::STEEL) as f32,
-        damping_factor: Dissipation::ZhiyingQishao.factor(bench.bearing.restitution) as f32,
-        friction: FrictionLaw {
-            coulomb_coefficient: law.coulomb_coefficient as f32,
-            static_coefficient: law.static_coefficient as f32,
-            stribeck_speed_m_s: law.stribeck_speed_m_s as f32,
-            shape: law.shape,
-            viscous_slope_s_m: law.viscous_slope_s_m as f32,
-            viscous_onset_m_s: law.viscous_onset_m_s as f32,
-            regularisation_m_s: law.regularisation_m_s as f32,
-        },
-        latch_floor_m_s: bench.contact.latch_floor_m_s as f32,
-        stroke_m: bench.drive.stroke_m as f32,
-        period_s: bench.drive.period_s as f32,
-        noise: SensorNoise {
-            position_m: sensors.position_m as f32,
-            angle_rad: sensors.angle_rad as f32,
-            drive_force_n: sensors.drive_force_n as f32,
-        },
-        uncertainty: Uncertainty {
-            mass_share: declared.mass_share as f32,
-            inertia_share: declared.inertia_share as f32,
-            clearance_m: declared.clearance_m as f32,
-            stiffness_share: declared.modulus_share as f32,
-            friction_share: declared.friction_share as f32,
-            lever_share: declared.lever_share as f32,
-        },
-    })
+/// Returns the filter's configuration: the described bench, with noise and deviations of bench B's
+/// sensors as the worlds have them.
+fn filter_configuration(bench: &TransmissionBench) -> Result<FilterConfiguration, CliError> {
+    let (sensors, declared) = (Sensors::BENCH_B, Deviations::BENCH_B);
+    let noise = SensorNoise {
+        position_m: sensors.position_m as f32,
+        angle_rad: sensors.angle_rad as f32,
+        drive_force_n: sensors.drive_force_n as f32,
+    };
+    let uncertainty = Uncertainty {
+        mass_share: declared.mass_share as f32,
+        inertia_share: declared.inertia_share as f32,
+        clearance_m: declared.clearance_m as f32,
+        stiffness_share: declared.modulus_share as f32,
+        friction_share: declared.friction_share as f32,
+        lever_share: declared.lever_share as f32,
+    };
+    filtered::configuration(bench, noise, uncertainty)
 }
