@@ -1,5 +1,5 @@
-//! Flags that the controller adds to an estimate: sensors, supervision, deadline, limits. Bits 15 to
-//! 31 of [`Flags`]; bits 0 to 14 belong to the networks.
+//! Flags that the controller adds to an estimate: sensors, supervision, deadline, limits. They are
+//! bits 15 to 31 of [`Flags`]; bits 0 to 14 belong to the networks.
 
 use inference::Flags;
 

@@ -1,7 +1,7 @@
 //! The Kalman filter on the sensor samples of a run, beside the controller.
 //!
-//! It runs in this process: the controller's tick does not contain the filter yet. The configuration
-//! follows from the bench's description alone, with its sensors and declared deviations.
+//! It runs in this process: the controller's tick does not contain the filter yet. The
+//! configuration follows from the bench's description, with its sensors and declared deviations.
 
 use crate::cli::error::CliError;
 use crate::run::force::SAMPLE_RATE_HZ;
@@ -85,7 +85,8 @@ impl FilterSummary {
     }
 }
 
-/// Follows the samples of a run. A sample with a channel that is missing or at its rail is predicted.
+/// Follows the samples of a run. A sample with a channel that is missing or at its rail is
+/// predicted.
 ///
 /// # Errors
 ///

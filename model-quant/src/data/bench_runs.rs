@@ -10,9 +10,9 @@
 //! of `d` (standard deviation .038 mm/s, delay 1.6 ms). The approach speed is latched when `d`
 //! rises above 0: it is that slope, at least 0. It is 0 in a gap. A run touches within its first
 //! millisecond, before the first full slope. Its first latched value is therefore the first slope
-//! and not the landing speed. The controller's estimator takes the configured speed instead. The force is
-//! that of the law without noise at the same time. The rows of a run follow each other at 100 us,
-//! so a window is a number of consecutive rows of one run.
+//! and not the landing speed. The controller's estimator takes the configured speed instead. The
+//! force is that of the law without noise at the same time. The rows of a run follow each other at
+//! 100 us, so a window is a number of consecutive rows of one run.
 
 use super::collision::{push, window_values};
 use super::split::{Split, split_groups};
