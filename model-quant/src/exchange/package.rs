@@ -1,8 +1,8 @@
 //! Signed packages of model images: the updates of a controller ([`model_package`]).
 //!
-//! A package consists of one or two images, a self-test for each, and the signature. A self-test
-//! has 32 samples over the image's training range with the outputs of the networks. The same
-//! images, version, board and key give the same bytes.
+//! A package consists of at most one image for each bearing, a self-test for each image, and the
+//! signature. A self-test has 32 samples over the image's training range with the outputs of the
+//! networks. The same images, version, board and key give the same bytes.
 
 use crate::quantise::image::AlignedImage;
 use ed25519_dalek::{Signer, SigningKey};
@@ -40,7 +40,7 @@ pub enum PackageError {
     #[error("two images for the {0} bearing, expected one")]
     Twice(&'static str),
     /// No image.
-    #[error("no image, expected one or two")]
+    #[error("no image, expected at least one")]
     Empty,
     /// Version 0, which denotes the built-in models.
     #[error("version 0, expected at least 1: 0 stands for the models built into a firmware")]
@@ -83,7 +83,7 @@ impl Package {
         if properties.version == 0 {
             return Err(PackageError::Version);
         }
-        let mut parts: [Option<(&[u8], Vec<u8>)>; 2] = [None, None];
+        let mut parts = [const { None::<(&[u8], Vec<u8>)> }; BearingMaterial::COUNT];
         for image in images {
             let model: Model<'_> = Model::load(image).map_err(PackageError::Image)?;
             let bearing = model.header().bearing;
@@ -98,16 +98,12 @@ impl Package {
         let images = || parts.iter().flatten().flat_map(|(image, _)| image.iter());
         let tests = || parts.iter().flatten().flat_map(|(_, records)| records);
         let payload: Vec<u8> = images().chain(tests()).copied().collect();
-        let [first, second] = &parts;
-        let length =
-            |part: &Option<(&[u8], Vec<u8>)>| part.as_ref().map_or(0, |(image, _)| image.len() as u32);
-        let samples = |part: &Option<_>| if part.is_some() { SAMPLES } else { 0 };
         let manifest = Manifest {
             board: properties.board,
             version: properties.version,
             may_be_older: properties.may_be_older,
-            images: [length(first), length(second)],
-            samples: [samples(first), samples(second)],
+            images: parts.each_ref().map(|part| part.as_ref().map_or(0, |(image, _)| image.len() as u32)),
+            samples: parts.each_ref().map(|part| if part.is_some() { SAMPLES } else { 0 }),
             hash: hash_of(&payload),
         };
         let signed = sign(&manifest, key);
