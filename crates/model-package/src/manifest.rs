@@ -175,13 +175,18 @@ impl Manifest {
 mod tests {
     use super::*;
 
+    /// A value for the first bearing, 0 for the others.
+    fn first_only(value: u32) -> [u32; BearingMaterial::COUNT] {
+        std::array::from_fn(|code| if code == 0 { value } else { 0 })
+    }
+
     fn manifest() -> Manifest {
         Manifest {
             board: board::STM32F405,
             version: 7,
             may_be_older: false,
-            images: [8380, 0],
-            samples: [32, 0],
+            images: first_only(8380),
+            samples: first_only(32),
             hash: hash_of(b"payload"),
         }
     }
@@ -201,11 +206,15 @@ mod tests {
     #[test]
     fn wrong_lengths_and_foreign_boards_are_refused() {
         for wrong in [
-            Manifest { images: [0, 0], samples: [0, 0], ..manifest() },
-            Manifest { images: [8381, 0], ..manifest() },
-            Manifest { samples: [MIN_SAMPLES - 1, 0], ..manifest() },
-            Manifest { samples: [32, 32], ..manifest() },
-            Manifest { images: [u32::MAX - 3, u32::MAX - 3], samples: [u32::MAX; 2], ..manifest() },
+            Manifest { images: first_only(0), samples: first_only(0), ..manifest() },
+            Manifest { images: first_only(8381), ..manifest() },
+            Manifest { samples: first_only(MIN_SAMPLES - 1), ..manifest() },
+            Manifest { samples: [32; BearingMaterial::COUNT], ..manifest() },
+            Manifest {
+                images: [u32::MAX - 3; BearingMaterial::COUNT],
+                samples: [u32::MAX; BearingMaterial::COUNT],
+                ..manifest()
+            },
         ] {
             assert_eq!(parse(&wrong), Err(UpdateRefusal::Lengths), "{wrong:?}");
         }

@@ -127,13 +127,16 @@ mod tests {
     /// Place of the seal in the test's image.
     const SEAL: usize = 33;
 
-    /// A sealed image of 90 words at address 400 in five pieces.
+    /// A sealed image of 90 words at address 400; the pieces between its ends are empty.
     fn image() -> (Vec<u32>, [Range<usize>; SPANS]) {
         let mut words: Vec<u32> = (0..90_u32).map(|index| index.wrapping_mul(0x0101_4567) ^ 77).collect();
         // A word sum, which rotates by 7 bits, does not see these two become zeros.
         words[51] = words[50].rotate_left(7);
         words[SEAL] = seal_of(words[..SEAL].iter().chain(&words[SEAL + 1..]).copied());
-        (words, [400..440, 440..480, 480..480, 480..532, 536..760])
+        let mut spans = [const { 480..480 }; SPANS];
+        spans[..2].clone_from_slice(&[400..440, 440..480]);
+        spans[SPANS - 2..].clone_from_slice(&[480..532, 536..760]);
+        (words, spans)
     }
 
     fn is_corrupted(words: &[u32]) -> bool {
@@ -142,16 +145,34 @@ mod tests {
 
     #[test]
     fn model_images_and_the_seal_are_left_out_in_any_order() {
-        let expected = [0..100, 200..240, 300..320, 400..448, 452..500];
-        for images in [[240..300, 320..400], [320..400, 240..300]] {
-            assert_eq!(spans(0..100, &(200..500), &images, 448), expected);
+        const END: usize = 300 + 100 * BearingMaterial::COUNT;
+        let images: [_; BearingMaterial::COUNT] =
+            std::array::from_fn(|index| 300 + 100 * index..360 + 100 * index);
+        let mut reversed = images.clone();
+        reversed.reverse();
+        // The seal is after the images.
+        let expected: [_; SPANS] = std::array::from_fn(|index| match index {
+            0 => 0..100,
+            1 => 200..300,
+            _ if index == SPANS - 1 => END - 16..END,
+            _ if index == SPANS - 2 => END - 40..END - 20,
+            _ => 160 + 100 * index..200 + 100 * index,
+        });
+        for images in [&images, &reversed] {
+            assert_eq!(spans(0..100, &(200..END), images, END - 20), expected);
         }
         // The seal is the first word, or the last.
-        let images = [240..300, 320..400];
-        let first = [0..100, 200..200, 204..240, 300..320, 400..500];
-        assert_eq!(spans(0..100, &(200..500), &images, 200), first);
-        let last = [0..100, 200..240, 300..320, 400..496, 500..500];
-        assert_eq!(spans(0..100, &(200..500), &images, 496), last);
+        let first: [_; SPANS] = std::array::from_fn(|index| match index {
+            0 => 0..100,
+            1 => 200..200,
+            2 => 204..300,
+            _ => 60 + 100 * index..100 + 100 * index,
+        });
+        assert_eq!(spans(0..100, &(200..END), &images, 200), first);
+        let mut last = expected;
+        last[SPANS - 2] = END - 40..END - 4;
+        last[SPANS - 1] = END..END;
+        assert_eq!(spans(0..100, &(200..END), &images, END - 4), last);
     }
 
     #[test]

@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn intact_networks_pass_every_round() {
         let mut test = SelfTest::new();
-        for _ in 0..6 {
+        for _ in 0..3 * BearingMaterial::COUNT {
             assert_eq!(round(&mut test), Progress::Passed);
         }
         assert!(test.references.iter().all(Option::is_some));
@@ -162,8 +162,9 @@ mod tests {
     #[test]
     fn a_result_that_differs_from_the_first_fails_permanently() {
         let mut test = SelfTest::new();
-        assert_eq!(round(&mut test), Progress::Passed);
-        assert_eq!(round(&mut test), Progress::Passed);
+        for _ in BearingMaterial::ALL {
+            assert_eq!(round(&mut test), Progress::Passed);
+        }
         test.references[0] = test.references[0].map(|reference| reference ^ 1 << 9);
         for _ in 0..3 {
             assert_eq!(round(&mut test), Progress::Failed);

@@ -39,7 +39,8 @@ impl Orbit {
             clearance_m: 0.5e-3,
             swing_rad: 1.06,
             swing_hz: 45.0,
-            mean_deformation_m: if bearing == BearingMaterial::Babbitt { 30e-6 } else { 100e-6 },
+            // A metal is stiffer than a plastic: the same force deforms it less.
+            mean_deformation_m: if bearing.elastic().youngs_modulus_pa > 1e10 { 30e-6 } else { 100e-6 },
             deformation_swing_m: 2e-6,
             deformation_hz: 30.0,
             deformation_phase_rad: 0.7,

@@ -57,8 +57,8 @@ impl Package {
             board: BOARD,
             version,
             may_be_older: false,
-            images: [0; 2],
-            samples: [0; 2],
+            images: [0; BearingMaterial::COUNT],
+            samples: [0; BearingMaterial::COUNT],
             hash: hash_of(&payload),
         };
         manifest.images[bearing.code() as usize] = image.len() as u32;

@@ -3,7 +3,7 @@
 use crate::flash::{Flash, HALF};
 use crate::package::{BOARD, Package, image, records};
 use controller::store::{Models, PAYLOAD, Store, key::DEVELOPMENT_KEY};
-use inference::BearingMaterial;
+use inference::{BearingMaterial, shipped};
 use link::update::{ModelSource, RefusedPackage, SignedManifest, UpdateAnswer, UpdateRefusal, UpdateRequest};
 
 type Slots = Flash<{ 2 * HALF }>;
@@ -88,7 +88,8 @@ fn unsigned_foreign_older_and_oversized_packages_are_refused_before_anything_is_
     let long = good().signed_anew(|manifest| manifest.images[1] = 0);
     let long = long.signed_anew(|manifest| manifest.samples[0] = 1000);
     let most = HALF as u32 - PAYLOAD;
-    refused_at_once(&long, UpdateRefusal::TooLong { found: 8380 + 32_000, most });
+    let length = shipped(BearingMaterial::Babbitt).len() as u32;
+    refused_at_once(&long, UpdateRefusal::TooLong { found: length + 32_000, most });
 }
 
 #[test]

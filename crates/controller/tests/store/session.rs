@@ -44,13 +44,16 @@ fn corrupted(bit: usize) -> Models {
     image[bit / 8] ^= 1 << (bit % 8);
     let loaded =
         Loaded { image: image.leak(), model: Model::load(shipped(BearingMaterial::Babbitt)).unwrap() };
-    Models::of_package([Some(loaded), None], ModelSource::BuiltIn)
+    let mut package = [None; BearingMaterial::COUNT];
+    package[0] = Some(loaded);
+    Models::of_package(package, ModelSource::BuiltIn)
 }
 
 #[test]
 fn a_corrupted_weight_is_flagged_within_two_rounds_reported_once_and_cleared_by_other_models() {
-    let round = shipped(BearingMaterial::Babbitt).len() as u32 / 4;
-    for bit in [0, 3 * 8 + 1, 4000 * 8 + 5, 8379 * 8 + 7] {
+    let bytes = shipped(BearingMaterial::Babbitt).len();
+    let round = bytes as u32 / 4;
+    for bit in [0, 3 * 8 + 1, bytes / 2 * 8 + 5, bytes * 8 - 1] {
         let mut session = session();
         for sequence in 0..100 {
             assert!(!is_corrupted(&estimate(&mut session, sequence)));

@@ -122,7 +122,7 @@ fn hello(protocol: u8) -> Hello {
         clock: ClockSource::PllInternal,
         core_hz: u32::MAX,
         window: u16::MAX,
-        models: [model; 2],
+        models: [model; link::MODELS],
         token: u32::MAX,
         last_command: u32::MAX,
         state: State::Tripped,
