@@ -1,25 +1,40 @@
 //! Operating points, and the worlds of each.
 
 use crate::cli::error::CliError;
-use crate::run::conditions::{BEARINGS, variant};
+use crate::run::conditions::variant;
 use ::worlds::random::subseed;
 use ::worlds::{Bearing, Deviations, Parameter, Sensors, World};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
+/// Bearings that have a world, in the order of the paper.
+const BEARINGS: [Bearing; 2] = [Bearing::Babbitt, Bearing::Plastic];
 const CLEARANCES_MM: [f64; 2] = [0.1, 0.5];
 const LOADS_KN: [f64; 2] = [10.0, -5.0];
 
 /// Operating point of bench B.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OperatingPoint {
-    /// Bearing material.
-    pub bearing: BearingMaterial,
+    /// Bearing of the world; written as the name of its material.
+    #[serde(serialize_with = "by_material")]
+    pub bearing: Bearing,
     /// Described radial clearance.
     pub clearance_mm: f64,
     /// Load along +Y.
     pub load_kn: f64,
+}
+
+fn by_material<S: Serializer>(bearing: &Bearing, serializer: S) -> Result<S::Ok, S::Error> {
+    material_of(*bearing).serialize(serializer)
+}
+
+/// Returns the material of a world's bearing. A material without a world is not measured here.
+const fn material_of(bearing: Bearing) -> BearingMaterial {
+    match bearing {
+        Bearing::Babbitt => BearingMaterial::Babbitt,
+        Bearing::Plastic => BearingMaterial::Plastic,
+    }
 }
 
 impl OperatingPoint {
@@ -32,22 +47,23 @@ impl OperatingPoint {
 
     /// Describes the operating point.
     pub fn name(&self) -> String {
-        format!("{}, {} mm, {:+} kN", self.bearing.name(), self.clearance_mm, self.load_kn)
+        format!("{}, {} mm, {:+} kN", self.material().name(), self.clearance_mm, self.load_kn)
+    }
+
+    /// Bearing material.
+    pub const fn material(&self) -> BearingMaterial {
+        material_of(self.bearing)
     }
 
     /// Returns the bench as the estimators know it.
     pub fn described_bench(&self) -> Result<TransmissionBench, CliError> {
         let base = TransmissionBench::open("bench-b")?;
-        Ok(variant(&base, self.bearing, self.clearance_mm, self.load_kn).resolved())
+        Ok(variant(&base, self.material(), self.clearance_mm, self.load_kn).resolved())
     }
 
     /// Returns the same bench as a world.
     pub const fn described_world(&self) -> World {
-        let bearing = match self.bearing {
-            BearingMaterial::Babbitt => Bearing::Babbitt,
-            BearingMaterial::Plastic => Bearing::Plastic,
-        };
-        World::bench_b(bearing, 1e-3 * self.clearance_mm, 1e3 * self.load_kn)
+        World::bench_b(self.bearing, 1e-3 * self.clearance_mm, 1e3 * self.load_kn)
     }
 }
 

@@ -6,7 +6,7 @@
 use super::cases::{self, OperatingPoint, Set};
 use super::estimators::EstimatorKind;
 use super::score::Case;
-use bench::BearingMaterial;
+use ::worlds::Bearing;
 use serde::Serialize;
 
 /// Limit of a goal.
@@ -113,7 +113,7 @@ fn single(cases: &[Case], is_mass: bool) -> Vec<Figure> {
 
 fn robust(cases: &[Case], world: &str, value: fn(&Case) -> f64) -> Vec<Figure> {
     const POINT: OperatingPoint =
-        OperatingPoint { bearing: BearingMaterial::Babbitt, clearance_mm: 0.5, load_kn: 10.0 };
+        OperatingPoint { bearing: Bearing::Babbitt, clearance_mm: 0.5, load_kn: 10.0 };
     let chosen =
         |case: &Case| case.world == world && case.estimator == EstimatorKind::Filter && case.point == POINT;
     figures(cases, chosen, |case| Some(value(case)))

@@ -102,7 +102,11 @@ pub(crate) fn run(
 ) -> Result<(), CliError> {
     output::prepare_folder(out)?;
     let points: Vec<OperatingPoint> =
-        OperatingPoint::all().into_iter().filter(|p| bearing.is_none_or(|b| p.bearing == b)).collect();
+        OperatingPoint::all().into_iter().filter(|p| bearing.is_none_or(|b| p.material() == b)).collect();
+    if let (Some(bearing), true) = (bearing, points.is_empty()) {
+        let expected = "a material whose worlds are described";
+        return Err(CliError::Input(format!("--bearing: found {}; expected {expected}", bearing.name())));
+    }
     let count: usize = points.iter().map(|p| cases::worlds(p, settings.draws, settings.seed).len()).sum();
     let bar = progress::bar(as_json, count as u64);
     bar.set_message("worlds");

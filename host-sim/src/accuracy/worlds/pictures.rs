@@ -185,7 +185,7 @@ fn courses(outcome: &Outcome, point: OperatingPoint) -> Result<Picture, CliError
 fn every_world(outcome: &Outcome) -> Result<Picture, CliError> {
     let of_bearing = |bearing: bench::BearingMaterial| {
         let pairs = drawn(outcome, EstimatorKind::Tick).zip(drawn(outcome, EstimatorKind::Filter));
-        let pairs = pairs.filter(|(tick, _)| tick.point.bearing == bearing);
+        let pairs = pairs.filter(|(tick, _)| tick.point.material() == bearing);
         let points = pairs.map(|(tick, filter)| (100.0 * tick.force_share(), 100.0 * filter.force_share()));
         Series::through(bearing.name(), points.collect()).styled(Style::Points)
     };
