@@ -79,7 +79,7 @@ fn row(kind: &EffectKind) -> String {
         list([Plant::Rotary, Plant::Linear]),
         kind.plants().map(plant).collect::<Vec<_>>().join(", "),
         kind.shows_in.map_or("its channel".into(), |c| format!("`{c}`")),
-        kind.confounded_with.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "),
+        kind.confounded().iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "),
     )
 }
 

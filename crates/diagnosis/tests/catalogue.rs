@@ -41,7 +41,7 @@ fn hide(mut bench: Bench, name: &str, channel: Option<Channel>, sizes: Sizes<'_>
     );
     eprintln!("{summary}");
     assert!(d.causes.len() == 1 && group.contains(&(name, channel)), "{summary}");
-    let confounded = kind(name).unwrap().confounded_with;
+    let confounded = kind(name).unwrap().confounded();
     assert!(group.iter().all(|(other, _)| *other == name || confounded.contains(other)), "{summary}");
     d
 }

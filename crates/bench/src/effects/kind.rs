@@ -139,7 +139,8 @@ pub struct EffectKind {
     /// Channel of the transmission bench that shows it best. On an axis this is the effort, for a
     /// sensor effect its own channel.
     pub shows_in: Option<Channel>,
-    /// Effects that look alike on some trajectories.
+    /// Effects that look alike on some trajectories. It is sufficient if one of two effects names
+    /// the other; [`EffectKind::confounded`] returns both directions.
     pub confounded_with: &'static [&'static str],
     /// Source of the initial value.
     pub guess: Guess,

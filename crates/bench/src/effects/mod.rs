@@ -139,6 +139,18 @@ pub fn kind(name: &str) -> Option<&'static EffectKind> {
     CATALOGUE.iter().find(|k| k.name == name)
 }
 
+impl EffectKind {
+    /// Names of the effects that this one names or that name it, in alphabetical order.
+    pub fn confounded(&self) -> Vec<&'static str> {
+        let naming = CATALOGUE.iter().filter(|other| other.confounded_with.contains(&self.name));
+        let mut names: Vec<_> =
+            naming.map(|other| other.name).chain(self.confounded_with.iter().copied()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+}
+
 impl Effect {
     /// Checks name, channel, parameters and ranges against a bench.
     pub fn check(&self, bench: &Bench) -> Result<&'static EffectKind, EffectError> {
