@@ -1,8 +1,10 @@
 //! Bad images are refused with a reason; no bytes make the loader panic.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot set itself up has failed")]
 
+use inference::features::{COLLISION_INPUTS, FRICTION_INPUTS};
 use inference::image::write::{LayerParts, WriteError, image, image_length, seal};
 use inference::image::{CRC_LENGTH, HEADER_LENGTH, LayerName, LayerShape, SHAPE_LENGTH, WeightForm};
+use inference::model::{CHANNELS, HEAD_COLUMNS, KERNEL};
 use inference::{
     BearingMaterial, Convolution, Head, ImageError, Model, Network, Pair, Sample, Scale, shipped,
 };
@@ -152,14 +154,14 @@ fn layers_are_refused_by_name() {
 
 /// Shapes of a model's eight layers.
 fn shapes<B: inference::model::Between>(features: WeightForm, between: WeightForm) -> [LayerShape; 8] {
-    let hidden = Convolution::<B, B, 16, 16, 3>::shape(between);
-    let head = Head::<B, 16, 2, 1>::shape(between);
+    let hidden = Convolution::<B, B, CHANNELS, CHANNELS, KERNEL>::shape(between);
+    let head = Head::<B, CHANNELS, HEAD_COLUMNS, 1>::shape(between);
     [
-        Convolution::<i16, B, 8, 16, 3>::shape(features),
+        Convolution::<i16, B, COLLISION_INPUTS, CHANNELS, KERNEL>::shape(features),
         hidden,
         hidden,
         head,
-        Convolution::<i16, B, 4, 16, 3>::shape(features),
+        Convolution::<i16, B, FRICTION_INPUTS, CHANNELS, KERNEL>::shape(features),
         hidden,
         hidden,
         head,

@@ -4,6 +4,7 @@
 use inference::image::write::seal;
 use inference::image::{CRC_LENGTH, HEADER_LENGTH, LayerShape, SHAPE_LENGTH};
 use inference::kernel::Portable;
+use inference::model::{CHANNELS, HEAD_COLUMNS};
 use inference::{BearingMaterial, ContactState, Estimate, Flags, Model, Pair, Sample, WINDOW, shipped};
 use proptest::prelude::*;
 
@@ -252,8 +253,10 @@ fn a_coefficient_of_one_is_flagged_as_implausible() {
         let mut words = vec![0u32; shipped(BearingMaterial::Babbitt).len() / 4];
         let image: &mut [u8] = bytemuck::cast_slice_mut(&mut words);
         image.copy_from_slice(shipped(BearingMaterial::Babbitt));
-        // The friction network's head is the last layer: scale, one bias, 16 groups of weights.
-        let shift = &mut image[shipped(BearingMaterial::Babbitt).len() - CRC_LENGTH - 4 * 18..][..4];
+        // The friction network's head is the last layer: scale, one bias, groups of two weights.
+        let groups = HEAD_COLUMNS * CHANNELS / 2;
+        let at = image.len() - CRC_LENGTH - 4 * (groups + 2);
+        let shift = &mut image[at..][..4];
         let found = u32::from_le_bytes(shift.try_into().expect("four bytes"));
         shift.copy_from_slice(&(found - power).to_le_bytes());
         seal(image);

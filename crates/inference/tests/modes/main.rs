@@ -4,8 +4,10 @@
 mod plain;
 
 use inference::chain::{Chain, Sums, Then};
+use inference::features::COLLISION_INPUTS;
 use inference::image::{LayerShape, WeightForm};
 use inference::kernel::{Engine, Native, Portable};
+use inference::model::{CHANNELS, HEAD_COLUMNS, KERNEL};
 use inference::{Causal, Convolution, Head, LayerInput, Pad, Padding, Same, Streaming, Valid, Windowed};
 use plain::{Noise, Plain, plain};
 use proptest::prelude::*;
@@ -17,7 +19,7 @@ const P: usize = 12;
 type Odd<'a, A> =
     Then<Convolution<'a, i16, A, 3, 6, 5>, Then<Convolution<'a, A, A, 6, 7, 2>, Head<'a, A, 7, 4, 2>>>;
 /// Family of the shipped networks.
-type Family<'a, A> = inference::Network<'a, A, 8>;
+type Family<'a, A> = inference::Network<'a, A, COLLISION_INPUTS>;
 
 fn odd<A: LayerInput>(form: WeightForm) -> Vec<LayerShape> {
     let between = if A::BITS == 8 { WeightForm::Packed } else { form };
@@ -30,8 +32,9 @@ fn odd<A: LayerInput>(form: WeightForm) -> Vec<LayerShape> {
 
 fn family<A: LayerInput>(form: WeightForm) -> Vec<LayerShape> {
     let between = if A::BITS == 8 { WeightForm::Packed } else { form };
-    let hidden = Convolution::<A, A, 16, 16, 3>::shape(between);
-    vec![Convolution::<i16, A, 8, 16, 3>::shape(form), hidden, hidden, Head::<A, 16, 2, 1>::shape(between)]
+    let first = Convolution::<i16, A, COLLISION_INPUTS, CHANNELS, KERNEL>::shape(form);
+    let hidden = Convolution::<A, A, CHANNELS, CHANNELS, KERNEL>::shape(between);
+    vec![first, hidden, hidden, Head::<A, CHANNELS, HEAD_COLUMNS, 1>::shape(between)]
 }
 
 fn read<'a, N: Chain<'a, i16, IN>, const IN: usize>(words: &'a [u32]) -> N {
