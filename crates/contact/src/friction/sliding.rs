@@ -105,12 +105,8 @@ impl<T: Real> SlidingLaw<T> {
             FrictionKind::BrownMcPhee => Self::BrownMcPhee(parameters),
             FrictionKind::StribeckTustin => stribeck(StribeckShape::Tustin),
             FrictionKind::StribeckGauss => stribeck(StribeckShape::Gauss),
-            FrictionKind::Karnopp
-            | FrictionKind::Dahl
-            | FrictionKind::LuGre
-            | FrictionKind::SevenParameter => {
-                return Err(LawError::UnknownName { group: "memoryless friction" });
-            }
+            // A law with memory has its own type.
+            _ => return Err(LawError::UnknownName { group: "memoryless friction" }),
         })
     }
 
