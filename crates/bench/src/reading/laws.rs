@@ -26,7 +26,8 @@ pub(super) fn refusal(bench: &Bench) -> Option<Refusal> {
     match bench {
         Bench::Transmission(bench) => bearing_refusal(bench).or_else(|| bristle_refusal(bench)),
         Bench::SliderCrank(bench) => joint_refusal(bench),
-        Bench::FrictionRig(_) => None,
+        // Other plants have no laws to choose.
+        _ => None,
     }
 }
 
