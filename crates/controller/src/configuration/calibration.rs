@@ -80,7 +80,9 @@ impl Calibrator {
 }
 
 fn scaled(raw: i32, offset: i32, gain: U2F30) -> i32 {
-    product(raw.saturating_sub(offset), gain).wrapping_add(HALF).saturating_to_num()
+    let rounded: i64 = product(raw.saturating_sub(offset), gain).wrapping_add(HALF).wrapping_to_num();
+    // Not `saturating_to_num`, which branches on the data.
+    rounded.clamp(i32::MIN.into(), i32::MAX.into()) as i32
 }
 
 /// Returns the exact product.
