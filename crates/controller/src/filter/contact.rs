@@ -1,8 +1,9 @@
 //! Force of the contact with its gradient over the filter's state.
 //!
 //! Elastic force: hybrid law of Bai and Zhao as the paper prints it, `K(d) = S(d) d^2` with `S(d) =
-//! sqrt(2) (pi/8) E* (3D + 2d)/(D + d)^1.5`. Normal force `N = (1+e) K(d) (1 + r d')`, `r = (1+l)
-//! chi/v` with the approach speed `v` of the onset. Friction `f = -(1+q) mu(v_t) N`.
+//! sqrt(2) (pi/8) E* (3D + 2d)/(D + d)^1.5`. Normal force `N = (1+e) K(d) (1 + r d')`, `r = e^l
+//! chi/v` with the approach speed `v` of the onset. The filter moves every estimate of `l` into
+//! `v`, so that `l` is 0 here. Friction `f = -(1+q) mu(v_t) N`.
 //!
 //! Near the onset the deformation is known no better than the clearance, and a tangent to the force
 //! at its mean is no approximation: without contact it is 0 and would hide the clearance. The
@@ -10,7 +11,7 @@
 //! of the deformation, restricted to contact, and the slope by that expectation's derivative.
 
 use super::configuration::FilterConfiguration;
-use super::state::{BIAS, Bias, CLEARANCE, DAMPING, FRICTION, Gradient, MOTION, Motion, STIFFNESS};
+use super::state::{BIAS, Bias, CLEARANCE, FRICTION, Gradient, MOTION, Motion, STIFFNESS};
 use contact::FrictionLaw;
 use core::f32::consts::{PI, SQRT_2};
 
@@ -242,8 +243,7 @@ impl ContactModel {
         let place = forces.place;
         let (square, twice) = contact_moments(place.deformation, sds.deformation);
         let (shape, shape_slope) = self.shape(place.gap, place.deformation.max(0.0));
-        let per_damping = self.damping_factor / turning.approach;
-        let ratio = (1.0 + bias[DAMPING]) * per_damping;
+        let ratio = self.damping_factor / turning.approach;
         let (stiffness, damping) = (1.0 + bias[STIFFNESS], 1.0 + ratio * place.rate);
         let elastic = shape * square;
         let normal = stiffness * elastic * damping;
@@ -254,7 +254,7 @@ impl ContactModel {
         forces.by_deformation = stiffness * damping * (shape * twice + shape_slope * square);
         forces.by_rate = stiffness * elastic * ratio;
         forces.by_stiffness = elastic * damping;
-        forces.by_damping = stiffness * elastic * per_damping * place.rate;
+        forces.by_damping = stiffness * elastic * ratio * place.rate;
         // Second-order terms: the square of the deformation, and products of uncertain factors.
         let deformation = (forces.by_deformation * sds.deformation).abs();
         let stiffness = (forces.by_stiffness * sds.stiffness).abs();

@@ -34,9 +34,12 @@ const EXPECTED_INNOVATION: f32 = 2.0;
 /// Average above which the model does not fit. Of white noise over a hundred samples it is 15
 /// standard deviations above the expectation.
 const MAX_INNOVATION: f32 = 5.0;
-/// Ranges of the factors less 1: stiffness, friction, damping.
+/// Range of the factors on stiffness and friction, less 1.
 const FACTOR_RANGE: (f32, f32) = (-0.9, 9.0);
-const DAMPING_RANGE: (f32, f32) = (-0.99, 99.0);
+/// Range of the approach speed: shares of its floor and of a fall through the clearance.
+const APPROACH_RANGE: (f32, f32) = (0.5, 10.0);
+/// Largest correction of the damping by one sample, on a logarithmic scale.
+const MAX_DAMPING_CHANGE: f32 = 1.0;
 
 /// One sample of the sensors, SI units.
 #[derive(Clone, Copy, Debug, Default)]
@@ -154,6 +157,7 @@ struct State {
     drive: DriveTracker,
     deviations: Deviations,
     load: f32,
+    /// Approach speed of the onset, over the factor by which the damping has been corrected since.
     approach: f32,
     is_touching: bool,
     /// Average of the normalised squares of the innovations.
@@ -195,9 +199,31 @@ impl Filter {
             state.load = measured.load_force_n;
             state.drive.correct(self.config.sample_period_s, displacement);
             self.correct(&mut state, measured);
+            if state.innovation > MAX_INNOVATION && self.is_free(&mut state) {
+                self.recover(&mut state, measured);
+            }
         }
         let at = self.onset(&mut state);
         self.finish(state, &at)
+    }
+
+    /// Returns true if the state excludes a contact.
+    fn is_free(&self, state: &mut State) -> bool {
+        self.evaluate(state).forces.normal == 0.0
+    }
+
+    /// Starts anew at the surface of the bearing.
+    ///
+    /// A journal without contact that moves as no known force explains touches the bearing, so the
+    /// clearance is wrong.
+    fn recover(&self, state: &mut State, measured: &Measurement) {
+        let distance = libm::hypotf(measured.journal_y_m, measured.journal_z_m);
+        let displacement = state.drive.motion().displacement;
+        let mut fresh = State { drive: state.drive, ..self.start(measured, displacement) };
+        if let Some(offset) = fresh.bias.get_mut(CLEARANCE) {
+            *offset = distance - self.config.radial_clearance_m;
+        }
+        *state = fresh;
     }
 
     /// Keeps the state and returns its estimate. A state that is no longer finite is forgotten: the
@@ -212,8 +238,13 @@ impl Filter {
     }
 
     /// Returns the state after the first sample.
+    ///
+    /// A journal beyond the described clearance need not press the bearing: the clearance may be
+    /// larger. It starts at the surface then, with half of the distance as further uncertainty.
     fn start(&self, measured: &Measurement, displacement: f32) -> State {
         let config = &self.config;
+        let distance = libm::hypotf(measured.journal_y_m, measured.journal_z_m);
+        let beyond = (distance - config.radial_clearance_m).max(0.0);
         let noise = config.noise.position_m;
         let speed = config.speed_sd();
         let [stiffness, clearance, friction] = config.factor_sds();
@@ -221,10 +252,16 @@ impl Filter {
         let residual = libm::sqrtf(config.residual_variance(measured.load_force_n) + square(unknown_drive));
         State {
             motion: Motion::new(measured.journal_y_m, measured.journal_z_m, 0.0, 0.0),
-            bias: Bias::zeros(),
+            bias: Bias::new(0.0, 0.0, beyond, 0.0, 0.0),
             covariance: Covariance::from_deviations(
                 &Motion::new(noise, noise, speed, speed),
-                &Bias::new(residual, stiffness, clearance, friction, config.damping_sd()),
+                &Bias::new(
+                    residual,
+                    stiffness,
+                    libm::hypotf(clearance, 0.5 * beyond),
+                    friction,
+                    config.damping_sd(),
+                ),
             ),
             drive: DriveTracker::new(config, displacement),
             deviations: Deviations::default(),
@@ -301,12 +338,26 @@ impl Filter {
             state.motion += drive.motion;
             state.bias += drive.bias;
         }
-        let ranges = [(STIFFNESS, FACTOR_RANGE), (FRICTION, FACTOR_RANGE), (DAMPING, DAMPING_RANGE)];
-        for (place, (low, high)) in ranges {
+        self.scale_damping(state);
+        let (low, high) = FACTOR_RANGE;
+        for place in [STIFFNESS, FRICTION] {
             if let Some(factor) = state.bias.get_mut(place) {
                 *factor = factor.clamp(low, high);
             }
         }
+    }
+
+    /// Moves the estimated change of the damping from the bias into the approach speed.
+    ///
+    /// The speed of an onset may be wrong by a multiple, so the change counts as the logarithm of a
+    /// factor. `(1 - l/2)/(1 + l/2)` is `exp(-l)` to the third order, and positive.
+    fn scale_damping(&self, state: &mut State) {
+        let Some(damping) = state.bias.get_mut(DAMPING) else { return };
+        let half = 0.5 * damping.clamp(-MAX_DAMPING_CHANGE, MAX_DAMPING_CHANGE);
+        *damping = 0.0;
+        let (low, high) = APPROACH_RANGE;
+        let approach = state.approach * (1.0 - half) / (1.0 + half);
+        state.approach = approach.clamp(low * self.config.latch_floor_m_s, high * self.config.speed_sd());
     }
 
     /// Returns accelerations and forces at a state, after its deviations have been brought up to
@@ -342,9 +393,6 @@ impl Filter {
         let ratio = libm::sqrtf(speed / least);
         state.approach = speed / ratio;
         state.is_touching = true;
-        if let Some(damping) = state.bias.get_mut(DAMPING) {
-            *damping = 0.0;
-        }
         let deviation = libm::hypotf(self.config.damping_sd(), spread.min(ratio));
         state.covariance.restart_bias(DAMPING, deviation);
         self.evaluate(state)

@@ -7,7 +7,7 @@ use controller::filter::{Filter, FilterConfiguration, FilterEstimate, Measuremen
 use on_target::filter::{Orbit, default_bench};
 use proptest::prelude::*;
 use reference::Reference;
-use worlds::{Bearing, Sensors, World};
+use worlds::{Bearing, Row, Sensors, World};
 
 /// Samples of a case.
 const SAMPLES: usize = 300;
@@ -121,10 +121,10 @@ fn the_covariance_stays_positive_for_ten_million_samples() {
     assert_eq!(soak(10_000_000), 0);
 }
 
-/// Readings of bench B with a clearance 10 um larger than described.
-fn readings() -> Vec<Measurement> {
-    let world = World::bench_b(Bearing::Babbitt, 0.51e-3, 10e3);
-    let readings = Sensors::BENCH_B.read(&world.run(0.6, 10e3), 1);
+/// Bench B over .6 s with a clearance other than described, and its readings.
+fn run(clearance_m: f64) -> (Vec<Row>, Vec<Measurement>) {
+    let rows = World::bench_b(Bearing::Babbitt, clearance_m, 10e3).run(0.6, 10e3);
+    let readings = Sensors::BENCH_B.read(&rows, 1);
     let measurement = |reading: &worlds::Reading| Measurement {
         journal_y_m: reading.journal_y_m as f32,
         journal_z_m: reading.journal_z_m as f32,
@@ -132,12 +132,38 @@ fn readings() -> Vec<Measurement> {
         load_force_n: reading.load_force_n as f32,
         drive_force_n: None,
     };
-    readings.iter().map(measurement).collect()
+    let readings = readings.iter().map(measurement).collect();
+    (rows, readings)
+}
+
+#[test]
+fn a_clearance_far_beyond_its_declared_deviation_is_found() {
+    // Described: 500 um with a deviation of 10 um.
+    for off_um in [-60.0, -30.0, 30.0, 60.0, 100.0] {
+        let clearance_m = 500e-6 + 1e-6 * off_um;
+        let (rows, readings) = run(clearance_m);
+        let mut filter = Filter::new(&default_bench()).unwrap();
+        let estimates: Vec<_> = readings.iter().map(|reading| filter.step(reading)).collect();
+        let settled = || rows.iter().zip(&estimates).skip(500);
+        let error = |(row, found): (&Row, &FilterEstimate)| {
+            let y = f64::from(found.force_y_n) - row.force_y_n;
+            y.hypot(f64::from(found.force_z_n) - row.force_z_n)
+        };
+        let squares: f64 = settled().map(|pair| error(pair).powi(2)).sum();
+        let rms = (squares / settled().count() as f64).sqrt();
+        let full_scale = rows.iter().map(|row| row.force_y_n.hypot(row.force_z_n)).fold(0.0, f64::max);
+        assert!(rms < 0.01 * full_scale, "{off_um} um: {rms} N of {full_scale} N");
+        let last = estimates.last().unwrap();
+        let off = (f64::from(last.clearance_m) - clearance_m).abs();
+        // The reported interval is too narrow after such a start (docs/estimation.md).
+        assert!(off < 5e-6, "{off_um} um: {off} m");
+        assert!(last.fits && !last.is_converging, "{off_um} um: {last:?}");
+    }
 }
 
 #[test]
 fn single_precision_estimates_what_a_dense_filter_in_double_precision_does() {
-    let readings = readings();
+    let (_, readings) = run(510e-6);
     let config = default_bench();
     let mut filter = Filter::new(&config).unwrap();
     let mut reference = Reference::new(&config, &readings[0]);

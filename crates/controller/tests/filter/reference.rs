@@ -62,13 +62,14 @@ impl Reference {
         let speed = (4.0 * 9.81 * f64::from(config.radial_clearance_m)).sqrt();
         let noise = f64::from(config.noise.position_m);
         let [e, gap, q] = c.factors();
-        let deviations = [noise, noise, speed, speed, residual, e, gap, q, 0.3];
         let drive = [c.displacement_noise(), 0.5 * jerk * time * time, jerk * time, jerk];
         let (y, z) = (f64::from(first.journal_y_m), f64::from(first.journal_z_m));
         let displacement = y + f64::from(config.drive_lever_m) * f64::from(first.shaft_angle_rad).sin();
+        let beyond = (y.hypot(z) - f64::from(config.radial_clearance_m)).max(0.0);
+        let deviations = [noise, noise, speed, speed, residual, e, gap.hypot(0.5 * beyond), q, 0.3];
         Self {
             config: *config,
-            state: [y, z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            state: [y, z, 0.0, 0.0, 0.0, 0.0, beyond, 0.0, 0.0],
             covariance: diagonal(deviations.map(|d| d * d)),
             drive: [displacement, 0.0, 0.0, 0.0],
             drive_covariance: diagonal(drive.map(|d| d * d)),
@@ -98,6 +99,7 @@ impl Reference {
         self.correct_drive(numbers, displacement);
         self.correct(0, measured.journal_y_m.into());
         self.correct(1, measured.journal_z_m.into());
+        self.scale_damping();
         self.onset();
         let contact = self.contact(&self.state, &self.drive, &self.fixed());
         (contact.y, contact.z)
@@ -325,7 +327,14 @@ impl Reference {
         }
         self.state[5] = self.state[5].clamp(-0.9, 9.0);
         self.state[7] = self.state[7].clamp(-0.9, 9.0);
-        self.state[8] = self.state[8].clamp(-0.99, 99.0);
+    }
+
+    fn scale_damping(&mut self) {
+        let half = 0.5 * self.state[8].clamp(-1.0, 1.0);
+        self.state[8] = 0.0;
+        let fall = (4.0 * 9.81 * f64::from(self.config.radial_clearance_m)).sqrt();
+        self.approach = (self.approach * (1.0 - half) / (1.0 + half))
+            .clamp(0.5 * f64::from(self.config.latch_floor_m_s), 10.0 * fall);
     }
 
     fn onset(&mut self) {
