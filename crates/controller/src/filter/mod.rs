@@ -38,6 +38,8 @@ const MAX_INNOVATION: f32 = 5.0;
 const FACTOR_RANGE: (f32, f32) = (-0.9, 9.0);
 /// Range of the approach speed: shares of its floor and of a fall through the clearance.
 const APPROACH_RANGE: (f32, f32) = (0.5, 10.0);
+/// Declared deviations beyond which a factor of a model that does not fit was learnt wrong.
+const MAX_DEVIATIONS: f32 = 5.0;
 /// Largest correction of the damping by one sample, on a logarithmic scale.
 const MAX_DAMPING_CHANGE: f32 = 1.0;
 
@@ -199,8 +201,12 @@ impl Filter {
             state.load = measured.load_force_n;
             state.drive.correct(self.config.sample_period_s, displacement);
             self.correct(&mut state, measured);
-            if state.innovation > MAX_INNOVATION && self.is_free(&mut state) {
-                self.recover(&mut state, measured);
+            if state.innovation > MAX_INNOVATION {
+                if self.is_free(&mut state) {
+                    self.recover(&mut state, measured);
+                } else if self.is_implausible(&state) {
+                    state = State { drive: state.drive, ..self.start(measured, displacement) };
+                }
             }
         }
         let at = self.onset(&mut state);
@@ -210,6 +216,15 @@ impl Filter {
     /// Returns true if the state excludes a contact.
     fn is_free(&self, state: &mut State) -> bool {
         self.evaluate(state).forces.normal == 0.0
+    }
+
+    /// Returns true if stiffness or friction are far from what is declared.
+    fn is_implausible(&self, state: &State) -> bool {
+        let [stiffness, _, friction] = self.config.factor_sds();
+        let is_far = |place: usize, deviation: f32| {
+            state.bias.get(place).is_some_and(|bias| bias.abs() > MAX_DEVIATIONS * deviation)
+        };
+        is_far(STIFFNESS, stiffness) || is_far(FRICTION, friction)
     }
 
     /// Starts anew at the surface of the bearing.
