@@ -38,7 +38,7 @@ const MAX_INNOVATION: f32 = 5.0;
 const FACTOR_RANGE: (f32, f32) = (-0.9, 9.0);
 /// Range of the approach speed: shares of its floor and of a fall through the clearance.
 const APPROACH_RANGE: (f32, f32) = (0.5, 10.0);
-/// Declared deviations beyond which a factor of a model that does not fit was learnt wrong.
+/// Declared deviations beyond which the stiffness of a model that does not fit was learnt wrong.
 const MAX_DEVIATIONS: f32 = 5.0;
 /// Largest correction of the damping by one sample, on a logarithmic scale.
 const MAX_DAMPING_CHANGE: f32 = 1.0;
@@ -204,7 +204,7 @@ impl Filter {
             if state.innovation > MAX_INNOVATION {
                 if self.is_free(&mut state) {
                     self.recover(&mut state, measured);
-                } else if self.is_implausible(&state) {
+                } else if self.is_implausible(&state, measured) {
                     state = State { drive: state.drive, ..self.start(measured, displacement) };
                 }
             }
@@ -218,13 +218,12 @@ impl Filter {
         self.evaluate(state).forces.normal == 0.0
     }
 
-    /// Returns true if stiffness or friction are far from what is declared.
-    fn is_implausible(&self, state: &State) -> bool {
-        let [stiffness, _, friction] = self.config.factor_sds();
-        let is_far = |place: usize, deviation: f32| {
-            state.bias.get(place).is_some_and(|bias| bias.abs() > MAX_DEVIATIONS * deviation)
-        };
-        is_far(STIFFNESS, stiffness) || is_far(FRICTION, friction)
+    /// Returns true if the stiffness is far from what is declared. With a drive force it also
+    /// explains a wrong mass, and friction may be another than the described one: neither counts.
+    fn is_implausible(&self, state: &State, measured: &Measurement) -> bool {
+        let [declared, ..] = self.config.factor_sds();
+        let stiffness = state.bias.get(STIFFNESS).copied().unwrap_or_default();
+        measured.drive_force_n.is_none() && stiffness.abs() > MAX_DEVIATIONS * declared
     }
 
     /// Starts anew at the surface of the bearing.
