@@ -1,8 +1,10 @@
 //! Configuration of the filter: the described bench, its sensors and what is uncertain about them.
 //!
 //! Noise levels are derived here, from the sensors' noise, the declared uncertainties and the
-//! bench's own forces. Five constants below and three in [`super`] are chosen once for all benches.
+//! bench's own forces. Six constants below and six in the filter's model are chosen once for all benches.
 
+use super::contact::ContactModel;
+use super::state::Bias;
 use contact::FrictionLaw;
 use core::f32::consts::TAU;
 
@@ -17,6 +19,8 @@ const DRIFT_S: f32 = 100.0;
 const MODEL_ERROR: f32 = 0.01;
 /// Duration in s for which that acceleration lasts: a sample at the design rate.
 const MODEL_ERROR_S: f32 = 1e-4;
+/// Time in s over which the squares of the innovations are averaged.
+const INNOVATION_TIME_S: f32 = 0.01;
 /// Correlation time of the residual force as a share of the drive's period.
 const RESIDUAL_SHARE: f32 = 0.02;
 
@@ -167,15 +171,6 @@ impl FilterConfiguration {
         libm::hypotf(self.noise.position_m, self.drive_lever_m * self.noise.angle_rad)
     }
 
-    /// Variance of the residual force along Y, N2: the part of the drive's and the load's force
-    /// that the uncertain inertia and cranks leave open. `load` in N.
-    pub(super) fn residual_variance(&self, load: f32) -> f32 {
-        let Uncertainty { inertia_share, lever_share, .. } = self.uncertainty;
-        let drive = inertia_share * self.reflected_mass() * self.jerk_sd() / self.frequency();
-        let cranks = lever_share * load * self.load_lever_m / self.drive_lever_m;
-        drive * drive + 2.0 * cranks * cranks
-    }
-
     /// Correlation time of the residual force, s.
     pub(super) fn residual_time(&self) -> f32 {
         RESIDUAL_SHARE * self.period_s
@@ -196,14 +191,65 @@ impl FilterConfiguration {
         let Uncertainty { stiffness_share, clearance_m, friction_share, .. } = self.uncertainty;
         [stiffness_share, clearance_m, friction_share]
     }
+}
 
-    /// Rate of the factors' variances, as a share of the declared ones, 1/s.
-    pub(super) const fn drift_rate() -> f32 {
-        1.0 / DRIFT_S
+/// Variances that a sample adds or brings.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NoiseLevels {
+    /// Variance of a speed that the equations of motion miss in a sample, m2/s2.
+    pub(super) speed_variance: f32,
+    /// Variance of a measured position, m2.
+    pub(super) position_variance: f32,
+    /// Smallest variance of a force that an estimate may claim, N2: the square of the elastic force
+    /// of a deformation as large as the noise of the position sensors.
+    pub(super) least_force_variance: f32,
+    /// Share of a new sample in the average of the innovations.
+    pub(super) innovation_share: f32,
+    /// Square of the inertia as seen at the crank pin, kg2.
+    pub(super) reflected_square: f32,
+    /// Variance of the residual force without load, N2, and its rise with the load's square.
+    residual: (f32, f32),
+    /// Share of the residual force's variance that is new after a sample.
+    residual_share: f32,
+    /// Drift of stiffness, clearance, friction and damping in a sample.
+    drift: [f32; 4],
+}
+
+impl NoiseLevels {
+    pub(super) fn new(config: &FilterConfiguration) -> Self {
+        let Uncertainty { inertia_share, lever_share, .. } = config.uncertainty;
+        let time = config.sample_period_s;
+        let [stiffness, clearance, friction] = config.factor_sds();
+        let drive = inertia_share * config.reflected_mass() * config.jerk_sd() / config.frequency();
+        let cranks = lever_share * config.load_lever_m / config.drive_lever_m;
+        let noise = config.noise.position_m;
+        let least_force = ContactModel::new(config).force_of_noise(noise);
+        let acceleration = MODEL_ERROR * GRAVITY;
+        Self {
+            speed_variance: acceleration * acceleration * MODEL_ERROR_S * time,
+            position_variance: noise * noise,
+            least_force_variance: least_force * least_force,
+            innovation_share: (time / INNOVATION_TIME_S).min(1.0),
+            reflected_square: config.reflected_mass() * config.reflected_mass(),
+            residual: (drive * drive, 2.0 * cranks * cranks),
+            residual_share: 2.0 * time / config.residual_time(),
+            drift: [stiffness, clearance, friction, config.damping_sd()]
+                .map(|deviation| deviation * deviation * time / DRIFT_S),
+        }
     }
 
-    /// Spectral density of the acceleration that the equations of motion miss, m2/s3.
-    pub(super) const fn acceleration_density() -> f32 {
-        MODEL_ERROR * GRAVITY * MODEL_ERROR * GRAVITY * MODEL_ERROR_S
+    /// Variance of the residual force along Y, N2: the part of the drive's and the load's force
+    /// that the uncertain inertia and cranks leave open. `load` in N.
+    pub(super) fn residual_variance(&self, load: f32) -> f32 {
+        let (base, by_load) = self.residual;
+        base + by_load * load * load
+    }
+
+    /// Returns the variances that a sample adds to the bias; load in N, variance of the drive's
+    /// acceleration in m2/s4.
+    pub(super) fn bias_variances(&self, load: f32, drive_variance: f32) -> Bias {
+        let residual = self.residual_variance(load) + self.reflected_square * drive_variance;
+        let [stiffness, clearance, friction, damping] = self.drift;
+        Bias::new(residual * self.residual_share, stiffness, clearance, friction, damping)
     }
 }

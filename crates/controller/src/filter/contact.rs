@@ -10,6 +10,7 @@
 //! square of the deformation is therefore replaced by its expectation over the normal distribution
 //! of the deformation, restricted to contact, and the slope by that expectation's derivative.
 
+use super::arithmetic::inverse_root;
 use super::configuration::FilterConfiguration;
 use super::state::{BIAS, Bias, CLEARANCE, FRICTION, Gradient, MOTION, Motion, STIFFNESS};
 use contact::FrictionLaw;
@@ -39,8 +40,8 @@ pub(super) struct Place {
     pub(super) normal_y: f32,
     /// Direction of the contact.
     pub(super) normal_z: f32,
-    /// Distance of the journal's centre from that of the bearing.
-    pub(super) distance: f32,
+    /// 1 over the distance of the journal's centre from that of the bearing.
+    nearness: f32,
     /// Deformation; negative without contact.
     pub(super) deformation: f32,
     /// Rate of the deformation.
@@ -69,8 +70,8 @@ pub(super) struct Forces {
     by_damping: f32,
     by_sliding: f32,
     /// Friction per normal force.
-    by_normal: f32,
-    by_friction_factor: f32,
+    pub(super) by_normal: f32,
+    pub(super) by_friction_factor: f32,
     /// Derivative of the sliding speed over the journal's Y speed, as far as the shaft turns.
     turning_slope: f32,
 }
@@ -131,32 +132,29 @@ impl Forces {
         let place = self.place;
         let (tangent_y, tangent_z) = place.tangent();
         // The direction turns with the journal, and with it the radial part of the speed.
-        let turned = self.by_rate * place.around / place.distance;
-        Gradient::from([
-            self.by_deformation * place.normal_y + turned * tangent_y,
-            self.by_deformation * place.normal_z + turned * tangent_z,
-            self.by_rate * place.normal_y,
-            self.by_rate * place.normal_z,
-            0.0,
-            self.by_stiffness,
-            -self.by_deformation,
-            0.0,
-            self.by_damping,
-        ])
+        let turned = self.by_rate * place.around * place.nearness;
+        Gradient {
+            motion: Motion::new(
+                self.by_deformation * place.normal_y + turned * tangent_y,
+                self.by_deformation * place.normal_z + turned * tangent_z,
+                self.by_rate * place.normal_y,
+                self.by_rate * place.normal_z,
+            ),
+            bias: Bias::new(0.0, self.by_stiffness, -self.by_deformation, 0.0, self.by_damping),
+        }
     }
 
-    /// Returns the gradient of the friction force, from that of the normal force.
-    pub(super) fn friction_gradient(&self, normal: &Gradient) -> Gradient {
+    /// Returns the derivatives of the friction force over the motion at the same normal force.
+    pub(super) fn sliding_gradient(&self) -> Motion {
         let place = self.place;
         let (tangent_y, tangent_z) = place.tangent();
-        let turned = self.by_sliding * place.rate / place.distance;
-        let mut gradient = normal * self.by_normal;
-        gradient[0] += turned * tangent_y;
-        gradient[1] += turned * tangent_z;
-        gradient[2] += self.by_sliding * (self.turning_slope - tangent_y);
-        gradient[3] -= self.by_sliding * tangent_z;
-        gradient[MOTION + FRICTION] = self.by_friction_factor;
-        gradient
+        let turned = self.by_sliding * place.rate * place.nearness;
+        Motion::new(
+            turned * tangent_y,
+            turned * tangent_z,
+            self.by_sliding * (self.turning_slope - tangent_y),
+            -self.by_sliding * tangent_z,
+        )
     }
 
     /// Returns force components on the journal, Y and Z.
@@ -168,19 +166,13 @@ impl Forces {
         )
     }
 
-    /// Returns the gradients of the force components, from those of normal force and friction.
-    pub(super) fn component_gradients(&self, normal: &Gradient, friction: &Gradient) -> (Gradient, Gradient) {
-        let place = self.place;
-        let (tangent_y, tangent_z) = place.tangent();
-        let mut along_y = friction * place.normal_z - normal * place.normal_y;
-        let mut along_z = -(normal * place.normal_z + friction * place.normal_y);
-        let turned_y = (self.friction * tangent_z - self.normal * tangent_y) / place.distance;
-        let turned_z = -(self.normal * tangent_z + self.friction * tangent_y) / place.distance;
-        along_y[0] += turned_y * tangent_y;
-        along_y[1] += turned_y * tangent_z;
-        along_z[0] += turned_z * tangent_y;
-        along_z[1] += turned_z * tangent_z;
-        (along_y, along_z)
+    /// Returns the derivatives of the force components over the position as far as the direction of
+    /// the contact turns, each over Y and Z.
+    pub(super) fn turning_gradients(&self) -> ((f32, f32), (f32, f32)) {
+        let Place { normal_y, normal_z, nearness, .. } = self.place;
+        let along = (self.friction * normal_y + self.normal * normal_z) * nearness;
+        let across = (self.friction * normal_z - self.normal * normal_y) * nearness;
+        ((-along * normal_z, along * normal_y), (-across * normal_z, across * normal_y))
     }
 }
 
@@ -197,14 +189,15 @@ impl ContactModel {
     /// Returns the kinematics of the contact at a state.
     pub(super) fn place(&self, motion: &Motion, bias: &Bias) -> Place {
         let [y, z, speed_y, speed_z] = (*motion).into();
-        let distance = libm::sqrtf(y * y + z * z).max(MIN_DISTANCE_M);
-        let (normal_y, normal_z) = (y / distance, z / distance);
+        let square = (y * y + z * z).max(MIN_DISTANCE_M * MIN_DISTANCE_M);
+        let nearness = inverse_root(square);
+        let (normal_y, normal_z) = (y * nearness, z * nearness);
         let gap = (self.clearance + bias[CLEARANCE]).max(MIN_DISTANCE_M);
         Place {
             normal_y,
             normal_z,
-            distance,
-            deformation: distance - gap,
+            nearness,
+            deformation: square * nearness - gap,
             rate: normal_y * speed_y + normal_z * speed_z,
             around: normal_y * speed_z - normal_z * speed_y,
             gap,
@@ -213,10 +206,11 @@ impl ContactModel {
 
     /// Returns force over the square of the deformation, `S(d)`, in N/m2, and its derivative.
     fn shape(&self, gap: f32, deformation: f32) -> (f32, f32) {
-        let sum = gap + deformation;
         let size = 3.0 * gap + 2.0 * deformation;
-        let shape = self.modulus * size / (sum * libm::sqrtf(sum));
-        (shape, shape * (2.0 / size - 1.5 / sum))
+        let root = inverse_root(gap + deformation);
+        let square = root * root;
+        let power = self.modulus * square * root;
+        (power * size, power * (2.0 - 1.5 * size * square))
     }
 
     /// Returns the elastic force of a deformation as large as the noise of the position sensors, N:
@@ -279,11 +273,6 @@ impl ContactModel {
             let steepest = self.friction.static_coefficient * forces.normal;
             forces.friction_curvature = (0.5 * TANH_CURVATURE * ratio * ratio).min(0.3) * steepest;
         }
-    }
-
-    /// Returns whether friction may turn abruptly at a sliding speed.
-    pub(super) fn turns_abruptly(&self, sliding: f32) -> bool {
-        sliding.abs() < 5.0 * self.friction.regularisation_m_s
     }
 }
 

@@ -18,10 +18,20 @@ pub(super) struct DriveTracker {
     state: Vector4<f32>,
     covariance: Matrix4<f32>,
     gain: Vector4<f32>,
-    jerk_time: f32,
-    jerk_variance: f32,
-    noise_variance: f32,
     remaining_s: f32,
+}
+
+/// Constants of the drive's motion over a sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DriveModel {
+    period: f32,
+    /// Half of the period's square, a sixth of its cube.
+    powers: (f32, f32),
+    /// Share of the jerk that is left after a sample.
+    jerk_share: f32,
+    /// Variance that the jerk gains in a sample.
+    jerk_noise: f32,
+    noise_variance: f32,
 }
 
 /// Motion of the drive at a time.
@@ -30,6 +40,32 @@ pub(super) struct DriveMotion {
     pub(super) displacement: f32,
     pub(super) speed: f32,
     pub(super) acceleration: f32,
+}
+
+impl DriveModel {
+    pub(super) fn new(config: &FilterConfiguration) -> Self {
+        let (jerk, time, noise) = (config.jerk_sd(), config.jerk_time(), config.displacement_noise());
+        let period = config.sample_period_s;
+        Self {
+            period,
+            powers: (0.5 * period * period, period * period * period / 6.0),
+            jerk_share: 1.0 - period / time,
+            jerk_noise: jerk * jerk * 2.0 * period / time,
+            noise_variance: noise * noise,
+        }
+    }
+
+    /// Returns a state one sample on.
+    fn moved(&self, state: &Vector4<f32>) -> Vector4<f32> {
+        let Self { period, powers: (half, sixth), jerk_share, .. } = *self;
+        let [displacement, speed, acceleration, jerk] = (*state).into();
+        Vector4::new(
+            displacement + period * speed + half * acceleration + sixth * jerk,
+            speed + period * acceleration + half * jerk,
+            acceleration + period * jerk,
+            jerk_share * jerk,
+        )
+    }
 }
 
 impl DriveTracker {
@@ -42,9 +78,6 @@ impl DriveTracker {
             state: Vector4::new(displacement, 0.0, 0.0, 0.0),
             covariance: Matrix4::from_diagonal(&sds.component_mul(&sds)),
             gain: Vector4::zeros(),
-            jerk_time: time,
-            jerk_variance: jerk * jerk,
-            noise_variance: noise * noise,
             remaining_s: SETTLING * time,
         }
     }
@@ -60,41 +93,37 @@ impl DriveTracker {
         self.covariance.m33
     }
 
-    /// Extrapolates the motion by a time in s.
-    pub(super) fn advance(&mut self, time: f32) {
-        self.state = transition(time, self.jerk_time) * self.state;
+    /// Extrapolates the motion by a sample.
+    pub(super) fn advance(&mut self, model: &DriveModel) {
+        self.state = model.moved(&self.state);
     }
 
-    /// Corrects the extrapolated motion by a measured displacement, one sample period after the
-    /// last one.
-    pub(super) fn correct(&mut self, period: f32, displacement: f32) {
+    /// Corrects the extrapolated motion by a measured displacement.
+    pub(super) fn correct(&mut self, model: &DriveModel, displacement: f32) {
         if self.remaining_s > 0.0 {
-            self.remaining_s -= period;
-            self.update_gain(period);
+            self.remaining_s -= model.period;
+            self.update_gain(model);
         }
         self.state += self.gain * (displacement - self.state.x);
     }
 
     /// Advances the covariance by a sample and derives the gain from it.
-    fn update_gain(&mut self, period: f32) {
-        let transition = transition(period, self.jerk_time);
-        let mut predicted = transition * self.covariance * transition.transpose();
-        predicted.m44 += self.jerk_variance * 2.0 * period / self.jerk_time;
+    fn update_gain(&mut self, model: &DriveModel) {
+        let moved = |matrix: &Matrix4<f32>| {
+            let [x, speed, acceleration, jerk] =
+                [0, 1, 2, 3].map(|column| model.moved(&matrix.column(column).into_owned()));
+            Matrix4::from_columns(&[x, speed, acceleration, jerk])
+        };
+        let mut predicted = moved(&moved(&self.covariance).transpose());
+        predicted.m44 += model.jerk_noise;
         let first = predicted.column(0).into_owned();
-        self.gain = first / (first.x + self.noise_variance);
-        let corrected = predicted - self.gain * first.transpose();
-        self.covariance = (corrected + corrected.transpose()) * 0.5;
+        self.gain = first * (1.0 / (first.x + model.noise_variance));
+        for column in 0..4 {
+            for row in 0..=column {
+                let value = predicted[(row, column)] - self.gain[row] * first[column];
+                self.covariance[(row, column)] = value;
+                self.covariance[(column, row)] = value;
+            }
+        }
     }
-}
-
-/// Returns the transition over a time for a jerk of a correlation time.
-fn transition(time: f32, jerk_time: f32) -> Matrix4<f32> {
-    let (half, sixth) = (0.5 * time * time, time * time * time / 6.0);
-    let keeps = 1.0 - time / jerk_time;
-    Matrix4::new(
-        1.0, time, half, sixth, //
-        0.0, 1.0, time, half, //
-        0.0, 0.0, 1.0, time, //
-        0.0, 0.0, 0.0, keeps,
-    )
 }

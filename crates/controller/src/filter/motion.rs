@@ -12,13 +12,14 @@
 //! second order. Positions are integrals of speeds, so its linear systems reduce to two by two. The
 //! transition of the covariance is the derivative of the same step.
 
+use super::arithmetic::{inverse_root, root};
 use super::configuration::{FilterConfiguration, GRAVITY};
-use super::contact::{ContactModel, Deviations, Forces, Turning};
+use super::contact::{ContactModel, Deviations, Forces, Place, Turning};
 use super::drive::DriveMotion;
 use super::state::{
-    BIAS, Bias, Covariance, DAMPING, Gradient, MOTION, Motion, RESIDUAL, STIFFNESS, Transition,
+    Bias, Covariance, DAMPING, FRICTION, Gradient, Motion, Pair, RESIDUAL, STIFFNESS, Transition,
 };
-use nalgebra::{Matrix2, SMatrix, Vector2};
+use nalgebra::Matrix2;
 
 /// `1 - 1/sqrt 2`.
 const GAMMA: f32 = 0.292_893_22;
@@ -26,7 +27,6 @@ const GAMMA: f32 = 0.292_893_22;
 const MAX_SINE: f32 = 0.95;
 /// Least determinant of a step's linear system; that of a stable contact is 1 or more.
 const MIN_DETERMINANT: f32 = 1e-3;
-
 /// Least standard deviation of the deformation, m.
 const MIN_DEVIATION_M: f32 = 1e-10;
 
@@ -35,14 +35,18 @@ const MIN_DEVIATION_M: f32 = 1e-10;
 pub(super) struct Dynamics {
     pub(super) contact: ContactModel,
     mass: f32,
+    inverse_mass: f32,
     inertia: f32,
     drive_lever: f32,
+    inverse_drive_lever: f32,
     load_share: f32,
     journal_radius: f32,
-    residual_time: f32,
+    time: f32,
+    /// Share of the residual force that is left after a sample.
+    residual_share: f32,
 }
 
-/// Inputs of a step.
+/// Inputs of the equations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inputs {
     pub(super) drive: DriveMotion,
@@ -54,14 +58,22 @@ pub(super) struct Inputs {
 #[derive(Clone, Copy, Debug)]
 struct Crank {
     sine: f32,
-    lever: f32,
+    /// 1 over the crank's length across the drive's direction, 1/m.
+    nearness: f32,
     turning: f32,
+}
+
+/// Crank and contact at a state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Located {
+    crank: Crank,
+    pub(super) place: Place,
 }
 
 /// Accelerations of the journal and what they consist of.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evaluated {
-    acceleration: Vector2<f32>,
+    acceleration: Pair,
     /// Force of the drive on the crank pin, N.
     pub(super) drive_force: f32,
     pub(super) forces: Forces,
@@ -72,13 +84,14 @@ pub(super) struct Evaluated {
     per_z: f32,
 }
 
-/// Gradients of two quantities, a row for each.
-type Rows = SMatrix<f32, 2, { MOTION + BIAS }>;
-
-/// Gradients of the accelerations, and of the drive's force.
-pub(super) struct Gradients {
-    accelerations: (Gradient, Gradient),
-    bearing_y: Gradient,
+/// Gradients of the accelerations.
+struct Linearised {
+    /// Over the positions.
+    by_position: Matrix2<f32>,
+    /// Over the speeds.
+    by_speed: Matrix2<f32>,
+    /// Over the bias, along Y and Z.
+    by_bias: [Bias; 2],
 }
 
 /// Result of a step.
@@ -94,37 +107,30 @@ impl Dynamics {
         Self {
             contact: ContactModel::new(config),
             mass: config.mass_kg,
+            inverse_mass: 1.0 / config.mass_kg,
             inertia: config.inertia_kg_m2,
             drive_lever: config.drive_lever_m,
+            inverse_drive_lever: 1.0 / config.drive_lever_m,
             load_share: 1.0 - config.load_lever_m / config.drive_lever_m,
             journal_radius: config.journal_radius_m,
-            residual_time: config.residual_time(),
+            time: config.sample_period_s,
+            residual_share: 1.0 / (1.0 + config.sample_period_s / config.residual_time()),
         }
     }
 
-    fn crank(&self, drive: &DriveMotion, motion: &Motion) -> Crank {
-        let sine = ((drive.displacement - motion.x) / self.drive_lever).clamp(-MAX_SINE, MAX_SINE);
-        let lever = self.drive_lever * libm::sqrtf(1.0 - sine * sine);
-        Crank { sine, lever, turning: (drive.speed - motion.z) / lever }
-    }
-
-    /// Returns sliding speed without the journal's own motion, m/s: friction turns where it is
-    /// small.
-    pub(super) fn surface_speed(&self, drive: &DriveMotion, motion: &Motion) -> f32 {
-        self.crank(drive, motion).turning * self.journal_radius
+    /// Returns crank and contact at a state.
+    pub(super) fn locate(&self, motion: &Motion, bias: &Bias, drive: &DriveMotion) -> Located {
+        let sine = ((drive.displacement - motion.x) * self.inverse_drive_lever).clamp(-MAX_SINE, MAX_SINE);
+        let nearness = self.inverse_drive_lever * inverse_root(1.0 - sine * sine);
+        let turning = (drive.speed - motion.z) * nearness;
+        Located { crank: Crank { sine, nearness, turning }, place: self.contact.place(motion, bias) }
     }
 
     /// Returns the standard deviations that decide how the contact is linearised.
-    pub(super) fn deviations(
-        &self,
-        motion: &Motion,
-        bias: &Bias,
-        drive: &DriveMotion,
-        covariance: &Covariance,
-    ) -> Deviations {
-        let place = self.contact.place(motion, bias);
+    pub(super) fn deviations(&self, at: &Located, covariance: &Covariance) -> Deviations {
+        let Located { crank, place } = at;
         let (tangent_y, tangent_z) = place.tangent();
-        let slip = -self.journal_radius / self.crank(drive, motion).lever - tangent_y;
+        let slip = -self.journal_radius * crank.nearness - tangent_y;
         Deviations {
             deformation: root(covariance.deformation_variance(place.normal_y, place.normal_z))
                 .max(MIN_DEVIATION_M),
@@ -134,49 +140,45 @@ impl Dynamics {
         }
     }
 
-    /// Returns accelerations and forces at a state.
+    /// Returns accelerations and forces where crank and contact have been located.
     pub(super) fn evaluate(
         &self,
-        motion: &Motion,
+        at: &Located,
         bias: &Bias,
         inputs: &Inputs,
         deviations: &Deviations,
     ) -> Evaluated {
-        let Crank { sine, lever, turning } = self.crank(&inputs.drive, motion);
-        let arm = self.journal_radius / lever;
-        let place = self.contact.place(motion, bias);
+        let Crank { sine, nearness, turning } = at.crank;
+        let arm = self.journal_radius * nearness;
         let surface =
             Turning { surface: turning * self.journal_radius, slope: -arm, approach: inputs.approach };
-        let forces = self.contact.forces(place, bias, &surface, deviations);
-        let reflected = self.inertia / (lever * lever);
-        let (per_y, per_z) = (1.0 / (self.mass + reflected), 1.0 / self.mass);
+        let forces = self.contact.forces(at.place, bias, &surface, deviations);
+        let reflected = self.inertia * nearness * nearness;
+        let (per_y, per_z) = (1.0 / (self.mass + reflected), self.inverse_mass);
         let (force_y, force_z) = forces.components();
         let driven = reflected * (inputs.drive.acceleration + self.drive_lever * sine * turning * turning);
-        let residual = bias.get(RESIDUAL).copied().unwrap_or_default();
-        let along = driven + inputs.load * self.load_share + residual + force_y - forces.friction * arm;
-        let acceleration = Vector2::new(along * per_y, force_z * per_z - GRAVITY);
+        let along = driven + inputs.load * self.load_share + bias[RESIDUAL] + force_y - forces.friction * arm;
+        let acceleration = Pair::new(along * per_y, force_z * per_z - GRAVITY);
         let drive_force = self.mass * acceleration.x - inputs.load - force_y;
         Evaluated { acceleration, drive_force, forces, arm, per_y, per_z }
     }
 
-    /// Advances the motion by a time in s; `inputs` at its start and at its end.
+    /// Advances the motion by a sample, from the evaluated start; `inputs` at its end.
     pub(super) fn step(
         &self,
         motion: &Motion,
         bias: &Bias,
-        inputs: [&Inputs; 2],
+        start: &Evaluated,
+        inputs: &Inputs,
         deviations: &Deviations,
-        time: f32,
     ) -> Step {
-        let [start, end] = inputs;
-        let at_start = self.evaluate(motion, bias, start, deviations);
-        let (y, z) = at_start.gradients().accelerations;
-        let accelerations = Rows::from_rows(&[y.transpose(), z.transpose()]);
-        let solver = Solver::new(&accelerations, time);
+        let time = self.time;
+        let linearised = start.linearised();
+        let solver = Solver::new(&linearised, time);
         let (positions, speeds) = split(motion);
-        let (first_p, first_v) = solver.solve(speeds, at_start.acceleration);
+        let (first_p, first_v) = solver.solve(speeds, start.acceleration);
         let midway = join(positions + first_p * time, speeds + first_v * time);
-        let at_end = self.evaluate(&midway, bias, end, deviations);
+        let at_end = self.evaluate(&self.locate(&midway, bias, &inputs.drive), bias, inputs, deviations);
         let (_, end_speeds) = split(&midway);
         let (second_p, second_v) =
             solver.solve(end_speeds - first_p * 2.0, at_end.acceleration - first_v * 2.0);
@@ -184,9 +186,8 @@ impl Dynamics {
             positions + (first_p * 1.5 + second_p * 0.5) * time,
             speeds + (first_v * 1.5 + second_v * 0.5) * time,
         );
-        let residual = 1.0 / (1.0 + time / self.residual_time);
-        let curvature = at_start.curvature_noise(time);
-        Step { motion, transition: solver.transition(&accelerations, residual), curvature }
+        let transition = solver.transition(linearised.by_bias, self.residual_share);
+        Step { motion, transition, curvature: start.curvature_noise(time) }
     }
 }
 
@@ -196,98 +197,127 @@ impl Evaluated {
         root(self.acceleration.norm_squared())
     }
 
-    /// Returns the gradients over motion and bias.
-    pub(super) fn gradients(&self) -> Gradients {
-        let normal = self.forces.normal_gradient();
-        let friction = self.forces.friction_gradient(&normal);
-        let (bearing_y, bearing_z) = self.forces.component_gradients(&normal, &friction);
-        let mut along_y = bearing_y - friction * self.arm;
-        along_y[MOTION + RESIDUAL] = 1.0;
-        Gradients { accelerations: (along_y * self.per_y, bearing_z * self.per_z), bearing_y }
+    /// Accelerations per newton of friction.
+    fn per_friction(&self) -> Pair {
+        let place = self.forces.place;
+        Pair::new((place.normal_z - self.arm) * self.per_y, -place.normal_y * self.per_z)
+    }
+
+    /// Accelerations per newton of normal force, without its friction.
+    fn per_normal(&self) -> Pair {
+        let place = self.forces.place;
+        Pair::new(-place.normal_y * self.per_y, -place.normal_z * self.per_z)
+    }
+
+    /// Returns the gradients of the accelerations.
+    fn linearised(&self) -> Linearised {
+        let forces = &self.forces;
+        let Gradient { motion: normal, bias } = forces.normal_gradient();
+        let sliding = forces.sliding_gradient();
+        let by_friction = self.per_friction();
+        let by_normal = self.per_normal() + by_friction * forces.by_normal;
+        let column = |place: usize| by_normal * normal[place] + by_friction * sliding[place];
+        let ((y_by_y, y_by_z), (z_by_y, z_by_z)) = forces.turning_gradients();
+        let turning =
+            Matrix2::new(y_by_y * self.per_y, y_by_z * self.per_y, z_by_y * self.per_z, z_by_z * self.per_z);
+        let mut by_bias = [bias * by_normal.x, bias * by_normal.y];
+        let [along_y, along_z] = &mut by_bias;
+        along_y[RESIDUAL] = self.per_y;
+        along_y[FRICTION] = forces.by_friction_factor * by_friction.x;
+        along_z[FRICTION] = forces.by_friction_factor * by_friction.y;
+        Linearised {
+            by_position: Matrix2::from_columns(&[column(0), column(1)]) + turning,
+            by_speed: Matrix2::from_columns(&[column(2), column(3)]),
+            by_bias,
+        }
     }
 
     /// Returns the gradient of the drive's force.
     pub(super) fn drive_force_gradient(&self) -> Gradient {
-        let Gradients { accelerations: (along_y, _), bearing_y } = self.gradients();
-        along_y * (1.0 / self.per_z) - bearing_y
+        let forces = &self.forces;
+        let Linearised { by_position, by_speed, by_bias: [along_y, _] } = self.linearised();
+        let Gradient { motion: normal, bias } = forces.normal_gradient();
+        let sliding = forces.sliding_gradient();
+        let (normal_y, normal_z) = (forces.place.normal_y, forces.place.normal_z);
+        let by_normal = forces.by_normal * normal_z - normal_y;
+        let ((y_by_y, y_by_z), _) = forces.turning_gradients();
+        let mut bearing = Gradient {
+            motion: normal * by_normal + sliding * normal_z + Motion::new(y_by_y, y_by_z, 0.0, 0.0),
+            bias: bias * by_normal,
+        };
+        bearing.bias[FRICTION] = forces.by_friction_factor * normal_z;
+        let accelerated = Motion::new(by_position.m11, by_position.m12, by_speed.m11, by_speed.m12);
+        let mass = 1.0 / self.per_z;
+        Gradient { motion: accelerated * mass - bearing.motion, bias: along_y * mass - bearing.bias }
     }
 
     /// Returns the covariance of the speeds that the second-order terms of the forces add in a time
     /// in s.
     fn curvature_noise(&self, time: f32) -> Matrix2<f32> {
-        let Forces { place, normal_curvature, friction_curvature, .. } = self.forces;
-        let normal = Vector2::new(-place.normal_y * self.per_y, -place.normal_z * self.per_z)
-            * (normal_curvature * time);
-        let friction = Vector2::new((place.normal_z - self.arm) * self.per_y, -place.normal_y * self.per_z)
-            * (friction_curvature * time);
-        normal * normal.transpose() + friction * friction.transpose()
+        let normal = self.per_normal() * (self.forces.normal_curvature * time);
+        let friction = self.per_friction() * (self.forces.friction_curvature * time);
+        let across = normal.x * normal.y + friction.x * friction.y;
+        Matrix2::new(
+            normal.x * normal.x + friction.x * friction.x,
+            across,
+            across,
+            normal.y * normal.y + friction.y * friction.y,
+        )
     }
 }
 
-/// Linear systems of a step.
+/// Linear systems of a step: `M = (1 - gamma h J)^-1` in blocks of two by two.
 struct Solver {
     by_position: Matrix2<f32>,
     by_speed: Matrix2<f32>,
     inverse: Matrix2<f32>,
+    part: f32,
     time: f32,
 }
 
 impl Solver {
-    fn new(accelerations: &Rows, time: f32) -> Self {
-        let by_position = accelerations.fixed_columns::<2>(0).into_owned();
-        let by_speed = accelerations.fixed_columns::<2>(2).into_owned();
+    fn new(linearised: &Linearised, time: f32) -> Self {
+        let Linearised { by_position, by_speed, .. } = *linearised;
         let part = GAMMA * time;
         let system = Matrix2::identity() - (by_speed + by_position * part) * part;
         let determinant = system.m11 * system.m22 - system.m12 * system.m21;
         let adjugate = Matrix2::new(system.m22, -system.m12, -system.m21, system.m11);
         let inverse = adjugate * (1.0 / determinant.max(MIN_DETERMINANT));
-        Self { by_position, by_speed, inverse, time }
+        Self { by_position, by_speed, inverse, part, time }
     }
 
-    /// Solves `(1 - gamma h J) k = r` for the parts of positions and speeds.
-    fn solve<const N: usize>(
-        &self,
-        positions: SMatrix<f32, 2, N>,
-        speeds: SMatrix<f32, 2, N>,
-    ) -> (SMatrix<f32, 2, N>, SMatrix<f32, 2, N>) {
-        let part = GAMMA * self.time;
-        let solved = self.inverse * (speeds + self.by_position * positions * part);
-        (positions + solved * part, solved)
+    /// Solves `k = M r` for the parts of positions and speeds.
+    fn solve(&self, positions: Pair, speeds: Pair) -> (Pair, Pair) {
+        let solved = self.inverse * (speeds + self.by_position * positions * self.part);
+        (positions + solved * self.part, solved)
     }
 
-    /// Returns the derivative of the step over motion and bias: the step applied to its own
-    /// Jacobian, in which the bias stays as it is.
-    fn transition(&self, accelerations: &Rows, residual: f32) -> Transition {
-        let time = self.time;
-        let mut speeds = Rows::zeros();
-        speeds.fixed_view_mut::<2, 2>(0, 2).fill_with_identity();
-        let (first_p, first_v) = self.solve(speeds, *accelerations);
-        let moved = self.by_position * first_p + self.by_speed * first_v;
-        let (second_p, second_v) =
-            self.solve(speeds + first_v * time - first_p * 2.0, accelerations + moved * time - first_v * 2.0);
-        let mut positions = (first_p * 1.5 + second_p * 0.5) * time;
-        let mut own = positions.fixed_view_mut::<2, 2>(0, 0);
-        own += Matrix2::identity();
-        let speeds = speeds + (first_v * 1.5 + second_v * 0.5) * time;
-        let mut transition = Transition { by_motion: SMatrix::zeros(), by_bias: SMatrix::zeros(), residual };
-        let Transition { by_motion, by_bias, .. } = &mut transition;
-        by_motion.fixed_view_mut::<2, MOTION>(0, 0).copy_from(&positions.fixed_columns::<MOTION>(0));
-        by_motion.fixed_view_mut::<2, MOTION>(2, 0).copy_from(&speeds.fixed_columns::<MOTION>(0));
-        by_bias.fixed_view_mut::<2, BIAS>(0, 0).copy_from(&positions.fixed_columns::<BIAS>(MOTION));
-        by_bias.fixed_view_mut::<2, BIAS>(2, 0).copy_from(&speeds.fixed_columns::<BIAS>(MOTION));
-        transition
+    /// Returns the derivative of the step over motion and bias.
+    ///
+    /// For linear equations the step is `1 + f(J) J` with `f = h (gamma M + (1 - gamma) M^2)`. The
+    /// right column of `f` is the response to an acceleration; `f` and `J` commute.
+    fn transition(&self, accelerations: [Bias; 2], residual: f32) -> Transition {
+        let Self { by_position, by_speed, inverse, part, time } = self;
+        let square = inverse * inverse + inverse * by_position * inverse * (part * part);
+        let (once, twice) = (GAMMA * time, (1.0 - GAMMA) * time);
+        let positions = (inverse * once + (inverse + square) * twice) * *part;
+        let speeds = inverse * once + square * twice;
+        let moved = positions * by_position;
+        Transition {
+            by_position: [Matrix2::identity() + moved, speeds * by_position],
+            by_speed: [speeds, Matrix2::identity() + moved + speeds * by_speed],
+            response: [positions, speeds],
+            accelerations,
+            residual,
+        }
     }
 }
 
-fn root(value: f32) -> f32 {
-    libm::sqrtf(value)
-}
-
-fn split(motion: &Motion) -> (Vector2<f32>, Vector2<f32>) {
+fn split(motion: &Motion) -> (Pair, Pair) {
     let [y, z, speed_y, speed_z] = (*motion).into();
-    (Vector2::new(y, z), Vector2::new(speed_y, speed_z))
+    (Pair::new(y, z), Pair::new(speed_y, speed_z))
 }
 
-fn join(positions: Vector2<f32>, speeds: Vector2<f32>) -> Motion {
+fn join(positions: Pair, speeds: Pair) -> Motion {
     Motion::new(positions.x, positions.y, speeds.x, speeds.y)
 }

@@ -1,12 +1,15 @@
 //! State of the filter and its covariance, in blocks: the motion, which has dynamics, and the bias,
 //! which hardly has.
+//!
+//! No product of dense matrices: every operation is a sum of multiples of columns, and uses that
+//! the blocks of motion and bias are symmetric.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Number of states of the motion: y, z, y', z' in m and m/s.
 pub(super) const MOTION: usize = 4;
 /// Number of states of the bias: residual force in N, stiffness factor less 1, clearance less the
-/// described one in m, friction factor less 1, damping factor less 1.
+/// described one in m, friction factor less 1, logarithm of the damping factor.
 pub(super) const BIAS: usize = 5;
 /// Places in the bias.
 pub(super) const RESIDUAL: usize = 0;
@@ -17,22 +20,44 @@ pub(super) const DAMPING: usize = 4;
 
 pub(super) type Motion = SVector<f32, MOTION>;
 pub(super) type Bias = SVector<f32, BIAS>;
+
 /// Derivative of a scalar over motion and bias.
-pub(super) type Gradient = SVector<f32, { MOTION + BIAS }>;
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gradient {
+    pub(super) motion: Motion,
+    pub(super) bias: Bias,
+}
+
+/// Covariance of a linear function of the state with the state, and the function's variance.
+pub(super) struct Projection {
+    pub(super) motion: Motion,
+    pub(super) bias: Bias,
+    /// Variance, 0 or more.
+    pub(super) variance: f32,
+}
 
 /// Covariance of motion and bias.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Covariance {
+    /// Of the motion; symmetric.
     motion: SMatrix<f32, MOTION, MOTION>,
-    cross: SMatrix<f32, MOTION, BIAS>,
+    /// Of each state of the motion, a column for each, with the bias.
+    cross: SMatrix<f32, BIAS, MOTION>,
+    /// Of the bias; symmetric.
     bias: SMatrix<f32, BIAS, BIAS>,
 }
 
-/// Transition of the motion over a step, by motion and by bias.
+/// Transition of the motion over a sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Transition {
-    pub(super) by_motion: SMatrix<f32, MOTION, MOTION>,
-    pub(super) by_bias: SMatrix<f32, MOTION, BIAS>,
+    /// Derivatives of positions and speeds over the positions.
+    pub(super) by_position: [Matrix2<f32>; 2],
+    /// Derivatives of positions and speeds over the speeds.
+    pub(super) by_speed: [Matrix2<f32>; 2],
+    /// Positions and speeds at the end for a constant unit acceleration.
+    pub(super) response: [Matrix2<f32>; 2],
+    /// Derivatives of the accelerations along Y and Z over the bias.
+    pub(super) accelerations: [Bias; 2],
     /// Share of the residual force that is left.
     pub(super) residual: f32,
 }
@@ -43,6 +68,13 @@ pub(super) struct Correction {
     pub(super) bias: Bias,
     /// Square of the innovation over its variance.
     pub(super) normalised: f32,
+}
+
+impl Projection {
+    /// Returns the covariance with another linear function.
+    pub(super) fn covariance(&self, gradient: &Gradient) -> f32 {
+        self.motion.dot(&gradient.motion) + self.bias.dot(&gradient.bias)
+    }
 }
 
 impl Covariance {
@@ -57,19 +89,35 @@ impl Covariance {
 
     /// Advances by a transition; the bias has unit dynamics but for the residual force.
     pub(super) fn advance(&mut self, transition: &Transition) {
-        let Transition { by_motion, by_bias, residual } = transition;
-        let moved = by_motion * self.motion + by_bias * self.cross.transpose();
-        let mut cross = by_motion * self.cross + by_bias * self.bias;
-        let motion = moved * by_motion.transpose() + cross * by_bias.transpose();
-        self.motion = (motion + motion.transpose()) * 0.5;
-        cross.column_mut(RESIDUAL).scale_mut(*residual);
+        let [along_y, along_z] = &transition.accelerations;
+        // Covariances of the accelerations that the bias causes: with the bias, with the motion.
+        let (bias_y, bias_z) = (product(&self.bias, along_y), product(&self.bias, along_z));
+        let (motion_y, motion_z) = (self.cross.tr_mul(along_y), self.cross.tr_mul(along_z));
+        let mut motion = SMatrix::<f32, MOTION, MOTION>::zeros();
+        let mut cross = SMatrix::<f32, BIAS, MOTION>::zeros();
+        let rows = [0, 1, 2, 3].map(|place| transition.row(place));
+        for (place, ([y, z, speed_y, speed_z], [by_y, by_z])) in rows.iter().enumerate() {
+            let column = mixed(&self.cross, [*y, *z, *speed_y, *speed_z]) + bias_y * *by_y + bias_z * *by_z;
+            let moved =
+                mixed(&self.motion, [*y, *z, *speed_y, *speed_z]) + motion_y * *by_y + motion_z * *by_z;
+            let (caused_y, caused_z) = (column.dot(along_y), column.dot(along_z));
+            for (other, ([y, z, speed_y, speed_z], [by_y, by_z])) in rows.iter().enumerate().skip(place) {
+                let sum = moved.x * y + moved.y * z + moved.z * speed_y + moved.w * speed_z;
+                let value = sum + caused_y * by_y + caused_z * by_z;
+                motion[(other, place)] = value;
+                motion[(place, other)] = value;
+            }
+            cross.set_column(place, &column);
+        }
+        self.motion = motion;
+        cross.row_mut(RESIDUAL).scale_mut(transition.residual);
         self.cross = cross;
-        self.bias.column_mut(RESIDUAL).scale_mut(*residual);
-        self.bias.row_mut(RESIDUAL).scale_mut(*residual);
+        self.bias.column_mut(RESIDUAL).scale_mut(transition.residual);
+        self.bias.row_mut(RESIDUAL).scale_mut(transition.residual);
     }
 
     /// Adds process noise: variances of the speeds, and of the bias.
-    pub(super) fn add_noise(&mut self, speeds: &SMatrix<f32, 2, 2>, bias: &Bias) {
+    pub(super) fn add_noise(&mut self, speeds: &Matrix2<f32>, bias: &Bias) {
         let mut block = self.motion.fixed_view_mut::<2, 2>(2, 2);
         block += speeds;
         self.bias.set_diagonal(&(self.bias.diagonal() + bias));
@@ -77,7 +125,7 @@ impl Covariance {
 
     /// Forgets everything about a bias and sets its deviation.
     pub(super) fn restart_bias(&mut self, place: usize, deviation: f32) {
-        self.cross.column_mut(place).fill(0.0);
+        self.cross.row_mut(place).fill(0.0);
         self.bias.column_mut(place).fill(0.0);
         self.bias.row_mut(place).fill(0.0);
         if let Some(variance) = self.bias.get_mut((place, place)) {
@@ -86,18 +134,22 @@ impl Covariance {
     }
 
     /// Returns the covariance of the state with a linear function of it.
-    fn covariance_with(&self, gradient: &Gradient) -> (Motion, Bias) {
-        let motion = gradient.fixed_rows::<MOTION>(0);
-        let bias = gradient.fixed_rows::<BIAS>(MOTION);
-        (self.motion * motion + self.cross * bias, self.cross.tr_mul(&motion) + self.bias * bias)
+    pub(super) fn project(&self, gradient: &Gradient) -> Projection {
+        let Gradient { motion, bias } = gradient;
+        let mut projection = Projection {
+            motion: mixed(&self.motion, (*motion).into()) + self.cross.tr_mul(bias),
+            bias: mixed(&self.cross, (*motion).into()) + product(&self.bias, bias),
+            variance: 0.0,
+        };
+        projection.variance = projection.covariance(gradient).max(0.0);
+        projection
     }
 
-    /// Returns the variance of a linear function of the state, 0 or more.
-    pub(super) fn variance(&self, gradient: &Gradient) -> f32 {
-        let (motion, bias) = self.covariance_with(gradient);
-        let sum =
-            gradient.fixed_rows::<MOTION>(0).dot(&motion) + gradient.fixed_rows::<BIAS>(MOTION).dot(&bias);
-        sum.max(0.0)
+    /// Returns the variance of a linear function of the motion and one bias.
+    pub(super) fn variance(&self, motion: &Motion, place: usize, by_bias: f32) -> f32 {
+        let own = mixed(&self.motion, (*motion).into()).dot(motion);
+        let shared: f32 = self.cross.row(place).iter().zip(motion).map(|(c, by)| c * by).sum();
+        own + by_bias * (2.0 * shared + by_bias * self.bias_variance(place))
     }
 
     /// Returns the variance of the deformation in a direction.
@@ -105,7 +157,7 @@ impl Covariance {
         let (p, c) = (&self.motion, &self.cross);
         let along = normal_y * normal_y * p.m11 + normal_z * normal_z * p.m22;
         let across =
-            normal_y * normal_z * p.m12 - normal_y * c[(0, CLEARANCE)] - normal_z * c[(1, CLEARANCE)];
+            normal_y * normal_z * p.m12 - normal_y * c[(CLEARANCE, 0)] - normal_z * c[(CLEARANCE, 1)];
         (along + 2.0 * across + self.bias_variance(CLEARANCE)).max(0.0)
     }
 
@@ -128,25 +180,21 @@ impl Covariance {
     /// Corrects by the position of the journal along an axis, 0 for y and 1 for z.
     pub(super) fn correct_position(&mut self, axis: usize, innovation: f32, noise: f32) -> Correction {
         let motion = self.motion.column(axis).into_owned();
-        let bias = self.cross.row(axis).transpose();
-        let variance = motion.get(axis).copied().unwrap_or_default() + noise;
-        self.correct(motion, bias, innovation, variance)
+        let bias = self.cross.column(axis).into_owned();
+        let variance = motion.get(axis).copied().unwrap_or_default();
+        self.correct(&Projection { motion, bias, variance }, innovation, noise)
     }
 
-    /// Corrects by a linear function of the state.
-    pub(super) fn correct_scalar(&mut self, gradient: &Gradient, innovation: f32, noise: f32) -> Correction {
-        let (motion, bias) = self.covariance_with(gradient);
-        let variance = self.variance(gradient) + noise;
-        self.correct(motion, bias, innovation, variance)
-    }
-
-    /// Subtracts the information of a measurement; `variance` of the innovation, above 0.
-    fn correct(&mut self, motion: Motion, bias: Bias, innovation: f32, variance: f32) -> Correction {
-        let inverse = 1.0 / variance;
+    /// Corrects by the measurement of a linear function of the state.
+    pub(super) fn correct(&mut self, measured: &Projection, innovation: f32, noise: f32) -> Correction {
+        let Projection { motion, bias, variance } = measured;
+        let inverse = 1.0 / (variance + noise);
         let (motion_gain, bias_gain) = (motion * inverse, bias * inverse);
-        self.motion -= motion_gain * motion.transpose();
-        self.cross -= motion_gain * bias.transpose();
-        self.bias -= bias_gain * bias.transpose();
+        subtract(&mut self.motion, &motion_gain, motion);
+        subtract(&mut self.bias, &bias_gain, bias);
+        for (mut column, gain) in self.cross.column_iter_mut().zip(&motion_gain) {
+            column -= bias * *gain;
+        }
         Correction {
             motion: motion_gain * innovation,
             bias: bias_gain * innovation,
@@ -154,3 +202,52 @@ impl Covariance {
         }
     }
 }
+
+impl Transition {
+    /// Returns the derivatives of a state of the motion over the motion, and its response to the
+    /// accelerations.
+    fn row(&self, place: usize) -> ([f32; MOTION], [f32; 2]) {
+        let (block, row) = (place / 2, place % 2);
+        let [position, speed, response] =
+            [&self.by_position, &self.by_speed, &self.response].map(|parts| parts[block].row(row));
+        ([position[0], position[1], speed[0], speed[1]], [response[0], response[1]])
+    }
+}
+
+/// Returns a sum of multiples of a matrix's columns.
+fn mixed<const N: usize>(matrix: &SMatrix<f32, N, MOTION>, shares: [f32; MOTION]) -> SVector<f32, N> {
+    let [y, z, speed_y, speed_z] = shares;
+    SVector::from_fn(|row, _| {
+        matrix[(row, 0)] * y + matrix[(row, 1)] * z + matrix[(row, 2)] * speed_y + matrix[(row, 3)] * speed_z
+    })
+}
+
+/// Returns the product of the bias' covariance with a vector.
+fn product(matrix: &SMatrix<f32, BIAS, BIAS>, by: &Bias) -> Bias {
+    let [residual, stiffness, clearance, friction, damping] = (*by).into();
+    SVector::from_fn(|row, _| {
+        matrix[(row, 0)] * residual
+            + matrix[(row, 1)] * stiffness
+            + matrix[(row, 2)] * clearance
+            + matrix[(row, 3)] * friction
+            + matrix[(row, 4)] * damping
+    })
+}
+
+/// Subtracts the product of a gain with a covariance from a symmetric matrix.
+fn subtract<const N: usize>(
+    matrix: &mut SMatrix<f32, N, N>,
+    gain: &SVector<f32, N>,
+    covariance: &SVector<f32, N>,
+) {
+    for column in 0..N {
+        for row in 0..=column {
+            let value = matrix[(row, column)] - gain[row] * covariance[column];
+            matrix[(row, column)] = value;
+            matrix[(column, row)] = value;
+        }
+    }
+}
+
+/// Vector along Y and Z.
+pub(super) type Pair = Vector2<f32>;

@@ -1,0 +1,75 @@
+//! Estimate of a sample.
+
+/// Estimate of a sample with its standard deviations.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FilterEstimate {
+    /// Normal force, N.
+    pub normal_force_n: f32,
+    /// Standard deviation of the normal force, N; above 0.
+    pub normal_force_sd_n: f32,
+    /// Friction force, positive in the direction of positive sliding, N.
+    pub friction_force_n: f32,
+    /// Force of the bearing on the journal along Y, N.
+    pub force_y_n: f32,
+    /// Force of the bearing on the journal along Z, N.
+    pub force_z_n: f32,
+    /// Standard deviation of the force vector, N; above 0.
+    pub force_sd_n: f32,
+    /// Torque of the bearing on the shaft, N m.
+    pub friction_torque_nm: f32,
+    /// Standard deviation of the torque, N m; above 0.
+    pub friction_torque_sd_nm: f32,
+    /// Deformation, m; negative without contact.
+    pub deformation_m: f32,
+    /// Radial clearance, m.
+    pub clearance_m: f32,
+    /// Standard deviation of the clearance, m.
+    pub clearance_sd_m: f32,
+    /// Stiffness over the described one.
+    pub stiffness_factor: f32,
+    /// Standard deviation of the stiffness factor.
+    pub stiffness_sd: f32,
+    /// Friction over the described one.
+    pub friction_factor: f32,
+    /// Standard deviation of the friction factor.
+    pub friction_sd: f32,
+    /// True as long as the start still dominates the uncertainty.
+    pub is_converging: bool,
+    /// False if the innovations are larger than model and sensors explain. The variances of force
+    /// and torque are then multiplied by the excess.
+    pub fits: bool,
+}
+
+impl FilterEstimate {
+    /// Returns true if forces, deviations and factors are numbers.
+    pub(super) fn is_finite(&self) -> bool {
+        let sums = [
+            self.force_y_n + self.force_z_n + self.force_sd_n + self.normal_force_sd_n,
+            self.friction_torque_nm + self.friction_torque_sd_nm,
+            self.clearance_m + self.stiffness_factor + self.friction_factor,
+        ];
+        sums.iter().all(|sum| sum.is_finite())
+    }
+
+    /// Estimate while nothing is known: before the first complete sample, and after a state that
+    /// was no longer finite.
+    pub(super) const UNKNOWN: Self = Self {
+        normal_force_n: 0.0,
+        normal_force_sd_n: f32::INFINITY,
+        friction_force_n: 0.0,
+        force_y_n: 0.0,
+        force_z_n: 0.0,
+        force_sd_n: f32::INFINITY,
+        friction_torque_nm: 0.0,
+        friction_torque_sd_nm: f32::INFINITY,
+        deformation_m: 0.0,
+        clearance_m: 0.0,
+        clearance_sd_m: f32::INFINITY,
+        stiffness_factor: 1.0,
+        stiffness_sd: f32::INFINITY,
+        friction_factor: 1.0,
+        friction_sd: f32::INFINITY,
+        is_converging: true,
+        fits: true,
+    };
+}

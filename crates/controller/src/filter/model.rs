@@ -1,0 +1,315 @@
+//! Steps of the filter: prediction, correction, onset of contact, estimate.
+
+use super::arithmetic::{root, sine};
+use super::configuration::{FilterConfiguration, NoiseLevels};
+use super::contact::{Deviations, Forces};
+use super::drive::{DriveModel, DriveTracker};
+use super::estimate::FilterEstimate;
+use super::measurement::Measurement;
+use super::motion::{Dynamics, Evaluated, Inputs};
+use super::state::{Bias, CLEARANCE, Covariance, DAMPING, FRICTION, Motion, RESIDUAL, STIFFNESS};
+use micromath::F32Ext;
+use nalgebra::Matrix2;
+
+/// Deviations of the deformation below 0 at which contact counts as lost.
+const SEPARATION: f32 = 3.0;
+/// Expectation of the normalised squares of a sample's two innovations.
+const EXPECTED_INNOVATION: f32 = 2.0;
+/// Average above which the model does not fit. Of white noise over a hundred samples it is 15
+/// standard deviations above the expectation.
+const MAX_INNOVATION: f32 = 5.0;
+/// Range of the factors on stiffness and friction, less 1.
+const FACTOR_RANGE: (f32, f32) = (-0.9, 9.0);
+/// Range of the approach speed: shares of its floor and of a fall through the clearance.
+const APPROACH_RANGE: (f32, f32) = (0.5, 10.0);
+/// Declared deviations beyond which the stiffness of a model that does not fit was learnt wrong.
+const MAX_DEVIATIONS: f32 = 5.0;
+/// Largest correction of the damping by one sample, on a logarithmic scale.
+const MAX_DAMPING_CHANGE: f32 = 1.0;
+
+/// State from sample to sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State {
+    motion: Motion,
+    bias: Bias,
+    covariance: Covariance,
+    drive: DriveTracker,
+    deviations: Deviations,
+    /// Accelerations and forces at this state.
+    at: Evaluated,
+    load: f32,
+    /// Approach speed of the onset, over the factor by which the damping has been corrected since.
+    approach: f32,
+    is_touching: bool,
+    /// Average of the normalised squares of the innovations.
+    innovation: f32,
+}
+
+impl State {
+    /// Returns true if every variance is a number above 0.
+    pub(super) fn is_positive(&self) -> bool {
+        self.covariance.is_positive()
+    }
+}
+
+/// Constants of a bench.
+#[derive(Clone, Debug)]
+pub(super) struct Model {
+    config: FilterConfiguration,
+    dynamics: Dynamics,
+    drive: DriveModel,
+    levels: NoiseLevels,
+}
+
+impl Model {
+    /// Derives the constants from a configuration that has been checked.
+    pub(super) fn new(config: &FilterConfiguration) -> Self {
+        Self {
+            config: *config,
+            dynamics: Dynamics::new(config),
+            drive: DriveModel::new(config),
+            levels: NoiseLevels::new(config),
+        }
+    }
+
+    /// Predicts a state one sample on and corrects it by the sample, if that is complete.
+    pub(super) fn follow(&self, state: &mut State, measured: &Measurement) {
+        self.predict(state);
+        if measured.is_complete() {
+            state.load = measured.load_force_n;
+            state.drive.correct(&self.drive, self.displacement(measured));
+            self.correct(state, measured);
+            if state.innovation > MAX_INNOVATION {
+                self.repair(state, measured);
+            }
+        }
+        self.evaluate(state);
+        self.onset(state);
+    }
+
+    /// Displacement of the drive that a sample shows, m.
+    fn displacement(&self, measured: &Measurement) -> f32 {
+        measured.journal_y_m + self.config.drive_lever_m * sine(measured.shaft_angle_rad)
+    }
+
+    /// Starts anew if the model does not fit because of a wrong clearance or stiffness.
+    ///
+    /// A journal without contact that moves as no known force explains touches the bearing: it
+    /// starts at the surface. A stiffness far from the declared one has been learnt wrong, but for
+    /// a measured drive force, with which it also explains a wrong mass.
+    fn repair(&self, state: &mut State, measured: &Measurement) {
+        self.evaluate(state);
+        let [declared, ..] = self.config.factor_sds();
+        let is_free = state.at.forces.normal == 0.0;
+        let is_implausible =
+            measured.drive_force_n.is_none() && state.bias[STIFFNESS].abs() > MAX_DEVIATIONS * declared;
+        if !is_free && !is_implausible {
+            return;
+        }
+        *state = self.restart(measured, state.drive);
+        if is_free {
+            let distance = libm::hypotf(measured.journal_y_m, measured.journal_z_m);
+            state.bias[CLEARANCE] = distance - self.config.radial_clearance_m;
+        }
+    }
+
+    /// Returns the state after the first sample.
+    pub(super) fn start(&self, measured: &Measurement) -> State {
+        self.restart(measured, DriveTracker::new(&self.config, self.displacement(measured)))
+    }
+
+    /// Returns the state after a sample before which only the motion of the drive is known.
+    ///
+    /// A journal beyond the described clearance need not press the bearing: the clearance may be
+    /// larger. It starts at the surface then, with half of the distance as further uncertainty.
+    fn restart(&self, measured: &Measurement, drive: DriveTracker) -> State {
+        let config = &self.config;
+        let distance = libm::hypotf(measured.journal_y_m, measured.journal_z_m);
+        let beyond = (distance - config.radial_clearance_m).max(0.0);
+        let noise = config.noise.position_m;
+        let speed = config.speed_sd();
+        let [stiffness, clearance, friction] = config.factor_sds();
+        let unknown_drive = config.reflected_mass() * config.jerk_sd() * config.jerk_time();
+        let residual =
+            libm::sqrtf(self.levels.residual_variance(measured.load_force_n) + square(unknown_drive));
+        let motion = Motion::new(measured.journal_y_m, measured.journal_z_m, 0.0, 0.0);
+        let bias = Bias::new(0.0, 0.0, beyond, 0.0, 0.0);
+        let deviations = Bias::new(
+            residual,
+            stiffness,
+            libm::hypotf(clearance, 0.5 * beyond),
+            friction,
+            config.damping_sd(),
+        );
+        let covariance = Covariance::from_deviations(&Motion::new(noise, noise, speed, speed), &deviations);
+        let inputs = Inputs { drive: drive.motion(), load: measured.load_force_n, approach: speed };
+        let located = self.dynamics.locate(&motion, &bias, &inputs.drive);
+        let deviations = self.dynamics.deviations(&located, &covariance);
+        State {
+            motion,
+            bias,
+            covariance,
+            drive,
+            deviations,
+            at: self.dynamics.evaluate(&located, &bias, &inputs, &deviations),
+            load: measured.load_force_n,
+            approach: speed,
+            is_touching: false,
+            innovation: EXPECTED_INNOVATION,
+        }
+    }
+
+    /// Predicts the state one sample on.
+    fn predict(&self, state: &mut State) {
+        state.drive.advance(&self.drive);
+        let inputs = Inputs { drive: state.drive.motion(), load: state.load, approach: state.approach };
+        let step = self.dynamics.step(&state.motion, &state.bias, &state.at, &inputs, &state.deviations);
+        state.motion = step.motion;
+        state.bias[RESIDUAL] *= step.transition.residual;
+        state.covariance.advance(&step.transition);
+        let model = Matrix2::identity() * self.levels.speed_variance;
+        let bias = self.levels.bias_variances(state.load, state.drive.acceleration_variance());
+        state.covariance.add_noise(&(step.curvature + model), &bias);
+    }
+
+    /// Corrects the state by the measured position and, where it is measured, the drive force.
+    fn correct(&self, state: &mut State, measured: &Measurement) {
+        let noise = self.levels.position_variance;
+        let y = state.covariance.correct_position(0, measured.journal_y_m - state.motion.x, noise);
+        state.motion += y.motion;
+        state.bias += y.bias;
+        let z = state.covariance.correct_position(1, measured.journal_z_m - state.motion.y, noise);
+        state.motion += z.motion;
+        state.bias += z.bias;
+        state.innovation += self.levels.innovation_share * (y.normalised + z.normalised - state.innovation);
+        if let Some(force) = measured.drive_force_n {
+            self.correct_by_force(state, force);
+        }
+        self.scale_damping(state);
+        let (low, high) = FACTOR_RANGE;
+        for place in [STIFFNESS, FRICTION] {
+            state.bias[place] = state.bias[place].clamp(low, high);
+        }
+    }
+
+    /// Corrects the state by the force of the drive, N.
+    fn correct_by_force(&self, state: &mut State, force: f32) {
+        self.evaluate(state);
+        let noise = self.config.noise.drive_force_n;
+        let measured = state.covariance.project(&state.at.drive_force_gradient());
+        let drive = state.covariance.correct(&measured, force - state.at.drive_force, noise * noise);
+        state.motion += drive.motion;
+        state.bias += drive.bias;
+    }
+
+    /// Moves the estimated change of the damping from the bias into the approach speed.
+    ///
+    /// The speed of an onset may be wrong by a multiple, so the change counts as the logarithm of a
+    /// factor. `(1 - l/2)/(1 + l/2)` is `exp(-l)` to the third order, and positive.
+    fn scale_damping(&self, state: &mut State) {
+        let half = 0.5 * state.bias[DAMPING].clamp(-MAX_DAMPING_CHANGE, MAX_DAMPING_CHANGE);
+        state.bias[DAMPING] = 0.0;
+        let (low, high) = APPROACH_RANGE;
+        let approach = state.approach * (1.0 - half) / (1.0 + half);
+        state.approach = approach.clamp(low * self.config.latch_floor_m_s, high * self.config.speed_sd());
+    }
+
+    /// Brings deviations, accelerations and forces of a state up to date.
+    fn evaluate(&self, state: &mut State) {
+        let inputs = Inputs { drive: state.drive.motion(), load: state.load, approach: state.approach };
+        let located = self.dynamics.locate(&state.motion, &state.bias, &inputs.drive);
+        state.deviations = self.dynamics.deviations(&located, &state.covariance);
+        state.at = self.dynamics.evaluate(&located, &state.bias, &inputs, &state.deviations);
+    }
+
+    /// Latches the approach speed at the onset of contact.
+    ///
+    /// The speed is uncertain by the deviation of the rate, and by the time at which the journal
+    /// passed a clearance that is not exactly known. An uncertain speed is replaced by the middle,
+    /// on a logarithmic scale, of what is possible; the damping factor finds the rest.
+    fn onset(&self, state: &mut State) {
+        let place = state.at.forces.place;
+        let deformation_sd = state.deviations.deformation;
+        if place.deformation < -SEPARATION * deformation_sd {
+            state.is_touching = false;
+        }
+        if state.is_touching || place.deformation <= 0.0 {
+            return;
+        }
+        let floor = self.config.latch_floor_m_s;
+        let rate_sd = root(state.covariance.speed_variance(place.normal_y, place.normal_z));
+        let speed = place.rate.max(0.5 * rate_sd).max(floor);
+        let passing = state.at.acceleration_size() * deformation_sd / (speed * speed);
+        let spread = libm::hypotf(rate_sd / speed, passing);
+        let least = (speed / (1.0 + spread)).max(floor);
+        let ratio = root(speed / least);
+        state.approach = speed / ratio;
+        state.is_touching = true;
+        let deviation = libm::hypotf(self.config.damping_sd(), spread.min(ratio));
+        state.covariance.restart_bias(DAMPING, deviation);
+        self.evaluate(state);
+    }
+
+    /// Returns the estimate of a state.
+    pub(super) fn estimate(&self, state: &State) -> FilterEstimate {
+        let Forces { place, normal, friction, by_normal, by_friction_factor, .. } = state.at.forces;
+        let forces = &state.at.forces;
+        let covariance = &state.covariance;
+        let (force_y_n, force_z_n) = forces.components();
+        let mass = self.config.uncertainty.mass_share;
+        let least = self.levels.least_force_variance;
+        let projection = covariance.project(&forces.normal_gradient());
+        let sliding = forces.sliding_gradient();
+        let shared = projection.motion.dot(&sliding) + projection.bias[FRICTION] * by_friction_factor;
+        let friction_variance = by_normal * (by_normal * projection.variance + 2.0 * shared)
+            + covariance.variance(&sliding, FRICTION, by_friction_factor)
+            + square(forces.friction_curvature)
+            + square(mass * friction);
+        let normal_variance =
+            projection.variance + square(forces.normal_curvature) + square(mass * normal) + least;
+        let fits = state.innovation <= MAX_INNOVATION;
+        let widening = if fits { 1.0 } else { state.innovation * (1.0 / EXPECTED_INNOVATION) };
+        let deviation = |place: usize| reported_root(covariance.bias_variance(place));
+        let radius = self.config.journal_radius_m;
+        let friction_variance = friction_variance.max(0.0);
+        FilterEstimate {
+            normal_force_n: normal,
+            normal_force_sd_n: reported_root(widening * normal_variance),
+            friction_force_n: friction,
+            force_y_n,
+            force_z_n,
+            force_sd_n: reported_root(widening * (normal_variance + friction_variance)),
+            friction_torque_nm: radius * friction,
+            friction_torque_sd_nm: radius * reported_root(widening * (friction_variance + least)),
+            deformation_m: place.deformation,
+            clearance_m: self.config.radial_clearance_m + state.bias[CLEARANCE],
+            clearance_sd_m: deviation(CLEARANCE),
+            stiffness_factor: 1.0 + state.bias[STIFFNESS],
+            stiffness_sd: deviation(STIFFNESS),
+            friction_factor: 1.0 + state.bias[FRICTION],
+            friction_sd: deviation(FRICTION),
+            is_converging: self.is_converging(state),
+            fits,
+        }
+    }
+
+    /// Returns true as long as the start dominates the uncertainty: of the drive's motion, or of
+    /// the deformation in contact.
+    fn is_converging(&self, state: &State) -> bool {
+        let drive_variance = self.levels.reflected_square * state.drive.acceleration_variance();
+        let deformation = state.at.forces.place.deformation.max(self.config.uncertainty.clearance_m);
+        drive_variance > self.levels.residual_variance(state.load)
+            || state.deviations.deformation > 0.1 * deformation
+    }
+}
+
+/// Approximate root of a variance, at most 6 % too large: for deviations that are reported and not
+/// fed back.
+fn reported_root(variance: f32) -> f32 {
+    // Not `variance.sqrt()`: on a host that would be the standard library's.
+    F32Ext::sqrt(variance)
+}
+
+fn square(value: f32) -> f32 {
+    value * value
+}
