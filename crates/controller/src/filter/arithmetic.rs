@@ -1,4 +1,4 @@
-//! Root and sine in f32 by `+ - *` alone: the same bits on every machine, without a division.
+//! Roots, extremes and the sine in f32: the same bits on every machine, without division or call.
 
 use core::f32::consts::FRAC_PI_2;
 
@@ -18,6 +18,18 @@ pub(super) fn inverse_root(x: f32) -> f32 {
 /// Returns the root of a number of 0 or more.
 pub(super) fn root(x: f32) -> f32 {
     x * inverse_root(x)
+}
+
+/// Returns the larger of two numbers, and the second if the first is not a number.
+///
+/// `f32::max` is a call of a library on a Cortex-M4.
+pub(super) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Returns the smaller of two numbers, and the second if the first is not a number.
+pub(super) fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// Returns the sine of an angle in rad. Up to a quarter turn it is Taylor's series, with an error

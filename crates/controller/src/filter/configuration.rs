@@ -176,11 +176,6 @@ impl FilterConfiguration {
         RESIDUAL_SHARE * self.period_s
     }
 
-    /// Standard deviation of the journal's speed at the start, m/s: a fall through the clearance.
-    pub(super) fn speed_sd(&self) -> f32 {
-        libm::sqrtf(4.0 * GRAVITY * self.radial_clearance_m)
-    }
-
     /// Relative standard deviation of the damping after an onset that was seen exactly.
     pub(super) const fn damping_sd(&self) -> f32 {
         DAMPING_SHARE
@@ -203,6 +198,8 @@ pub(super) struct NoiseLevels {
     /// Smallest variance of a force that an estimate may claim, N2: the square of the elastic force
     /// of a deformation as large as the noise of the position sensors.
     pub(super) least_force_variance: f32,
+    /// Speed of a fall through the clearance, m/s: the deviation of the journal's at the start.
+    pub(super) fall_speed: f32,
     /// Share of a new sample in the average of the innovations.
     pub(super) innovation_share: f32,
     /// Square of the inertia as seen at the crank pin, kg2.
@@ -229,6 +226,7 @@ impl NoiseLevels {
             speed_variance: acceleration * acceleration * MODEL_ERROR_S * time,
             position_variance: noise * noise,
             least_force_variance: least_force * least_force,
+            fall_speed: libm::sqrtf(4.0 * GRAVITY * config.radial_clearance_m),
             innovation_share: (time / INNOVATION_TIME_S).min(1.0),
             reflected_square: config.reflected_mass() * config.reflected_mass(),
             residual: (drive * drive, 2.0 * cranks * cranks),

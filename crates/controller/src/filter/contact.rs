@@ -10,7 +10,7 @@
 //! square of the deformation is therefore replaced by its expectation over the normal distribution
 //! of the deformation, restricted to contact, and the slope by that expectation's derivative.
 
-use super::arithmetic::inverse_root;
+use super::arithmetic::{inverse_root, larger, smaller};
 use super::configuration::FilterConfiguration;
 use super::state::{BIAS, Bias, CLEARANCE, FRICTION, Gradient, MOTION, Motion, STIFFNESS};
 use contact::FrictionLaw;
@@ -189,10 +189,10 @@ impl ContactModel {
     /// Returns the kinematics of the contact at a state.
     pub(super) fn place(&self, motion: &Motion, bias: &Bias) -> Place {
         let [y, z, speed_y, speed_z] = (*motion).into();
-        let square = (y * y + z * z).max(MIN_DISTANCE_M * MIN_DISTANCE_M);
+        let square = larger(y * y + z * z, MIN_DISTANCE_M * MIN_DISTANCE_M);
         let nearness = inverse_root(square);
         let (normal_y, normal_z) = (y * nearness, z * nearness);
-        let gap = (self.clearance + bias[CLEARANCE]).max(MIN_DISTANCE_M);
+        let gap = larger(self.clearance + bias[CLEARANCE], MIN_DISTANCE_M);
         Place {
             normal_y,
             normal_z,
@@ -236,7 +236,7 @@ impl ContactModel {
     fn add_normal(&self, forces: &mut Forces, bias: &Bias, turning: &Turning, sds: &Deviations) {
         let place = forces.place;
         let (square, twice) = contact_moments(place.deformation, sds.deformation);
-        let (shape, shape_slope) = self.shape(place.gap, place.deformation.max(0.0));
+        let (shape, shape_slope) = self.shape(place.gap, larger(place.deformation, 0.0));
         let ratio = self.damping_factor / turning.approach;
         let (stiffness, damping) = (1.0 + bias[STIFFNESS], 1.0 + ratio * place.rate);
         let elastic = shape * square;
@@ -255,7 +255,7 @@ impl ContactModel {
         let damping = (forces.by_damping * sds.damping).abs();
         let products = deformation * damping + stiffness * (deformation + damping);
         forces.normal_curvature =
-            SQRT_2 * shape * sds.deformation * sds.deformation + products / normal.max(1.0);
+            SQRT_2 * shape * sds.deformation * sds.deformation + products / larger(normal, 1.0);
     }
 
     /// Adds friction with its derivatives.
@@ -271,7 +271,7 @@ impl ContactModel {
         if sliding.abs() < 3.0 * width {
             let ratio = sds.sliding / width;
             let steepest = self.friction.static_coefficient * forces.normal;
-            forces.friction_curvature = (0.5 * TANH_CURVATURE * ratio * ratio).min(0.3) * steepest;
+            forces.friction_curvature = smaller(0.5 * TANH_CURVATURE * ratio * ratio, 0.3) * steepest;
         }
     }
 }

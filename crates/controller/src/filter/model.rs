@@ -1,6 +1,6 @@
 //! Steps of the filter: prediction, correction, onset of contact, estimate.
 
-use super::arithmetic::{root, sine};
+use super::arithmetic::{larger, root, sine, smaller};
 use super::configuration::{FilterConfiguration, NoiseLevels};
 use super::contact::{Deviations, Forces};
 use super::drive::{DriveModel, DriveTracker};
@@ -98,7 +98,6 @@ impl Model {
     /// starts at the surface. A stiffness far from the declared one has been learnt wrong, but for
     /// a measured drive force, with which it also explains a wrong mass.
     fn repair(&self, state: &mut State, measured: &Measurement) {
-        self.evaluate(state);
         let [declared, ..] = self.config.factor_sds();
         let is_free = state.at.forces.normal == 0.0;
         let is_implausible =
@@ -108,8 +107,7 @@ impl Model {
         }
         *state = self.restart(measured, state.drive);
         if is_free {
-            let distance = libm::hypotf(measured.journal_y_m, measured.journal_z_m);
-            state.bias[CLEARANCE] = distance - self.config.radial_clearance_m;
+            state.bias[CLEARANCE] = distance(measured) - self.config.radial_clearance_m;
         }
     }
 
@@ -124,20 +122,18 @@ impl Model {
     /// larger. It starts at the surface then, with half of the distance as further uncertainty.
     fn restart(&self, measured: &Measurement, drive: DriveTracker) -> State {
         let config = &self.config;
-        let distance = libm::hypotf(measured.journal_y_m, measured.journal_z_m);
-        let beyond = (distance - config.radial_clearance_m).max(0.0);
+        let beyond = larger(distance(measured) - config.radial_clearance_m, 0.0);
         let noise = config.noise.position_m;
-        let speed = config.speed_sd();
+        let speed = self.levels.fall_speed;
         let [stiffness, clearance, friction] = config.factor_sds();
         let unknown_drive = config.reflected_mass() * config.jerk_sd() * config.jerk_time();
-        let residual =
-            libm::sqrtf(self.levels.residual_variance(measured.load_force_n) + square(unknown_drive));
+        let residual = root(self.levels.residual_variance(measured.load_force_n) + square(unknown_drive));
         let motion = Motion::new(measured.journal_y_m, measured.journal_z_m, 0.0, 0.0);
         let bias = Bias::new(0.0, 0.0, beyond, 0.0, 0.0);
         let deviations = Bias::new(
             residual,
             stiffness,
-            libm::hypotf(clearance, 0.5 * beyond),
+            root(square(clearance) + square(0.5 * beyond)),
             friction,
             config.damping_sd(),
         );
@@ -211,7 +207,7 @@ impl Model {
         state.bias[DAMPING] = 0.0;
         let (low, high) = APPROACH_RANGE;
         let approach = state.approach * (1.0 - half) / (1.0 + half);
-        state.approach = approach.clamp(low * self.config.latch_floor_m_s, high * self.config.speed_sd());
+        state.approach = approach.clamp(low * self.config.latch_floor_m_s, high * self.levels.fall_speed);
     }
 
     /// Brings deviations, accelerations and forces of a state up to date.
@@ -238,14 +234,14 @@ impl Model {
         }
         let floor = self.config.latch_floor_m_s;
         let rate_sd = root(state.covariance.speed_variance(place.normal_y, place.normal_z));
-        let speed = place.rate.max(0.5 * rate_sd).max(floor);
+        let speed = larger(larger(place.rate, 0.5 * rate_sd), floor);
         let passing = state.at.acceleration_size() * deformation_sd / (speed * speed);
-        let spread = libm::hypotf(rate_sd / speed, passing);
-        let least = (speed / (1.0 + spread)).max(floor);
+        let spread = root(square(rate_sd / speed) + square(passing));
+        let least = larger(speed / (1.0 + spread), floor);
         let ratio = root(speed / least);
         state.approach = speed / ratio;
         state.is_touching = true;
-        let deviation = libm::hypotf(self.config.damping_sd(), spread.min(ratio));
+        let deviation = root(square(self.config.damping_sd()) + square(smaller(spread, ratio)));
         state.covariance.restart_bias(DAMPING, deviation);
         self.evaluate(state);
     }
@@ -271,7 +267,7 @@ impl Model {
         let widening = if fits { 1.0 } else { state.innovation * (1.0 / EXPECTED_INNOVATION) };
         let deviation = |place: usize| reported_root(covariance.bias_variance(place));
         let radius = self.config.journal_radius_m;
-        let friction_variance = friction_variance.max(0.0);
+        let friction_variance = larger(friction_variance, 0.0);
         FilterEstimate {
             normal_force_n: normal,
             normal_force_sd_n: reported_root(widening * normal_variance),
@@ -297,10 +293,15 @@ impl Model {
     /// the deformation in contact.
     fn is_converging(&self, state: &State) -> bool {
         let drive_variance = self.levels.reflected_square * state.drive.acceleration_variance();
-        let deformation = state.at.forces.place.deformation.max(self.config.uncertainty.clearance_m);
+        let deformation = larger(state.at.forces.place.deformation, self.config.uncertainty.clearance_m);
         drive_variance > self.levels.residual_variance(state.load)
             || state.deviations.deformation > 0.1 * deformation
     }
+}
+
+/// Distance of the journal from the centre of the bearing that a sample shows, m.
+fn distance(measured: &Measurement) -> f32 {
+    root(square(measured.journal_y_m) + square(measured.journal_z_m))
 }
 
 /// Approximate root of a variance, at most 6 % too large: for deviations that are reported and not

@@ -12,7 +12,7 @@
 //! second order. Positions are integrals of speeds, so its linear systems reduce to two by two. The
 //! transition of the covariance is the derivative of the same step.
 
-use super::arithmetic::{inverse_root, root};
+use super::arithmetic::{inverse_root, larger, root};
 use super::configuration::{FilterConfiguration, GRAVITY};
 use super::contact::{ContactModel, Deviations, Forces, Place, Turning};
 use super::drive::DriveMotion;
@@ -132,8 +132,10 @@ impl Dynamics {
         let (tangent_y, tangent_z) = place.tangent();
         let slip = -self.journal_radius * crank.nearness - tangent_y;
         Deviations {
-            deformation: root(covariance.deformation_variance(place.normal_y, place.normal_z))
-                .max(MIN_DEVIATION_M),
+            deformation: larger(
+                root(covariance.deformation_variance(place.normal_y, place.normal_z)),
+                MIN_DEVIATION_M,
+            ),
             sliding: root(covariance.speed_variance(slip, -tangent_z)),
             stiffness: root(covariance.bias_variance(STIFFNESS)),
             damping: root(covariance.bias_variance(DAMPING)),
@@ -282,7 +284,7 @@ impl Solver {
         let system = Matrix2::identity() - (by_speed + by_position * part) * part;
         let determinant = system.m11 * system.m22 - system.m12 * system.m21;
         let adjugate = Matrix2::new(system.m22, -system.m12, -system.m21, system.m11);
-        let inverse = adjugate * (1.0 / determinant.max(MIN_DETERMINANT));
+        let inverse = adjugate * (1.0 / larger(determinant, MIN_DETERMINANT));
         Self { by_position, by_speed, inverse, part, time }
     }
 

@@ -4,6 +4,7 @@
 //! No product of dense matrices: every operation is a sum of multiples of columns, and uses that
 //! the blocks of motion and bias are symmetric.
 
+use super::arithmetic::larger;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Number of states of the motion: y, z, y', z' in m and m/s.
@@ -128,9 +129,7 @@ impl Covariance {
         self.cross.row_mut(place).fill(0.0);
         self.bias.column_mut(place).fill(0.0);
         self.bias.row_mut(place).fill(0.0);
-        if let Some(variance) = self.bias.get_mut((place, place)) {
-            *variance = deviation * deviation;
-        }
+        self.bias[(place, place)] = deviation * deviation;
     }
 
     /// Returns the covariance of the state with a linear function of it.
@@ -141,7 +140,7 @@ impl Covariance {
             bias: mixed(&self.cross, (*motion).into()) + product(&self.bias, bias),
             variance: 0.0,
         };
-        projection.variance = projection.covariance(gradient).max(0.0);
+        projection.variance = larger(projection.covariance(gradient), 0.0);
         projection
     }
 
@@ -158,18 +157,18 @@ impl Covariance {
         let along = normal_y * normal_y * p.m11 + normal_z * normal_z * p.m22;
         let across =
             normal_y * normal_z * p.m12 - normal_y * c[(CLEARANCE, 0)] - normal_z * c[(CLEARANCE, 1)];
-        (along + 2.0 * across + self.bias_variance(CLEARANCE)).max(0.0)
+        larger(along + 2.0 * across + self.bias_variance(CLEARANCE), 0.0)
     }
 
     /// Returns the variance of a linear function of the speeds.
     pub(super) fn speed_variance(&self, by_y: f32, by_z: f32) -> f32 {
         let p = &self.motion;
-        (by_y * by_y * p.m33 + 2.0 * by_y * by_z * p.m34 + by_z * by_z * p.m44).max(0.0)
+        larger(by_y * by_y * p.m33 + 2.0 * by_y * by_z * p.m34 + by_z * by_z * p.m44, 0.0)
     }
 
     /// Returns the variance of a bias.
     pub(super) fn bias_variance(&self, place: usize) -> f32 {
-        self.bias.get((place, place)).copied().unwrap_or_default().max(0.0)
+        larger(self.bias[(place, place)], 0.0)
     }
 
     /// Returns true if every variance is a number above 0.
@@ -181,7 +180,7 @@ impl Covariance {
     pub(super) fn correct_position(&mut self, axis: usize, innovation: f32, noise: f32) -> Correction {
         let motion = self.motion.column(axis).into_owned();
         let bias = self.cross.column(axis).into_owned();
-        let variance = motion.get(axis).copied().unwrap_or_default();
+        let variance = motion[axis];
         self.correct(&Projection { motion, bias, variance }, innovation, noise)
     }
 

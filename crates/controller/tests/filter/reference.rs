@@ -85,14 +85,7 @@ impl Reference {
     pub(crate) fn step(&mut self, measured: &Measurement) -> (f64, f64) {
         let c = self.config;
         let numbers = Numbers(&c);
-        let radius = f64::from(c.journal_radius_m);
-        let turns = (self.turning(&self.state, &self.drive).0 * radius).abs()
-            < 5.0 * f64::from(c.friction.regularisation_m_s);
-        let steps = if turns { 2 } else { 1 };
-        let time = f64::from(c.sample_period_s) / f64::from(steps);
-        for _ in 0..steps {
-            self.predict(time);
-        }
+        self.predict(f64::from(c.sample_period_s));
         self.load = measured.load_force_n.into();
         let angle = f64::from(measured.shaft_angle_rad);
         let displacement = f64::from(measured.journal_y_m) + f64::from(c.drive_lever_m) * angle.sin();

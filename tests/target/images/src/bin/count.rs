@@ -245,6 +245,7 @@ fn filter(counter: &Counter) {
         .print(name, 0);
     }
     hprintln!("filter_bytes {} {} 0", size_of::<Filter>(), size_of::<Filter>());
+    hprintln!("filter_state_bytes {} {} 0", Filter::STATE_BYTES, Filter::STATE_BYTES);
 }
 
 fn everything(counter: &Counter, room: &mut Room) -> Option<()> {
