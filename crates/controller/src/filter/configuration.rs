@@ -248,6 +248,6 @@ impl NoiseLevels {
     pub(super) fn bias_variances(&self, load: f32, drive_variance: f32) -> Bias {
         let residual = self.residual_variance(load) + self.reflected_square * drive_variance;
         let [stiffness, clearance, friction, damping] = self.drift;
-        Bias::new(residual * self.residual_share, stiffness, clearance, friction, damping)
+        Bias::new(residual * self.residual_share, stiffness, clearance, friction, damping, 0.0)
     }
 }

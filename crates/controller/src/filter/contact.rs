@@ -140,7 +140,7 @@ impl Forces {
                 self.by_rate * place.normal_y,
                 self.by_rate * place.normal_z,
             ),
-            bias: Bias::new(0.0, self.by_stiffness, -self.by_deformation, 0.0, self.by_damping),
+            bias: Bias::new(0.0, self.by_stiffness, -self.by_deformation, 0.0, self.by_damping, 0.0),
         }
     }
 
@@ -292,4 +292,4 @@ fn contact_moments(mean: f32, deviation: f32) -> (f32, f32) {
     (mean * first + deviation * deviation * touching, 2.0 * first)
 }
 
-const _: () = assert!(MOTION == 4 && BIAS == 5);
+const _: () = assert!(MOTION == 4 && BIAS == 6);

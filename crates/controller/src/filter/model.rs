@@ -7,7 +7,7 @@ use super::drive::{DriveModel, DriveTracker};
 use super::estimate::FilterEstimate;
 use super::measurement::Measurement;
 use super::motion::{Dynamics, Evaluated, Inputs};
-use super::state::{Bias, CLEARANCE, Covariance, DAMPING, FRICTION, Motion, RESIDUAL, STIFFNESS};
+use super::state::{Bias, CLEARANCE, Covariance, DAMPING, FRICTION, MASS, Motion, RESIDUAL, STIFFNESS};
 use micromath::F32Ext;
 use nalgebra::Matrix2;
 
@@ -95,8 +95,8 @@ impl Model {
     /// Starts anew if the model does not fit because of a wrong clearance or stiffness.
     ///
     /// A journal without contact that moves as no known force explains touches the bearing: it
-    /// starts at the surface. A stiffness far from the declared one has been learnt wrong, but for
-    /// a measured drive force, with which it also explains a wrong mass.
+    /// starts at the surface. A stiffness far from the declared one has been learnt wrong; not so
+    /// with a measured drive force, which soon corrects it.
     fn repair(&self, state: &mut State, measured: &Measurement) {
         let [declared, ..] = self.config.factor_sds();
         let is_free = state.at.forces.normal == 0.0;
@@ -129,13 +129,15 @@ impl Model {
         let unknown_drive = config.reflected_mass() * config.jerk_sd() * config.jerk_time();
         let residual = root(self.levels.residual_variance(measured.load_force_n) + square(unknown_drive));
         let motion = Motion::new(measured.journal_y_m, measured.journal_z_m, 0.0, 0.0);
-        let bias = Bias::new(0.0, 0.0, beyond, 0.0, 0.0);
+        let bias = Bias::new(0.0, 0.0, beyond, 0.0, 0.0, 0.0);
         let deviations = Bias::new(
             residual,
             stiffness,
             root(square(clearance) + square(0.5 * beyond)),
             friction,
             config.damping_sd(),
+            // Only a measured drive force shows the mass.
+            if measured.drive_force_n.is_some() { config.uncertainty.mass_share } else { 0.0 },
         );
         let covariance = Covariance::from_deviations(&Motion::new(noise, noise, speed, speed), &deviations);
         let inputs = Inputs { drive: drive.motion(), load: measured.load_force_n, approach: speed };
@@ -252,7 +254,8 @@ impl Model {
         let forces = &state.at.forces;
         let covariance = &state.covariance;
         let (force_y_n, force_z_n) = forces.components();
-        let mass = self.config.uncertainty.mass_share;
+        let is_estimated = covariance.bias_variance(MASS) > 0.0;
+        let mass = if is_estimated { 0.0 } else { self.config.uncertainty.mass_share };
         let least = self.levels.least_force_variance;
         let projection = covariance.project(&forces.normal_gradient());
         let sliding = forces.sliding_gradient();

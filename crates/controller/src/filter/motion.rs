@@ -17,7 +17,7 @@ use super::configuration::{FilterConfiguration, GRAVITY};
 use super::contact::{ContactModel, Deviations, Forces, Place, Turning};
 use super::drive::DriveMotion;
 use super::state::{
-    Bias, Covariance, DAMPING, FRICTION, Gradient, Motion, Pair, RESIDUAL, STIFFNESS, Transition,
+    Bias, Covariance, DAMPING, FRICTION, Gradient, MASS, Motion, Pair, RESIDUAL, STIFFNESS, Transition,
 };
 use nalgebra::Matrix2;
 
@@ -35,7 +35,6 @@ const MIN_DEVIATION_M: f32 = 1e-10;
 pub(super) struct Dynamics {
     pub(super) contact: ContactModel,
     mass: f32,
-    inverse_mass: f32,
     inertia: f32,
     drive_lever: f32,
     inverse_drive_lever: f32,
@@ -79,6 +78,8 @@ pub(super) struct Evaluated {
     pub(super) forces: Forces,
     /// Radius of the journal over the lever of the crank.
     arm: f32,
+    /// Described mass of the shaft, kg.
+    mass: f32,
     /// Accelerations per force along Y and Z, 1/kg.
     per_y: f32,
     per_z: f32,
@@ -107,7 +108,6 @@ impl Dynamics {
         Self {
             contact: ContactModel::new(config),
             mass: config.mass_kg,
-            inverse_mass: 1.0 / config.mass_kg,
             inertia: config.inertia_kg_m2,
             drive_lever: config.drive_lever_m,
             inverse_drive_lever: 1.0 / config.drive_lever_m,
@@ -156,13 +156,14 @@ impl Dynamics {
             Turning { surface: turning * self.journal_radius, slope: -arm, approach: inputs.approach };
         let forces = self.contact.forces(at.place, bias, &surface, deviations);
         let reflected = self.inertia * nearness * nearness;
-        let (per_y, per_z) = (1.0 / (self.mass + reflected), self.inverse_mass);
+        let mass = self.mass * (1.0 + bias[MASS]);
+        let (per_y, per_z) = (1.0 / (mass + reflected), 1.0 / mass);
         let (force_y, force_z) = forces.components();
         let driven = reflected * (inputs.drive.acceleration + self.drive_lever * sine * turning * turning);
         let along = driven + inputs.load * self.load_share + bias[RESIDUAL] + force_y - forces.friction * arm;
         let acceleration = Pair::new(along * per_y, force_z * per_z - GRAVITY);
-        let drive_force = self.mass * acceleration.x - inputs.load - force_y;
-        Evaluated { acceleration, drive_force, forces, arm, per_y, per_z }
+        let drive_force = mass * acceleration.x - inputs.load - force_y;
+        Evaluated { acceleration, drive_force, forces, arm, mass: self.mass, per_y, per_z }
     }
 
     /// Advances the motion by a sample, from the evaluated start; `inputs` at its end.
@@ -227,6 +228,8 @@ impl Evaluated {
         along_y[RESIDUAL] = self.per_y;
         along_y[FRICTION] = forces.by_friction_factor * by_friction.x;
         along_z[FRICTION] = forces.by_friction_factor * by_friction.y;
+        along_y[MASS] = -self.mass * self.per_y * self.acceleration.x;
+        along_z[MASS] = -self.mass * self.per_z * (self.acceleration.y + GRAVITY);
         Linearised {
             by_position: Matrix2::from_columns(&[column(0), column(1)]) + turning,
             by_speed: Matrix2::from_columns(&[column(2), column(3)]),
@@ -250,7 +253,10 @@ impl Evaluated {
         bearing.bias[FRICTION] = forces.by_friction_factor * normal_z;
         let accelerated = Motion::new(by_position.m11, by_position.m12, by_speed.m11, by_speed.m12);
         let mass = 1.0 / self.per_z;
-        Gradient { motion: accelerated * mass - bearing.motion, bias: along_y * mass - bearing.bias }
+        let mut gradient =
+            Gradient { motion: accelerated * mass - bearing.motion, bias: along_y * mass - bearing.bias };
+        gradient.bias[MASS] += self.mass * self.acceleration.x;
+        gradient
     }
 
     /// Returns the covariance of the speeds that the second-order terms of the forces add in a time

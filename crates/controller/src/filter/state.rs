@@ -10,14 +10,15 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 /// Number of states of the motion: y, z, y', z' in m and m/s.
 pub(super) const MOTION: usize = 4;
 /// Number of states of the bias: residual force in N, stiffness factor less 1, clearance less the
-/// described one in m, friction factor less 1, logarithm of the damping factor.
-pub(super) const BIAS: usize = 5;
+/// described one in m, friction factor less 1, logarithm of the damping factor, mass factor less 1.
+pub(super) const BIAS: usize = 6;
 /// Places in the bias.
 pub(super) const RESIDUAL: usize = 0;
 pub(super) const STIFFNESS: usize = 1;
 pub(super) const CLEARANCE: usize = 2;
 pub(super) const FRICTION: usize = 3;
 pub(super) const DAMPING: usize = 4;
+pub(super) const MASS: usize = 5;
 
 pub(super) type Motion = SVector<f32, MOTION>;
 pub(super) type Bias = SVector<f32, BIAS>;
@@ -171,9 +172,12 @@ impl Covariance {
         larger(self.bias[(place, place)], 0.0)
     }
 
-    /// Returns true if every variance is a number above 0.
+    /// Returns true if every variance is a number above 0. That of a mass which is not estimated is
+    /// 0.
     pub(super) fn is_positive(&self) -> bool {
-        self.motion.diagonal().iter().chain(self.bias.diagonal().iter()).all(|v| v.is_finite() && *v > 0.0)
+        let (motion, bias) = (self.motion.diagonal(), self.bias.diagonal());
+        let positive = |variances: &[f32]| variances.iter().all(|v| v.is_finite() && *v > 0.0);
+        positive(motion.as_slice()) && positive(&bias.as_slice()[..MASS]) && bias[MASS] >= 0.0
     }
 
     /// Corrects by the position of the journal along an axis, 0 for y and 1 for z.
@@ -223,13 +227,14 @@ fn mixed<const N: usize>(matrix: &SMatrix<f32, N, MOTION>, shares: [f32; MOTION]
 
 /// Returns the product of the bias' covariance with a vector.
 fn product(matrix: &SMatrix<f32, BIAS, BIAS>, by: &Bias) -> Bias {
-    let [residual, stiffness, clearance, friction, damping] = (*by).into();
+    let [residual, stiffness, clearance, friction, damping, mass] = (*by).into();
     SVector::from_fn(|row, _| {
         matrix[(row, 0)] * residual
             + matrix[(row, 1)] * stiffness
             + matrix[(row, 2)] * clearance
             + matrix[(row, 3)] * friction
             + matrix[(row, 4)] * damping
+            + matrix[(row, 5)] * mass
     })
 }
 
