@@ -4,3 +4,6 @@ pub mod axis;
 pub mod figure;
 pub mod heat;
 pub mod page;
+mod text_table;
+
+pub use text_table::text_table;

@@ -12,6 +12,7 @@ use crate::run::conditions::BEARINGS;
 use bench::description::TransmissionBench;
 use model_quant::evaluate::bench_loop::Spread;
 use report::page::Page;
+use report::text_table;
 
 fn percent(share: f64) -> String {
     format!("{:+.2}", 100.0 * share)
@@ -178,22 +179,9 @@ fn run_cells(a: &Accuracy) -> Vec<String> {
     ]
 }
 
-/// Goals and one line a run on the terminal.
+/// Goals and a row for each run on the terminal.
 pub(crate) fn print(outcome: &Outcome) {
-    let line = |first: &str, rest: &[String]| {
-        let rest: String = rest.iter().map(|c| format!(" {c:>12}")).collect();
-        print_line!("{first:<38}{rest}");
-    };
-    let names =
-        ["set", "peak N", "change %", "held law %", "osc. N", "change %", "held law %", "est. N", "of fs %"];
-    let names = names.into_iter().chain(["law %", "torque N m", "of fs %", "no contact N"]);
-    line("run", &names.map(String::from).collect::<Vec<_>>());
-    for a in &outcome.runs {
-        let cells = run_cells(a);
-        if let [name, rest @ ..] = cells.as_slice() {
-            line(name, rest);
-        }
-    }
+    print_line!("{}", text_table(RUN_HEADER, outcome.runs.iter().map(run_cells), 2));
     for row in goal_rows(outcome) {
         if let [goal, paper, held_out, verdict] = row.as_slice() {
             print_line!("\n{verdict}: {goal}\n  paper's:  {paper}\n  held out: {held_out}");

@@ -4,6 +4,7 @@ use crate::cli::error::CliError;
 use crate::cli::{output, progress};
 use crate::validation::{Case, Cases};
 use clap::Args;
+use report::text_table;
 use std::path::PathBuf;
 
 /// Arguments of `host-sim validate`.
@@ -33,10 +34,7 @@ pub fn run(args: &ValidateArgs) -> Result<(), CliError> {
     if args.json {
         print_line!("{text}");
     } else {
-        print_line!("{:<56} {:>18} {:>18} {:>9} {:>9}", "case", "ours", "reference", "error", "tolerance");
-        for c in &cases.cases {
-            print_line!("{}", line(c));
-        }
+        print_line!("{}", text_table(HEADER, cases.cases.iter().map(cells), 1));
         print_line!("{} of {total} hold", total - failed);
     }
     outcome(failed, total)
@@ -50,20 +48,22 @@ fn outcome(failed: usize, total: usize) -> Result<(), CliError> {
     Ok(())
 }
 
-fn line(c: &Case) -> String {
+const HEADER: [&str; 6] = ["case", "ours", "reference", "error", "tolerance", ""];
+
+fn cells(c: &Case) -> [String; 6] {
     let number = |v: f64| {
         let plain = format!("{v:.9}");
         if v != 0.0 && v.abs() < 1e-3 { format!("{v:.8e}") } else { plain }
     };
     let mark = if c.ok { "ok" } else { "FAILED" };
-    format!(
-        "{:<56} {:>18} {:>18} {:>9.1e} {:>9.1e} {mark}",
-        c.name,
+    [
+        c.name.clone(),
         number(c.value),
         number(c.reference),
-        c.error,
-        c.tolerance
-    )
+        format!("{:.1e}", c.error),
+        format!("{:.1e}", c.tolerance),
+        mark.into(),
+    ]
 }
 
 #[cfg(test)]
@@ -74,7 +74,7 @@ mod tests {
     fn a_case_that_does_not_hold_is_marked_and_fails_the_command() {
         let case =
             Case { name: "x".into(), value: 1.003, reference: 1.0, error: 3e-3, tolerance: 2e-3, ok: false };
-        assert!(line(&case).ends_with("FAILED"));
+        assert_eq!(cells(&case)[5], "FAILED");
         assert_eq!(outcome(1, 117).unwrap_err().exit_code(), 1);
         assert!(outcome(0, 117).is_ok());
     }

@@ -3,6 +3,7 @@
 use super::sentences::{left_words, rejection_words, sentence};
 use super::tables::{Table, causes, checks, gains, nuisances};
 use diagnosis::{Diagnosis, Severity, Verdict};
+use report::text_table;
 use std::fmt::Write as _;
 
 /// Formats the verdict, findings, causes, errors and remarks.
@@ -38,17 +39,5 @@ fn push(out: &mut String, table: &Table) {
     if table.rows.is_empty() {
         return;
     }
-    let width = |i: usize| {
-        let cells = table.rows.iter().filter_map(|row| row.get(i)).map(|cell| cell.chars().count());
-        cells.chain(table.header.get(i).map(|cell| cell.len())).max().unwrap_or_default()
-    };
-    out.push('\n');
-    let header: Vec<String> = table.header.iter().map(|cell| (*cell).to_owned()).collect();
-    for row in std::iter::once(&header).chain(&table.rows) {
-        for (i, cell) in row.iter().enumerate() {
-            let _ = write!(out, "{cell:<width$}  ", width = width(i));
-        }
-        out.truncate(out.trim_end().len());
-        out.push('\n');
-    }
+    let _ = write!(out, "\n{}\n", text_table(table.header, &table.rows, table.header.len()));
 }

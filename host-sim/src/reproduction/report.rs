@@ -15,6 +15,7 @@ use crate::run::summary::ErrorBars;
 use crate::sweep::options::SweepOptions;
 use crate::sweep::table;
 use report::page::Page;
+use report::text_table;
 use serde::Serialize;
 use std::path::Path;
 
@@ -150,15 +151,7 @@ fn claims_section(page: &mut Page, claims: &[Claim]) {
 }
 
 fn print(outcome: &Outcome) {
-    let widths = [8, 9, 5, 9, 8, 8, 8, 8, 8, 6];
-    let names = ["bearing", "mm", "kN", "peak N", "Y N", "Z N", "N m", "um", "osc N", "Hz"];
-    let line = |cells: Vec<String>| {
-        cells.iter().zip(widths).map(|(c, w)| format!("{c:>w$}")).collect::<Vec<_>>().join(" ")
-    };
-    print_line!("{}", line(names.map(String::from).to_vec()));
-    for run in &outcome.runs {
-        print_line!("{}", line(cells(run)));
-    }
+    print_line!("{}", text_table(HEADER, outcome.runs.iter().map(|run| cells(run)), 1));
     print_line!("{}", ErrorBars::largest(outcome.runs.iter().map(|r| &r.figures)));
     print_line!("\n{}:", counts(&outcome.claims));
     for c in &outcome.claims {

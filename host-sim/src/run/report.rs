@@ -4,6 +4,7 @@ use super::Finished;
 use crate::run::estimator_summary::{Differences, EstimatorSummary};
 use crate::run::summary::{PeakRow, Summary};
 use bench::integrate::Impact;
+use report::text_table;
 
 /// Rows with name and value, unit included.
 pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
@@ -190,19 +191,16 @@ pub(super) fn peak_rows(summary: &Summary) -> Vec<Vec<String>> {
 
 /// Prints energy balance, contacts and peaks with their error bars.
 pub(crate) fn print_audit(finished: &Finished) {
-    let table = |title: &str, header: &[&str], rows: Vec<Vec<String>>| {
-        let line = |cells: &[String]| cells.iter().map(|c| format!("{c:>21}")).collect::<Vec<_>>().join(" ");
-        print_line!("\n{title}");
-        print_line!("{}", line(&header.iter().map(|h| (*h).to_owned()).collect::<Vec<_>>()));
-        rows.iter().for_each(|row| print_line!("{}", line(row)));
+    let table = |title: &str, header: &[&str], rows: Vec<Vec<String>>, texts: usize| {
+        print_line!("\n{title}\n{}", text_table(header, rows, texts));
     };
     if let Some(estimator) = &finished.summary.estimator {
-        table("estimates", &EQUIVALENCE_HEADER, equivalence_rows(estimator));
-        table("counted", &["what", "count"], counted_rows(estimator));
+        table("estimates", &EQUIVALENCE_HEADER, equivalence_rows(estimator), 1);
+        table("counted", &["what", "count"], counted_rows(estimator), 1);
     }
-    table("energy", &["term", "value"], energy_rows(finished));
-    table("contacts (all in impacts.csv)", &impact_header(finished), impact_rows(finished));
-    table("peaks", &PEAK_HEADER, peak_rows(&finished.summary));
+    table("energy", &["term", "value"], energy_rows(finished), 1);
+    table("contacts (all in impacts.csv)", &impact_header(finished), impact_rows(finished), 0);
+    table("peaks", &PEAK_HEADER, peak_rows(&finished.summary), 2);
 }
 
 pub(super) const PEAK_HEADER: [&str; 5] = ["force from", "peak", "value", "error bar", "at, s"];

@@ -9,6 +9,7 @@ use bench::simulate::impact_table;
 use bench::simulate::peaks::{TIGHTER, impacts_with_bars};
 use report::figure::{Chart, Series, lines};
 use report::page::Page;
+use report::text_table;
 use serde::Serialize;
 
 /// Relative tolerance that keeps the slider's position within 1e-6 m over .6 revolutions.
@@ -56,10 +57,7 @@ pub(crate) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
         print_line!("{json}");
         return Ok(());
     }
-    print_line!("{:>12} {:>12} {:>14} {:>12}", "onset, us", "speed, m/s", "peak force, N", "error bar, N");
-    for [onset, speed, peak, bar] in &table {
-        print_line!("{onset:>12} {speed:>12} {peak:>14} {bar:>12}");
-    }
+    print_line!("{}", text_table(CONTACT_HEADER, &table, 0));
     print_line!(
         "slider at {:.10} m, {:.6} m/s\n\nreport: {}",
         summary.slider_position_m,
@@ -110,6 +108,8 @@ fn to_csv(rows: &[Row]) -> String {
     csv
 }
 
+const CONTACT_HEADER: [&str; 4] = ["onset, us", "approach speed, m/s", "peak force, N", "error bar, N"];
+
 fn contact_rows(summary: &SliderCrankSummary, impacts: &[Impact]) -> Vec<[String; 4]> {
     let row = |(impact, bar): (&Impact, &Option<f64>)| {
         [
@@ -147,8 +147,7 @@ fn page(
         "Every contact is a kink.",
     );
     let table: Vec<Vec<String>> = table.iter().map(|row| row.to_vec()).collect();
-    page.section("Contacts")
-        .table(&["onset, us", "approach speed, m/s", "peak force, N", "error bar, N"], &table);
+    page.section("Contacts").table(&CONTACT_HEADER, &table);
     page.note(
         "The error bar is the difference from a run at a coarser tolerance. impacts.csv contains every \
          contact.",

@@ -21,6 +21,7 @@ use bench::plants::transmission::Transmission;
 use contact::Damping;
 use report::figure::{Chart, Series, Style, lines_log_x};
 use report::page::Page;
+use report::text_table;
 use serde::Serialize;
 use serde::de::{Deserialize, IntoDeserializer, value};
 use std::path::Path;
@@ -92,10 +93,8 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
     if json {
         print_line!("{text}");
     } else {
-        let line = |cells: &[String]| cells.iter().map(|c| format!("{c:>13}")).collect::<Vec<_>>().join(" ");
         print_line!("peak contact force in N by floor or reference speed");
-        print_line!("{}", line(&header()));
-        rows(&outcome.runs).iter().for_each(|row| print_line!("{}", line(row)));
+        print_line!("{}", text_table(header(), rows(&outcome.runs), 1));
         print_line!("{}", ErrorBars::largest(outcome.runs.iter().map(|r| &r.figures)));
         print_line!("\nreport: {}", folder.join("report.html").display());
     }

@@ -17,6 +17,7 @@ use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use report::figure::{Chart, Series, Style, lines_log_log};
 use report::page::Page;
+use report::text_table;
 use serde::Serialize;
 use std::path::Path;
 
@@ -117,12 +118,10 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
     if json {
         print_line!("{text}");
     } else {
-        let line = |cells: &[String]| cells.iter().map(|c| format!("{c:>13}")).collect::<Vec<_>>().join(" ");
         print_line!(
             "rms difference of the contact force from the error-controlled law, N, by communication step"
         );
-        print_line!("{}", line(&header()));
-        rows(&outcome).iter().for_each(|row| print_line!("{}", line(row)));
+        print_line!("{}", text_table(header(), rows(&outcome), 2));
         print_line!("\nreport: {}", folder.join("report.html").display());
     }
     Ok(())

@@ -15,6 +15,7 @@ use crate::quantise::mode::{Mode, Packing, Plan};
 use crate::quantise::{QuantiseError, Quantised, quantise};
 use crate::report::card::{Facts, card};
 use inference::{BearingMaterial, shipped as shipped_image};
+use report::text_table;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -221,18 +222,15 @@ fn summarise(
     Ok(())
 }
 
+/// Appends the headings of the bands of the force.
+fn with_bands(start: &[&str]) -> Vec<String> {
+    let bands = BANDS_N.iter().map(|up_to| format!("to {up_to} N"));
+    start.iter().map(|&heading| heading.to_owned()).chain(bands).chain(["above".into()]).collect()
+}
+
 fn compare(arguments: &Arguments) -> Result<(), CliError> {
     let mut figures: Vec<Value> = Vec::new();
-    if !arguments.json {
-        print(format_args!(
-            "difference between image and float networks over {TEST_ROWS} test rows, mean / largest in N, \
-             by normal force"
-        ))?;
-        let heads: String = BANDS_N.iter().map(|up_to| format!("{:>17}", format!("to {up_to} N"))).collect();
-        print(format_args!(
-            "bearing  network    mode     flash B  small B     all N{heads}            above"
-        ))?;
-    }
+    let mut rows = Vec::new();
     for mode in Mode::ALL {
         let fast = prepare(arguments, Plan { mode, packing: Packing::Speed })?;
         let small = match mode {
@@ -248,29 +246,30 @@ fn compare(arguments: &Arguments) -> Result<(), CliError> {
                     "bytes_flash": flash_bytes,
                     "verdict": verdict,
                 }));
-                if arguments.json {
-                    continue;
-                }
-                let bands: String = (verdict.bands.iter())
-                    .map(|band| {
-                        let pair =
-                            format!("{:.2} / {:.0}", band.mae_quantisation_n, band.largest_quantisation_n);
-                        format!("{pair:>17}")
-                    })
-                    .collect();
-                print(format_args!(
-                    "{:8} {:9}  {:7}  {bytes:7}  {flash_bytes:7}  {:8.2}{bands}",
-                    verdict.bearing,
-                    verdict.network,
-                    mode.name(),
-                    verdict.mae_quantisation_n
-                ))?;
+                let start = [
+                    verdict.bearing.to_string(),
+                    verdict.network.to_string(),
+                    mode.name().into(),
+                    bytes.to_string(),
+                    flash_bytes.to_string(),
+                    format!("{:.2}", verdict.mae_quantisation_n),
+                ];
+                let bands = verdict.bands.iter().map(|band| {
+                    format!("{:.2} / {:.0}", band.mae_quantisation_n, band.largest_quantisation_n)
+                });
+                rows.push(start.into_iter().chain(bands).collect::<Vec<_>>());
             }
         }
     }
     if arguments.json {
         return print_json(&figures);
     }
+    let header = with_bands(&["bearing", "network", "mode", "flash B", "small B", "all N"]);
+    print(format_args!(
+        "difference between image and float networks over {TEST_ROWS} test rows, mean / largest in N, \
+         by normal force\n{}",
+        text_table(header, rows, 3)
+    ))?;
     print(format_args!(
         "(flash: packed for speed; small: packed for flash, the same estimates; \
          instructions: `cargo xtask insn`)"
@@ -293,14 +292,13 @@ fn layers(arguments: &Arguments, ready: &[QuantisedBearing], plan: Plan) -> Resu
             ready.name(),
             plan.mode.name()
         ))?;
-        let heads: String = BANDS_N.iter().map(|up_to| format!("{:>17}", format!("to {up_to} N"))).collect();
-        print(format_args!("network    in fixed point                 all N{heads}            above"))?;
-        for error in errors {
-            let bands: String = (error.bands.iter())
-                .map(|band| format!("{:>17}", format!("{:.2} / {:.1}", band.mae_n, band.largest_n)))
-                .collect();
-            print(format_args!("{:9}  {:28}  {:6.2}{bands}", error.network, error.quantised, error.mae_n))?;
-        }
+        let rows = errors.iter().map(|error| {
+            let start = [error.network.to_string(), error.quantised.clone(), format!("{:.2}", error.mae_n)];
+            let bands = error.bands.iter().map(|band| format!("{:.2} / {:.1}", band.mae_n, band.largest_n));
+            start.into_iter().chain(bands).collect::<Vec<_>>()
+        });
+        let header = with_bands(&["network", "in fixed point", "all N"]);
+        print(format_args!("{}", text_table(header, rows, 2)))?;
     }
     if arguments.json { print_json(&figures) } else { Ok(()) }
 }

@@ -11,6 +11,7 @@ use ::worlds::{Deviations, Sensors};
 use bench::description::TransmissionBench;
 use model_quant::evaluate::bench_loop::Spread;
 use report::page::Page;
+use report::text_table;
 
 type Rows = Vec<Vec<String>>;
 
@@ -197,32 +198,13 @@ fn lead(outcome: &Outcome) -> String {
     )
 }
 
-/// Prints a table with aligned columns.
-fn print_table(header: &[&str], rows: &Rows) {
-    let width = |column: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(column)).map(String::len);
-        cells.chain(header.get(column).map(|cell| cell.len())).max().unwrap_or_default()
-    };
-    let line = |cells: &[&str]| {
-        let cell = |(column, cell): (usize, &&str)| {
-            let width = width(column);
-            if column == 0 { format!("{cell:<width$}") } else { format!("  {cell:>width$}") }
-        };
-        print_line!("{}", cells.iter().enumerate().map(cell).collect::<String>());
-    };
-    line(header);
-    for row in rows {
-        line(&row.iter().map(String::as_str).collect::<Vec<_>>());
-    }
-    print_line!();
-}
-
 /// Tables and goals on the terminal.
 pub(super) fn print(outcome: &Outcome) {
-    print_table(&FORCE_HEADER, &force_rows(outcome));
-    print_table(&TORQUE_HEADER, &torque_rows(outcome));
-    print_table(&WORLD_HEADER, &world_rows(outcome, Set::SingleParameter));
-    print_table(&WORLD_HEADER, &world_rows(outcome, Set::Robustness));
+    print_line!("{}\n", text_table(FORCE_HEADER, force_rows(outcome), 1));
+    print_line!("{}\n", text_table(TORQUE_HEADER, torque_rows(outcome), 1));
+    for set in [Set::SingleParameter, Set::Robustness] {
+        print_line!("{}\n", text_table(WORLD_HEADER, world_rows(outcome, set), 1));
+    }
     for verdict in &outcome.goals {
         let (decision, figures) = decision(verdict);
         print_line!("{decision}: {}\n  {figures}", verdict.goal);

@@ -13,6 +13,7 @@ use crate::data::sink::{Complete, Format, FormattedRows, Sink, publish};
 use crate::data::split::Split;
 use crate::data::stream::stream;
 use inference::BearingMaterial;
+use report::text_table;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -277,20 +278,14 @@ fn text(
             100.0 * limits.below_floor as f64 / count
         ))?;
     }
-    print(format_args!(
-        "{:20} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}",
-        "normal force in N", "min", "1 %", "25 %", "median", "75 %", "99 %", "max", "mean"
-    ))?;
-    for (name, histogram) in histograms(limits) {
-        let [p1, p25, p50, p75, p99] = SHARES.map(|share| histogram.quantile(share));
-        print(format_args!(
-            "{:20} {:10.3e} {p1:10.3e} {p25:10.3e} {p50:10.3e} {p75:10.3e} {p99:10.3e} {:10.3e} {:10.3e}",
-            name.replace('_', " "),
-            histogram.low(),
-            histogram.high(),
-            histogram.mean()
-        ))?;
-    }
+    let header = ["normal force in N", "min", "1 %", "25 %", "median", "75 %", "99 %", "max", "mean"];
+    let rows = histograms(limits).into_iter().map(|(name, histogram)| {
+        let quantiles = SHARES.map(|share| histogram.quantile(share));
+        let figures = [&[histogram.low()], &quantiles[..], &[histogram.high(), histogram.mean()]].concat();
+        let figures = figures.iter().map(|figure| format!("{figure:.3e}"));
+        std::iter::once(name.replace('_', " ")).chain(figures).collect::<Vec<_>>()
+    });
+    print(format_args!("{}", text_table(header, rows, 1)))?;
     print(format_args!(
         "outside the range: {:.2} % of the contact of 24 runs of bench B ({:.2} % by the deformation, \
          deepest {:.0} um; {:.2} % by the ratio); the rate is below 0 in {:.1} %",
