@@ -38,3 +38,6 @@ pub use real::Real;
 pub use spring_dashpot::{SpringDashpot, damping_ratio_for, restitution_without_tension};
 pub use stiffness::{Stiffness, hertz_sphere_in_sphere};
 pub use stiffness_kind::{StiffnessKind, StiffnessParameters};
+
+/// Gravity, m/s2: the value of the published test problems. Bench and controller use the same.
+pub const GRAVITY_M_S2: f64 = 9.81;

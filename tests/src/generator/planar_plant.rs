@@ -11,6 +11,7 @@ use super::planar_added::{Added, wave};
 use super::tilt::{LENGTH_M, NODES, Tilt};
 use std::f64::consts::{PI, TAU};
 
+/// Gravity, m/s2. Not `contact::GRAVITY_M_S2`: the generator shares no code with the engine.
 const GRAVITY: f64 = 9.81;
 /// Reference normal force of the load exponent of friction, N.
 const REFERENCE_N: f64 = 10e3;
@@ -30,7 +31,7 @@ pub(super) struct Plant {
     pub(super) clearance_m: f64,
     journal_radius_m: f64,
     effective_modulus: f64,
-    damping_factor: f64,
+    dissipation_factor: f64,
     friction: f64,
     viscous: f64,
     load_n: f64,
@@ -118,7 +119,7 @@ impl Plant {
             clearance_m,
             journal_radius_m: 0.070 - clearance_m,
             effective_modulus: 1.0 / (compliance(modulus_pa, 0.3) + compliance(206e9, 0.3)),
-            damping_factor: 0.75 * (1.0 - restitution * restitution) * (2.0 * (1.0 - restitution)).exp(),
+            dissipation_factor: 0.75 * (1.0 - restitution * restitution) * (2.0 * (1.0 - restitution)).exp(),
             friction: real.friction * (1.0 + hidden.friction) * factor("coulomb-level"),
             viscous: hidden.viscous_n_s_m + of("viscous-friction", "viscous_n_s_m"),
             load_n: real.load_n,
@@ -213,7 +214,7 @@ impl Plant {
             * self.effective_modulus
             * (2.0 * depth * (3.0 * gap + 2.0 * depth).powi(2) / (gap + depth).powi(3)).sqrt();
         let rate = place.rate;
-        let normal = stiffness * depth.powf(1.5) * (1.0 + self.damping_factor * rate / latched.max(1e-3));
+        let normal = stiffness * depth.powf(1.5) * (1.0 + self.dissipation_factor * rate / latched.max(1e-3));
         let normal = normal.max(0.0);
         let slide = speed * self.journal_radius_m - place.around;
         let sign = 1.0 - 2.0 / (1.0 + (2.0 * slide / 1e-3).exp());

@@ -19,7 +19,7 @@ use crate::run::Row;
 use crate::world::World;
 use std::f64::consts::PI;
 
-/// Gravity, m/s2.
+/// Gravity, m/s2. Not `contact::GRAVITY_M_S2`: this crate depends on nothing.
 pub(crate) const GRAVITY_M_S2: f64 = 9.81;
 /// Deformation at which a changed exponent leaves the elastic force as it is, m.
 const EXPONENT_PIVOT_M: f64 = 20e-6;
@@ -32,7 +32,7 @@ pub(crate) struct Equations<'a> {
     world: &'a World,
     journal_radius_m: f64,
     effective_modulus_pa: f64,
-    damping_factor: f64,
+    dissipation_factor: f64,
 }
 
 impl<'a> Equations<'a> {
@@ -41,7 +41,7 @@ impl<'a> Equations<'a> {
             world,
             journal_radius_m: world.journal_radius_m(),
             effective_modulus_pa: world.effective_modulus_pa(),
-            damping_factor: world.damping_factor(),
+            dissipation_factor: world.dissipation_factor(),
         }
     }
 
@@ -86,7 +86,7 @@ impl<'a> Equations<'a> {
         let sliding = speed * self.journal_radius_m + vy * nz - vz * ny;
         let (mut normal, mut friction) = (0.0, 0.0);
         if let (Some(latched), true) = (latched_m_s, deformation > 0.0) {
-            let damping = self.damping_factor * rate / latched.max(w.latch_floor_m_s);
+            let damping = self.dissipation_factor * rate / latched.max(w.latch_floor_m_s);
             normal = (self.elastic_n(deformation) * (1.0 + damping)).max(0.0);
             friction = -self.coefficient(sliding) * normal;
         }

@@ -50,7 +50,7 @@ pub struct World {
     pub youngs_modulus_pa: f64,
     /// Poisson ratio of the bearing.
     pub poisson_ratio: f64,
-    /// Coefficient of restitution, which determines the damping factor.
+    /// Coefficient of restitution, which determines the dissipation factor.
     pub restitution: f64,
     /// Lower limit of the approach speed in the damping term.
     pub latch_floor_m_s: f64,
@@ -124,7 +124,7 @@ impl World {
     }
 
     /// Damping factor of Zhiying and Qishao (2006): `(3/4)(1 - e^2) exp(2(1 - e))`.
-    pub fn damping_factor(&self) -> f64 {
+    pub fn dissipation_factor(&self) -> f64 {
         let restitution = self.restitution;
         0.75 * (1.0 - restitution * restitution) * (2.0 * (1.0 - restitution)).exp()
     }

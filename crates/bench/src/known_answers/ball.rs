@@ -3,10 +3,8 @@
 use super::{KnownAnswer, KnownAnswerError};
 use crate::integrate::integrate;
 use crate::known_answers::falling_ball::FallingBall;
-use contact::{Dissipation, NormalLaw, Stiffness, produced_restitution};
+use contact::{Dissipation, GRAVITY_M_S2, NormalLaw, Stiffness, produced_restitution};
 
-/// Gravity in m/s2.
-const GRAVITY_M_S2: f64 = 9.81;
 /// Stiffness of a floor on which contacts last nanoseconds, N/m^1.5. The duration of a contact
 /// limits how small bounces can be before the ball stays on the floor.
 const HARD: f64 = 1e20;

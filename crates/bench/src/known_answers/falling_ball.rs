@@ -48,7 +48,7 @@ impl ContactPlant<2> for FallingBall {
 mod tests {
     use super::*;
     use crate::integrate::{IntegrationError, integrate};
-    use contact::{Dissipation, Stiffness, produced_restitution};
+    use contact::{Dissipation, GRAVITY_M_S2, Stiffness, produced_restitution};
 
     fn ball(coefficient: f64, dissipation: Dissipation, restitution: f64, gravity_m_s2: f64) -> FallingBall {
         let stiffness = Stiffness::Hertz { coefficient };
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn a_ball_on_a_hard_floor_comes_to_rest_within_the_step_limit() {
-        let plant = ball(1e14, Dissipation::ZhiyingQishao, 0.4, 9.81);
+        let plant = ball(1e14, Dissipation::ZhiyingQishao, 0.4, GRAVITY_M_S2);
         let result =
             integrate(&plant, (0.0, 3.0), [0.1, 0.0], false, &[], &plant.tolerances(1e-7), |_, _, _| {})
                 .unwrap();
@@ -81,7 +81,7 @@ mod tests {
         assert!(result.impacts.len() < 40 && last.separation_s.is_none(), "{}", result.impacts.len());
         // The floor carries the ball's weight.
         let force = plant.contact(3.0, &result.state, last.approach_speed_m_s).force_n;
-        assert!((force - 9.81).abs() < 1e-3, "{force}");
+        assert!((force - GRAVITY_M_S2).abs() < 1e-3, "{force}");
     }
 
     /// Floor that vibrates too fast for separate impacts.

@@ -9,10 +9,8 @@
 
 use super::{Mechanism, simulate};
 use crate::integrate::IntegrationError;
+use contact::GRAVITY_M_S2;
 use nalgebra::{SMatrix, SVector};
-
-/// Gravity in m/s2.
-const GRAVITY_M_S2: f64 = 9.81;
 
 /// The mechanism of the benchmark.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,11 +3,11 @@
 use super::bearing::OnShaft;
 use super::geometry::Geometry;
 use super::{
-    BRISTLE, BearingForces, GRAVITY_M_S2, LOAD_ANGLE, LOAD_SPEED, REST, RISE, STATES, Snapshot, State,
-    Transmission,
+    BRISTLE, BearingForces, LOAD_ANGLE, LOAD_SPEED, REST, RISE, STATES, Snapshot, State, Transmission,
 };
 use crate::description::ripples;
 use crate::integrate::{ContactAngles, ContactPlant, ContactReading};
+use contact::GRAVITY_M_S2;
 
 /// Rate at which bristles straighten without contact.
 const BRISTLE_RECOVERY_PER_S: f64 = 1e3;

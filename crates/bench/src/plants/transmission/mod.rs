@@ -37,11 +37,10 @@ use crate::integrate::Tolerances;
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 use crate::plants::energy::{EnergyAudit, elastic_energy_j};
 use crate::signals::{Motion, Profile};
+use contact::GRAVITY_M_S2;
 use fork::Drive;
 use shaft::Shaft;
 
-/// Gravity in m/s2: the value of the published test problems.
-pub(crate) const GRAVITY_M_S2: f64 = 9.81;
 /// Gap at the start as a share of the radial clearance.
 pub(crate) const START_GAP_SHARE: f64 = 1e-3;
 /// Index of the bristles' deflection, or of the pre-sliding sign.

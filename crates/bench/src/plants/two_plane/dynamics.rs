@@ -4,8 +4,9 @@ use super::{STATES, State, TwoPlane};
 use crate::description::ripples;
 use crate::integrate::{ContactAngles, ContactReading, SlicedPlant};
 use crate::plants::extended_friction::Memory;
-use crate::plants::transmission::{GRAVITY_M_S2, MAX_SINE};
+use crate::plants::transmission::MAX_SINE;
 use crate::signals::Motion;
+use contact::GRAVITY_M_S2;
 
 /// The crank under the rigid fork.
 #[derive(Clone, Copy, Debug)]

@@ -29,8 +29,9 @@ use crate::description::{Extension, LoadFriction, TransmissionBench, TwoPlaneSec
 use crate::integrate::Tolerances;
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 use crate::plants::energy::{EnergyAudit, elastic_energy_j};
-use crate::plants::transmission::{GRAVITY_M_S2, START_GAP_SHARE};
+use crate::plants::transmission::START_GAP_SHARE;
 use crate::signals::Profile;
+use contact::GRAVITY_M_S2;
 
 /// Number of states.
 pub const STATES: usize = 14;
