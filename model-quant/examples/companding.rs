@@ -17,6 +17,8 @@ use model_quant::network::recipe::{InstructionSet, Recipe};
 use model_quant::train::{Loss, Source, Training, Windows};
 use std::process::ExitCode;
 
+/// Stream of the histories of the test rows: no training has this number.
+const TEST_STREAM: u64 = 2 << 40;
 const BANDS_N: [f64; 5] = [100.0, 1000.0, 5000.0, 14_000.0, 40_000.0];
 
 /// Conversion of a force to a target and of an output to a force.
@@ -133,7 +135,7 @@ fn compare(bearing: BearingMaterial, epochs: usize) {
         let mut sums = [(0.0, 0usize); BANDS_N.len()];
         let mut without_contact = 0.0_f64;
         for (index, row) in test.iter().enumerate() {
-            let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 1 << 41 | index as u64);
+            let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, TEST_STREAM | index as u64);
             let states = draw_history(&features, row, &mut draw);
             let found = |states: &[ContactState]| {
                 let columns: Vec<f32> = states.iter().flat_map(|s| features.collision(s).inputs).collect();

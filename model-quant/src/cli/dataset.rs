@@ -8,7 +8,7 @@ use super::{CliError, parse_bearing, print_json};
 use crate::data::csv::table;
 use crate::data::draw::Purpose;
 use crate::data::features::FloatFeatures;
-use crate::data::file::write_atomically;
+use crate::data::file_io::write_atomically;
 use crate::data::ranges::{RangeKind, header};
 use crate::data::rows::draw_rows;
 use crate::data::statistics::mean;

@@ -1,7 +1,7 @@
 //! `model-quant export`: trained networks as ONNX and safetensors.
 
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
-use crate::data::file::write_atomically;
+use crate::data::file_io::write_atomically;
 use crate::exchange::description::{describe_network, describe_origin};
 use crate::exchange::onnx_export;
 use crate::exchange::onnx_import::Layout;

@@ -4,7 +4,7 @@
 mod replace;
 
 use super::{CliError, parse_bearing, print, print_json};
-use crate::data::file::write_atomically;
+use crate::data::file_io::write_atomically;
 use crate::exchange::card::{CardContents, card};
 use crate::exchange::error::OnnxError;
 use crate::exchange::input_scale::InputScale;

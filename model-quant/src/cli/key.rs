@@ -1,7 +1,7 @@
 //! `model-quant key`: key pairs for signing packages.
 
 use super::{CliError, print, print_json};
-use crate::data::file::{WriteError, temporary};
+use crate::data::file_io::{WriteError, temporary};
 use crate::exchange::key::{digits, parse, text};
 use ed25519_dalek::SigningKey;
 use serde_json::json;

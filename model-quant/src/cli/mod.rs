@@ -13,9 +13,9 @@ mod train;
 mod verify;
 
 use crate::data::bench_runs::RunError;
-use crate::data::file::{FileError, WriteError};
+use crate::data::cleaning_chart::PictureError;
+use crate::data::file_io::{FileError, WriteError};
 use crate::data::friction_source::FrictionError;
-use crate::data::picture::PictureError;
 use crate::evaluate::peers::{ResultsError, WindowsError};
 use crate::exchange::key::KeyError;
 use crate::exchange::package::PackageError;

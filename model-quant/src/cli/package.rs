@@ -2,7 +2,7 @@
 
 use super::key::read as read_key;
 use super::{CliError, print, print_json};
-use crate::data::file::write_atomically;
+use crate::data::file_io::write_atomically;
 use crate::exchange::key::{DEVELOPMENT, digits, parse};
 use crate::exchange::package::{Package, PackageProperties};
 use crate::quantise::image::AlignedImage;

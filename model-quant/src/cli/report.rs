@@ -1,7 +1,7 @@
 //! `model-quant report`: writes the training report.
 
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
-use crate::data::file::{check_directory, write_atomically};
+use crate::data::file_io::{check_directory, write_atomically};
 use crate::report::claims::training::TrainingFacts;
 use crate::report::claims::{friction, torque, training};
 use crate::report::training::companding::Comparison;

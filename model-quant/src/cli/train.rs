@@ -3,7 +3,7 @@
 mod rig;
 
 use super::{CliError, parse_bearing, print_json};
-use crate::data::file::{WriteError, check_directory, write_atomically};
+use crate::data::file_io::{WriteError, check_directory, write_atomically};
 use crate::data::parameter_grid::ROWS;
 use crate::data::ranges::RangeKind;
 use crate::data::split::Split;

@@ -1,7 +1,7 @@
 //! `model-quant verify`: compares images with laws, float networks and other runtimes.
 
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
-use crate::data::file::write_atomically;
+use crate::data::file_io::write_atomically;
 use crate::evaluate::errors::{Errors, FRICTION_RADIUS_M};
 use crate::evaluate::goals::Goal;
 use crate::evaluate::peers::{CHECKED_IN, Results, generate_windows, to_bytes};

@@ -17,7 +17,7 @@ use super::histogram::Histogram;
 use super::parameter_grid::{ParameterGrid, ROWS};
 use super::permutation::Permutation;
 use super::split::Split;
-use crate::data::draw::{Draw, Purpose};
+use crate::data::draw::{Draw, HistorySet, Purpose};
 use crate::data::features::FloatFeatures;
 use crate::data::ranges::{RangeKind, header};
 use crate::data::rows::{Row, draw_row};
@@ -151,12 +151,8 @@ impl CollisionSet {
 
     /// Window of a row, by the rule of [`crate::data::window`].
     pub(crate) fn window(&self, split: Split, index: u64, row: &Row) -> Window<COLLISION_INPUTS> {
-        let stream = 3 << 32 | self.place(split, index);
-        window::draw_collision_window(
-            &self.features,
-            row,
-            &mut Draw::new(self.seed, Purpose::FixedHistories, stream),
-        )
+        let mut draw = Draw::history(self.seed, HistorySet::Dataset, self.place(split, index));
+        window::draw_collision_window(&self.features, row, &mut draw)
     }
 
     /// Returns a block of rows or windows as columns, and how many of them were limited.

@@ -37,6 +37,19 @@ pub enum Purpose {
     DatasetSamples = 13,
 }
 
+/// Set of windows whose histories have a stream of [`Purpose::FixedHistories`] each. The numbers
+/// are part of the recipe and must not change. Validation sets have number 0, with the number of
+/// the training's stream before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HistorySet {
+    /// Calibration of the activations' ranges.
+    Calibration = 1,
+    /// Test set.
+    Test = 2,
+    /// Data set in three parts.
+    Dataset = 3,
+}
+
 /// Stream of random numbers.
 #[derive(Clone, Debug)]
 pub struct Draw(ChaCha8Rng);
@@ -47,6 +60,11 @@ impl Draw {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream((purpose as u64) << 48 | index);
         Self(rng)
+    }
+
+    /// Opens the stream of the history of a row.
+    pub(crate) fn history(seed: u64, set: HistorySet, row: u64) -> Self {
+        Self::new(seed, Purpose::FixedHistories, (set as u64) << 32 | row)
     }
 
     /// Uniform in 0..1, 53 bits.

@@ -12,17 +12,17 @@
 
 pub(crate) mod bench_runs;
 pub(crate) mod clean;
+pub(crate) mod cleaning_chart;
 pub mod collision;
 pub(crate) mod csv;
 pub mod draw;
 pub mod features;
-pub(crate) mod file;
+pub(crate) mod file_io;
 pub mod friction;
 pub mod friction_source;
 pub(crate) mod histogram;
 pub(crate) mod parameter_grid;
 pub(crate) mod permutation;
-pub(crate) mod picture;
 pub mod ranges;
 pub mod rows;
 pub mod sink;

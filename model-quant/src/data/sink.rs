@@ -5,7 +5,7 @@
 //! grid), and no compression. A file is written under a temporary name in its directory.
 //! [`publish`] renames all files of a set together, so a failed set leaves no files.
 
-use crate::data::file::{WriteError, temporary};
+use crate::data::file_io::{WriteError, temporary};
 use parquet::data_type::FloatType;
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;

@@ -5,7 +5,7 @@
 //! checkpoints, and `model-quant quantize` copies it to the model cards. A measurement applies only
 //! to the image with its checksum.
 
-use crate::data::file::FileError;
+use crate::data::file_io::FileError;
 use crate::data::statistics::{median, quantile};
 use serde::{Deserialize, Serialize};
 use std::path::Path;

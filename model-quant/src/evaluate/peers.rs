@@ -10,6 +10,7 @@
 use crate::data::draw::{Draw, Purpose};
 use crate::data::statistics::mean;
 use crate::evaluate::test_set::draw_test_set;
+use crate::network::NetworkKind;
 use crate::network::checkpoint::{Checkpoint, CheckpointError};
 use crate::network::shipped::shipped_checkpoint;
 use crate::quantise::head_sums::head_sums;
@@ -130,10 +131,11 @@ fn generate_windows_for(bearing: BearingMaterial) -> Result<[PeerWindows; 2], Wi
     let checksum = image.last_chunk::<CRC_LENGTH>().map_or(0, |sum| u32::from_le_bytes(*sum));
     let model: Model<'_, i16> = Model::load(image)?;
     let features = Features::new(model.header());
-    let draw = |network: u64| {
-        Draw::new(checkpoint.recipe.seed, Purpose::PeerWindows, u64::from(bearing.code()) << 1 | network)
+    let draw = |network: NetworkKind| {
+        let index = u64::from(bearing.code()) << 1 | network as u64;
+        Draw::new(checkpoint.recipe.seed, Purpose::PeerWindows, index)
     };
-    let (mut first, mut second) = (draw(0), draw(1));
+    let [mut first, mut second] = NetworkKind::ALL.map(draw);
     let mut collision: Vec<_> = (0..RANDOM_WINDOWS).map(|_| random_window(&mut first)).collect();
     let mut friction: Vec<_> = (0..RANDOM_WINDOWS).map(|_| random_window(&mut second)).collect();
     let [mut root_factors, mut forces] = [Vec::new(), Vec::new()];

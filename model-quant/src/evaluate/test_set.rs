@@ -1,6 +1,6 @@
 //! Test rows with their histories, and the forces that networks give for them.
 
-use crate::data::draw::{Draw, Purpose};
+use crate::data::draw::{Draw, HistorySet, Purpose};
 use crate::data::features::FloatFeatures;
 use crate::data::rows::{Row, draw_rows};
 use crate::data::window::draw_history;
@@ -29,7 +29,7 @@ pub fn draw_test_set(checkpoint: &Checkpoint, count: usize) -> Vec<(Row, [Contac
         .into_par_iter()
         .enumerate())
     .map(|(index, row)| {
-        let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 2 << 32 | index as u64);
+        let mut draw = Draw::history(recipe.seed, HistorySet::Test, index as u64);
         (row, draw_history(&features, &row, &mut draw))
     })
     .collect()

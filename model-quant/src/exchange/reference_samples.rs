@@ -1,7 +1,7 @@
 //! Test windows with the outputs of the float networks, as reference for other runtimes.
 
 use super::samples::Samples;
-use crate::data::draw::{Draw, Purpose};
+use crate::data::draw::{Draw, HistorySet, Purpose};
 use crate::data::features::FloatFeatures;
 use crate::data::rows::draw_rows;
 use crate::data::window;
@@ -19,7 +19,7 @@ pub(crate) fn generate_samples(checkpoint: &Checkpoint, which: NetworkKind) -> S
     let drawn = draw_rows(checkpoint.bearing, recipe.range, recipe.seed, Purpose::TestRows, WINDOWS);
     let windows: Vec<Vec<f32>> = (drawn.iter().enumerate())
         .map(|(index, row)| {
-            let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 2 << 32 | index as u64);
+            let mut draw = Draw::history(recipe.seed, HistorySet::Test, index as u64);
             match which {
                 NetworkKind::Collision => {
                     window::draw_collision_window(&features, row, &mut draw).columns.as_flattened().to_vec()

@@ -10,13 +10,14 @@ use inference::model::{CHANNELS, CONVOLUTIONS, KERNEL};
 /// Number of layers of each network: the convolutions and the head.
 pub(crate) const LAYERS: usize = CONVOLUTIONS + 1;
 
-/// One of the two networks of a bearing.
+/// One of the two networks of a bearing. The numbers select the random streams of its training and
+/// of its windows for other runtimes. They must not change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NetworkKind {
     /// From the state of the contact to the normal force.
-    Collision,
+    Collision = 0,
     /// From normal force and sliding speed to the coefficient of friction.
-    Friction,
+    Friction = 1,
 }
 
 impl NetworkKind {

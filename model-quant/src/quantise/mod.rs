@@ -14,7 +14,7 @@ pub(crate) mod weight_grid;
 
 pub(crate) use error::QuantiseError;
 
-use crate::data::draw::{Draw, Purpose};
+use crate::data::draw::{Draw, HistorySet, Purpose};
 use crate::data::features::FloatFeatures;
 use crate::data::rows::draw_rows;
 use crate::data::window::draw_history;
@@ -63,7 +63,7 @@ fn calibration(checkpoint: &Checkpoint, features: &FloatFeatures) -> Vec<[Contac
         draw_rows(checkpoint.bearing, recipe.range, recipe.seed, Purpose::CalibrationRows, CALIBRATION_ROWS);
     (drawn.iter().enumerate())
         .map(|(index, row)| {
-            let mut draw = Draw::new(recipe.seed, Purpose::FixedHistories, 1 << 32 | index as u64);
+            let mut draw = Draw::history(recipe.seed, HistorySet::Calibration, index as u64);
             draw_history(features, row, &mut draw)
         })
         .collect()

@@ -6,7 +6,7 @@
 
 use super::pipeline::Outcome;
 use super::training::Progress;
-use crate::data::file::FileError;
+use crate::data::file_io::FileError;
 use crate::network::NetworkKind;
 use inference::BearingMaterial;
 use serde::{Deserialize, Serialize};

@@ -9,7 +9,7 @@ mod block;
 mod fixed_point_forward;
 pub(crate) mod freezer;
 #[cfg(test)]
-mod gradients;
+mod gradient_tests;
 pub(crate) mod history;
 mod lanes;
 mod layout;

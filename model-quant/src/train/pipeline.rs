@@ -1,6 +1,6 @@
 //! Training of both networks of a bearing, with state files.
 
-use crate::data::file::{WriteError, write_atomically};
+use crate::data::file_io::{WriteError, write_atomically};
 use crate::network::NetworkKind;
 use crate::network::checkpoint::{Checkpoint, Trained};
 use crate::network::recipe::Recipe;

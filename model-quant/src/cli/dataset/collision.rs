@@ -5,7 +5,7 @@ use super::progress::Progress;
 use crate::data::bench_runs::{self, BenchRun, OutsideShare, bench_runs, measure_outside_share};
 use crate::data::collision::{COLUMNS, CollisionSet, LimitStatistics, window_names};
 use crate::data::features::FloatFeatures;
-use crate::data::file::write_atomically;
+use crate::data::file_io::write_atomically;
 use crate::data::histogram::Histogram;
 use crate::data::parameter_grid::ROWS;
 use crate::data::ranges::{RangeKind, header};

@@ -2,10 +2,10 @@
 //! cleaning.
 
 use super::super::{CliError, parse_bearing, print, print_json};
-use crate::data::file::{check_directory, write_atomically};
+use crate::data::cleaning_chart::comparison;
+use crate::data::file_io::{check_directory, write_atomically};
 use crate::data::friction::{CHANNELS, COLUMNS, DRAWS, FrictionSet, Group, SAMPLES, torque_errors};
 use crate::data::friction_source::{from_logs, from_rig, truth_of_rig};
-use crate::data::picture::comparison;
 use crate::data::sink::{Format, FormattedRows, Sink, publish};
 use crate::data::split::Split;
 use inference::BearingMaterial;

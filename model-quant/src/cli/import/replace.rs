@@ -2,7 +2,7 @@
 
 use super::Arguments;
 use crate::cli::{CliError, checkpoint, print, print_json};
-use crate::data::file::write_atomically;
+use crate::data::file_io::write_atomically;
 use crate::exchange::onnx_import::Imported;
 use crate::exchange::samples::{Difference, Samples};
 use crate::network::checkpoint::{Checkpoint, Trained};

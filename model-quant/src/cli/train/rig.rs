@@ -3,7 +3,7 @@
 use super::{Arguments, EpochBar, recipe};
 use crate::cli::{CliError, print, print_json};
 use crate::data::features::FloatFeatures;
-use crate::data::file::{check_directory, write_atomically};
+use crate::data::file_io::{check_directory, write_atomically};
 use crate::data::friction::FrictionSet;
 use crate::data::friction_source::{from_logs, from_rig, truth_of_rig};
 use crate::data::ranges::{RangeKind, header};

@@ -6,7 +6,7 @@
 //! order of its rows.
 
 use super::{Claim, Verdict};
-use crate::data::file::FileError;
+use crate::data::file_io::FileError;
 use crate::train::history::{Epoch, History};
 use inference::BearingMaterial;
 

@@ -3,7 +3,7 @@
 //!
 //! The file is the example's output: a title line, then one table with a header.
 
-use crate::data::file::FileError;
+use crate::data::file_io::FileError;
 use serde::Serialize;
 use std::path::Path;
 

@@ -15,7 +15,7 @@ pub(crate) mod rig_pictures;
 mod tables;
 pub(crate) mod torque;
 
-use crate::data::file::FileError;
+use crate::data::file_io::FileError;
 
 /// Reason why there is no report.
 #[derive(Debug, thiserror::Error)]

@@ -7,7 +7,7 @@
 
 use super::ReportError;
 use crate::data::features::FloatFeatures;
-use crate::data::file::FileError;
+use crate::data::file_io::FileError;
 use crate::data::friction::FrictionSet;
 use crate::data::friction_source::{from_rig, truth_of_rig};
 use crate::data::ranges::header;
