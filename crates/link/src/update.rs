@@ -116,7 +116,8 @@ pub enum SlotState {
     /// Package that was begun and not finished.
     Unfinished,
     /// Complete package that passed every check.
-    Sound {
+    #[serde(rename = "Sound")]
+    Valid {
         /// Version of the package.
         version: u32,
     },

@@ -127,7 +127,7 @@ pub(crate) fn slots(models: &UpdateStatus) -> Vec<(&'static str, String)> {
             let text = match slot {
                 SlotState::Blank => "blank".into(),
                 SlotState::Unfinished => "an incomplete package".into(),
-                SlotState::Sound { version } => format!("version {version}, valid"),
+                SlotState::Valid { version } => format!("version {version}, valid"),
                 SlotState::Refused => "a refused package".into(),
             };
             (name, text)
@@ -328,7 +328,7 @@ mod tests {
     fn slots_and_the_last_refusal_are_shown() {
         let reason = UpdateRefusal::Board { found: 0x405, expected: 0x505 };
         let models = UpdateStatus {
-            slots: [SlotState::Sound { version: 7 }, SlotState::Unfinished],
+            slots: [SlotState::Valid { version: 7 }, SlotState::Unfinished],
             last_refusal: Some(RefusedPackage { number: 0, slot: None, version: 9, reason }),
             ..UpdateStatus::default()
         };

@@ -5,10 +5,8 @@
 use crate::cli::error::CliError;
 use crate::run::sensing;
 use bench::{Channel, MeasuredLog};
+use controller::estimator::SAMPLE_PERIOD_RANGE_US;
 use link::SensorFrame;
-
-/// Sample periods that the controller supports, s.
-const PERIODS_S: std::ops::RangeInclusive<f64> = 50e-6..=1e-3;
 
 /// Returns the median interval of a log in s, so that missing rows have no effect.
 pub(crate) fn period_s(log: &MeasuredLog) -> Result<f64, CliError> {
@@ -17,16 +15,15 @@ pub(crate) fn period_s(log: &MeasuredLog) -> Result<f64, CliError> {
     intervals.sort_by(f64::total_cmp);
     let period_s = intervals.get(intervals.len() / 2).copied().unwrap_or_default();
     // The controller counts integer microseconds.
-    let period_s = (period_s * 1e6).round() * 1e-6;
-    if PERIODS_S.contains(&period_s) {
-        Ok(period_s)
+    let period_us = (period_s * 1e6).round();
+    if SAMPLE_PERIOD_RANGE_US.contains(&(period_us as i64)) {
+        Ok(period_us * 1e-6)
     } else {
         Err(CliError::Input(format!(
-            "{}: found {:.0} us between samples; expected {:.0} to {:.0} us",
+            "{}: found {period_us:.0} us between samples; expected {} to {} us",
             log.source,
-            period_s * 1e6,
-            PERIODS_S.start() * 1e6,
-            PERIODS_S.end() * 1e6
+            SAMPLE_PERIOD_RANGE_US.start(),
+            SAMPLE_PERIOD_RANGE_US.end()
         )))
     }
 }

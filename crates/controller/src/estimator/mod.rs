@@ -14,7 +14,7 @@
 //! The table gives noise, delay and error of the conditioned signals at 10 kHz. Noise gains are per
 //! unit of one sample's noise (of rates: per sample, so 0.0112 is 0.022 mm/s for 0.2 um). Errors
 //! are shares of the amplitude at 10, 30, 45, 65, 100 Hz. The delay is the largest from 10 to 100
-//! Hz. A test in `response.rs` computes them:
+//! Hz. A test in `response_tests.rs` computes them:
 //!
 //! | output | noise gain | error, % | delay, ms | good after, samples |
 //! |---|---|---|---|---|
@@ -42,7 +42,7 @@ mod newton;
 mod observer;
 mod plausibility;
 #[cfg(test)]
-mod response;
+mod response_tests;
 mod setup;
 mod signals;
 #[cfg(test)]
@@ -57,7 +57,7 @@ pub use conditioning::{Conditioning, MASS_RANGE_G, Masses, NOISE_RANGE_NM};
 pub use geometry::{ContactFrame, DISTANCE_STEPS_PER_NM, POSITION_LIMIT_NM};
 pub use plausibility::{Findings, Limits, MAX_DEFORMATION_NM, Plausibility, STUCK_SAMPLES, SwingLimit};
 pub(crate) use setup::bearing_of;
-pub use setup::bench_ranges;
+pub use setup::{SAMPLE_PERIOD_RANGE_US, bench_ranges};
 pub use signals::{DEFORMATION_WINDOW, SHAFT_WINDOW, SWING_WINDOW, WINDOW};
 pub use window::{WideWindow, Window};
 

@@ -33,8 +33,8 @@ use inference::fixed::fraction;
 
 /// Unit of accelerations, nm/s2.
 const UNIT_NM_S2: u64 = 1024;
-/// 9.81 m/s2 in that unit.
-const GRAVITY: i32 = 9_580_078;
+/// Gravity in that unit.
+const GRAVITY: i32 = (contact::GRAVITY_M_S2 * 1e9 / UNIT_NM_S2 as f64) as i32;
 /// Fraction bits of an inverse mass in acceleration units over mN.
 const MASS_BITS: u32 = 20;
 /// Logarithm to base 2 of the ticks over which the pull is averaged.
@@ -72,10 +72,19 @@ pub(super) struct NewtonState {
     normal_mn: i32,
     /// `v/chi + d'` of that tick: the elastic part is `F v/chi` over it.
     speed_nm_s: i32,
-    /// `v/chi` of the last tick.
-    slope_nm_s: i32,
+    /// `v/chi` of the last tick: the rate at which the damping doubles the elastic force.
+    doubling_rate_nm_s: i32,
 }
-words!(NewtonState { pull, ticks, y_nm_s, force_y_mn, friction_mn, normal_mn, speed_nm_s, slope_nm_s });
+words!(NewtonState {
+    pull,
+    ticks,
+    y_nm_s,
+    force_y_mn,
+    friction_mn,
+    normal_mn,
+    speed_nm_s,
+    doubling_rate_nm_s
+});
 
 /// The estimate of a tick, as the next tick's prediction needs it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -155,7 +164,7 @@ impl Newton {
         let last = product(state.normal_mn, per_mass, MASS_BITS - 3).cast_unsigned();
         let ratio = fraction(acceleration, saturated_unsigned(last));
         let rate = u64::from(state.speed_nm_s.cast_unsigned()).wrapping_mul(ratio.into()) >> 29;
-        let rate = saturated(rate.cast_signed()).saturating_sub(state.slope_nm_s);
+        let rate = saturated(rate.cast_signed()).saturating_sub(state.doubling_rate_nm_s);
         let rate = within(rate, LIMIT_BITS);
         select(state.normal_mn >= MIN_FORCE_MN, rate, 0)
     }
@@ -165,7 +174,7 @@ impl Newton {
     pub(super) fn store(&self, state: &mut NewtonState, estimate: &PreviousEstimate, is_open: bool) {
         let approach = estimate.approach_nm_s.min(1 << LIMIT_BITS).cast_signed();
         let speed = within(self.per_damping.times(approach), LIMIT_BITS);
-        state.slope_nm_s = speed;
+        state.doubling_rate_nm_s = speed;
         let with_rate = speed.saturating_add(estimate.rate_nm_s);
         let is_known = estimate.is_warm & (with_rate >= speed >> 1) & (estimate.normal_mn >= MIN_FORCE_MN);
         state.speed_nm_s = select(is_known, with_rate, state.speed_nm_s);

@@ -19,6 +19,7 @@
 //! 2^16 inside. No branch depends on data.
 
 use super::arithmetic::{Factor, product, saturated, select, select_wide, within};
+use super::conditioning::NOISE_RANGE_NM;
 use super::geometry::DISTANCE_STEPS_PER_NM;
 use crate::integrity::words;
 
@@ -43,8 +44,6 @@ const MEAN_BITS: u32 = 8;
 const INNOVATION_BITS: u32 = 15 + OUTSIDE_BITS;
 /// Mean square at a restart, as a multiple of the noise's.
 const START_NOISE: i32 = 4;
-/// Noise that can be served, nm: its square times [`START_NOISE`] fits into 32 bits.
-const NOISE_RANGE_NM: (u32, u32) = (10, 8_000);
 /// Fraction bits of the window's share.
 const SHARE_BITS: u32 = 15;
 /// Fraction bits of a rate inside.
@@ -89,7 +88,7 @@ impl Observer {
     /// Creates an observer for a sample period and a standard deviation of the position's noise.
     /// Without predictions the window always counts alone.
     pub(super) fn new(period_us: u32, noise_nm: u32, has_predictions: bool) -> Self {
-        let noise_nm = noise_nm.max(NOISE_RANGE_NM.0).min(NOISE_RANGE_NM.1);
+        let noise_nm = noise_nm.max(*NOISE_RANGE_NM.start()).min(*NOISE_RANGE_NM.end());
         let noise_square = noise_nm.wrapping_mul(noise_nm).cast_signed();
         let range = noise_square >> 2;
         Self {

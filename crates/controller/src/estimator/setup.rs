@@ -9,13 +9,16 @@ use model_package::WRONG_BEARING;
 use super::geometry::DISTANCE_STEPS_PER_NM;
 use crate::integrity::words;
 
+/// Sample periods that can be served, us: 50 us to 1 ms.
+pub const SAMPLE_PERIOD_RANGE_US: RangeInclusive<i64> = 50..=1_000;
+
 /// Returns every field of a bench with its value and its valid range.
 ///
 /// | field | range |
 /// |---|---|
 /// | radial clearance | 1 um to 5 mm |
 /// | journal radius | 1 mm to 1 m |
-/// | sample period | 50 us to 1 ms; the window is chosen for 100 us |
+/// | sample period | [`SAMPLE_PERIOD_RANGE_US`]; the window is chosen for 100 us |
 /// | latch floor, approach speed of an onset not seen | 1 um/s to 1 m/s |
 ///
 /// The networks are trained on a narrower range of clearances and flag the others.
@@ -26,7 +29,7 @@ pub fn bench_ranges(bench: &BenchConfiguration) -> [(Field, i64, RangeInclusive<
         (Field::Bearing, bench.bearing.into(), bearings()),
         (Field::RadialClearance, bench.radial_clearance_nm.into(), 1_000..=5_000_000),
         (Field::JournalRadius, bench.journal_radius_nm.into(), 1_000_000..=1_000_000_000),
-        (Field::SamplePeriod, bench.sample_period_us.into(), 50..=1_000),
+        (Field::SamplePeriod, bench.sample_period_us.into(), SAMPLE_PERIOD_RANGE_US),
         (Field::LatchFloor, bench.latch_floor_um_s.into(), speeds.clone()),
         (Field::UnseenApproach, bench.unseen_approach_um_s.into(), speeds),
     ]

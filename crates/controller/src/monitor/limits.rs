@@ -15,6 +15,7 @@ pub fn ranges(monitor: &MonitorConfiguration) -> [Ranged; 24] {
     use MonitorField as Field;
     // More than half of a quantity is not an error but another bench.
     let per_mille = 0..=500;
+    let noise = i64::from(*NOISE_RANGE_NM.start())..=i64::from(*NOISE_RANGE_NM.end());
     [
         // Up to 100 t.
         (Field::Mass, monitor.mass_g.into(), i64::from(*MASS_RANGE_G.start())..=100_000_000),
@@ -30,7 +31,7 @@ pub fn ranges(monitor: &MonitorConfiguration) -> [Ranged; 24] {
         (Field::MassDeviation, monitor.mass_deviation_per_mille.into(), per_mille),
         (Field::LeverDeviation, monitor.lever_deviation_ppht.into(), 0..=10_000),
         (Field::OffsetDeviation, monitor.offset_deviation_nm.into(), 0..=500_000),
-        (Field::JournalNoise, monitor.journal_noise_nm.into(), NOISE_RANGE_NM),
+        (Field::JournalNoise, monitor.journal_noise_nm.into(), noise),
         // Below 16 units the limit is coarser than its steps.
         (Field::JournalNoiseLimit, monitor.journal_noise_limit_nm.into(), 16..=1_000_000),
         (Field::AngleNoiseLimit, monitor.angle_noise_limit_nrad.into(), 16..=1_000_000_000),

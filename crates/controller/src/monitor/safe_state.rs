@@ -38,7 +38,7 @@ pub(super) struct HoldingState {
     /// Samples without distrust, at most the recovery time.
     clean: u32,
     /// Samples of the current hold; 0 while live.
-    held: u32,
+    held_samples: u32,
     /// All ones once an estimate has been trusted.
     has_trusted: u32,
 }
@@ -64,9 +64,9 @@ impl Holding {
         let is_unsettled = (state.clean < self.recovery_samples) | is_distrusted;
         let hold = u32::from(is_unsettled).wrapping_neg() & state.has_trusted;
         state.has_trusted |= u32::from(!is_distrusted).wrapping_neg();
-        let begins = (hold != 0) & (state.held == 0);
-        state.held = state.held.saturating_add(1) & hold;
-        let force_mask = u32::from(state.held <= self.lost_samples).wrapping_neg();
+        let begins = (hold != 0) & (state.held_samples == 0);
+        state.held_samples = state.held_samples.saturating_add(1) & hold;
+        let force_mask = u32::from(state.held_samples <= self.lost_samples).wrapping_neg();
 
         let [normal, y, z, torque, deformation, angle] = &mut state.trusted;
         let apply = |trusted: &mut u32, value: &mut f32, mask: u32| {
@@ -84,7 +84,7 @@ impl Holding {
     }
 
     pub(super) const fn state(&self, state: &HoldingState) -> SafeState {
-        match (state.has_trusted, state.held) {
+        match (state.has_trusted, state.held_samples) {
             (0, _) => SafeState::Starting,
             (_, 0) => SafeState::Live,
             (_, held) if held > self.lost_samples => SafeState::Lost,

@@ -8,7 +8,7 @@ use link::{
 };
 
 use super::Session;
-use super::conversation::Order;
+use super::conversation::Execution;
 use super::run::Run;
 use super::telemetry::count;
 use crate::configuration::validate;
@@ -17,17 +17,17 @@ impl Session {
     /// Executes a command if it is the next one, or repeats the outcome if it is the last one.
     pub(super) fn acknowledge(&mut self, numbered: &NumberedCommand) -> Acknowledgement {
         let id = numbered.id;
-        let outcome = match self.conversation.order(numbered) {
-            Order::Next => {
+        let outcome = match self.conversation.decide_execution(numbered) {
+            Execution::Next => {
                 let outcome = self.execute(&numbered.command);
                 self.conversation.record(*numbered, outcome);
                 outcome
             }
-            Order::Repeated(outcome) => {
+            Execution::Repeated(outcome) => {
                 count(&mut self.telemetry.counters.repeated_commands, true);
                 return Acknowledgement { id, outcome };
             }
-            Order::Refused(reason) => Err(reason),
+            Execution::Refused(reason) => Err(reason),
         };
         count(&mut self.telemetry.counters.refused_commands, outcome.is_err());
         Acknowledgement { id, outcome }
@@ -63,7 +63,7 @@ impl Session {
         }
     }
 
-    /// Checks a configuration as a whole and starts a run with it. A refused one changes nothing.
+    /// Checks a complete configuration and starts a run with it. A refused one changes nothing.
     ///
     /// # Errors
     ///

@@ -22,7 +22,7 @@ pub struct Identity {
 }
 
 /// Consequence of a command's number for its execution.
-pub(super) enum Order {
+pub(super) enum Execution {
     /// The next command: it is to be executed.
     Next,
     /// The last command again: its outcome is repeated.
@@ -115,13 +115,13 @@ impl Conversation {
     }
 
     /// Decides by its number whether a command is executed, repeated or refused.
-    pub(super) fn order(&self, numbered: &NumberedCommand) -> Order {
+    pub(super) fn decide_execution(&self, numbered: &NumberedCommand) -> Execution {
         let expected = self.next_number();
         match &self.last_command {
-            _ if numbered.id == expected => Order::Next,
-            Some((last, outcome)) if last == numbered => Order::Repeated(*outcome),
-            Some((last, _)) if last.id == numbered.id => Order::Refused(Refusal::NumberTaken),
-            _ => Order::Refused(Refusal::OutOfOrder { expected }),
+            _ if numbered.id == expected => Execution::Next,
+            Some((last, outcome)) if last == numbered => Execution::Repeated(*outcome),
+            Some((last, _)) if last.id == numbered.id => Execution::Refused(Refusal::NumberTaken),
+            _ => Execution::Refused(Refusal::OutOfOrder { expected }),
         }
     }
 

@@ -16,7 +16,7 @@ pub(super) struct Deadline {
     budget_ticks: u32,
     trip_count: u16,
     in_a_row: u16,
-    /// Timer ticks of the last frame, and of the whole last tick.
+    /// Timer ticks of the last frame, and of the complete last tick.
     frame_ticks: u32,
     total_ticks: u32,
     tripped: bool,
@@ -47,13 +47,13 @@ impl Deadline {
         trips
     }
 
-    /// Takes the ticks of a whole tick, of which `elapsed` had passed before its frame.
+    /// Takes the ticks of a complete tick, of which `elapsed` had passed before its frame.
     pub(super) fn finish(&mut self, elapsed: u32, total: u32) {
         self.frame_ticks = total.saturating_sub(elapsed);
         self.total_ticks = total;
     }
 
-    /// Timer ticks of the last whole tick; 0 before the first.
+    /// Timer ticks of the last complete tick; 0 before the first.
     pub(super) const fn total_ticks(&self) -> u32 {
         self.total_ticks
     }

@@ -42,9 +42,9 @@ pub(super) struct Run {
     /// Estimates since the last one that was sent.
     withheld: u16,
     /// The last estimate in time.
-    held: EstimateFrame,
+    last_in_time: EstimateFrame,
     /// Word sum of its values as they were computed.
-    held_sum: WordSum,
+    last_in_time_sum: WordSum,
     /// Word sum of the values of the next estimate to be sent.
     value_sum: WordSum,
     /// CRC-32 of everything that the configuration sets.
@@ -91,8 +91,8 @@ impl Run {
             next_number: 0,
             is_sampling: false,
             withheld: 0,
-            held: EstimateFrame::default(),
-            held_sum: WordSum::default(),
+            last_in_time: EstimateFrame::default(),
+            last_in_time_sum: WordSum::default(),
             value_sum: WordSum::default(),
             config_crc: 0,
         };
@@ -129,9 +129,14 @@ impl Run {
     /// to be served.
     pub(super) fn estimate(&mut self, frame: &SensorFrame, status: SensorStatus) -> EstimateFrame {
         if self.deadline.is_tripped() {
-            self.value_sum = self.held_sum;
-            let flags = self.held.flags | (STALE | TRIPPED).bits();
-            return EstimateFrame { sequence: frame.sequence, time_us: frame.time_us, flags, ..self.held };
+            self.value_sum = self.last_in_time_sum;
+            let flags = self.last_in_time.flags | (STALE | TRIPPED).bits();
+            return EstimateFrame {
+                sequence: frame.sequence,
+                time_us: frame.time_us,
+                flags,
+                ..self.last_in_time
+            };
         }
         self.monitor.set_networks_corrupted(self.is_model_corrupted);
         let mut estimate = self.monitor.step(&self.calibrator.apply(frame), status);
@@ -181,7 +186,7 @@ impl Run {
 
     /// Returns the last estimate in time; all zeros before the first.
     pub(super) const fn last(&self) -> &EstimateFrame {
-        &self.held
+        &self.last_in_time
     }
 
     /// Switches to other networks. If there are none for the bearing, the corrupted ones stay in
@@ -211,7 +216,7 @@ impl Run {
         estimate.flags |= (STALE.when(is_late) | TRIPPED.when(trips)).bits();
         estimate.instruction_ticks = self.deadline.total_ticks();
         if !(is_late || is_held) {
-            (self.held, self.held_sum) = (estimate, self.value_sum);
+            (self.last_in_time, self.last_in_time_sum) = (estimate, self.value_sum);
         }
         let number = self.next_number;
         self.next_number = number.wrapping_add(1);

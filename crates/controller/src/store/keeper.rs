@@ -55,7 +55,7 @@ impl<M: NorFlash> Keeper<M> {
         let end = u32::try_from(keeper.memory.capacity()).unwrap_or(0);
         for offset in (0..end).step_by(RECORD) {
             let Some(record) = keeper.read(offset) else { continue };
-            let Some(number) = whole(&record) else { continue };
+            let Some(number) = valid_number(&record) else { continue };
             if keeper.newest.is_none_or(|newest| newest.number < number) {
                 keeper.newest = Some(Newest { number, offset });
             }
@@ -138,7 +138,7 @@ fn record_of<T: Serialize>(number: u32, version: u16, value: &T) -> Option<[u8; 
 }
 
 /// Returns the record's number if its checksum matches.
-fn whole(record: &[u8; RECORD]) -> Option<u32> {
+fn valid_number(record: &[u8; RECORD]) -> Option<u32> {
     let (body, sum) = record.split_last_chunk::<4>()?;
     let (number, _) = body.split_first_chunk::<4>()?;
     (crc32(body) == u32::from_le_bytes(*sum)).then_some(u32::from_le_bytes(*number))

@@ -124,7 +124,7 @@ impl<M: SlotMemory> Store<M> {
         for marked in newest_first.into_iter().flatten() {
             match marked.slot.verify(&mut self.memory, self.board, &self.key) {
                 Ok((manifest, models)) => {
-                    self.note(marked.slot, SlotState::Sound { version: manifest.version });
+                    self.note(marked.slot, SlotState::Valid { version: manifest.version });
                     self.least_version = self.least_version.max(manifest.version.saturating_add(1));
                     if chosen.is_none() {
                         self.running = Running { source: models.source(), marked: Some(marked) };
@@ -158,7 +158,7 @@ impl<M: SlotMemory> Store<M> {
 
     /// Handles one request. `estimating` is true during a run.
     pub fn serve(&mut self, request: &UpdateRequest, estimating: bool) -> Served {
-        let held = estimating && self.memory.stalls_the_core();
+        let is_blocked = estimating && self.memory.stalls_the_core();
         let served = match request {
             UpdateRequest::Status => Ok(None),
             UpdateRequest::Refusals { index } => {
@@ -168,8 +168,8 @@ impl<M: SlotMemory> Store<M> {
                 self.reception = None;
                 Ok(None)
             }
-            UpdateRequest::Begin(signed) => self.begin(signed, held).map(|()| None),
-            UpdateRequest::Chunk(_) | UpdateRequest::Finish if held => Err(UpdateRefusal::Estimating),
+            UpdateRequest::Begin(signed) => self.begin(signed, is_blocked).map(|()| None),
+            UpdateRequest::Chunk(_) | UpdateRequest::Finish if is_blocked => Err(UpdateRefusal::Estimating),
             UpdateRequest::Chunk(chunk) => self.chunk(chunk).map(|()| None),
             UpdateRequest::Finish => self.finish(),
         };

@@ -30,8 +30,9 @@ impl Reception {
 }
 
 impl<M: SlotMemory> Store<M> {
-    /// Begins an update or resumes one after a lost link or a reset.
-    pub(super) fn begin(&mut self, signed: &SignedManifest, held: bool) -> Result<(), UpdateRefusal> {
+    /// Begins an update or resumes one after a lost link or a reset. `is_blocked` is true while the
+    /// flash must not be written.
+    pub(super) fn begin(&mut self, signed: &SignedManifest, is_blocked: bool) -> Result<(), UpdateRefusal> {
         if self.reception.is_some_and(|reception| reception.signed == *signed) || self.runs(signed) {
             return Ok(());
         }
@@ -51,7 +52,7 @@ impl<M: SlotMemory> Store<M> {
         if let Some(reason) = reason {
             return Err(self.refuse(None, manifest.version, reason));
         }
-        if held {
+        if is_blocked {
             return Err(UpdateRefusal::Estimating);
         }
         self.reception = None;
@@ -102,7 +103,7 @@ impl<M: SlotMemory> Store<M> {
             .and_then(|models| reception.slot.mark(&mut self.memory, number).map(|()| models))
             .map_err(|reason| self.give_up(&reception, reason))?;
         self.reception = None;
-        self.note(reception.slot, SlotState::Sound { version: reception.manifest.version });
+        self.note(reception.slot, SlotState::Valid { version: reception.manifest.version });
         let marked = Marked { slot: reception.slot, number };
         self.running = Running { source: models.source(), marked: Some(marked) };
         self.least_version = self.least_version.max(reception.manifest.version.saturating_add(1));

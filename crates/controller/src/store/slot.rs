@@ -83,8 +83,8 @@ impl Slot {
         let bytes: [u8; 12] = self.read(memory, SIGNED as u32)?;
         let &[number, complement, mark] = bytes.as_chunks::<4>().0 else { return None };
         let number = u32::from_le_bytes(number);
-        let whole = number == !u32::from_le_bytes(complement) && u32::from_le_bytes(mark) == MARK;
-        whole.then_some(Marked { slot: self, number })
+        let is_complete = number == !u32::from_le_bytes(complement) && u32::from_le_bytes(mark) == MARK;
+        is_complete.then_some(Marked { slot: self, number })
     }
 
     pub(super) fn erase(self, memory: &mut impl SlotMemory) -> Result<(), UpdateRefusal> {

@@ -28,8 +28,8 @@ use crate::integrity::words;
 use link::BenchConfiguration;
 use link::track::MonitorConfiguration;
 
-use super::balance::Balance;
 use super::block::{Means, STRIDE};
+use super::force_balance::BalanceForce;
 use super::{at_least, at_most};
 
 /// Deviation that the clearance may gain from block to block, m: 0.6 um in a second at 10 kHz.
@@ -132,7 +132,7 @@ impl Clearance {
         &self,
         state: &ClearanceState,
         means: &Means,
-        balance: &Balance,
+        balance: &BalanceForce,
         measured: &mut Measured,
     ) {
         let distance_m = at_least(means.distance_m, 1e-6);
@@ -153,7 +153,7 @@ impl Clearance {
     }
 
     /// Computes a block's clearance and its variance.
-    pub(super) fn sensitivities(&self, means: &Means, balance: &Balance, measured: &mut Measured) {
+    pub(super) fn sensitivities(&self, means: &Means, balance: &BalanceForce, measured: &mut Measured) {
         let normal_n = at_least(balance.normal_n, 1.0);
         let half_m = 0.5 * measured.deformation_m;
         let per_force = -half_m / normal_n;

@@ -16,16 +16,16 @@
 //! cycle forth and back cancels part of them.
 //!
 //! No drive force is needed: the equation of the crank eliminates the fork's force
-//! ([`super::balance`]). Limits: the network's dependence on speed is assumed to be right; friction
-//! elsewhere in the drive (seals, load cylinder) counts as that of the bearing.
+//! ([`super::force_balance`]). Limits: the network's dependence on speed is assumed to be right;
+//! friction elsewhere in the drive (seals, load cylinder) counts as that of the bearing.
 
 use crate::integrity::words;
 use link::BenchConfiguration;
 use link::track::MonitorConfiguration;
 
 use super::at_least;
-use super::balance::Balance;
 use super::block::Means;
+use super::force_balance::BalanceForce;
 
 /// Deviation that the level may gain from block to block: 0.012 in a second at 10 kHz.
 const WALK: f32 = 0.002;
@@ -88,7 +88,7 @@ impl Friction {
         }
     }
 
-    pub(super) fn measure(&self, means: &Means, balance: &Balance) -> Measured {
+    pub(super) fn measure(&self, means: &Means, balance: &BalanceForce) -> Measured {
         let coefficient =
             means.network_torque_nm * self.per_journal_radius / at_least(means.network_normal_n, 1.0);
         let normal_n = at_least(balance.normal_n, 0.0);

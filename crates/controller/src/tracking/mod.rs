@@ -2,23 +2,23 @@
 //! bearing.
 //!
 //! Every second sample is summed over blocks of [`BLOCK`] samples ([`block`]). Load, weight and
-//! inertia give the bearing force without the contact model ([`balance`]). Distance and force give
-//! the clearance ([`clearance`]) and, with the friction network, the friction level ([`friction`]).
-//! Both are compared with their limits ([`limit`]). A block does not count if it contains a sensor
-//! fault or if no force presses the journal to the bearing. A block contradicts the tracked
-//! clearance if it is further from it than errors and wear explain. This detects a drifting probe,
-//! since position and load then agree in one direction of the journal only.
+//! inertia give the bearing force without the contact model ([`force_balance`]). Distance and force
+//! give the clearance ([`clearance`]) and, with the friction network, the friction level
+//! ([`friction`]). Both are compared with their limits ([`limit`]). A block does not count if it
+//! contains a sensor fault or if no force presses the journal to the bearing. A block contradicts
+//! the tracked clearance if it is further from it than errors and wear explain. This detects a
+//! drifting probe, since position and load then agree in one direction of the journal only.
 //!
 //! A block is evaluated during the next one, a step in every fourth sample, to spread the work: the
 //! cost of a tick depends on its place in the block and on nothing else. The arithmetic is f32 with
 //! `+ - * /` and square roots only, so that host and controller agree in every bit.
 
-mod balance;
 mod block;
 mod clearance;
+mod force_balance;
 mod friction;
 mod limit;
-mod order;
+mod min_max;
 
 use link::crc32::Digest;
 use link::track::{MonitorConfiguration, SafeState, TrackReport};
@@ -28,12 +28,12 @@ pub use block::{BLOCK, STRIDE};
 pub use limit::{CONFIDENCE, CONFIRM, ENOUGH};
 
 use crate::integrity::{Words, words};
-use balance::{Balance, Levers};
 use block::{Block, Means, Sums, Taken};
 use clearance::{Clearance, ClearanceState, ROUNDS};
+use force_balance::{BalanceForce, ForceBalance};
 use friction::{Friction, FrictionState, Measured};
 use limit::{Alarm, AlarmState};
-pub(crate) use order::{at_least, at_most};
+pub(crate) use min_max::{at_least, at_most};
 
 /// Period in samples: sums in the first and third, a step of evaluation in the last.
 const PHASES: u32 = 4;
@@ -60,14 +60,14 @@ pub struct Tracker {
 /// Constants, set by the configuration.
 #[derive(Clone, Debug)]
 struct Config {
-    levers: Levers,
+    force_balance: ForceBalance,
     nominal_clearance_nm: f32,
     clearance: Clearance,
     friction: Friction,
     wear_alarm: Alarm,
     friction_alarm: Alarm,
 }
-words!(Config { levers, nominal_clearance_nm, clearance, friction, wear_alarm, friction_alarm });
+words!(Config { force_balance, nominal_clearance_nm, clearance, friction, wear_alarm, friction_alarm });
 
 /// Everything that changes with the samples.
 #[derive(Clone, Debug)]
@@ -93,7 +93,7 @@ struct State {
 struct Closed {
     sums: Sums,
     means: Means,
-    balance: Balance,
+    balance: BalanceForce,
     clearance: clearance::Measured,
     friction: Measured,
     /// True if no sample was faulty; from the second step on, if the journal also was steady and
@@ -110,7 +110,7 @@ impl Tracker {
     pub fn new(configuration: &BenchConfiguration, monitor: &MonitorConfiguration) -> Self {
         Self {
             config: Config {
-                levers: Levers::new(configuration, monitor),
+                force_balance: ForceBalance::new(configuration, monitor),
                 nominal_clearance_nm: configuration.radial_clearance_nm as f32,
                 clearance: Clearance::new(configuration, monitor),
                 friction: Friction::new(configuration, monitor),
@@ -215,7 +215,7 @@ impl Config {
         match state.place / STRIDE {
             0 => closed.means = closed.sums.means(),
             1 => {
-                closed.balance = self.levers.balance(&closed.means);
+                closed.balance = self.force_balance.solve(&closed.means);
                 closed.counts &= (closed.balance.normal_n > MIN_NORMAL_N)
                     & (closed.balance.unsteadiness < MAX_UNSTEADINESS);
             }

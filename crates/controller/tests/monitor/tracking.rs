@@ -102,10 +102,12 @@ fn a_clearance_that_grows_is_followed_and_alarmed_when_it_is_above_the_limit() {
 #[test]
 fn without_wear_there_is_no_alarm() {
     for bearing in BearingMaterial::ALL {
+        let mut worn = monitor(bearing, |_| {});
+        follow(&mut worn, &Truth::drawn(bearing, 99).frames(99, 0).0);
+        // Two deviations below the limit: a bearing that is worn almost to the limit.
+        let below_m = 2e-9 * f64::from(worn.report().radial_clearance_deviation_nm);
         for seed in 100..140 {
             let mut monitor = monitor(bearing, |configuration| configuration.wear_limit_nm = 500_000);
-            // Two deviations below the limit: a bearing that is worn almost to the limit.
-            let below_m = if bearing == BearingMaterial::Babbitt { 1.4e-6 } else { 5.6e-6 };
             let truth = Truth { clearance_m: 0.5e-3 - below_m, ..Truth::drawn(bearing, seed) };
             follow(&mut monitor, &truth.frames(seed, 0).0);
             assert_eq!(monitor.report().wear, Wear::Below, "{bearing:?}, {seed}");

@@ -131,7 +131,7 @@ fn models() -> UpdateStatus {
         refused: u16::MAX,
         corrupted: u16::MAX,
         development_key: true,
-        slots: [SlotState::Sound { version: ALL }; 2],
+        slots: [SlotState::Valid { version: ALL }; 2],
         last_refusal: Some(RefusedPackage {
             number: u16::MAX,
             slot: Some(1),

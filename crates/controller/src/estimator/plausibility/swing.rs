@@ -24,7 +24,7 @@ const BEGINS: u32 = 15;
 const ENDS: u32 = 13;
 /// Factor on the speed of the fall.
 const MARGIN: f32 = 1.5;
-const GRAVITY_M_S2: f32 = 9.81;
+const GRAVITY_M_S2: f32 = contact::GRAVITY_M_S2 as f32;
 
 /// Parameters of the swing's limit.
 #[derive(Clone, Copy, Debug, PartialEq)]

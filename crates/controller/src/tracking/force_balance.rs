@@ -12,7 +12,7 @@
 //!
 //! `n` is the mean direction of the block. While the journal swings, the mean of the product `F .
 //! n` is not the product of the means. `|n|^2` is then below 1, and the difference measures the
-//! effect ([`Balance::unsteadiness`]).
+//! effect ([`BalanceForce::unsteadiness`]).
 //!
 //! Limits: fork without play, load on its lever without friction of the cylinder, planar motion. A
 //! compliant drive does not matter, because the force of the fork is eliminated.
@@ -24,11 +24,11 @@ use link::track::MonitorConfiguration;
 use super::block::{Means, STRIDE};
 use super::{at_least, at_most};
 
-const GRAVITY_M_S2: f32 = 9.81;
+const GRAVITY_M_S2: f32 = contact::GRAVITY_M_S2 as f32;
 
 /// Parameters of the bench, SI.
 #[derive(Clone, Debug)]
-pub(super) struct Levers {
+pub(super) struct ForceBalance {
     mass_kg: f32,
     weight_n: f32,
     inertia_kg_m2: f32,
@@ -39,7 +39,7 @@ pub(super) struct Levers {
     /// Converts per sample of a block squared to per second squared.
     per_period_squared: f32,
 }
-words!(Levers {
+words!(ForceBalance {
     mass_kg,
     weight_n,
     inertia_kg_m2,
@@ -52,7 +52,7 @@ words!(Levers {
 
 /// Force of the bearing according to the balance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Balance {
+pub(super) struct BalanceForce {
     /// Normal force, N.
     pub(super) normal_n: f32,
     /// Friction force along `t`, N.
@@ -71,7 +71,7 @@ pub(super) struct Balance {
     pub(super) unsteadiness: f32,
 }
 
-impl Levers {
+impl ForceBalance {
     pub(super) fn new(configuration: &BenchConfiguration, monitor: &MonitorConfiguration) -> Self {
         let mass_kg = monitor.mass_g as f32 * 1e-3;
         let frequency_hz = 1e6 / (STRIDE as f32 * configuration.sample_period_us as f32);
@@ -87,7 +87,7 @@ impl Levers {
         }
     }
 
-    pub(super) fn balance(&self, means: &Means) -> Balance {
+    pub(super) fn solve(&self, means: &Means) -> BalanceForce {
         let [y, z, angle] = means.curvature.map(|curvature| curvature * self.per_period_squared);
         let lever_m = self.drive_lever_m * cosine(means.angle_rad - self.crank_vertical_rad);
         let inertia_part_n = -self.inertia_kg_m2 * angle / lever_m;
@@ -102,7 +102,7 @@ impl Levers {
         let per = 1.0 / determinant;
         let normal_by = [-n_y * per, (rho - n_z) * per];
         let friction_by = [n_z * per, -n_y * per];
-        Balance {
+        BalanceForce {
             normal_n: normal_by[0] * rest + normal_by[1] * force_z_n,
             friction_n: friction_by[0] * rest + friction_by[1] * force_z_n,
             normal_by,
