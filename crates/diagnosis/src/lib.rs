@@ -27,7 +27,7 @@ pub use verdict::identifiability::Identifiability;
 pub use verdict::noise_summary::Noise;
 pub use verdict::probability::Hypothesis;
 pub use verdict::ranking::RankedCandidate;
-pub use verdict::remaining_structure::Signature;
+pub use verdict::remaining_structure::RemainingStructure;
 pub use verdict::residual_bins::{BinnedResidual, ResidualBin};
 pub use verdict::series::Series;
 

@@ -10,7 +10,7 @@ use crate::verdict::identifiability::Identifiability;
 use crate::verdict::noise_summary::Noise;
 use crate::verdict::probability::Hypothesis;
 use crate::verdict::ranking::RankedCandidate;
-use crate::verdict::remaining_structure::Signature;
+use crate::verdict::remaining_structure::RemainingStructure;
 use crate::verdict::residual_bins::BinnedResidual;
 use crate::verdict::series::Series;
 use bench::Bench;
@@ -81,7 +81,7 @@ pub struct Diagnosis {
     #[serde(rename = "refused")]
     pub rejection: Option<Rejection>,
     /// Structure that remains in the residual.
-    pub signature: Option<Signature>,
+    pub signature: Option<RemainingStructure>,
     /// Residuals over the quantities that they may depend on, before and after the extension.
     pub places: Vec<BinnedResidual>,
     /// Error before and after the extension, by channel.

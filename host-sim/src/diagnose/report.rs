@@ -26,7 +26,7 @@ pub(crate) fn page(diagnosis: &Diagnosis) -> Result<Page, String> {
 
 /// Refers to the findings that changed the data before the fit.
 fn add_corrections_note(page: &mut Page, diagnosis: &Diagnosis) {
-    let corrected = diagnosis.checks.iter().filter(|f| f.done.is_some()).count();
+    let corrected = diagnosis.checks.iter().filter(|f| f.applied.is_some()).count();
     if corrected > 0 {
         page.text(&format!(
             "The data were changed before the fit because of {corrected} finding{}; see \"Checks of the \

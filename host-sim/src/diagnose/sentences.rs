@@ -3,7 +3,8 @@
 use bench::Channel;
 use bench::effects::kind;
 use diagnosis::{
-    CalibratedParameter, Cause, Diagnosis, Gain, Identifiability, Rejection, Signature, Verdict, four_digits,
+    CalibratedParameter, Cause, Diagnosis, Gain, Identifiability, Rejection, RemainingStructure, Verdict,
+    four_digits,
 };
 
 /// An effect with its channel, if it has one.
@@ -125,7 +126,7 @@ pub(crate) fn rejection_words(rejection: &Rejection) -> String {
 }
 
 /// Describes the remaining error and its place.
-pub(crate) fn left_words(left: &Signature) -> String {
+pub(crate) fn left_words(left: &RemainingStructure) -> String {
     format!(
         "{} {}; {} rms, {:.1} times the sensor's noise.",
         left.channel,

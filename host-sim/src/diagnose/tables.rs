@@ -50,10 +50,18 @@ pub(crate) fn gains(diagnosis: &Diagnosis) -> Table {
 pub(crate) fn checks(diagnosis: &Diagnosis) -> Table {
     let row = |f: &Finding| {
         let short = f.log.rsplit(['/', '\\']).next().unwrap_or(&f.log);
-        let done = f.done.clone().unwrap_or_else(|| "-".into());
-        let mend = f.mend.clone().unwrap_or_else(|| "-".into());
+        let applied = f.applied.clone().unwrap_or_else(|| "-".into());
+        let correction = f.correction.clone().unwrap_or_else(|| "-".into());
         let words = if f.cause.is_empty() { f.found.clone() } else { format!("{}: {}", f.found, f.cause) };
-        vec![f.severity.name().into(), short.into(), f.channel.clone(), f.kind.into(), words, done, mend]
+        vec![
+            f.severity.name().into(),
+            short.into(),
+            f.channel.clone(),
+            f.kind.into(),
+            words,
+            applied,
+            correction,
+        ]
     };
     Table {
         header: &[

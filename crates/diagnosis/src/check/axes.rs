@@ -47,8 +47,8 @@ pub(super) fn check(
                 .cause("the two axes are exchanged in the columns, or the sensors in their mounts")
                 .evidence("mismatch_as_named", as_named)
                 .evidence("mismatch_exchanged", left)
-                .mend(taken(bench, other.name(), channel.name(), sign))
-                .done(format!("took it as {other}{changed}")),
+                .correction(taken(bench, other.name(), channel.name(), sign))
+                .applied(format!("took it as {other}{changed}")),
             );
         }
         let renamed: Vec<(Channel, Vec<f64>)> = logged

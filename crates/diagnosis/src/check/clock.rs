@@ -53,7 +53,7 @@ pub(super) fn correct_order(log: &mut MeasuredLog, findings: &mut Vec<Finding>) 
                 Finding::new(severity, &log.source, TIME, kind, format!("{count} of {rows} rows {found}"))
                     .cause(cause)
                     .evidence("rows", count as f64)
-                    .done("left out these rows"),
+                    .applied("left out these rows"),
             );
         }
     };
@@ -125,9 +125,9 @@ pub(super) fn correct_unit(bench: &Bench, log: &mut MeasuredLog, findings: &mut 
     .evidence("described_interval_s", described_s)
     .evidence("position_over_integral_of_velocity", ratio.unwrap_or(f64::NAN))
     .evidence("period", period_s.unwrap_or(f64::NAN))
-    .mend(scaled(bench, TIME, unit_s));
+    .correction(scaled(bench, TIME, unit_s));
     if agreement.is_some() {
-        finding = finding.done(format!("multiplied the times by {unit_s:e}"));
+        finding = finding.applied(format!("multiplied the times by {unit_s:e}"));
         for t in &mut log.time_s {
             *t *= unit_s;
         }

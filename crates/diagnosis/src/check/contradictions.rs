@@ -69,7 +69,7 @@ impl Drive<'_> {
         log.channels.remove(&self.rate);
         self.finding(log, Severity::Wrong, self.rate, "contradiction", found)
             .cause("another signal in this column, or a dead sensor")
-            .done("left out the channel; the motion comes from the other one")
+            .applied("left out the channel; the motion comes from the other one")
     }
 
     /// Corrects a gain that is wrong by a known factor, and leaves out the rate if the factor is
@@ -91,8 +91,8 @@ impl Drive<'_> {
                 self.finding(log, Severity::Wrong, channel, kind, found)
                     .cause(cause)
                     .evidence("factor", factor)
-                    .mend(scaled(self.bench, channel.name(), 1.0 / factor))
-                    .done(format!("divided by {factor:.6}")),
+                    .correction(scaled(self.bench, channel.name(), 1.0 / factor))
+                    .applied(format!("divided by {factor:.6}")),
             );
         }
         if error <= tuning::DOUBTFUL_GAIN_ERROR {
@@ -108,7 +108,7 @@ impl Drive<'_> {
             return Some(finding);
         }
         log.channels.remove(&self.rate);
-        Some(finding.done("left out the channel; the motion comes from the other one"))
+        Some(finding.applied("left out the channel; the motion comes from the other one"))
     }
 
     /// The channel, factor and cause that explain the ratio; of several, those whose correction
@@ -138,8 +138,8 @@ impl Drive<'_> {
         Some(
             self.finding(log, Severity::Wrong, flipped, "sign", found)
                 .cause("its sign is inverted")
-                .mend(scaled(self.bench, flipped.name(), -1.0))
-                .done("changed the sign"),
+                .correction(scaled(self.bench, flipped.name(), -1.0))
+                .applied("changed the sign"),
         )
     }
 
@@ -150,7 +150,7 @@ impl Drive<'_> {
         log.channels.remove(&self.rate);
         self.finding(log, Severity::Wrong, self.rate, "delay", found)
             .cause("a filter or another clock in one of the two")
-            .done("left out the channel; the motion comes from the other one")
+            .applied("left out the channel; the motion comes from the other one")
     }
 }
 
@@ -174,8 +174,8 @@ fn check_stroke(bench: &Bench, log: &mut MeasuredLog, value: Channel, findings: 
             .evidence("factor", factor)
             .evidence("stroke", stroke)
             .evidence("described_stroke", described)
-            .mend(scaled(bench, value.name(), 1.0 / factor))
-            .done(format!("divided by {factor:.6}")),
+            .correction(scaled(bench, value.name(), 1.0 / factor))
+            .applied(format!("divided by {factor:.6}")),
     );
     multiply(log, value, 1.0 / factor);
 }

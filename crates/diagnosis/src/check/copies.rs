@@ -25,7 +25,7 @@ pub(super) fn leave_out_copies<'a>(
                 format!("every reading is that of {}", other.source),
             )
             .cause("the same recording was given twice")
-            .done("left out"),
+            .applied("left out"),
         );
     }
     out

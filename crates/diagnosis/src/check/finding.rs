@@ -48,9 +48,11 @@ pub struct Finding {
     /// The numbers that support it.
     pub evidence: BTreeMap<&'static str, f64>,
     /// The line of `[columns]` that corrects it.
-    pub mend: Option<String>,
+    #[serde(rename = "mend")]
+    pub correction: Option<String>,
     /// Change of the data before the diagnosis; none if nothing was changed.
-    pub done: Option<String>,
+    #[serde(rename = "done")]
+    pub applied: Option<String>,
 }
 
 impl Finding {
@@ -70,8 +72,8 @@ impl Finding {
             found,
             cause: String::new(),
             evidence: BTreeMap::new(),
-            mend: None,
-            done: None,
+            correction: None,
+            applied: None,
         }
     }
 
@@ -91,14 +93,14 @@ impl Finding {
     }
 
     /// Adds the line of `[columns]` that corrects it.
-    pub(super) fn mend(mut self, line: String) -> Self {
-        self.mend = Some(line);
+    pub(super) fn correction(mut self, line: String) -> Self {
+        self.correction = Some(line);
         self
     }
 
     /// Adds the change of the data.
-    pub(super) fn done(mut self, words: impl Into<String>) -> Self {
-        self.done = Some(words.into());
+    pub(super) fn applied(mut self, words: impl Into<String>) -> Self {
+        self.applied = Some(words.into());
         self
     }
 }

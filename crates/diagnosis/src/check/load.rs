@@ -50,8 +50,8 @@ pub(super) fn check(bench: &Bench, log: &mut MeasuredLog, findings: &mut Vec<Fin
                     .evidence("factor", factor)
                     .evidence("mean_mismatch", before)
                     .evidence("mean_mismatch_corrected", after)
-                    .mend(scaled(bench, Channel::LoadForce.name(), 1.0 / factor))
-                    .done(format!("divided by {factor:.6}")),
+                    .correction(scaled(bench, Channel::LoadForce.name(), 1.0 / factor))
+                    .applied(format!("divided by {factor:.6}")),
             );
             multiply(log, Channel::LoadForce, 1.0 / factor);
             Simulated::new(bench, log)

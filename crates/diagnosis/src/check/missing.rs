@@ -32,11 +32,11 @@ pub(super) fn leave_out_missing(log: &mut MeasuredLog, findings: &mut Vec<Findin
             .evidence("rows", rows as f64);
         if is_left_out {
             left_out.push(channel);
-            findings.push(finding.done("left out the channel"));
+            findings.push(finding.applied("left out the channel"));
         } else {
             missing.push(format!("{channel} {count}"));
             keep.iter_mut().zip(values).for_each(|(k, v)| *k &= is_reading(*v));
-            findings.push(finding.done("left out these rows"));
+            findings.push(finding.applied("left out these rows"));
         }
     }
     for channel in left_out {

@@ -49,7 +49,7 @@ pub(super) fn find_outliers<'a>(
                 .evidence("outliers", found.len() as f64)
                 .evidence("rows", log.time_s.len() as f64)
                 .evidence("largest", largest)
-                .done("left out these rows"),
+                .applied("left out these rows"),
         );
     }
     keep

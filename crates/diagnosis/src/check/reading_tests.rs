@@ -105,8 +105,8 @@ fn times_stay_as_they_are_if_only_the_sample_rate_indicates_another_clock_unit()
     clock::correct_unit(&bench, &mut after, &mut findings);
     assert_eq!(after, log, "{findings:#?}");
     let [finding] = findings.as_slice() else { panic!("{findings:#?}") };
-    assert_eq!((finding.kind, finding.severity, &finding.done), ("clock-unit", Severity::Doubtful, &None));
-    assert!(finding.mend.as_deref().unwrap().contains("scale = 0.001"));
+    assert_eq!((finding.kind, finding.severity, &finding.applied), ("clock-unit", Severity::Doubtful, &None));
+    assert!(finding.correction.as_deref().unwrap().contains("scale = 0.001"));
 }
 
 #[test]

@@ -114,7 +114,7 @@ impl Report<'_> {
         let cause = "the sensor is not connected, or the column holds another signal";
         self.finding(Severity::Wrong, "constant", found, cause)
             .evidence("simulated_range", simulated_range)
-            .done("left out the channel")
+            .applied("left out the channel")
     }
 
     fn saturated(&self, readings: usize) -> Finding {
@@ -132,6 +132,6 @@ impl Report<'_> {
         self.finding(severity, "stuck", found, cause)
             .evidence("readings", count as f64)
             .evidence("longest", longest as f64)
-            .done(if is_left_out { "left out the channel" } else { "left out these rows" })
+            .applied(if is_left_out { "left out the channel" } else { "left out these rows" })
     }
 }

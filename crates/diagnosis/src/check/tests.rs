@@ -60,8 +60,8 @@ fn units_are_named_and_corrected() {
     ] {
         let finding = hidden(times(channel, factor), channel.name(), "unit");
         assert!(finding.cause.contains(words), "{finding:?}");
-        let mend: bench::log::Columns = toml::from_str(finding.mend.as_deref().unwrap()).unwrap();
-        let scale = mend.get(channel.name()).unwrap().scale;
+        let correction: bench::log::Columns = toml::from_str(finding.correction.as_deref().unwrap()).unwrap();
+        let scale = correction.get(channel.name()).unwrap().scale;
         assert!((scale * factor - 1.0).abs() < 1e-6, "{finding:?}");
     }
 }
@@ -103,7 +103,7 @@ fn signs_are_named_and_corrected() {
         Channel::LoadForce,
     ] {
         let finding = hidden(times(channel, -1.0), channel.name(), "sign");
-        assert!(finding.done.is_some() && finding.mend.unwrap().contains("scale = -1.0"));
+        assert!(finding.applied.is_some() && finding.correction.unwrap().contains("scale = -1.0"));
     }
 }
 
@@ -121,7 +121,7 @@ fn swapped_axes_are_named_and_exchanged() {
             "{findings:#?}"
         );
         assert_eq!(corrected, found(&log).0);
-        assert!(findings[0].mend.as_deref().unwrap().starts_with(&format!("{z} = {{ from = \"{y}\"")));
+        assert!(findings[0].correction.as_deref().unwrap().starts_with(&format!("{z} = {{ from = \"{y}\"")));
         let mut alone = log.clone();
         alone.channels.insert(y, log.channels[&z].clone());
         alone.channels.remove(&z);
@@ -179,7 +179,7 @@ fn a_clock_in_other_units_is_named_and_corrected() {
     for factor in [1e3, 1e6] {
         let change = |log: &mut MeasuredLog| log.time_s.iter_mut().for_each(|t| *t *= factor);
         let finding = hidden(change, "t_s", "clock-unit");
-        assert!(finding.mend.unwrap().starts_with("t_s = { from = \"t_s\", scale = "));
+        assert!(finding.correction.unwrap().starts_with("t_s = { from = \"t_s\", scale = "));
     }
     // Another sample rate is no wrong clock.
     let mut fast = real(3);

@@ -54,10 +54,10 @@ pub(super) fn correction(
     cause: String,
 ) -> Finding {
     let found = format!("{factor:.4} times what the described bench gives under these inputs");
-    let done = if factor == -1.0 { "changed the sign".into() } else { format!("divided by {factor:.6}") };
+    let applied = if factor == -1.0 { "changed the sign".into() } else { format!("divided by {factor:.6}") };
     Finding::new(Severity::Wrong, &log.source, channel.name(), kind, found)
         .cause(cause)
         .evidence("factor", factor)
-        .mend(scaled(bench, channel.name(), 1.0 / factor))
-        .done(done)
+        .correction(scaled(bench, channel.name(), 1.0 / factor))
+        .applied(applied)
 }

@@ -1,7 +1,7 @@
 //! Explanations: the calibrated bench without a cause, with one or with two, and the tests on its
 //! residual.
 
-use super::remaining_structure::{self, Signature};
+use super::remaining_structure::{self, RemainingStructure};
 use super::size_consistency::{Inconsistency, inconsistency};
 use crate::data::logs::{Columns, Data};
 use crate::data::noise::NoiseModel;
@@ -30,7 +30,7 @@ pub(crate) struct Explanation {
     pub(crate) residual: Columns,
     pub(crate) noise: NoiseModel,
     /// Structure that remains in the residual.
-    pub(crate) remaining: Option<Signature>,
+    pub(crate) remaining: Option<RemainingStructure>,
     /// Fit of the nuisance parameters of held-out logs.
     pub(crate) held_out: Option<Fit>,
     pub(crate) inconsistency: Inconsistency,

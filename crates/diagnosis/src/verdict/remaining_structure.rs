@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 
 /// Structure that remains in the residual.
 #[derive(Clone, Debug, Serialize)]
-pub struct Signature {
+pub struct RemainingStructure {
     /// Channel that shows it most.
     pub channel: Channel,
     /// Sentence about the quantity that it varies with.
@@ -41,7 +41,11 @@ pub struct Signature {
 }
 
 /// The strongest remaining structure, if any.
-pub(crate) fn strongest_structure(data: &Data, noise: &NoiseModel, residual: &Columns) -> Option<Signature> {
+pub(crate) fn strongest_structure(
+    data: &Data,
+    noise: &NoiseModel,
+    residual: &Columns,
+) -> Option<RemainingStructure> {
     // Two tests of each channel share the error.
     let limit = tuning::STRUCTURE_FAMILY_ERROR / (2.0 * data.channels.len().max(1) as f64);
     let found = data.channels.iter().filter_map(|&channel| {
@@ -61,7 +65,7 @@ pub(crate) fn strongest_structure(data: &Data, noise: &NoiseModel, residual: &Co
     });
     let (channel, rms, rms_over_noise) = found.max_by(|a, b| a.2.total_cmp(&b.2))?;
     let (feature, place) = describe(data, residual, channel);
-    Some(Signature { channel, place, feature, rms, rms_over_noise })
+    Some(RemainingStructure { channel, place, feature, rms, rms_over_noise })
 }
 
 /// Rms of a residual beyond its declared noise; 0 if it is no larger.
