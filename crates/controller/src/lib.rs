@@ -1,10 +1,10 @@
 //! The controller without its board: sensor samples in, contact forces out.
 //!
-//! A tick runs from the outside in: `service::Exchange::tick`, [`Session`], [`Monitor`] (faults,
-//! safe state), [`Estimator`] (conditioning, onset latch), the networks (`inference::Pair`).
-//! [`Session`] also conducts the conversation with the host. Both are free of I/O, heap and
-//! panics. They run in the host's process and on the controller and give the same bits on both:
-//! integers, and f32 with `+ - * /` and routines written in Rust (libm, micromath).
+//! A tick runs from the outside in: `service::SharedSession::tick`, [`Session`], [`Monitor`]
+//! (faults, safe state), [`Estimator`] (conditioning, onset latch), the networks
+//! (`inference::Pair`). [`Session`] also conducts the conversation with the host. Both are free of
+//! I/O, heap and panics. They run in the host's process and on the controller and give the same
+//! bits on both: integers, and f32 with `+ - * /` and routines written in Rust (libm, micromath).
 //!
 //! Only the firmware's boards access registers. [`clock`] separates their start-up decisions from
 //! the registers, so that the host can test them.

@@ -25,7 +25,9 @@ fn main() {
 #[rtic::app(device = firmware::boards::device, peripherals = true)]
 mod app {
     use controller::Session;
-    use controller::service::{Background, Exchange, LinkService, Pacing, Ports, Stop, Tick, Unconnected};
+    use controller::service::{
+        Background, LinkService, Pacing, Ports, SharedSession, Stop, Tick, Unconnected,
+    };
     use controller::store::{Keeper, Store, key};
     use controller::supervisor::light::{lit, shown};
     use controller::supervisor::{Attendance, Party, Verdict};
@@ -42,7 +44,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        exchange: Exchange<Sensors>,
+        exchange: SharedSession<Sensors>,
         attendance: Attendance,
     }
 
@@ -106,7 +108,7 @@ mod app {
         check_in(&attendance, Party::SelfTest);
         defmt::info!("started, core at {=u32} Hz", identity.core_hz);
         (
-            Shared { exchange: Exchange::new(session, sensors), attendance },
+            Shared { exchange: SharedSession::new(session, sensors), attendance },
             Local {
                 transports,
                 service,

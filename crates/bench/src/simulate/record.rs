@@ -16,7 +16,7 @@ pub fn record(bench: &Bench, seed: u64) -> Result<MeasuredLog, IntegrationError>
     let resolved = bench.resolved();
     let plant = resolved.logged().ok_or(IntegrationError::NoLog { plant: resolved.plant_name() })?;
     let (fine_s, truth) = plant.run()?;
-    Ok(sensed(&resolved, &fine_s, truth, seed))
+    Ok(record_sensors(&resolved, &fine_s, truth, seed))
 }
 
 /// Returns the log that the sensors of a transmission bench record of a run. One row is written per
@@ -28,11 +28,11 @@ pub fn log_from_samples(
 ) -> MeasuredLog {
     let time_s: Vec<f64> = samples.iter().map(|s| s.time_s).collect();
     let truth = Truth { outputs: outputs_from(samples, CHANNELS), fineness: samples_per_row.max(1) };
-    sensed(&bench.resolved(), &time_s, truth, seed)
+    record_sensors(&bench.resolved(), &time_s, truth, seed)
 }
 
 /// Returns the log that the sensors record of a truth at refined times.
-fn sensed(resolved: &Bench, fine_s: &[f64], truth: Truth, seed: u64) -> MeasuredLog {
+fn record_sensors(resolved: &Bench, fine_s: &[f64], truth: Truth, seed: u64) -> MeasuredLog {
     let perfect = Sensor::default();
     let Truth { outputs: mut channels, fineness } = truth;
     for (index, (channel, values)) in channels.iter_mut().enumerate() {

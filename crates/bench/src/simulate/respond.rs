@@ -149,7 +149,7 @@ pub(crate) fn mean_step_s(time_s: &[f64]) -> f64 {
 pub fn respond(bench: &Bench, inputs: &Inputs) -> Result<Response, RespondError> {
     let resolved = bench.resolved();
     let truth = Truth::simulate(&resolved, inputs)?;
-    Ok(sensed(&resolved, inputs, &truth))
+    Ok(apply_sensors(&resolved, inputs, &truth))
 }
 
 /// True outputs of a plant under the inputs of a log, at the times that its sensors need: the
@@ -180,9 +180,9 @@ fn is_prompt(resolved: &Bench, inputs: &Inputs) -> bool {
     inputs.outputs.iter().all(|channel| resolved.sensors().get(channel).is_none_or(Sensor::is_prompt))
 }
 
-/// Readings of the sensor electronics of a resolved bench for true outputs that are fine enough:
-/// the cheap half of [`respond`].
-pub fn sensed(resolved: &Bench, inputs: &Inputs, truth: &Truth) -> Response {
+/// Returns what the sensors of a resolved bench read of true outputs that are fine enough: the
+/// cheap half of [`respond`].
+pub fn apply_sensors(resolved: &Bench, inputs: &Inputs, truth: &Truth) -> Response {
     debug_assert!(truth.is_fine_enough_for(resolved, inputs), "a late sensor reads between the samples");
     let perfect = Sensor::default();
     let times_s = if truth.fineness == 1 { &inputs.time_s } else { &inputs.fine_s };
@@ -232,8 +232,8 @@ mod tests {
             at_samples.is_fine_enough_for(&prompt, &inputs) && !at_samples.is_fine_enough_for(&late, &inputs)
         );
         assert!(between.is_fine_enough_for(&prompt, &inputs) && between.is_fine_enough_for(&late, &inputs));
-        assert_eq!(sensed(&prompt, &inputs, &at_samples), sensed(&prompt, &inputs, &between));
-        assert_ne!(sensed(&late, &inputs, &between), sensed(&prompt, &inputs, &between));
+        assert_eq!(apply_sensors(&prompt, &inputs, &at_samples), apply_sensors(&prompt, &inputs, &between));
+        assert_ne!(apply_sensors(&late, &inputs, &between), apply_sensors(&prompt, &inputs, &between));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use link::start::StackReport;
 use rtic_core::Mutex;
 
-use super::exchange::{Exchange, SampleSource};
+use super::shared_session::{SampleSource, SharedSession};
 use super::{Pacing, Stop};
 use crate::session::{Session, TickSource};
 use crate::supervisor::paint::Mark;
@@ -12,7 +12,7 @@ use crate::supervisor::self_test::Progress;
 use crate::supervisor::{Attendance, CodeCheck, Party, SelfTest};
 
 /// In lockstep the self-test runs in one pass of this many, so that it does not slow down the
-/// exchange.
+/// exchange of frames.
 const LOCKSTEP_PASSES_PER_SELF_TEST: u32 = 16;
 /// Words of code that are checked in one pass.
 const CODE_WORDS_PER_PASS: usize = 64;
@@ -76,14 +76,14 @@ impl Background {
     pub(super) fn step<S: SampleSource>(
         &mut self,
         pacing: Pacing,
-        exchange: &mut impl Mutex<T = Exchange<S>>,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
         platform: &impl Platform,
     ) -> Result<(), Stop> {
         let is_code_corrupted = self
             .code
             .as_mut()
             .is_some_and(|code| code.step(CODE_WORDS_PER_PASS, |address| platform.code_word(address)));
-        if is_code_corrupted || exchange.lock(|exchange| exchange.session.is_configuration_corrupted()) {
+        if is_code_corrupted || shared.lock(|shared| shared.session.is_configuration_corrupted()) {
             return Err(Stop::Corrupted);
         }
         self.passes = self.passes.wrapping_add(1);
@@ -92,7 +92,7 @@ impl Background {
                 platform.check_in(Party::SelfTest);
             }
             let stack = platform.search_stack(&mut self.stack);
-            exchange.lock(|exchange| exchange.session.set_stack_report(stack));
+            shared.lock(|shared| shared.session.set_stack_report(stack));
         }
         Ok(())
     }

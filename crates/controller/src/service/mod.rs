@@ -6,10 +6,11 @@
 //! bounded, so that a flood of requests does not delay the estimates.
 //!
 //! The service is generic over the transport ([`Transport`]), the board ([`Platform`]) and the lock
-//! of the state that the tick shares ([`Exchange`]). The host tests it with a scripted transport.
+//! of the state that the tick shares ([`SharedSession`]). The host tests it with a scripted
+//! transport.
 
 mod background;
-mod exchange;
+mod shared_session;
 mod transport;
 
 #[cfg(test)]
@@ -28,7 +29,7 @@ use crate::session::{NoTicks, Status};
 use crate::store::{Keeper, SlotMemory, Store};
 use crate::supervisor::Party;
 pub use background::{Background, Platform};
-pub use exchange::{Exchange, SampleSource, Tick};
+pub use shared_session::{SampleSource, SharedSession, Tick};
 use transport::Event;
 pub use transport::{Ports, Purpose, Received, Transport, Unconnected};
 
@@ -70,14 +71,14 @@ impl<M: SlotMemory> LinkService<M> {
 
     /// Restores the saved configuration, so that a controller beside a bench works without a host
     /// after a restart. A refusal means that another build saved the configuration.
-    pub fn restore<S: SampleSource>(&mut self, exchange: &mut impl Mutex<T = Exchange<S>>) {
+    pub fn restore<S: SampleSource>(&mut self, shared: &mut impl Mutex<T = SharedSession<S>>) {
         let Some(configuration) = self.keeper.value(CONFIGURATION_VERSION.into()) else { return };
-        exchange.lock(|exchange| {
-            let _ = exchange.session.configure(&configuration);
-            exchange.rewire();
+        shared.lock(|shared| {
+            let _ = shared.session.configure(&configuration);
+            shared.rewire();
             if configuration.wiring.sample_at_start {
                 // Refused on a board without sensors and for a bench with another sample period.
-                let _ = exchange.session.start_sampling();
+                let _ = shared.session.start_sampling();
             }
         });
     }
@@ -87,9 +88,9 @@ impl<M: SlotMemory> LinkService<M> {
     pub fn announce<A: Transport, B: Transport, S: SampleSource>(
         &self,
         ports: &mut Ports<A, B>,
-        exchange: &mut impl Mutex<T = Exchange<S>>,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
     ) -> Hello {
-        let hello = exchange.lock(|exchange| exchange.session.hello(0));
+        let hello = shared.lock(|shared| shared.session.hello(0));
         if self.pacing == Pacing::Timer {
             ports.end_frame();
         }
@@ -105,24 +106,24 @@ impl<M: SlotMemory> LinkService<M> {
     pub fn pass<A: Transport, B: Transport, S: SampleSource>(
         &mut self,
         ports: &mut Ports<A, B>,
-        exchange: &mut impl Mutex<T = Exchange<S>>,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
         platform: &mut impl Platform,
     ) -> Result<(), Stop> {
         let parties = platform.attendance().look(platform.uptime_us());
         platform.check_in(Party::Link);
-        self.receive(ports, exchange, platform, parties)?;
-        self.replace_corrupted_models(exchange);
-        send_estimates(ports, exchange);
-        exchange.lock(|exchange| exchange.session.set_line_report(ports.line()));
-        self.send_telemetry(ports, exchange, platform, parties);
-        self.background.step(self.pacing, exchange, platform)
+        self.receive(ports, shared, platform, parties)?;
+        self.replace_corrupted_models(shared);
+        send_estimates(ports, shared);
+        shared.lock(|shared| shared.session.set_line_report(ports.line()));
+        self.send_telemetry(ports, shared, platform, parties);
+        self.background.step(self.pacing, shared, platform)
     }
 
     /// Decodes received bytes until one request is served or the pass has read enough of them.
     fn receive<A: Transport, B: Transport, S: SampleSource>(
         &mut self,
         ports: &mut Ports<A, B>,
-        exchange: &mut impl Mutex<T = Exchange<S>>,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
         platform: &mut impl Platform,
         parties: [Presence; PARTIES.len()],
     ) -> Result<(), Stop> {
@@ -135,18 +136,18 @@ impl<M: SlotMemory> LinkService<M> {
             };
             let reply = match message {
                 Ok(ToController::Sensor(frame, status)) if self.pacing == Pacing::Timer => {
-                    exchange.lock(|exchange| exchange.queue_sample(frame, status));
+                    shared.lock(|shared| shared.queue_sample(frame, status));
                     continue;
                 }
                 Ok(ToController::Sensor(frame, status)) => {
-                    estimate_now(ports, exchange, platform, &frame, status)
+                    estimate_now(ports, shared, platform, &frame, status)
                 }
-                message => Some(self.serve(message, exchange, platform, parties)),
+                message => Some(self.serve(message, shared, platform, parties)),
             };
             if let Some(reply) = reply
                 && !send(&reply, |frame| ports.send(port, frame, Purpose::Reply))
             {
-                exchange.lock(|exchange| exchange.session.count_dropped_answer());
+                shared.lock(|shared| shared.session.count_dropped_answer());
             }
             break;
         }
@@ -157,22 +158,22 @@ impl<M: SlotMemory> LinkService<M> {
     fn serve<S: SampleSource>(
         &mut self,
         message: Result<ToController, FrameError>,
-        exchange: &mut impl Mutex<T = Exchange<S>>,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
         platform: &impl Platform,
         parties: [Presence; PARTIES.len()],
     ) -> ToHost {
         match message {
-            Ok(ToController::Update(request)) => self.update(&request, exchange, platform),
+            Ok(ToController::Update(request)) => self.update(&request, shared, platform),
             Ok(message) => {
-                self.update_status(exchange, platform, parties);
-                self.save_configuration(&message, exchange);
-                exchange.lock(|exchange| {
-                    let reply = exchange.session.handle(&message, &mut NoTicks);
-                    exchange.rewire();
+                self.update_status(shared, platform, parties);
+                self.save_configuration(&message, shared);
+                shared.lock(|shared| {
+                    let reply = shared.session.handle(&message, &mut NoTicks);
+                    shared.rewire();
                     reply
                 })
             }
-            Err(error) => exchange.lock(|exchange| exchange.session.bad_frame(error)),
+            Err(error) => shared.lock(|shared| shared.session.bad_frame(error)),
         }
     }
 
@@ -181,16 +182,16 @@ impl<M: SlotMemory> LinkService<M> {
     fn update<S: SampleSource>(
         &mut self,
         request: &UpdateRequest,
-        exchange: &mut impl Mutex<T = Exchange<S>>,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
         platform: &impl Platform,
     ) -> ToHost {
-        let is_estimating = exchange.lock(|exchange| exchange.session.state() != State::Waiting);
+        let is_estimating = shared.lock(|shared| shared.session.state() != State::Waiting);
         let served = self.store.serve(request, is_estimating);
         if let UpdateAnswer::Refused(_) = served.answer {
             platform.log_refused_update(self.store.status().refused);
         }
         if let Some(models) = served.models {
-            exchange.lock(|exchange| exchange.session.switch_models(models));
+            shared.lock(|shared| shared.session.switch_models(models));
         }
         ToHost::Update(served.answer)
     }
@@ -199,14 +200,14 @@ impl<M: SlotMemory> LinkService<M> {
     /// session's report.
     fn update_status<S: SampleSource>(
         &self,
-        exchange: &mut impl Mutex<T = Exchange<S>>,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
         platform: &impl Platform,
         parties: [Presence; PARTIES.len()],
     ) {
         let (uptime_us, models) = (platform.uptime_us(), self.store.status());
-        exchange.lock(|exchange| {
-            let sample = exchange.latest_sample();
-            exchange.session.update_status(Status { uptime_us, parties, models, sample });
+        shared.lock(|shared| {
+            let sample = shared.latest_sample();
+            shared.session.update_status(Status { uptime_us, parties, models, sample });
         });
     }
 
@@ -214,20 +215,19 @@ impl<M: SlotMemory> LinkService<M> {
     fn save_configuration<S: SampleSource>(
         &mut self,
         message: &ToController,
-        exchange: &mut impl Mutex<T = Exchange<S>>,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
     ) {
-        if let Some(configuration) = exchange.lock(|exchange| exchange.session.configuration_to_save(message))
-        {
+        if let Some(configuration) = shared.lock(|shared| shared.session.configuration_to_save(message)) {
             let is_saved = self.keeper.keep(CONFIGURATION_VERSION.into(), &configuration).is_ok();
-            exchange.lock(|exchange| exchange.session.set_saved(is_saved));
+            shared.lock(|shared| shared.session.set_saved(is_saved));
         }
     }
 
     /// Switches to intact networks if the session has found those in use corrupted.
-    fn replace_corrupted_models<S: SampleSource>(&mut self, exchange: &mut impl Mutex<T = Exchange<S>>) {
-        if exchange.lock(|exchange| exchange.session.take_model_corruption()) {
+    fn replace_corrupted_models<S: SampleSource>(&mut self, shared: &mut impl Mutex<T = SharedSession<S>>) {
+        if shared.lock(|shared| shared.session.take_model_corruption()) {
             let models = self.store.replace_corrupted();
-            exchange.lock(|exchange| exchange.session.switch_models(models));
+            shared.lock(|shared| shared.session.switch_models(models));
         }
     }
 
@@ -235,18 +235,18 @@ impl<M: SlotMemory> LinkService<M> {
     fn send_telemetry<A: Transport, B: Transport, S: SampleSource>(
         &self,
         ports: &mut Ports<A, B>,
-        exchange: &mut impl Mutex<T = Exchange<S>>,
+        shared: &mut impl Mutex<T = SharedSession<S>>,
         platform: &impl Platform,
         parties: [Presence; PARTIES.len()],
     ) {
-        if !exchange.lock(|exchange| exchange.session.is_telemetry_due()) {
+        if !shared.lock(|shared| shared.session.is_telemetry_due()) {
             return;
         }
-        self.update_status(exchange, platform, parties);
-        if let Some(report) = exchange.lock(|exchange| exchange.session.take_telemetry())
+        self.update_status(shared, platform, parties);
+        if let Some(report) = shared.lock(|shared| shared.session.take_telemetry())
             && !send(&report, |frame| ports.send_to_host(frame))
         {
-            exchange.lock(|exchange| exchange.session.count_dropped_answer());
+            shared.lock(|shared| shared.session.count_dropped_answer());
         }
     }
 }
@@ -254,17 +254,17 @@ impl<M: SlotMemory> LinkService<M> {
 /// Estimates a sample in lockstep and sends the estimate. Returns the reply if the session refuses.
 fn estimate_now<A: Transport, B: Transport, S: SampleSource>(
     ports: &mut Ports<A, B>,
-    exchange: &mut impl Mutex<T = Exchange<S>>,
+    shared: &mut impl Mutex<T = SharedSession<S>>,
     platform: &mut impl Platform,
     frame: &SensorFrame,
     status: SensorStatus,
 ) -> Option<ToHost> {
-    match exchange.lock(|exchange| exchange.session.tick(frame, status, platform.ticks())) {
+    match shared.lock(|shared| shared.session.tick(frame, status, platform.ticks())) {
         Ok(estimate) => {
             platform.check_in(Party::Sampling);
             platform.check_in(Party::Inference);
             if !ports.send_to_host(&estimate) {
-                exchange.lock(|exchange| exchange.session.count_dropped_estimate());
+                shared.lock(|shared| shared.session.count_dropped_estimate());
             }
             None
         }
@@ -275,11 +275,11 @@ fn estimate_now<A: Transport, B: Transport, S: SampleSource>(
 /// Sends the estimates that the tick has queued.
 fn send_estimates<A: Transport, B: Transport, S: SampleSource>(
     ports: &mut Ports<A, B>,
-    exchange: &mut impl Mutex<T = Exchange<S>>,
+    shared: &mut impl Mutex<T = SharedSession<S>>,
 ) {
-    while let Some(estimate) = exchange.lock(Exchange::next_estimate) {
+    while let Some(estimate) = shared.lock(SharedSession::next_estimate) {
         if !ports.send_to_host(&estimate) {
-            exchange.lock(|exchange| exchange.session.count_dropped_estimate());
+            shared.lock(|shared| shared.session.count_dropped_estimate());
         }
     }
 }

@@ -166,7 +166,7 @@ impl Platform for Board {
 /// Everything but the transports.
 struct Fixture {
     service: LinkService<Flash>,
-    exchange: Exchange<Infallible>,
+    shared: SharedSession<Infallible>,
     board: Board,
 }
 
@@ -191,7 +191,7 @@ fn fixture(pacing: Pacing, places: Flash) -> Fixture {
     let code = CodeCheck::new(SPANS, crate::supervisor::code::UNSEALED);
     let background = Background::start(code, Mark::new(10), &mut session, &board);
     let service = LinkService::new(pacing, store, Keeper::start(places), background);
-    Fixture { service, exchange: Exchange::new(session, None), board }
+    Fixture { service, shared: SharedSession::new(session, None), board }
 }
 
 fn blank() -> Flash {
@@ -204,7 +204,7 @@ impl Fixture {
     fn run(&mut self, first: &mut Script, second: &mut Script, passes: usize) -> Result<(), Stop> {
         let mut ports = Ports::new(first, second);
         (0..passes).try_for_each(|_| {
-            self.service.pass(&mut ports, &mut Exclusive(&mut self.exchange), &mut self.board)
+            self.service.pass(&mut ports, &mut Exclusive(&mut self.shared), &mut self.board)
         })
     }
 
@@ -216,7 +216,7 @@ impl Fixture {
     }
 
     fn order(&mut self, command: Command) -> Answer {
-        let id = self.exchange.session.hello(0).last_command + 1;
+        let id = self.shared.session.hello(0).last_command + 1;
         match self.ask(ToController::Command(NumberedCommand { id, command }))[..] {
             [ToHost::Acknowledged(acknowledgement)] => acknowledgement.outcome.unwrap(),
             ref other => panic!("{other:?}"),
@@ -257,11 +257,11 @@ fn paced_by_the_timer_samples_wait_for_the_tick_and_samples_without_room_are_cou
     script.write(&(0..10).map(sample).collect::<Vec<_>>());
     fixture.run(&mut script, &mut Script::default(), 10).unwrap();
     assert!(script.replies().is_empty());
-    assert_eq!(fixture.exchange.session.counters().dropped_samples, 2);
+    assert_eq!(fixture.shared.session.counters().dropped_samples, 2);
     for _ in 0..8 {
-        assert_eq!(fixture.exchange.tick(0, &mut NoTicks), Tick::Sampled);
+        assert_eq!(fixture.shared.tick(0, &mut NoTicks), Tick::Sampled);
     }
-    assert_eq!(fixture.exchange.tick(0, &mut NoTicks), Tick::Idle);
+    assert_eq!(fixture.shared.tick(0, &mut NoTicks), Tick::Idle);
     let mut script = Script::default();
     fixture.run(&mut script, &mut Script::default(), 1).unwrap();
     assert_eq!(script.replies().len(), 8);
@@ -276,9 +276,9 @@ fn replies_go_to_the_port_of_the_request_and_estimates_to_the_port_of_the_last_f
     probe.write(&[ToController::Identify { token: 5 }, sample(0)]);
     let mut ports = Ports::new(&mut serial, &mut probe);
     for _ in 0..3 {
-        let mut exchange = Exclusive(&mut fixture.exchange);
-        fixture.service.pass(&mut ports, &mut exchange, &mut fixture.board).unwrap();
-        fixture.exchange.tick(0, &mut NoTicks);
+        let mut shared = Exclusive(&mut fixture.shared);
+        fixture.service.pass(&mut ports, &mut shared, &mut fixture.board).unwrap();
+        fixture.shared.tick(0, &mut NoTicks);
     }
     assert!(serial.sent.is_empty());
     assert!(matches!(probe.replies()[..], [ToHost::Hello(hello), ToHost::Estimate(_)] if hello.token == 5));
@@ -309,7 +309,7 @@ fn the_hello_frame_of_a_start_goes_to_both_ports_after_the_end_of_a_cut_frame() 
     let mut fixture = fixture(Pacing::Timer, blank());
     let (mut serial, mut probe) = (Script::default(), Script::default());
     let mut ports = Ports::new(&mut serial, &mut probe);
-    let hello = fixture.service.announce(&mut ports, &mut Exclusive(&mut fixture.exchange));
+    let hello = fixture.service.announce(&mut ports, &mut Exclusive(&mut fixture.shared));
     assert_eq!((hello.token, hello.stack), (0, StackReport { reserved_bytes: 40, used_bytes: 16 }));
     for port in [&mut serial, &mut probe] {
         assert_eq!(port.sent.first(), Some(&link::DELIMITER));
@@ -324,9 +324,9 @@ fn a_saved_configuration_is_restored_at_the_next_start() {
     first.order(Command::Stop);
     assert_eq!(first.order(Command::Keep), Answer::Kept);
     let mut second = fixture(Pacing::Timer, first.service.keeper.into_memory());
-    assert!(!second.exchange.is_running());
-    second.service.restore(&mut Exclusive(&mut second.exchange));
-    assert!(second.exchange.is_running());
+    assert!(!second.shared.is_running());
+    second.service.restore(&mut Exclusive(&mut second.shared));
+    assert!(second.shared.is_running());
     assert_eq!(second.order(Command::GetConfiguration), Answer::Configuration(Some(BENCH_B)));
 }
 
@@ -368,7 +368,7 @@ fn frames_that_the_transport_does_not_take_and_line_errors_are_counted() {
     let mut script = Script { is_blocked: true, line, ..Script::default() };
     script.write(&[ToController::Identify { token: 1 }]);
     fixture.run(&mut script, &mut Script::default(), 1).unwrap();
-    let counters = fixture.exchange.session.counters();
+    let counters = fixture.shared.session.counters();
     assert_eq!((counters.dropped_answers, counters.dropped_bytes), (1, 3));
 }
 

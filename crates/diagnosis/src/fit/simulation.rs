@@ -3,7 +3,7 @@
 use super::nuisance::BenchPerLog;
 use crate::data::logs::{Columns, Data};
 use bench::Bench;
-use bench::simulate::{RespondError, Response, Truth, sensed};
+use bench::simulate::{RespondError, Response, Truth, apply_sensors};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -42,6 +42,6 @@ pub(crate) fn simulate(
     let truths = (0..resolved.len()).into_par_iter().map(truth_of).collect::<Result<Vec<_>, _>>()?;
     let logs = data.logs.iter().zip(&resolved).zip(&truths);
     let responses: Vec<Response> =
-        logs.map(|((log, bench), truth)| sensed(bench, &log.inputs, truth)).collect();
+        logs.map(|((log, bench), truth)| apply_sensors(bench, &log.inputs, truth)).collect();
     Ok(Simulation { plants, truths, columns: data.columns(&responses) })
 }

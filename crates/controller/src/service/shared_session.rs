@@ -52,7 +52,7 @@ impl SampleSource for Infallible {
     }
 }
 
-/// Outcome of [`Exchange::tick`].
+/// Outcome of [`SharedSession::tick`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tick {
     /// There was a sample.
@@ -62,7 +62,7 @@ pub enum Tick {
 }
 
 /// The session with the queues between tick and service, and the board's sensors.
-pub struct Exchange<S> {
+pub struct SharedSession<S> {
     /// The session.
     pub session: Session,
     samples: Deque<(SensorFrame, SensorStatus), QUEUE>,
@@ -70,7 +70,7 @@ pub struct Exchange<S> {
     sensors: Option<S>,
 }
 
-impl<S: SampleSource> Exchange<S> {
+impl<S: SampleSource> SharedSession<S> {
     /// Creates the state with empty queues.
     pub const fn new(session: Session, sensors: Option<S>) -> Self {
         Self { session, samples: Deque::new(), estimates: Deque::new(), sensors }
