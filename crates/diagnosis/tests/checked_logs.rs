@@ -61,7 +61,7 @@ fn a_wrong_unit_is_reported_and_is_no_cause() {
     let wrong = d.checks.first().unwrap();
     assert_eq!((wrong.severity, wrong.kind), (Severity::Wrong, "unit"));
     assert_eq!(
-        wrong.mend.as_deref(),
+        wrong.correction.as_deref(),
         Some("drive_torque_nm = { from = \"drive_torque_nm\", scale = -1000.0 }")
     );
 }

@@ -47,7 +47,7 @@ pub struct Store<M> {
     running: Running,
     reception: Option<Reception>,
     /// Minimum version of an update.
-    least_version: u32,
+    min_version: u32,
     refusals: Refusals,
     corruptions: u16,
     /// Content of the slots.
@@ -88,7 +88,7 @@ impl<M: SlotMemory> Store<M> {
             key,
             running,
             reception: None,
-            least_version: 1,
+            min_version: 1,
             refusals,
             corruptions: 0,
             slots,
@@ -119,13 +119,13 @@ impl<M: SlotMemory> Store<M> {
             _ => [a, b],
         };
         self.running = Running { source: ModelSource::BuiltIn, marked: None };
-        self.least_version = 1;
+        self.min_version = 1;
         let mut chosen = None;
         for marked in newest_first.into_iter().flatten() {
             match marked.slot.verify(&mut self.memory, self.board, &self.key) {
                 Ok((manifest, models)) => {
                     self.note(marked.slot, SlotState::Valid { version: manifest.version });
-                    self.least_version = self.least_version.max(manifest.version.saturating_add(1));
+                    self.min_version = self.min_version.max(manifest.version.saturating_add(1));
                     if chosen.is_none() {
                         self.running = Running { source: models.source(), marked: Some(marked) };
                         chosen = Some(models);

@@ -40,8 +40,8 @@ impl<M: SlotMemory> Store<M> {
             .map_err(|reason| self.refuse(None, claimed_version(signed), reason))?;
         let slot = self.spare(signed);
         let [found, most] = [manifest.length(), slot.capacity()];
-        let reason = if manifest.version < self.least_version && !manifest.may_be_older {
-            Some(UpdateRefusal::Version { found: manifest.version, least: self.least_version })
+        let reason = if manifest.version < self.min_version && !manifest.may_be_older {
+            Some(UpdateRefusal::Version { found: manifest.version, least: self.min_version })
         } else if most == 0 {
             Some(UpdateRefusal::NoMemory)
         } else if found > most {
@@ -106,7 +106,7 @@ impl<M: SlotMemory> Store<M> {
         self.note(reception.slot, SlotState::Valid { version: reception.manifest.version });
         let marked = Marked { slot: reception.slot, number };
         self.running = Running { source: models.source(), marked: Some(marked) };
-        self.least_version = self.least_version.max(reception.manifest.version.saturating_add(1));
+        self.min_version = self.min_version.max(reception.manifest.version.saturating_add(1));
         Ok(Some(models))
     }
 

@@ -208,7 +208,7 @@ fn a_log_given_twice_is_reported_and_counts_once() {
     assert_eq!(once.causes[0].effect, "viscous-friction");
     for other in [&twice, &held_out] {
         let found: Vec<_> = other.checks.iter().filter(|f| f.kind == "copy").collect();
-        assert!(matches!(found[..], [f] if f.log == "copy.csv" && f.done.is_some()), "{:?}", other.checks);
+        assert!(matches!(found[..], [f] if f.log == "copy.csv" && f.applied.is_some()), "{:?}", other.checks);
         assert_eq!(format!("{:?}", other.causes), format!("{:?}", once.causes));
         assert_eq!(other.series.len(), once.series.len());
     }
