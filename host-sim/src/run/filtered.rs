@@ -166,7 +166,7 @@ pub fn configuration(
         journal_radius_m: plant.journal_radius_m() as f32,
         radial_clearance_m: plant.radial_clearance_m() as f32,
         effective_modulus_pa: effective_modulus_pa(&elastic, &Material::STEEL) as f32,
-        damping_factor: Dissipation::ZhiyingQishao.factor(bench.bearing.restitution) as f32,
+        dissipation_factor: Dissipation::ZhiyingQishao.factor(bench.bearing.restitution) as f32,
         friction: FrictionLaw {
             coulomb_coefficient: law.coulomb_coefficient as f32,
             static_coefficient: law.static_coefficient as f32,

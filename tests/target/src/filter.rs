@@ -27,7 +27,7 @@ pub fn default_bench() -> FilterConfiguration {
         journal_radius_m: 0.0695,
         radial_clearance_m: 5e-4,
         effective_modulus_pa: material.effective_modulus_pa() as f32,
-        damping_factor: material.damping_per_mille() as f32 * 1e-3,
+        dissipation_factor: material.damping_per_mille() as f32 * 1e-3,
         friction: contact::FrictionLaw {
             coulomb_coefficient: friction.coulomb_coefficient as f32,
             static_coefficient: friction.static_coefficient as f32,

@@ -9,7 +9,7 @@ use contact::FrictionLaw;
 use core::f32::consts::TAU;
 
 /// Gravity, m/s2.
-pub(super) const GRAVITY: f32 = 9.81;
+pub(super) const GRAVITY: f32 = contact::GRAVITY_M_S2 as f32;
 /// Relative deviation of the damping. Published dissipation factors of one restitution differ by
 /// that much.
 const DAMPING_SHARE: f32 = 0.3;
@@ -45,7 +45,7 @@ pub struct FilterConfiguration {
     pub effective_modulus_pa: f32,
     /// Dissipation factor of the normal law. Divided by the approach speed it multiplies the rate
     /// of the deformation.
-    pub damping_factor: f32,
+    pub dissipation_factor: f32,
     /// Dry friction, with a regularised sign.
     pub friction: FrictionLaw<f32>,
     /// Least approach speed, m/s.
@@ -119,7 +119,7 @@ impl FilterConfiguration {
             ("journal_radius_m", self.journal_radius_m, 1e-3, 1.0),
             ("radial_clearance_m", self.radial_clearance_m, 1e-6, 5e-3),
             ("effective_modulus_pa", self.effective_modulus_pa, 1e7, 1e12),
-            ("damping_factor", self.damping_factor, 0.0, 10.0),
+            ("dissipation_factor", self.dissipation_factor, 0.0, 10.0),
             ("friction.coulomb_coefficient", friction.coulomb_coefficient, 0.0, 1.0),
             ("friction.static_coefficient", friction.static_coefficient, 0.0, 1.0),
             ("friction.stribeck_speed_m_s", friction.stribeck_speed_m_s, 1e-4, 10.0),

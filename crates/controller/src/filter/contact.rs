@@ -29,7 +29,7 @@ pub(super) struct ContactModel {
     /// `sqrt(2) (pi/8) E*`, Pa.
     modulus: f32,
     clearance: f32,
-    damping_factor: f32,
+    dissipation_factor: f32,
     friction: FrictionLaw<f32>,
 }
 
@@ -181,7 +181,7 @@ impl ContactModel {
         Self {
             modulus: SQRT_2 * PI / 8.0 * config.effective_modulus_pa,
             clearance: config.radial_clearance_m,
-            damping_factor: config.damping_factor,
+            dissipation_factor: config.dissipation_factor,
             friction: config.friction,
         }
     }
@@ -237,7 +237,7 @@ impl ContactModel {
         let place = forces.place;
         let (square, twice) = contact_moments(place.deformation, sds.deformation);
         let (shape, shape_slope) = self.shape(place.gap, larger(place.deformation, 0.0));
-        let ratio = self.damping_factor / turning.approach;
+        let ratio = self.dissipation_factor / turning.approach;
         let (stiffness, damping) = (1.0 + bias[STIFFNESS], 1.0 + ratio * place.rate);
         let elastic = shape * square;
         let normal = stiffness * elastic * damping;

@@ -22,7 +22,7 @@ fn configurations() -> impl Strategy<Value = FilterConfiguration> {
         (config.sample_period_s, config.period_s) = times;
         (config.mass_kg, config.inertia_kg_m2, config.drive_lever_m) = shaft;
         config.stroke_m = config.stroke_m.min(1.5 * config.drive_lever_m);
-        (config.radial_clearance_m, config.effective_modulus_pa, config.damping_factor) = bearing;
+        (config.radial_clearance_m, config.effective_modulus_pa, config.dissipation_factor) = bearing;
         (config.uncertainty.clearance_m, config.uncertainty.stiffness_share) = unknown;
         config
     })
