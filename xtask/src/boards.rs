@@ -62,6 +62,11 @@ impl Board {
 
     /// Runs an image until it ends and returns its output.
     pub(crate) fn run(&self, image: &Path) -> Result<String, ChoreError> {
+        self.run_with(image, &[])
+    }
+
+    /// Runs an image with more arguments of the emulator.
+    pub(crate) fn run_with(&self, image: &Path, arguments: &[&str]) -> Result<String, ChoreError> {
         let mut command = Command::new(EMULATOR);
         command
             .args(["-M", self.name, "-display", "none", "-serial", "null", "-monitor", "none"])
@@ -73,6 +78,7 @@ impl Board {
                 "-kernel",
             ])
             .arg(image)
+            .args(arguments)
             .stdin(Stdio::null())
             .stdout(Stdio::piped());
         run_with_timeout(&mut command, RUN_TIMEOUT)

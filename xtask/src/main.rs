@@ -6,6 +6,7 @@ mod budget;
 mod campaigns;
 mod compile;
 mod counts;
+mod cycles;
 mod document;
 mod firmware;
 mod flash;
@@ -98,6 +99,16 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Price traces of ticks, the timer's handler and the networks in cycles of Cortex-M4 and M7.
+    Cycles {
+        /// Print as JSON.
+        #[arg(long)]
+        json: bool,
+        /// Price another image instead, linked to the flash of an STM32F405: the instructions
+        /// between its first two reads of SysTick's counter.
+        #[arg(long, value_name = "ELF", conflicts_with = "json")]
+        image: Option<PathBuf>,
+    },
     /// Build the firmware image and write it to a board, or check what would be written.
     Flash(flash::FlashArgs),
     /// Report the static bound and the emulated high-water mark of the stack.
@@ -138,8 +149,13 @@ fn main() -> ExitCode {
         Command::Miri => miri::miri(),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
-        Command::Bless => golden::bless().and_then(|()| budget::bless()).and_then(|()| readme::bless()),
+        Command::Bless => golden::bless()
+            .and_then(|()| cycles::bless())
+            .and_then(|()| budget::bless())
+            .and_then(|()| readme::bless()),
         Command::Insn { json } => insn::insn(json),
+        Command::Cycles { image: Some(image), .. } => cycles::image(&image),
+        Command::Cycles { json, image: None } => cycles::cycles(json),
         Command::Flash(args) => flash::flash(&args),
         Command::Stack { json } => stack::stack(json),
         Command::Size { json } => size::size(json),

@@ -3,7 +3,7 @@
 use crate::golden::Comparison;
 use crate::run::{ChoreError, cargo, run, succeeds};
 use crate::tally::Tally;
-use crate::{budget, firmware, golden, kernels, language, readme, setup, verify};
+use crate::{budget, cycles, firmware, golden, kernels, language, readme, setup, verify};
 use std::process::Command;
 use std::time::Instant;
 
@@ -65,9 +65,11 @@ fn checks() -> Result<Vec<String>, ChoreError> {
     }
     kernels::kernels()?;
     verify::verify()?;
-    for (figures, comparison) in
-        [("instruction counts", golden::check()?), ("sizes of the firmware", budget::check()?)]
-    {
+    for (figures, comparison) in [
+        ("instruction counts", golden::check()?),
+        ("cycles", cycles::check()?),
+        ("sizes of the firmware", budget::check()?),
+    ] {
         if comparison == Comparison::BudgetsOnly {
             skipped.push(format!(
                 "golden {figures}: not the pinned compiler, so only the budgets were compared"

@@ -10,7 +10,7 @@
 
 mod image;
 mod paint;
-mod thumb;
+pub(crate) mod thumb;
 
 use crate::firmware::DEFAULT;
 use crate::run::ChoreError;

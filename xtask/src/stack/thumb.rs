@@ -22,7 +22,7 @@ pub(super) enum Effect {
 }
 
 /// Decides whether a half-word is the first of two.
-pub(super) const fn is_wide(first: u16) -> bool {
+pub(crate) const fn is_wide(first: u16) -> bool {
     first >> 11 >= 0b11101
 }
 
