@@ -286,8 +286,9 @@ fn double_or_exclusive(first: u32, second: u32) -> Instruction {
     match (is_table, is_load) {
         (true, _) => new(Kind::TableBranch, base | bit(second), 0, PC),
         (false, true) => new(Kind::Load, base, 0, one),
-        // The manual prices STREX as a load.
-        (false, false) => new(Kind::Load, base, one, two | bit(second)),
+        // The manual prices STREX as a load. The forms for bytes and half-words have their result
+        // in another place.
+        (false, false) => new(Kind::Load, base, one, if first >> 7 & 1 == 0 { two } else { bit(second) }),
     }
 }
 
@@ -373,5 +374,52 @@ fn float_transfer(first: u32, second: u32, destination: u64, width: u32) -> Inst
         (true, false) => new(Kind::LoadMultiple { words }, base & !PC, 0, list | written),
         (false, true) => new(Kind::Store { has_register_offset: true }, base, list, written),
         (false, false) => new(Kind::StoreMultiple { words }, base, list, written),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bits of registers; `s0` is 16.
+    fn registers(numbers: &[u32]) -> u64 {
+        numbers.iter().map(|number| 1 << number).sum()
+    }
+
+    /// Opcode; registers that form an address, that are read otherwise, that are written; text.
+    type Case = (u16, u16, [&'static [u32]; 3], &'static str);
+
+    #[test]
+    fn registers_are_those_of_the_manual() {
+        // As llvm-mc assembles them.
+        let cases: [Case; 22] = [
+            (0x1888, 0, [&[], &[1, 2], &[0]], "adds r0, r1, r2"),
+            (0x4288, 0, [&[], &[0, 1], &[]], "cmp r0, r1"),
+            (0x4498, 0, [&[], &[3, 8], &[8]], "add r8, r3"),
+            (0x5888, 0, [&[1, 2], &[], &[0]], "ldr r0, [r1, r2]"),
+            (0x9049, 0, [&[13], &[0], &[]], "str r0, [sp, #292]"),
+            (0xB5F0, 0, [&[13], &[4, 5, 6, 7, 14], &[13]], "push {r4-r7, lr}"),
+            (0xBD10, 0, [&[13], &[], &[4, 13, 15]], "pop {r4, pc}"),
+            (0xE8BC, 0x01E0, [&[12], &[], &[5, 6, 7, 8, 12]], "ldm r12!, {r5-r8}"),
+            (0xE9CD, 0x0147, [&[13], &[0, 1], &[]], "strd r0, r1, [sp, #284]"),
+            (0xE840, 0x3501, [&[0], &[3], &[5]], "strex r5, r3, [r0, #4]"),
+            (0xE8C2, 0x1F40, [&[2], &[1], &[0]], "strexb r0, r1, [r2]"),
+            (0xEB01, 0x0082, [&[], &[1, 2], &[0]], "add.w r0, r1, r2, lsl #2"),
+            (0xF240, 0x0901, [&[], &[], &[9]], "movw r9, #1"),
+            (0xF2C2, 0x0900, [&[], &[9], &[9]], "movt r9, #8192"),
+            (0xF36F, 0x201F, [&[], &[0], &[0]], "bfc r0, #8, #24"),
+            (0xF851, 0x0B04, [&[1], &[], &[0, 1]], "ldr r0, [r1], #4"),
+            (0xF841, 0x0022, [&[1, 2], &[0], &[]], "str.w r0, [r1, r2, lsl #2]"),
+            (0xFB21, 0x3002, [&[], &[1, 2, 3], &[0]], "smlad r0, r1, r2, r3"),
+            (0xFBA2, 0x0103, [&[], &[2, 3], &[0, 1]], "umull r0, r1, r2, r3"),
+            (0xFBB1, 0xF0F2, [&[], &[1, 2], &[0]], "udiv r0, r1, r2"),
+            (0xED2D, 0x8B04, [&[13], &[32, 33, 34, 35], &[13]], "vpush {d8, d9}"),
+            (0xEE00, 0x0A81, [&[], &[16, 17, 18], &[16]], "vmla.f32 s0, s1, s2"),
+        ];
+        for (first, second, expected, text) in cases {
+            let found = Instruction::decode(first, second);
+
+            assert_eq!([found.address, found.reads, found.writes], expected.map(registers), "{text}");
+        }
     }
 }
