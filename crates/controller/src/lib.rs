@@ -20,6 +20,9 @@ pub mod buffers;
 pub mod clock;
 pub mod configuration;
 pub mod estimator;
+// Its vectors and matrices have sizes that are types, and every index is a constant or the counter
+// of a loop over such a size.
+#[allow(clippy::indexing_slicing)]
 pub mod filter;
 pub mod flags;
 mod integrity;

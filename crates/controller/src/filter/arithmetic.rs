@@ -41,7 +41,7 @@ pub(super) fn sine(angle: f32) -> f32 {
     let square = angle * angle;
     let series = 2.755_731_9e-6 + square * (-2.505_210_8e-8 + square * 1.605_904_4e-10);
     let series = -1.984_127e-4 + square * series;
-    angle * (1.0 + square * (-1.666_666_7e-1 + square * (8.333_333_5e-3 + square * series)))
+    angle * (1.0 + square * (-1.666_666_7e-1 + square * (8.333_334e-3 + square * series)))
 }
 
 #[cfg(test)]

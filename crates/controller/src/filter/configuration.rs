@@ -1,7 +1,8 @@
 //! Configuration of the filter: the described bench, its sensors and what is uncertain about them.
 //!
 //! Noise levels are derived here, from the sensors' noise, the declared uncertainties and the
-//! bench's own forces. Six constants below and six in the filter's model are chosen once for all benches.
+//! bench's own forces. Six constants below and six in the filter's model are chosen once for all
+//! benches.
 
 use super::contact::ContactModel;
 use super::state::Bias;

@@ -41,11 +41,11 @@ pub(super) struct Projection {
 /// Covariance of motion and bias.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Covariance {
-    /// Of the motion; symmetric.
+    /// Block of the motion; symmetric.
     motion: SMatrix<f32, MOTION, MOTION>,
-    /// Of each state of the motion, a column for each, with the bias.
+    /// Covariance of the bias with the motion, a column for each state of the motion.
     cross: SMatrix<f32, BIAS, MOTION>,
-    /// Of the bias; symmetric.
+    /// Block of the bias; symmetric.
     bias: SMatrix<f32, BIAS, BIAS>,
 }
 

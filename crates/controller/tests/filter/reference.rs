@@ -163,7 +163,8 @@ impl Reference {
         let shape_slope = shape * (2.0 / (3.0 * gap + 2.0 * inside) - 1.5 / (gap + inside));
         let by_deformation = (factor * (shape * slope + shape_slope * square) * sd).abs();
         let by_stiffness = (shape * square * (1.0 + damping * rate) * stiffness_sd).abs();
-        let by_damping = (elastic * f64::from(c.dissipation_factor) / fixed.approach * rate * damping_sd).abs();
+        let ratio = f64::from(c.dissipation_factor) / fixed.approach;
+        let by_damping = (elastic * ratio * rate * damping_sd).abs();
         let products = by_deformation * by_damping + by_stiffness * (by_deformation + by_damping);
         let steepest = f64::from(law.static_coefficient) * normal;
         let bend = (0.5 * 0.77 * (sliding_sd / width).powi(2)).min(0.3);
