@@ -7,7 +7,7 @@ use comfy_table::{CellAlignment, ContentArrangement, Row, Table, presets};
 const MAX_WIDTH: u16 = 100;
 
 /// Renders a table without a line break at its end. The first `texts` columns are aligned left, the
-/// others contain numbers and are aligned right.
+/// others right.
 pub fn text_table(header: impl Into<Row>, rows: impl IntoIterator<Item: Into<Row>>, texts: usize) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(header).add_rows(rows);

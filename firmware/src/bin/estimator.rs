@@ -13,7 +13,7 @@
 //! interrupt. Bytes without room are dropped and counted.
 //!
 //! In the emulator's lockstep each sample frame is a tick: `idle` estimates, and the lock of the
-//! exchange keeps SysTick's task out, so that the instruction count of a tick repeats exactly.
+//! shared session keeps SysTick's task out, so that the instruction count of a tick repeats.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

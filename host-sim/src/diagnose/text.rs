@@ -13,7 +13,12 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
         |row: &Vec<String>| row.first().is_some_and(|word| word != Severity::Note.name());
     let mut findings = checks(diagnosis);
     findings.rows.retain(is_graver_than_note);
-    for table in [findings, causes(diagnosis), gains(diagnosis), nuisances(diagnosis)] {
+    let corrections = without_corrections(&mut findings);
+    push(&mut out, &findings);
+    if !corrections.is_empty() {
+        let _ = write!(out, "\nlines of the description that correct it:\n{}\n", corrections.join("\n"));
+    }
+    for table in [causes(diagnosis), gains(diagnosis), nuisances(diagnosis)] {
         push(&mut out, &table);
     }
     let is_in_verdict = diagnosis.verdict == Verdict::Unknown;
@@ -33,6 +38,14 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
         let _ = write!(out, "\nextended bench: {path}\n");
     }
     out
+}
+
+/// Takes the last column, lines of a description, out of the findings: a line that is wrapped
+/// cannot be copied.
+fn without_corrections(findings: &mut Table) -> Vec<String> {
+    findings.header = findings.header.split_last().map_or(&[], |(_, header)| header);
+    let lines = findings.rows.iter_mut().filter_map(Vec::pop);
+    lines.filter(|line| line != "-").collect()
 }
 
 fn push(out: &mut String, table: &Table) {

@@ -123,7 +123,7 @@ impl World {
         1.0 / (bearing + (1.0 - STEEL.1 * STEEL.1) / STEEL.0)
     }
 
-    /// Damping factor of Zhiying and Qishao (2006): `(3/4)(1 - e^2) exp(2(1 - e))`.
+    /// Dissipation factor of Zhiying and Qishao (2006): `(3/4)(1 - e^2) exp(2(1 - e))`.
     pub fn dissipation_factor(&self) -> f64 {
         let restitution = self.restitution;
         0.75 * (1.0 - restitution * restitution) * (2.0 * (1.0 - restitution)).exp()

@@ -76,7 +76,7 @@ const INPUTS: usize = 1000;
 /// Exception number of SysTick.
 const SYSTICK: usize = 15;
 /// Arguments of the plugin for ticks in lockstep: they read the counter at the start, after the
-/// estimate and after its frame. Every eighth tick is priced, and each that is longer than all
+/// estimate and after its frame. Every seventh tick is priced, and each that is longer than all
 /// before it.
 const TICKS: &str = "reads=3,keep=0-1000000/7,longest=1";
 /// Arguments of the plugin for the handler. Handlers without a sample are left out, and so are

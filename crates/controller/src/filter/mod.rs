@@ -3,7 +3,7 @@
 //! States: position and speed of the journal, a residual force along Y, and what is not exactly
 //! known about the bearing: factors on stiffness, friction and damping, and an offset of the
 //! clearance. Measured are the position of the journal, the angle of the shaft, the load and, where
-//! there is a sensor, the force of the drive. The mass is considered, not estimated: a common
+//! there is a sensor, the force of the drive. Without that sensor the mass is considered: a common
 //! factor on mass, inertia, modulus and all forces leaves position and angle as they are, so no
 //! filter can see it. `docs/estimation.md` derives the filter and quotes what it reaches.
 //!

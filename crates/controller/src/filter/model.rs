@@ -18,7 +18,7 @@ const EXPECTED_INNOVATION: f32 = 2.0;
 /// Average above which the model does not fit. Of white noise over a hundred samples it is 15
 /// standard deviations above the expectation.
 const MAX_INNOVATION: f32 = 5.0;
-/// Range of the factors on stiffness and friction, less 1.
+/// Range of the factors on stiffness, friction and mass, less 1.
 const FACTOR_RANGE: (f32, f32) = (-0.9, 9.0);
 /// Range of the approach speed: shares of its floor and of a fall through the clearance.
 const APPROACH_RANGE: (f32, f32) = (0.5, 10.0);
@@ -98,6 +98,7 @@ impl Model {
     /// starts at the surface. A stiffness far from the declared one has been learnt wrong; not so
     /// with a measured drive force, which soon corrects it.
     fn repair(&self, state: &mut State, measured: &Measurement) {
+        self.evaluate(state);
         let [declared, ..] = self.config.factor_sds();
         let is_free = state.at.forces.normal == 0.0;
         let is_implausible =
@@ -136,8 +137,7 @@ impl Model {
             root(square(clearance) + square(0.5 * beyond)),
             friction,
             config.damping_sd(),
-            // Only a measured drive force shows the mass.
-            if measured.drive_force_n.is_some() { config.uncertainty.mass_share } else { 0.0 },
+            0.0,
         );
         let covariance = Covariance::from_deviations(&Motion::new(noise, noise, speed, speed), &deviations);
         let inputs = Inputs { drive: drive.motion(), load: measured.load_force_n, approach: speed };
@@ -185,13 +185,17 @@ impl Model {
         }
         self.scale_damping(state);
         let (low, high) = FACTOR_RANGE;
-        for place in [STIFFNESS, FRICTION] {
+        for place in [STIFFNESS, FRICTION, MASS] {
             state.bias[place] = state.bias[place].clamp(low, high);
         }
     }
 
-    /// Corrects the state by the force of the drive, N.
+    /// Corrects the state by the force of the drive, N. Only that force shows the mass: the first
+    /// one makes it a state.
     fn correct_by_force(&self, state: &mut State, force: f32) {
+        if state.covariance.bias_variance(MASS) == 0.0 {
+            state.covariance.restart_bias(MASS, self.config.uncertainty.mass_share);
+        }
         self.evaluate(state);
         let noise = self.config.noise.drive_force_n;
         let measured = state.covariance.project(&state.at.drive_force_gradient());

@@ -329,3 +329,97 @@ fn split(motion: &Motion) -> (Pair, Pair) {
 fn join(positions: Pair, speeds: Pair) -> Motion {
     Motion::new(positions.x, positions.y, speeds.x, speeds.y)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::configuration::{SensorNoise, Uncertainty};
+    use super::super::state::{CLEARANCE, MASS};
+    use super::*;
+    use contact::BearingMaterial;
+
+    /// Bench B with a Babbitt bearing.
+    fn bench() -> FilterConfiguration {
+        let law = BearingMaterial::Babbitt.friction_law();
+        FilterConfiguration {
+            sample_period_s: 1e-4,
+            mass_kg: 150.0,
+            inertia_kg_m2: 60.0,
+            drive_lever_m: 0.3,
+            load_lever_m: 0.36,
+            journal_radius_m: 0.0695,
+            radial_clearance_m: 5e-4,
+            effective_modulus_pa: 4.4e10,
+            dissipation_factor: 2.1,
+            friction: contact::FrictionLaw {
+                coulomb_coefficient: law.coulomb_coefficient as f32,
+                static_coefficient: law.static_coefficient as f32,
+                stribeck_speed_m_s: law.stribeck_speed_m_s as f32,
+                shape: law.shape,
+                viscous_slope_s_m: 0.0,
+                viscous_onset_m_s: 0.0,
+                regularisation_m_s: 1e-3,
+            },
+            latch_floor_m_s: 1e-3,
+            stroke_m: 0.172,
+            period_s: 1.0,
+            noise: SensorNoise { position_m: 2e-7, angle_rad: 2e-5, drive_force_n: 20.0 },
+            uncertainty: Uncertainty {
+                mass_share: 0.02,
+                inertia_share: 0.05,
+                clearance_m: 1e-5,
+                stiffness_share: 0.05,
+                friction_share: 0.03,
+                lever_share: 0.003,
+            },
+        }
+    }
+
+    /// Accelerations and force of the drive at a state in contact, with one state moved.
+    fn at(moved: Option<(usize, f32)>) -> Evaluated {
+        let dynamics = Dynamics::new(&bench());
+        let mut motion = Motion::new(-3.08e-4, -4.265e-4, 2e-3, -1e-3);
+        let mut bias = Bias::new(50.0, 0.02, 1e-6, 0.03, 0.0, 0.01);
+        match moved {
+            Some((place, by)) if place < 4 => motion[place] += by,
+            Some((place, by)) => bias[place - 4] += by,
+            None => {}
+        }
+        let drive = DriveMotion { displacement: 0.05, speed: 0.015, acceleration: 1.5 };
+        let inputs = Inputs { drive, load: 1e4, approach: 0.05 };
+        let sds = Deviations { deformation: 1e-7, sliding: 1e-5, stiffness: 0.01, damping: 0.01 };
+        dynamics.evaluate(&dynamics.locate(&motion, &bias, &drive), &bias, &inputs, &sds)
+    }
+
+    #[test]
+    fn gradients_of_accelerations_and_drive_force_are_derivatives() {
+        // Steps of y, z, y', z', residual force, stiffness, clearance, friction; the damping has
+        // moved into the approach speed, so its derivative is not that of a state.
+        let steps = [1e-7, 1e-7, 1e-4, 1e-4, 100.0, 1e-2, 1e-7, 1e-2];
+        let mass = (4 + MASS, 1e-2);
+        assert_eq!((CLEARANCE, MASS), (2, 5));
+        let middle = at(None);
+        assert!(middle.forces.normal > 1e3 && middle.forces.friction.abs() > 100.0);
+        let Linearised { by_position, by_speed, by_bias: [along_y, along_z] } = middle.linearised();
+        let drive = middle.drive_force_gradient();
+        for (place, step) in steps.into_iter().enumerate().chain([mass]) {
+            let gradients = match place {
+                0 | 1 => [by_position[(0, place)], by_position[(1, place)], drive.motion[place]],
+                2 | 3 => [by_speed[(0, place - 2)], by_speed[(1, place - 2)], drive.motion[place]],
+                _ => [along_y[place - 4], along_z[place - 4], drive.bias[place - 4]],
+            };
+            let (low, high) = (at(Some((place, -step))), at(Some((place, step))));
+            let difference = |value: fn(&Evaluated) -> f32| (value(&high) - value(&low)) / (2.0 * step);
+            let secants = [
+                difference(|at| at.acceleration.x),
+                difference(|at| at.acceleration.y),
+                difference(|at| at.drive_force),
+            ];
+            // Rounding of the differences. The gradients leave out that the crank's lever changes.
+            let noise = [2e-4 / step, 2e-4 / step, 4e-2 / step];
+            for ((gradient, secant), noise) in gradients.into_iter().zip(secants).zip(noise) {
+                let error = (gradient - secant).abs();
+                assert!(error < 0.01 * secant.abs() + noise, "{place}: {gradient} {secant}");
+            }
+        }
+    }
+}
