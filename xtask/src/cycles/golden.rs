@@ -1,8 +1,9 @@
 //! Golden cycles, their budgets, and their copy in `docs/firmware.md`.
 //!
-//! Instructions are exact for the pinned compiler. Cycles may differ by [`MAX_DIFFERENCE`]: the
-//! length of the build name shifts constants against the lines of the flash. With another compiler
-//! only the budgets are compared.
+//! Instructions and the cycles of a Cortex-M4 without wait states are exact for the pinned compiler.
+//! Other cycles may differ by [`MAX_DIFFERENCE`]: names of symbols contain a hash of the checkout's
+//! path, their order decides where code and constants lie, and that place decides which lines of
+//! the flash are read twice. With another compiler only the budgets are compared.
 
 use super::record::Work;
 use super::report::{Cycles, Report};
@@ -30,8 +31,10 @@ const BUDGETS: [(Work, Placement, u64); 8] = [
     (Work::ReferenceStream, Placement::NoWaitStates, 13_000),
 ];
 
-/// Maximum difference from the golden cycles, as a share of them.
-const MAX_DIFFERENCE: f64 = 0.02;
+/// Maximum difference of cycles that depend on the place of code and constants, as a share of the
+/// golden ones. Two checkouts of one commit differed by 2.9 % in the reference window with weights
+/// in flash, and by 0.4 % at most in the controller's own work.
+const MAX_DIFFERENCE: f64 = 0.05;
 
 fn path() -> PathBuf {
     root().join(FILE)
@@ -63,15 +66,19 @@ fn golden() -> Result<Report, ChoreError> {
     serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))
 }
 
-/// Compares instructions exactly, and cycles up to [`MAX_DIFFERENCE`].
+/// Compares instructions and cycles without wait states exactly, others up to [`MAX_DIFFERENCE`].
 fn is_equal(found: &Report, golden: &Report) -> bool {
-    let is_near = |(one, other): (u64, u64)| one.abs_diff(other) as f64 <= MAX_DIFFERENCE * other as f64;
+    let is_near = |name: &str, (one, other): (u64, u64)| {
+        let is_exact = name.contains(Placement::NoWaitStates.name());
+        let max = if is_exact { 0.0 } else { MAX_DIFFERENCE };
+        one.abs_diff(other) as f64 <= max * other as f64
+    };
     let [found_cycles, golden_cycles] = [found, golden].map(|report| report.cycles().collect::<Vec<_>>());
     let names = |cycles: &[(String, Cycles)]| cycles.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
     found.instructions == golden.instructions
         && names(&found_cycles) == names(&golden_cycles)
-        && found_cycles.iter().zip(&golden_cycles).all(|((_, one), (_, other))| {
-            is_near((one.lower, other.lower)) && is_near((one.upper, other.upper))
+        && found_cycles.iter().zip(&golden_cycles).all(|((name, one), (_, other))| {
+            is_near(name, (one.lower, other.lower)) && is_near(name, (one.upper, other.upper))
         })
 }
 
@@ -128,17 +135,19 @@ mod tests {
     }
 
     #[test]
-    fn cycles_may_differ_by_two_percent_and_instructions_not_at_all() {
+    fn cycles_in_flash_may_differ_a_little_and_others_and_instructions_not_at_all() {
         let golden = golden().unwrap();
-        let with = |change: fn(&mut Cycles)| {
+        let with = |placement: usize, change: fn(&mut Cycles)| {
             let mut report = golden.clone();
-            change(report.boards[0].placements[0].cycles.get_mut(Work::Tick.name()).unwrap());
+            change(report.boards[0].placements[placement].cycles.get_mut(Work::Tick.name()).unwrap());
             report
         };
-        assert!(is_equal(&with(|_| ()), &golden));
-        assert!(is_equal(&with(|cycles| cycles.upper += cycles.upper / 60), &golden));
-        assert!(!is_equal(&with(|cycles| cycles.upper += cycles.upper / 40), &golden));
-        assert!(!is_equal(&with(|cycles| cycles.lower -= cycles.lower / 40), &golden));
+        assert!(is_equal(&with(0, |_| ()), &golden));
+        assert!(is_equal(&with(0, |cycles| cycles.upper += cycles.upper / 25), &golden));
+        assert!(!is_equal(&with(0, |cycles| cycles.upper += cycles.upper / 18), &golden));
+        assert!(!is_equal(&with(0, |cycles| cycles.lower -= cycles.lower / 18), &golden));
+        assert_eq!(golden.boards[0].placements[2].placement, Placement::NoWaitStates.name());
+        assert!(!is_equal(&with(2, |cycles| cycles.upper += 1), &golden));
         let mut other = golden.clone();
         *other.instructions.get_mut(Work::Handler.name()).unwrap() += 1;
         assert!(!is_equal(&other, &golden));
