@@ -1,9 +1,9 @@
 //! Golden cycles, their budgets, and their copy in `docs/firmware.md`.
 //!
-//! Instructions and the cycles of a Cortex-M4 without wait states are exact for the pinned compiler.
-//! Other cycles may differ by [`MAX_DIFFERENCE`]: names of symbols contain a hash of the checkout's
-//! path, their order decides where code and constants lie, and that place decides which lines of
-//! the flash are read twice. With another compiler only the budgets are compared.
+//! Instructions and the cycles of a Cortex-M4 without wait states are exact for the pinned
+//! compiler. Other cycles may differ by [`MAX_DIFFERENCE`]: names of symbols contain a hash of the
+//! checkout's path, their order decides where code and constants lie, and that place decides which
+//! lines of the flash are read twice. With another compiler only the budgets are compared.
 
 use super::record::Work;
 use super::report::{Cycles, Report};
