@@ -11,7 +11,7 @@ use crate::{Wiring, WiringField};
 
 /// Version of the layout and meaning of [`ControllerConfiguration`]. Records of other versions are
 /// not read.
-pub const CONFIGURATION_VERSION: u8 = 2;
+pub const CONFIGURATION_VERSION: u8 = 3;
 
 /// Bench that the controller observes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -26,9 +26,29 @@ pub struct BenchConfiguration {
     pub sample_period_us: u32,
     /// Minimum approach speed that is latched at an onset, um/s.
     pub latch_floor_um_s: u32,
-    /// Approach speed assumed for a contact whose onset was not seen, um/s. It follows from how the
-    /// bench starts.
-    pub unseen_approach_um_s: u32,
+    /// Source of elastic force, damping and friction in the estimate.
+    pub contact: ContactSource,
+}
+
+/// Source of elastic force, damping and friction in the estimate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ContactSource {
+    /// The loaded model image; the analytic law gives the gradients.
+    #[default]
+    Network,
+    /// The analytic law of the bearing's material.
+    Law,
+}
+
+impl ContactSource {
+    /// Returns the lower-case name for options and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Network => "network",
+            Self::Law => "law",
+        }
+    }
 }
 
 /// Calibration of a channel: `true = (raw - offset) * gain`.
@@ -52,7 +72,7 @@ pub struct Limits {
     pub force_limit_n: u32,
     /// Friction level above which the slow telemetry raises an alarm, in thousandths of the trained
     /// friction; 0 for none.
-    pub friction_level_limit_per_mille: u32,
+    pub friction_level_limit_per_mille: u16,
     /// Number of consecutive late estimates that trips the controller; 0 for never.
     pub deadline_trip_count: u16,
     /// Number of samples with one unchanged code after which a sensor counts as stuck.
@@ -121,8 +141,6 @@ pub enum Field {
     SamplePeriod,
     /// `bench.latch_floor_um_s`.
     LatchFloor,
-    /// `bench.unseen_approach_um_s`.
-    UnseenApproach,
     /// `calibration[channel].offset`.
     Offset(SensorChannel),
     /// `calibration[channel].gain_ppm`.

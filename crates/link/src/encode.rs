@@ -11,6 +11,7 @@ use core::hint::black_box;
 use serde::Serialize;
 
 use crate::crc32::{INITIAL, update_word};
+use crate::sample::VALUES;
 use crate::{DELIMITER, EstimateLayout, MAX_FRAME, MAX_PAYLOAD, NumberedEstimate, crc32};
 
 /// Error: the message does not fit into a frame.
@@ -45,7 +46,7 @@ pub fn encode<'a, M: Serialize>(
 }
 
 /// Length of an estimate's message with its CRC, in bytes.
-const ESTIMATE_PAYLOAD: usize = 52;
+const ESTIMATE_PAYLOAD: usize = 4 * (VALUES + 7);
 /// Length of an estimate on the wire, in bytes.
 pub const ESTIMATE_FRAME: usize = ESTIMATE_PAYLOAD + 2;
 /// Index of [`crate::ToHost::Estimate`] among the variants.
@@ -54,20 +55,21 @@ const ESTIMATE_KIND: u8 = 2;
 /// Encodes an estimate: the bytes that [`encode`] gives for [`crate::ToHost::Estimate`], word by
 /// word and without a branch on data.
 ///
-/// `difference` gets the bits of the six floats ([`crate::EstimateFrame::value_bits`]). It returns
+/// `difference` gets the bits of the floats ([`crate::EstimateFrame::value_bits`]). It returns
 /// 0 if they are those that were computed. If not, the CRC of the frame is made wrong, so the host
 /// rejects it. The floats are checked after the CRC was computed, so that a later flip is detected
 /// too.
 #[inline]
 pub fn encode_estimate(
     estimate: &NumberedEstimate,
-    difference: impl FnOnce(&[u32; 6]) -> u32,
+    difference: impl FnOnce(&[u32; VALUES]) -> u32,
     frame: &mut [u8; ESTIMATE_FRAME],
 ) {
     let EstimateLayout([dropped, low, high], fields) = (*estimate).into();
-    let [a, b, c, d, e, f, g, h, i, j, k] = fields;
-    let first = [ESTIMATE_KIND, dropped, low, high];
-    let mut words = [first, a, b, c, d, e, f, g, h, i, j, k, [0; 4]].map(u32::from_le_bytes);
+    let mut words = [0; ESTIMATE_PAYLOAD / 4];
+    let [first, content @ .., _] = &mut words;
+    *first = u32::from_le_bytes([ESTIMATE_KIND, dropped, low, high]);
+    *content = fields.map(u32::from_le_bytes);
     let [message @ .., sum] = &mut words;
     *sum = !message.iter().fold(INITIAL, |sum, word| update_word(sum, *word));
     let [_, _, _, _, values @ .., _, _] = &*black_box(message);
@@ -181,7 +183,7 @@ mod tests {
             dropped in any::<u8>(),
             low in any::<u8>(),
             high in prop_oneof![Just(0_u8), any::<u8>()],
-            words in prop::array::uniform11(prop_oneof![Just(0_u32), 0..300_u32, any::<u32>()]),
+            words in prop::array::uniform24(prop_oneof![Just(0_u32), 0..300_u32, any::<u32>()]),
         ) {
             let layout = EstimateLayout([dropped, low, high], words.map(u32::to_le_bytes));
             let estimate = NumberedEstimate::from(layout);
@@ -195,7 +197,7 @@ mod tests {
     #[test]
     fn a_flipped_bit_of_a_number_corrupts_the_frame() {
         let sound = EstimateFrame { normal_force_n: 7.5, flags: 3, ..EstimateFrame::default() };
-        let frames = |estimate: EstimateFrame, computed: [u32; 6]| {
+        let frames = |estimate: EstimateFrame, computed: [u32; VALUES]| {
             let mut frame = [0; ESTIMATE_FRAME];
             encode_estimate(
                 &NumberedEstimate { estimate, ..NumberedEstimate::default() },
@@ -208,15 +210,10 @@ mod tests {
         assert!(matches!(frames(sound, sound.value_bits())[..], [Ok(ToHost::Estimate(_))]));
         for bit in 0..32 {
             let flip = |value: f32| f32::from_bits(value.to_bits() ^ 1 << bit);
-            let flipped = [
-                EstimateFrame { normal_force_n: flip(sound.normal_force_n), ..sound },
-                EstimateFrame { force_y_n: flip(sound.force_y_n), ..sound },
-                EstimateFrame { force_z_n: flip(sound.force_z_n), ..sound },
-                EstimateFrame { friction_torque_nm: flip(sound.friction_torque_nm), ..sound },
-                EstimateFrame { deformation_m: flip(sound.deformation_m), ..sound },
-                EstimateFrame { contact_angle_rad: flip(sound.contact_angle_rad), ..sound },
-            ];
-            for estimate in flipped {
+            for place in 0..VALUES {
+                let (mut values, mut estimate) = (sound.values(), sound);
+                values[place] = flip(values[place]);
+                estimate.set_values(values);
                 assert_eq!(frames(estimate, sound.value_bits()), [Err(FrameError::Crc)], "{estimate:?}");
             }
         }

@@ -30,8 +30,8 @@ pub mod update;
 mod wiring;
 
 pub use configuration::{
-    BenchConfiguration, CONFIGURATION_VERSION, Calibration, Configured, ControllerConfiguration, Field,
-    Limits, MAX_REASONS, OutOfRange, Reasons,
+    BenchConfiguration, CONFIGURATION_VERSION, Calibration, Configured, ContactSource,
+    ControllerConfiguration, Field, Limits, MAX_REASONS, OutOfRange, Reasons,
 };
 pub use counters::{Counters, LineErrors};
 pub use crc32::crc32;
@@ -44,7 +44,7 @@ pub use message::{
     Acknowledgement, Answer, Command, Fault, NumberedCommand, Refusal, ReportKind, SlowFrame, SlowReport,
     State, ToController, ToHost,
 };
-pub use sample::{EstimateFrame, EstimateLayout, NumberedEstimate, SensorFrame};
+pub use sample::{EstimateFrame, EstimateLayout, NumberedEstimate, SensorFrame, VALUES};
 pub use wiring::{InputRange, Wiring, WiringField};
 
 /// Compiles the examples of the README.

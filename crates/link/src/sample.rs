@@ -1,7 +1,7 @@
 //! The two frames of a tick: one sample of the sensors and its estimate.
 //!
-//! An estimate has a fixed layout on the wire ([`EstimateLayout`]): one byte for its kind and 47
-//! bytes of content, so that it can be encoded word by word ([`crate::encode_estimate`]).
+//! An estimate has a fixed layout on the wire ([`EstimateLayout`]): one byte for its kind, then
+//! words, so that it can be encoded word by word ([`crate::encode_estimate`]).
 
 use serde::{Deserialize, Serialize};
 
@@ -16,14 +16,19 @@ pub struct SensorFrame {
     pub journal_y_nm: i32,
     /// Journal centre from the bearing's centre along z (up), nm.
     pub journal_z_nm: i32,
-    /// Shaft angle, nrad, modulo 2^32: only its differences are used.
+    /// Shaft angle, nrad, modulo 2^32.
     pub shaft_angle_nrad: i32,
-    /// Load force along y, mN. It enters no force; it limits the plausible swing and feeds the
-    /// tracking.
+    /// Load force along y, mN.
     pub load_force_mn: i32,
 }
 
+/// Number of floats in an [`EstimateFrame`].
+pub const VALUES: usize = 19;
+
 /// Estimate for one sample.
+///
+/// Deviations are standard deviations. They are infinite while nothing is known and while the
+/// estimate is held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EstimateFrame {
     /// Sequence number of the sample.
@@ -42,6 +47,32 @@ pub struct EstimateFrame {
     pub deformation_m: f32,
     /// Direction of the journal from the bearing's centre, rad, from +y towards +z.
     pub contact_angle_rad: f32,
+    /// Deviation of the normal force, N.
+    pub normal_force_sd_n: f32,
+    /// Deviation of the force vector, N.
+    pub force_sd_n: f32,
+    /// Deviation of the friction torque, N m.
+    pub friction_torque_sd_nm: f32,
+    /// Normal force of the networks at the estimated contact, N.
+    pub network_force_n: f32,
+    /// Friction torque of the networks at the estimated contact, N m.
+    pub network_torque_nm: f32,
+    /// Normal force of the analytic law at the estimated contact, N.
+    pub law_force_n: f32,
+    /// Friction torque of the analytic law at the estimated contact, N m.
+    pub law_torque_nm: f32,
+    /// Radial clearance, m.
+    pub clearance_m: f32,
+    /// Deviation of the clearance, m.
+    pub clearance_sd_m: f32,
+    /// Stiffness of the contact over that of networks or law.
+    pub stiffness_factor: f32,
+    /// Deviation of the stiffness factor.
+    pub stiffness_sd: f32,
+    /// Friction over that of networks or law.
+    pub friction_factor: f32,
+    /// Deviation of the friction factor.
+    pub friction_sd: f32,
     /// Flags of the networks (bits 0 to 14), and those that the controller adds (bits 15 to 31).
     pub flags: u32,
     /// Number of activations that saturated in this sample.
@@ -57,24 +88,67 @@ impl EstimateFrame {
         self.bits() == other.bits()
     }
 
-    /// The bits of the six floats, in their order.
+    /// The floats, in their order.
     #[must_use]
     #[inline]
-    pub const fn value_bits(&self) -> [u32; 6] {
+    pub const fn values(&self) -> [f32; VALUES] {
         [
-            self.normal_force_n.to_bits(),
-            self.force_y_n.to_bits(),
-            self.force_z_n.to_bits(),
-            self.friction_torque_nm.to_bits(),
-            self.deformation_m.to_bits(),
-            self.contact_angle_rad.to_bits(),
+            self.normal_force_n,
+            self.force_y_n,
+            self.force_z_n,
+            self.friction_torque_nm,
+            self.deformation_m,
+            self.contact_angle_rad,
+            self.normal_force_sd_n,
+            self.force_sd_n,
+            self.friction_torque_sd_nm,
+            self.network_force_n,
+            self.network_torque_nm,
+            self.law_force_n,
+            self.law_torque_nm,
+            self.clearance_m,
+            self.clearance_sd_m,
+            self.stiffness_factor,
+            self.stiffness_sd,
+            self.friction_factor,
+            self.friction_sd,
         ]
     }
 
-    fn bits(&self) -> [u32; 10] {
-        let [normal, y, z, torque, deformation, angle] = self.value_bits();
-        let saturated = u32::from(self.saturated);
-        [self.sequence, self.time_us, normal, y, z, torque, deformation, angle, self.flags, saturated]
+    /// The bits of the floats, in their order.
+    #[must_use]
+    #[inline]
+    pub fn value_bits(&self) -> [u32; VALUES] {
+        self.values().map(f32::to_bits)
+    }
+
+    /// Replaces the floats, in their order.
+    pub const fn set_values(&mut self, values: [f32; VALUES]) {
+        [
+            self.normal_force_n,
+            self.force_y_n,
+            self.force_z_n,
+            self.friction_torque_nm,
+            self.deformation_m,
+            self.contact_angle_rad,
+            self.normal_force_sd_n,
+            self.force_sd_n,
+            self.friction_torque_sd_nm,
+            self.network_force_n,
+            self.network_torque_nm,
+            self.law_force_n,
+            self.law_torque_nm,
+            self.clearance_m,
+            self.clearance_sd_m,
+            self.stiffness_factor,
+            self.stiffness_sd,
+            self.friction_factor,
+            self.friction_sd,
+        ] = values;
+    }
+
+    fn bits(&self) -> (u32, u32, [u32; VALUES], u32, u16) {
+        (self.sequence, self.time_us, self.value_bits(), self.flags, self.saturated)
     }
 }
 
@@ -90,50 +164,41 @@ pub struct NumberedEstimate {
     pub estimate: EstimateFrame,
 }
 
+/// Number of words of an [`EstimateLayout`].
+const WORDS: usize = VALUES + 5;
+
 /// Bytes of an estimate after the byte of its kind: `dropped` and `saturated`, then little-endian
-/// words: number, sequence, time, the six floats in order, flags, ticks.
+/// words: number, sequence, time, the floats in order, flags, ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct EstimateLayout(pub [u8; 3], pub [[u8; 4]; 11]);
+pub struct EstimateLayout(pub [u8; 3], pub [[u8; 4]; WORDS]);
 
 impl From<NumberedEstimate> for EstimateLayout {
+    #[inline]
     fn from(numbered: NumberedEstimate) -> Self {
         let estimate = numbered.estimate;
         let [low, high] = estimate.saturated.to_le_bytes();
-        let [normal, y, z, torque, deformation, angle] = estimate.value_bits();
-        let words = [
-            numbered.number,
-            estimate.sequence,
-            estimate.time_us,
-            normal,
-            y,
-            z,
-            torque,
-            deformation,
-            angle,
-            estimate.flags,
-            estimate.instruction_ticks,
-        ];
+        let mut words = [0; WORDS];
+        let [number, sequence, time_us, values @ .., flags, ticks] = &mut words;
+        (*number, *sequence, *time_us) = (numbered.number, estimate.sequence, estimate.time_us);
+        *values = estimate.value_bits();
+        (*flags, *ticks) = (estimate.flags, estimate.instruction_ticks);
         Self([numbered.dropped, low, high], words.map(u32::to_le_bytes))
     }
 }
 
 impl From<EstimateLayout> for NumberedEstimate {
     fn from(EstimateLayout([dropped, low, high], words): EstimateLayout) -> Self {
-        let [number, sequence, time_us, normal, y, z, torque, deformation, angle, flags, instruction_ticks] =
+        let [number, sequence, time_us, values @ .., flags, instruction_ticks] =
             words.map(u32::from_le_bytes);
-        let estimate = EstimateFrame {
+        let mut estimate = EstimateFrame {
             sequence,
             time_us,
-            normal_force_n: f32::from_bits(normal),
-            force_y_n: f32::from_bits(y),
-            force_z_n: f32::from_bits(z),
-            friction_torque_nm: f32::from_bits(torque),
-            deformation_m: f32::from_bits(deformation),
-            contact_angle_rad: f32::from_bits(angle),
             flags,
             saturated: u16::from_le_bytes([low, high]),
             instruction_ticks,
+            ..EstimateFrame::default()
         };
+        estimate.set_values(values.map(f32::from_bits));
         Self { number, dropped, estimate }
     }
 }

@@ -164,19 +164,17 @@ pub struct TrackReport {
     pub time_us: u32,
     /// Radial clearance, nm.
     pub radial_clearance_nm: u32,
-    /// One standard deviation of the clearance, nm, including the declared errors of stiffness,
-    /// inertia and levers; `u32::MAX` before there is evidence.
+    /// One standard deviation of the clearance, nm; `u32::MAX` before there is evidence.
     pub radial_clearance_deviation_nm: u32,
-    /// Measured friction over the friction network's prediction, thousandths: 1000 is the friction
-    /// that it was trained on.
+    /// Friction over the described one, thousandths.
     pub friction_level_per_mille: u32,
     /// One standard deviation of the friction level, thousandths; `u32::MAX` before there is
     /// evidence.
     pub friction_level_deviation_per_mille: u32,
-    /// Number of sample blocks used for the clearance, saturating.
-    pub clearance_blocks: u32,
-    /// Number of sample blocks used for the friction level, saturating.
-    pub friction_blocks: u32,
+    /// Stiffness of the contact over the described one, thousandths.
+    pub stiffness_per_mille: u32,
+    /// One standard deviation of the stiffness, thousandths; `u32::MAX` before there is evidence.
+    pub stiffness_deviation_per_mille: u32,
     /// Wear alarm.
     pub wear: Wear,
     /// Number of wear alarms, saturating.
@@ -206,7 +204,7 @@ pub struct MonitorConfiguration {
     pub effective_modulus_kpa: u32,
     /// Dissipation factor `chi(e)` of the contact law, thousandths; 0: that of the bearing's
     /// material.
-    pub damping_per_mille: u32,
+    pub damping_per_mille: u16,
     /// One standard deviation of the contact's stiffness, thousandths of it.
     pub stiffness_deviation_per_mille: u16,
     /// One standard deviation of the moment of inertia, thousandths of it.
@@ -215,11 +213,20 @@ pub struct MonitorConfiguration {
     pub mass_deviation_per_mille: u16,
     /// One standard deviation of either lever's radius, hundred-thousandths of it.
     pub lever_deviation_ppht: u16,
-    /// One standard deviation of either journal coordinate's offset, nm.
-    pub offset_deviation_nm: u32,
-    /// Standard deviation of a journal coordinate's noise, nm. Conditioning treats no larger
-    /// deviation as noise.
+    /// One standard deviation of the radial clearance, nm.
+    pub clearance_deviation_nm: u32,
+    /// One standard deviation of the friction level, thousandths of it.
+    pub friction_deviation_per_mille: u16,
+    /// Friction over that of the bearing's material, thousandths.
+    pub friction_level_per_mille: u16,
+    /// Stroke of the drive, mm.
+    pub stroke_mm: u16,
+    /// Period of the drive's motion, ms.
+    pub drive_period_ms: u16,
+    /// Standard deviation of a journal coordinate's noise, nm.
     pub journal_noise_nm: u16,
+    /// Standard deviation of the shaft angle's noise, nrad.
+    pub angle_noise_nrad: u32,
     /// Largest short-term standard deviation of a journal coordinate, nm.
     pub journal_noise_limit_nm: u32,
     /// Largest short-term standard deviation of the shaft angle, nrad.
@@ -228,17 +235,17 @@ pub struct MonitorConfiguration {
     pub load_noise_limit_mn: u32,
     /// Number of equal load codes after which the load counts as stuck. With 0 it never does,
     /// because a steady load read by a coarse converter can stay constant.
-    pub load_stuck_samples: u32,
+    pub load_stuck_samples: u16,
     /// Magnitude at and above which a journal coordinate counts as at its rail, nm.
     pub journal_rail_nm: u32,
     /// Magnitude at and above which the load counts as at its rail, mN.
     pub load_rail_mn: u32,
     /// Half width of the analytic law's envelope, thousandths of the law's force.
-    pub envelope_per_mille: u32,
-    /// Half width of the envelope at zero force, mN.
-    pub envelope_floor_mn: u32,
+    pub envelope_per_mille: u16,
+    /// Half width of the envelope at zero force, N.
+    pub envelope_floor_n: u16,
     /// Number of samples without a fault after which a held estimate is live again.
-    pub recovery_samples: u32,
+    pub recovery_samples: u16,
     /// Number of held samples after which the estimate is lost.
     pub lost_samples: u32,
     /// Radial clearance at which the wear alarm is raised, nm.
@@ -270,10 +277,20 @@ pub enum MonitorField {
     MassDeviation,
     /// `lever_deviation_ppht`.
     LeverDeviation,
-    /// `offset_deviation_nm`.
-    OffsetDeviation,
+    /// `clearance_deviation_nm`.
+    ClearanceDeviation,
+    /// `friction_deviation_per_mille`.
+    FrictionDeviation,
+    /// `friction_level_per_mille`.
+    FrictionLevel,
+    /// `stroke_mm`.
+    Stroke,
+    /// `drive_period_ms`.
+    DrivePeriod,
     /// `journal_noise_nm`.
     JournalNoise,
+    /// `angle_noise_nrad`.
+    AngleNoise,
     /// `journal_noise_limit_nm`.
     JournalNoiseLimit,
     /// `angle_noise_limit_nrad`.
@@ -288,7 +305,7 @@ pub enum MonitorField {
     LoadRail,
     /// `envelope_per_mille`.
     EnvelopeShare,
-    /// `envelope_floor_mn`.
+    /// `envelope_floor_n`.
     EnvelopeFloor,
     /// `recovery_samples`.
     RecoverySamples,

@@ -6,10 +6,10 @@ mod longest;
 use link::start::{FaultKind, FaultRecord, ResetReason, StackReport, StartReport};
 use link::track::{MonitorConfiguration, SensorStatus};
 use link::{
-    BenchConfiguration, BuildId, Calibration, ClockSource, Command, ControllerConfiguration, Decoder,
-    EstimateFrame, FrameError, Hello, InputRange, Limits, MAGIC, MAX_FRAME, ModelId, NumberedCommand,
-    NumberedEstimate, PROTOCOL_VERSION, ReportKind, SensorFrame, State, Target, ToController, ToHost, Wiring,
-    encode,
+    BenchConfiguration, BuildId, Calibration, ClockSource, Command, ContactSource, ControllerConfiguration,
+    Decoder, EstimateFrame, FrameError, Hello, InputRange, Limits, MAGIC, MAX_FRAME, ModelId,
+    NumberedCommand, NumberedEstimate, PROTOCOL_VERSION, ReportKind, SensorFrame, State, Target,
+    ToController, ToHost, VALUES, Wiring, encode,
 };
 use proptest::prelude::*;
 
@@ -32,13 +32,13 @@ fn configuration() -> impl Strategy<Value = ControllerConfiguration> {
             journal_radius_nm: words[1],
             sample_period_us: words[2],
             latch_floor_um_s: words[3],
-            unseen_approach_um_s: words[4],
+            contact: if words[4].is_multiple_of(2) { ContactSource::Network } else { ContactSource::Law },
         };
         let mut configuration = ControllerConfiguration::new(bench, monitor(words[0]));
         configuration.calibration = offsets.map(|offset| Calibration { offset, gain_ppm: words[1] });
         configuration.limits = Limits {
             force_limit_n: words[2],
-            friction_level_limit_per_mille: words[3],
+            friction_level_limit_per_mille: counts[0],
             deadline_trip_count: counts[0],
             stuck_samples: counts[1],
             slow_every: counts[2],
@@ -95,19 +95,18 @@ fn to_controller() -> impl Strategy<Value = ToController> {
 }
 
 fn estimate() -> impl Strategy<Value = EstimateFrame> {
-    (any::<(u32, u32, u32, u16, u32)>(), any::<[f32; 6]>()).prop_map(
-        |((sequence, time_us, flags, saturated, ticks), f)| EstimateFrame {
-            sequence,
-            time_us,
-            normal_force_n: f[0],
-            force_y_n: f[1],
-            force_z_n: f[2],
-            friction_torque_nm: f[3],
-            deformation_m: f[4],
-            contact_angle_rad: f[5],
-            flags,
-            saturated,
-            instruction_ticks: ticks,
+    (any::<(u32, u32, u32, u16, u32)>(), any::<[f32; VALUES]>()).prop_map(
+        |((sequence, time_us, flags, saturated, ticks), values)| {
+            let mut estimate = EstimateFrame {
+                sequence,
+                time_us,
+                flags,
+                saturated,
+                instruction_ticks: ticks,
+                ..EstimateFrame::default()
+            };
+            estimate.set_values(values);
+            estimate
         },
     )
 }
