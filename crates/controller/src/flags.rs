@@ -3,26 +3,24 @@
 
 use inference::Flags;
 
-/// Position and load contradict each other: the clearance that follows from them in the last block
-/// with contact is further from the tracked one than errors and wear explain ([`crate::tracking`]).
-/// Either a probe drifts, or the load is not the measured one.
-pub const LOAD_CONTRADICTED: Flags = Flags::from_bits(1 << 15);
+/// The model does not fit the samples: the innovations are larger than sensors and declared
+/// uncertainty explain. The deviations of force and torque are wider then.
+pub const MODEL_MISFIT: Flags = Flags::from_bits(1 << 15);
 /// The journal is further outside the clearance than any bearing deforms
 /// ([`crate::estimator::MAX_DEFORMATION_NM`]).
 pub const IMPLAUSIBLE_POSITION: Flags = Flags::from_bits(1 << 16);
-/// A sensor moved further since the last sample than the machine can; the window restarts.
+/// A sensor moved further since the last sample than the machine can; the sample is predicted.
 pub const JUMP: Flags = Flags::from_bits(1 << 17);
 /// A sensor has shown the same code for the configured number of samples.
 pub const STUCK: Flags = Flags::from_bits(1 << 18);
-/// The sequence number did not follow: samples were lost or repeated; the window restarts.
+/// The sequence number did not follow: samples were lost or repeated; the motion starts anew.
 pub const SEQUENCE_GAP: Flags = Flags::from_bits(1 << 19);
-/// The time did not advance by the sample period (tolerance: half of it); the window restarts.
+/// The time did not advance by the sample period (tolerance: half of it); the motion starts anew.
 pub const TIME_FAULT: Flags = Flags::from_bits(1 << 20);
-/// The window is not full; the rates are 0.
-pub const WINDOW_FILLING: Flags = Flags::from_bits(1 << 21);
-/// In contact, but the onset was not seen (start, or a gap in the samples): the approach speed is
-/// the configured one for this case.
-pub const ONSET_NOT_SEEN: Flags = Flags::from_bits(1 << 22);
+/// No sample has been complete yet: the estimate is unknown and its deviations are infinite.
+pub const NOT_STARTED: Flags = Flags::from_bits(1 << 21);
+/// The start still dominates the uncertainty, as the deviations of the estimate show.
+pub const CONVERGING: Flags = Flags::from_bits(1 << 22);
 /// A channel has no value: its driver reports a fault, or the frame does not contain it.
 pub const SENSOR_MISSING: Flags = Flags::from_bits(1 << 23);
 /// A channel is at the end of its range.
@@ -62,7 +60,7 @@ pub const SENSOR_FAULT: Flags = Flags::from_bits(
 pub const DISTRUSTED: Flags = Flags::from_bits(
     SENSOR_FAULT.bits()
         | NETWORK_OUTSIDE_LAW.bits()
-        | WINDOW_FILLING.bits()
+        | NOT_STARTED.bits()
         | Flags::NON_FINITE.bits()
         | Flags::WARMING_UP.bits()
         | Flags::MISSING.bits()
@@ -82,14 +80,14 @@ pub const NAMES: [(Flags, &str); 27] = [
     (Flags::WARMING_UP, "warming-up"),
     (Flags::CORRUPTED, "altered"),
     (Flags::IMPLAUSIBLE_FRICTION, "implausible-friction"),
-    (LOAD_CONTRADICTED, "load-contradicted"),
+    (MODEL_MISFIT, "model-misfit"),
     (IMPLAUSIBLE_POSITION, "implausible-position"),
     (JUMP, "jump"),
     (STUCK, "stuck"),
     (SEQUENCE_GAP, "sequence-gap"),
     (TIME_FAULT, "time-fault"),
-    (WINDOW_FILLING, "window-filling"),
-    (ONSET_NOT_SEEN, "onset-not-seen"),
+    (NOT_STARTED, "not-started"),
+    (CONVERGING, "converging"),
     (SENSOR_MISSING, "sensor-missing"),
     (SENSOR_SATURATED, "sensor-saturated"),
     (NOISY, "noisy"),

@@ -5,28 +5,26 @@
 //! it anew after it has changed the state. A value that waits in memory during other work is
 //! guarded in the same way.
 //!
-//! * **Predictor and observer**: [`Guarded`] from the end of a tick to the start of the next.
-//! * **Onset latch**: [`Guarded`] from one update to the next.
-//! * **Contact frame and conditioned motion**: [`Guarded`] while windows and networks work.
+//! * **State of the filter**: [`Guarded`] from the end of a tick to the start of the next.
+//! * **Estimate of the filter**: [`Guarded`] while the networks work.
 //! * **Numbers of an estimate until they are encoded**: word sum, checked by the monitor and when
 //!   the frame is encoded.
 //! * **Configuration and everything derived from it**: CRC-32, formed when it is set and checked in
 //!   the idle loop.
 //! * **Code in flash**: CRC-32, in the idle loop ([`crate::supervisor::code`]).
 //! * **Networks in use**: CRC-32, one word a tick (`store::scrub`).
-//! * **Sums of the windows**: computed again from the samples every 64 samples
-//!   (`estimator::signals`).
 //! * **History of the networks**: stored twice and compared (crate `inference`).
-//! * **Plausibility checks, tracked clearance and friction**: no protection. An error leaves with
-//!   its window or shows as a contradiction.
+//! * **Plausibility checks and alarms**: no protection. An error leaves with its samples.
 //!
 //! There are two checksums. The word sum costs two instructions a word and serves within a tick and
 //! from one tick to the next. It detects every flip of a single bit, but it is linear: two flips in
 //! different words cancel in about one of 32 pairs. Everything else has a CRC-32 ([`link::crc32`]),
 //! which detects every flip of two bits and every change within a word.
 
+use contact::{FrictionLaw, StribeckShape};
 use fixed::types::U2F30;
 use link::crc32::Digest;
+use nalgebra::SMatrix;
 
 pub(crate) use inference::word_sum::{WordSum, read_anew};
 
@@ -116,6 +114,40 @@ impl Words for u64 {
     fn add_to(&self, sum: &mut impl Checksum) {
         sum.add_word(*self as u32);
         sum.add_word((*self >> 32) as u32);
+    }
+}
+
+impl<const R: usize, const C: usize> Words for SMatrix<f32, R, C> {
+    #[inline]
+    fn add_to(&self, sum: &mut impl Checksum) {
+        self.as_slice().iter().for_each(|value| value.add_to(sum));
+    }
+}
+
+impl<T: Words> Words for Option<T> {
+    #[inline]
+    fn add_to(&self, sum: &mut impl Checksum) {
+        self.is_some().add_to(sum);
+        if let Some(value) = self {
+            value.add_to(sum);
+        }
+    }
+}
+
+impl Words for FrictionLaw<f32> {
+    fn add_to(&self, sum: &mut impl Checksum) {
+        let Self {
+            coulomb_coefficient,
+            static_coefficient,
+            stribeck_speed_m_s,
+            shape,
+            viscous_slope_s_m,
+            viscous_onset_m_s,
+            regularisation_m_s,
+        } = *self;
+        [coulomb_coefficient, static_coefficient, stribeck_speed_m_s].add_to(sum);
+        [viscous_slope_s_m, viscous_onset_m_s, regularisation_m_s].add_to(sum);
+        matches!(shape, StribeckShape::Gauss).add_to(sum);
     }
 }
 

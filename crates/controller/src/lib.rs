@@ -1,7 +1,7 @@
 //! The controller without its board: sensor samples in, contact forces out.
 //!
 //! A tick runs from the outside in: `service::SharedSession::tick`, [`Session`], [`Monitor`]
-//! (faults, safe state), [`Estimator`] (conditioning, onset latch), the networks
+//! (faults, safe state), [`Estimator`] (plausibility, filter), the networks
 //! (`inference::Pair`). [`Session`] also conducts the conversation with the host. Both are free of
 //! I/O, heap and panics. They run in the host's process and on the controller and give the same
 //! bits on both: integers, and f32 with `+ - * /` and routines written in Rust (libm, micromath).
@@ -32,7 +32,6 @@ pub mod service;
 pub mod session;
 pub mod store;
 pub mod supervisor;
-pub mod tracking;
 
 pub use estimator::Estimator;
 pub use monitor::Monitor;

@@ -216,6 +216,6 @@ pub struct Configured {
     pub configuration_crc: u32,
     /// Model in use.
     pub model: crate::ModelId,
-    /// Samples in the conditioning's window.
+    /// Samples in the window of the networks.
     pub window: u16,
 }

@@ -90,7 +90,7 @@ pub struct Hello {
     pub clock: ClockSource,
     /// Core frequency, Hz.
     pub core_hz: u32,
-    /// Samples in the conditioning's window.
+    /// Samples in the window of the networks.
     pub window: u16,
     /// Model images by bearing code.
     pub models: [ModelId; MODELS],

@@ -102,6 +102,12 @@ impl Findings {
     pub const fn channels(&self, kind: u32) -> u8 {
         (self.events >> (4 * (kind % 8)) & 0xf) as u8
     }
+
+    /// Returns true if anything but noise was found in the load.
+    #[must_use]
+    pub const fn is_load_faulty(&self) -> bool {
+        self.events & !MOTION & !(0xf << NOISE) != 0
+    }
 }
 
 /// Shifts of the kinds in [`Findings::events`].
@@ -171,6 +177,7 @@ struct State {
     has_previous: bool,
     status: SensorStatus,
     findings: Findings,
+    lost: u32,
 }
 
 /// Largest limit of [`is_beyond`].
@@ -181,10 +188,6 @@ const LARGEST: u32 = i32::MAX as u32;
 fn is_beyond(value: i32, limit: u32) -> bool {
     value.cast_unsigned().wrapping_add(limit) > limit.wrapping_mul(2)
 }
-
-/// Flags after which the earlier samples do not belong to the next one.
-pub(super) const DISCONTINUITY: Flags =
-    Flags::from_bits(JUMP.bits() | SEQUENCE_GAP.bits() | TIME_FAULT.bits());
 
 impl Plausibility {
     /// Creates the checks for a bearing and a sample period, with [`Limits::NONE`].
@@ -263,8 +266,15 @@ impl Plausibility {
         &self.state.findings
     }
 
+    /// Number of samples that the sequence numbers leave out before the last sample; more than
+    /// 2^31 if it was repeated or out of order.
+    #[must_use]
+    pub const fn lost(&self) -> u32 {
+        self.state.lost
+    }
+
     /// Takes a sample and returns the flags that concern the motion. Findings about the load alone
-    /// are in [`Self::findings`] only, as no estimate depends on the load.
+    /// are in [`Self::findings`] only: the last good load is used then.
     pub fn check(&mut self, frame: &SensorFrame) -> Flags {
         let Self { config, state } = self;
         let is_first = !state.has_previous;
@@ -286,7 +296,8 @@ impl Plausibility {
         events |= state.noisy << NOISE;
 
         let elapsed_us = frame.time_us.wrapping_sub(previous.time_us);
-        let is_gap = frame.sequence.wrapping_sub(previous.sequence) != 1;
+        state.lost = frame.sequence.wrapping_sub(previous.sequence).wrapping_sub(1);
+        let is_gap = state.lost != 0;
         let is_late = elapsed_us.abs_diff(config.period_us) > config.period_us / 2;
         let has_jumped = events & MOTION & 0xf << JUMPED != 0;
         state.has_steps = u32::from(!(is_gap | is_late | has_jumped | is_first)).wrapping_neg();

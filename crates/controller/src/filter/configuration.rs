@@ -6,6 +6,7 @@
 
 use super::contact::ContactModel;
 use super::state::Bias;
+use crate::integrity::words;
 use contact::FrictionLaw;
 use core::f32::consts::TAU;
 
@@ -60,6 +61,23 @@ pub struct FilterConfiguration {
     /// Declared uncertainties.
     pub uncertainty: Uncertainty,
 }
+words!(FilterConfiguration {
+    sample_period_s,
+    mass_kg,
+    inertia_kg_m2,
+    drive_lever_m,
+    load_lever_m,
+    journal_radius_m,
+    radial_clearance_m,
+    effective_modulus_pa,
+    dissipation_factor,
+    friction,
+    latch_floor_m_s,
+    stroke_m,
+    period_s,
+    noise,
+    uncertainty,
+});
 
 /// Standard deviation of one sample of each sensor.
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +89,7 @@ pub struct SensorNoise {
     /// Force of the drive, N; used with a measured drive force only.
     pub drive_force_n: f32,
 }
+words!(SensorNoise { position_m, angle_rad, drive_force_n });
 
 /// Standard deviation of each parameter of the description.
 #[derive(Clone, Copy, Debug)]
@@ -88,6 +107,7 @@ pub struct Uncertainty {
     /// Radii of the cranks, relative.
     pub lever_share: f32,
 }
+words!(Uncertainty { mass_share, inertia_share, clearance_m, stiffness_share, friction_share, lever_share });
 
 /// Reason why a configuration is refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -206,12 +226,23 @@ pub(super) struct NoiseLevels {
     /// Square of the inertia as seen at the crank pin, kg2.
     pub(super) reflected_square: f32,
     /// Variance of the residual force without load, N2, and its rise with the load's square.
-    residual: (f32, f32),
+    residual: [f32; 2],
     /// Share of the residual force's variance that is new after a sample.
     residual_share: f32,
     /// Drift of stiffness, clearance, friction and damping in a sample.
     drift: [f32; 4],
 }
+words!(NoiseLevels {
+    speed_variance,
+    position_variance,
+    least_force_variance,
+    fall_speed,
+    innovation_share,
+    reflected_square,
+    residual,
+    residual_share,
+    drift,
+});
 
 impl NoiseLevels {
     pub(super) fn new(config: &FilterConfiguration) -> Self {
@@ -230,7 +261,7 @@ impl NoiseLevels {
             fall_speed: libm::sqrtf(4.0 * GRAVITY * config.radial_clearance_m),
             innovation_share: (time / INNOVATION_TIME_S).min(1.0),
             reflected_square: config.reflected_mass() * config.reflected_mass(),
-            residual: (drive * drive, 2.0 * cranks * cranks),
+            residual: [drive * drive, 2.0 * cranks * cranks],
             residual_share: 2.0 * time / config.residual_time(),
             drift: [stiffness, clearance, friction, config.damping_sd()]
                 .map(|deviation| deviation * deviation * time / DRIFT_S),
@@ -240,7 +271,7 @@ impl NoiseLevels {
     /// Variance of the residual force along Y, N2: the part of the drive's and the load's force
     /// that the uncertain inertia and cranks leave open. `load` in N.
     pub(super) fn residual_variance(&self, load: f32) -> f32 {
-        let (base, by_load) = self.residual;
+        let [base, by_load] = self.residual;
         base + by_load * load * load
     }
 

@@ -9,10 +9,16 @@
 //! at its mean is no approximation: without contact it is 0 and would hide the clearance. The
 //! square of the deformation is therefore replaced by its expectation over the normal distribution
 //! of the deformation, restricted to contact, and the slope by that expectation's derivative.
+//!
+//! With the networks as the source of the contact, `K(d) (1 + r d')` and `mu` are multiplied by the
+//! ratio of their forces to the law's at the last estimate ([`Ratios`]); the gradients stay the law's,
+//! multiplied in the same way.
 
 use super::arithmetic::{inverse_root, larger, smaller};
 use super::configuration::FilterConfiguration;
+use super::ratios::Ratios;
 use super::state::{BIAS, Bias, CLEARANCE, FRICTION, Gradient, MOTION, Motion, STIFFNESS};
+use crate::integrity::words;
 use contact::FrictionLaw;
 use core::f32::consts::{PI, SQRT_2};
 
@@ -32,6 +38,7 @@ pub(super) struct ContactModel {
     dissipation_factor: f32,
     friction: FrictionLaw<f32>,
 }
+words!(ContactModel { modulus, clearance, dissipation_factor, friction });
 
 /// Kinematics of the contact, SI units.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,6 +58,7 @@ pub(super) struct Place {
     /// Clearance with its estimated offset.
     gap: f32,
 }
+words!(Place { normal_y, normal_z, nearness, deformation, rate, around, gap });
 
 /// Forces of the contact and their partial derivatives.
 #[derive(Clone, Copy, Debug)]
@@ -74,7 +82,31 @@ pub(super) struct Forces {
     pub(super) by_friction_factor: f32,
     /// Derivative of the sliding speed over the journal's Y speed, as far as the shaft turns.
     turning_slope: f32,
+    /// Sliding speed, m/s.
+    pub(super) sliding: f32,
+    /// Normal force of the described law at this place, N.
+    pub(super) law_normal: f32,
+    /// Signed coefficient of the described friction law; 0 without contact.
+    pub(super) law_coefficient: f32,
 }
+words!(Forces {
+    place,
+    normal,
+    friction,
+    normal_curvature,
+    friction_curvature,
+    by_deformation,
+    by_rate,
+    by_stiffness,
+    by_damping,
+    by_sliding,
+    by_normal,
+    by_friction_factor,
+    turning_slope,
+    sliding,
+    law_normal,
+    law_coefficient,
+});
 
 /// Standard deviations that decide how the contact is linearised.
 #[derive(Clone, Copy, Debug, Default)]
@@ -88,6 +120,7 @@ pub(super) struct Deviations {
     /// Damping factor.
     pub(super) damping: f32,
 }
+words!(Deviations { deformation, sliding, stiffness, damping });
 
 /// Motion of the shaft that a force depends on.
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +131,8 @@ pub(super) struct Turning {
     pub(super) slope: f32,
     /// Latched approach speed, m/s.
     pub(super) approach: f32,
+    /// Forces of the networks over those of the law.
+    pub(super) ratios: Ratios,
 }
 
 impl Place {
@@ -124,6 +159,9 @@ impl Forces {
             by_normal: 0.0,
             by_friction_factor: 0.0,
             turning_slope: turning.slope,
+            sliding: turning.surface - place.around,
+            law_normal: 0.0,
+            law_coefficient: 0.0,
         }
     }
 
@@ -238,16 +276,19 @@ impl ContactModel {
         let (square, twice) = contact_moments(place.deformation, sds.deformation);
         let (shape, shape_slope) = self.shape(place.gap, larger(place.deformation, 0.0));
         let ratio = self.dissipation_factor / turning.approach;
-        let (stiffness, damping) = (1.0 + bias[STIFFNESS], 1.0 + ratio * place.rate);
+        let stiffness = (1.0 + bias[STIFFNESS]) * turning.ratios.normal;
+        let damping = 1.0 + ratio * place.rate;
         let elastic = shape * square;
         let normal = stiffness * elastic * damping;
+        let touching = larger(place.deformation, 0.0);
+        forces.law_normal = larger(shape * touching * touching * damping, 0.0);
         if normal <= 0.0 {
             return;
         }
         forces.normal = normal;
         forces.by_deformation = stiffness * damping * (shape * twice + shape_slope * square);
         forces.by_rate = stiffness * elastic * ratio;
-        forces.by_stiffness = elastic * damping;
+        forces.by_stiffness = turning.ratios.normal * elastic * damping;
         forces.by_damping = stiffness * elastic * ratio * place.rate;
         // Second-order terms: the square of the deformation, and products of uncertain factors.
         let deformation = (forces.by_deformation * sds.deformation).abs();
@@ -260,13 +301,14 @@ impl ContactModel {
 
     /// Adds friction with its derivatives.
     fn add_friction(&self, forces: &mut Forces, bias: &Bias, turning: &Turning, sds: &Deviations) {
-        let sliding = turning.surface - forces.place.around;
+        let sliding = forces.sliding;
         let (coefficient, slope) = self.friction.signed_coefficient(sliding);
-        let level = 1.0 + bias[FRICTION];
+        let level = (1.0 + bias[FRICTION]) * turning.ratios.friction;
+        forces.law_coefficient = coefficient;
         forces.by_normal = -level * coefficient;
         forces.friction = forces.by_normal * forces.normal;
         forces.by_sliding = -level * slope * forces.normal;
-        forces.by_friction_factor = -coefficient * forces.normal;
+        forces.by_friction_factor = -turning.ratios.friction * coefficient * forces.normal;
         let width = self.friction.regularisation_m_s;
         if sliding.abs() < 3.0 * width {
             let ratio = sds.sliding / width;

@@ -7,6 +7,7 @@
 //! accumulate in the covariance.
 
 use super::configuration::FilterConfiguration;
+use crate::integrity::words;
 use nalgebra::{Matrix4, Vector4};
 
 /// Multiple of the jerk's correlation time after which the gains are kept.
@@ -20,19 +21,23 @@ pub(super) struct DriveTracker {
     gain: Vector4<f32>,
     remaining_s: f32,
 }
+words!(DriveTracker { state, covariance, gain, remaining_s });
 
 /// Constants of the drive's motion over a sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DriveModel {
     period: f32,
-    /// Half of the period's square, a sixth of its cube.
-    powers: (f32, f32),
+    /// Half of the period's square.
+    half_square: f32,
+    /// A sixth of its cube.
+    sixth_cube: f32,
     /// Share of the jerk that is left after a sample.
     jerk_share: f32,
     /// Variance that the jerk gains in a sample.
     jerk_noise: f32,
     noise_variance: f32,
 }
+words!(DriveModel { period, half_square, sixth_cube, jerk_share, jerk_noise, noise_variance });
 
 /// Motion of the drive at a time.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +53,8 @@ impl DriveModel {
         let period = config.sample_period_s;
         Self {
             period,
-            powers: (0.5 * period * period, period * period * period / 6.0),
+            half_square: 0.5 * period * period,
+            sixth_cube: period * period * period / 6.0,
             jerk_share: 1.0 - period / time,
             jerk_noise: jerk * jerk * 2.0 * period / time,
             noise_variance: noise * noise,
@@ -57,7 +63,7 @@ impl DriveModel {
 
     /// Returns a state one sample on.
     fn moved(&self, state: &Vector4<f32>) -> Vector4<f32> {
-        let Self { period, powers: (half, sixth), jerk_share, .. } = *self;
+        let Self { period, half_square: half, sixth_cube: sixth, jerk_share, .. } = *self;
         let [displacement, speed, acceleration, jerk] = (*state).into();
         Vector4::new(
             displacement + period * speed + half * acceleration + sixth * jerk,

@@ -1,5 +1,7 @@
 //! Estimate of a sample.
 
+use crate::integrity::words;
+
 /// Estimate of a sample with its standard deviations.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FilterEstimate {
@@ -33,12 +35,52 @@ pub struct FilterEstimate {
     pub friction_factor: f32,
     /// Standard deviation of the friction factor.
     pub friction_sd: f32,
+    /// Direction of the journal from the bearing's centre along Y.
+    pub normal_y: f32,
+    /// The same along Z.
+    pub normal_z: f32,
+    /// Rate of the deformation, m/s.
+    pub deformation_rate_m_s: f32,
+    /// Approach speed of the onset, m/s, corrected by the estimated damping.
+    pub approach_speed_m_s: f32,
+    /// Sliding speed, m/s.
+    pub sliding_speed_m_s: f32,
+    /// Normal force of the described law at this contact, N.
+    pub law_force_n: f32,
+    /// Friction force of the described law at this contact, N.
+    pub law_friction_n: f32,
     /// True as long as the start still dominates the uncertainty.
     pub is_converging: bool,
     /// False if the innovations are larger than model and sensors explain. The variances of force
     /// and torque are then multiplied by the excess.
     pub fits: bool,
 }
+words!(FilterEstimate {
+    normal_force_n,
+    normal_force_sd_n,
+    friction_force_n,
+    force_y_n,
+    force_z_n,
+    force_sd_n,
+    friction_torque_nm,
+    friction_torque_sd_nm,
+    deformation_m,
+    clearance_m,
+    clearance_sd_m,
+    stiffness_factor,
+    stiffness_sd,
+    friction_factor,
+    friction_sd,
+    normal_y,
+    normal_z,
+    deformation_rate_m_s,
+    approach_speed_m_s,
+    sliding_speed_m_s,
+    law_force_n,
+    law_friction_n,
+    is_converging,
+    fits,
+});
 
 impl FilterEstimate {
     /// Returns true if forces, deviations and factors are numbers.
@@ -53,7 +95,7 @@ impl FilterEstimate {
 
     /// Estimate while nothing is known: before the first complete sample, and after a state that
     /// was no longer finite.
-    pub(super) const UNKNOWN: Self = Self {
+    pub(crate) const UNKNOWN: Self = Self {
         normal_force_n: 0.0,
         normal_force_sd_n: f32::INFINITY,
         friction_force_n: 0.0,
@@ -69,6 +111,13 @@ impl FilterEstimate {
         stiffness_sd: f32::INFINITY,
         friction_factor: 1.0,
         friction_sd: f32::INFINITY,
+        normal_y: 1.0,
+        normal_z: 0.0,
+        deformation_rate_m_s: 0.0,
+        approach_speed_m_s: 0.0,
+        sliding_speed_m_s: 0.0,
+        law_force_n: 0.0,
+        law_friction_n: 0.0,
         is_converging: true,
         fits: true,
     };

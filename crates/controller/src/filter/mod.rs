@@ -18,19 +18,89 @@ mod estimate;
 mod measurement;
 mod model;
 mod motion;
+mod ratios;
 mod state;
 
 pub use configuration::{FilterConfiguration, FilterError, SensorNoise, Uncertainty};
 pub use estimate::FilterEstimate;
 pub use measurement::Measurement;
 
+use crate::integrity::{Checksum, Words};
+pub(crate) use model::NetworkForces;
 use model::{Model, State};
 
 /// The filter of one bench.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    model: Model,
-    state: Option<State>,
+    model: FilterModel,
+    state: FilterState,
+}
+
+/// What the filter knows from earlier samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FilterState(Option<State>);
+
+impl Words for FilterState {
+    #[inline]
+    fn add_to(&self, sum: &mut impl Checksum) {
+        self.0.add_to(sum);
+    }
+}
+
+/// Constants of the filter of one bench, apart from its state.
+#[derive(Clone, Debug)]
+pub(crate) struct FilterModel(Model);
+
+impl Words for FilterModel {
+    fn add_to(&self, sum: &mut impl Checksum) {
+        self.0.add_to(sum);
+    }
+}
+
+impl FilterModel {
+    /// Derives the constants of a bench.
+    ///
+    /// # Errors
+    ///
+    /// A value of the configuration is out of range.
+    pub(crate) fn new(config: &FilterConfiguration) -> Result<Self, FilterError> {
+        config.check()?;
+        Ok(Self(Model::new(config)))
+    }
+
+    /// Takes one sample and estimates. A sample of which a value is missing, which is not a number,
+    /// is predicted. A state that is no longer finite is forgotten: the next sample starts anew.
+    #[inline(never)]
+    pub(crate) fn step(&self, state: &mut FilterState, measured: &Measurement) -> FilterEstimate {
+        let Self(model) = self;
+        match &mut state.0 {
+            Some(state) => model.follow(state, measured),
+            None if measured.is_complete() => state.0 = Some(model.start(measured)),
+            None => return FilterEstimate::UNKNOWN,
+        }
+        let positive = state.0.as_ref().filter(|state| state.is_positive());
+        match positive.map(|state| model.estimate(state)) {
+            Some(estimate) if estimate.is_finite() => estimate,
+            _ => {
+                state.0 = None;
+                FilterEstimate::UNKNOWN
+            }
+        }
+    }
+
+    /// Continues after lost samples with a complete one, before the step that takes it.
+    pub(crate) fn resume(&self, state: &mut FilterState, measured: &Measurement, lost: u32) {
+        if let Some(state) = state.0.as_mut().filter(|_| measured.is_complete()) {
+            self.0.resume(state, measured, lost);
+        }
+    }
+
+    /// Takes over the forces of the networks at the last estimate; without them the law is used.
+    pub(crate) fn set_networks(&self, state: &mut FilterState, networks: Option<NetworkForces>) {
+        if let Some(state) = &mut state.0 {
+            self.0.set_networks(state, networks);
+        }
+    }
 }
 
 impl Filter {
@@ -43,31 +113,17 @@ impl Filter {
     ///
     /// A value of the configuration is out of range.
     pub fn new(config: &FilterConfiguration) -> Result<Self, FilterError> {
-        config.check()?;
-        Ok(Self { model: Model::new(config), state: None })
+        Ok(Self { model: FilterModel::new(config)?, state: FilterState::default() })
     }
 
     /// Forgets everything that was measured, for example after a gap in the samples.
     pub const fn restart(&mut self) {
-        self.state = None;
+        self.state = FilterState(None);
     }
 
     /// Takes one sample and estimates. A sample of which a value is missing, which is not a number,
     /// is predicted. A state that is no longer finite is forgotten: the next sample starts anew.
     pub fn step(&mut self, measured: &Measurement) -> FilterEstimate {
-        let Self { model, state } = self;
-        match state {
-            Some(state) => model.follow(state, measured),
-            None if measured.is_complete() => *state = Some(model.start(measured)),
-            None => return FilterEstimate::UNKNOWN,
-        }
-        let estimate = state.as_ref().filter(|state| state.is_positive()).map(|state| model.estimate(state));
-        match estimate {
-            Some(estimate) if estimate.is_finite() => estimate,
-            _ => {
-                *state = None;
-                FilterEstimate::UNKNOWN
-            }
-        }
+        self.model.step(&mut self.state, measured)
     }
 }

@@ -7,7 +7,9 @@ use super::drive::{DriveModel, DriveTracker};
 use super::estimate::FilterEstimate;
 use super::measurement::Measurement;
 use super::motion::{Dynamics, Evaluated, Inputs};
+use super::ratios::Ratios;
 use super::state::{Bias, CLEARANCE, Covariance, DAMPING, FRICTION, MASS, Motion, RESIDUAL, STIFFNESS};
+use crate::integrity::words;
 use micromath::F32Ext;
 use nalgebra::Matrix2;
 
@@ -27,6 +29,22 @@ const MAX_DEVIATIONS: f32 = 5.0;
 /// Largest correction of the damping by one sample, on a logarithmic scale.
 const MAX_DAMPING_CHANGE: f32 = 1.0;
 
+/// Samples without a complete measurement after which the motion starts anew.
+const MAX_MISSED: u32 = 50;
+/// Lost samples over which the motion of the drive is extrapolated.
+const MAX_LOST: u32 = 64;
+
+/// Forces of the networks at the contact of the last estimate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NetworkForces {
+    /// Normal force, N, 0 or more.
+    pub(crate) normal_n: f32,
+    /// Friction force, N.
+    pub(crate) friction_n: f32,
+    /// Normal force at which half of their difference from the law is taken, N; above 0.
+    pub(crate) blend_n: f32,
+}
+
 /// State from sample to sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
@@ -43,12 +61,36 @@ pub(super) struct State {
     is_touching: bool,
     /// Average of the normalised squares of the innovations.
     innovation: f32,
+    /// Forces of the networks over those of the law; 1 where the law is used.
+    ratios: Ratios,
+    /// Samples since the last complete one.
+    missed: u32,
 }
+words!(State {
+    motion,
+    bias,
+    covariance,
+    drive,
+    deviations,
+    at,
+    load,
+    approach,
+    is_touching,
+    innovation,
+    ratios,
+    missed,
+});
 
 impl State {
     /// Returns true if every variance is a number above 0.
     pub(super) fn is_positive(&self) -> bool {
         self.covariance.is_positive()
+    }
+
+    /// Returns the inputs of the equations of motion.
+    fn inputs(&self) -> Inputs {
+        let Self { drive, load, approach, ratios, .. } = *self;
+        Inputs { drive: drive.motion(), load, approach, ratios }
     }
 }
 
@@ -60,6 +102,7 @@ pub(super) struct Model {
     drive: DriveModel,
     levels: NoiseLevels,
 }
+words!(Model { config, dynamics, drive, levels });
 
 impl Model {
     /// Derives the constants from a configuration that has been checked.
@@ -72,10 +115,51 @@ impl Model {
         }
     }
 
+    /// Takes over the forces of the networks at the last estimate, in N, or the law without them.
+    pub(super) fn set_networks(&self, state: &mut State, networks: Option<NetworkForces>) {
+        let forces = &state.at.forces;
+        state.ratios = match networks {
+            Some(NetworkForces { normal_n, friction_n, blend_n }) if forces.law_normal > 0.0 => {
+                // Below the blended force the coefficients lose their meaning, both alike.
+                let share = 1.0 / larger(normal_n, blend_n);
+                let described = forces.law_coefficient.abs() * (normal_n * share);
+                let coefficients = [friction_n.abs() * share, described];
+                Ratios::new([normal_n, forces.law_normal], coefficients, blend_n)
+            }
+            // Without contact the last ratios serve the next onset.
+            Some(_) => state.ratios,
+            None => Ratios::LAW,
+        };
+    }
+
+    /// Continues after lost samples: the drive moved on, the motion of the journal is taken from the
+    /// sample, what has been learnt about the bearing stays.
+    pub(super) fn resume(&self, state: &mut State, measured: &Measurement, lost: u32) {
+        if lost > MAX_LOST {
+            state.drive = DriveTracker::new(&self.config, self.displacement(measured));
+        } else {
+            for _ in 0..lost {
+                state.drive.advance(&self.drive);
+            }
+        }
+        let (noise, speed) = (self.config.noise.position_m, self.levels.fall_speed);
+        state.motion = Motion::new(measured.journal_y_m, measured.journal_z_m, 0.0, 0.0);
+        state.covariance.restart_motion(&Motion::new(noise, noise, speed, speed));
+        state.load = measured.load_force_n;
+        state.innovation = EXPECTED_INNOVATION;
+        state.missed = 0;
+        self.evaluate(state);
+    }
+
     /// Predicts a state one sample on and corrects it by the sample, if that is complete.
     pub(super) fn follow(&self, state: &mut State, measured: &Measurement) {
+        if measured.is_complete() && state.missed > MAX_MISSED {
+            self.resume(state, measured, 1);
+        }
         self.predict(state);
+        state.missed = state.missed.saturating_add(1);
         if measured.is_complete() {
+            state.missed = 0;
             state.load = measured.load_force_n;
             state.drive.correct(&self.drive, self.displacement(measured));
             self.correct(state, measured);
@@ -106,7 +190,9 @@ impl Model {
         if !is_free && !is_implausible {
             return;
         }
+        let ratios = state.ratios;
         *state = self.restart(measured, state.drive);
+        state.ratios = ratios;
         if is_free {
             state.bias[CLEARANCE] = distance(measured) - self.config.radial_clearance_m;
         }
@@ -140,7 +226,8 @@ impl Model {
             0.0,
         );
         let covariance = Covariance::from_deviations(&Motion::new(noise, noise, speed, speed), &deviations);
-        let inputs = Inputs { drive: drive.motion(), load: measured.load_force_n, approach: speed };
+        let (load, ratios) = (measured.load_force_n, Ratios::LAW);
+        let inputs = Inputs { drive: drive.motion(), load, approach: speed, ratios };
         let located = self.dynamics.locate(&motion, &bias, &inputs.drive);
         let deviations = self.dynamics.deviations(&located, &covariance);
         State {
@@ -150,17 +237,19 @@ impl Model {
             drive,
             deviations,
             at: self.dynamics.evaluate(&located, &bias, &inputs, &deviations),
-            load: measured.load_force_n,
+            load,
             approach: speed,
             is_touching: false,
             innovation: EXPECTED_INNOVATION,
+            ratios,
+            missed: 0,
         }
     }
 
     /// Predicts the state one sample on.
     fn predict(&self, state: &mut State) {
         state.drive.advance(&self.drive);
-        let inputs = Inputs { drive: state.drive.motion(), load: state.load, approach: state.approach };
+        let inputs = state.inputs();
         let step = self.dynamics.step(&state.motion, &state.bias, &state.at, &inputs, &state.deviations);
         state.motion = step.motion;
         state.bias[RESIDUAL] *= step.transition.residual;
@@ -218,7 +307,7 @@ impl Model {
 
     /// Brings deviations, accelerations and forces of a state up to date.
     fn evaluate(&self, state: &mut State) {
-        let inputs = Inputs { drive: state.drive.motion(), load: state.load, approach: state.approach };
+        let inputs = state.inputs();
         let located = self.dynamics.locate(&state.motion, &state.bias, &inputs.drive);
         state.deviations = self.dynamics.deviations(&located, &state.covariance);
         state.at = self.dynamics.evaluate(&located, &state.bias, &inputs, &state.deviations);
@@ -291,6 +380,13 @@ impl Model {
             stiffness_sd: deviation(STIFFNESS),
             friction_factor: 1.0 + state.bias[FRICTION],
             friction_sd: deviation(FRICTION),
+            normal_y: place.normal_y,
+            normal_z: place.normal_z,
+            deformation_rate_m_s: place.rate,
+            approach_speed_m_s: state.approach,
+            sliding_speed_m_s: forces.sliding,
+            law_force_n: forces.law_normal,
+            law_friction_n: -forces.law_coefficient * forces.law_normal,
             is_converging: self.is_converging(state),
             fits,
         }

@@ -16,9 +16,11 @@ use super::arithmetic::{inverse_root, larger, root};
 use super::configuration::{FilterConfiguration, GRAVITY};
 use super::contact::{ContactModel, Deviations, Forces, Place, Turning};
 use super::drive::DriveMotion;
+use super::ratios::Ratios;
 use super::state::{
     Bias, Covariance, DAMPING, FRICTION, Gradient, MASS, Motion, Pair, RESIDUAL, STIFFNESS, Transition,
 };
+use crate::integrity::words;
 use nalgebra::Matrix2;
 
 /// `1 - 1/sqrt 2`.
@@ -44,6 +46,17 @@ pub(super) struct Dynamics {
     /// Share of the residual force that is left after a sample.
     residual_share: f32,
 }
+words!(Dynamics {
+    contact,
+    mass,
+    inertia,
+    drive_lever,
+    inverse_drive_lever,
+    load_share,
+    journal_radius,
+    time,
+    residual_share,
+});
 
 /// Inputs of the equations.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +64,7 @@ pub(super) struct Inputs {
     pub(super) drive: DriveMotion,
     pub(super) load: f32,
     pub(super) approach: f32,
+    pub(super) ratios: Ratios,
 }
 
 /// Crank at a state.
@@ -84,6 +98,7 @@ pub(super) struct Evaluated {
     per_y: f32,
     per_z: f32,
 }
+words!(Evaluated { acceleration, drive_force, forces, arm, mass, per_y, per_z });
 
 /// Gradients of the accelerations.
 struct Linearised {
@@ -152,8 +167,8 @@ impl Dynamics {
     ) -> Evaluated {
         let Crank { sine, nearness, turning } = at.crank;
         let arm = self.journal_radius * nearness;
-        let surface =
-            Turning { surface: turning * self.journal_radius, slope: -arm, approach: inputs.approach };
+        let Inputs { approach, ratios, .. } = *inputs;
+        let surface = Turning { surface: turning * self.journal_radius, slope: -arm, approach, ratios };
         let forces = self.contact.forces(at.place, bias, &surface, deviations);
         let reflected = self.inertia * nearness * nearness;
         let mass = self.mass * (1.0 + bias[MASS]);
@@ -385,7 +400,8 @@ mod tests {
             None => {}
         }
         let drive = DriveMotion { displacement: 0.05, speed: 0.015, acceleration: 1.5 };
-        let inputs = Inputs { drive, load: 1e4, approach: 0.05 };
+        let ratios = Ratios { normal: 1.1, friction: 0.9 };
+        let inputs = Inputs { drive, load: 1e4, approach: 0.05, ratios };
         let sds = Deviations { deformation: 1e-7, sliding: 1e-5, stiffness: 0.01, damping: 0.01 };
         dynamics.evaluate(&dynamics.locate(&motion, &bias, &drive), &bias, &inputs, &sds)
     }

@@ -5,6 +5,7 @@
 //! the blocks of motion and bias are symmetric.
 
 use super::arithmetic::larger;
+use crate::integrity::words;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Number of states of the motion: y, z, y', z' in m and m/s.
@@ -48,6 +49,7 @@ pub(super) struct Covariance {
     /// Block of the bias; symmetric.
     bias: SMatrix<f32, BIAS, BIAS>,
 }
+words!(Covariance { motion, cross, bias });
 
 /// Transition of the motion over a sample.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +89,12 @@ impl Covariance {
             cross: SMatrix::zeros(),
             bias: SMatrix::from_diagonal(&bias.component_mul(bias)),
         }
+    }
+
+    /// Forgets how the bias and a new motion depend on each other. `motion` are deviations.
+    pub(super) fn restart_motion(&mut self, motion: &Motion) {
+        self.motion = SMatrix::from_diagonal(&motion.component_mul(motion));
+        self.cross = SMatrix::zeros();
     }
 
     /// Advances by a transition; the bias has unit dynamics but for the residual force.

@@ -1,20 +1,20 @@
-//! The estimator with everything that supervises it: plausibility, envelope, tracking, safe state.
+//! The estimator with everything that supervises it: plausibility, alarms, safe state.
 //!
-//! A sample goes through the estimator, which checks it first. The force of the networks is
-//! compared with the analytic law. The [`Tracker`] learns from samples without a fault. An estimate
-//! that cannot be trusted is replaced by the last trusted one. Every finding is a flag of its
-//! sample and is counted ([`Monitor::health`]); [`Monitor::report`] gives the tracked quantities.
-//! No branch depends on data.
+//! A sample goes through the estimator, which checks it first. The tracked clearance and friction
+//! are compared with their limits ([`tracked`]). An estimate that cannot be trusted is replaced by
+//! the last trusted one ([`safe_state`]). Every finding is a flag of its sample and is counted
+//! ([`Monitor::health`]); [`Monitor::report`] gives the tracked quantities.
 //!
 //! Samples are calibrated: those of `host-sim` are, and on the controller the configuration's
 //! calibration is applied first.
 
-mod envelope;
+mod alarm;
 mod limits;
 mod safe_state;
 mod tally;
+mod tracked;
 
-use inference::{BearingMaterial, Flags, Model};
+use inference::{Flags, Model};
 use link::crc32::Digest;
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, SensorHealth, SensorStatus, TrackReport};
 use link::{BenchConfiguration, EstimateFrame, Refusal, SensorFrame};
@@ -22,30 +22,26 @@ use link::{BenchConfiguration, EstimateFrame, Refusal, SensorFrame};
 pub use limits::ranges;
 
 use crate::Estimator;
-use crate::estimator::{Conditioning, Limits, SwingLimit, bearing_of, flags_of};
+use crate::estimator::{Limits, SwingLimit, flags_of};
 use crate::flags::{
-    DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, LOAD_CONTRADICTED, NETWORK_OUTSIDE_LAW,
+    CONVERGING, DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, MODEL_MISFIT, NETWORK_OUTSIDE_LAW,
     SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT,
 };
 use crate::integrity::{WordSum, Words, read_anew, words};
-use crate::tracking::Tracker;
-use envelope::{Envelope, EnvelopeState};
 use safe_state::{Holding, HoldingState};
 use tally::Tally;
+use tracked::{Tracked, TrackedState};
 
 /// An estimator under supervision.
 #[derive(Clone, Debug)]
 pub struct Monitor {
     estimator: Estimator,
-    tracker: Tracker,
     config: Config,
-    envelope: EnvelopeState,
+    tracked: TrackedState,
     holding: HoldingState,
     tally: Tally,
     /// True if the networks are known to be corrupted.
     are_networks_corrupted: bool,
-    /// True if the networks were outside the envelope at the last comparison.
-    is_outside: bool,
     /// Word sum of the last estimate's values as they were computed.
     value_sum: WordSum,
     time_us: u32,
@@ -54,10 +50,13 @@ pub struct Monitor {
 /// Constants of the monitor's own parts.
 #[derive(Clone, Debug)]
 struct Config {
-    envelope: Envelope,
+    tracked: Tracked,
     holding: Holding,
 }
-words!(Config { envelope, holding });
+words!(Config { tracked, holding });
+
+/// Flags of estimates whose factors are not compared with limits.
+const UNTRACKED: Flags = Flags::from_bits(SENSOR_FAULT.bits() | CONVERGING.bits() | MODEL_MISFIT.bits());
 
 /// Lanes of the tally: five findings of four channels, then the sample's.
 const CHANNEL_LANES: u32 = 5 * CHANNELS as u32;
@@ -76,37 +75,31 @@ impl Monitor {
         monitor: &MonitorConfiguration,
         stuck_samples: u16,
     ) -> Result<Self, Refusal> {
-        let bearing = bearing_of(configuration)?;
-        let monitor = &with_dissipation(bearing, monitor);
-        let conditioning = Conditioning::from_monitor(monitor);
-        let mut estimator = Estimator::conditioned(image, *configuration, &conditioning)?;
+        let mut estimator = Estimator::new(image, configuration, monitor)?;
         estimator.plausibility_mut().set_limits(&limits_of(configuration, monitor, stuck_samples));
         Ok(Self {
             estimator,
-            tracker: Tracker::new(configuration, monitor),
             config: Config {
-                envelope: Envelope::new(monitor),
-                holding: Holding::new(monitor.recovery_samples, monitor.lost_samples),
+                tracked: Tracked::new(monitor),
+                holding: Holding::new(monitor.recovery_samples.into(), monitor.lost_samples),
             },
-            envelope: EnvelopeState::new(configuration.radial_clearance_nm),
+            tracked: TrackedState::default(),
             holding: HoldingState::default(),
             tally: Tally::default(),
             are_networks_corrupted: false,
-            is_outside: false,
             value_sum: WordSum::default(),
             time_us: 0,
         })
     }
 
     /// Sets the limit of the tracked friction level for its alarm, thousandths; 0 for none.
-    pub fn limit_friction(&mut self, per_mille: u32) {
-        self.tracker.limit_friction(per_mille);
+    pub fn limit_friction(&mut self, per_mille: u16) {
+        self.config.tracked.limit_friction(per_mille);
     }
 
     /// Adds everything that configuration and image set to the CRC of the configuration.
     pub(crate) fn add_config_to(&self, crc: &mut Digest) {
         self.estimator.add_config_to(crc);
-        self.tracker.add_config_to(crc);
         self.config.add_to(crc);
     }
 
@@ -123,23 +116,13 @@ impl Monitor {
         let value_sum = sum_of(&estimate);
         let findings = *self.estimator.plausibility().findings();
         let flags = flags_of(&estimate);
-        // In one sample of four; the result stands until the next comparison.
-        if self.tracker.is_idle() {
-            self.is_outside = self.config.envelope.is_outside(
-                &mut self.envelope,
-                &self.estimator.state(),
-                estimate.normal_force_n,
-            ) & !flags.intersects(envelope::EXCUSED);
-        }
-        let is_outside = self.is_outside;
-        // The estimate does not depend on the load: a fault of the load alone stops the tracker and
-        // is flagged, but nothing is held.
-        let flags =
-            flags | NETWORK_OUTSIDE_LAW.when(is_outside) | Flags::CORRUPTED.when(self.are_networks_corrupted);
+        // A fault of the load alone is flagged, but nothing is held: the residual force covers it.
+        let flags = flags | Flags::CORRUPTED.when(self.are_networks_corrupted);
         let is_distrusted = flags.intersects(DISTRUSTED);
-        let flags = flags | findings.flags | LOAD_CONTRADICTED.when(self.tracker.is_contradicted());
+        let flags = flags | findings.flags;
         estimate.flags = flags.bits();
-        self.tracker.step(frame, &estimate, !flags.intersects(SENSOR_FAULT));
+        let counts = !flags.intersects(UNTRACKED) & !is_distrusted;
+        self.config.tracked.step(&mut self.tracked, &estimate, counts);
         read_anew(&mut estimate);
         let is_corrupted = sum_of(&estimate) != value_sum;
         estimate.flags |= Flags::CORRUPTED.when(is_corrupted).bits();
@@ -153,7 +136,7 @@ impl Monitor {
             flags.intersects(TIME_FAULT),
             flags.intersects(IMPLAUSIBLE_POSITION),
             flags.intersects(IMPLAUSIBLE_SWING),
-            is_outside,
+            flags.intersects(NETWORK_OUTSIDE_LAW),
             is_held,
             begins,
         ];
@@ -175,7 +158,7 @@ impl Monitor {
         TrackReport {
             time_us: self.time_us,
             safe_state: self.config.holding.state(&self.holding),
-            ..self.tracker.report()
+            ..self.config.tracked.report(&self.tracked)
         }
     }
 
@@ -228,7 +211,8 @@ fn limits_of(
     stuck_samples: u16,
 ) -> Limits {
     let stuck = u32::from(stuck_samples);
-    let load_stuck = if monitor.load_stuck_samples == 0 { u32::MAX } else { monitor.load_stuck_samples };
+    let load_stuck =
+        if monitor.load_stuck_samples == 0 { u32::MAX } else { monitor.load_stuck_samples.into() };
     let journal = (monitor.journal_noise_limit_nm, monitor.journal_rail_nm);
     let lever_ratio = monitor.load_lever_um as f32 / monitor.drive_lever_um as f32;
     Limits {
@@ -241,14 +225,4 @@ fn limits_of(
             per_load: (1.0 - lever_ratio).abs() / (monitor.mass_g as f32 * 1e-3),
         },
     }
-}
-
-/// Replaces a dissipation factor of 0 by that of the bearing's material, which the shipped networks
-/// have learnt.
-fn with_dissipation(bearing: BearingMaterial, monitor: &MonitorConfiguration) -> MonitorConfiguration {
-    let damping_per_mille = match monitor.damping_per_mille {
-        0 => bearing.damping_per_mille(),
-        given => given,
-    };
-    MonitorConfiguration { damping_per_mille, ..*monitor }
 }

@@ -8,11 +8,11 @@
 //! | lost | held for longer than the configured time | as held, but forces and torque 0 |
 //!
 //! Distrust is a flag of [`crate::flags::DISTRUSTED`]. A held estimate has forces, torque,
-//! deformation and angle of the last trusted one, the flags of this sample, and `HELD`.
+//! deformation and angle of the last trusted one, infinite deviations, the other values and flags of
+//! this sample, and `HELD`.
 //!
 //! A hold ends by itself after the configured number of samples without distrust. This recovery
-//! time covers the windows of conditioning and networks, so the first live estimate depends on no
-//! sample from before. Whether the machine has to stop is decided by the reader of the flags.
+//! time covers the histories of the networks. Whether the machine has to stop is decided by the reader of the flags.
 
 use link::EstimateFrame;
 use link::track::SafeState;
@@ -79,6 +79,11 @@ impl Holding {
         apply(torque, &mut estimate.friction_torque_nm, force_mask);
         apply(deformation, &mut estimate.deformation_m, u32::MAX);
         apply(angle, &mut estimate.contact_angle_rad, u32::MAX);
+        if hold != 0 {
+            estimate.normal_force_sd_n = f32::INFINITY;
+            estimate.force_sd_n = f32::INFINITY;
+            estimate.friction_torque_sd_nm = f32::INFINITY;
+        }
         estimate.flags |= HELD.bits() & hold;
         (hold != 0, begins, WordSum::from_words(&estimate.value_bits()))
     }
@@ -109,7 +114,7 @@ mod tests {
             contact_angle_rad: 0.5,
             flags: 5,
             saturated: 1,
-            instruction_ticks: 0,
+            ..EstimateFrame::default()
         }
     }
 

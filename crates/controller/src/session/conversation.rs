@@ -6,7 +6,7 @@ use link::{
     Target,
 };
 
-use crate::estimator::WINDOW;
+use inference::WINDOW;
 
 /// Identity of the controller in its [`Hello`].
 #[derive(Clone, Copy, Debug)]

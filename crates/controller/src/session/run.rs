@@ -1,6 +1,6 @@
 //! One run: estimator, configuration, deadline and numbering of the estimates.
 
-use inference::{BearingMaterial, Flags, ImageError};
+use inference::{BearingMaterial, Flags, ImageError, WINDOW};
 use link::crc32::Digest;
 use link::track::SensorStatus;
 use link::{
@@ -11,7 +11,6 @@ use link::{
 use super::deadline::Deadline;
 use crate::Monitor;
 use crate::configuration::{Calibrator, checksum};
-use crate::estimator::WINDOW;
 use crate::flags::{OVER_FORCE, STALE, TRIPPED};
 use crate::integrity::{WordSum, Words};
 use crate::store::{Loaded, Models, Scrubber};

@@ -7,7 +7,7 @@ use link::update::UpdateStatus;
 use link::{Counters, LineErrors, ReportKind, SensorFrame};
 
 use super::run::TimedEstimate;
-use crate::flags::{LOAD_CONTRADICTED, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
+use crate::flags::{MODEL_MISFIT, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
 
 /// State of the parts of the controller that the session does not own, for its reports.
 #[derive(Clone, Copy, Debug, Default)]
@@ -99,7 +99,7 @@ impl Telemetry {
         let flags = Flags::from_bits(timed.estimate.estimate.flags);
         let counters = &mut self.counters;
         count(&mut counters.samples, true);
-        count(&mut counters.flagged, flags.intersects(SENSOR_FAULT | LOAD_CONTRADICTED));
+        count(&mut counters.flagged, flags.intersects(SENSOR_FAULT | MODEL_MISFIT));
         count(&mut counters.sequence_gaps, flags.contains(SEQUENCE_GAP));
         count(&mut counters.time_faults, flags.contains(TIME_FAULT));
         count(&mut counters.over_force, flags.contains(OVER_FORCE));

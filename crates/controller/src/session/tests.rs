@@ -4,9 +4,9 @@ mod own;
 
 use super::*;
 use crate::configuration::BENCH_B;
-use crate::estimator::WINDOW;
 use crate::flags::{SEQUENCE_GAP, STALE, TRIPPED};
 use inference::Flags;
+use inference::WINDOW;
 use link::start::Presence;
 use link::update::UpdateStatus;
 use link::{

@@ -1,8 +1,8 @@
 //! Alarms: a tracked quantity is compared with its limit, with confidence and hysteresis.
 //!
 //! An alarm is raised if the quantity is above the limit by [`CONFIDENCE`] standard deviations
-//! (one-sided 95 %) in [`CONFIRM`] successive blocks. It ends if the quantity is below the end by
-//! as many deviations in as many blocks. So a quantity exactly at the limit raises no alarm, and
+//! (one-sided 95 %) in [`CONFIRM`] successive comparisons. It ends if the quantity is below
+//! the end by as many deviations in as many comparisons. So a quantity exactly at the limit raises no alarm, and
 //! one that is `2 CONFIDENCE` deviations above it raises it within the confirmation in 95 of 100
 //! cases.
 //!
@@ -15,11 +15,11 @@ use crate::integrity::words;
 use link::track::{FrictionState, Wear};
 
 /// Standard deviations by which the quantity must exceed a limit.
-pub const CONFIDENCE: f32 = 1.645;
-/// Successive blocks that must agree: 0.2 s at 10 kHz.
-pub const CONFIRM: u32 = 8;
-/// Blocks before which the state is unknown.
-pub const ENOUGH: u32 = 16;
+pub(super) const CONFIDENCE: f32 = 1.645;
+/// Successive comparisons that must agree: 0.2 s at 10 kHz.
+pub(super) const CONFIRM: u32 = 8;
+/// Comparisons before which the state is unknown.
+pub(super) const ENOUGH: u32 = 16;
 /// Friction level at which its alarm ends, as a share of its limit.
 const FRICTION_END: f32 = 0.95;
 
@@ -36,7 +36,7 @@ words!(Alarm { limit, end });
 #[derive(Clone, Debug, Default)]
 pub(super) struct AlarmState {
     is_raised: bool,
-    /// Successive blocks beyond the limit, or below the end while raised.
+    /// Successive comparisons beyond the limit, or below the end while raised.
     agreeing: u32,
     /// Number of times that it was raised.
     count: u32,
@@ -50,8 +50,8 @@ impl Alarm {
     }
 
     /// Alarm of the friction level.
-    pub(super) fn for_friction(limit_per_mille: u32) -> Self {
-        let limit = if limit_per_mille == 0 { f32::INFINITY } else { limit_per_mille as f32 * 1e-3 };
+    pub(super) fn for_friction(limit_per_mille: u16) -> Self {
+        let limit = if limit_per_mille == 0 { f32::INFINITY } else { f32::from(limit_per_mille) * 1e-3 };
         Self::new(limit, limit * FRICTION_END)
     }
 
@@ -59,7 +59,7 @@ impl Alarm {
         Self { limit, end }
     }
 
-    /// Takes the quantity after a block; changes nothing unless the block counts.
+    /// Compares the quantity; changes nothing unless the comparison counts.
     pub(super) fn update(&self, state: &mut AlarmState, value: f32, variance: f32, counts: bool) {
         // Distance beyond the side that would change the state.
         let beyond = if state.is_raised { self.end - value } else { value - self.limit };
@@ -77,9 +77,9 @@ impl Alarm {
         state.count = state.count.saturating_add(u32::from(changes & state.is_raised));
     }
 
-    /// The state of the friction alarm after so many blocks.
-    pub(super) fn friction(&self, state: &AlarmState, blocks: u32) -> FrictionState {
-        match state.wear(blocks) {
+    /// The state of the friction alarm after so many comparisons.
+    pub(super) fn friction(&self, state: &AlarmState, comparisons: u32) -> FrictionState {
+        match state.wear(comparisons) {
             _ if self.limit.is_infinite() => FrictionState::NoLimit,
             Wear::Alarm => FrictionState::Alarm,
             Wear::Unknown => FrictionState::Unknown,
@@ -89,11 +89,11 @@ impl Alarm {
 }
 
 impl AlarmState {
-    /// The state of the wear alarm after so many blocks.
-    pub(super) fn wear(&self, blocks: u32) -> Wear {
+    /// The state of the wear alarm after so many comparisons.
+    pub(super) fn wear(&self, comparisons: u32) -> Wear {
         if self.is_raised {
             Wear::Alarm
-        } else if blocks < ENOUGH {
+        } else if comparisons < ENOUGH {
             Wear::Unknown
         } else {
             Wear::Below
@@ -120,7 +120,7 @@ mod tests {
             Self(Alarm::for_wear(550_000, 20_000), AlarmState::default())
         }
 
-        fn friction(limit_per_mille: u32) -> Self {
+        fn friction(limit_per_mille: u16) -> Self {
             Self(Alarm::for_friction(limit_per_mille), AlarmState::default())
         }
 
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_that_do_not_count_change_nothing() {
+    fn comparisons_that_do_not_count_change_nothing() {
         let mut alarm = TestAlarm::wear();
         for _ in 0..100 {
             alarm.update(1.0, 0.0, false);

@@ -1,0 +1,101 @@
+//! Virtual sensors of clearance, friction and stiffness: the filter's factors with their deviations,
+//! compared with the limits of wear and friction.
+//!
+//! The alarms compare one sample in [`INTERVAL`], and only while the estimate has converged, its
+//! model fits, and no sensor is faulty.
+
+use super::alarm::{Alarm, AlarmState};
+use crate::integrity::words;
+use link::EstimateFrame;
+use link::track::{MonitorConfiguration, SafeState, TrackReport};
+
+/// Samples from one comparison to the next: 26 ms at 10 kHz.
+const INTERVAL: u32 = 256;
+
+/// Limits of the alarms.
+#[derive(Clone, Debug)]
+pub(super) struct Tracked {
+    wear: Alarm,
+    friction: Alarm,
+}
+words!(Tracked { wear, friction });
+
+/// State of the alarms, and the factors that were compared last.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TrackedState {
+    wear: AlarmState,
+    friction: AlarmState,
+    /// Comparisons that counted, saturating.
+    comparisons: u32,
+    place: u32,
+    last: Factors,
+}
+
+/// Factors with their deviations.
+#[derive(Clone, Copy, Debug)]
+struct Factors {
+    clearance_m: [f32; 2],
+    friction: [f32; 2],
+    stiffness: [f32; 2],
+}
+
+impl Default for Factors {
+    fn default() -> Self {
+        let unknown = [1.0, f32::INFINITY];
+        Self { clearance_m: [0.0, f32::INFINITY], friction: unknown, stiffness: unknown }
+    }
+}
+
+impl Tracked {
+    /// Prepares the alarms of a configuration; a friction limit of 0 is none.
+    pub(super) fn new(monitor: &MonitorConfiguration) -> Self {
+        Self {
+            wear: Alarm::for_wear(monitor.wear_limit_nm, monitor.wear_hysteresis_nm),
+            friction: Alarm::for_friction(0),
+        }
+    }
+
+    /// Sets the limit of the friction level, thousandths; 0 for none.
+    pub(super) fn limit_friction(&mut self, per_mille: u16) {
+        self.friction = Alarm::for_friction(per_mille);
+    }
+
+    /// Takes an estimate; `counts` is false if the estimate cannot be trusted or has not converged.
+    pub(super) fn step(&self, state: &mut TrackedState, estimate: &EstimateFrame, counts: bool) {
+        state.last = Factors {
+            clearance_m: [estimate.clearance_m, estimate.clearance_sd_m],
+            friction: [estimate.friction_factor, estimate.friction_sd],
+            stiffness: [estimate.stiffness_factor, estimate.stiffness_sd],
+        };
+        state.place = state.place.wrapping_add(1) % INTERVAL;
+        if state.place != 0 {
+            return;
+        }
+        let Factors { clearance_m: [clearance, clearance_sd], friction: [friction, friction_sd], .. } =
+            state.last;
+        self.wear.update(&mut state.wear, clearance, clearance_sd * clearance_sd, counts);
+        self.friction.update(&mut state.friction, friction, friction_sd * friction_sd, counts);
+        state.comparisons = state.comparisons.saturating_add(u32::from(counts));
+    }
+
+    /// The tracked quantities; the monitor fills in time and safe state.
+    pub(super) fn report(&self, state: &TrackedState) -> TrackReport {
+        let Factors { clearance_m, friction, stiffness } = state.last;
+        // Infinity saturates.
+        let scaled = |value: f32, unit: f32| (value * unit) as u32;
+        TrackReport {
+            time_us: 0,
+            radial_clearance_nm: scaled(clearance_m[0], 1e9),
+            radial_clearance_deviation_nm: scaled(clearance_m[1], 1e9),
+            friction_level_per_mille: scaled(friction[0], 1e3),
+            friction_level_deviation_per_mille: scaled(friction[1], 1e3),
+            stiffness_per_mille: scaled(stiffness[0], 1e3),
+            stiffness_deviation_per_mille: scaled(stiffness[1], 1e3),
+            wear: state.wear.wear(state.comparisons),
+            wear_alarms: state.wear.count(),
+            friction: self.friction.friction(&state.friction, state.comparisons),
+            friction_alarms: state.friction.count(),
+            safe_state: SafeState::default(),
+        }
+    }
+}
