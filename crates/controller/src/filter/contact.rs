@@ -36,9 +36,11 @@ pub(super) struct ContactModel {
     modulus: f32,
     clearance: f32,
     dissipation_factor: f32,
+    /// Least approach speed that networks and law are evaluated at, m/s.
+    floor: f32,
     friction: FrictionLaw<f32>,
 }
-words!(ContactModel { modulus, clearance, dissipation_factor, friction });
+words!(ContactModel { modulus, clearance, dissipation_factor, floor, friction });
 
 /// Kinematics of the contact, SI units.
 #[derive(Clone, Copy, Debug, Default)]
@@ -220,6 +222,7 @@ impl ContactModel {
             modulus: SQRT_2 * PI / 8.0 * config.effective_modulus_pa,
             clearance: config.radial_clearance_m,
             dissipation_factor: config.dissipation_factor,
+            floor: config.latch_floor_m_s,
             friction: config.friction,
         }
     }
@@ -281,7 +284,8 @@ impl ContactModel {
         let elastic = shape * square;
         let normal = stiffness * elastic * damping;
         let touching = larger(place.deformation, 0.0);
-        forces.law_normal = larger(shape * touching * touching * damping, 0.0);
+        let described = 1.0 + self.dissipation_factor / larger(turning.approach, self.floor) * place.rate;
+        forces.law_normal = larger(shape * touching * touching * described, 0.0);
         if normal <= 0.0 {
             return;
         }

@@ -41,7 +41,7 @@ pub struct FilterEstimate {
     pub normal_z: f32,
     /// Rate of the deformation, m/s.
     pub deformation_rate_m_s: f32,
-    /// Approach speed of the onset, m/s, corrected by the estimated damping.
+    /// Approach speed of the onset, m/s, corrected by the estimated damping; at least its floor.
     pub approach_speed_m_s: f32,
     /// Sliding speed, m/s.
     pub sliding_speed_m_s: f32,

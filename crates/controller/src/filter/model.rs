@@ -383,7 +383,7 @@ impl Model {
             normal_y: place.normal_y,
             normal_z: place.normal_z,
             deformation_rate_m_s: place.rate,
-            approach_speed_m_s: state.approach,
+            approach_speed_m_s: larger(state.approach, self.config.latch_floor_m_s),
             sliding_speed_m_s: forces.sliding,
             law_force_n: forces.law_normal,
             law_friction_n: -forces.law_coefficient * forces.law_normal,
