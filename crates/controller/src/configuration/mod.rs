@@ -44,7 +44,6 @@ mod tests {
         let mut bad = BENCH_B;
         bad.version = 9;
         bad.bench.sample_period_us = 10;
-        bad.bench.unseen_approach_um_s = 0;
         bad.calibration[1].offset = 10_000_001;
         bad.calibration[3] = Calibration { offset: i32::MIN, gain_ppm: 400_000 };
         bad.monitor.mass_g = 0;
@@ -53,13 +52,12 @@ mod tests {
         let expected = [
             Field::Version,
             Field::SamplePeriod,
-            Field::UnseenApproach,
             Field::Offset(SensorChannel::JournalZ),
             Field::Gain(SensorChannel::LoadForce),
             Field::Monitor(MonitorField::Mass),
             Field::SlowEvery,
         ];
-        assert_eq!((fields(&reasons), reasons.count), (expected.to_vec(), 7));
+        assert_eq!((fields(&reasons), reasons.count), (expected.to_vec(), 6));
         let period = reasons.iter().nth(1).unwrap();
         assert_eq!((period.found, period.min, period.max), (10, 50, 1_000));
     }

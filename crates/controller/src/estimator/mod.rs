@@ -16,6 +16,7 @@
 
 mod angle;
 mod envelope;
+mod jumps;
 mod plausibility;
 mod setup;
 
@@ -35,17 +36,14 @@ use crate::flags::{
 use crate::integrity::{Guarded, Words, words};
 use angle::angle_rad;
 use envelope::UNUSABLE;
+use jumps::Jumps;
 use setup::Setup;
 
 /// Newtons in a millinewton.
 const MILLI: f32 = 1e-3;
 /// Samples with these flags do not show the motion of the journal.
 const NO_MOTION: Flags = Flags::from_bits(
-    SENSOR_MISSING.bits()
-        | SENSOR_SATURATED.bits()
-        | STUCK.bits()
-        | JUMP.bits()
-        | IMPLAUSIBLE_POSITION.bits(),
+    SENSOR_MISSING.bits() | SENSOR_SATURATED.bits() | STUCK.bits() | IMPLAUSIBLE_POSITION.bits(),
 );
 /// Flags after which the earlier samples are not one sample period away.
 const LOST_SAMPLES: Flags = Flags::from_bits(SEQUENCE_GAP.bits() | TIME_FAULT.bits());
@@ -66,10 +64,11 @@ pub struct Estimator {
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
     filter: FilterState,
+    jumps: Jumps,
     /// Last load that was not faulty, N.
     load_n: f32,
 }
-words!(State { filter, load_n });
+words!(State { filter, jumps, load_n });
 
 impl Estimator {
     /// Creates the estimator for a bench from a model image.
@@ -144,13 +143,9 @@ impl Estimator {
     pub fn step(&mut self, frame: &SensorFrame) -> EstimateFrame {
         let is_state_corrupted = self.check_state();
         let doubts = self.plausibility.check(frame);
-        let measured = self.measurement(frame, doubts);
-        let filter = &self.setup.filter;
-        let state = &mut self.state.value_mut().filter;
-        if doubts.intersects(LOST_SAMPLES) {
-            filter.resume(state, &measured, self.plausibility.lost());
-        }
-        let estimate = filter.step(state, &measured);
+        let lost = doubts.intersects(LOST_SAMPLES).then_some(self.plausibility.lost());
+        let measured = self.measurement(frame, doubts, lost.is_some());
+        let estimate = self.setup.filter.step(&mut self.state.value_mut().filter, &measured, lost);
         self.sample = Setup::sample(&estimate);
         self.waiting.store(estimate);
 
@@ -206,14 +201,15 @@ impl Estimator {
     }
 
     /// Converts a sample: without its motion if that cannot be trusted, with the last good load if
-    /// its own is faulty.
+    /// its own is faulty. After lost samples a jump is no doubt.
     #[inline]
-    fn measurement(&mut self, frame: &SensorFrame, doubts: Flags) -> Measurement {
-        let load = &mut self.state.value_mut().load_n;
+    fn measurement(&mut self, frame: &SensorFrame, doubts: Flags, has_lost: bool) -> Measurement {
+        let State { load_n: load, jumps, .. } = self.state.value_mut();
         if !self.plausibility.findings().is_load_faulty() {
             *load = frame.load_force_mn as f32 * MILLI;
         }
-        self.setup.measurement(frame, *load, !doubts.intersects(NO_MOTION))
+        let is_trusted = jumps.is_trusted(frame, !has_lost & doubts.intersects(JUMP));
+        self.setup.measurement(frame, *load, is_trusted & !doubts.intersects(NO_MOTION))
     }
 
     /// Checks the state; returns true if it is corrupted. Everything that was learnt is forgotten

@@ -16,7 +16,7 @@ pub(super) const GRAVITY: f32 = contact::GRAVITY_M_S2 as f32;
 /// that much.
 const DAMPING_SHARE: f32 = 0.3;
 /// Time in s in which a factor may drift by its declared deviation. A bearing warms up in minutes.
-const DRIFT_S: f32 = 100.0;
+const DRIFT_S: f32 = 30.0;
 /// Acceleration that the equations of motion miss from sample to sample, as a share of gravity.
 const MODEL_ERROR: f32 = 0.01;
 /// Duration in s for which that acceleration lasts: a sample at the design rate.
@@ -25,6 +25,9 @@ const MODEL_ERROR_S: f32 = 1e-4;
 const INNOVATION_TIME_S: f32 = 0.01;
 /// Correlation time of the residual force as a share of the drive's period.
 const RESIDUAL_SHARE: f32 = 0.02;
+
+/// Relative excess of a value over its range that is accepted.
+const ROUNDING: f32 = 1e-6;
 
 /// Description of the bench for the filter.
 #[derive(Clone, Copy, Debug)]
@@ -160,7 +163,11 @@ impl FilterConfiguration {
             ("uncertainty.friction_share", uncertainty.friction_share, 1e-4, 0.5),
             ("uncertainty.lever_share", uncertainty.lever_share, 0.0, 0.1),
         ];
-        match ranges.into_iter().find(|(_, found, low, high)| !(low..=high).contains(&found)) {
+        // Values that were converted from integers are rounded.
+        let is_outside = |&(_, found, low, high): &(&str, f32, f32, f32)| {
+            !(low * (1.0 - ROUNDING)..=high * (1.0 + ROUNDING)).contains(&found)
+        };
+        match ranges.into_iter().find(is_outside) {
             Some((name, found, low, high)) => Err(FilterError { name, found, low, high }),
             None => Ok(()),
         }

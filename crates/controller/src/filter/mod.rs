@@ -69,14 +69,22 @@ impl FilterModel {
     }
 
     /// Takes one sample and estimates. A sample of which a value is missing, which is not a number,
-    /// is predicted. A state that is no longer finite is forgotten: the next sample starts anew.
+    /// is predicted. After `lost` samples a complete one continues with what has been learnt. A state
+    /// that is no longer finite is forgotten: the next sample starts anew.
     #[inline(never)]
-    pub(crate) fn step(&self, state: &mut FilterState, measured: &Measurement) -> FilterEstimate {
+    pub(crate) fn step(
+        &self,
+        state: &mut FilterState,
+        measured: &Measurement,
+        lost: Option<u32>,
+    ) -> FilterEstimate {
         let Self(model) = self;
-        match &mut state.0 {
-            Some(state) => model.follow(state, measured),
-            None if measured.is_complete() => state.0 = Some(model.start(measured)),
-            None => return FilterEstimate::UNKNOWN,
+        match (&mut state.0, lost) {
+            (Some(state), Some(lost)) if measured.is_complete() => model.resume(state, measured, lost),
+            (Some(state), Some(_)) => model.lose(state),
+            (Some(state), None) => model.follow(state, measured),
+            (None, _) if measured.is_complete() => state.0 = Some(model.start(measured)),
+            (None, _) => return FilterEstimate::UNKNOWN,
         }
         let positive = state.0.as_ref().filter(|state| state.is_positive());
         match positive.map(|state| model.estimate(state)) {
@@ -85,13 +93,6 @@ impl FilterModel {
                 state.0 = None;
                 FilterEstimate::UNKNOWN
             }
-        }
-    }
-
-    /// Continues after lost samples with a complete one, before the step that takes it.
-    pub(crate) fn resume(&self, state: &mut FilterState, measured: &Measurement, lost: u32) {
-        if let Some(state) = state.0.as_mut().filter(|_| measured.is_complete()) {
-            self.0.resume(state, measured, lost);
         }
     }
 
@@ -124,6 +125,6 @@ impl Filter {
     /// Takes one sample and estimates. A sample of which a value is missing, which is not a number,
     /// is predicted. A state that is no longer finite is forgotten: the next sample starts anew.
     pub fn step(&mut self, measured: &Measurement) -> FilterEstimate {
-        self.model.step(&mut self.state, measured)
+        self.model.step(&mut self.state, measured, None)
     }
 }

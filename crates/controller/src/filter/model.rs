@@ -1,7 +1,7 @@
 //! Steps of the filter: prediction, correction, onset of contact, estimate.
 
 use super::arithmetic::{larger, root, sine, smaller};
-use super::configuration::{FilterConfiguration, NoiseLevels};
+use super::configuration::{FilterConfiguration, GRAVITY, NoiseLevels};
 use super::contact::{Deviations, Forces};
 use super::drive::{DriveModel, DriveTracker};
 use super::estimate::FilterEstimate;
@@ -11,7 +11,7 @@ use super::ratios::Ratios;
 use super::state::{Bias, CLEARANCE, Covariance, DAMPING, FRICTION, MASS, Motion, RESIDUAL, STIFFNESS};
 use crate::integrity::words;
 use micromath::F32Ext;
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Vector2};
 
 /// Deviations of the deformation below 0 at which contact counts as lost.
 const SEPARATION: f32 = 3.0;
@@ -31,6 +31,8 @@ const MAX_DAMPING_CHANGE: f32 = 1.0;
 
 /// Samples without a complete measurement after which the motion starts anew.
 const MAX_MISSED: u32 = 50;
+/// Standard deviation of the radial speed in contact as a share of the approach speed.
+const CONTACT_RATE: f32 = 0.5;
 /// Lost samples over which the motion of the drive is extrapolated.
 const MAX_LOST: u32 = 64;
 
@@ -138,23 +140,53 @@ impl Model {
         if lost > MAX_LOST {
             state.drive = DriveTracker::new(&self.config, self.displacement(measured));
         } else {
-            for _ in 0..lost {
+            for _ in 0..=lost {
                 state.drive.advance(&self.drive);
             }
+            state.drive.correct(&self.drive, self.displacement(measured));
         }
-        let (noise, speed) = (self.config.noise.position_m, self.levels.fall_speed);
+        self.restart_motion(state, measured, lost);
+    }
+
+    /// Predicts a sample after lost ones; the next complete one starts the motion anew.
+    pub(super) fn lose(&self, state: &mut State) {
+        self.predict(state);
+        self.evaluate(state);
+        state.missed = u32::MAX;
+    }
+
+    /// Takes the position of the journal from a sample after lost ones.
+    ///
+    /// Its speed around the bearing is known as far as the forces cannot have changed it since; its
+    /// radial speed is that of the contact, which settles within a few samples, or of a fall.
+    fn restart_motion(&self, state: &mut State, measured: &Measurement, lost: u32) {
+        let noise = self.config.noise.position_m;
+        let fall = self.levels.fall_speed;
+        let time = (lost.min(MAX_LOST) + 1) as f32 * self.config.sample_period_s;
+        let change = (state.at.acceleration_size() + GRAVITY) * time;
+        let around_sd = smaller(change, fall);
+        let around = if change < fall { state.at.forces.place.around } else { 0.0 };
         state.motion = Motion::new(measured.journal_y_m, measured.journal_z_m, 0.0, 0.0);
-        state.covariance.restart_motion(&Motion::new(noise, noise, speed, speed));
+        let place = self.dynamics.contact.place(&state.motion, &state.bias);
+        let radial_sd = if place.deformation > 0.0 { CONTACT_RATE * state.approach } else { fall };
+        let (tangent_y, tangent_z) = place.tangent();
+        (state.motion.z, state.motion.w) = (around * tangent_y, around * tangent_z);
+        let normal = Vector2::new(place.normal_y, place.normal_z) * radial_sd;
+        let tangent = Vector2::new(tangent_y, tangent_z) * around_sd;
+        let speeds = normal * normal.transpose() + tangent * tangent.transpose();
+        state.covariance.restart_motion(noise * noise, &speeds);
         state.load = measured.load_force_n;
         state.innovation = EXPECTED_INNOVATION;
         state.missed = 0;
         self.evaluate(state);
+        self.onset(state);
     }
 
     /// Predicts a state one sample on and corrects it by the sample, if that is complete.
     pub(super) fn follow(&self, state: &mut State, measured: &Measurement) {
         if measured.is_complete() && state.missed > MAX_MISSED {
-            self.resume(state, measured, 1);
+            self.resume(state, measured, u32::MAX);
+            return;
         }
         self.predict(state);
         state.missed = state.missed.saturating_add(1);
@@ -190,9 +222,14 @@ impl Model {
         if !is_free && !is_implausible {
             return;
         }
-        let ratios = state.ratios;
+        let (ratios, friction) = (state.ratios, state.bias[FRICTION]);
         *state = self.restart(measured, state.drive);
         state.ratios = ratios;
+        // Friction does not depend on clearance and stiffness: what was learnt is a better start.
+        let [.., declared] = self.config.factor_sds();
+        state.bias[FRICTION] = friction;
+        let deviation = root(square(declared) + square(0.5 * friction));
+        state.covariance.restart_bias(FRICTION, deviation);
         if is_free {
             state.bias[CLEARANCE] = distance(measured) - self.config.radial_clearance_m;
         }
@@ -361,7 +398,11 @@ impl Model {
             projection.variance + square(forces.normal_curvature) + square(mass * normal) + least;
         let fits = state.innovation <= MAX_INNOVATION;
         let widening = if fits { 1.0 } else { state.innovation * (1.0 / EXPECTED_INNOVATION) };
-        let deviation = |place: usize| reported_root(covariance.bias_variance(place));
+        // Masses and levers are not estimated: their errors pass to the factors.
+        let considered = |place: usize, share: f32| {
+            let error = share * (1.0 + state.bias[place]);
+            reported_root(covariance.bias_variance(place) + square(error))
+        };
         let radius = self.config.journal_radius_m;
         let friction_variance = larger(friction_variance, 0.0);
         FilterEstimate {
@@ -375,11 +416,14 @@ impl Model {
             friction_torque_sd_nm: radius * reported_root(widening * (friction_variance + least)),
             deformation_m: place.deformation,
             clearance_m: self.config.radial_clearance_m + state.bias[CLEARANCE],
-            clearance_sd_m: deviation(CLEARANCE),
+            // The offset of a probe is as uncertain as the noise of a sample, and looks like clearance.
+            clearance_sd_m: reported_root(
+                covariance.bias_variance(CLEARANCE) + self.levels.position_variance,
+            ),
             stiffness_factor: 1.0 + state.bias[STIFFNESS],
-            stiffness_sd: deviation(STIFFNESS),
+            stiffness_sd: considered(STIFFNESS, mass),
             friction_factor: 1.0 + state.bias[FRICTION],
-            friction_sd: deviation(FRICTION),
+            friction_sd: considered(FRICTION, self.config.uncertainty.lever_share),
             normal_y: place.normal_y,
             normal_z: place.normal_z,
             deformation_rate_m_s: place.rate,

@@ -91,9 +91,13 @@ impl Covariance {
         }
     }
 
-    /// Forgets how the bias and a new motion depend on each other. `motion` are deviations.
-    pub(super) fn restart_motion(&mut self, motion: &Motion) {
-        self.motion = SMatrix::from_diagonal(&motion.component_mul(motion));
+    /// Starts a new motion with a variance of the positions and a covariance of the speeds; the
+    /// bias does not depend on it.
+    pub(super) fn restart_motion(&mut self, position_variance: f32, speeds: &Matrix2<f32>) {
+        self.motion = SMatrix::zeros();
+        self.motion.m11 = position_variance;
+        self.motion.m22 = position_variance;
+        self.motion.fixed_view_mut::<2, 2>(2, 2).copy_from(speeds);
         self.cross = SMatrix::zeros();
     }
 

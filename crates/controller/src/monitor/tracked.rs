@@ -2,9 +2,10 @@
 //! compared with the limits of wear and friction.
 //!
 //! The alarms compare one sample in [`INTERVAL`], and only while the estimate has converged, its
-//! model fits, and no sensor is faulty.
+//! model fits, no sensor is faulty, and the stiffness is within [`PLAUSIBLE`] declared deviations:
+//! after an unlucky start a wrong stiffness hides a wrong clearance.
 
-use super::alarm::{Alarm, AlarmState};
+use super::alarm::{Alarm, AlarmState, ENOUGH};
 use crate::integrity::words;
 use link::EstimateFrame;
 use link::track::{MonitorConfiguration, SafeState, TrackReport};
@@ -12,13 +13,18 @@ use link::track::{MonitorConfiguration, SafeState, TrackReport};
 /// Samples from one comparison to the next: 26 ms at 10 kHz.
 const INTERVAL: u32 = 256;
 
+/// Declared deviations of the stiffness within which the factors are compared.
+const PLAUSIBLE: f32 = 3.0;
+
 /// Limits of the alarms.
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
     wear: Alarm,
     friction: Alarm,
+    /// Largest difference of the stiffness factor from 1.
+    stiffness_limit: f32,
 }
-words!(Tracked { wear, friction });
+words!(Tracked { wear, friction, stiffness_limit });
 
 /// State of the alarms, and the factors that were compared last.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +58,7 @@ impl Tracked {
         Self {
             wear: Alarm::for_wear(monitor.wear_limit_nm, monitor.wear_hysteresis_nm),
             friction: Alarm::for_friction(0),
+            stiffness_limit: PLAUSIBLE * f32::from(monitor.stiffness_deviation_per_mille.max(1)) * 1e-3,
         }
     }
 
@@ -73,9 +80,11 @@ impl Tracked {
         }
         let Factors { clearance_m: [clearance, clearance_sd], friction: [friction, friction_sd], .. } =
             state.last;
+        let counts = counts & ((state.last.stiffness[0] - 1.0).abs() <= self.stiffness_limit);
+        state.comparisons = state.comparisons.saturating_add(u32::from(counts));
+        let counts = counts & (state.comparisons >= ENOUGH);
         self.wear.update(&mut state.wear, clearance, clearance_sd * clearance_sd, counts);
         self.friction.update(&mut state.friction, friction, friction_sd * friction_sd, counts);
-        state.comparisons = state.comparisons.saturating_add(u32::from(counts));
     }
 
     /// The tracked quantities; the monitor fills in time and safe state.

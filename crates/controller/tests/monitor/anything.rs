@@ -70,7 +70,7 @@ proptest! {
         let report = monitor.report();
         prop_assert_eq!(report.safe_state, SafeState::Live);
         let error_nm = f64::from(report.radial_clearance_nm) - 500_000.0;
-        prop_assert!(error_nm.abs() < 2.0 * f64::from(report.radial_clearance_deviation_nm), "{:?}", report);
+        prop_assert!(error_nm.abs() < 3.0 * f64::from(report.radial_clearance_deviation_nm), "{:?}", report);
     }
 }
 
@@ -87,17 +87,22 @@ fn the_ends_of_every_field_s_range_are_served() {
     };
     let smallest = MonitorConfiguration {
         mass_g: 1_000,
-        inertia_g_m2: 0,
+        inertia_g_m2: 1,
         drive_lever_um: 10_000,
         load_lever_um: 0,
-        effective_modulus_kpa: 1_000,
+        effective_modulus_kpa: 10_000,
         damping_per_mille: 0,
         stiffness_deviation_per_mille: 0,
         inertia_deviation_per_mille: 0,
         mass_deviation_per_mille: 0,
         lever_deviation_ppht: 0,
-        offset_deviation_nm: 0,
-        journal_noise_nm: 10,
+        clearance_deviation_nm: 0,
+        friction_deviation_per_mille: 0,
+        friction_level_per_mille: 100,
+        stroke_mm: 1,
+        drive_period_ms: 50,
+        journal_noise_nm: 1,
+        angle_noise_nrad: 100,
         journal_noise_limit_nm: 16,
         angle_noise_limit_nrad: 16,
         load_noise_limit_mn: 16,
@@ -105,8 +110,8 @@ fn the_ends_of_every_field_s_range_are_served() {
         journal_rail_nm: 1_000,
         load_rail_mn: 1_000,
         envelope_per_mille: 10,
-        envelope_floor_mn: 0,
-        recovery_samples: 100,
+        envelope_floor_n: 0,
+        recovery_samples: 10,
         lost_samples: 1,
         wear_limit_nm: 1_000,
         wear_hysteresis_nm: 0,
@@ -120,9 +125,9 @@ fn the_ends_of_every_field_s_range_are_served() {
         drive_lever_um: 10_000_000,
         load_lever_um: 10_000_000,
         effective_modulus_kpa: 1_000_000_000,
-        damping_per_mille: 100_000,
+        damping_per_mille: 10_000,
         lost_samples: u32::MAX - 1,
-        recovery_samples: 1_000_000,
+        recovery_samples: u16::MAX,
         ..monitor
     };
     assert!(ranges(&largest).iter().all(|(_, found, range)| range.contains(found)));

@@ -121,18 +121,10 @@ impl Truth {
 pub(crate) fn configuration(bearing: BearingMaterial) -> (BenchConfiguration, MonitorConfiguration) {
     let modulus = bearing.effective_modulus_pa();
     let damping: f64 = Dissipation::ZhiyingQishao.factor(bearing.restitution());
-    let plant = {
-        let bench = Truth::nominal(bearing).bench();
-        Transmission::new(&bench, bench.drive_profile(), bench.load_profile())
-    };
-    let configuration = BenchConfiguration {
-        bearing: bearing.code(),
-        unseen_approach_um_s: (plant.landing_speed_m_s() * 1e6).round() as u32,
-        ..BENCH_B.bench
-    };
+    let configuration = BenchConfiguration { bearing: bearing.code(), ..BENCH_B.bench };
     let monitor = MonitorConfiguration {
         effective_modulus_kpa: (modulus * 1e-3) as u32,
-        damping_per_mille: (damping * 1e3).round() as u32,
+        damping_per_mille: (damping * 1e3).round() as u16,
         ..BENCH_B.monitor
     };
     (configuration, monitor)

