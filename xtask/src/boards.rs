@@ -34,7 +34,7 @@ pub(crate) const BOARDS: [Board; 5] = [
 ];
 
 /// Timeout of an image. The slowest image takes two seconds.
-const RUN_TIMEOUT: Duration = Duration::from_secs(120);
+const RUN_TIMEOUT: Duration = Duration::from_secs(900);
 
 impl Board {
     /// Returns true if images for this board are built for an FPU.

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// rounds.
 const SAMPLES: u32 = 12_000;
 /// The run takes less than two seconds.
-const TIMEOUT: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(600);
 
 /// Runs an image with contacts, a bad configuration, damaged frames and a stop. Returns the used
 /// bytes of its stack.
