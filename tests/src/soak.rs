@@ -27,7 +27,8 @@ use host_sim::run::configuration::controller_configuration;
 use host_sim::run::force::{DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ, run_bench};
 use host_sim::run::sensing;
 use link::{
-    Answer, Command, ControllerConfiguration, NumberedCommand, ReportKind, SensorFrame, ToController, ToHost,
+    Answer, Command, ContactSource, ControllerConfiguration, NumberedCommand, ReportKind, SensorFrame,
+    ToController, ToHost,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -115,7 +116,7 @@ impl Samples {
         bench.drive.cycles = CYCLES;
         let forced = run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?;
         let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
-        let configuration = controller_configuration(&plant, &bench, SAMPLE_RATE_HZ)?;
+        let configuration = controller_configuration(&plant, &bench, SAMPLE_RATE_HZ, ContactSource::Network)?;
         let cycle_samples = (bench.drive.period_s * SAMPLE_RATE_HZ).round() as usize;
         let run = forced.run.samples;
         let cycle = run.get(run.len().saturating_sub(cycle_samples)..).unwrap_or_default().to_vec();

@@ -18,6 +18,7 @@ use bench::Bench;
 use bench::plants::transmission::{Snapshot, Transmission};
 use controller::flags::SENSOR_FAULT;
 use inference::Flags;
+use link::ContactSource;
 use serde::Serialize;
 
 /// One tick of the estimator with the true values.
@@ -79,7 +80,7 @@ pub fn follow(condition: &Condition, law: &LawRun, seed: Option<u64>) -> Result<
     }
     let samples = &law.forced.run.samples;
     let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
-    let configuration = controller_configuration(&plant, &bench, SAMPLE_RATE_HZ)?;
+    let configuration = controller_configuration(&plant, &bench, SAMPLE_RATE_HZ, ContactSource::Network)?;
     let seed = seed.unwrap_or_default().wrapping_add(condition.index);
     let start_s = bench.load.ramp_s;
     let frames = sensing::frames(&Bench::from(bench.clone()), samples, seed);

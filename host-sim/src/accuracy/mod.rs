@@ -83,7 +83,7 @@ pub fn measure(
             condition: *condition,
             in_the_loop: in_the_loop::measure(condition, &law, settings.step_s)?,
             estimate: EstimateAccuracy::from_ticks(&followed, &estimate::follow(condition, &law, None)?),
-            gap: gap::measure(condition, &law, settings.seed)?,
+            gap: gap::measure(condition, &law)?,
         };
         finished();
         Ok(accuracy)
@@ -130,7 +130,7 @@ mod tests {
                 outside_training_share: 0.0,
                 suspect_share: 0.0,
             },
-            gap: GapAccuracy { network_n: 0.0, float_network_n: 0.0, estimator_n: 0.0, samples: 1 },
+            gap: GapAccuracy { network_n: 0.0, float_network_n: 0.0, samples: 1 },
         }
     }
 

@@ -12,7 +12,7 @@ use crate::run::configuration::controller_configuration;
 use crate::run::force::SAMPLE_RATE_HZ;
 use bench::plants::transmission::Transmission;
 use clap::Args;
-use link::{Command, ControllerConfiguration};
+use link::{Command, ContactSource, ControllerConfiguration};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `host-sim link`.
@@ -120,7 +120,7 @@ fn read(file: &Path) -> Result<ControllerConfiguration, CliError> {
 fn configuration(options: &BenchOptions) -> Result<ControllerConfiguration, CliError> {
     let resolved = options.open_transmission()?.resolved();
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
-    controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ)
+    controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ, ContactSource::default())
 }
 
 #[cfg(test)]

@@ -6,9 +6,9 @@ use crate::cli::output;
 use crate::controller::Recording;
 use crate::controller::choice::{self, ControllerKind, ProbeOptions};
 use crate::controller::recording::MAGIC;
-use crate::replay::estimates::estimates_csv;
 use crate::replay::{Difference, Replayed, log, replay};
 use crate::run::configuration::controller_configuration;
+use crate::run::estimates;
 use crate::run::exchange::{ExchangeResult, exchange};
 use bench::MeasuredLog;
 use bench::description::TransmissionBench;
@@ -16,7 +16,7 @@ use bench::plants::transmission::Transmission;
 use clap::Args;
 use controller::flags::SENSOR_FAULT;
 use inference::Flags;
-use link::Command;
+use link::{Command, ContactSource};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -73,7 +73,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     let name = controller.name();
     let replayed = replay(&recording, &mut *controller)?;
     if let Some(out) = &args.out {
-        output::write(out, "estimates.csv", &estimates_csv(&replayed.estimates))?;
+        output::write(out, estimates::FILE_NAME, &estimates::to_csv(&replayed.estimates))?;
     }
     print_recording(args, name, &recording, &replayed)?;
     match replayed.differences.len() {
@@ -135,13 +135,13 @@ fn run_log(args: &ReplayArgs) -> Result<(), CliError> {
     let frames = log::frames(&measured)?;
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
     let rate_hz = 1.0 / log::period_s(&measured)?;
-    let configuration = controller_configuration(&plant, &resolved, rate_hz)?;
+    let configuration = controller_configuration(&plant, &resolved, rate_hz, ContactSource::default())?;
     let mut controller =
         choice::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
     controller.order(Command::Configure(configuration))?;
     let exchanged = exchange(controller, &frames)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(OUT));
-    output::write(&out, "estimates.csv", &estimates_csv(&exchanged.estimates))?;
+    output::write(&out, estimates::FILE_NAME, &estimates::to_csv(&exchanged.estimates))?;
     print_log(args, &exchanged, rate_hz, &out.join("estimates.csv"))
 }
 

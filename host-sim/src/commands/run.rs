@@ -2,7 +2,7 @@
 
 use crate::cli::error::CliError;
 use crate::cli::output;
-use crate::run::{ControllerChoice, RunArgs, execute, filtered, page, report, slider_crank, tilt};
+use crate::run::{ControllerChoice, RunArgs, estimates, execute, page, report, slider_crank, tilt};
 use bench::Bench;
 use bench::simulate::impact_table;
 
@@ -37,8 +37,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         recording.write(path).map_err(|e| CliError::output(path, &e))?;
     }
     if let Some(exchange) = &finished.exchange {
-        let table = filtered::to_csv(&finished.filtered, &exchange.estimates);
-        output::write(&args.out, filtered::FILE_NAME, &table)?;
+        let table = estimates::to_csv(&exchange.estimates);
+        output::write(&args.out, estimates::FILE_NAME, &table)?;
     }
     output::write(&args.out, "run.json", &format!("{json}\n"))?;
     output::write(&args.out, "report.html", &page.render())?;

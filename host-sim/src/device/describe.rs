@@ -254,7 +254,7 @@ pub(crate) fn configuration(configuration: Option<&ControllerConfiguration>) -> 
         bench.sample_period_us,
         or_none(limits.force_limit_n, "N"),
         f64::from(monitor.wear_limit_nm) * 1e-6,
-        or_none(limits.friction_level_limit_per_mille, "thousandths of the trained friction"),
+        or_none(limits.friction_level_limit_per_mille.into(), "thousandths of the trained friction"),
         or_none(limits.deadline_trip_count.into(), "late estimates"),
         or_none(limits.slow_every.into(), "samples"),
     )

@@ -6,6 +6,7 @@ use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
 use crate::controller::choice::ProbeOptions;
 use clap::{Args, Parser, ValueEnum};
+use link::ContactSource;
 use std::path::PathBuf;
 
 /// Transport to the estimator.
@@ -21,6 +22,24 @@ pub enum ControllerChoice {
     /// A board on a serial port or at a debug probe, in lockstep. The estimator also runs natively,
     /// and the two are compared to the bit.
     Attached,
+}
+
+/// Source of the contact in the estimate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ContactChoice {
+    /// The networks of the loaded model image.
+    Network,
+    /// The analytic law.
+    Law,
+}
+
+impl From<ContactChoice> for ContactSource {
+    fn from(choice: ContactChoice) -> Self {
+        match choice {
+            ContactChoice::Network => Self::Network,
+            ContactChoice::Law => Self::Law,
+        }
+    }
 }
 
 /// Arguments of `host-sim run`.
@@ -40,6 +59,9 @@ pub struct RunArgs {
     /// Controller that runs the estimator.
     #[arg(long, value_enum, default_value = "native", requires_if("attached", "way"))]
     pub controller: ControllerChoice,
+    /// Source of elastic force, damping and friction in the estimate.
+    #[arg(long, value_enum, default_value = "network")]
+    pub contact: ContactChoice,
     /// Communication step of the networks in microseconds: their force is held constant over it.
     #[arg(long, default_value_t = 10.0, value_name = "US", allow_negative_numbers = true)]
     pub step_us: f64,
@@ -83,7 +105,7 @@ pub struct RunArgs {
         allow_negative_numbers = true
     )]
     pub watch_speed: f64,
-    /// Folder for log.csv, impacts.csv, run.json and report.html; on a bench in two planes also
+    /// Folder for log.csv, estimates.csv, impacts.csv, run.json and report.html; on a bench in two planes also
     /// tilt.csv.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
     pub out: PathBuf,

@@ -6,7 +6,7 @@ use crate::run::same_signals::{Forces, OnSignals};
 use crate::run::summary::{after_start, peak, rms};
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
-use controller::flags::SENSOR_FAULT;
+use controller::flags::{MODEL_MISFIT, SENSOR_FAULT};
 use inference::Flags;
 use link::{Counters, EstimateFrame};
 use serde::Serialize;
@@ -41,6 +41,9 @@ pub struct EstimatorSummary {
     pub native_emulated_bit_differences: Option<u64>,
     /// The same for the attached controller.
     pub native_attached_bit_differences: Option<u64>,
+    /// Figures of the estimate with its deviations, after the start.
+    #[serde(flatten)]
+    pub tracked: Tracked,
     /// Number of restarts after which the controller was configured again.
     pub restarts: u64,
     /// Share of the ticks with a flag of the training range.
@@ -59,6 +62,72 @@ pub struct EstimatorSummary {
     pub counters: Counters,
     /// Losses on the line.
     pub losses: Losses,
+}
+
+/// Errors of force vector and torque against the reported deviations, and what was learnt about the
+/// bearing. Held estimates have no deviation and do not count as covered.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Tracked {
+    /// Rms error of the force vector, N.
+    pub vector_rms_error_n: f64,
+    /// Largest error of the force vector, N.
+    pub vector_max_error_n: f64,
+    /// Rms error of the friction torque, N m.
+    pub torque_rms_error_nm: f64,
+    /// Largest true friction torque, N m.
+    pub torque_full_scale_nm: f64,
+    /// Share of the ticks whose force error is within two reported deviations.
+    pub inside_2sd: f64,
+    /// The same of the torque.
+    pub torque_inside_2sd: f64,
+    /// Tracked clearance at the end, m.
+    pub clearance_m: f64,
+    /// Its deviation, m.
+    pub clearance_sd_m: f64,
+    /// Tracked stiffness at the end, as a multiple of the described one.
+    pub stiffness_factor: f64,
+    /// Its deviation.
+    pub stiffness_sd: f64,
+    /// Tracked friction at the end, as a multiple of the described one.
+    pub friction_factor: f64,
+    /// Its deviation.
+    pub friction_sd: f64,
+    /// Share of the ticks in which the model does not fit the samples.
+    pub misfit_share: f64,
+}
+
+impl Tracked {
+    /// Compares estimates with the truth.
+    fn new(truth: &[Snapshot], estimates: &[EstimateFrame]) -> Self {
+        let Some(last) = estimates.last() else { return Self::default() };
+        let pairs = || estimates.iter().zip(truth);
+        let force = |(e, s): (&EstimateFrame, &Snapshot)| {
+            (f64::from(e.force_y_n) - s.force_y_n).hypot(f64::from(e.force_z_n) - s.force_z_n)
+        };
+        let torque =
+            |(e, s): (&EstimateFrame, &Snapshot)| f64::from(e.friction_torque_nm) - s.friction_torque_nm;
+        let share = |count: usize| count as f64 / estimates.len() as f64;
+        let is_covered =
+            |error: f64, deviation: f32| deviation.is_finite() && error.abs() <= 2.0 * f64::from(deviation);
+        let misfits = estimates.iter().filter(|e| Flags::from_bits(e.flags).contains(MODEL_MISFIT));
+        Self {
+            vector_rms_error_n: rms(pairs().map(force)),
+            vector_max_error_n: pairs().map(force).fold(0.0, f64::max),
+            torque_rms_error_nm: rms(pairs().map(torque)),
+            torque_full_scale_nm: peak(truth, |s| s.friction_torque_nm),
+            inside_2sd: share(pairs().filter(|pair| is_covered(force(*pair), pair.0.force_sd_n)).count()),
+            torque_inside_2sd: share(
+                pairs().filter(|pair| is_covered(torque(*pair), pair.0.friction_torque_sd_nm)).count(),
+            ),
+            clearance_m: last.clearance_m.into(),
+            clearance_sd_m: last.clearance_sd_m.into(),
+            stiffness_factor: last.stiffness_factor.into(),
+            stiffness_sd: last.stiffness_sd.into(),
+            friction_factor: last.friction_factor.into(),
+            friction_sd: last.friction_sd.into(),
+            misfit_share: share(misfits.count()),
+        }
+    }
 }
 
 /// Differences of the normal force and the friction torque.
@@ -130,6 +199,7 @@ impl EstimatorSummary {
             exchanges_per_s: exchange.estimates.len() as f64 / exchange.wall_s.max(1e-9),
             native_emulated_bit_differences: differences.filter(|_| exchange.controller == "emulated"),
             native_attached_bit_differences: differences.filter(|_| exchange.controller == "attached"),
+            tracked: Tracked::new(counted, exchange.estimates.get(skipped..).unwrap_or_default()),
             restarts: exchange.restarts.len() as u64,
             outside_training_share: share(Flags::OUTSIDE_TRAINING),
             suspect_share: share(SENSOR_FAULT),

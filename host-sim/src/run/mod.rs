@@ -4,10 +4,10 @@
 pub mod arguments;
 pub mod conditions;
 pub mod configuration;
+pub(crate) mod estimates;
 mod estimator;
 pub mod estimator_summary;
 pub mod exchange;
-pub mod filtered;
 pub mod force;
 pub(crate) mod page;
 pub(crate) mod report;
@@ -28,10 +28,8 @@ use arguments::communication_step_s;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Transmission;
 use bench::{Bench, MeasuredLog};
-use controller::filter::FilterEstimate;
 use estimator_summary::EstimatorSummary;
 use exchange::{ExchangeResult, Observer};
-use filtered::FilterSummary;
 use force::{ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use sensing::DropOut;
 use summary::{AgainstLaw, Figures, PeakRow, Summary};
@@ -48,8 +46,6 @@ pub struct Finished {
     pub law: Option<ForcedRun>,
     /// The estimates, if there was a controller.
     pub exchange: Option<ExchangeResult>,
-    /// The filter's estimates, if there was a controller; empty outside the filter's range.
-    pub filtered: Vec<FilterEstimate>,
     /// The link session, if it was to be recorded.
     pub recording: Option<Recording>,
 }
@@ -93,7 +89,6 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         law_peaks: Vec::new(),
         tilt: forced.tilt,
         estimator: None,
-        filter: None,
         against_law: None,
     };
     let law = if args.force == ForceSource::Law {
@@ -105,9 +100,10 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         Some(law)
     };
     bar.set_message("estimator");
-    let configuration = configuration::controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ)?;
+    let configuration =
+        configuration::controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ, args.contact.into())?;
     let frames = sensing::samples(&described, &forced.run.samples, args.seed, drop_out);
-    let (mut exchange, mut recording, mut filtered) = (None, None, Vec::new());
+    let (mut exchange, mut recording) = (None, None);
     let mut watch = if args.watch {
         bar.finish_and_clear();
         Some(Watch::open(scene(&resolved, &forced, args), args.watch_speed)?)
@@ -127,12 +123,10 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
             &same_signals::follow(&resolved, &configuration, seen)?,
             estimated.differences,
         ));
-        filtered = filtered::follow(&resolved, &frames)?;
-        summary.filter = FilterSummary::new(&resolved, &forced.run.samples, &filtered);
         (exchange, recording) = (Some(estimated.exchange), estimated.recording);
     }
     bar.finish_and_clear();
-    Ok(Finished { bench: resolved, summary, forced, law, exchange, filtered, recording })
+    Ok(Finished { bench: resolved, summary, forced, law, exchange, recording })
 }
 
 /// Creates the live view of a run.

@@ -9,7 +9,7 @@ use super::{Finished, tilt};
 use crate::cli::limits;
 use crate::run::summary::after_start;
 use bench::plants::transmission::Snapshot;
-use controller::filter::FilterEstimate;
+use link::EstimateFrame;
 use report::figure::{Chart, Series, Style, lines, map};
 use report::page::Page;
 
@@ -71,22 +71,7 @@ fn forces_section(page: &mut Page, finished: &Finished) -> Result<(), String> {
         )?,
         "Normal force of the contact.",
     );
-    if let Some(exchange) = &finished.exchange {
-        let estimate = Series::new(
-            "estimator",
-            exchange.estimates.iter().map(|e| f64::from(e.time_us) * 1e-6),
-            exchange.estimates.iter().map(|e| f64::from(e.normal_force_n)),
-        );
-        let truth = over_time("bench", samples, |s| s.forces.normal_n);
-        page.figure(
-            &lines(
-                &Chart { title: "Estimated contact force", x: "time, s", y: "N", size: WIDE },
-                &[estimate, truth],
-            )?,
-            "Estimated by the controller from noisy position and angle sensors at 10 kHz.",
-        );
-    }
-    filter_figures(page, finished)?;
+    estimate_figures(page, finished)?;
     let components = [over_time("Y", samples, |s| s.force_y_n), over_time("Z", samples, |s| s.force_z_n)];
     page.figure(
         &lines(&Chart { title: "Force on the journal", x: "time, s", y: "N", size: WIDE }, &components)?,
@@ -102,22 +87,21 @@ fn forces_section(page: &mut Page, finished: &Finished) -> Result<(), String> {
     Ok(())
 }
 
-/// The filter's force, and its error within the band of two standard deviations, after the start.
-fn filter_figures(page: &mut Page, finished: &Finished) -> Result<(), String> {
-    if finished.filtered.is_empty() {
-        return Ok(());
-    }
+/// The estimated force, and its error within the band of two standard deviations, after the start.
+/// Held estimates have no deviation and are left out of the band.
+fn estimate_figures(page: &mut Page, finished: &Finished) -> Result<(), String> {
+    let Some(exchange) = &finished.exchange else { return Ok(()) };
     let samples = &finished.forced.run.samples;
     let counted = after_start(&finished.bench, samples);
-    let estimates = finished.filtered.iter().skip(samples.len() - counted.len());
-    let pairs: Vec<_> = counted.iter().zip(estimates).collect();
-    let over = |value: fn(&Snapshot, &FilterEstimate) -> f64| -> Vec<(f64, f64)> {
+    let estimates = exchange.estimates.iter().skip(samples.len() - counted.len());
+    let pairs: Vec<_> = counted.iter().zip(estimates).filter(|(_, e)| e.force_sd_n.is_finite()).collect();
+    let over = |value: fn(&Snapshot, &EstimateFrame) -> f64| -> Vec<(f64, f64)> {
         pairs.iter().map(|(sample, estimate)| (sample.time_s, value(sample, estimate))).collect()
     };
     let mut band = over(|_, e| 2.0 * f64::from(e.normal_force_sd_n));
     band.extend(over(|_, e| -2.0 * f64::from(e.normal_force_sd_n)).into_iter().rev());
     let force = [
-        Series::through("filter", over(|_, e| e.normal_force_n.into())),
+        Series::through("estimate", over(|_, e| e.normal_force_n.into())),
         Series::through("bench", over(|s, _| s.forces.normal_n)),
     ];
     let error = [
@@ -125,12 +109,12 @@ fn filter_figures(page: &mut Page, finished: &Finished) -> Result<(), String> {
         Series::through("error", over(|s, e| f64::from(e.normal_force_n) - s.forces.normal_n)),
     ];
     page.figure(
-        &lines(&Chart { title: "Force of the filter", x: "time, s", y: "N", size: WIDE }, &force)?,
-        "Kalman filter on the same samples, computed on the host: the controller does not run it yet.",
+        &lines(&Chart { title: "Estimated contact force", x: "time, s", y: "N", size: WIDE }, &force)?,
+        "Estimated by the controller from noisy position, angle and load sensors at 10 kHz.",
     );
     page.figure(
-        &lines(&Chart { title: "Error of the filter", x: "time, s", y: "N", size: WIDE }, &error)?,
-        "Normal force of the filter less that of the bench. The band is reported with every estimate; it \
+        &lines(&Chart { title: "Error of the estimate", x: "time, s", y: "N", size: WIDE }, &error)?,
+        "Estimated normal force less that of the bench. The band is reported with every estimate; it \
          also covers what is declared uncertain, such as the mass.",
     );
     Ok(())
@@ -173,7 +157,7 @@ fn journal_section(page: &mut Page, finished: &Finished) -> Result<(), String> {
 fn controller_section(page: &mut Page, estimator: &EstimatorSummary) {
     page.section("The controller").table(&EQUIVALENCE_HEADER, &equivalence_rows(estimator));
     page.note(
-        "Difference from the bench: error of sensors, conditioning and networks together. Differences \
+        "Difference from the bench: error of sensors, filter and networks together. Differences \
          from the law and from the float networks on the same signals: error of the networks and of their \
          quantisation. All are evaluated after the load ramp.",
     );

@@ -1,7 +1,7 @@
 //! Tables of a run, for the terminal and the page.
 
 use super::Finished;
-use crate::run::estimator_summary::{Differences, EstimatorSummary};
+use crate::run::estimator_summary::{Differences, EstimatorSummary, Tracked};
 use crate::run::summary::{PeakRow, Summary};
 use bench::integrate::Impact;
 use report::text_table;
@@ -49,6 +49,7 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
             "estimator, rms error of full scale",
             format!("{:.2} %", 100.0 * e.force_rms_error_n / e.force_full_scale_n.max(1e-9)),
         ));
+        rows.extend(tracked_rows(&e.tracked));
         rows.push(row(
             "estimator, outside the training range",
             format!("{:.2} %", 100.0 * e.outside_training_share),
@@ -72,15 +73,30 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
             rows.push(row("restarts of the controller", e.restarts.to_string()));
         }
     }
-    if let Some(filter) = &summary.filter {
-        rows.push(row("filter, rms error of the force vector", format!("{:.0} N", filter.force_rms_error_n)));
-        rows.push(row("filter, within two deviations", format!("{:.1} %", 100.0 * filter.inside_2sd)));
-        rows.push(row(
-            "filter, radial clearance at the end",
-            format!("{:.2} +- {:.2} um", 1e6 * filter.clearance_m, 1e6 * filter.clearance_sd_m),
-        ));
-    }
     rows
+}
+
+/// Rows of the estimate's deviations and of what was learnt about the bearing.
+fn tracked_rows(tracked: &Tracked) -> [[String; 2]; 6] {
+    let row = |name: &str, value: String| [name.to_owned(), value];
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    [
+        row("estimator, rms error of the friction torque", format!("{:.2} N m", tracked.torque_rms_error_nm)),
+        row("estimator, force within two deviations", percent(tracked.inside_2sd)),
+        row("estimator, torque within two deviations", percent(tracked.torque_inside_2sd)),
+        row(
+            "estimator, radial clearance at the end",
+            format!("{:.2} +- {:.2} um", 1e6 * tracked.clearance_m, 1e6 * tracked.clearance_sd_m),
+        ),
+        row(
+            "estimator, stiffness at the end",
+            format!("{:.3} +- {:.3}", tracked.stiffness_factor, tracked.stiffness_sd),
+        ),
+        row(
+            "estimator, friction at the end",
+            format!("{:.3} +- {:.3}", tracked.friction_factor, tracked.friction_sd),
+        ),
+    ]
 }
 
 pub(super) const EQUIVALENCE_HEADER: [&str; 5] =

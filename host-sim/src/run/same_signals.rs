@@ -1,15 +1,13 @@
 //! Alternatives to the controller's networks on the same signals: the float networks and the
 //! analytic law.
 //!
-//! The estimator's conditioning runs in this process on the same frames and gives the same bits as
-//! on a controller. The law's error is therefore caused by the signals alone, and the difference
-//! between the networks and the law by the networks.
+//! The estimator runs in this process on the same frames and gives the same bits as on a
+//! controller. Float networks and law are evaluated at its estimated contact.
 
 use crate::cli::error::CliError;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::{ContactView, Transmission};
 use controller::Estimator;
-use controller::estimator::Conditioning;
 use inference::{ContactState, shipped};
 use link::{ControllerConfiguration, EstimateFrame, SensorFrame};
 use model_quant::network::float_pair::FloatPair;
@@ -20,7 +18,7 @@ pub type Forces = [f64; 2];
 /// One sample.
 #[derive(Clone, Copy, Debug)]
 pub struct OnSignals {
-    /// The quantised networks: the estimator's own estimate.
+    /// The estimator's own estimate.
     pub estimate: EstimateFrame,
     /// The float networks.
     pub float_network: Forces,
@@ -37,14 +35,13 @@ pub fn follow(
     let refused = |e: &dyn std::fmt::Debug| CliError::Work(format!("estimator: {e:?}"));
     let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let bearing = bench.bearing.material;
-    let conditioning = Conditioning::from_monitor(&configuration.monitor);
-    let mut estimator = Estimator::conditioned(shipped(bearing), configuration.bench, &conditioning)
+    let mut estimator = Estimator::new(shipped(bearing), &configuration.bench, &configuration.monitor)
         .map_err(|e| refused(&e))?;
     let mut float = FloatPair::new(bearing).map_err(|e| refused(&e))?;
     let radius_m = plant.journal_radius_m();
     let sample = |frame: SensorFrame| {
         let estimate = estimator.step(&frame);
-        let state = estimator.state();
+        let state = estimator.contact();
         let float = float.push(&state);
         let law = plant.law(&view(&state));
         OnSignals {

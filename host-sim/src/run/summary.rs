@@ -1,7 +1,6 @@
 //! The figures of a run, with the stable names of the machine-readable output.
 
 use crate::run::estimator_summary::EstimatorSummary;
-use crate::run::filtered::FilterSummary;
 use crate::run::force::{ForceSource, ForcedRun, Tilt};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
@@ -106,9 +105,6 @@ pub struct Summary {
     /// Results of the estimator, if there was a controller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSummary>,
-    /// Results of the filter on the same samples, if there was a controller.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub filter: Option<FilterSummary>,
     /// Comparison with the analytic law, if the run itself used networks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against_law: Option<AgainstLaw>,

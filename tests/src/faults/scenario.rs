@@ -12,7 +12,10 @@ use host_sim::run::configuration::controller_configuration;
 use host_sim::run::force::{DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ, run_bench};
 use host_sim::run::sensing;
 use link::track::TrackReport;
-use link::{Answer, Command, ControllerConfiguration, EstimateFrame, ReportKind, SensorFrame, SlowReport};
+use link::{
+    Answer, Command, ContactSource, ControllerConfiguration, EstimateFrame, ReportKind, SensorFrame,
+    SlowReport,
+};
 
 /// Number of samples.
 pub const SAMPLES: usize = 6_500;
@@ -47,7 +50,7 @@ pub fn bench_b(seed: u64) -> Result<(ControllerConfiguration, Vec<SensorFrame>),
     let forced = run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?;
     let plant =
         bench::plants::transmission::Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
-    let mut configuration = controller_configuration(&plant, &bench, SAMPLE_RATE_HZ)?;
+    let mut configuration = controller_configuration(&plant, &bench, SAMPLE_RATE_HZ, ContactSource::Network)?;
     // Slow telemetry is requested at the end only, so that any other message in between is a
     // report.
     configuration.limits.slow_every = 0;

@@ -2,7 +2,7 @@
 
 use crate::run::{Errors, Point, START, error_n, errors};
 use link::{ContactSource, EstimateFrame};
-use worlds::Deviations;
+use worlds::{Bearing, Deviations};
 
 #[test]
 fn the_exact_bench_is_estimated_to_half_a_percent_with_networks_and_with_the_law() {
@@ -32,8 +32,15 @@ fn benches_with_drawn_parameters_are_estimated_within_their_deviations() {
 
 #[test]
 fn slower_sampling_is_served() {
-    for (period_us, limit) in [(50, 0.005), (200, 0.006), (500, 0.02), (1000, 0.05)] {
-        let point = Point { period_us, ..Point::DEFAULT };
+    // At 1 kHz the impacts of a metal bearing are shorter than a sample.
+    let cases = [
+        (Bearing::Babbitt, 50, 0.005),
+        (Bearing::Babbitt, 200, 0.006),
+        (Bearing::Babbitt, 500, 0.02),
+        (Bearing::Plastic, 1000, 0.01),
+    ];
+    for (bearing, period_us, limit) in cases {
+        let point = Point { bearing, period_us, ..Point::DEFAULT };
         let found = errors(&point, &point.world(), 2);
         println!("{period_us} us: {found:?}");
         assert!(found.force_share < limit && found.inside > 0.9, "{period_us} us: {found:?}");

@@ -2,35 +2,35 @@
 
 use crate::cli::error::CliError;
 use crate::run::configuration::controller_configuration;
-use crate::run::filtered;
 use crate::run::force::SAMPLE_RATE_HZ;
 use crate::run::sensing;
-use ::worlds::{Deviations, Reading, Sensors};
+use ::worlds::{Reading, Sensors};
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Transmission;
 use controller::Estimator;
-use controller::estimator::Conditioning;
-use controller::filter::{Filter, FilterConfiguration, Measurement, SensorNoise, Uncertainty};
+use controller::estimator::filter_configuration;
+use controller::filter::{Filter, Measurement, SensorNoise};
 use inference::shipped;
+use link::{ContactSource, ControllerConfiguration};
 use serde::Serialize;
 
 /// An estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum EstimatorKind {
-    /// The filter on journal position, shaft angle and load.
-    #[serde(rename = "filter")]
-    Filter,
-    /// The same with the measured drive force.
-    #[serde(rename = "filter with drive force")]
-    FilterWithDriveForce,
-    /// The estimator of the controller's tick.
-    #[serde(rename = "tick")]
-    Tick,
+    /// The controller's estimator with the networks as the source of the contact.
+    #[serde(rename = "network")]
+    Network,
+    /// The controller's estimator with the analytic law.
+    #[serde(rename = "law")]
+    Law,
+    /// The filter with the law and the measured drive force, which no controller measures yet.
+    #[serde(rename = "law with drive force")]
+    LawWithDriveForce,
 }
 
 impl EstimatorKind {
     /// Every estimator.
-    pub const ALL: [Self; 3] = [Self::Filter, Self::FilterWithDriveForce, Self::Tick];
+    pub const ALL: [Self; 3] = [Self::Network, Self::Law, Self::LawWithDriveForce];
 }
 
 /// Estimate of one sample.
@@ -51,9 +51,9 @@ pub fn follow(
     readings: &[Reading],
 ) -> Result<Vec<Estimate>, CliError> {
     match kind {
-        EstimatorKind::Filter => filtered(bench, readings, false),
-        EstimatorKind::FilterWithDriveForce => filtered(bench, readings, true),
-        EstimatorKind::Tick => ticks(bench, readings),
+        EstimatorKind::Network => ticks(bench, readings, ContactSource::Network),
+        EstimatorKind::Law => ticks(bench, readings, ContactSource::Law),
+        EstimatorKind::LawWithDriveForce => with_drive_force(bench, readings),
     }
 }
 
@@ -61,12 +61,22 @@ fn refused(name: &str, reason: &dyn std::fmt::Debug) -> CliError {
     CliError::Work(format!("{name}: {reason:?}"))
 }
 
-fn ticks(bench: &TransmissionBench, readings: &[Reading]) -> Result<Vec<Estimate>, CliError> {
+fn configured(
+    bench: &TransmissionBench,
+    contact: ContactSource,
+) -> Result<ControllerConfiguration, CliError> {
     let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
-    let configuration = controller_configuration(&plant, bench, SAMPLE_RATE_HZ)?;
-    let bearing = bench.bearing.material;
-    let conditioning = Conditioning::from_monitor(&configuration.monitor);
-    let mut estimator = Estimator::conditioned(shipped(bearing), configuration.bench, &conditioning)
+    controller_configuration(&plant, bench, SAMPLE_RATE_HZ, contact)
+}
+
+fn ticks(
+    bench: &TransmissionBench,
+    readings: &[Reading],
+    contact: ContactSource,
+) -> Result<Vec<Estimate>, CliError> {
+    let configuration = configured(bench, contact)?;
+    let image = shipped(bench.bearing.material);
+    let mut estimator = Estimator::new(image, &configuration.bench, &configuration.monitor)
         .map_err(|e| refused("estimator", &e))?;
     let estimate = |(index, r): (usize, &Reading)| {
         let channels = [r.journal_y_m, r.journal_z_m, r.shaft_angle_rad, r.load_force_n];
@@ -74,18 +84,18 @@ fn ticks(bench: &TransmissionBench, readings: &[Reading]) -> Result<Vec<Estimate
         Estimate {
             force_n: [found.force_y_n, found.force_z_n].map(f64::from),
             torque_nm: found.friction_torque_nm.into(),
-            deviations: None,
+            deviations: Some([found.force_sd_n, found.friction_torque_sd_nm].map(f64::from)),
         }
     };
     Ok(readings.iter().enumerate().map(estimate).collect())
 }
 
-fn filtered(
-    bench: &TransmissionBench,
-    readings: &[Reading],
-    has_drive_force: bool,
-) -> Result<Vec<Estimate>, CliError> {
-    let configuration = filter_configuration(bench)?;
+fn with_drive_force(bench: &TransmissionBench, readings: &[Reading]) -> Result<Vec<Estimate>, CliError> {
+    let ControllerConfiguration { bench: configuration, monitor, .. } =
+        configured(bench, ContactSource::Law)?;
+    let mut configuration = filter_configuration(bench.bearing.material, &configuration, &monitor);
+    let drive_force_n = Sensors::BENCH_B.drive_force_n as f32;
+    configuration.noise = SensorNoise { drive_force_n, ..configuration.noise };
     let mut filter = Filter::new(&configuration).map_err(|e| refused("filter", &e))?;
     let estimate = |r: &Reading| {
         let found = filter.step(&Measurement {
@@ -93,7 +103,7 @@ fn filtered(
             journal_z_m: r.journal_z_m as f32,
             shaft_angle_rad: r.shaft_angle_rad as f32,
             load_force_n: r.load_force_n as f32,
-            drive_force_n: has_drive_force.then_some(r.drive_force_n as f32),
+            drive_force_n: Some(r.drive_force_n as f32),
         });
         Estimate {
             force_n: [found.force_y_n, found.force_z_n].map(f64::from),
@@ -102,24 +112,4 @@ fn filtered(
         }
     };
     Ok(readings.iter().map(estimate).collect())
-}
-
-/// Returns the filter's configuration: the described bench, with noise and deviations of bench B's
-/// sensors as the worlds have them.
-fn filter_configuration(bench: &TransmissionBench) -> Result<FilterConfiguration, CliError> {
-    let (sensors, declared) = (Sensors::BENCH_B, Deviations::BENCH_B);
-    let noise = SensorNoise {
-        position_m: sensors.position_m as f32,
-        angle_rad: sensors.angle_rad as f32,
-        drive_force_n: sensors.drive_force_n as f32,
-    };
-    let uncertainty = Uncertainty {
-        mass_share: declared.mass_share as f32,
-        inertia_share: declared.inertia_share as f32,
-        clearance_m: declared.clearance_m as f32,
-        stiffness_share: declared.modulus_share as f32,
-        friction_share: declared.friction_share as f32,
-        lever_share: declared.lever_share as f32,
-    };
-    filtered::configuration(bench, noise, uncertainty)
 }

@@ -1,7 +1,7 @@
 //! Goals of the estimate in real worlds, each with the figures that decide it.
 //!
-//! The worst figure decides. Shares refer to full scale. The goals are those of the filter, which
-//! the controller's tick does not use yet.
+//! The worst figure decides. Shares refer to full scale. The goals are those of the controller's
+//! estimator with the networks as the source of the contact; with the drive force, of the filter.
 
 use super::cases::{self, OperatingPoint, Set};
 use super::estimators::EstimatorKind;
@@ -99,14 +99,14 @@ fn figures(
     cases.iter().filter(|case| is_chosen(case)).filter_map(figure).collect()
 }
 
-fn of_filter(cases: &[Case], set: Set, value: impl Fn(&Case) -> Option<f64>) -> Vec<Figure> {
-    figures(cases, |case| case.set == set && case.estimator == EstimatorKind::Filter, value)
+fn of_controller(cases: &[Case], set: Set, value: impl Fn(&Case) -> Option<f64>) -> Vec<Figure> {
+    figures(cases, |case| case.set == set && case.estimator == EstimatorKind::Network, value)
 }
 
 fn single(cases: &[Case], is_mass: bool) -> Vec<Figure> {
     let chosen = |case: &Case| {
         let of_mass = case.world.starts_with("mass");
-        case.set == Set::SingleParameter && case.estimator == EstimatorKind::Filter && of_mass == is_mass
+        case.set == Set::SingleParameter && case.estimator == EstimatorKind::Network && of_mass == is_mass
     };
     figures(cases, chosen, |case| Some(case.force_share()))
 }
@@ -115,7 +115,7 @@ fn robust(cases: &[Case], world: &str, value: fn(&Case) -> f64) -> Vec<Figure> {
     const POINT: OperatingPoint =
         OperatingPoint { bearing: Bearing::Babbitt, clearance_mm: 0.5, load_kn: 10.0 };
     let chosen =
-        |case: &Case| case.world == world && case.estimator == EstimatorKind::Filter && case.point == POINT;
+        |case: &Case| case.world == world && case.estimator == EstimatorKind::Network && case.point == POINT;
     figures(cases, chosen, |case| Some(value(case)))
 }
 
@@ -123,7 +123,7 @@ fn robust(cases: &[Case], world: &str, value: fn(&Case) -> f64) -> Vec<Figure> {
 /// are not independent, so a coverage is a property of many worlds.
 fn pooled(cases: &[Case], value: fn(&Case) -> Option<f64>) -> Vec<Figure> {
     let mean = |point: OperatingPoint| {
-        let of_point = of_filter(cases, Set::Drawn, |case| value(case).filter(|_| case.point == point));
+        let of_point = of_controller(cases, Set::Drawn, |case| value(case).filter(|_| case.point == point));
         let sum: f64 = of_point.iter().map(|figure| figure.value).sum();
         let of = || format!("{}, drawn worlds", point.name());
         (!of_point.is_empty()).then(|| Figure { value: sum / of_point.len() as f64, of: of() })
@@ -140,7 +140,7 @@ const GOALS: &[Goal] = &[
         what: "exact world: force within .25 % rms of full scale",
         unit: SHARE,
         limit: Limit::AtMost(0.0025),
-        figures: |cases| of_filter(cases, Set::Exact, |case| Some(case.force_share())),
+        figures: |cases| of_controller(cases, Set::Exact, |case| Some(case.force_share())),
     },
     Goal {
         name: "single_parameter_force",
@@ -161,14 +161,14 @@ const GOALS: &[Goal] = &[
         what: "drawn worlds: force within 1.0 % rms",
         unit: SHARE,
         limit: Limit::AtMost(0.01),
-        figures: |cases| of_filter(cases, Set::Drawn, |case| Some(case.force_share())),
+        figures: |cases| of_controller(cases, Set::Drawn, |case| Some(case.force_share())),
     },
     Goal {
         name: "drawn_force_max",
         what: "drawn worlds: largest force error at most 6 %",
         unit: SHARE,
         limit: Limit::AtMost(0.06),
-        figures: |cases| of_filter(cases, Set::Drawn, |case| Some(case.max_share())),
+        figures: |cases| of_controller(cases, Set::Drawn, |case| Some(case.max_share())),
     },
     Goal {
         name: "drive_force",
@@ -178,7 +178,7 @@ const GOALS: &[Goal] = &[
         figures: |cases| {
             let chosen = |case: &Case| {
                 let set = matches!(case.set, Set::Exact | Set::Drawn);
-                set && case.estimator == EstimatorKind::FilterWithDriveForce
+                set && case.estimator == EstimatorKind::LawWithDriveForce
             };
             figures(cases, chosen, |case| Some(case.force_share()))
         },
@@ -191,7 +191,7 @@ const GOALS: &[Goal] = &[
         figures: |cases| {
             let chosen = |case: &Case| {
                 let set = matches!(case.set, Set::Exact | Set::Drawn);
-                set && case.estimator == EstimatorKind::Filter
+                set && case.estimator == EstimatorKind::Network
             };
             figures(cases, chosen, |case| case.zero_without_contact)
         },
@@ -208,7 +208,9 @@ const GOALS: &[Goal] = &[
         what: "no tick of any world with a standard deviation of 0",
         unit: "N",
         limit: Limit::Above(0.0),
-        figures: |cases| figures(cases, |case| case.estimator == EstimatorKind::Filter, |case| case.min_sd_n),
+        figures: |cases| {
+            figures(cases, |case| case.estimator == EstimatorKind::Network, |case| case.min_sd_n)
+        },
     },
     Goal {
         name: "stribeck_rise",
@@ -250,28 +252,28 @@ const GOALS: &[Goal] = &[
         what: "exact world: friction torque within 3 % rms of full scale",
         unit: SHARE,
         limit: Limit::AtMost(0.03),
-        figures: |cases| of_filter(cases, Set::Exact, |case| Some(case.torque_share())),
+        figures: |cases| of_controller(cases, Set::Exact, |case| Some(case.torque_share())),
     },
     Goal {
         name: "exact_torque_reversal",
         what: "the same around reversals of sliding",
         unit: SHARE,
         limit: Limit::AtMost(0.03),
-        figures: |cases| of_filter(cases, Set::Exact, Case::torque_reversal_share),
+        figures: |cases| of_controller(cases, Set::Exact, Case::torque_reversal_share),
     },
     Goal {
         name: "drawn_torque",
         what: "drawn worlds: friction torque within 6 % rms",
         unit: SHARE,
         limit: Limit::AtMost(0.06),
-        figures: |cases| of_filter(cases, Set::Drawn, |case| Some(case.torque_share())),
+        figures: |cases| of_controller(cases, Set::Drawn, |case| Some(case.torque_share())),
     },
     Goal {
         name: "drawn_torque_reversal",
         what: "the same around reversals of sliding",
         unit: SHARE,
         limit: Limit::AtMost(0.06),
-        figures: |cases| of_filter(cases, Set::Drawn, Case::torque_reversal_share),
+        figures: |cases| of_controller(cases, Set::Drawn, Case::torque_reversal_share),
     },
 ];
 
@@ -363,7 +365,7 @@ mod tests {
             failed.map(|verdict| verdict.name).collect::<Vec<_>>()
         };
         let in_world = |world: &'static str| {
-            move |case: &Case| case.estimator == EstimatorKind::Filter && case.world == world
+            move |case: &Case| case.estimator == EstimatorKind::Network && case.world == world
         };
         let force: fn(&mut Case) = |case| case.rms_n = 250.0;
         assert_eq!(failing(&in_world("exact"), force), ["exact_force"]);
@@ -371,7 +373,7 @@ mod tests {
         assert_eq!(failing(&in_world("mass+"), force), ["mass_force"]);
         assert_eq!(failing(&in_world("draw-2"), force), ["drawn_force"]);
         assert_eq!(failing(&in_world("draw-2"), |case| case.max_n = 601.0), ["drawn_force_max"]);
-        let drive = |case: &Case| case.estimator == EstimatorKind::FilterWithDriveForce;
+        let drive = |case: &Case| case.estimator == EstimatorKind::LawWithDriveForce;
         assert_eq!(failing(&drive, force), ["drive_force"]);
         let tick = |case: &Case| case.estimator == EstimatorKind::Tick;
         assert!(failing(&tick, force).is_empty());

@@ -45,12 +45,12 @@ pub(super) fn draw(outcome: &Outcome) -> Result<Pictures, CliError> {
     Ok(pictures)
 }
 
-/// The drawn world with the median error of the filter, over time.
+/// The drawn world with the median error of the estimate, over time.
 struct Shown {
     title: String,
     rows: Vec<Row>,
-    filter: Vec<Estimate>,
-    tick: Vec<Estimate>,
+    network: Vec<Estimate>,
+    law: Vec<Estimate>,
 }
 
 /// Reads a value of an estimate.
@@ -59,7 +59,7 @@ type Read = fn(&Estimate) -> f64;
 impl Shown {
     fn new(outcome: &Outcome, point: OperatingPoint) -> Result<Option<Self>, CliError> {
         let mut drawn: Vec<&Case> =
-            drawn(outcome, EstimatorKind::Filter).filter(|c| c.point == point).collect();
+            drawn(outcome, EstimatorKind::Network).filter(|c| c.point == point).collect();
         drawn.sort_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
         let Some(median) = drawn.get(drawn.len() / 2) else { return Ok(None) };
         let mut worlds = cases::worlds(&point, outcome.worlds, outcome.seed).into_iter();
@@ -69,8 +69,8 @@ impl Shown {
         let recorded = Recorded::new(&point, &real, outcome.seed);
         Ok(Some(Self {
             title: median.place(),
-            filter: recorded.estimates(&point, EstimatorKind::Filter)?,
-            tick: recorded.estimates(&point, EstimatorKind::Tick)?,
+            network: recorded.estimates(&point, EstimatorKind::Network)?,
+            law: recorded.estimates(&point, EstimatorKind::Law)?,
             rows: recorded.rows,
         }))
     }
@@ -83,7 +83,7 @@ impl Shown {
 
     /// The area within a value plus and minus two standard deviations.
     fn band(&self, span: (f64, f64), value: impl Fn(usize, &Row) -> f64, which: usize) -> Series {
-        let deviation = |i: usize| self.filter[i].deviations.map_or(0.0, |deviations| deviations[which]);
+        let deviation = |i: usize| self.network[i].deviations.map_or(0.0, |deviations| deviations[which]);
         let edge =
             |sign: f64| self.curve("", span, |i, row| value(i, row) + 2.0 * sign * deviation(i)).points;
         let mut points = edge(1.0);
@@ -102,25 +102,25 @@ impl Shown {
         let chart = Chart { title: &title, x: "time, s", y: "N", size: WIDE };
         let over = [
             self.curve("truth", whole, |_, row| row.force_y_n).styled(Style::Wide),
-            self.curve("filter", whole, |i, _| force(&self.filter[i])),
-            self.curve("tick", whole, |i, _| force(&self.tick[i])),
+            self.curve("estimate", whole, |i, _| force(&self.network[i])),
+            self.curve("with the law", whole, |i, _| force(&self.law[i])),
         ];
         let enlarged = [
             self.curve("truth", near, |_, row| row.force_y_n).styled(Style::Wide),
-            self.curve("filter", near, |i, _| force(&self.filter[i])),
-            self.band(near, |i, _| force(&self.filter[i]), 0),
+            self.curve("estimate", near, |i, _| force(&self.network[i])),
+            self.band(near, |i, _| force(&self.network[i]), 0),
         ];
         let error = [
-            self.curve("error of the filter", whole, |i, row| force(&self.filter[i]) - row.force_y_n),
+            self.curve("error of the estimate", whole, |i, row| force(&self.network[i]) - row.force_y_n),
             self.band(whole, |_, _| 0.0, 0),
         ];
         let torques = [
             self.curve("truth", near, |_, row| row.friction_torque_nm).styled(Style::Wide),
-            self.curve("filter", near, |i, _| torque(&self.filter[i])),
-            self.band(near, |i, _| torque(&self.filter[i]), 1),
+            self.curve("estimate", near, |i, _| torque(&self.network[i])),
+            self.band(near, |i, _| torque(&self.network[i]), 1),
         ];
         let half = Chart { title: "Contact force along Y around a reversal", size: HALF, ..chart };
-        let titled_error = Chart { title: "Error of the filter along Y in that world", ..chart };
+        let titled_error = Chart { title: "Error of the estimate along Y in that world", ..chart };
         let torque_chart = Chart { title: "Friction torque around the same reversal", y: "N m", ..half };
         Ok(Pictures {
             wide: vec![
@@ -130,7 +130,7 @@ impl Shown {
                     "world-error",
                     &titled_error,
                     &error,
-                    "The band is what the filter reports.",
+                    "The band is two reported deviations.",
                 )?,
             ],
             half: vec![
@@ -174,19 +174,21 @@ fn courses(outcome: &Outcome, point: OperatingPoint) -> Result<Picture, CliError
             Series::through(format!("{name}, {which}"), points)
         })
     };
-    let series = [courses("filter", EstimatorKind::Filter), courses("tick", EstimatorKind::Tick)].concat();
+    let series =
+        [courses("with networks", EstimatorKind::Network), courses("with the law", EstimatorKind::Law)]
+            .concat();
     let title = format!("Error of the force in all {} drawn worlds, {}", outcome.worlds, point.name());
     let chart = Chart { title: &title, x: "time, s", y: "rms, % of full scale", size: WIDE };
     let caption = "Rms of the force vector's error in sections of a hundredth of the cycle.";
     Picture::draw(lines_log_y, "worlds-course", &chart, &series, caption)
 }
 
-/// Error of the filter over the error of the tick, a point for each drawn world.
+/// Error with the networks over the error with the law, a point for each drawn world.
 fn every_world(outcome: &Outcome) -> Result<Picture, CliError> {
     let of_bearing = |bearing: bench::BearingMaterial| {
-        let pairs = drawn(outcome, EstimatorKind::Tick).zip(drawn(outcome, EstimatorKind::Filter));
-        let pairs = pairs.filter(|(tick, _)| tick.point.material() == bearing);
-        let points = pairs.map(|(tick, filter)| (100.0 * tick.force_share(), 100.0 * filter.force_share()));
+        let pairs = drawn(outcome, EstimatorKind::Law).zip(drawn(outcome, EstimatorKind::Network));
+        let pairs = pairs.filter(|(law, _)| law.point.material() == bearing);
+        let points = pairs.map(|(law, network)| (100.0 * law.force_share(), 100.0 * network.force_share()));
         Series::through(bearing.name(), points.collect()).styled(Style::Points)
     };
     let mut series = BEARINGS.map(of_bearing).to_vec();
@@ -197,10 +199,10 @@ fn every_world(outcome: &Outcome) -> Result<Picture, CliError> {
     }
     let chart = Chart {
         title: "Rms error of every drawn world, % of full scale",
-        x: "tick, %",
-        y: "filter, %",
+        x: "with the law, %",
+        y: "with networks, %",
         size: HALF,
     };
-    let caption = "A point for each world; below the line the filter is better.";
+    let caption = "A point for each world; below the line the networks are better.";
     Picture::draw(lines_log_log, "worlds-every", &chart, &series, caption)
 }

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::cases::{OperatingPoint, Set};
-use super::estimators::EstimatorKind::{self, Filter, FilterWithDriveForce, Tick};
+use super::estimators::EstimatorKind::{self, Law, LawWithDriveForce, Network};
 use super::goals::{Limit, Verdict};
 use super::pictures::Pictures;
 use super::score::{Case, START_S};
@@ -23,9 +23,9 @@ const FORCE_HEADER: [&str; 10] = [
     "largest error",
     "in 2 sd",
     "with drive force, worst",
-    "tick, exact",
-    "tick, median",
-    "tick, worst",
+    "law, exact",
+    "law, median",
+    "law, worst",
 ];
 const TORQUE_HEADER: [&str; 9] = [
     "torque, % of full scale",
@@ -34,9 +34,9 @@ const TORQUE_HEADER: [&str; 9] = [
     "drawn, worst",
     "at reversals, worst",
     "in 2 sd",
-    "tick, exact",
-    "tick, median",
-    "tick, worst",
+    "law, exact",
+    "law, median",
+    "law, worst",
 ];
 const WORLD_HEADER: [&str; 7] = [
     "force, % of full scale",
@@ -45,7 +45,7 @@ const WORLD_HEADER: [&str; 7] = [
     "largest error",
     "in 2 sd, fewest",
     "with drive force, worst",
-    "tick, worst",
+    "law, worst",
 ];
 
 fn percent(share: f64) -> String {
@@ -80,9 +80,9 @@ impl<'a> Selection<'a> {
         percent(self.spread(estimator, value).largest)
     }
 
-    /// Mean coverage of the filter.
+    /// Mean coverage with the networks.
     fn inside(&self, value: fn(&Case) -> Option<f64>) -> Option<f64> {
-        let inside: Vec<f64> = self.of(Filter).filter_map(value).collect();
+        let inside: Vec<f64> = self.of(Network).filter_map(value).collect();
         (!inside.is_empty()).then(|| inside.iter().sum::<f64>() / inside.len() as f64)
     }
 }
@@ -103,15 +103,15 @@ fn force_rows(outcome: &Outcome) -> Rows {
         let [exact, drawn] = exact_and_drawn(outcome, point);
         vec![
             point.name(),
-            exact.worst(Filter, Case::force_share),
-            drawn.median(Filter, Case::force_share),
-            drawn.worst(Filter, Case::force_share),
-            drawn.worst(Filter, Case::max_share),
+            exact.worst(Network, Case::force_share),
+            drawn.median(Network, Case::force_share),
+            drawn.worst(Network, Case::force_share),
+            drawn.worst(Network, Case::max_share),
             percent_or_none(drawn.inside(|case| case.inside_2sd)),
-            drawn.worst(FilterWithDriveForce, Case::force_share),
-            exact.worst(Tick, Case::force_share),
-            drawn.median(Tick, Case::force_share),
-            drawn.worst(Tick, Case::force_share),
+            drawn.worst(LawWithDriveForce, Case::force_share),
+            exact.worst(Law, Case::force_share),
+            drawn.median(Law, Case::force_share),
+            drawn.worst(Law, Case::force_share),
         ]
     };
     points(outcome).map(row).collect()
@@ -122,14 +122,14 @@ fn torque_rows(outcome: &Outcome) -> Rows {
         let [exact, drawn] = exact_and_drawn(outcome, point);
         vec![
             point.name(),
-            exact.worst(Filter, Case::torque_share),
-            drawn.median(Filter, Case::torque_share),
-            drawn.worst(Filter, Case::torque_share),
-            drawn.worst(Filter, |case| case.torque_reversal_share().unwrap_or_default()),
+            exact.worst(Network, Case::torque_share),
+            drawn.median(Network, Case::torque_share),
+            drawn.worst(Network, Case::torque_share),
+            drawn.worst(Network, |case| case.torque_reversal_share().unwrap_or_default()),
             percent_or_none(drawn.inside(|case| case.torque_inside_2sd)),
-            exact.worst(Tick, Case::torque_share),
-            drawn.median(Tick, Case::torque_share),
-            drawn.worst(Tick, Case::torque_share),
+            exact.worst(Law, Case::torque_share),
+            drawn.median(Law, Case::torque_share),
+            drawn.worst(Law, Case::torque_share),
         ]
     };
     points(outcome).map(row).collect()
@@ -145,15 +145,15 @@ fn world_rows(outcome: &Outcome, set: Set) -> Rows {
     }
     let row = |name: &&str| {
         let of_world = Selection::new(&outcome.cases, |case| case.set == set && case.world == *name);
-        let inside = of_world.of(Filter).filter_map(|case| case.inside_2sd).reduce(f64::min);
+        let inside = of_world.of(Network).filter_map(|case| case.inside_2sd).reduce(f64::min);
         vec![
             (*name).to_owned(),
-            of_world.median(Filter, Case::force_share),
-            of_world.worst(Filter, Case::force_share),
-            of_world.worst(Filter, Case::max_share),
+            of_world.median(Network, Case::force_share),
+            of_world.worst(Network, Case::force_share),
+            of_world.worst(Network, Case::max_share),
             percent_or_none(inside),
-            of_world.worst(FilterWithDriveForce, Case::force_share),
-            of_world.worst(Tick, Case::force_share),
+            of_world.worst(LawWithDriveForce, Case::force_share),
+            of_world.worst(Law, Case::force_share),
         ]
     };
     names.iter().map(row).collect()
@@ -183,17 +183,17 @@ fn decision(verdict: &Verdict) -> (&'static str, String) {
 
 fn lead(outcome: &Outcome) -> String {
     let drawn = Selection::new(&outcome.cases, |case| case.set == Set::Drawn);
-    let (filter, tick) = (drawn.spread(Filter, Case::force_share), drawn.spread(Tick, Case::force_share));
+    let (network, law) = (drawn.spread(Network, Case::force_share), drawn.spread(Law, Case::force_share));
     let met = outcome.goals.iter().filter(|goal| goal.met == Some(true)).count();
     format!(
-        "In {} drawn worlds of each operating point the filter's force is wrong by {} % rms of full scale in \
-         the median and {} % in the worst world; the controller's tick by {} % and {} %. {met} of {} goals \
+        "In {} drawn worlds of each operating point the estimated force is wrong by {} % rms of full scale in \
+         the median and {} % in the worst world; with the analytic law in place of the networks by {} % and {} %. {met} of {} goals \
          met.",
         outcome.worlds,
-        percent(filter.median),
-        percent(filter.largest),
-        percent(tick.median),
-        percent(tick.largest),
+        percent(network.median),
+        percent(network.largest),
+        percent(law.median),
+        percent(law.largest),
         outcome.goals.len()
     )
 }
@@ -225,7 +225,7 @@ pub(super) fn page(outcome: &Outcome, pictures: &Pictures, bench: &TransmissionB
         "The truth is an independent simulator. Sensors at 10 kHz with white noise: journal {:.1} um, angle \
          {:.0} urad, load {} N, drive force {} N. Standard deviations of a drawn world: clearance {:.0} um, \
          Young's modulus {} %, moment of inertia {} %, mass {} %, friction {} %, levers {} %. Errors count \
-         from {} ms on. The controller's tick does not use the filter yet.",
+         from {} ms on.",
         1e6 * sensors.position_m,
         1e6 * sensors.angle_rad,
         sensors.load_force_n,
@@ -238,10 +238,8 @@ pub(super) fn page(outcome: &Outcome, pictures: &Pictures, bench: &TransmissionB
         100.0 * declared.lever_share,
         1e3 * START_S,
     ));
-    page.section("Goals").table(
-        &["goal", "figures of the filter", "decision"],
-        &outcome.goals.iter().map(row).collect::<Vec<_>>(),
-    );
+    page.section("Goals")
+        .table(&["goal", "figures", "decision"], &outcome.goals.iter().map(row).collect::<Vec<_>>());
     page.section("Exact and drawn worlds").table(&FORCE_HEADER, &force_rows(outcome));
     page.note(
         "Rms error of the force vector unless the heading says otherwise. In 2 sd: share of all ticks \
