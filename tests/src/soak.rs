@@ -21,7 +21,7 @@ use crate::faults::streams::bytes;
 use bench::Bench;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::{Snapshot, Transmission};
-use controller::flags::ONSET_NOT_SEEN;
+use controller::flags::CONVERGING;
 use host_sim::controller::{Controller, NativeController};
 use host_sim::run::configuration::controller_configuration;
 use host_sim::run::force::{DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ, run_bench};
@@ -230,7 +230,7 @@ impl SoakResult {
     fn add(&mut self, same: bool, flags: u32, timer_ticks: u32) {
         let instructions = f64::from(timer_ticks) / TICKS_PER_INSTRUCTION;
         self.bit_differences += u64::from(!same);
-        self.marked += u64::from(flags & !ONSET_NOT_SEEN.bits() != 0);
+        self.marked += u64::from(flags & !CONVERGING.bits() != 0);
         self.deadline_misses += u64::from(instructions > PERIOD_INSTRUCTIONS);
         self.instructions_per_tick_max = self.instructions_per_tick_max.max(instructions.round() as u64);
         // The first estimate reports no earlier tick.

@@ -149,7 +149,7 @@ mod tests {
         assert!(evaluate_goals(&[]).iter().all(|v| !v.met));
         let mut bad = [accuracy(false), accuracy(true)];
         bad[0].estimate.network.force_share = f64::NAN;
-        bad[1].gap.estimator_n = 0.1;
+        bad[1].gap.network_n = 0.1;
         let verdicts = evaluate_goals(&bad);
         assert!(!verdicts[2].paper.met && verdicts[2].held_out.met);
         assert!(verdicts[3].paper.met && !verdicts[3].held_out.met);

@@ -14,7 +14,7 @@ fn the_hello_frame_names_the_emulator_and_the_shipped_models() {
     assert_eq!((hello.magic, hello.protocol), (MAGIC, PROTOCOL_VERSION));
     assert_eq!(hello.target, Target::Emulator);
     assert_eq!(hello.clock, ClockSource::Internal, "the emulator has no PLL to bring up");
-    assert_eq!(usize::from(hello.window), controller::estimator::WINDOW);
+    assert_eq!(usize::from(hello.window), inference::WINDOW);
     assert!(!hello.build_id.as_str().is_empty());
     let shipped = BearingMaterial::ALL.map(|bearing| {
         let model: Model = Model::load(shipped(bearing)).unwrap();

@@ -375,8 +375,8 @@ mod tests {
         assert_eq!(failing(&in_world("draw-2"), |case| case.max_n = 601.0), ["drawn_force_max"]);
         let drive = |case: &Case| case.estimator == EstimatorKind::LawWithDriveForce;
         assert_eq!(failing(&drive, force), ["drive_force"]);
-        let tick = |case: &Case| case.estimator == EstimatorKind::Tick;
-        assert!(failing(&tick, force).is_empty());
+        let law = |case: &Case| case.estimator == EstimatorKind::Law;
+        assert!(failing(&law, force).is_empty());
         assert_eq!(
             failing(&in_world("exact"), |case| case.zero_without_contact = Some(0.99)),
             ["without_contact"]

@@ -208,7 +208,7 @@ mod tests {
             }
         };
         let estimates: Vec<Estimate> = rows.iter().map(estimate).collect();
-        Case::new(&point, &real, EstimatorKind::Filter, &rows, &estimates)
+        Case::new(&point, &real, EstimatorKind::Network, &rows, &estimates)
     }
 
     #[test]
