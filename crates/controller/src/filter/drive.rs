@@ -116,9 +116,13 @@ impl DriveTracker {
     /// Advances the covariance by a sample and derives the gain from it.
     fn update_gain(&mut self, model: &DriveModel) {
         let moved = |matrix: &Matrix4<f32>| {
-            let [x, speed, acceleration, jerk] =
-                [0, 1, 2, 3].map(|column| model.moved(&matrix.column(column).into_owned()));
-            Matrix4::from_columns(&[x, speed, acceleration, jerk])
+            let [x, speed, acceleration, jerk] = matrix.data.0.map(Vector4::from);
+            Matrix4::from_columns(&[
+                model.moved(&x),
+                model.moved(&speed),
+                model.moved(&acceleration),
+                model.moved(&jerk),
+            ])
         };
         let mut predicted = moved(&moved(&self.covariance).transpose());
         predicted.m44 += model.jerk_noise;

@@ -162,7 +162,7 @@ impl Model {
     fn restart_motion(&self, state: &mut State, measured: &Measurement, lost: u32) {
         let noise = self.config.noise.position_m;
         let fall = self.levels.fall_speed;
-        let time = (lost.min(MAX_LOST) + 1) as f32 * self.config.sample_period_s;
+        let time = lost.min(MAX_LOST).wrapping_add(1) as f32 * self.config.sample_period_s;
         let change = (state.at.acceleration_size() + GRAVITY) * time;
         let around_sd = smaller(change, fall);
         let around = if change < fall { state.at.forces.place.around } else { 0.0 };
@@ -299,10 +299,10 @@ impl Model {
     /// Corrects the state by the measured position and, where it is measured, the drive force.
     fn correct(&self, state: &mut State, measured: &Measurement) {
         let noise = self.levels.position_variance;
-        let y = state.covariance.correct_position(0, measured.journal_y_m - state.motion.x, noise);
+        let y = state.covariance.correct_position::<0>(measured.journal_y_m - state.motion.x, noise);
         state.motion += y.motion;
         state.bias += y.bias;
-        let z = state.covariance.correct_position(1, measured.journal_z_m - state.motion.y, noise);
+        let z = state.covariance.correct_position::<1>(measured.journal_z_m - state.motion.y, noise);
         state.motion += z.motion;
         state.bias += z.bias;
         state.innovation += self.levels.innovation_share * (y.normalised + z.normalised - state.innovation);
@@ -339,7 +339,9 @@ impl Model {
         state.bias[DAMPING] = 0.0;
         let (low, high) = APPROACH_RANGE;
         let approach = state.approach * (1.0 - half) / (1.0 + half);
-        state.approach = approach.clamp(low * self.config.latch_floor_m_s, high * self.levels.fall_speed);
+        // Not `clamp`, which panics if the limits are in the wrong order.
+        let least = larger(approach, low * self.config.latch_floor_m_s);
+        state.approach = smaller(least, high * self.levels.fall_speed);
     }
 
     /// Brings deviations, accelerations and forces of a state up to date.

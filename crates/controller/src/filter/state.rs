@@ -109,17 +109,21 @@ impl Covariance {
         let (motion_y, motion_z) = (self.cross.tr_mul(along_y), self.cross.tr_mul(along_z));
         let mut motion = SMatrix::<f32, MOTION, MOTION>::zeros();
         let mut cross = SMatrix::<f32, BIAS, MOTION>::zeros();
-        let rows = [0, 1, 2, 3].map(|place| transition.row(place));
-        for (place, ([y, z, speed_y, speed_z], [by_y, by_z])) in rows.iter().enumerate() {
+        let rows = transition.rows();
+        for (place, ([y, z, speed_y, speed_z], [by_y, by_z])) in (0..MOTION).zip(&rows) {
             let column = mixed(&self.cross, [*y, *z, *speed_y, *speed_z]) + bias_y * *by_y + bias_z * *by_z;
             let moved =
                 mixed(&self.motion, [*y, *z, *speed_y, *speed_z]) + motion_y * *by_y + motion_z * *by_z;
             let (caused_y, caused_z) = (column.dot(along_y), column.dot(along_z));
-            for (other, ([y, z, speed_y, speed_z], [by_y, by_z])) in rows.iter().enumerate().skip(place) {
+            for (other, ([y, z, speed_y, speed_z], [by_y, by_z])) in (0..MOTION).zip(&rows).skip(place) {
                 let sum = moved.x * y + moved.y * z + moved.z * speed_y + moved.w * speed_z;
                 let value = sum + caused_y * by_y + caused_z * by_z;
-                motion[(other, place)] = value;
-                motion[(place, other)] = value;
+                // Not an index: its check would link a panic.
+                for at in [(other, place), (place, other)] {
+                    if let Some(element) = motion.get_mut(at) {
+                        *element = value;
+                    }
+                }
             }
             cross.set_column(place, &column);
         }
@@ -193,10 +197,10 @@ impl Covariance {
     }
 
     /// Corrects by the position of the journal along an axis, 0 for y and 1 for z.
-    pub(super) fn correct_position(&mut self, axis: usize, innovation: f32, noise: f32) -> Correction {
-        let motion = self.motion.column(axis).into_owned();
-        let bias = self.cross.column(axis).into_owned();
-        let variance = motion[axis];
+    pub(super) fn correct_position<const AXIS: usize>(&mut self, innovation: f32, noise: f32) -> Correction {
+        let motion = self.motion.column(AXIS).into_owned();
+        let bias = self.cross.column(AXIS).into_owned();
+        let variance = motion[AXIS];
         self.correct(&Projection { motion, bias, variance }, innovation, noise)
     }
 
@@ -219,13 +223,16 @@ impl Covariance {
 }
 
 impl Transition {
-    /// Returns the derivatives of a state of the motion over the motion, and its response to the
+    /// Returns, for each state of the motion, its derivatives over the motion and its response to the
     /// accelerations.
-    fn row(&self, place: usize) -> ([f32; MOTION], [f32; 2]) {
-        let (block, row) = (place / 2, place % 2);
-        let [position, speed, response] =
-            [&self.by_position, &self.by_speed, &self.response].map(|parts| parts[block].row(row));
-        ([position[0], position[1], speed[0], speed[1]], [response[0], response[1]])
+    fn rows(&self) -> [([f32; MOTION], [f32; 2]); MOTION] {
+        let Self { by_position: [p, q], by_speed: [u, v], response: [r, s], .. } = self;
+        [
+            ([p.m11, p.m12, u.m11, u.m12], [r.m11, r.m12]),
+            ([p.m21, p.m22, u.m21, u.m22], [r.m21, r.m22]),
+            ([q.m11, q.m12, v.m11, v.m12], [s.m11, s.m12]),
+            ([q.m21, q.m22, v.m21, v.m22], [s.m21, s.m22]),
+        ]
     }
 }
 

@@ -21,7 +21,7 @@ use inference::{
     shipped,
 };
 use controller::filter::Filter;
-use link::{ESTIMATE_FRAME, EstimateLayout, NumberedEstimate, encode_estimate};
+use link::{ESTIMATE_FRAME, EstimateLayout, NumberedEstimate, VALUES, encode_estimate};
 use on_target::filter::Orbit;
 use on_target::network::{COLUMNS, INPUTS, Reference, Room, random, read, reference_shapes};
 use on_target::noise::Noise;
@@ -217,13 +217,13 @@ fn frame(counter: &Counter) {
         let sparse = noise.bits();
         let mut byte = |at: usize| if sparse >> (at % 32) & 1 == 0 { 0 } else { noise.bits() as u8 };
         let first = [byte(0), byte(1), byte(2)];
-        let words: [[u8; 4]; 11] =
+        let words: [[u8; 4]; VALUES + 5] =
             core::array::from_fn(|word| core::array::from_fn(|at| byte(4 * word + at)));
         let estimate = NumberedEstimate::from(EstimateLayout(first, words));
         let mut frame = [0; ESTIMATE_FRAME];
         let computed = WordSum::from_words(&estimate.estimate.value_bits());
         let count = counter.count(|| {
-            let check = |values: &[u32; 6]| WordSum::from_words(values).difference(computed);
+            let check = |values: &[u32; VALUES]| WordSum::from_words(values).difference(computed);
             encode_estimate(black_box(&estimate), check, &mut frame);
         });
         black_box(frame);
