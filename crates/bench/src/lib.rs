@@ -1,5 +1,6 @@
 //! Plants of the test benches, their measured logs and the integrator.
 //!
+//! * [`schema`]: fields of a description as data.
 //! * [`signals`]: channels, motions over time, sensors, white noise.
 //! * [`log`]: measured logs as CSV, Parquet and MAT files.
 //! * [`description`]: the data of a bench description, [`Bench`], and the facts of its plants.
@@ -19,6 +20,7 @@ pub mod known_answers;
 pub mod log;
 pub mod plants;
 pub mod reading;
+pub mod schema;
 pub mod signals;
 pub mod simulate;
 
