@@ -9,6 +9,7 @@
 //! * [`plants`]: equations of motion, friction and energy of each plant.
 //! * [`reading`]: presets, parsing and checking of a description.
 //! * [`simulate`]: runs, records and responses of a bench.
+//! * [`template`]: a description as a template for a log.
 //! * [`known_answers`]: the plants against published references.
 #![forbid(unsafe_code)]
 
@@ -23,6 +24,7 @@ pub mod reading;
 pub mod schema;
 pub mod signals;
 pub mod simulate;
+pub mod template;
 
 pub use contact::BearingMaterial;
 pub use description::{Bench, DescriptionError};

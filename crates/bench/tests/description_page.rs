@@ -18,7 +18,7 @@ template for a log; the files in `examples` and `crates/bench/presets` are compl
   missing field with its line; exit code 2. A value `\"?\"` counts as not filled in.
 * The ranges are far beyond any machine: they protect the model from overflow and endless runs. A
   few depend on other fields; their meaning says so.
-* Units of an axis are those of a rotary or a linear axis: `N m or N`.
+* Units of an axis are those of a linear or a rotary axis: `N or N m`.
 
 The first entry is always `plant`, the name of the plant. It determines the sections.
 ";
@@ -151,7 +151,7 @@ fn every_field_of_every_preset_is_in_the_sections_of_its_plant() {
 }
 
 #[test]
-fn every_field_has_a_meaning_and_a_number_with_a_suffix_its_unit() {
+fn every_section_and_every_field_has_a_meaning() {
     for plant in Bench::PLANTS {
         for section in Bench::sections(plant).unwrap() {
             assert!(section.meaning.ends_with('.'), "{}: {}", section.name, section.meaning);

@@ -14,15 +14,15 @@ section! {
         /// `rotary` (angle, torque) or `linear` (position, force).
         kind: AxisKind,
         /// Moment of inertia, or mass of a linear axis.
-        inertia: f64 [0.0, 1e9, "kg m2 or kg"],
+        inertia: f64 [0.0, 1e9, "kg or kg m2"],
         /// Radius at which friction acts; 1 for a linear axis.
         friction_radius_m: f64 [1e-6, 1e3],
         /// Share of the load that the measured effort contains (0: none; a cylinder's force: 1).
         load_gain: f64 [-1e3, 1e3],
         /// Dry friction that does not depend on the load.
-        coulomb_effort: f64 [0.0, HUGE, "N m or N"],
+        coulomb_effort: f64 [0.0, HUGE, "N or N m"],
         /// Viscous friction per speed.
-        viscous_effort: f64 [0.0, HUGE, "N m s/rad or N s/m"],
+        viscous_effort: f64 [0.0, HUGE, "N s/m or N m s/rad"],
         /// Coefficient of load-dependent dry friction.
         load_coefficient: f64 [0.0, 10.0],
         /// Width of the regularised sign: speed at the friction radius below which friction rises
@@ -30,11 +30,11 @@ section! {
         regularisation_m_s: f64 [TINY, 1e3],
         /// Difference of the dry effort between the directions, half of it each way.
         #[serde(default)]
-        coulomb_asymmetry: f64 [-HUGE, HUGE, "N m or N"],
+        coulomb_asymmetry: f64 [-HUGE, HUGE, "N or N m"],
         /// Period of the sinusoidal motion, for records.
         period_s: f64 [1e-3, 1e6],
         /// Amplitude of the motion (half the stroke), for records.
-        amplitude: f64 [1e-9, 1e6, "rad or m"],
+        amplitude: f64 [1e-9, 1e6, "m or rad"],
         /// Cycles of a record.
         #[serde(default = "one_cycle")]
         cycles: u32 [1.0, 1e6],

@@ -31,9 +31,9 @@ use crate::schema::{HUGE, TINY, section};
 section! {
     /// Force of the load cylinder.
     Load {
-        /// Force along +Y in N.
+        /// Load; on the transmission bench positive along +Y.
         force_n: f64 [-1e7, 1e7],
-        /// Length of the raised-cosine ramp at the start, s.
+        /// Length of the raised-cosine ramp at the start.
         ramp_s: f64 [TINY, HUGE],
     }
 }

@@ -208,12 +208,12 @@ size = 1.0
     fn every_flaw_of_a_description_is_reported_in_one_message_with_its_line() {
         let error = Bench::parse("x.toml", FLAWED).unwrap_err().to_string();
         for expected in [
-            "line 4: axis.inertia is not filled in; expected a number, 0 to 1e9 kg m2 or kg",
+            "line 4: axis.inertia is not filled in; expected a number, 0 to 1e9 kg or kg m2",
             "line 5: axis.frction_radius_m is an unknown field; expected one of kind, inertia,",
             "line 2: axis.friction_radius_m is missing; expected a number, 1e-6 to 1000 m (radius at which",
             "line 6: axis.load_gain is 1e9; expected -1000 to 1000",
             "line 2: axis.viscous_effort is missing; expected a number,",
-            "line 11: axis.amplitude is true; expected a number, 1e-9 to 1000000 rad or m",
+            "line 11: axis.amplitude is true; expected a number, 1e-9 to 1000000 m or rad",
             "line 13: axis.dwell_s is 0.5; expected 0 to 0 s",
             "line 16: load.ramp_s is 0; expected 1e-12 to 1e12 s",
             "\n  logging is missing; expected `[logging]` with sample_rate_hz",
