@@ -2,7 +2,8 @@
 
 use clap::{Parser, Subcommand};
 use host_sim::commands::{
-    accuracy, check, describe, diagnose, evaluate, figures, flash, laws, link, record, replay, run, sweep, update, validate,
+    accuracy, check, describe, diagnose, evaluate, figures, flash, laws, link, record, replay, run, sweep,
+    update, validate,
 };
 use host_sim::run::RunArgs;
 use std::process::ExitCode;

@@ -27,10 +27,27 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
+/// Prose in lines of at most 100 columns.
+fn wrapped(text: &str) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= 100 => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.into()),
+        }
+    }
+    lines.join("\n")
+}
+
 /// Values that a field allows: names, or a range.
 fn values(field: &FieldEntry) -> String {
     match field.kind {
-        FieldKind::Name(names) => names().iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        FieldKind::Name(names) => {
+            names().iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+        }
         FieldKind::Number | FieldKind::NumberPerChannel if field.range.is_none() => "number".into(),
         FieldKind::Number | FieldKind::NumberPerChannel | FieldKind::Integer => {
             let expected = field.expected();
@@ -67,7 +84,8 @@ fn write_section(page: &mut String, section: &SectionEntry, level: &str) {
         Shape::PerParameter => format!("`[{name}]`, `\"section.field\" = number`"),
         Shape::Effects => format!("`[[{name}]]`"),
     };
-    let _ = write!(page, "\n{level} {heading}\n\n{} ({required})\n", section.meaning.trim_end_matches('.'));
+    let meaning = wrapped(&format!("{} ({required}).", section.meaning.trim_end_matches('.')));
+    let _ = write!(page, "\n{level} {heading}\n\n{meaning}\n");
     if !section.fields.is_empty() {
         page.push_str("\n| field | unit | values | default | meaning |\n|---|---|---|---|---|\n");
         section.fields.iter().for_each(|field| page.push_str(&row(section, field)));
@@ -77,7 +95,8 @@ fn write_section(page: &mut String, section: &SectionEntry, level: &str) {
 /// Names of a plant's parameters that may be declared uncertain: those of its sections.
 fn parameters(plant: &str) -> Vec<String> {
     let mut bench = preset(plant);
-    let sections = Bench::sections(plant).unwrap().into_iter().filter(|section| section.shape == Shape::Table);
+    let sections =
+        Bench::sections(plant).unwrap().into_iter().filter(|section| section.shape == Shape::Table);
     let names = sections.flat_map(|section| {
         section.fields.iter().map(move |field| format!("{}.{}", section.name, field.name))
     });
@@ -92,9 +111,9 @@ fn preset(plant: &str) -> Bench {
 fn page() -> String {
     let mut page = String::from(HEAD);
     let is_common = |section: &SectionEntry| {
-        Bench::PLANTS.iter().all(|plant| {
-            Bench::sections(plant).unwrap().iter().any(|other| other.name == section.name)
-        })
+        Bench::PLANTS
+            .iter()
+            .all(|plant| Bench::sections(plant).unwrap().iter().any(|other| other.name == section.name))
     };
     for plant in Bench::PLANTS {
         let _ = write!(page, "\n## `plant = \"{plant}\"`\n");
@@ -104,7 +123,8 @@ fn page() -> String {
         let names = parameters(plant);
         if !names.is_empty() {
             let list = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-            let _ = write!(page, "\nParameters for `[uncertain]`:\n{list}.\n");
+            let list = wrapped(&format!("Parameters for `[uncertain]`: {list}."));
+            let _ = write!(page, "\n{list}\n");
         }
     }
     page.push_str("\n## Sections of every plant with a log\n");
@@ -144,7 +164,9 @@ fn every_field_of_every_preset_is_in_the_sections_of_its_plant() {
             let entry = sections.iter().find(|entry| entry.name == section).unwrap();
             if entry.shape == Shape::Table {
                 let names = value.as_table().unwrap().keys();
-                names.for_each(|field| assert!(entry.fields.iter().any(|e| e.name == field), "{section}.{field}"));
+                names.for_each(|field| {
+                    assert!(entry.fields.iter().any(|e| e.name == field), "{section}.{field}")
+                });
             }
         }
     }

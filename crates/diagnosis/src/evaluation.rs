@@ -193,7 +193,8 @@ mod tests {
         let bench = rig();
         let mut other = bench.clone();
         other.axis_mut().unwrap().axis.coulomb_effort += 10.0;
-        let named = |name: &str, bench: &Bench| MeasuredLog { source: name.into(), ..record(bench, 5).unwrap() };
+        let named =
+            |name: &str, bench: &Bench| MeasuredLog { source: name.into(), ..record(bench, 5).unwrap() };
         let logs = [named("a", &bench), named("b", &other)];
         let evaluation = evaluate(&bench, &logs).unwrap();
         let rms = |name: &str| {

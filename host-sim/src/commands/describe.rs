@@ -64,7 +64,7 @@ pub fn run(args: &DescribeArgs) -> Result<(), CliError> {
         _ if args.json => print_line!("{}", output::json(&Described { template, description })?),
         None => print_line!("{}", template.toml.trim_end()),
         Some(path) => {
-            print_line!("{path}: {} values to fill in", template.to_fill_in.len());
+            print_line!("{path}: to fill in:");
             template.to_fill_in.iter().for_each(|name| print_line!("  {name}"));
         }
     }

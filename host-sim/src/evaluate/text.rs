@@ -16,12 +16,11 @@ pub(super) fn channels(evaluation: &Evaluation) -> Table {
             c.noise_source.into(),
             four_digits(c.mean),
             four_digits(c.max),
-            four_digits(c.measured_rms),
             c.samples.to_string(),
         ]
     };
     Table {
-        header: &["channel", "unit", "error, rms", "noise, rms", "noise from", "mean", "largest", "signal, rms", "samples"],
+        header: &["channel", "unit", "error, rms", "noise, rms", "noise from", "mean", "largest", "samples"],
         rows: evaluation.channels.iter().map(row).collect(),
     }
 }

@@ -17,7 +17,8 @@ pub(crate) fn text(inspection: &Inspection) -> String {
     let (wrong, doubtful) = (graver(Severity::Wrong), graver(Severity::Doubtful));
     let _ = writeln!(out, "findings: {wrong} wrong, {doubtful} doubtful");
     push_findings(&mut out, &inspection.checks);
-    let header = ["channel", "role", "unit", "smallest", "largest", "step", "noise", "noise from", "declared"];
+    let header =
+        ["channel", "role", "unit", "smallest", "largest", "step", "noise", "noise from", "declared"];
     let _ = write!(out, "\n{}\n", text_table(header, inspection.channels.iter().map(channel), 3));
     push_parameters(&mut out, inspection);
     for remark in &inspection.not_determined {
@@ -34,7 +35,8 @@ pub(crate) fn text(inspection: &Inspection) -> String {
 
 fn log_words(log: &LogSummary) -> String {
     let rate_hz = (log.rows.max(2) - 1) as f64 / log.duration_s.max(f64::MIN_POSITIVE);
-    let cycles = if log.cycles > 0.0 { format!("{:.1} cycles", log.cycles) } else { "no repeated motion".into() };
+    let cycles =
+        if log.cycles > 0.0 { format!("{:.1} cycles", log.cycles) } else { "no repeated motion".into() };
     format!(
         "{}: {} rows in {} s, {} per second, {cycles}",
         short(&log.log),
@@ -61,7 +63,9 @@ fn channel(c: &ChannelQuality) -> Vec<String> {
 
 fn push_parameters(out: &mut String, inspection: &Inspection) {
     if inspection.parameters.is_empty() {
-        out.push_str("\nThe description declares no parameter in `[uncertain]`: a calibration would move nothing.\n");
+        out.push_str(
+            "\nThe description declares no parameter in `[uncertain]`: a calibration would move nothing.\n",
+        );
         return;
     }
     let row = |p: &DeclaredParameter| {
@@ -75,6 +79,10 @@ fn push_parameters(out: &mut String, inspection: &Inspection) {
         ]
     };
     let header =
-        ["declared parameter", "described", "deviation", "deviation with these logs", "change/noise", "determined"];
-    let _ = write!(out, "\n{}\n", text_table(header, inspection.parameters.iter().map(row), 1));
+        ["declared parameter", "described", "deviation", "with the logs", "change/noise", "determined"];
+    let _ = write!(
+        out,
+        "\n{}\nas if the model were right and the sensors' noise the only error\n",
+        text_table(header, inspection.parameters.iter().map(row), 1)
+    );
 }

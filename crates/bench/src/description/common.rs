@@ -30,7 +30,8 @@ pub(super) fn sections() -> Vec<SectionEntry> {
                      as `\"shaft.mass_kg\" = 3.0`. A larger deviation is a finding.";
     let nuisances = "Standard deviations of parameters of which each log has its own value.";
     let columns = "Columns of a foreign log by signal, `t_s` or a channel: `scale * field + offset`.";
-    let effects = "Deviations from the nominal model: `name`, parameters and, for a sensor effect, `channel`.";
+    let effects =
+        "Deviations from the nominal model: `name`, parameters and, for a sensor effect, `channel`.";
     let common = [
         SectionEntry::new::<Sensor>("sensors", sensors.into(), Shape::PerChannel),
         SectionEntry::new::<String>("uncertain", uncertain.into(), Shape::PerParameter),

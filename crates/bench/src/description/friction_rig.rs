@@ -41,8 +41,8 @@ section! {
         /// Standstill before each half cycle of a record; 0 with a sweep.
         #[serde(default, skip_serializing_if = "is_zero")]
         dwell_s: f64 [0.0, 1e6],
-        /// Period at the end of a record, with a frequency that changes linearly; at least 0.001 s, or
-        /// 0 for a constant frequency.
+        /// Period at the end of a record, with a frequency that changes linearly; at least 0.001 s,
+        /// or 0 for a constant frequency.
         #[serde(default, skip_serializing_if = "is_zero")]
         last_period_s: f64 [0.0, 1e6],
         /// True if a record starts backwards.

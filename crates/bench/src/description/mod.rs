@@ -13,6 +13,7 @@ mod plant;
 mod slider_crank;
 mod transmission;
 
+pub(crate) use crate::schema::format_number;
 pub use bench::Bench;
 pub use common::Common;
 pub use effect::{Effect, Plant};
@@ -21,7 +22,6 @@ pub use extension::*;
 pub use friction_rig::*;
 pub use law_names::{CompleteLawName, DampingName, DissipationName, FrictionName, StiffnessName};
 pub use nuisances::Nuisances;
-pub(crate) use crate::schema::format_number;
 pub use plant::{CommonSections, DriveChannels, Field, PlantDescription, Range, Refusal};
 pub use slider_crank::*;
 pub use transmission::*;

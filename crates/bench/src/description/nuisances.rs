@@ -50,7 +50,8 @@ impl Nuisances {
     /// Returns the declarations of inputs, which are not allowed.
     pub(crate) fn refusals(&self) -> Vec<Refusal> {
         let tables = [("offset", &self.offset), ("delay_s", &self.delay_s)];
-        let of_channels = tables.into_iter().flat_map(|(table, values)| values.keys().map(move |c| (table, c)));
+        let of_channels =
+            tables.into_iter().flat_map(|(table, values)| values.keys().map(move |c| (table, c)));
         let expected = "an output, which is compared with the simulation, such as drive_force_n";
         of_channels
             .filter(|(_, channel)| channel.role() == Role::Input)
@@ -99,12 +100,18 @@ mod tests {
                 "[nuisances]\ntemperature_start_k = -1.0",
                 "nuisances.temperature_start_k is -1; expected 0 to 1000 K",
             ),
-            ("[nuisances]\nhumidity = 1.0", "nuisances.humidity is an unknown field; expected one of temperature_start_k,"),
+            (
+                "[nuisances]\nhumidity = 1.0",
+                "nuisances.humidity is an unknown field; expected one of temperature_start_k,",
+            ),
             (
                 "[nuisances.offset]\ndrive_torque_nm = -0.5",
                 "nuisances.offset.drive_torque_nm is -0.5; expected",
             ),
-            ("[nuisances.offset]\ntorque = 0.5", "nuisances.offset.torque is an unknown channel; expected one of"),
+            (
+                "[nuisances.offset]\ntorque = 0.5",
+                "nuisances.offset.torque is an unknown channel; expected one of",
+            ),
             (
                 "[nuisances.offset]\nload_force_n = 9.0",
                 "nuisances.offset.load_force_n is of an input; expected an output",

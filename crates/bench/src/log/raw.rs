@@ -80,8 +80,11 @@ mod tests {
         let text = "Zeit [ms];Weg [mm];Name\n0;1,5;a\n10;;b\n20;2,5;c\n";
         let log = RawLog::from_bytes("a.csv", text.as_bytes().to_vec()).unwrap_err().to_string();
         assert!(log.starts_with("a.csv: found no columns of numbers") || log.contains("no columns"), "{log}");
-        let log = RawLog::from_bytes("a.csv", text.replace(";Name", "").replace(";a", "").replace(";b", "")
-            .replace(";c", "").into_bytes()).unwrap();
+        let log = RawLog::from_bytes(
+            "a.csv",
+            text.replace(";Name", "").replace(";a", "").replace(";b", "").replace(";c", "").into_bytes(),
+        )
+        .unwrap();
         assert!(log.format.decimal_comma && log.format.header);
         assert_eq!(log.columns[1].name, "Weg [mm]");
         assert_eq!(log.columns[1].range(), Some((1.5, 2.5)));

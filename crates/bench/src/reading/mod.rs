@@ -8,9 +8,7 @@ pub use laws::integrates_friction;
 pub use structure::FILL_IN;
 
 use crate::atomic;
-use crate::description::{
-    Bench, DescriptionError, Flaw, FrictionRig, SliderCrankBench, TransmissionBench,
-};
+use crate::description::{Bench, DescriptionError, Flaw, FrictionRig, SliderCrankBench, TransmissionBench};
 use crate::schema::Placeholder;
 use std::path::Path;
 use structure::Structure;
@@ -42,8 +40,8 @@ impl Bench {
         Self::parse(name_or_file, &text)
     }
 
-    /// Parses and checks a description; `file` names it in messages. The error lists every wrong and
-    /// every missing entry.
+    /// Parses and checks a description; `file` names it in messages. The error lists every wrong
+    /// and every missing entry.
     pub fn parse(file: &str, text: &str) -> Result<Self, DescriptionError> {
         let malformed =
             |e: toml::de::Error| DescriptionError::Malformed { file: file.into(), message: e.to_string() };

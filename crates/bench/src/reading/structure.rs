@@ -128,7 +128,9 @@ impl<'a> Structure<'a> {
                     let path = [name, key.get_ref()];
                     self.note_line(&path, key.span().start);
                     match value.get_ref().as_table() {
-                        _ if !is_known(path[1]) => self.refuse_unknown(&path, "an unknown channel", &channels()),
+                        _ if !is_known(path[1]) => {
+                            self.refuse_unknown(&path, "an unknown channel", &channels())
+                        }
                         Some(table) => self.check_fields(&path, section.fields, table),
                         None => {
                             let names: Vec<&str> = section.fields.iter().map(|field| field.name).collect();
@@ -315,9 +317,9 @@ fn number(value: &DeValue<'_>) -> Option<f64> {
     let digits = |text: &str| text.replace('_', "");
     match value {
         DeValue::Float(float) => digits(float.as_str()).parse().ok(),
-        DeValue::Integer(integer) => i64::from_str_radix(&digits(integer.as_str()), integer.radix())
-            .ok()
-            .map(|integer| integer as f64),
+        DeValue::Integer(integer) => {
+            i64::from_str_radix(&digits(integer.as_str()), integer.radix()).ok().map(|integer| integer as f64)
+        }
         _ => None,
     }
 }

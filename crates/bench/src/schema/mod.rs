@@ -10,8 +10,8 @@
 mod field_type;
 mod units;
 
-pub use field_type::{FieldKind, FieldType};
 pub(crate) use field_type::named_field;
+pub use field_type::{FieldKind, FieldType};
 
 /// Lower bound for values that must be above 0.
 pub(crate) const TINY: f64 = 1e-12;

@@ -17,10 +17,12 @@ pub(super) struct Candidate<'a> {
 pub(super) fn candidates(log: &RawLog) -> Vec<Candidate<'_>> {
     let mut all: Vec<Candidate<'_>> =
         log.columns.iter().map(|column| Candidate { column, meaning: meaning(&column.name) }).collect();
-    let is_time = |c: &Candidate<'_>| c.meaning.own == Some(TIME) || c.meaning.quantity == Some(Quantity::Time);
+    let is_time =
+        |c: &Candidate<'_>| c.meaning.own == Some(TIME) || c.meaning.quantity == Some(Quantity::Time);
     // Without names the first column that always rises is the time.
     if !all.iter().any(is_time)
-        && let Some(time) = all.iter_mut().find(|c| c.column.name.is_empty() && is_ascending(&c.column.values))
+        && let Some(time) =
+            all.iter_mut().find(|c| c.column.name.is_empty() && is_ascending(&c.column.values))
     {
         time.meaning.quantity = Some(Quantity::Time);
     }
@@ -46,6 +48,11 @@ impl Chosen<'_> {
     pub(super) fn range(&self) -> Option<(f64, f64)> {
         let ((min, max), scale) = (self.column.range()?, self.scale?);
         Some((scale * min, scale * max))
+    }
+
+    /// The same with a scale of 1 if the scale is not known.
+    pub(super) fn or_unscaled(&self) -> Self {
+        Self { scale: self.scale.or(Some(1.0)), ..self.clone() }
     }
 
     /// Finite values in SI, 0 where missing.
@@ -95,7 +102,8 @@ pub(super) fn motion_kind(candidates: &[Candidate<'_>]) -> MotionKind {
 
 /// Median interval between rows, in the column's unit.
 pub(super) fn interval(values: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = values.windows(2).filter_map(|pair| Some(pair.get(1)? - pair.first()?)).collect();
+    let mut steps: Vec<f64> =
+        values.windows(2).filter_map(|pair| Some(pair.get(1)? - pair.first()?)).collect();
     steps.retain(|step| *step > 0.0);
     steps.sort_by(f64::total_cmp);
     steps.get(steps.len() / 2).copied().unwrap_or_default()

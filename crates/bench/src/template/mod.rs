@@ -1,5 +1,5 @@
-//! Template of a bench description for a log: every required field with its meaning, unit and range,
-//! filled in as far as the log's header and amplitudes determine it.
+//! Template of a bench description for a log: every required field with its meaning, unit and
+//! range, filled in as far as the log's header and amplitudes determine it.
 //!
 //! A value that the user has to fill in is [`FILL_IN`]. A description with such a value is refused
 //! with the list of all of them.
@@ -131,8 +131,13 @@ fn signals<'a>(candidates: &[columns::Candidate<'a>], plant: TemplatePlant) -> V
         }
         TemplatePlant::Transmission => {
             let is_of_axis = |c: &&Channel| {
-                use Channel::{BearingTemperature, DriveTorque, Position, SpindleAngle, SpindleSpeed, Velocity};
-                matches!(c, SpindleAngle | SpindleSpeed | Position | Velocity | DriveTorque | BearingTemperature)
+                use Channel::{
+                    BearingTemperature, DriveTorque, Position, SpindleAngle, SpindleSpeed, Velocity,
+                };
+                matches!(
+                    c,
+                    SpindleAngle | SpindleSpeed | Position | Velocity | DriveTorque | BearingTemperature
+                )
             };
             let is_needed = |c: &Channel| matches!(c, Channel::DriveDisplacement | Channel::LoadForce);
             let channels = Channel::ALL.iter().filter(|c| !is_of_axis(c));

@@ -25,12 +25,22 @@ const WORDS: &[(Quantity, &[&str])] = &[
     (Quantity::Time, &["time", "t", "zeit", "timestamp", "temps"]),
     (
         Quantity::Position,
-        &["position", "pos", "displacement", "disp", "stroke", "angle", "theta", "phi", "qm", "q", "x", "weg"],
+        &[
+            "position",
+            "pos",
+            "displacement",
+            "disp",
+            "stroke",
+            "angle",
+            "theta",
+            "phi",
+            "qm",
+            "q",
+            "x",
+            "weg",
+        ],
     ),
-    (
-        Quantity::Speed,
-        &["velocity", "vel", "speed", "omega", "v", "qd", "dq", "geschwindigkeit", "drehzahl"],
-    ),
+    (Quantity::Speed, &["velocity", "vel", "speed", "omega", "v", "qd", "dq", "geschwindigkeit", "drehzahl"]),
     (Quantity::Effort, &["force", "torque", "f", "effort", "tau", "kraft", "moment", "current", "strom"]),
     (Quantity::Load, &["load", "pressure", "p", "last", "druck"]),
 ];
@@ -104,12 +114,16 @@ pub(super) fn meaning(name: &str) -> Meaning {
     let lower = name.trim().to_lowercase();
     let (words, unit) = split_unit(&lower);
     let is_separator = |letter: char| !letter.is_alphanumeric();
-    let is_word = |known: &&str| words.split(is_separator).any(|word| word.trim_end_matches(|c: char| c.is_ascii_digit()) == *known);
+    let is_word = |known: &&str| {
+        words.split(is_separator).any(|word| word.trim_end_matches(|c: char| c.is_ascii_digit()) == *known)
+    };
     let by_word = WORDS.iter().find(|(_, known)| known.iter().any(|word| is_word(&word)));
     let found = unit.and_then(|unit| UNITS.iter().find(|(spelling, ..)| *spelling == unit));
     let quantity = match (by_word, found) {
         // A unit contradicts a word of another quantity: `p_mm` is a position.
-        (Some((word, _)), Some((_, _, quantities, _))) if !quantities.contains(word) => quantities.first().copied(),
+        (Some((word, _)), Some((_, _, quantities, _))) if !quantities.contains(word) => {
+            quantities.first().copied()
+        }
         (Some((word, _)), _) => Some(*word),
         (None, Some((_, _, quantities, _))) if quantities.len() == 1 => quantities.first().copied(),
         _ => None,

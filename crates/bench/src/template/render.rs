@@ -55,11 +55,12 @@ impl Writer {
         self.comment(&format!("Bench description for {}, a template of `host-sim describe`.", log.source));
         self.text.push_str("#\n");
         self.comment(&format!(
-            "Fill in every \"{FILL_IN}\". `host-sim check LOG --bench FILE` lists what is missing and then judges \
-             the log. docs/description.md lists all fields."
+            "Fill in every \"{FILL_IN}\". `host-sim check LOG --bench FILE` lists what is missing and then \
+             judges the log. docs/description.md lists all fields."
         ));
         self.text.push_str("#\n# Columns of the log:\n");
-        let _ = writeln!(self.text, "#   {:>5}  {:24}  {:>12}  {:>12}", "index", "name", "smallest", "largest");
+        let _ =
+            writeln!(self.text, "#   {:>5}  {:24}  {:>12}  {:>12}", "index", "name", "smallest", "largest");
         for column in &log.columns {
             let name = if column.name.is_empty() { "(no header)" } else { &column.name };
             let (min, max) = column.range().unwrap_or_default();
@@ -80,13 +81,15 @@ impl Writer {
                 Some(known) => {
                     let _ = writeln!(self.text, "{} = {:24} # {}", field.name, known.toml, known.note);
                 }
-                None => self.write_open(field.name, name),
+                None => self.write_open(field.name, name, values),
             }
         }
     }
 
-    fn write_open(&mut self, field: &str, name: String) {
-        let _ = writeln!(self.text, "{field} = {FILL_IN:?}");
+    fn write_open(&mut self, field: &str, name: String, values: &Values) {
+        let hint = values.hint(&name);
+        let note = if hint.is_empty() { String::new() } else { format!("{:22} # {hint}", "") };
+        let _ = writeln!(self.text, "{field} = {FILL_IN:?}{note}");
         self.to_fill_in.push(name);
     }
 
@@ -111,13 +114,15 @@ impl Writer {
     fn write_uncertain(&mut self, plant: TemplatePlant) {
         self.text.push('\n');
         self.comment(
-            "Standard deviations of what is not known exactly: a calibration may move these parameters, and a \
-             larger deviation is a finding.",
+            "Standard deviations of what is not known exactly: a calibration may move these parameters, and \
+             a larger deviation is a finding.",
         );
         self.text.push_str("[uncertain]\n");
         let examples: &[&str] = match plant {
             TemplatePlant::Axis(_) => &["axis.inertia", "axis.coulomb_effort", "axis.load_gain"],
-            TemplatePlant::Transmission => &["shaft.inertia_kg_m2", "bearing.radial_clearance_m", "friction.level"],
+            TemplatePlant::Transmission => {
+                &["shaft.inertia_kg_m2", "bearing.radial_clearance_m", "friction.level"]
+            }
         };
         for name in examples {
             let _ = writeln!(self.text, "# {name:?} = 0.05");
@@ -156,7 +161,8 @@ impl Writer {
                 None => {
                     let (min, max) = chosen.column.range().unwrap_or_default();
                     let [min, max] = [min, max].map(rounded);
-                    let _ = writeln!(self.text, "# {from} is from {min} to {max}; 1.0 if that is in SI units");
+                    let _ =
+                        writeln!(self.text, "# {from} is from {min} to {max}; 1.0 if that is in SI units");
                     let _ = writeln!(self.text, "{name} = {{ from = {from}, scale = {FILL_IN:?} }}");
                     self.to_fill_in.push(format!("columns.{name}.scale"));
                 }

@@ -33,7 +33,11 @@ fn the_filled_in_template_of_a_recorded_log_describes_the_bench_that_recorded_it
         assert_eq!(template.plant, bench.plant_name());
         let known: Table = toml::from_str(&bench.to_toml().unwrap()).unwrap();
         let described = Bench::parse("template", &filled_in(&template, &known)).unwrap();
-        assert!((described.period_s() / bench.period_s() - 1.0).abs() < 0.02, "{name} {}", described.period_s());
+        assert!(
+            (described.period_s() / bench.period_s() - 1.0).abs() < 0.02,
+            "{name} {}",
+            described.period_s()
+        );
         assert!((described.stroke() / bench.stroke() - 1.0).abs() < 0.02, "{name} {}", described.stroke());
         assert!((described.sample_rate_hz() / bench.sample_rate_hz() - 1.0).abs() < 1e-3, "{name}");
         let read = MeasuredLog::parse("a.csv", &log.to_csv(), &described.log_format()).unwrap();
@@ -80,10 +84,12 @@ fn a_log_without_a_header_lists_its_columns_and_asks_for_their_signals() {
     let rows: String = (0..50).map(|i| format!("{}.000\t3.4\t{}\n", 10 * i, i % 7)).collect();
     let template = template(&raw(&rows), Some(TemplatePlant::Axis(AxisKind::Linear))).unwrap();
     let open: Vec<&str> = template.to_fill_in.iter().map(String::as_str).collect();
-    for name in ["columns.t_s.scale", "columns.position_m.from", "columns.drive_force_n.from", "axis.inertia"] {
+    for name in ["columns.t_s.scale", "columns.position_m.from", "columns.drive_force_n.from", "axis.inertia"]
+    {
         assert!(open.contains(&name), "{open:?}");
     }
     assert!(template.toml.contains("header = false") && template.toml.contains("(no header)"));
+    assert!(template.toml.contains("# 0.1 over the scale of t_s"), "{}", template.toml);
     assert_eq!(template.columns[0].signal, Some("t_s"));
 }
 

@@ -1,6 +1,6 @@
 //! Values that a log determines, by dotted name, with a note for the template.
 
-use super::columns::{interval, period_s};
+use super::columns::{Chosen, interval, period_s};
 use super::{Signal, TemplatePlant};
 use crate::description::AxisKind;
 use crate::log::TIME;
@@ -24,10 +24,23 @@ pub(super) struct Known {
 #[derive(Default)]
 pub(super) struct Values {
     known: BTreeMap<String, Known>,
+    hints: BTreeMap<String, String>,
     pub(super) noise: Vec<(&'static str, String)>,
 }
 
 impl Values {
+    /// Note about a value to fill in; empty if there is none.
+    pub(super) fn hint(&self, name: &str) -> &str {
+        self.hints.get(name).map_or("", String::as_str)
+    }
+
+    fn set_hint(&mut self, name: &str, value: Option<f64>, column: &str) {
+        if let (Some(value), false) = (value, self.known.contains_key(name)) {
+            let hint = format!("{} times the scale of {column}", rounded(value));
+            self.hints.insert(name.into(), hint);
+        }
+    }
+
     pub(super) fn get(&self, name: &str) -> Option<&Known> {
         self.known.get(name)
     }
@@ -74,6 +87,7 @@ pub(super) fn values(signals: &[Signal<'_>], plant: TemplatePlant) -> Values {
             set_laws(&mut values);
         }
     }
+    set_hints(&mut values, (chosen(TIME), chosen(position.name())), (plant, position.name()));
     let load = chosen(Channel::LoadForce.name());
     match load {
         Some(load) => {
@@ -101,6 +115,29 @@ pub(super) fn values(signals: &[Signal<'_>], plant: TemplatePlant) -> Values {
     values
 }
 
+/// Notes the period, the stroke and the interval in the units of columns whose scale is not known.
+fn set_hints(
+    values: &mut Values,
+    (time, position): (Option<&Chosen<'_>>, Option<&Chosen<'_>>),
+    (plant, name): (TemplatePlant, &str),
+) {
+    let Some(times) = time.and_then(|time| time.or_unscaled().values()) else { return };
+    let rate = Some(interval(&times)).filter(|step| *step > 0.0).map(|step| 1.0 / step);
+    if let (Some(rate), false) = (rate, values.known.contains_key("logging.sample_rate_hz")) {
+        let hint = format!("{} over the scale of {TIME}", rounded(rate));
+        values.hints.insert("logging.sample_rate_hz".into(), hint);
+    }
+    let Some(position) = position.map(Chosen::or_unscaled) else { return };
+    let Some(motion) = position.values() else { return };
+    let stroke = position.range().map(|(min, max)| max - min);
+    let (period, amplitude) = match plant {
+        TemplatePlant::Axis(_) => ("axis.period_s", ("axis.amplitude", stroke.map(|stroke| 0.5 * stroke))),
+        TemplatePlant::Transmission => ("drive.period_s", ("drive.stroke_m", stroke)),
+    };
+    values.set_hint(period, period_s(&times, &motion), TIME);
+    values.set_hint(amplitude.0, amplitude.1, name);
+}
+
 fn set_axis(values: &mut Values, kind: AxisKind, period_s: Option<f64>, stroke: Option<f64>) {
     let is_linear = kind == AxisKind::Linear;
     values.set("axis.kind", format!("{:?}", if is_linear { "linear" } else { "rotary" }), "");
@@ -108,13 +145,17 @@ fn set_axis(values: &mut Values, kind: AxisKind, period_s: Option<f64>, stroke: 
     let amplitude = stroke.map(|stroke| 0.5 * stroke);
     values.set_number("axis.amplitude", amplitude, "from the log");
     for name in ["coulomb_effort", "viscous_effort", "load_coefficient"] {
-        values.set(&format!("axis.{name}"), "0.0".into(), "replace it by what is known; a diagnosis finds the difference");
+        values.set(
+            &format!("axis.{name}"),
+            "0.0".into(),
+            "replace it by what is known; a diagnosis finds the difference",
+        );
     }
     if is_linear {
         values.set("axis.friction_radius_m", "1.0".into(), "");
-        let speed = amplitude.zip(period_s).map(|(amplitude, period_s)| {
-            2.0 * core::f64::consts::PI * amplitude / period_s
-        });
+        let speed = amplitude
+            .zip(period_s)
+            .map(|(amplitude, period_s)| 2.0 * core::f64::consts::PI * amplitude / period_s);
         let width = speed.map(|speed| REGULARISATION_SHARE * speed);
         values.set_number("axis.regularisation_m_s", width, "a hundredth of the largest speed");
     }

@@ -8,6 +8,7 @@
 pub(crate) mod channels;
 pub(crate) mod motions;
 pub(crate) mod parameters;
+mod tuning;
 
 use crate::check::{Finding, check};
 use crate::data::logs::Data;
@@ -50,13 +51,6 @@ pub struct Inspection {
     pub not_determined: Vec<Identifiability>,
     /// Motions that would show or separate them.
     pub motions: Vec<MotionAdvice>,
-}
-
-impl Inspection {
-    /// Returns whether a finding would make a diagnosis meaningless.
-    pub fn is_wrong(&self) -> bool {
-        self.checks.iter().any(|finding| finding.severity == crate::check::Severity::Wrong)
-    }
 }
 
 /// Inspects logs of one bench.

@@ -2,6 +2,7 @@
 //! bench is simulated.
 
 use super::parameters::{Information, fisher};
+use super::tuning;
 use crate::data::logs::Data;
 use crate::data::split::Split;
 use crate::experiment::menu::{MENU, MenuEntry};
@@ -10,10 +11,6 @@ use bench::{Bench, MeasuredLog, Role};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde::Serialize;
-
-/// Samples of all recordings of an experiment on a transmission bench, beyond which it is not
-/// simulated.
-const MAX_EXPENSIVE_SAMPLES: usize = 3000;
 
 /// A motion that would determine parameters.
 #[derive(Clone, Debug, Serialize)]
@@ -53,10 +50,12 @@ pub(super) fn advise(
     if open.is_empty() {
         return Vec::new();
     }
-    let tried: Vec<Tried> = MENU.par_iter().filter_map(|entry| try_entry(bench, information, entry)).collect();
+    let tried: Vec<Tried> =
+        MENU.par_iter().filter_map(|entry| try_entry(bench, information, entry)).collect();
     let mut advice = Vec::new();
     let resolves = |t: &Tried, r: &Identifiability| {
-        let concerns = |left: &Identifiability| r.parameters.iter().any(|name| left.parameters.contains(name));
+        let concerns =
+            |left: &Identifiability| r.parameters.iter().any(|name| left.parameters.contains(name));
         !t.remaining.iter().any(concerns)
     };
     while !open.is_empty() {
@@ -66,7 +65,7 @@ pub(super) fn advise(
         let (done, left): (Vec<_>, Vec<_>) = open.into_iter().partition(|r| resolves(best, r));
         advice.push(MotionAdvice {
             parameters: names(&done),
-            words: format!("record two cycles {}", best.entry.instruction),
+            words: format!("record two cycles {}, and use them with these logs", best.entry.instruction),
             changes: best.changes.clone(),
         });
         open = left;
@@ -91,7 +90,7 @@ fn names(remarks: &[&Identifiability]) -> Vec<String> {
 fn try_entry(bench: &Bench, information: &Information, entry: &'static MenuEntry) -> Option<Tried> {
     let plan = entry.plan(bench)?;
     let rows: usize = plan.iter().map(|recording| recording.log.time_s.len()).sum();
-    if !bench.is_axis() && rows > MAX_EXPENSIVE_SAMPLES {
+    if !bench.is_axis() && rows > tuning::MAX_EXPERIMENT_SAMPLES {
         return None;
     }
     let channels = &information.data.channels;
@@ -103,9 +102,15 @@ fn try_entry(bench: &Bench, information: &Information, entry: &'static MenuEntry
     let logs: Vec<MeasuredLog> = plan.iter().map(|recording| measured(&recording.log)).collect();
     let mut data = Data::new(bench, &logs, &[], Split::Halves).ok()?;
     data.use_all();
+    // The second cycle repeats the first one.
+    let (shorter, factor) = match data.first_cycle_view().filter(|_| !bench.is_axis()) {
+        Some(shorter) => (shorter, 2.0),
+        None => (data, 1.0),
+    };
+    let mut data = shorter;
     // The recordings do not share nuisance parameters with the logs at hand.
     data.logs.iter_mut().for_each(|log| log.index += information.data.logs.len());
-    let further: DMatrix<f64> = fisher(&data, &information.noise, &information.model).ok()?;
+    let further: DMatrix<f64> = factor * fisher(&data, &information.noise, &information.model).ok()?;
     let remaining = information.not_determined(Some(&further));
     Some(Tried { entry, changes: plan.into_iter().map(|recording| recording.changes).collect(), remaining })
 }

@@ -1,5 +1,6 @@
 //! Information of logs on the parameters that a description declares uncertain.
 
+use super::tuning;
 use crate::data::logs::Data;
 use crate::data::noise::NoiseModel;
 use crate::fit::linear::{cholesky, gram};
@@ -11,12 +12,6 @@ use bench::Bench;
 use bench::simulate::RespondError;
 use nalgebra::DMatrix;
 use serde::Serialize;
-
-/// Samples of a transmission bench that are simulated for each parameter; the first cycle of each
-/// log if there are more.
-const MAX_EXPENSIVE_SAMPLES: usize = 1500;
-/// Samples of an axis that are simulated for each parameter; the first cycle if there are more.
-const MAX_SAMPLES: usize = 60_000;
 
 /// A parameter that the description declares uncertain.
 #[derive(Clone, Debug, Serialize)]
@@ -49,7 +44,7 @@ pub(crate) struct Information {
 impl Information {
     pub(super) fn new(bench: &Bench, data: Data, noise: NoiseModel) -> Result<Self, RespondError> {
         let model = Model::nominal(bench, &data.channels).with_nuisances(&data);
-        let max = if bench.is_axis() { MAX_SAMPLES } else { MAX_EXPENSIVE_SAMPLES };
+        let max = if bench.is_axis() { tuning::MAX_AXIS_SAMPLES } else { tuning::MAX_EXPENSIVE_SAMPLES };
         let count = |data: &Data| data.logs.iter().map(|log| log.uses.len()).sum::<usize>();
         let shorter = (count(&data) > max).then(|| data.first_cycle_view()).flatten();
         let used = shorter.as_ref().unwrap_or(&data);

@@ -70,7 +70,7 @@ pub(crate) fn identifiability(data: &Data, explanation: &Explanation) -> Vec<Ide
     analysis.list_dead();
     analysis.list_at_bound();
     analysis.list_not_pinned();
-    analysis.list_correlated();
+    analysis.list_correlated(0.0);
     analysis.list_signs(data, explanation);
     analysis.list_flat_directions();
     analysis.out
@@ -81,7 +81,7 @@ pub(crate) fn not_determined(determination: Determination<'_>) -> Vec<Identifiab
     let Some(mut analysis) = Analysis::new(determination) else { return Vec::new() };
     analysis.list_dead();
     analysis.list_not_pinned();
-    analysis.list_correlated();
+    analysis.list_correlated(tuning::INSEPARABLE_SHARE);
     analysis.list_flat_directions();
     analysis.out
 }
@@ -173,8 +173,14 @@ impl<'a> Analysis<'a> {
         }
     }
 
-    fn list_correlated(&mut self) {
-        for (i, j, rho) in self.correlated() {
+    /// Pairs of which one has at least a share of its prior's standard deviation left.
+    fn list_correlated(&mut self, min_share: f64) {
+        let priors = priors(self.parameters());
+        let left =
+            |i: usize| self.determination.deviations.get(i).zip(priors.get(i)).map_or(1.0, |(d, p)| d / p);
+        let pairs: Vec<(usize, usize, f64)> =
+            self.correlated().into_iter().filter(|&(i, j, _)| left(i).max(left(j)) >= min_share).collect();
+        for (i, j, rho) in pairs {
             let words = format!(
                 "{} and {} correlate by {rho:+.3}: the logs determine a combination of the two",
                 self.names[i], self.names[j]

@@ -82,8 +82,8 @@ section! {
 section! {
     /// Friction law of the contact; see `contact::FrictionLaw` and the catalogue of `contact`.
     FrictionSection {
-        /// Name of the law; Stribeck's without one. A bench cannot integrate `coulomb`, `karnopp` and
-        /// `seven-parameter`.
+        /// Name of the law; Stribeck's without one. A bench cannot integrate `coulomb`, `karnopp`
+        /// and `seven-parameter`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         law: Option<FrictionName>,
         /// Coefficient at high speed.
