@@ -117,7 +117,7 @@ pub(super) fn meaning(name: &str) -> Meaning {
     let is_word = |known: &&str| {
         words.split(is_separator).any(|word| word.trim_end_matches(|c: char| c.is_ascii_digit()) == *known)
     };
-    let by_word = WORDS.iter().find(|(_, known)| known.iter().any(|word| is_word(&word)));
+    let by_word = WORDS.iter().find(|(_, known)| known.iter().any(is_word));
     let found = unit.and_then(|unit| UNITS.iter().find(|(spelling, ..)| *spelling == unit));
     let quantity = match (by_word, found) {
         // A unit contradicts a word of another quantity: `p_mm` is a position.

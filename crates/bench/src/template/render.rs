@@ -20,7 +20,7 @@ pub(super) fn render(
     let sections = Bench::sections(plant.plant()).unwrap_or_default();
     let mut writer = Writer { text: String::new(), to_fill_in: Vec::new(), plant };
     writer.write_head(log);
-    let _ = write!(writer.text, "plant = {:?}\n", plant.plant());
+    let _ = writeln!(writer.text, "plant = {:?}", plant.plant());
     for section in sections.iter().filter(|section| section.is_required) {
         writer.write_section(section, values);
     }
@@ -152,7 +152,7 @@ impl Writer {
             };
             let from = source_of(chosen.column);
             match chosen.scale {
-                Some(scale) if scale == 1.0 => {
+                Some(1.0) => {
                     let _ = writeln!(self.text, "{name} = {{ from = {from} }}");
                 }
                 Some(scale) => {
