@@ -72,6 +72,20 @@ impl Bench {
         }
     }
 
+    /// Checks a changed description as [`Self::parse`] does. Messages have no lines, because no file
+    /// has the changes.
+    pub fn checked(&self, file: &str) -> Result<Self, DescriptionError> {
+        let malformed = |message: String| DescriptionError::Malformed { file: file.into(), message };
+        let text = self.to_toml().map_err(|e| malformed(e.to_string()))?;
+        Self::parse(file, &text).map_err(|error| match error {
+            DescriptionError::Flawed { file, mut flaws } => {
+                flaws.iter_mut().for_each(|flaw| flaw.line = None);
+                DescriptionError::Flawed { file, flaws }
+            }
+            other => other,
+        })
+    }
+
     /// Writes the description to a file atomically.
     pub fn write(&self, path: &Path) -> std::io::Result<()> {
         let text = self.to_toml().map_err(std::io::Error::other)?;
@@ -181,6 +195,16 @@ mod tests {
         let bench = Bench::open("slider-crank").unwrap();
         let error = crate::simulate::record(&bench, 1).unwrap_err().to_string();
         assert!(error.starts_with("found plant `slider-crank`, which has no log"), "{error}");
+    }
+
+    #[test]
+    fn a_changed_description_is_refused_without_a_line() {
+        let mut bench = Bench::open("bench-b").unwrap();
+        *bench.parameter_mut("shaft.mass_kg").unwrap() = -1.0;
+        let error = bench.checked("bench-b with -1 kg").unwrap_err().to_string();
+        assert_eq!(error, "bench-b with -1 kg: shaft.mass_kg is -1; expected 0.001 to 1e9 kg");
+        *bench.parameter_mut("shaft.mass_kg").unwrap() = 1.0;
+        assert_eq!(bench.checked("x").unwrap(), bench);
     }
 
     #[test]

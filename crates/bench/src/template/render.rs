@@ -161,8 +161,10 @@ impl Writer {
                 None => {
                     let (min, max) = chosen.column.range().unwrap_or_default();
                     let [min, max] = [min, max].map(rounded);
-                    let _ =
-                        writeln!(self.text, "# {from} is from {min} to {max}; 1.0 if that is in SI units");
+                    let _ = writeln!(
+                        self.text,
+                        "# column {from} is from {min} to {max}; 1.0 if that is in SI units"
+                    );
                     let _ = writeln!(self.text, "{name} = {{ from = {from}, scale = {FILL_IN:?} }}");
                     self.to_fill_in.push(format!("columns.{name}.scale"));
                 }
