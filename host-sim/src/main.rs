@@ -2,7 +2,8 @@
 
 use clap::{Parser, Subcommand};
 use host_sim::commands::{
-    accuracy, diagnose, figures, flash, laws, link, record, replay, run, sweep, update, validate,
+    accuracy, check, describe, diagnose, evaluate, figures, flash, laws, link, record, replay, run, sweep,
+    update, validate,
 };
 use host_sim::run::RunArgs;
 use std::process::ExitCode;
@@ -18,7 +19,10 @@ use std::process::ExitCode;
     version,
     after_help = "Examples:\n  host-sim\n  \
     host-sim run --bearing plastic --clearance-mm 1 --out out/plastic\n  \
-    host-sim record --cycles 5 --seed 7 --out log.csv\n  host-sim diagnose log.csv --out out/diagnosis\n  \
+    host-sim record --cycles 5 --seed 7 --out log.csv\n  host-sim describe log.csv --out my-bench.toml\n  \
+    host-sim check log.csv --bench my-bench.toml\n  \
+    host-sim evaluate log.csv --bench my-bench.toml\n  \
+    host-sim diagnose log.csv --bench my-bench.toml --out out/diagnosis\n  \
     host-sim sweep clearance\n  host-sim figures --out out/figures\n\n\
     Exit codes: 0 done, 1 the work failed, 2 the input is wrong."
 )]
@@ -35,6 +39,12 @@ enum Command {
     Record(record::RecordArgs),
     /// Replay a recorded link session or a measured log on a controller.
     Replay(replay::ReplayArgs),
+    /// Write a commented description template for a log.
+    Describe(describe::DescribeArgs),
+    /// Judge logs and description: data quality, units, parameters that the motion does not show.
+    Check(check::CheckArgs),
+    /// Simulate a described bench under the inputs of logs and compare; fit nothing.
+    Evaluate(evaluate::EvaluateArgs),
     /// Find what a simulation gets wrong in measured logs, name the cause, measure the gain.
     Diagnose(diagnose::DiagnoseArgs),
     /// Vary clearance, load, damping speed, communication step or any parameters; evaluate the
@@ -64,6 +74,9 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Record(args)) => record::run(&args),
         Some(Command::Replay(args)) => replay::run(&args),
+        Some(Command::Describe(args)) => describe::run(&args),
+        Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Evaluate(args)) => evaluate::run(&args),
         Some(Command::Diagnose(args)) => diagnose::run(&args),
         Some(Command::Sweep(args)) => sweep::run(&args),
         Some(Command::Figures(args)) => figures::run(&args),

@@ -1,5 +1,6 @@
 //! Plants of the test benches, their measured logs and the integrator.
 //!
+//! * [`schema`]: fields of a description as data.
 //! * [`signals`]: channels, motions over time, sensors, white noise.
 //! * [`log`]: measured logs as CSV, Parquet and MAT files.
 //! * [`description`]: the data of a bench description, [`Bench`], and the facts of its plants.
@@ -8,6 +9,7 @@
 //! * [`plants`]: equations of motion, friction and energy of each plant.
 //! * [`reading`]: presets, parsing and checking of a description.
 //! * [`simulate`]: runs, records and responses of a bench.
+//! * [`template`]: a description as a template for a log.
 //! * [`known_answers`]: the plants against published references.
 #![forbid(unsafe_code)]
 
@@ -19,8 +21,10 @@ pub mod known_answers;
 pub mod log;
 pub mod plants;
 pub mod reading;
+pub mod schema;
 pub mod signals;
 pub mod simulate;
+pub mod template;
 
 pub use contact::BearingMaterial;
 pub use description::{Bench, DescriptionError};

@@ -4,10 +4,12 @@
 mod check;
 mod data;
 mod digits;
+mod evaluation;
 mod experiment;
 mod fit;
 #[cfg(test)]
 mod fixtures;
+mod inspection;
 mod pass;
 mod progress;
 mod result;
@@ -17,8 +19,13 @@ mod verdict;
 
 pub use check::{Finding, Severity};
 pub use digits::four_digits;
+pub use evaluation::{ChannelComparison, Evaluation, LogComparison, evaluate};
 pub use experiment::proposal::{Experiment, Recording, Separation};
 pub use fit::held_out_gain::Gain;
+pub use inspection::channels::ChannelQuality;
+pub use inspection::motions::MotionAdvice;
+pub use inspection::parameters::DeclaredParameter;
+pub use inspection::{Inspection, LogSummary, inspect};
 pub use result::{Diagnosis, DiagnosisError, Verdict};
 pub use verdict::acceptance::Rejection;
 pub use verdict::causes::{Cause, EffectName, EquivalentEffect, ParameterEstimate};

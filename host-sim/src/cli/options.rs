@@ -88,8 +88,7 @@ impl BenchOptions {
         }
         // A changed number may be out of range. The check of the description reports it with the
         // field's name.
-        let text = bench.to_toml().map_err(|e| CliError::Work(format!("{}: {e}", self.bench)))?;
-        Ok(Bench::parse(&format!("{} with the options given", self.bench), &text)?)
+        Ok(bench.checked(&format!("{} with the options given", self.bench))?)
     }
 
     /// Opens the bench as [`Self::open`] does, and refuses every plant without a controller.

@@ -63,7 +63,8 @@ pub fn run(args: &DiagnoseArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-fn read(paths: &[PathBuf], bench: &Bench) -> Result<Vec<MeasuredLog>, CliError> {
+/// Reads logs with all their defects; the checks report them.
+pub(super) fn read(paths: &[PathBuf], bench: &Bench) -> Result<Vec<MeasuredLog>, CliError> {
     let format = bench.log_format();
     paths.iter().map(|path| Ok(MeasuredLog::read_as_found(path, &format)?)).collect()
 }

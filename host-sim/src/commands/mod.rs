@@ -1,7 +1,10 @@
 //! The commands, one file each: arguments, a call into the library, output.
 
 pub mod accuracy;
+pub mod check;
+pub mod describe;
 pub mod diagnose;
+pub mod evaluate;
 pub mod figures;
 pub mod flash;
 pub mod laws;

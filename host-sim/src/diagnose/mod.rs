@@ -3,5 +3,5 @@
 mod pictures;
 pub(crate) mod report;
 mod sentences;
-mod tables;
+pub(crate) mod tables;
 pub(crate) mod text;

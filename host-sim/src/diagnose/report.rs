@@ -2,7 +2,7 @@
 
 use super::pictures::{measured_and_simulated, places, ranking, residuals, shares};
 use super::sentences::{channelled, left_words, rejection_words, sentence};
-use super::tables::{Table, calibrated, causes, checks, gains, noise, nuisances, separation};
+use super::tables::{Table, calibrated, causes, findings, gains, noise, nuisances, separation};
 use diagnosis::{Diagnosis, Verdict};
 use report::page::Page;
 
@@ -119,7 +119,7 @@ fn add_next_experiment(page: &mut Page, diagnosis: &Diagnosis) {
 /// Findings about the logs, and the use of their samples.
 fn add_data(page: &mut Page, diagnosis: &Diagnosis) {
     page.section("Checks of the data");
-    let found = checks(diagnosis);
+    let found = findings(&diagnosis.checks);
     if found.rows.is_empty() {
         page.text("No findings: the logs were used unchanged.");
     } else {

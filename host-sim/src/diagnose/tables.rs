@@ -1,7 +1,9 @@
 //! Tables of a diagnosis, for the terminal and the page.
 
 use super::sentences::{channelled, interval, percent, with_unit};
-use diagnosis::{Diagnosis, Finding, Gain, four_digits};
+use diagnosis::{Diagnosis, Finding, Gain, Severity, four_digits};
+use report::text_table;
+use std::fmt::Write as _;
 
 /// A nuisance parameter is listed if its deviation falls below this share of the declared one.
 const MIN_LISTED: f64 = 0.995;
@@ -47,7 +49,7 @@ pub(crate) fn gains(diagnosis: &Diagnosis) -> Table {
 }
 
 /// Findings about the logs and what was done about them, the most severe first; notes as well.
-pub(crate) fn checks(diagnosis: &Diagnosis) -> Table {
+pub(crate) fn findings(checks: &[Finding]) -> Table {
     let row = |f: &Finding| {
         let short = f.log.rsplit(['/', '\\']).next().unwrap_or(&f.log);
         let applied = f.applied.clone().unwrap_or_else(|| "-".into());
@@ -73,7 +75,28 @@ pub(crate) fn checks(diagnosis: &Diagnosis) -> Table {
             "correction",
             "configuration line that corrects it",
         ],
-        rows: diagnosis.checks.iter().map(row).collect(),
+        rows: checks.iter().map(row).collect(),
+    }
+}
+
+/// Appends the findings that are graver than a note, and the lines of a description that correct
+/// them.
+pub(crate) fn push_findings(out: &mut String, checks: &[Finding]) {
+    let mut table = findings(checks);
+    table.rows.retain(|row| row.first().is_some_and(|word| word != Severity::Note.name()));
+    // The last column has lines of a description: a line that is wrapped cannot be copied.
+    table.header = table.header.split_last().map_or(&[], |(_, header)| header);
+    let lines: Vec<String> = table.rows.iter_mut().filter_map(Vec::pop).filter(|line| line != "-").collect();
+    push(out, &table);
+    if !lines.is_empty() {
+        let _ = write!(out, "\nlines of the description that correct it:\n{}\n", lines.join("\n"));
+    }
+}
+
+/// Appends a table; nothing without rows.
+pub(crate) fn push(out: &mut String, table: &Table) {
+    if !table.rows.is_empty() {
+        let _ = write!(out, "\n{}\n", text_table(table.header, &table.rows, table.header.len()));
     }
 }
 

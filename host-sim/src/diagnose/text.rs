@@ -1,23 +1,14 @@
 //! Text of a diagnosis for the terminal.
 
 use super::sentences::{left_words, rejection_words, sentence};
-use super::tables::{Table, causes, checks, gains, nuisances};
-use diagnosis::{Diagnosis, Severity, Verdict};
-use report::text_table;
+use super::tables::{causes, gains, nuisances, push, push_findings};
+use diagnosis::{Diagnosis, Verdict};
 use std::fmt::Write as _;
 
 /// Formats the verdict, findings, causes, errors and remarks.
 pub(crate) fn text(diagnosis: &Diagnosis) -> String {
     let mut out = format!("verdict: {}\n{}\n", diagnosis.verdict.name(), sentence(diagnosis));
-    let is_graver_than_note =
-        |row: &Vec<String>| row.first().is_some_and(|word| word != Severity::Note.name());
-    let mut findings = checks(diagnosis);
-    findings.rows.retain(is_graver_than_note);
-    let corrections = without_corrections(&mut findings);
-    push(&mut out, &findings);
-    if !corrections.is_empty() {
-        let _ = write!(out, "\nlines of the description that correct it:\n{}\n", corrections.join("\n"));
-    }
+    push_findings(&mut out, &diagnosis.checks);
     for table in [causes(diagnosis), gains(diagnosis), nuisances(diagnosis)] {
         push(&mut out, &table);
     }
@@ -38,19 +29,4 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
         let _ = write!(out, "\nextended bench: {path}\n");
     }
     out
-}
-
-/// Takes the last column, lines of a description, out of the findings: a line that is wrapped
-/// cannot be copied.
-fn without_corrections(findings: &mut Table) -> Vec<String> {
-    findings.header = findings.header.split_last().map_or(&[], |(_, header)| header);
-    let lines = findings.rows.iter_mut().filter_map(Vec::pop);
-    lines.filter(|line| line != "-").collect()
-}
-
-fn push(out: &mut String, table: &Table) {
-    if table.rows.is_empty() {
-        return;
-    }
-    let _ = write!(out, "\n{}\n", text_table(table.header, &table.rows, table.header.len()));
 }

@@ -120,8 +120,7 @@ fn bench(
         *place = value;
     }
     let run = format!("{file}: run {index}");
-    let text = bench.to_toml().map_err(|e| CliError::Work(format!("{run}: {e}")))?;
-    Ok(TransmissionBench::from_bench(Bench::parse(&run, &text)?.resolved(), &run)?)
+    Ok(TransmissionBench::from_bench(bench.checked(&run)?.resolved(), &run)?)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::{
     DescriptionError, Effect, FrictionRig, Nuisances, PlantDescription, SliderCrankBench, TransmissionBench,
 };
 use crate::log::LogFormat;
+use crate::schema::SectionEntry;
 use crate::signals::{Channel, Sensor};
 use std::collections::BTreeMap;
 use std::ops::{Deref, DerefMut};
@@ -44,6 +45,14 @@ macro_rules! plants {
             pub(crate) fn from_toml(plant: &str, text: &str) -> Option<Result<Self, toml::de::Error>> {
                 match plant {
                     $($plant::PLANT => Some(toml::from_str(text).map(Self::$variant)),)*
+                    _ => None,
+                }
+            }
+
+            /// Sections of a plant's description; none if there is no plant of this name.
+            pub fn sections(plant: &str) -> Option<Vec<SectionEntry>> {
+                match plant {
+                    $($plant::PLANT => Some($plant::sections()),)*
                     _ => None,
                 }
             }

@@ -1,7 +1,8 @@
 //! Sections that every plant's description has: sensors, uncertainty, log format and effects.
 
 use super::{Effect, Nuisances};
-use crate::log::{Columns, TextFormat};
+use crate::log::{Column, Columns, TextFormat};
+use crate::schema::{SectionEntry, Shape};
 use crate::signals::{Channel, Sensor};
 use std::collections::BTreeMap;
 
@@ -20,6 +21,26 @@ pub struct Common {
     pub columns: Columns,
     /// Deviations from the nominal model.
     pub effects: Vec<Effect>,
+}
+
+/// Entries of the sections that every plant's description may have.
+pub(super) fn sections() -> Vec<SectionEntry> {
+    let sensors = "Sensors by channel; a channel that is not listed is read exactly.";
+    let uncertain = "Standard deviations of the parameters that calibration may move, by dotted name, such \
+                     as `\"shaft.mass_kg\" = 3.0`. A larger deviation is a finding.";
+    let nuisances = "Standard deviations of parameters of which each log has its own value.";
+    let columns = "Columns of a foreign log by signal, `t_s` or a channel: `scale * field + offset`.";
+    let effects =
+        "Deviations from the nominal model: `name`, parameters and, for a sensor effect, `channel`.";
+    let common = [
+        SectionEntry::new::<Sensor>("sensors", sensors.into(), Shape::PerChannel),
+        SectionEntry::new::<String>("uncertain", uncertain.into(), Shape::PerParameter),
+        SectionEntry::new::<Nuisances>("nuisances", nuisances.into(), Shape::Table),
+        SectionEntry::new::<TextFormat>("log", "Text format of a foreign log.".into(), Shape::Table),
+        SectionEntry::new::<Column>("columns", columns.into(), Shape::PerSignal),
+        SectionEntry::new::<String>("effects", effects.into(), Shape::Effects),
+    ];
+    common.into_iter().map(SectionEntry::optional).collect()
 }
 
 /// Defines a plant's description: its name, its own sections, the [`Common`] ones and its
@@ -48,6 +69,19 @@ macro_rules! plant_description {
         impl $name {
             /// Name of the plant, as `plant` in a description.
             pub const PLANT: &str = $plant;
+        }
+
+        impl $name {
+            /// Sections of the description: the plant's own, then those of every plant.
+            pub fn sections() -> Vec<$crate::schema::SectionEntry> {
+                let own = vec![$($crate::schema::SectionEntry::new::<$type>(
+                    stringify!($field),
+                    $crate::schema::meaning(&[$(stringify!($field_meta)),*]),
+                    $crate::schema::Shape::Table,
+                )),*];
+                let sections = own.into_iter().filter(|section| section.name != "plant");
+                sections.chain($crate::description::common::sections()).collect()
+            }
         }
 
         impl $crate::description::CommonSections for $name {

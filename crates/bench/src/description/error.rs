@@ -1,5 +1,29 @@
 //! Errors of a bench description.
 
+use std::fmt::Write as _;
+
+/// Wrong or missing entry of a description.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Flaw {
+    /// Line in the file, from 1; none if the entry has no place there.
+    pub line: Option<usize>,
+    /// Dotted name of the field.
+    pub field: String,
+    /// Content found, as it completes "the field is ...".
+    pub found: String,
+    /// Content expected.
+    pub expected: String,
+}
+
+impl std::fmt::Display for Flaw {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(line) = self.line {
+            write!(f, "line {line}: ")?;
+        }
+        write!(f, "{} is {}; expected {}", self.field, self.found, self.expected)
+    }
+}
+
 /// Error of a bench description.
 #[derive(Debug, thiserror::Error)]
 pub enum DescriptionError {
@@ -11,7 +35,7 @@ pub enum DescriptionError {
         /// Cause.
         source: std::io::Error,
     },
-    /// The text is no bench description.
+    /// The text is no TOML.
     #[error("{file}: {message}")]
     Malformed {
         /// Path or preset.
@@ -29,16 +53,24 @@ pub enum DescriptionError {
         /// Plant that the caller needs.
         expected: &'static str,
     },
-    /// A value is outside the range of the model.
-    #[error("{file}: {field} is {found}; expected {expected}")]
-    OutOfRange {
+    /// Entries are wrong or missing; all of them are listed.
+    #[error("{}", list(file, flaws))]
+    Flawed {
         /// Path or preset.
         file: String,
-        /// Dotted name of the field.
-        field: String,
-        /// Value found.
-        found: String,
-        /// Values allowed.
-        expected: String,
+        /// Wrong and missing entries, in the order of the lines.
+        flaws: Vec<Flaw>,
     },
+}
+
+/// Formats one flaw on the line of the file, several on a line each.
+fn list(file: &str, flaws: &[Flaw]) -> String {
+    if let [flaw] = flaws {
+        return format!("{file}: {flaw}");
+    }
+    let mut text = format!("{file}: {} entries are wrong or missing", flaws.len());
+    for flaw in flaws {
+        let _ = write!(text, "\n  {flaw}");
+    }
+    text
 }

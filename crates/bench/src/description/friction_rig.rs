@@ -1,8 +1,9 @@
 //! Description of a single driven axis with a measured effort.
 
 use super::common::plant_description;
-use super::plant::{HUGE, TINY, load_ranges, log_rate};
+use super::plant::log_rate;
 use super::{AxisExtension, DriveChannels, Field, Load, Logging, Plant, PlantDescription, Range, is_zero};
+use crate::schema::{HUGE, TINY, named_field, section};
 use crate::signals::{Channel, Profile, sweep_s};
 use contact::BearingMaterial;
 use serde::{Deserialize, Serialize};
@@ -12,37 +13,38 @@ section! {
     Axis {
         /// `rotary` (angle, torque) or `linear` (position, force).
         kind: AxisKind,
-        /// Inertia in kg m2, or mass in kg.
-        inertia: f64,
-        /// Radius at which friction acts, m (rotary; 1 for a linear axis).
-        friction_radius_m: f64,
+        /// Moment of inertia, or mass of a linear axis.
+        inertia: f64 [0.0, 1e9, "kg or kg m2"],
+        /// Radius at which friction acts; 1 for a linear axis.
+        friction_radius_m: f64 [1e-6, 1e3],
         /// Share of the load that the measured effort contains (0: none; a cylinder's force: 1).
-        load_gain: f64,
-        /// Dry friction that does not depend on the load: effort in N or N m.
-        coulomb_effort: f64,
-        /// Viscous effort per speed, N s/m or N m s/rad.
-        viscous_effort: f64,
+        load_gain: f64 [-1e3, 1e3],
+        /// Dry friction that does not depend on the load.
+        coulomb_effort: f64 [0.0, HUGE, "N or N m"],
+        /// Viscous friction per speed.
+        viscous_effort: f64 [0.0, HUGE, "N s/m or N m s/rad"],
         /// Coefficient of load-dependent dry friction.
-        load_coefficient: f64,
-        /// Width of the regularised sign, m/s at the friction radius.
-        regularisation_m_s: f64,
+        load_coefficient: f64 [0.0, 10.0],
+        /// Width of the regularised sign: speed at the friction radius below which friction rises
+        /// smoothly.
+        regularisation_m_s: f64 [TINY, 1e3],
         /// Difference of the dry effort between the directions, half of it each way.
         #[serde(default)]
-        coulomb_asymmetry: f64,
-        /// Period of the sinusoidal motion in s, for records.
-        period_s: f64,
-        /// Amplitude of the motion in rad or m, for records.
-        amplitude: f64,
+        coulomb_asymmetry: f64 [-HUGE, HUGE, "N or N m"],
+        /// Period of the sinusoidal motion, for records.
+        period_s: f64 [1e-3, 1e6],
+        /// Amplitude of the motion (half the stroke), for records.
+        amplitude: f64 [1e-9, 1e6, "m or rad"],
         /// Cycles of a record.
         #[serde(default = "one_cycle")]
-        cycles: u32,
-        /// Standstill before each half cycle of a record, s.
+        cycles: u32 [1.0, 1e6],
+        /// Standstill before each half cycle of a record; 0 with a sweep.
         #[serde(default, skip_serializing_if = "is_zero")]
-        dwell_s: f64,
-        /// Period at the end of a record in s, with a frequency that changes linearly; 0: constant
-        /// frequency.
+        dwell_s: f64 [0.0, 1e6],
+        /// Period at the end of a record, with a frequency that changes linearly; at least 0.001 s,
+        /// or 0 for a constant frequency.
         #[serde(default, skip_serializing_if = "is_zero")]
-        last_period_s: f64,
+        last_period_s: f64 [0.0, 1e6],
         /// True if a record starts backwards.
         #[serde(default, skip_serializing_if = "is_forwards")]
         backwards: bool,
@@ -56,13 +58,13 @@ section! {
         /// Material of the measured pair.
         material: BearingMaterial,
         /// Ratio of static friction after a long standstill to that after none.
-        break_away_ratio: f64,
-        /// Time of standstill in s over which it builds up.
-        break_away_time_s: f64,
-        /// Sliding distance in m over which it is lost.
-        break_away_distance_m: f64,
-        /// Lag of the coefficient after the speed, s.
-        lag_s: f64,
+        break_away_ratio: f64 [1.0, 10.0],
+        /// Time of standstill over which it builds up.
+        break_away_time_s: f64 [1e-6, HUGE],
+        /// Sliding distance over which it is lost.
+        break_away_distance_m: f64 [1e-9, HUGE],
+        /// Lag of the coefficient after the speed.
+        lag_s: f64 [0.0, 10.0],
     }
 }
 
@@ -75,6 +77,8 @@ pub enum AxisKind {
     /// Position and force.
     Linear,
 }
+
+named_field!(AxisKind { Rotary "rotary", Linear "linear" });
 
 plant_description! {
     /// Description of a single driven axis with a measured effort.
@@ -164,37 +168,16 @@ impl PlantDescription for FrictionRig {
         self.axis.cycles = cycles;
     }
 
-    fn ranges(&self) -> Vec<Range> {
+    fn dependent_ranges(&self) -> Vec<Range> {
         let axis = &self.axis;
         // A sweep has no standstill.
         let longest_dwell_s = if axis.last_period_s > 0.0 { 0.0 } else { 1e6 };
         let shortest_last_period_s = if axis.last_period_s == 0.0 { 0.0 } else { 1e-3 };
-        let mut ranges = vec![
-            ("axis.inertia", axis.inertia, 0.0, 1e9),
-            ("axis.friction_radius_m", axis.friction_radius_m, 1e-6, 1e3),
-            ("axis.load_gain", axis.load_gain, -1e3, 1e3),
-            ("axis.coulomb_effort", axis.coulomb_effort, 0.0, HUGE),
-            ("axis.viscous_effort", axis.viscous_effort, 0.0, HUGE),
-            ("axis.load_coefficient", axis.load_coefficient, 0.0, 10.0),
-            ("axis.coulomb_asymmetry", axis.coulomb_asymmetry, -HUGE, HUGE),
-            ("axis.regularisation_m_s", axis.regularisation_m_s, TINY, 1e3),
-            ("axis.period_s", axis.period_s, 1e-3, 1e6),
-            ("axis.amplitude", axis.amplitude, 1e-9, 1e6),
-            ("axis.cycles", f64::from(axis.cycles), 1.0, 1e6),
+        vec![
             ("axis.dwell_s", axis.dwell_s, 0.0, longest_dwell_s),
             ("axis.last_period_s", axis.last_period_s, shortest_last_period_s, 1e6),
-        ];
-        ranges.extend(load_ranges(&self.load));
-        ranges.push(log_rate(&self.logging, self.duration_s()));
-        if let Some(surface) = &self.surface {
-            ranges.extend([
-                ("surface.break_away_ratio", surface.break_away_ratio, 1.0, 10.0),
-                ("surface.break_away_time_s", surface.break_away_time_s, 1e-6, HUGE),
-                ("surface.break_away_distance_m", surface.break_away_distance_m, 1e-9, HUGE),
-                ("surface.lag_s", surface.lag_s, 0.0, 10.0),
-            ]);
-        }
-        ranges
+            log_rate(&self.logging, self.duration_s()),
+        ]
     }
 
     fn limits(&self) -> &'static [&'static str] {

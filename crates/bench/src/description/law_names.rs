@@ -1,5 +1,6 @@
 //! Names of the law catalogue in a description.
 
+use crate::schema::{FieldKind, FieldType};
 use contact::{CompleteLawKind, Damping, Dissipation, FrictionKind, StiffnessKind};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -25,6 +26,15 @@ macro_rules! catalogue_names {
                         concat!("found ", $group, " `{}`; expected one of {}"), text, known.join(", ")
                     ))
                 })
+            }
+        }
+
+        impl FieldType for $name {
+            const KIND: FieldKind =
+                FieldKind::Name(|| <$kind>::ALL.iter().map(|k| k.entry().name).collect());
+
+            fn text(&self) -> String {
+                self.0.entry().name.into()
             }
         }
     )*};
@@ -60,6 +70,14 @@ impl DampingName {
 impl Default for DampingName {
     fn default() -> Self {
         Self(Damping::<f64>::NAMES[0])
+    }
+}
+
+impl FieldType for DampingName {
+    const KIND: FieldKind = FieldKind::Name(|| Damping::<f64>::NAMES.to_vec());
+
+    fn text(&self) -> String {
+        self.0.into()
     }
 }
 

@@ -1,15 +1,6 @@
 //! The data of a bench description: plant, sensors, uncertain parameters, log format and effects in
 //! one TOML file.
 
-macro_rules! section {
-    ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident : $type:ty,)* }) => {
-        $(#[$meta])*
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$field_meta])* pub $field: $type,)* }
-    };
-}
-
 mod bench;
 mod common;
 mod effect;
@@ -22,10 +13,11 @@ mod plant;
 mod slider_crank;
 mod transmission;
 
+pub(crate) use crate::schema::format_number;
 pub use bench::Bench;
 pub use common::Common;
 pub use effect::{Effect, Plant};
-pub use error::DescriptionError;
+pub use error::{DescriptionError, Flaw};
 pub use extension::*;
 pub use friction_rig::*;
 pub use law_names::{CompleteLawName, DampingName, DissipationName, FrictionName, StiffnessName};
@@ -34,22 +26,22 @@ pub use plant::{CommonSections, DriveChannels, Field, PlantDescription, Range, R
 pub use slider_crank::*;
 pub use transmission::*;
 
-use serde::{Deserialize, Serialize};
+use crate::schema::{HUGE, TINY, section};
 
 section! {
     /// Force of the load cylinder.
     Load {
-        /// Force along +Y in N.
-        force_n: f64,
-        /// Length of the raised-cosine ramp at the start, s.
-        ramp_s: f64,
+        /// Load; on the transmission bench positive along +Y.
+        force_n: f64 [-1e7, 1e7],
+        /// Length of the raised-cosine ramp at the start.
+        ramp_s: f64 [TINY, HUGE],
     }
 }
 section! {
     /// Recording of a log.
     Logging {
-        /// Samples per second.
-        sample_rate_hz: f64,
+        /// Samples per second; a record has at most 10 million samples.
+        sample_rate_hz: f64 [1e-6, 1e9],
     }
 }
 
@@ -63,13 +55,4 @@ fn is_one(value: &f64) -> bool {
 
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
-}
-
-/// Formats a number for a message: plainly, or with a power of ten if that is shorter.
-pub(crate) fn format_number(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e7).contains(&value.abs()) || !value.is_finite() {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
-    }
 }

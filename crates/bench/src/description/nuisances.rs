@@ -12,29 +12,33 @@
 //!
 //! Inputs have none: their errors would change the whole simulation.
 
-use super::{Refusal, format_number};
+use super::Refusal;
+use crate::schema::{FieldKind, FieldType, section};
 use crate::signals::{Channel, Role};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Maximum declared temperature in K.
-const MAX_TEMPERATURE_K: f64 = 1e3;
-const MAX_OFFSET: f64 = 1e12;
-const MAX_DELAY_S: f64 = 10.0;
+section! {
+    /// Standard deviations of per-log parameters; 0 or absent: none.
+    #[derive(Default)]
+    Nuisances {
+        /// Bearing temperature above ambient at a log's first sample.
+        #[serde(default, skip_serializing_if = "super::is_zero")]
+        temperature_start_k: f64 [0.0, 1e3],
+        /// Constant added to the readings of an output.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        offset: BTreeMap<Channel, f64> [0.0, 1e12, "the channel's"],
+        /// Delay of an output's clock after that of the inputs.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        delay_s: BTreeMap<Channel, f64> [0.0, 10.0],
+    }
+}
 
-/// Standard deviations of per-log parameters; 0 or absent: none.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Nuisances {
-    /// Bearing temperature above ambient at a log's first sample, K.
-    #[serde(default, skip_serializing_if = "super::is_zero")]
-    pub temperature_start_k: f64,
-    /// Constant added to the readings of an output, in its unit.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub offset: BTreeMap<Channel, f64>,
-    /// Delay of an output's clock after that of the inputs, s.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub delay_s: BTreeMap<Channel, f64>,
+impl FieldType for BTreeMap<Channel, f64> {
+    const KIND: FieldKind = FieldKind::NumberPerChannel;
+
+    fn text(&self) -> String {
+        String::new()
+    }
 }
 
 impl Nuisances {
@@ -43,28 +47,16 @@ impl Nuisances {
         *self == Self::default()
     }
 
-    /// Returns the first declaration that is not allowed.
-    pub(crate) fn refusal(&self) -> Option<Refusal> {
-        let tables = [("offset", &self.offset, MAX_OFFSET), ("delay_s", &self.delay_s, MAX_DELAY_S)];
-        let of_channels = tables.into_iter().flat_map(|(table, values, most)| {
-            values.iter().map(move |(c, v)| (format!("nuisances.{table}.{c}"), Some(*c), *v, most))
-        });
-        let temperature =
-            ("nuisances.temperature_start_k".to_owned(), None, self.temperature_start_k, MAX_TEMPERATURE_K);
-        for (field, channel, value, most) in std::iter::once(temperature).chain(of_channels) {
-            if channel.is_some_and(|c| c.role() == Role::Input) {
-                let expected = "an output, which is compared with the simulation, such as drive_force_n";
-                return Some((field, "of an input".into(), expected.into()));
-            }
-            if !(0.0..=most).contains(&value) {
-                return Some((
-                    field,
-                    format_number(value),
-                    format!("a standard deviation, 0 to {}", format_number(most)),
-                ));
-            }
-        }
-        None
+    /// Returns the declarations of inputs, which are not allowed.
+    pub(crate) fn refusals(&self) -> Vec<Refusal> {
+        let tables = [("offset", &self.offset), ("delay_s", &self.delay_s)];
+        let of_channels =
+            tables.into_iter().flat_map(|(table, values)| values.keys().map(move |c| (table, c)));
+        let expected = "an output, which is compared with the simulation, such as drive_force_n";
+        of_channels
+            .filter(|(_, channel)| channel.role() == Role::Input)
+            .map(|(table, c)| (format!("nuisances.{table}.{c}"), "of an input".into(), expected.into()))
+            .collect()
     }
 }
 
@@ -106,14 +98,20 @@ mod tests {
         for (table, expected) in [
             (
                 "[nuisances]\ntemperature_start_k = -1.0",
-                "nuisances.temperature_start_k is -1; expected a standard",
+                "nuisances.temperature_start_k is -1; expected 0 to 1000 K",
             ),
-            ("[nuisances]\nhumidity = 1.0", "unknown field `humidity`"),
+            (
+                "[nuisances]\nhumidity = 1.0",
+                "nuisances.humidity is an unknown field; expected one of temperature_start_k,",
+            ),
             (
                 "[nuisances.offset]\ndrive_torque_nm = -0.5",
                 "nuisances.offset.drive_torque_nm is -0.5; expected",
             ),
-            ("[nuisances.offset]\ntorque = 0.5", "unknown variant `torque`"),
+            (
+                "[nuisances.offset]\ntorque = 0.5",
+                "nuisances.offset.torque is an unknown channel; expected one of",
+            ),
             (
                 "[nuisances.offset]\nload_force_n = 9.0",
                 "nuisances.offset.load_force_n is of an input; expected an output",
@@ -122,7 +120,7 @@ mod tests {
                 "[nuisances.delay_s]\ndrive_torque_nm = nan",
                 "nuisances.delay_s.drive_torque_nm is NaN; expected",
             ),
-            ("[nuisances.delay_s]\ndrive_torque_nm = 11.0", "is 11; expected a standard deviation, 0 to 10"),
+            ("[nuisances.delay_s]\ndrive_torque_nm = 11.0", "is 11; expected 0 to 10 s"),
         ] {
             let error = parsed(table).unwrap_err();
             assert!(error.starts_with("x.toml") && error.contains(expected), "{error}");

@@ -12,21 +12,12 @@ pub type Range = (&'static str, f64, f64, f64);
 /// Field, value found and value expected of an entry that is not allowed.
 pub type Refusal = (String, String, String);
 
-/// Lower bound for values that must be above 0.
-pub(super) const TINY: f64 = 1e-12;
-/// Upper bound far beyond any machine. It protects the model from overflow.
-pub(super) const HUGE: f64 = 1e12;
 /// Maximum number of samples of a log.
 const MAX_SAMPLES: f64 = 1e7;
 
 /// Range of the sample rate for a run of `run_s`, bounded by the number of samples.
 pub(super) fn log_rate(logging: &Logging, run_s: f64) -> Range {
     ("logging.sample_rate_hz", logging.sample_rate_hz, 1e-6, (MAX_SAMPLES / run_s).min(1e9))
-}
-
-/// Ranges of a load.
-pub(super) fn load_ranges(load: &Load) -> [Range; 2] {
-    [("load.force_n", load.force_n, -1e7, 1e7), ("load.ramp_s", load.ramp_s, TINY, HUGE)]
 }
 
 /// Channels of a driven motion.
@@ -60,16 +51,16 @@ pub trait PlantDescription: CommonSections {
     fn cycles_field(&self) -> &'static str;
     /// Sets the number of cycles of a run or a record; revolutions of a crank.
     fn set_cycles(&mut self, cycles: u32);
-    /// Range of every number. The bounds are far beyond any machine. They protect the model from
-    /// overflow, endless runs and logs that exceed the memory.
-    fn ranges(&self) -> Vec<Range>;
+    /// Ranges that depend on other fields, within those of the sections. They protect the model
+    /// from impossible geometry, endless runs and logs that exceed the memory.
+    fn dependent_ranges(&self) -> Vec<Range>;
     /// Omissions of the plant's model for a report, one sentence each.
     fn limits(&self) -> &'static [&'static str];
 
-    /// Returns the first entry that is not allowed although every number is in its range. Laws are
+    /// Returns the entries that are not allowed although every number is in its range. Laws are
     /// checked apart, because that requires building them.
-    fn refusal(&self) -> Option<Refusal> {
-        None
+    fn refusals(&self) -> Vec<Refusal> {
+        Vec::new()
     }
     /// A parameter that may be declared uncertain, by its dotted name, for changes.
     fn plant_parameter_mut(&mut self, _name: &str) -> Option<&mut f64> {

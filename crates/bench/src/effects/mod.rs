@@ -41,7 +41,7 @@ mod viscous_friction;
 
 pub use kind::{Action, EffectKind, EffectParameter, Guess};
 
-use crate::description::{Bench, TransmissionBench};
+use crate::description::{Bench, Refusal, TransmissionBench, format_number};
 pub use crate::description::{Effect, Plant};
 
 /// Every effect of the project.
@@ -130,6 +130,32 @@ pub enum EffectError {
     },
 }
 
+impl EffectError {
+    /// Key in the entry of `[[effects]]`, and the refusal.
+    pub(crate) fn refusal(&self) -> (&str, Refusal) {
+        let entry = |effect: &str| format!("effects: `{effect}`");
+        match self {
+            Self::UnknownName(name) => ("name", (entry(name), "not a known effect".into(), names())),
+            Self::Elsewhere { effect, found, expected } => {
+                let found = format!("an effect that does not act on a {found}");
+                ("name", (entry(effect), found, format!("a plant among {expected}")))
+            }
+            Self::Channel { effect, found, expected } => {
+                let found = format!("an effect that {found}");
+                ("channel", (entry(effect), found, (*expected).into()))
+            }
+            Self::UnknownParameter { effect, parameter, expected } => {
+                let field = format!("{}.{parameter}", entry(effect));
+                (parameter, (field, "an unknown parameter".into(), format!("one of {expected}")))
+            }
+            Self::OutOfRange { effect, parameter, found, min, max } => {
+                let range = format!("{} to {}", format_number(*min), format_number(*max));
+                (parameter, (format!("{}.{parameter}", entry(effect)), format_number(*found), range))
+            }
+        }
+    }
+}
+
 fn names() -> String {
     CATALOGUE.iter().map(|k| k.name).collect::<Vec<_>>().join(", ")
 }
@@ -154,41 +180,51 @@ impl EffectKind {
 impl Effect {
     /// Checks name, channel, parameters and ranges against a bench.
     pub fn check(&self, bench: &Bench) -> Result<&'static EffectKind, EffectError> {
-        let kind = kind(&self.name).ok_or_else(|| EffectError::UnknownName(self.name.clone()))?;
+        match self.errors(bench).into_iter().next() {
+            Some(error) => Err(error),
+            None => kind(&self.name).ok_or_else(|| EffectError::UnknownName(self.name.clone())),
+        }
+    }
+
+    /// Returns everything that is wrong with name, channel, parameters and ranges.
+    pub(crate) fn errors(&self, bench: &Bench) -> Vec<EffectError> {
+        let Some(kind) = kind(&self.name) else { return vec![EffectError::UnknownName(self.name.clone())] };
         let known = kind.parameters(bench);
         if known.is_empty() {
-            return Err(EffectError::Elsewhere {
+            return vec![EffectError::Elsewhere {
                 effect: self.name.clone(),
                 found: bench.effect_plant().map_or_else(|| bench.plant_name(), Plant::description),
                 expected: kind.plants().map(Plant::description).collect::<Vec<_>>().join(" or "),
-            });
+            }];
         }
+        let mut errors = Vec::new();
         if kind.is_per_channel() != self.channel.is_some() {
-            return Err(EffectError::Channel {
+            errors.push(EffectError::Channel {
                 effect: self.name.clone(),
                 found: if kind.is_per_channel() { "names no channel" } else { "names a channel" },
                 expected: if kind.is_per_channel() { "`channel = \"...\"`" } else { "none" },
             });
         }
         for (name, &value) in &self.parameters {
-            let Some(parameter) = known.iter().find(|p| p.name == name) else {
-                return Err(EffectError::UnknownParameter {
+            match known.iter().find(|p| p.name == name) {
+                None => errors.push(EffectError::UnknownParameter {
                     effect: self.name.clone(),
                     parameter: name.clone(),
                     expected: known.iter().map(|p| p.name).collect::<Vec<_>>().join(", "),
-                });
-            };
-            if !(parameter.min..=parameter.max).contains(&value) {
-                return Err(EffectError::OutOfRange {
-                    effect: self.name.clone(),
-                    parameter: name.clone(),
-                    found: value,
-                    min: parameter.min,
-                    max: parameter.max,
-                });
+                }),
+                Some(parameter) if !(parameter.min..=parameter.max).contains(&value) => {
+                    errors.push(EffectError::OutOfRange {
+                        effect: self.name.clone(),
+                        parameter: name.clone(),
+                        found: value,
+                        min: parameter.min,
+                        max: parameter.max,
+                    });
+                }
+                Some(_) => {}
             }
         }
-        Ok(kind)
+        errors
     }
 
     /// Applies the effect in place. The caller has checked it; on a plant where it does not act it

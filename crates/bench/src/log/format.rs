@@ -1,5 +1,6 @@
 //! Format of a foreign log: the `[log]` and `[columns]` tables of a bench description.
 
+use crate::schema::{FieldKind, FieldType, named_field, section};
 use crate::signals::Channel;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -30,23 +31,41 @@ pub struct LogFormat {
     pub columns: Columns,
 }
 
-/// The `[log]` table: how a line is split into fields.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct TextFormat {
-    /// Separator between two fields.
-    pub separator: Separator,
-    /// True if the first line names the columns.
-    pub header: bool,
+section! {
+    /// The `[log]` table: how a line is split into fields.
+    #[derive(Copy, Eq)]
+    TextFormat {
+        /// Separator between two fields.
+        #[serde(default)]
+        separator: Separator,
+        /// True if the first line names the columns.
+        #[serde(default = "yes")]
+        header: bool,
+        /// True if numbers are written with a decimal comma; the separator is another one then.
+        #[serde(default, skip_serializing_if = "is_false")]
+        decimal_comma: bool,
+    }
 }
 
 impl Default for TextFormat {
     fn default() -> Self {
-        Self { separator: Separator::Comma, header: true }
+        Self { separator: Separator::Comma, header: true, decimal_comma: false }
     }
 }
 
 impl TextFormat {
+    /// Lines of the `[log]` table.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = vec![format!("separator = {:?}", self.separator.text())];
+        if !self.header {
+            lines.push("header = false".into());
+        }
+        if self.decimal_comma {
+            lines.push("decimal_comma = true".into());
+        }
+        lines
+    }
+
     /// Returns whether this is the project's own CSV.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
@@ -54,10 +73,11 @@ impl TextFormat {
 }
 
 /// Field separator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Separator {
     /// `,`
+    #[default]
     Comma,
     /// `;`
     Semicolon,
@@ -67,18 +87,22 @@ pub enum Separator {
     Whitespace,
 }
 
-/// One foreign column: `value = scale * field + offset`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Column {
-    /// Header name, or index from 0 without a header.
-    pub from: ColumnId,
-    /// Factor to SI.
-    #[serde(default = "one")]
-    pub scale: f64,
-    /// Offset in SI, added after the factor.
-    #[serde(default)]
-    pub offset: f64,
+named_field!(Separator {
+    Comma "comma", Semicolon "semicolon", Tab "tab", Whitespace "whitespace"
+});
+
+section! {
+    /// One foreign column: `value = scale * field + offset`.
+    Column {
+        /// Header name, or index from 0 without a header.
+        from: ColumnId,
+        /// Factor to SI.
+        #[serde(default = "one")]
+        scale: f64 [-1e30, 1e30, "the signal's per column's"],
+        /// Offset in SI, added after the factor.
+        #[serde(default)]
+        offset: f64 [-1e30, 1e30, "the signal's"],
+    }
 }
 
 /// A foreign column by name or by index.
@@ -91,11 +115,30 @@ pub enum ColumnId {
     Name(String),
 }
 
+impl FieldType for ColumnId {
+    const KIND: FieldKind = FieldKind::Column;
+
+    fn text(&self) -> String {
+        match self {
+            Self::Index(index) => index.to_string(),
+            Self::Name(name) => name.clone(),
+        }
+    }
+}
+
 fn one() -> f64 {
     1.0
 }
 
-/// Returns the first key that is neither the time nor a channel.
-pub fn unknown_column(columns: &Columns) -> Option<&str> {
-    columns.keys().map(String::as_str).find(|&name| name != TIME && Channel::from_name(name).is_none())
+fn yes() -> bool {
+    true
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
+}
+
+/// Returns whether a key of `[columns]` is the time or a channel.
+pub fn is_signal(name: &str) -> bool {
+    name == TIME || Channel::from_name(name).is_some()
 }

@@ -1,17 +1,21 @@
 //! Measured logs: one row per sample, one column per channel, as CSV, Parquet or MAT-file. The
 //! format is detected from a file's content for reading and from its extension for writing.
 
+mod detect;
 mod error;
 mod format;
 mod mat;
 mod mat_write;
 mod parquet;
+mod raw;
 mod reader;
 mod source;
 mod text;
 
 pub use error::LogError;
-pub use format::{Column, ColumnId, Columns, LogFormat, Separator, TIME, TextFormat, unknown_column};
+pub use format::{Column, ColumnId, Columns, LogFormat, Separator, TIME, TextFormat, is_signal};
+
+pub use raw::{RawColumn, RawLog};
 
 use crate::atomic;
 use crate::signals::{Channel, Role};

@@ -74,7 +74,10 @@ impl Reader<'_> {
             let names = Channel::ALL.iter().map(|c| c.name()).collect::<Vec<_>>().join(", ");
             return Err(self.content(
                 format!("no known channel among the columns `{}`", self.source.names().join("`, `")),
-                &format!("some of {names}, or a [columns] table that maps foreign names"),
+                &format!(
+                    "some of {names}, or a [columns] table that maps foreign names{}",
+                    self.source.hint()
+                ),
             ));
         }
         Ok(selected)

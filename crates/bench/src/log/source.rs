@@ -52,6 +52,27 @@ impl Source {
         Text::open(file, &String::from_utf8_lossy(&bytes), format).map(Self::Text)
     }
 
+    /// Returns whether the content of a file is read as text.
+    pub(super) fn is_text(bytes: &[u8]) -> bool {
+        let is_binary = [PARQUET, MAT_5, MAT_73, HDF5].iter().any(|start| bytes.starts_with(start));
+        !is_binary && !bytes.iter().take(SEARCHED_BYTES).any(|&b| b == 0)
+    }
+
+    /// Clause about the text format that the file seems to have, if another one is described.
+    pub(super) fn hint(&self) -> String {
+        match self {
+            Self::Text(Text { other_format: Some(format), .. }) => {
+                format!("; the file looks like `[log]` with {}", format.lines().join(", "))
+            }
+            _ => String::new(),
+        }
+    }
+
+    /// Number of columns of a text without a header; else 0.
+    pub(super) fn width(&self) -> usize {
+        if let Self::Text(text) = self { text.width() } else { 0 }
+    }
+
     /// Names of the columns; empty for a text without a header.
     pub(super) fn names(&self) -> &[String] {
         match self {
@@ -70,7 +91,7 @@ impl Source {
                     file,
                     format!("no column `{name}` among `{}`", self.names().join("`, `")),
                     match self {
-                        Self::Text(_) => format!("a header with `{name}`"),
+                        Self::Text(_) => format!("a header with `{name}`{}", self.hint()),
                         Self::Parquet(_) => format!("a column `{name}`"),
                         Self::Mat(_) => {
                             format!(

@@ -21,18 +21,26 @@ fn has_bristles(bench: &TransmissionBench) -> bool {
     BearingFriction::from_section(&bench.friction).is_ok_and(|law| law.has_state())
 }
 
-/// Returns the first law of a description that is not allowed.
-pub(super) fn refusal(bench: &Bench) -> Option<Refusal> {
+/// Returns everything about the laws of a description that is not allowed.
+pub(super) fn refusals(bench: &Bench) -> Vec<Refusal> {
     match bench {
-        Bench::Transmission(bench) => bearing_refusal(bench).or_else(|| bristle_refusal(bench)),
-        Bench::SliderCrank(bench) => joint_refusal(bench),
+        Bench::Transmission(bench) => {
+            let mut all = bearing_refusals(bench);
+            all.extend(bristle_refusal(bench));
+            all
+        }
+        Bench::SliderCrank(bench) => joint_refusal(bench).into_iter().collect(),
         // Other plants have no laws to choose.
-        _ => None,
+        _ => Vec::new(),
     }
 }
 
-/// Returns the first law of a bearing that is not allowed.
-fn bearing_refusal(bench: &TransmissionBench) -> Option<Refusal> {
+/// Returns everything about the laws of a bearing that is not allowed.
+fn bearing_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
+    let mut all = contact_refusals(bench);
+    if all.is_empty() {
+        all.extend(JointLaw::from_bench(bench).err().and_then(|error| wrong("contact", error)));
+    }
     if let Some(name) = bench.friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
         let fit = FrictionKind::ALL.iter().filter(|kind| !NOT_INTEGRATED.contains(kind));
         let names: Vec<&str> = fit.map(|kind| kind.entry().name).collect();
@@ -40,11 +48,12 @@ fn bearing_refusal(bench: &TransmissionBench) -> Option<Refusal> {
             "one of {}: a bench integrates laws that depend on the speed continuously",
             names.join(", ")
         );
-        return Some(("friction.law".into(), name.0.entry().name.into(), expected));
+        all.push(("friction.law".into(), name.0.entry().name.into(), expected));
+    } else {
+        let error = BearingFriction::from_section(&bench.friction).err();
+        all.extend(error.and_then(|error| wrong("friction", error)));
     }
-    unused_parameter(bench)
-        .or_else(|| wrong("contact", JointLaw::from_bench(bench).err()?))
-        .or_else(|| wrong("friction", BearingFriction::from_section(&bench.friction).err()?))
+    all
 }
 
 fn wrong(section: &str, error: LawError) -> Option<Refusal> {
@@ -60,8 +69,9 @@ fn wrong(section: &str, error: LawError) -> Option<Refusal> {
     })
 }
 
-/// Returns a parameter of the contact that the named law does not use.
-fn unused_parameter(bench: &TransmissionBench) -> Option<Refusal> {
+/// Refuses parameters of the contact that the named law does not use, and misses those that it
+/// needs.
+fn contact_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
     let section = &bench.contact;
     let (law, used): (&str, &[&str]) = match section.law {
         Some(complete) => (
@@ -89,10 +99,15 @@ fn unused_parameter(bench: &TransmissionBench) -> Option<Refusal> {
         ("damping_n_s_m", section.damping_n_s_m),
         ("full_damping_depth_m", section.full_damping_depth_m),
     ];
-    let (field, value) = given
-        .into_iter()
-        .find_map(|(field, value)| Some((field, value?)).filter(|g| !used.contains(&g.0)))?;
-    Some((format!("contact.{field}"), format_number(value), format!("none: `{law}` does not use it")))
+    let refusal = |(field, value): (&str, Option<f64>)| {
+        let (found, expected) = match (value, used.contains(&field)) {
+            (Some(value), false) => (format_number(value), format!("none: `{law}` does not use it")),
+            (None, true) => ("missing".into(), format!("a number, which `{law}` needs")),
+            _ => return None,
+        };
+        Some((format!("contact.{field}"), found, expected))
+    };
+    given.into_iter().filter_map(refusal).collect()
 }
 
 /// Checks that pre-sliding is described once: by bristles or by an effect.

@@ -2,12 +2,17 @@
 
 mod check;
 mod laws;
+mod structure;
 
 pub use laws::integrates_friction;
+pub use structure::FILL_IN;
 
 use crate::atomic;
-use crate::description::{Bench, DescriptionError, FrictionRig, SliderCrankBench, TransmissionBench};
+use crate::description::{Bench, DescriptionError, Flaw, FrictionRig, SliderCrankBench, TransmissionBench};
+use crate::schema::Placeholder;
 use std::path::Path;
+use structure::Structure;
+use toml::de::{DeTable, DeValue};
 
 /// Presets by name, as TOML.
 pub const PRESETS: &[(&str, &str)] = &[
@@ -35,23 +40,50 @@ impl Bench {
         Self::parse(name_or_file, &text)
     }
 
-    /// Parses and checks a description; `file` names it in messages.
+    /// Parses and checks a description; `file` names it in messages. The error lists every wrong
+    /// and every missing entry.
     pub fn parse(file: &str, text: &str) -> Result<Self, DescriptionError> {
         let malformed =
             |e: toml::de::Error| DescriptionError::Malformed { file: file.into(), message: e.to_string() };
-        let table: toml::Table = toml::from_str(text).map_err(malformed)?;
-        let plant = table.get("plant").and_then(toml::Value::as_str);
-        let Some(bench) = plant.and_then(|plant| Self::from_toml(plant, text)) else {
-            return Err(DescriptionError::OutOfRange {
-                file: file.into(),
-                field: "plant".into(),
-                found: plant.map_or("missing or no text".into(), |plant| format!("`{plant}`")),
-                expected: format!("one of `{}`", Self::PLANTS.join("`, `")),
-            });
+        let table = DeTable::parse(text).map_err(malformed)?.into_inner();
+        let plant = table.iter().find(|(key, _)| key.get_ref() == "plant").map(|(_, value)| value.get_ref());
+        let name = plant.and_then(DeValue::as_str);
+        let Some((name, sections)) = name.and_then(|name| Some((name, Self::sections(name)?))) else {
+            return Err(DescriptionError::Flawed { file: file.into(), flaws: vec![wrong_plant(name)] });
         };
-        let bench = bench.map_err(malformed)?;
-        bench.check(file)?;
-        Ok(bench)
+        let structure = Structure::check(text, &table, &sections);
+        let (bench, refusals) = if structure.flaws.is_empty() {
+            let bench = Self::from_toml(name, text).transpose().map_err(malformed)?;
+            let refusals = bench.as_ref().map(Self::refusals).unwrap_or_default();
+            (bench, refusals)
+        } else {
+            (None, independent_refusals(name, &structure))
+        };
+        let flaw = |entry: check::Refused| {
+            let (field, found, expected) = entry.refusal;
+            Flaw { line: structure.line(&entry.key), field, found, expected }
+        };
+        let mut flaws = structure.flaws.clone();
+        flaws.extend(refusals.into_iter().map(flaw));
+        flaws.sort_by_key(|flaw| flaw.line.unwrap_or(usize::MAX));
+        match bench {
+            Some(bench) if flaws.is_empty() => Ok(bench),
+            _ => Err(DescriptionError::Flawed { file: file.into(), flaws }),
+        }
+    }
+
+    /// Checks a changed description as [`Self::parse`] does. Messages have no lines, because no file
+    /// has the changes.
+    pub fn checked(&self, file: &str) -> Result<Self, DescriptionError> {
+        let malformed = |message: String| DescriptionError::Malformed { file: file.into(), message };
+        let text = self.to_toml().map_err(|e| malformed(e.to_string()))?;
+        Self::parse(file, &text).map_err(|error| match error {
+            DescriptionError::Flawed { file, mut flaws } => {
+                flaws.iter_mut().for_each(|flaw| flaw.line = None);
+                DescriptionError::Flawed { file, flaws }
+            }
+            other => other,
+        })
     }
 
     /// Writes the description to a file atomically.
@@ -59,6 +91,29 @@ impl Bench {
         let text = self.to_toml().map_err(std::io::Error::other)?;
         atomic::write(path, text.as_bytes())
     }
+}
+
+/// Flaw of a description without a known plant.
+fn wrong_plant(name: Option<&str>) -> Flaw {
+    Flaw {
+        line: None,
+        field: "plant".into(),
+        found: name.map_or("missing or no text".into(), |name| format!("`{name}`")),
+        expected: format!("one of `{}`", Bench::PLANTS.join("`, `")),
+    }
+}
+
+/// Refusals of a flawed description that do not depend on its missing and wrong entries: those that
+/// two different sets of placeholders have in common.
+fn independent_refusals(plant: &str, structure: &Structure<'_>) -> Vec<check::Refused> {
+    let refusals = |which| -> Option<Vec<check::Refused>> {
+        let text = toml::to_string(&structure.repaired(which)?).ok()?;
+        Some(Bench::from_toml(plant, &text)?.ok()?.refusals())
+    };
+    let (low, high) = (refusals(Placeholder::Low), refusals(Placeholder::High));
+    let (Some(mut low), Some(high)) = (low, high) else { return Vec::new() };
+    low.retain(|entry| high.contains(entry) && !structure.is_of_unknown_effect(&entry.key));
+    low
 }
 
 /// Defines opening for each plant.
@@ -104,10 +159,10 @@ mod tests {
         let refused = |line: &str| with(line).unwrap_err().to_string();
         assert_eq!(
             refused("last_period_s = 1e-9"),
-            "rig: axis.last_period_s is 1e-9; expected 0.001 to 1000000"
+            "rig: line 5: axis.last_period_s is 1e-9; expected 0.001 to 1000000 s"
         );
         let both = refused("last_period_s = 5.0\ndwell_s = 1.0");
-        assert_eq!(both, "rig: axis.dwell_s is 1; expected 0 to 0");
+        assert_eq!(both, "rig: line 6: axis.dwell_s is 1; expected 0 to 0 s");
         let Bench::FrictionRig(plain) = with("").unwrap() else { panic!("{text}") };
         let line = format!("last_period_s = {:?}\nbackwards = true", plain.axis.period_s / 3.0);
         let Bench::FrictionRig(swept) = with(&line).unwrap() else { panic!("{text}") };
@@ -125,7 +180,7 @@ mod tests {
         let error = refused(&text.replace("9.5e-3", "10.5e-3"));
         assert!(error.contains("joint.journal_radius_m is 0.0105; expected 1e-9 to 0.009999"), "{error}");
         let error = refused(&text.replace("mass_kg = 0.14", "mas = 1"));
-        assert!(error.contains("unknown field `mas`"), "{error}");
+        assert!(error.contains("slider.mas is an unknown field; expected one of mass_kg"), "{error}");
         let named = |more: &str| {
             text.replace("dissipation", &format!("stiffness = \"johnson\"\n{more}\ndissipation"))
         };
@@ -143,10 +198,20 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_section_is_refused_with_line_and_column() {
+    fn a_changed_description_is_refused_without_a_line() {
+        let mut bench = Bench::open("bench-b").unwrap();
+        *bench.parameter_mut("shaft.mass_kg").unwrap() = -1.0;
+        let error = bench.checked("bench-b with -1 kg").unwrap_err().to_string();
+        assert_eq!(error, "bench-b with -1 kg: shaft.mass_kg is -1; expected 0.001 to 1e9 kg");
+        *bench.parameter_mut("shaft.mass_kg").unwrap() = 1.0;
+        assert_eq!(bench.checked("x").unwrap(), bench);
+    }
+
+    #[test]
+    fn an_unknown_section_is_refused_with_its_line() {
         let (_, text) = PRESETS[0];
         let error = Bench::parse("x", &format!("gremlins = 1\n{text}")).unwrap_err().to_string();
-        assert!(error.contains("line 1, column 1") && error.contains("unknown field `gremlins`"), "{error}");
+        assert!(error.starts_with("x: line 1: gremlins is an unknown field; expected one of"), "{error}");
         let other = TransmissionBench::open("friction-rig").unwrap_err().to_string();
         assert_eq!(other, "friction-rig: found plant `friction-rig`; expected `transmission-bench`");
     }

@@ -16,6 +16,8 @@ macro_rules! channels {
             pub const fn name(self) -> &'static str { match self { $(Self::$variant => $name,)* } }
             /// Unit alone.
             pub const fn unit(self) -> &'static str { match self { $(Self::$variant => $unit,)* } }
+            /// Meaning, one sentence.
+            pub const fn meaning(self) -> &'static str { match self { $(Self::$variant => $doc,)* } }
             /// Role of the channel in a comparison with a simulation.
             pub const fn role(self) -> Role { match self { $(Self::$variant => Role::$role,)* } }
         }

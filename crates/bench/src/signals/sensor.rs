@@ -1,44 +1,45 @@
 //! Effect of a sensor on a signal, in this order: bandwidth, delay, gain, offset, drift, limit,
 //! noise, limit, resolution.
 
+use crate::schema::section;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
 
-/// One sensor. All values in the unit of its channel, SI.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Sensor {
-    /// Standard deviation of white noise at the log's sample rate.
-    #[serde(default)]
-    pub noise: f64,
-    /// Step of the reading; 0: continuous.
-    #[serde(default)]
-    pub resolution: f64,
-    /// Delay in s.
-    #[serde(default)]
-    pub delay_s: f64,
-    /// Cut-off of a first-order low-pass in Hz; 0: none.
-    #[serde(default)]
-    pub bandwidth_hz: f64,
-    /// Constant added to the reading.
-    #[serde(default)]
-    pub offset: f64,
-    /// Factor of the reading.
-    #[serde(default = "one")]
-    pub gain: f64,
-    /// Change of the offset per second.
-    #[serde(default)]
-    pub drift_per_s: f64,
-    /// Reciprocal of the largest reading of either sign; 0: no limit.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub inverse_limit: f64,
-    /// Share of readings that external interference disturbs.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub outlier_share: f64,
-    /// Standard deviation of the disturbance.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub outlier_size: f64,
+section! {
+    /// One sensor. All values are in the unit of its channel, SI.
+    #[derive(Copy)]
+    Sensor {
+        /// Standard deviation of white noise at the log's sample rate.
+        #[serde(default)]
+        noise: f64 [0.0, 1e12, "the channel's"],
+        /// Step of the reading; 0: continuous.
+        #[serde(default)]
+        resolution: f64 [0.0, 1e12, "the channel's"],
+        /// Delay.
+        #[serde(default)]
+        delay_s: f64 [-1e3, 1e3],
+        /// Cut-off of a first-order low-pass; 0: none.
+        #[serde(default)]
+        bandwidth_hz: f64 [0.0, 1e12],
+        /// Constant added to the reading.
+        #[serde(default)]
+        offset: f64 [-1e12, 1e12, "the channel's"],
+        /// Factor of the reading.
+        #[serde(default = "one")]
+        gain: f64 [-1e12, 1e12],
+        /// Change of the offset per second.
+        #[serde(default)]
+        drift_per_s: f64 [-1e12, 1e12, "the channel's per s"],
+        /// Reciprocal of the largest reading of either sign; 0: no limit.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        inverse_limit: f64 [0.0, 1e12, "1/the channel's"],
+        /// Share of readings that external interference disturbs.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        outlier_share: f64 [0.0, 1.0],
+        /// Standard deviation of the disturbance.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        outlier_size: f64 [0.0, 1e12, "the channel's"],
+    }
 }
 
 fn one() -> f64 {

@@ -18,7 +18,7 @@ pub(super) fn check_inputs(
 ) {
     let Some((value, rate)) = drive_channels(bench) else { return };
     if !log.channels.contains_key(&rate) {
-        check_stroke(bench, log, value, findings);
+        check_stroke(bench, log, value, &[value], findings);
     }
     let (Some(x), Some(v)) = (log.channels.get(&value), log.channels.get(&rate)) else { return };
     let Some(relation) = relation(&log.time_s, x, v) else { return };
@@ -34,6 +34,10 @@ pub(super) fn check_inputs(
     let max_delay_s = (tuning::MAX_DELAY_SAMPLES * interval_s).max(tuning::MAX_DELAY_S);
     if drive.relation.lead_s.abs() > max_delay_s && log.channels.contains_key(&rate) {
         findings.push(drive.leave_out_delayed(log));
+    }
+    // Both in the same wrong unit do not contradict each other.
+    if (drive.relation.ratio.abs() - 1.0).abs() < tuning::NAMED_TOLERANCE {
+        check_stroke(bench, log, value, &[value, rate], findings);
     }
 }
 
@@ -154,9 +158,15 @@ impl Drive<'_> {
     }
 }
 
-/// Finds and corrects the unit of a position without a velocity: a stroke far from the described
-/// one that the factor of a unit explains.
-fn check_stroke(bench: &Bench, log: &mut MeasuredLog, value: Channel, findings: &mut Vec<Finding>) {
+/// Finds and corrects the unit of a position, alone or together with that of its rate: a stroke far
+/// from the described one that the factor of a unit explains.
+fn check_stroke(
+    bench: &Bench,
+    log: &mut MeasuredLog,
+    value: Channel,
+    channels: &[Channel],
+    findings: &mut Vec<Finding>,
+) {
     let Some(stroke) = log.channels.get(&value).map(|x| range(x)).filter(|r| *r > 0.0) else { return };
     let described = bench.stroke();
     let log_ratio = |factor: f64| (stroke / factor / described).ln().abs();
@@ -168,16 +178,23 @@ fn check_stroke(bench: &Bench, log: &mut MeasuredLog, value: Channel, findings: 
         return;
     };
     let found = format!("its stroke is {stroke:.4}, the described one {described:.4} {}", value.unit());
-    findings.push(
-        Finding::new(Severity::Wrong, &log.source, value.name(), "unit", found)
-            .cause(cause)
-            .evidence("factor", factor)
-            .evidence("stroke", stroke)
-            .evidence("described_stroke", described)
-            .correction(scaled(bench, value.name(), 1.0 / factor))
-            .applied(format!("divided by {factor:.6}")),
-    );
-    multiply(log, value, 1.0 / factor);
+    for &channel in channels.iter().filter(|channel| log.channels.contains_key(channel)).collect::<Vec<_>>() {
+        let (found, cause) = if channel == value {
+            (found.clone(), cause.clone())
+        } else {
+            (format!("it agrees with {value}, whose unit is wrong"), format!("the same factor as of {value}"))
+        };
+        findings.push(
+            Finding::new(Severity::Wrong, &log.source, channel.name(), "unit", found)
+                .cause(cause)
+                .evidence("factor", factor)
+                .evidence("stroke", stroke)
+                .evidence("described_stroke", described)
+                .correction(scaled(bench, channel.name(), 1.0 / factor))
+                .applied(format!("divided by {factor:.6}")),
+        );
+        multiply(log, channel, 1.0 / factor);
+    }
 }
 
 /// Distance of the motion from the described one if a candidate's channel is corrected: sum of the

@@ -40,6 +40,7 @@ mod tuning;
 mod units;
 
 pub use finding::{Finding, Severity};
+pub(crate) use resolution::step;
 
 use crate::data::logs::simulated_outputs;
 use bench::log::LogError;
@@ -68,6 +69,19 @@ pub(crate) fn check(
     let (logs, held_out) = (check_all(logs)?, check_all(held_out)?);
     findings.sort_by_key(|f| f.severity);
     Ok(Checked { logs, held_out, findings })
+}
+
+/// Leaves out copies of logs, and rows without a time, with the time of another row or without a
+/// reading. Values do not change.
+pub(crate) fn clean(logs: &[MeasuredLog]) -> Result<Vec<MeasuredLog>, LogError> {
+    let mut ignored = Vec::new();
+    let mut logs: Vec<MeasuredLog> =
+        copies::leave_out_copies(logs, &[], &mut ignored).into_iter().cloned().collect();
+    for log in &mut logs {
+        clock::correct_order(log, &mut ignored)?;
+        missing::leave_out_missing(log, &mut ignored)?;
+    }
+    Ok(logs)
 }
 
 /// Returns the log with corrections; an error if no output remains that can be compared.

@@ -17,7 +17,7 @@ pub(super) fn inner(values: &[f64]) -> Vec<f64> {
 
 /// The step of which nearly all differences of readings are integer multiples; `None` without such
 /// a step, or with few equal readings.
-pub(super) fn step(values: &[f64]) -> Option<f64> {
+pub(crate) fn step(values: &[f64]) -> Option<f64> {
     let sorted = inner(values);
     let min = tuning::MIN_STEP_SHARE * range(&sorted);
     let steps: Vec<f64> =

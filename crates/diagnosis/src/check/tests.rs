@@ -67,6 +67,20 @@ fn units_are_named_and_corrected() {
 }
 
 #[test]
+fn a_position_and_a_speed_in_the_same_wrong_unit_are_found_by_the_stroke() {
+    let mut log = record(&real(5), 5).unwrap();
+    multiply(&mut log, Channel::DriveDisplacement, 1e3);
+    multiply(&mut log, Channel::DriveVelocity, 1e3);
+    let (corrected, findings) = found(&log);
+    let expected = [("drive_displacement_m", "unit"), ("drive_velocity_m_s", "unit")];
+    assert_eq!(wrong_findings(&findings), expected, "{findings:#?}");
+    assert!(findings.iter().any(|f| f.correction.as_deref().is_some_and(|line| {
+        line == "drive_velocity_m_s = { from = \"drive_velocity_m_s\", scale = 0.001 }"
+    })));
+    assert_eq!(wrong_findings(&found(&corrected).1), [], "after the correction");
+}
+
+#[test]
 fn a_drive_without_velocity_is_compared_by_its_stroke() {
     let change = |log: &mut MeasuredLog| {
         log.channels.remove(&Channel::DriveVelocity);

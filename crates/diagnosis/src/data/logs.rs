@@ -89,6 +89,12 @@ impl Data {
         Ok(Self { logs, blocks, channels })
     }
 
+    /// Turns held-out samples into fitted ones.
+    pub(crate) fn use_all(&mut self) {
+        let uses = self.logs.iter_mut().flat_map(|log| &mut log.uses);
+        uses.filter(|used| **used == Use::HeldOut).for_each(|used| *used = Use::Fit);
+    }
+
     /// The logs up to their last fitted sample: all that a fit has to simulate.
     pub(crate) fn fitted_view(&self) -> Self {
         self.view(|log| log.uses.iter().rposition(|u| *u == Use::Fit).map_or(0, |last| last + 1))

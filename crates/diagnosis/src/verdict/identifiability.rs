@@ -32,7 +32,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use serde::Serialize;
 
 /// Parameters of the reported model that the logs do not determine.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Identifiability {
     /// `dead`, `at-bound`, `not-pinned`, `correlated`, `sign` or `flat-direction`.
     pub kind: &'static str,
@@ -46,25 +46,49 @@ pub struct Identifiability {
     pub words: String,
 }
 
+/// Parameters of a model with what logs determine about them.
+pub(crate) struct Determination<'a> {
+    pub(crate) parameters: &'a [Parameter],
+    /// Scaled parameters.
+    pub(crate) z: &'a [f64],
+    /// Standard deviations in scaled units.
+    pub(crate) deviations: &'a [f64],
+    /// Information of the data on the scaled parameters, without priors.
+    pub(crate) fisher: &'a DMatrix<f64>,
+}
+
 /// Lists the parameters that the logs do not determine, simple kinds first.
 pub(crate) fn identifiability(data: &Data, explanation: &Explanation) -> Vec<Identifiability> {
-    let Some(information) = information_in_prior_units(explanation) else { return Vec::new() };
-    let parameters = &explanation.model.parameters;
-    let names = parameters.iter().map(|p| p.name().to_owned()).collect();
-    let dead = (0..parameters.len()).map(|i| information[(i, i)] < tuning::DEAD_CHI_SQUARE).collect();
-    let mut analysis = Analysis { explanation, information, names, dead, out: Vec::new() };
+    let Some(mut analysis) = Analysis::new(Determination {
+        parameters: &explanation.model.parameters,
+        z: &explanation.z,
+        deviations: &explanation.deviations,
+        fisher: &explanation.fisher,
+    }) else {
+        return Vec::new();
+    };
     analysis.list_dead();
     analysis.list_at_bound();
     analysis.list_not_pinned();
-    analysis.list_correlated();
-    analysis.list_signs(data);
+    analysis.list_correlated(0.0);
+    analysis.list_signs(data, explanation);
     analysis.list_flat_directions();
     analysis.out
 }
 
-/// Information about an explanation's parameters, and the list so far.
+/// Lists the declared parameters that logs do not show or do not separate, before any fit.
+pub(crate) fn not_determined(determination: Determination<'_>) -> Vec<Identifiability> {
+    let Some(mut analysis) = Analysis::new(determination) else { return Vec::new() };
+    analysis.list_dead();
+    analysis.list_not_pinned();
+    analysis.list_correlated(tuning::INSEPARABLE_SHARE);
+    analysis.list_flat_directions();
+    analysis.out
+}
+
+/// Information about the parameters of a model, and the list so far.
 struct Analysis<'a> {
-    explanation: &'a Explanation,
+    determination: Determination<'a>,
     /// Information of the data in units of the priors.
     information: DMatrix<f64>,
     /// Name of each parameter.
@@ -74,14 +98,23 @@ struct Analysis<'a> {
     out: Vec<Identifiability>,
 }
 
-impl Analysis<'_> {
+impl<'a> Analysis<'a> {
+    /// `None` without parameters.
+    fn new(determination: Determination<'a>) -> Option<Self> {
+        let (parameters, count) = (determination.parameters, determination.parameters.len());
+        let information = information_in_prior_units(&determination)?;
+        let names = parameters.iter().map(|p| p.name().to_owned()).collect();
+        let dead = (0..count).map(|i| information[(i, i)] < tuning::DEAD_CHI_SQUARE).collect();
+        Some(Self { determination, information, names, dead, out: Vec::new() })
+    }
+
     fn push(&mut self, kind: &'static str, which: &[usize], value: f64, words: String) {
         let parameters = which.iter().filter_map(|&i| self.names.get(i).cloned()).collect();
         self.out.push(Identifiability { kind, parameters, value, words });
     }
 
-    fn parameters(&self) -> &[Parameter] {
-        &self.explanation.model.parameters
+    fn parameters(&self) -> &'a [Parameter] {
+        self.determination.parameters
     }
 
     /// Field of `[nuisances]`, for a nuisance parameter of one log.
@@ -113,7 +146,7 @@ impl Analysis<'_> {
 
     fn list_at_bound(&mut self) {
         for i in 0..self.names.len() {
-            let z = self.explanation.z.get(i).copied().unwrap_or_default();
+            let z = self.determination.z.get(i).copied().unwrap_or_default();
             if let Some(bound) = self.parameters()[i].bound_at(z) {
                 let words =
                     format!("{} ended at the bound {} of its range", self.names[i], four_digits(bound));
@@ -124,11 +157,11 @@ impl Analysis<'_> {
 
     /// Nuisance parameters are omitted: a table shows each beside its declaration.
     fn list_not_pinned(&mut self) {
-        for (i, prior) in priors(self.explanation).into_iter().enumerate() {
+        for (i, prior) in priors(self.parameters()).into_iter().enumerate() {
             if self.dead[i] || self.parameters()[i].precision <= 0.0 || self.field(i).is_some() {
                 continue;
             }
-            let share = self.explanation.deviations.get(i).copied().unwrap_or(f64::INFINITY) / prior;
+            let share = self.determination.deviations.get(i).copied().unwrap_or(f64::INFINITY) / prior;
             if share > tuning::PRIOR_SHARE {
                 let words = format!(
                     "the logs do not determine {}: its standard deviation is {:.0} % of its prior's",
@@ -140,8 +173,14 @@ impl Analysis<'_> {
         }
     }
 
-    fn list_correlated(&mut self) {
-        for (i, j, rho) in self.correlated() {
+    /// Pairs of which one has at least a share of its prior's standard deviation left.
+    fn list_correlated(&mut self, min_share: f64) {
+        let priors = priors(self.parameters());
+        let left =
+            |i: usize| self.determination.deviations.get(i).zip(priors.get(i)).map_or(1.0, |(d, p)| d / p);
+        let pairs: Vec<(usize, usize, f64)> =
+            self.correlated().into_iter().filter(|&(i, j, _)| left(i).max(left(j)) >= min_share).collect();
+        for (i, j, rho) in pairs {
             let words = format!(
                 "{} and {} correlate by {rho:+.3}: the logs determine a combination of the two",
                 self.names[i], self.names[j]
@@ -168,12 +207,12 @@ impl Analysis<'_> {
             .collect()
     }
 
-    fn list_signs(&mut self, data: &Data) {
-        let model = &self.explanation.model;
+    fn list_signs(&mut self, data: &Data, explanation: &Explanation) {
+        let model = &explanation.model;
         for which in 0..model.effects.len() {
             let own = model.effect_parameters(which).into_iter();
             let sizes: Vec<usize> = own.filter(|&i| model.parameters[i].is_size()).collect();
-            let change = mirror_change(data, self.explanation, &sizes);
+            let change = mirror_change(data, explanation, &sizes);
             if let Some(change) = change.filter(|change| change.abs() < tuning::SIGN_CHI_SQUARE) {
                 let names: Vec<&str> = sizes.iter().map(|&i| self.names[i].as_str()).collect();
                 let together = if names.len() > 1 { " together" } else { "" };
@@ -212,16 +251,17 @@ impl Analysis<'_> {
 }
 
 /// Prior standard deviations in scaled units; 1 for a parameter without prior.
-fn priors(explanation: &Explanation) -> Vec<f64> {
+fn priors(parameters: &[Parameter]) -> Vec<f64> {
     let prior = |p: &Parameter| if p.precision > 0.0 { p.precision.sqrt().recip() } else { 1.0 };
-    explanation.model.parameters.iter().map(prior).collect()
+    parameters.iter().map(prior).collect()
 }
 
 /// Information of the data in units of the priors; `None` without parameters.
-fn information_in_prior_units(explanation: &Explanation) -> Option<DMatrix<f64>> {
-    let (priors, n) = (priors(explanation), explanation.model.parameters.len());
-    (n > 0 && explanation.fisher.nrows() == n)
-        .then(|| DMatrix::from_fn(n, n, |i, j| priors[i] * priors[j] * explanation.fisher[(i, j)]))
+fn information_in_prior_units(determination: &Determination<'_>) -> Option<DMatrix<f64>> {
+    let (priors, n) = (priors(determination.parameters), determination.parameters.len());
+    let fisher = determination.fisher;
+    (n > 0 && fisher.nrows() == n)
+        .then(|| DMatrix::from_fn(n, n, |i, j| priors[i] * priors[j] * fisher[(i, j)]))
 }
 
 /// Change of chi-square on the fitted samples with all sizes of an effect of the opposite sign;

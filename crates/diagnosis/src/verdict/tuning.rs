@@ -48,6 +48,9 @@ pub(crate) const PRIOR_SHARE: f64 = 0.9;
 /// Absolute correlation of two estimates above which only a combination is known. Chosen by hand,
 /// not measured.
 pub(crate) const MAX_CORRELATION: f64 = 0.95;
+/// Share of a prior's standard deviation below which a declared parameter is known well enough for
+/// a diagnosis, though it correlates with another one. Chosen by hand, not measured.
+pub(crate) const INSEPARABLE_SHARE: f64 = 0.1;
 /// Eigenvalue of the information in prior units below which a direction is flat. Chosen by hand,
 /// not measured.
 pub(crate) const FLAT_EIGENVALUE: f64 = 0.1;

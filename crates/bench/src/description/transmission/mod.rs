@@ -9,25 +9,26 @@ use super::{Extension, Load, Logging, is_one, is_zero, one};
 use crate::description::law_names::{
     CompleteLawName, DampingName, DissipationName, FrictionName, StiffnessName,
 };
+use crate::schema::{HUGE, TINY, named_field, section};
 use contact::BearingMaterial;
 use serde::{Deserialize, Serialize};
 
 section! {
     /// Levers and stroke of the transmission bench.
     Geometry {
-        /// Drive crank `R_d` in m.
-        drive_lever_radius_m: f64,
-        /// Load crank `R_l` in m.
-        load_lever_radius_m: f64,
+        /// Drive crank `R_d`.
+        drive_lever_radius_m: f64 [1e-3, 1e3],
+        /// Load crank `R_l`.
+        load_lever_radius_m: f64 [1e-3, 1e3],
     }
 }
 section! {
     /// The shaft with all parts that move with it.
     Shaft {
-        /// Mass in kg.
-        mass_kg: f64,
-        /// Moment of inertia about its axis in kg m2.
-        inertia_kg_m2: f64,
+        /// Mass.
+        mass_kg: f64 [1e-3, 1e9],
+        /// Moment of inertia about its axis.
+        inertia_kg_m2: f64 [1e-6, 1e9],
     }
 }
 section! {
@@ -35,18 +36,18 @@ section! {
     Bearing {
         /// Material; it selects the trained networks.
         material: BearingMaterial,
-        /// Bearing radius `R_B` in m.
-        bearing_radius_m: f64,
-        /// Radial clearance `D` in m.
-        radial_clearance_m: f64,
-        /// Bearing length in m.
-        length_m: f64,
-        /// Young's modulus of the bearing in Pa.
-        youngs_modulus_pa: f64,
+        /// Bearing radius `R_B`.
+        bearing_radius_m: f64 [1e-4, 1e2],
+        /// Radial clearance `D`, at most a tenth of the bearing's radius.
+        radial_clearance_m: f64 [TINY, 10.0],
+        /// Bearing length.
+        length_m: f64 [1e-4, 1e2],
+        /// Young's modulus of the bearing.
+        youngs_modulus_pa: f64 [1e3, 1e15],
         /// Poisson's ratio of the bearing.
-        poisson_ratio: f64,
+        poisson_ratio: f64 [0.0, 0.5],
         /// Nominal restitution.
-        restitution: f64,
+        restitution: f64 [1e-6, 1.0],
     }
 }
 section! {
@@ -56,9 +57,8 @@ section! {
         stiffness: StiffnessName,
         /// Dissipation factor.
         dissipation: DissipationName,
-        /// Floor of the latched approach speed in m/s; the reference speed with `damping =
-        /// "reference"`.
-        latch_floor_m_s: f64,
+        /// Floor of the latched approach speed; the reference speed with `damping = "reference"`.
+        latch_floor_m_s: f64 [TINY, 1e3],
         /// Reference of the deformation rate.
         #[serde(default, skip_serializing_if = "DampingName::is_latched")]
         damping: DampingName,
@@ -71,10 +71,10 @@ section! {
         /// `n`, for laws with a free exponent.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         exponent: Option<f64>,
-        /// Damping in N s/m: constant for `kelvin-voigt`, full damping for `adams-impact`.
+        /// Damping: constant for `kelvin-voigt`, full damping for `adams-impact`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         damping_n_s_m: Option<f64>,
-        /// Depth in m at which `adams-impact` has its full damping.
+        /// Depth at which `adams-impact` has its full damping.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         full_damping_depth_m: Option<f64>,
     }
@@ -82,75 +82,76 @@ section! {
 section! {
     /// Friction law of the contact; see `contact::FrictionLaw` and the catalogue of `contact`.
     FrictionSection {
-        /// Name of the law; Stribeck's without one.
+        /// Name of the law; Stribeck's without one. A bench cannot integrate `coulomb`, `karnopp`
+        /// and `seven-parameter`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         law: Option<FrictionName>,
         /// Coefficient at high speed.
-        coulomb_coefficient: f64,
+        coulomb_coefficient: f64 [0.0, 10.0],
         /// Coefficient at the onset of sliding.
-        static_coefficient: f64,
-        /// Stribeck speed in m/s.
-        stribeck_speed_m_s: f64,
+        static_coefficient: f64 [0.0, 10.0],
+        /// Stribeck speed.
+        stribeck_speed_m_s: f64 [1e-9, HUGE],
         /// Stribeck exponent by name.
         shape: ShapeName,
-        /// Slope over speed in s/m.
-        viscous_slope_s_m: f64,
-        /// Speed where the slope begins, m/s.
-        viscous_onset_m_s: f64,
-        /// Width of the regularised sign in m/s.
-        regularisation_m_s: f64,
-        /// Speed in m/s up to which Ambrosio's law gives no friction.
+        /// Slope over speed.
+        viscous_slope_s_m: f64 [-1e3, 1e3],
+        /// Speed where the slope begins.
+        viscous_onset_m_s: f64 [0.0, HUGE],
+        /// Width of the regularised sign: sliding speed below which friction rises smoothly.
+        regularisation_m_s: f64 [1e-9, 1e3],
+        /// Speed up to which Ambrosio's law gives no friction.
         #[serde(default, skip_serializing_if = "is_zero")]
-        still_speed_m_s: f64,
-        /// Force in N over which the viscous part of Brown and McPhee's law develops.
+        still_speed_m_s: f64 [0.0, 1e3],
+        /// Force over which the viscous part of Brown and McPhee's law develops.
         #[serde(default = "one", skip_serializing_if = "is_one")]
-        transition_force_n: f64,
-        /// Stiffness of the bristles in 1/m, for `dahl` and `lugre`.
+        transition_force_n: f64 [1e-9, HUGE],
+        /// Stiffness of the bristles, for `dahl` and `lugre`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         bristle_stiffness_per_m: Option<f64>,
-        /// Damping of the bristles in s/m, for `lugre`.
+        /// Damping of the bristles, for `lugre`.
         #[serde(default, skip_serializing_if = "is_zero")]
-        bristle_damping_s_m: f64,
+        bristle_damping_s_m: f64 [0.0, HUGE],
         /// Factor on the total coefficient: the "friction level" of `[uncertain]`.
         #[serde(default = "one")]
-        level: f64,
+        level: f64 [0.0, 10.0],
     }
 }
 section! {
     /// Motion of the drive: velocity `V sin(wt)`, so a one-sided stroke `(X/2)(1 - cos wt)`.
     Drive {
-        /// Stroke `X` in m.
-        stroke_m: f64,
-        /// Period in s.
-        period_s: f64,
+        /// Stroke `X`, at most 0.99 of the drive crank.
+        stroke_m: f64 [1e-9, 990.0],
+        /// Period.
+        period_s: f64 [1e-3, 1e6],
         /// Cycles of a run.
-        cycles: u32,
+        cycles: u32 [1.0, 1e6],
     }
 }
 section! {
     /// Play between fork and crank; see `plants::transmission::fork`.
     Fork {
-        /// Total play in m.
-        backlash_m: f64,
-        /// Stiffness of fork and pin in N/m.
+        /// Total play, at most a tenth of the drive crank.
+        backlash_m: f64 [0.0, 100.0],
+        /// Stiffness of fork and pin.
         #[serde(default = "fork_stiffness_n_m")]
-        stiffness_n_m: f64,
-        /// Relative gain of the force per closing speed, s/m.
+        stiffness_n_m: f64 [1.0, 1e15],
+        /// Relative gain of the force per closing speed.
         #[serde(default = "one")]
-        damping_s_m: f64,
+        damping_s_m: f64 [0.0, 1e6],
     }
 }
 section! {
     /// Friction of the load cylinder against the motion: `coulomb_n tanh(v/v_r) + viscous_n_s_m v`.
     LoadFriction {
-        /// Dry friction in N.
-        coulomb_n: f64,
-        /// Viscous friction in N s/m.
+        /// Dry friction.
+        coulomb_n: f64 [0.0, 1e7],
+        /// Viscous friction.
         #[serde(default)]
-        viscous_n_s_m: f64,
-        /// Width `v_r` of the regularised sign in m/s.
+        viscous_n_s_m: f64 [0.0, 1e9],
+        /// Width `v_r` of the regularised sign.
         #[serde(default = "millimetre_per_second")]
-        regularisation_m_s: f64,
+        regularisation_m_s: f64 [1e-9, 1e3],
     }
 }
 section! {
@@ -158,28 +159,28 @@ section! {
     TwoPlaneSection {
         /// Slices of the bearing along its length.
         #[serde(default = "eleven")]
-        slices: u32,
-        /// Moment of inertia about an axis across the shaft, kg m2.
+        slices: u32 [1.0, 201.0],
+        /// Moment of inertia about an axis across the shaft.
         #[serde(default = "transverse_inertia_kg_m2")]
-        transverse_inertia_kg_m2: f64,
-        /// Plane of the drive crank from the bearing's middle, m.
+        transverse_inertia_kg_m2: f64 [1e-6, 1e9],
+        /// Plane of the drive crank from the bearing's middle.
         #[serde(default)]
-        drive_offset_m: f64,
-        /// Plane of the load crank from the bearing's middle, m.
+        drive_offset_m: f64 [-10.0, 10.0],
+        /// Plane of the load crank from the bearing's middle.
         #[serde(default)]
-        load_offset_m: f64,
-        /// Slope of the bearing's axis in Y, rad.
+        load_offset_m: f64 [-10.0, 10.0],
+        /// Slope of the bearing's axis in Y.
         #[serde(default)]
-        misalignment_y_rad: f64,
-        /// Slope of the bearing's axis in Z, rad.
+        misalignment_y_rad: f64 [-0.1, 0.1],
+        /// Slope of the bearing's axis in Z.
         #[serde(default)]
-        misalignment_z_rad: f64,
-        /// Stiffness of additional supports against tilt, N m/rad.
+        misalignment_z_rad: f64 [-0.1, 0.1],
+        /// Stiffness of additional supports against tilt.
         #[serde(default)]
-        support_stiffness_nm_rad: f64,
-        /// Damping of additional supports against tilt, N m s/rad.
+        support_stiffness_nm_rad: f64 [0.0, 1e15],
+        /// Damping of additional supports against tilt.
         #[serde(default)]
-        support_damping_nm_s_rad: f64,
+        support_damping_nm_s_rad: f64 [0.0, HUGE],
     }
 }
 
@@ -207,6 +208,8 @@ pub enum ShapeName {
     /// Exponent 2.
     Gauss,
 }
+
+named_field!(ShapeName { Tustin "tustin", Gauss "gauss" });
 
 /// Stiffness of a steel fork on its pin: 10 kN deform it by 0.1 mm.
 fn fork_stiffness_n_m() -> f64 {

@@ -1,0 +1,93 @@
+//! A log as it was found: all columns that contain numbers, without a description.
+
+use super::source::Source;
+use super::{LogError, TextFormat};
+use std::path::Path;
+
+/// Column of a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawColumn {
+    /// Index from 0.
+    pub index: usize,
+    /// Name; empty in a text without a header.
+    pub name: String,
+    /// Readings, NaN where missing.
+    pub values: Vec<f64>,
+}
+
+impl RawColumn {
+    /// Smallest and largest reading; `None` without readings.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        let readings = || self.values.iter().copied().filter(|value| value.is_finite());
+        Some((readings().reduce(f64::min)?, readings().reduce(f64::max)?))
+    }
+}
+
+/// Columns of a log that contain numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawLog {
+    /// Origin of the log, for messages.
+    pub source: String,
+    /// Text format as detected; the default for a binary file, whose columns have names.
+    pub format: TextFormat,
+    /// Columns with numbers, in the order of the file.
+    pub columns: Vec<RawColumn>,
+}
+
+impl RawLog {
+    /// Reads a log and detects its format.
+    pub fn read(path: &Path) -> Result<Self, LogError> {
+        let file = path.display().to_string();
+        let bytes = std::fs::read(path).map_err(|source| LogError::Io { file: file.clone(), source })?;
+        Self::from_bytes(&file, bytes)
+    }
+
+    /// Reads the content of a file, which messages call `file`.
+    pub fn from_bytes(file: &str, bytes: Vec<u8>) -> Result<Self, LogError> {
+        let text = String::from_utf8_lossy(&bytes);
+        let format = super::detect::detect(&text);
+        let is_text = Source::is_text(&bytes);
+        let Some(format) = format.filter(|_| is_text).or((!is_text).then(TextFormat::default)) else {
+            return Err(LogError::content(
+                file,
+                "no columns of numbers with one separator",
+                "a number in every column of every line after the header, separated by commas, semicolons, \
+                 tabs or blanks",
+            ));
+        };
+        drop(text);
+        let source = Source::open(file, bytes, &format)?;
+        let count = if source.names().is_empty() { source.width() } else { source.names().len() };
+        let column = |index: usize| {
+            let values = source.values(file, index, "a column", false).ok()?;
+            let name = source.names().get(index).cloned().unwrap_or_default();
+            values.iter().any(|value| value.is_finite()).then_some(RawColumn { index, name, values })
+        };
+        let columns: Vec<RawColumn> = (0..count).filter_map(column).collect();
+        if columns.iter().all(|column| column.values.len() < 2) {
+            return Err(LogError::content(file, "fewer than 2 rows of numbers", "at least 2"));
+        }
+        Ok(Self { source: file.into(), format, columns })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_foreign_text_is_read_with_its_own_separator_and_decimal_comma() {
+        let text = "Zeit [ms];Weg [mm];Name\n0;1,5;a\n10;;b\n20;2,5;c\n";
+        let log = RawLog::from_bytes("a.csv", text.as_bytes().to_vec()).unwrap_err().to_string();
+        assert!(log.starts_with("a.csv: found no columns of numbers") || log.contains("no columns"), "{log}");
+        let log = RawLog::from_bytes(
+            "a.csv",
+            text.replace(";Name", "").replace(";a", "").replace(";b", "").replace(";c", "").into_bytes(),
+        )
+        .unwrap();
+        assert!(log.format.decimal_comma && log.format.header);
+        assert_eq!(log.columns[1].name, "Weg [mm]");
+        assert_eq!(log.columns[1].range(), Some((1.5, 2.5)));
+        assert!(log.columns[1].values[1].is_nan());
+    }
+}

@@ -1,0 +1,157 @@
+//! Template of a bench description for a log: every required field with its meaning, unit and
+//! range, filled in as far as the log's header and amplitudes determine it.
+//!
+//! A value that the user has to fill in is [`FILL_IN`]. A description with such a value is refused
+//! with the list of all of them.
+
+mod columns;
+mod names;
+mod render;
+mod values;
+
+use crate::description::{AxisKind, FrictionRig, TransmissionBench};
+use crate::log::{LogError, RawLog, TIME};
+use crate::reading::FILL_IN;
+use crate::signals::Channel;
+use columns::{Chosen, candidates, choose, motion_kind};
+use names::{MotionKind, Quantity};
+use serde::Serialize;
+
+/// Plant of a template.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TemplatePlant {
+    /// A single driven axis.
+    Axis(AxisKind),
+    /// The transmission bench.
+    Transmission,
+}
+
+impl TemplatePlant {
+    /// Plants with their names.
+    pub const ALL: &[(&str, Self)] = &[
+        ("linear-axis", Self::Axis(AxisKind::Linear)),
+        ("rotary-axis", Self::Axis(AxisKind::Rotary)),
+        ("transmission-bench", Self::Transmission),
+    ];
+
+    /// Name of the plant in a description.
+    const fn plant(self) -> &'static str {
+        match self {
+            Self::Axis(_) => FrictionRig::PLANT,
+            Self::Transmission => TransmissionBench::PLANT,
+        }
+    }
+}
+
+/// Column of a log as a template uses it.
+#[derive(Clone, Debug, Serialize)]
+pub struct TemplateColumn {
+    /// Index from 0.
+    pub index: usize,
+    /// Name; empty in a text without a header.
+    pub name: String,
+    /// Smallest reading.
+    pub min: f64,
+    /// Largest reading.
+    pub max: f64,
+    /// Signal that the column is taken for.
+    pub signal: Option<&'static str>,
+}
+
+/// Template of a description.
+#[derive(Clone, Debug, Serialize)]
+pub struct Template {
+    /// Plant.
+    pub plant: &'static str,
+    /// Columns of the log with numbers.
+    pub columns: Vec<TemplateColumn>,
+    /// Dotted names of the values to fill in.
+    pub to_fill_in: Vec<String>,
+    /// The description as TOML with comments.
+    pub toml: String,
+}
+
+/// A signal of the plant and the column that may hold it.
+struct Signal<'a> {
+    name: &'static str,
+    /// True if the plant cannot be simulated or compared without it.
+    is_needed: bool,
+    chosen: Option<Chosen<'a>>,
+}
+
+/// Writes the template for a log. Without `plant` the header decides.
+pub fn template(log: &RawLog, plant: Option<TemplatePlant>) -> Result<Template, LogError> {
+    let candidates = candidates(log);
+    let is_of_bench = |name: &str| {
+        let is_input = name == Channel::DriveDisplacement.name() || name == Channel::DriveVelocity.name();
+        is_input || name == Channel::ShaftAngle.name() || name == Channel::JournalY.name()
+    };
+    let plant = plant.unwrap_or_else(|| {
+        if candidates.iter().any(|c| c.meaning.own.is_some_and(is_of_bench)) {
+            return TemplatePlant::Transmission;
+        }
+        TemplatePlant::Axis(match motion_kind(&candidates) {
+            MotionKind::Rotary => AxisKind::Rotary,
+            MotionKind::Linear => AxisKind::Linear,
+        })
+    });
+    let signals = signals(&candidates, plant);
+    let values = values::values(&signals, plant);
+    let (toml, to_fill_in) = render::render(log, plant, &signals, &values)?;
+    let column = |column: &crate::log::RawColumn| {
+        let taken = |s: &&Signal<'_>| s.chosen.as_ref().is_some_and(|c| c.column.index == column.index);
+        let (min, max) = column.range().unwrap_or_default();
+        let signal = signals.iter().find(taken).map(|signal| signal.name);
+        TemplateColumn { index: column.index, name: column.name.clone(), min, max, signal }
+    };
+    Ok(Template { plant: plant.plant(), columns: log.columns.iter().map(column).collect(), to_fill_in, toml })
+}
+
+/// Signals of a plant with their columns.
+fn signals<'a>(candidates: &[columns::Candidate<'a>], plant: TemplatePlant) -> Vec<Signal<'a>> {
+    let time = (TIME, Some(Quantity::Time), true);
+    let (kind, wanted) = match plant {
+        TemplatePlant::Axis(kind) => {
+            let [position, speed, effort] = match kind {
+                AxisKind::Rotary => [Channel::SpindleAngle, Channel::SpindleSpeed, Channel::DriveTorque],
+                AxisKind::Linear => [Channel::Position, Channel::Velocity, Channel::DriveForce],
+            };
+            let kind = match kind {
+                AxisKind::Rotary => MotionKind::Rotary,
+                AxisKind::Linear => MotionKind::Linear,
+            };
+            let wanted = vec![
+                time,
+                (position.name(), Some(Quantity::Position), true),
+                (speed.name(), Some(Quantity::Speed), false),
+                (Channel::LoadForce.name(), Some(Quantity::Load), false),
+                (effort.name(), Some(Quantity::Effort), true),
+            ];
+            (Some(kind), wanted)
+        }
+        TemplatePlant::Transmission => {
+            let is_of_axis = |c: &&Channel| {
+                use Channel::{
+                    BearingTemperature, DriveTorque, Position, SpindleAngle, SpindleSpeed, Velocity,
+                };
+                matches!(
+                    c,
+                    SpindleAngle | SpindleSpeed | Position | Velocity | DriveTorque | BearingTemperature
+                )
+            };
+            let is_needed = |c: &Channel| matches!(c, Channel::DriveDisplacement | Channel::LoadForce);
+            let channels = Channel::ALL.iter().filter(|c| !is_of_axis(c));
+            let wanted = std::iter::once(time).chain(channels.map(|c| (c.name(), None, is_needed(c))));
+            (None, wanted.collect())
+        }
+    };
+    let signal = |(name, quantity, is_needed): (&'static str, Option<Quantity>, bool)| Signal {
+        name,
+        is_needed,
+        chosen: choose(candidates, name, quantity, kind),
+    };
+    wanted.into_iter().map(signal).collect()
+}
+
+#[cfg(test)]
+mod tests;

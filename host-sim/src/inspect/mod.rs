@@ -1,0 +1,3 @@
+//! Text of an inspection of logs.
+
+pub(crate) mod text;
