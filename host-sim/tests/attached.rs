@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use twin::{CONFIGURATION, Plan, Trouble, Twin, frames};
 
 const TIMEOUTS: Timeouts = Timeouts { answer: Duration::from_secs(30), retry: Duration::from_millis(100) };
-/// On a line without losses nothing is sent again, however busy the machine.
+/// Timeouts of a line without losses: nothing is sent again, however busy the machine.
 const UNHURRIED: Timeouts = Timeouts { answer: Duration::from_secs(30), retry: Duration::from_secs(20) };
 
 fn attached_within(port: &Path, bounds: Timeouts) -> RemoteController {

@@ -38,7 +38,7 @@ fn read(file: PathBuf) -> Result<String, ChoreError> {
 pub(crate) enum Comparison {
     /// Budgets and golden figures were compared.
     Complete,
-    /// Only the budgets were compared, because the compiler is not the pinned one.
+    /// Comparison with the budgets alone: the compiler is not the pinned one.
     BudgetsOnly,
 }
 

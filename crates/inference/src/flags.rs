@@ -26,7 +26,7 @@ impl Flags {
     pub const OUTSIDE_SLIDING_SPEED: Self = Self(1 << 3);
     /// The estimated normal force is above every force of the training set.
     pub const OUTSIDE_FORCE: Self = Self(1 << 4);
-    /// At least one activation was clipped at full scale.
+    /// Saturation: at least one activation was clipped at full scale.
     pub const SATURATED: Self = Self(1 << 5);
     /// An input was infinite or not a number: the forces are 0 and the history restarts.
     pub const NON_FINITE: Self = Self(1 << 6);

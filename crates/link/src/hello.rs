@@ -40,11 +40,11 @@ impl BuildId {
 /// Place where the controller runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Target {
-    /// In the host's own process.
+    /// Process of the host.
     Native,
-    /// On the emulator.
+    /// Emulator.
     Emulator,
-    /// On a microcontroller.
+    /// Microcontroller.
     Silicon,
 }
 

@@ -97,24 +97,24 @@ pub struct Acknowledgement {
 /// Answer to a command that was executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Answer {
-    /// To [`Command::Configure`].
+    /// Answer to [`Command::Configure`].
     Configured(Configured),
-    /// To [`Command::GetConfiguration`]; `None` before the first configuration.
+    /// Answer to [`Command::GetConfiguration`]; `None` before the first configuration.
     Configuration(Option<ControllerConfiguration>),
-    /// To [`Command::Keep`].
+    /// Answer to [`Command::Keep`].
     Kept,
-    /// To [`Command::GetCounters`].
+    /// Answer to [`Command::GetCounters`].
     Counters(Counters),
-    /// To [`Command::ClearTrip`].
+    /// Answer to [`Command::ClearTrip`].
     Cleared,
-    /// To [`Command::Stop`]: the counters of the run.
+    /// Answer to [`Command::Stop`]: the counters of the run.
     Stopped(Counters),
-    /// To [`Command::SampleYourself`]: only some of the estimates are sent.
+    /// Answer to [`Command::SampleYourself`]: only some of the estimates are sent.
     Sampling {
         /// Number of samples from one sent estimate to the next.
         every: u16,
     },
-    /// To [`Command::GetReport`].
+    /// Answer to [`Command::GetReport`].
     Report(SlowReport),
 }
 

@@ -86,7 +86,7 @@ pub struct Results {
     pub name: String,
     /// True if the runtime uses the same fixed-point arithmetic, so that a difference is an error.
     pub must_be_equal: bool,
-    /// For each network: checksum of the image, sums.
+    /// Checksum of the image and sums of each network.
     pub networks: Vec<(u32, Vec<i32>)>,
 }
 

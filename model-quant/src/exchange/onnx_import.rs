@@ -189,7 +189,7 @@ fn input_axes(input: &Value) -> Result<Vec<Axis>, OnnxError> {
     }
 }
 
-/// Only consumer of a value; None at the end.
+/// Returns the only consumer of a value; `None` at the end.
 fn next<'g>(graph: &'g Graph, value: &str) -> Result<Option<&'g Node>, OnnxError> {
     let mut takers = graph.node.iter().filter(|node| node.input.iter().any(|input| input == value));
     let Some(node) = takers.next() else { return Ok(None) };

@@ -64,8 +64,8 @@ pub struct Outcome {
     /// True if the engine reported that no experiment of its menu separates the causes.
     #[serde(default)]
     pub hopeless: bool,
-    /// For a pair, true if the experiment settled the question. For a changed question, true if the
-    /// answer was the same.
+    /// Result of a pair: true if the experiment settled the question. For a changed question, true
+    /// if the answer was the same.
     pub settled: Option<bool>,
     /// Ratio of interval widths, for the changes that test it.
     pub ratio: Option<f64>,

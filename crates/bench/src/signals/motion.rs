@@ -42,7 +42,7 @@ pub enum Profile {
         /// Cycles.
         cycles: f64,
     },
-    /// As `Cycles`, with a standstill before each half cycle.
+    /// Motion as in `Cycles`, with a standstill before each half cycle.
     Resting {
         /// Stroke.
         stroke: f64,
@@ -53,8 +53,8 @@ pub enum Profile {
         /// Length of a standstill in s.
         dwell_s: f64,
     },
-    /// As `Cycles`, with a frequency that changes linearly from that of the first period to that of
-    /// the last.
+    /// Motion as in `Cycles`, with a frequency that changes linearly from that of the first period
+    /// to that of the last.
     Sweep {
         /// Stroke.
         stroke: f64,

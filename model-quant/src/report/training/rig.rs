@@ -74,9 +74,9 @@ impl TorqueErrors {
 pub(crate) struct GroupFacts {
     /// The group, or `all`.
     pub group: String,
-    /// Against the sensor value without noise, resolution and outliers.
+    /// Errors against the sensor value without noise, resolution and outliers.
     pub truth: TorqueErrors,
-    /// Against the cleaned torque.
+    /// Errors against the cleaned torque.
     pub cleaned: TorqueErrors,
 }
 

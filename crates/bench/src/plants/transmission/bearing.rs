@@ -8,9 +8,9 @@ use crate::plants::extended_friction::Memory;
 /// Action of the bearing on the shaft.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct OnShaft {
-    /// Along Y in N.
+    /// Component along Y, N.
     pub(crate) force_y_n: f64,
-    /// Along Z in N.
+    /// Component along Z, N.
     pub(crate) force_z_n: f64,
     /// Torque in N m.
     pub(crate) torque_nm: f64,
