@@ -7,6 +7,7 @@
 
 use super::CampaignError;
 use super::gdb::Gdb;
+use controller::emulator::MACHINE;
 use link::{Decoder, FrameError, ToHost};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{CWD, FileType, Mode, mknodat};
@@ -18,7 +19,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-const MACHINE: [&str; 8] = ["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "none"];
+const ARGUMENTS: [&str; 8] = ["-M", MACHINE, "-display", "none", "-serial", "null", "-monitor", "none"];
 const COUNTING: [&str; 4] =
     ["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off"];
 /// Limit of a pump, in timeouts: a faulty controller may send messages for ever.
@@ -78,7 +79,7 @@ impl Emulator {
         let to_controller = open(&to_controller).map_err(system("the pipe to the controller"))?;
         let to_host = open(&to_host).map_err(system("the pipe from the controller"))?;
         let mut command = Command::new("qemu-system-arm");
-        command.args(MACHINE).args(COUNTING).args(more).arg("-kernel").arg(elf).current_dir(folder.path());
+        command.args(ARGUMENTS).args(COUNTING).args(more).arg("-kernel").arg(elf).current_dir(folder.path());
         if with_debugger {
             command.args(["-S", "-gdb", "unix:debug,server=on,wait=off"]);
         }

@@ -42,7 +42,7 @@ pub struct RealAxis {
     pub warm: f64,
 }
 
-/// One session of an axis.
+/// One record of an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     /// Motion of the axis.
@@ -113,7 +113,7 @@ fn wave((cosine, sine, period): (f64, f64, f64), at: f64) -> f64 {
 }
 
 impl RealAxis {
-    /// Returns the true signals of a session on an even grid.
+    /// Returns the true signals of a record on an even grid.
     pub fn run(&self, run: &Run, hidden: &[HiddenEffect]) -> Signals {
         let axis = Self {
             inertia: self.inertia + total(hidden, "inertia-mismatch", "inertia_change"),

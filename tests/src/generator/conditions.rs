@@ -7,8 +7,8 @@
 
 use super::motion::Course;
 use super::planar;
+use super::record::Plant;
 use super::sensing::Reading;
-use super::session::Plant;
 
 /// Conditions of a log; the transmission bench has only the usual ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

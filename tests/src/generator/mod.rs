@@ -3,7 +3,7 @@
 //!
 //! [`axis`] is the friction rig and the linear axis; [`planar`] is the transmission bench, whose
 //! shaft may tilt (`tilt`). Both are written from their equations, with other integrators and steps
-//! than the engine's. [`session`] adds an operating point and nuisance parameters, [`conditions`]
+//! than the engine's. [`record`] adds an operating point and nuisance parameters, [`conditions`]
 //! the conditions of the log, [`sensing`] the sensors. [`hidden`] is an effect, [`vocabulary`]
 //! draws it, and [`size`] measures its size. Nothing here uses the crates `bench` or `diagnosis`.
 
@@ -16,8 +16,8 @@ pub mod noise;
 pub mod planar;
 mod planar_added;
 mod planar_plant;
+pub mod record;
 pub mod sensing;
-pub mod session;
 pub mod size;
 mod tilt;
 pub mod vocabulary;

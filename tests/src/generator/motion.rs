@@ -1,4 +1,4 @@
-//! Motion and load of an axis in a session.
+//! Motion and load of an axis in a record.
 //!
 //! The usual motion is a swing, `A sin(w t + sin(w t/2 + pi/4))`. Its speed rises and falls over
 //! two cycles, so that direction and speed are independent. The plain motion is one sine, on which
@@ -20,7 +20,7 @@ pub struct Moved {
     pub acceleration: f64,
 }
 
-/// The motion of a session.
+/// The motion of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// Half of the stroke, m or rad.
@@ -115,7 +115,7 @@ impl Motion {
     }
 }
 
-/// The load of a session.
+/// The load of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Load {
     /// Mean, N.

@@ -12,8 +12,8 @@
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
 use super::planar_plant::Plant;
+use super::record::{self, Record};
 use super::sensing::Signals;
-use super::session::{self, Session};
 use super::tilt::NODES;
 use std::fmt::Write as _;
 
@@ -64,9 +64,9 @@ pub(super) fn moved_number(off: &[f64], hidden: &HiddenEffect) -> Option<(usize,
     Some((place, share * (DESCRIBED.get(place)? + off.get(place)?)))
 }
 
-/// Returns the true signals of a session of bench B. `off` is in SI: drive crank, load crank, mass,
+/// Returns the true signals of a record of bench B. `off` is in SI: drive crank, load crank, mass,
 /// inertia, clearance, modulus, friction.
-pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
+pub fn signals(record: &Record, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
     let number = |i: usize| DESCRIBED[i] + off.get(i).copied().unwrap_or_default();
     let real = RealBench {
         levers_m: (number(0), number(1)),
@@ -74,10 +74,10 @@ pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signa
         clearance_m: number(4),
         modulus_pa: number(5),
         friction: number(6),
-        load_n: 10e3 * session.point.load,
-        cycles: session.cycles as usize,
+        load_n: 10e3 * record.point.load,
+        cycles: record.cycles as usize,
         noise_colour: 0.0,
-        tilts: session.plant == session::Plant::TwoPlane,
+        tilts: record.plant == record::Plant::TwoPlane,
     };
     let rows = real.run(&Hidden::default(), hidden);
     let written = || rows.iter().step_by(WRITTEN_EVERY);
@@ -277,7 +277,7 @@ mod tests {
     #[test]
     fn the_description_is_the_preset_with_resolutions_and_has_the_parameters_of_the_generator() {
         let preset = include_str!("../../../crates/bench/presets/bench-b.toml");
-        let own = super::super::session::Plant::Bench.description();
+        let own = super::super::record::Plant::Bench.description();
         let data = |line: &str| line.split('#').next().unwrap_or_default().trim_end().to_owned();
         let lines = |text: &str| text.lines().map(data).filter(|line| !line.is_empty()).collect::<Vec<_>>();
         let without_resolution = |line: String| match line.split_once(", resolution = ") {
@@ -298,6 +298,6 @@ mod tests {
         ];
         assert_eq!(names.map(|name| *bench.parameter_mut(name).unwrap()), DESCRIBED);
         let declared = names.map(|name| bench.uncertain()[name]);
-        assert_eq!(declared.as_slice(), super::super::session::Plant::Bench.deviations());
+        assert_eq!(declared.as_slice(), super::super::record::Plant::Bench.deviations());
     }
 }

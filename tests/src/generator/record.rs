@@ -1,7 +1,7 @@
-//! A session: a plant close to its description at some operating point, with a logger and nuisance
+//! A record: a plant close to its description at some operating point, with a logger and nuisance
 //! parameters.
 //!
-//! The seed of a session draws the deviations of the uncertain parameters, the first time stamp,
+//! The seed of a record draws the deviations of the uncertain parameters, the first time stamp,
 //! the start phase in the motion, offsets within the resolution of the readings, and the initial
 //! temperature.
 
@@ -60,7 +60,7 @@ impl Plant {
     }
 
     /// Returns the declared standard deviations of the parameters that calibration may move, in the
-    /// order of [`Session::off`].
+    /// order of [`Record::off`].
     pub const fn deviations(self) -> &'static [f64] {
         match self {
             Self::Rotary => &[0.2, 0.2, 0.5, 3e-4],
@@ -111,9 +111,9 @@ impl Default for Point {
     }
 }
 
-/// One session.
+/// A measured record of a plant, without its hidden effects.
 #[derive(Clone, Debug)]
-pub struct Session {
+pub struct Record {
     /// Plant.
     pub plant: Plant,
     /// Deviation of each uncertain parameter, in declared standard deviations.
@@ -134,8 +134,8 @@ pub struct Session {
     offsets: Vec<f64>,
 }
 
-impl Session {
-    /// Draws a session with uncertain parameters off by up to `spread` deviations, uniformly.
+impl Record {
+    /// Draws a record with uncertain parameters off by up to `spread` deviations, uniformly.
     pub fn draw(plant: Plant, spread: f64, point: Point, noise: &mut Noise) -> Self {
         let off = plant.deviations().iter().map(|_| spread * (2.0 * noise.uniform() - 1.0)).collect();
         let bench = plant.is_transmission();
@@ -156,14 +156,14 @@ impl Session {
         }
     }
 
-    /// Draws another session of the same plant: deviations stay, all else is drawn again.
+    /// Draws another record of the same plant: deviations stay, all else is drawn again.
     pub fn repeat(&self, point: Point, noise: &mut Noise) -> Self {
         let logger = Logger { colour: self.logger.colour, lost: self.logger.lost, ..self.logger };
         let fresh = Self::draw(self.plant, 0.0, point, noise);
         Self { off: self.off.clone(), logger, conditions: self.conditions, ..fresh }
     }
 
-    /// Returns the session under hard conditions.
+    /// Returns the record under hard conditions.
     pub fn hard(mut self) -> Self {
         if !self.plant.is_transmission() {
             self.conditions = Conditions::Hard;

@@ -57,7 +57,7 @@ pub struct Outcome {
     pub covered: Option<bool>,
     /// Share of the repeatable residual that the extension explains, as predicted by the engine.
     pub predicted: Option<f64>,
-    /// The same share, measured on another session that the engine never saw.
+    /// The same share, measured on another record that the engine never saw.
     pub realised: Option<f64>,
     /// Experiment that the engine proposed.
     pub proposed: Option<String>,

@@ -13,7 +13,7 @@ use super::run::{CellRun, hide};
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::motion::Course;
 use crate::generator::noise::Noise;
-use crate::generator::session::{Plant, Point, Session};
+use crate::generator::record::{Plant, Point, Record};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::draw;
 use bench::Bench;
@@ -29,7 +29,7 @@ pub const PAIRS: &[(Plant, &str, &str)] = &[
     (Plant::Rotary, "coulomb-level", "load-dependent-friction"),
 ];
 
-/// Returns the session and the cycles of a proposed description, relative to the described plant. A
+/// Returns the record and the cycles of a proposed description, relative to the described plant. A
 /// sine without standstill begins at any phase, as its log does. The load gets a ramp only if the
 /// proposal changes it.
 fn proposed(described: &Bench, wanted: &str) -> Option<(Point, f64)> {
@@ -54,12 +54,12 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
     let cell = run.cell;
     let mut noise = Noise::new(cell.stream());
     let point = Point { course: Course::Plain, ..Point::default() };
-    let session = Session::draw(cell.plant, 0.8, point, &mut noise);
-    let scale = Scale::new(&session);
+    let record = Record::draw(cell.plant, 0.8, point, &mut noise);
+    let scale = Scale::new(&record);
     let mut outcome = Outcome::new(cell);
-    let Some(effects) = hide(cell, &scale, &session, &mut noise) else { return Ok(outcome) };
-    let base = session.readings(&session.off, &[]);
-    let Some(rival) = cell.effects.get(1).and_then(|e| draw(e, &session, &base, &mut noise)) else {
+    let Some(effects) = hide(cell, &scale, &record, &mut noise) else { return Ok(outcome) };
+    let base = record.readings(&record.off, &[]);
+    let Some(rival) = cell.effects.get(1).and_then(|e| draw(e, &record, &base, &mut noise)) else {
         return Ok(outcome);
     };
     let imitation: HiddenEffect = rival.at(rival.guess);
@@ -68,7 +68,7 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
         return Ok(outcome);
     }
     let bench = run.bench()?;
-    let log = run.log("log", &session.log(&effects, &mut noise), &bench)?;
+    let log = run.log("log", &record.log(&effects, &mut noise), &bench)?;
     let start = Instant::now();
     let answer = run.diagnose(&bench, std::slice::from_ref(&log), &[])?;
     outcome.engine_s = start.elapsed().as_secs_f64();
@@ -82,7 +82,7 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
     let mut logs = vec![log];
     for (number, recording) in proposal.recordings.iter().enumerate() {
         let Some((point, cycles)) = proposed(&bench, &recording.bench) else { return Ok(outcome) };
-        let mut experiment = session.repeat(point, &mut noise);
+        let mut experiment = record.repeat(point, &mut noise);
         experiment.cycles = cycles;
         logs.push(run.log(&format!("experiment-{number}"), &experiment.log(&effects, &mut noise), &bench)?);
     }
@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_proposed_description_becomes_a_session() {
+    fn a_proposed_description_becomes_a_record() {
         let bench = Bench::parse("bench.toml", Plant::Linear.description()).unwrap();
         let wanted = |change: &dyn Fn(&mut bench::description::FrictionRig)| {
             let Bench::FrictionRig(mut rig) = bench.clone() else { panic!("a cylinder") };
@@ -113,10 +113,10 @@ mod tests {
         assert_eq!(wanted(&|r| r.axis.dwell_s = 1.0), Point { course: rests, ..plain });
         let sweep = wanted(&|r| (r.axis.cycles, r.axis.last_period_s) = (2, 0.5 * r.axis.period_s));
         assert_eq!(sweep.course, Course::Described { rest: 0.0, rise: 0.75 });
-        let mut session = Session::draw(Plant::Linear, 0.8, sweep, &mut Noise::new(3));
-        session.cycles = 2.0;
+        let mut record = Record::draw(Plant::Linear, 0.8, sweep, &mut Noise::new(3));
+        record.cycles = 2.0;
         // Two cycles at a mean of 1.5 times the frequency.
-        assert!((session.length_s() - 4.0 * 2.0 / 1.5).abs() < 1e-12, "{}", session.length_s());
+        assert!((record.length_s() - 4.0 * 2.0 / 1.5).abs() < 1e-12, "{}", record.length_s());
     }
 
     #[test]
@@ -124,9 +124,9 @@ mod tests {
         let apart = |plant, one: &str, two: &str| {
             let mut noise = Noise::new(3);
             let point = Point { course: Course::Plain, ..Point::default() };
-            let session = Session::draw(plant, 0.8, point, &mut noise);
-            let (scale, base) = (Scale::new(&session), session.readings(&session.off, &[]));
-            let (one, two) = (draw(one, &session, &base, &mut noise), draw(two, &session, &base, &mut noise));
+            let record = Record::draw(plant, 0.8, point, &mut noise);
+            let (scale, base) = (Scale::new(&record), record.readings(&record.off, &[]));
+            let (one, two) = (draw(one, &record, &base, &mut noise), draw(two, &record, &base, &mut noise));
             let (one, two) = (one.unwrap(), two.unwrap());
             let size = scale.magnitude(|m| one.at(m), one.guess, one.most, 1.0).unwrap();
             let left =

@@ -6,7 +6,7 @@ use super::{CampaignError, changed, pairs};
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::motion::Course;
 use crate::generator::noise::Noise;
-use crate::generator::session::{Point, Session};
+use crate::generator::record::{Point, Record};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::draw;
 use bench::effects::CATALOGUE;
@@ -71,20 +71,20 @@ impl CellRun<'_> {
 pub(super) fn hide(
     cell: &Cell,
     scale: &Scale<'_>,
-    session: &Session,
+    record: &Record,
     noise: &mut Noise,
 ) -> Option<Vec<HiddenEffect>> {
-    let base = session.readings(&session.off, &[]);
+    let base = record.readings(&record.off, &[]);
     let one = |(effect, size): (&String, &f64)| {
-        let drawn = draw(effect, session, &base, noise)?;
+        let drawn = draw(effect, record, &base, noise)?;
         let magnitude = scale.magnitude(|m| drawn.at(m), drawn.guess, drawn.most, *size)?;
         Some(drawn.at(magnitude))
     };
     cell.effects.iter().zip(&cell.sizes).map(one).collect()
 }
 
-/// Draws a clean session: coloured noise, another operating point, more samples lost.
-fn clean(cell: &Cell, noise: &mut Noise) -> Session {
+/// Draws a clean record: coloured noise, another operating point, more samples lost.
+fn clean(cell: &Cell, noise: &mut Noise) -> Record {
     let any = |noise: &mut Noise, choices: &[f64]| choices[(noise.uniform() * choices.len() as f64) as usize];
     let point = Point {
         speed: if cell.plant.is_transmission() { 1.0 } else { any(noise, &[0.7, 1.0, 1.3]) },
@@ -93,10 +93,10 @@ fn clean(cell: &Cell, noise: &mut Noise) -> Session {
         course: if noise.uniform() < 0.2 { Course::Plain } else { Course::Swing },
         ..Point::default()
     };
-    let mut session = Session::draw(cell.plant, CLEAN_SPREAD, point, noise);
-    session.logger.colour = any(noise, &[0.0, 0.3, 0.6]);
-    session.logger.lost = any(noise, &[0.0, 0.004, 0.03]);
-    session
+    let mut record = Record::draw(cell.plant, CLEAN_SPREAD, point, noise);
+    record.logger.colour = any(noise, &[0.0, 0.3, 0.6]);
+    record.logger.lost = any(noise, &[0.0, 0.004, 0.03]);
+    record
 }
 
 /// Runs a cell in a folder and removes its files.
@@ -117,25 +117,25 @@ pub fn run(folder: &Path, cell: &Cell) -> Result<Outcome, CampaignError> {
 fn plain(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
     let cell = run.cell;
     let mut noise = Noise::new(cell.stream());
-    let session = match cell.arm {
+    let record = match cell.arm {
         Arm::Clean => clean(cell, &mut noise),
         Arm::Hard if cell.effects.is_empty() => clean(cell, &mut noise).hard(),
-        Arm::Hard => Session::draw(cell.plant, SPREAD, Point::default(), &mut noise).hard(),
-        _ => Session::draw(cell.plant, SPREAD, Point::default(), &mut noise),
+        Arm::Hard => Record::draw(cell.plant, SPREAD, Point::default(), &mut noise).hard(),
+        _ => Record::draw(cell.plant, SPREAD, Point::default(), &mut noise),
     };
     let mut outcome = Outcome::new(cell);
-    let scale = Scale::new(&session);
-    let Some(effects) = hide(cell, &scale, &session, &mut noise) else { return Ok(outcome) };
+    let scale = Scale::new(&record);
+    let Some(effects) = hide(cell, &scale, &record, &mut noise) else { return Ok(outcome) };
     let bench = run.bench()?;
-    let log = run.log("log", &session.log(&effects, &mut noise), &bench)?;
+    let log = run.log("log", &record.log(&effects, &mut noise), &bench)?;
     let exclude = if cell.arm == Arm::Deleted { cell.effects.clone() } else { Vec::new() };
     let start = Instant::now();
     let answer = run.diagnose(&bench, std::slice::from_ref(&log), &exclude)?;
     outcome.engine_s = start.elapsed().as_secs_f64();
     outcome.score(&answer, &effects);
     outcome.score_equivalence(&scale, &answer);
-    if gain_is_asked(&outcome) {
-        let text = session.repeat(Point::default(), &mut noise).log(&effects, &mut noise);
+    if is_gain_measured(&outcome) {
+        let text = record.repeat(Point::default(), &mut noise).log(&effects, &mut noise);
         outcome.realised = realised(run, &bench, &log, &text, &answer)?;
     }
     Ok(outcome)
@@ -143,13 +143,13 @@ fn plain(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
 
 /// Returns whether a predicted gain is measured. Wrong names count, too, because the engine does
 /// not know that they are wrong.
-fn gain_is_asked(outcome: &Outcome) -> bool {
+fn is_gain_measured(outcome: &Outcome) -> bool {
     let cell = &outcome.cell;
     cell.arm == Arm::Single && !outcome.causes.is_empty() && cell.sizes.iter().all(|s| *s >= GAIN_SIZE)
 }
 
 /// Returns the share of the residual above the noise that the extended bench removes, relative to
-/// the calibrated nominal bench, on a session that the engine never saw.
+/// the calibrated nominal bench, on a record that the engine never saw.
 fn realised(
     run: &CellRun<'_>,
     bench: &Bench,
@@ -190,9 +190,9 @@ mod tests {
         let cells = Campaign { sizes: vec![0.3, 0.5], arms: vec![Arm::Single], ..Campaign::quick() }.cells();
         for cell in &cells {
             let mut outcome = Outcome::new(cell);
-            assert!(!gain_is_asked(&outcome));
+            assert!(!is_gain_measured(&outcome));
             outcome.causes = vec![Named { effect: "another".into(), channel: None, probability: 0.9 }];
-            assert_eq!(gain_is_asked(&outcome), cell.sizes != [0.3]);
+            assert_eq!(is_gain_measured(&outcome), cell.sizes != [0.3]);
         }
     }
 }

@@ -2,7 +2,8 @@
 //! budget. It depends only on the position in the tracker's block and on restarts of the history.
 
 use crate::batch;
-use crate::frames::{configuration, troubled};
+use crate::frames::{configuration, disturbed_frames};
+use controller::emulator::{MACHINE, TICKS_PER_INSTRUCTION};
 use controller::flags::{HELD, JUMP, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT};
 use controller::tracking::{BLOCK, STRIDE};
 use host_sim::controller::EmulatedController;
@@ -18,8 +19,6 @@ use system_tests::random::SplitMix64;
 const BUDGET: u32 = 8_000;
 /// Flags after which the history restarts.
 const INTERRUPTIONS: Flags = Flags::from_bits(JUMP.bits() | SEQUENCE_GAP.bits() | TIME_FAULT.bits());
-/// SysTick's ticks of one emulated instruction: 64 ns at 168 MHz.
-const TICKS_PER_INSTRUCTION: f64 = 10.752;
 /// Samples of a run: two rounds of disturbances, thirty-nine blocks.
 const SAMPLES: u32 = 10_000;
 /// Samples after which all periodic work repeats.
@@ -44,8 +43,7 @@ fn ticks(
     let configure = NumberedCommand { id: 1, command: Command::Configure(configuration) };
     let samples = frames.iter().map(|&(frame, status)| ToController::Sensor(frame, status));
     let messages: Vec<_> = std::iter::once(ToController::Command(configure)).chain(samples).collect();
-    let (status, received) =
-        batch::run("netduinoplus2", &EmulatedController::default_elf(), "", &[], &messages);
+    let (status, received) = batch::run(MACHINE, &EmulatedController::default_elf(), "", &[], &messages);
     assert!(status.success(), "{status}");
     let estimates: Vec<_> = received
         .iter()
@@ -69,7 +67,7 @@ fn no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data() {
         let mut configuration = configuration(bearing);
         configuration.limits.force_limit_n = 2_000;
         let mut random = SplitMix64(seed);
-        let frames: Vec<_> = troubled(&configuration, SAMPLES, seed)
+        let frames: Vec<_> = disturbed_frames(&configuration, SAMPLES, seed)
             .into_iter()
             .map(|frame| {
                 let bits = random.bits();
@@ -99,7 +97,7 @@ fn no_tick_exceeds_its_budget_and_its_cost_does_not_depend_on_the_data() {
     assert!(Flags::from_bits(flags).contains(SENSOR_FAULT | HELD | OVER_FORCE), "{flags:08x}");
     assert_eq!(restarts.len(), 1, "a restart of the history costs the same wherever it comes: {restarts:?}");
     // `cargo xtask insn` reads this line.
-    println!("troubled ticks: {least} to {most} instructions");
+    println!("disturbed ticks: {least} to {most} instructions");
     // Two networks of 3,700 multiply-accumulates, at most two in a cycle: a smaller count would be
     // an error of measurement.
     assert!(least > 1_856, "{least}");

@@ -246,8 +246,8 @@ pub(crate) fn efforts_along(
     };
     let mut efforts = Vec::with_capacity(course.len().div_ceil(every));
     for (place, given) in course.iter().enumerate() {
-        let is_asked = place % every == 0;
-        if !is_asked && !remembers && !bends {
+        let is_output = place % every == 0;
+        if !is_output && !remembers && !bends {
             continue;
         }
         let given = lagged(given);
@@ -270,7 +270,7 @@ pub(crate) fn efforts_along(
             }
             last = given;
         }
-        if is_asked {
+        if is_output {
             let mut now = moment(&given);
             now.coefficient *= 1.0 + memory.excess;
             efforts.push(effort_at(rig, &now, &memory));
