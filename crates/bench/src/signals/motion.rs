@@ -205,7 +205,7 @@ impl Profile {
 
 /// Length in s of a number of cycles while the frequency changes linearly from one period to
 /// another.
-pub fn sweep_s(period_s: f64, last_period_s: f64, cycles: f64) -> f64 {
+pub(crate) fn sweep_s(period_s: f64, last_period_s: f64, cycles: f64) -> f64 {
     2.0 * cycles / (1.0 / period_s + 1.0 / last_period_s)
 }
 
