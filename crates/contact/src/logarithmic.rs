@@ -208,8 +208,7 @@ mod tests {
         for clearance in [0.1e-3, 0.5e-3, 1.5e-3] {
             for kind in KINDS {
                 let law = Logarithmic::new(kind, &joint(clearance));
-                for force in [1e-3, 1.0, 1e3, 14e3, 0.3 * law.largest_force_n, 0.99 * law.largest_force_n]
-                {
+                for force in [1e-3, 1.0, 1e3, 14e3, 0.3 * law.largest_force_n, 0.99 * law.largest_force_n] {
                     let known = printed(kind, &joint(clearance), force);
                     assert!((law.deformation_m(force) / known - 1.0).abs() < 1e-12, "{kind:?} {force}");
                 }

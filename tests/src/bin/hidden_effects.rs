@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
-use system_tests::generator::record::Plant;
+use system_tests::generator::plant::Plant;
 use system_tests::hidden_effects::CampaignError;
 use system_tests::hidden_effects::cell::{Arm, Campaign};
 use system_tests::hidden_effects::compare::Outcome;

@@ -7,13 +7,13 @@
 
 use super::CampaignError;
 use super::gdb::Gdb;
+use super::wait::{system, wait};
 use controller::emulator::MACHINE;
 use link::{Decoder, FrameError, ToHost};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::event::{PollFd, PollFlags};
 use rustix::fs::{CWD, FileType, Mode, mknodat};
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
-use std::os::fd::AsFd;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -205,21 +205,4 @@ impl Emulator {
         }
         wait(&mut watched, Duration::from_millis(50))
     }
-}
-
-/// Waits until a stream is readable, or until the timeout.
-pub(super) fn wait_for(stream: &impl AsFd, bound: Duration) -> Result<(), CampaignError> {
-    wait(&mut [PollFd::new(stream, PollFlags::IN)], bound)
-}
-
-fn wait(watched: &mut [PollFd<'_>], bound: Duration) -> Result<(), CampaignError> {
-    let bound = Timespec { tv_sec: 0, tv_nsec: bound.as_nanos() as i64 };
-    match poll(watched, Some(&bound)) {
-        Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
-        Err(error) => Err(system("waiting for the emulator")(error.into())),
-    }
-}
-
-fn system(what: &'static str) -> impl Fn(std::io::Error) -> CampaignError {
-    move |source| CampaignError::System { what, source }
 }

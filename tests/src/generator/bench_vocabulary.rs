@@ -3,9 +3,9 @@
 //! The planar generator does not show `breakaway`, `presliding-hysteresis` and
 //! `thermal-friction-drift`, because its friction has no memory; the axes hide these.
 
+use super::drawn::{Draw, Drawn};
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
-use super::vocabulary::{Draw, Drawn};
 
 /// Effects of the plant that the planar generator can show, without sensor effects.
 pub const EFFECTS: &[&str] = &[
@@ -108,7 +108,8 @@ pub fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Dr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generator::record::{Plant, Point, Record};
+    use crate::generator::plant::Plant;
+    use crate::generator::record::{Point, Record};
 
     #[test]
     fn every_effect_changes_the_log_by_more_than_its_noise() {

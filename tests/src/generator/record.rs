@@ -11,84 +11,11 @@ use super::hidden::HiddenEffect;
 use super::motion::{Course, Load, Motion};
 use super::noise::Noise;
 use super::planar;
+use super::plant::Plant;
 use super::sensing::{Logger, Reading, Signals, log, readings};
 
 /// Length of a cycle of an axis, s.
 const CYCLE_S: f64 = 4.0;
-
-/// Simulated plant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Plant {
-    /// Friction rig with drive torque and friction torque.
-    Rotary,
-    /// Cylinder of which only the force is measured.
-    Linear,
-    /// Transmission bench B.
-    Bench,
-    /// Transmission bench B with a shaft that may tilt in its bearing.
-    TwoPlane,
-}
-
-impl Plant {
-    /// All plants.
-    pub const ALL: [Self; 4] = [Self::Rotary, Self::Linear, Self::Bench, Self::TwoPlane];
-
-    /// Returns whether the plant is a transmission bench, not a single axis.
-    pub const fn is_transmission(self) -> bool {
-        matches!(self, Self::Bench | Self::TwoPlane)
-    }
-
-    /// Returns the name in the figures.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rotary => "rotary",
-            Self::Linear => "linear",
-            Self::Bench => "bench",
-            Self::TwoPlane => "two-plane",
-        }
-    }
-
-    /// Returns the user's description (TOML).
-    pub const fn description(self) -> &'static str {
-        match self {
-            Self::Rotary => include_str!("rotary.toml"),
-            Self::Linear => include_str!("linear.toml"),
-            Self::Bench => include_str!("transmission.toml"),
-            Self::TwoPlane => concat!(include_str!("transmission.toml"), include_str!("two-plane.toml")),
-        }
-    }
-
-    /// Returns the declared standard deviations of the parameters that calibration may move, in the
-    /// order of [`Record::off`].
-    pub const fn deviations(self) -> &'static [f64] {
-        match self {
-            Self::Rotary => &[0.2, 0.2, 0.5, 3e-4],
-            Self::Linear => &[2.0, 0.6, 3.0, 6e-4, 6e-4],
-            Self::Bench | Self::TwoPlane => &[0.9e-3, 1.08e-3, 3.0, 3.0, 10e-6, 2.5e9, 0.03],
-        }
-    }
-
-    /// Returns the time at the start of a log in which the journal of a transmission bench lands
-    /// and bounces, s.
-    ///
-    /// The times of the bounces depend on every parameter, so this time does not count.
-    pub const fn landing_s(self) -> f64 {
-        match self {
-            Self::Rotary | Self::Linear => 0.0,
-            Self::Bench | Self::TwoPlane => 0.06,
-        }
-    }
-
-    /// Returns the names of the outputs.
-    pub const fn outputs(self) -> &'static [&'static str] {
-        match self {
-            Self::Rotary => &["drive_torque_nm", "friction_torque_nm"],
-            Self::Linear => &["drive_force_n"],
-            Self::Bench | Self::TwoPlane => planar::OUTPUTS,
-        }
-    }
-}
 
 /// Operating point, relative to the described one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -202,7 +129,12 @@ impl Record {
         let sign_width_m_s = self.conditions.sign_width_m_s(self.plant);
         let (axis, amplitude, load_n) = match self.plant {
             Plant::Bench | Plant::TwoPlane => {
-                return planar::signals(self, &(0..7).map(by).collect::<Vec<_>>(), hidden);
+                let operation = planar::Operation {
+                    load: self.point.load,
+                    cycles: self.cycles as usize,
+                    tilts: self.plant == Plant::TwoPlane,
+                };
+                return planar::signals(operation, &(0..7).map(by).collect::<Vec<_>>(), hidden);
             }
             Plant::Rotary => {
                 let axis = RealAxis {

@@ -223,7 +223,8 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::generator::noise::Noise;
-    use crate::generator::record::{Plant, Point};
+    use crate::generator::plant::Plant;
+    use crate::generator::record::Point;
 
     fn record() -> Record {
         Record::draw(Plant::Linear, 0.8, Point::default(), &mut Noise::new(7))

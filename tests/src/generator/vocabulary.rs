@@ -1,33 +1,13 @@
 //! Random draws of the effects: sign, phase and shape within the documented ranges. The magnitude
 //! stays free, to be scaled to a requested size.
 
+use super::drawn::Draw;
+pub use super::drawn::Drawn;
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
-use super::record::{Plant, Record};
+use super::plant::Plant;
+use super::record::Record;
 use std::f64::consts::TAU;
-
-/// A drawn effect without its magnitude.
-#[derive(Clone, Debug)]
-pub struct Drawn {
-    pub(super) effect: HiddenEffect,
-    /// Names of the parameters that are proportional to the magnitude, with their factors.
-    pub(super) sizes: Vec<(&'static str, f64)>,
-    /// First guess of a visible magnitude.
-    pub guess: f64,
-    /// Maximum magnitude.
-    pub most: f64,
-}
-
-impl Drawn {
-    /// Returns the effect at a magnitude.
-    pub fn at(&self, magnitude: f64) -> HiddenEffect {
-        let mut effect = self.effect.clone();
-        for (name, share) in &self.sizes {
-            effect.parameters.insert((*name).into(), share * magnitude);
-        }
-        effect
-    }
-}
 
 /// Returns the parameters that define the size of an effect; the others define its shape.
 pub fn size_parameters(effect: &str) -> &'static [&'static str] {
@@ -90,9 +70,6 @@ pub fn effects(plant: Plant) -> Vec<&'static str> {
         Plant::TwoPlane => [super::bench_vocabulary::TILTING, &SENSOR].concat(),
     }
 }
-
-/// Factors of the size parameters, first guess and maximum of the magnitude, shapes.
-pub(super) type Draw = (Vec<(&'static str, f64)>, f64, f64, Vec<(&'static str, f64)>);
 
 /// Draws an effect for a record; `None` if its plant does not have it.
 pub fn draw(effect: &str, record: &Record, base: &[Vec<f64>], noise: &mut Noise) -> Option<Drawn> {

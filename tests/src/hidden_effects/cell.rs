@@ -1,11 +1,19 @@
 //! Cells of the matrix: hidden effects, their sizes, plant and seed.
 
-use super::pairs::PAIRS;
 use crate::generator::conditions::Conditions;
-use crate::generator::record::Plant;
+use crate::generator::plant::Plant;
 use crate::generator::vocabulary::effects;
 use crate::random::mix;
 use serde::{Deserialize, Serialize};
+
+/// Pairs by plant.
+pub const PAIRS: &[(Plant, &str, &str)] = &[
+    (Plant::Linear, "coulomb-level", "load-dependent-friction"),
+    (Plant::Linear, "drive-lag", "sensor-delay"),
+    (Plant::Rotary, "coulomb-level", "load-dependent-friction"),
+];
+/// Changes, in the order of a cell's variants.
+pub const CHANGES: [&str; 7] = ["units", "time", "order", "twice", "more", "shuffled", "counter"];
 
 /// Kind of a cell: what is hidden, and what the diagnosis must find.
 #[derive(
@@ -217,11 +225,11 @@ impl Campaign {
             }
             Arm::Changed => {
                 if !plant.is_transmission() {
-                    (0..super::changed::CHANGES.len()).for_each(|variant| {
+                    (0..CHANGES.len()).for_each(|variant| {
                         let effect =
                             ["viscous-friction", "sensor-delay", "coulomb-asymmetry", "position-ripple"]
                                 [(seed as usize + variant) % 4];
-                        let size = if super::changed::CHANGES[variant] == "shuffled" { 0.3 } else { CLEAR };
+                        let size = if CHANGES[variant] == "shuffled" { 0.3 } else { CLEAR };
                         add(&[effect], &[size], variant);
                     });
                 }

@@ -7,19 +7,18 @@
 //! description gives the columns by number.
 
 use super::CampaignError;
+use super::cell::CHANGES;
+use super::cell_run::{CellRun, hide};
 use super::compare::Outcome;
-use super::run::{CellRun, hide};
 use crate::generator::noise::Noise;
-use crate::generator::record::{Plant, Point, Record};
+use crate::generator::plant::Plant;
+use crate::generator::record::{Point, Record};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::size_parameters;
 use bench::{Bench, MeasuredLog};
 use diagnosis::{Diagnosis, Verdict};
 use std::fmt::Write as _;
 use std::time::Instant;
-
-/// Changes, in the order of a cell's variants.
-pub const CHANGES: [&str; 7] = ["units", "time", "order", "twice", "more", "shuffled", "counter"];
 
 /// Name of the column that counts rows.
 const COUNTER: &str = "counter";

@@ -5,10 +5,11 @@
 
 use super::CampaignError;
 use super::cell::{Arm, Cell, hash};
-use super::run::hide;
+use super::cell_run::hide;
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::noise::Noise;
-use crate::generator::record::{Plant, Point, Record};
+use crate::generator::plant::Plant;
+use crate::generator::record::{Point, Record};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::effects;
 use bench::atomic;

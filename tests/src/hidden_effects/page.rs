@@ -4,7 +4,7 @@
 use super::cell::Campaign;
 use super::goals::Goal;
 use super::score::{Figures, Share, Shares};
-use crate::generator::record::Plant;
+use crate::generator::plant::Plant;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 

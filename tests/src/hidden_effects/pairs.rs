@@ -8,12 +8,12 @@
 //! in [`super::compare`]. A cell counts only if the remaining chi-square is below [`ALIKE`].
 
 use super::CampaignError;
+use super::cell_run::{CellRun, hide};
 use super::compare::Outcome;
-use super::run::{CellRun, hide};
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::motion::Course;
 use crate::generator::noise::Noise;
-use crate::generator::record::{Plant, Point, Record};
+use crate::generator::record::{Point, Record};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::draw;
 use bench::Bench;
@@ -21,13 +21,6 @@ use std::time::Instant;
 
 /// Chi-square between hidden effect and imitation below which they cannot be separated.
 const ALIKE: f64 = 9.0;
-
-/// Pairs by plant.
-pub const PAIRS: &[(Plant, &str, &str)] = &[
-    (Plant::Linear, "coulomb-level", "load-dependent-friction"),
-    (Plant::Linear, "drive-lag", "sensor-delay"),
-    (Plant::Rotary, "coulomb-level", "load-dependent-friction"),
-];
 
 /// Returns the record and the cycles of a proposed description, relative to the described plant. A
 /// sine without standstill begins at any phase, as its log does. The load gets a ramp only if the
@@ -96,6 +89,7 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::generator::plant::Plant;
 
     #[test]
     fn a_proposed_description_becomes_a_record() {

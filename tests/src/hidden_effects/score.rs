@@ -5,8 +5,7 @@
 //! causes and the effects that fit equally well. Wrong: causes are named, and the hidden effect is
 //! neither in the group nor equivalent to a cause.
 
-use super::cell::{Arm, Campaign};
-use super::changed::CHANGES;
+use super::cell::{Arm, CHANGES, Campaign};
 use super::compare::Outcome;
 use serde::{Deserialize, Serialize};
 use statrs::statistics::{Data, OrderStatistics};
