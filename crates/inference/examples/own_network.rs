@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // the first column.
         let full = step >= WINDOW as i16 - 1;
         let equal = moved == complete && (!full || complete == Sums([sum]));
-        println!("column {step:2}: {:9.3}", f64::from(sum) * network.rest.rest.scale().to_f64());
+        println!("column {step:2}: {:9.3}", f64::from(sum) * network.tail.tail.scale().to_f64());
         if !equal {
             return Err(format!("column {step}: the modes differ").into());
         }

@@ -16,7 +16,7 @@ use crate::track::{SensorHealth, SensorStatus, TrackReport};
 use crate::update::{UpdateAnswer, UpdateRequest, UpdateStatus};
 use crate::{
     Configured, ControllerConfiguration, Counters, EstimateLayout, Hello, NumberedEstimate, Reasons,
-    SensorFrame,
+    SensorFrame, State,
 };
 
 /// Message from the host.
@@ -143,18 +143,6 @@ pub enum Refusal {
     NotKept,
     /// The controller has no sensors or no timer that paces samples.
     NoSensors,
-}
-
-/// State of the controller.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
-    /// Waiting for a configuration.
-    #[default]
-    Waiting,
-    /// Estimating.
-    Running,
-    /// Tripped by late estimates: the last good estimate is held until [`Command::ClearTrip`].
-    Tripped,
 }
 
 /// Frame of slow telemetry. The reports take turns.

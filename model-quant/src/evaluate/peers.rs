@@ -208,8 +208,8 @@ impl Results {
         const COUNT: usize = RANDOM_WINDOWS + ROW_WINDOWS;
         let expected_networks = 2 * BearingMaterial::ALL.len();
         let expected = 16 + NAME_LENGTH + expected_networks * (4 + 4 * COUNT);
-        let rest = bytes.strip_prefix(&results_format::MAGIC).ok_or(ResultsError::Magic)?;
-        let (words, _) = rest.as_chunks::<4>();
+        let after_magic = bytes.strip_prefix(&results_format::MAGIC).ok_or(ResultsError::Magic)?;
+        let (words, _) = after_magic.as_chunks::<4>();
         let [version, networks, body @ ..] = words else { return Err(ResultsError::Magic) };
         if u32::from_le_bytes(*version) != VERSION {
             return Err(ResultsError::Magic);

@@ -109,7 +109,9 @@ impl Record {
     pub fn length_s(&self) -> f64 {
         let cycle_s = if self.plant.is_transmission() { 1.0 } else { CYCLE_S };
         let cycles = match self.point.course {
-            Course::Described { rest, .. } if rest > 0.0 => self.cycles * (1.0 + 2.0 * rest),
+            Course::Described { standstill, .. } if standstill > 0.0 => {
+                self.cycles * (1.0 + 2.0 * standstill)
+            }
             // Turns at a rising frequency.
             Course::Described { rise, .. } if rise != 0.0 => {
                 ((1.0 + 2.0 * rise * self.cycles).sqrt() - 1.0) / rise

@@ -86,9 +86,9 @@ impl<'a> Scale<'a> {
         for _ in 0..SWEEPS {
             for i in 0..z.len() {
                 if gram[i][i] > 0.0 {
-                    let rest = right[i] - dot(&gram[i], &z) + gram[i][i] * z[i];
+                    let residual = right[i] - dot(&gram[i], &z) + gram[i][i] * z[i];
                     let [least, most] = bounds(i);
-                    z[i] = (rest / gram[i][i]).clamp(least, most);
+                    z[i] = (residual / gram[i][i]).clamp(least, most);
                 }
             }
         }
@@ -117,7 +117,7 @@ impl<'a> Scale<'a> {
             let named: Vec<_> = named.iter().map(|n| self.response(std::slice::from_ref(n))).collect();
             return rms(&self.residual(&added, &named));
         }
-        let rest = |z: &[f64]| {
+        let residual = |z: &[f64]| {
             let off: Vec<f64> = self.record.off.iter().zip(z).map(|(off, z)| off + z).collect();
             difference(&added, &difference(&stacked(self.record, &off, named), &self.base))
         };
@@ -132,12 +132,12 @@ impl<'a> Scale<'a> {
                 z[i] = (z[i] + sign * by / deviations[i]).clamp(-MAX_DEVIATIONS - off, MAX_DEVIATIONS - off);
             }
         }
-        let mut left = rest(&z);
+        let mut left = residual(&z);
         let mut least = rms(&left).min(rms(&added));
         for _ in 0..CALIBRATION_STEPS {
             let (_, step) = self.calibrated(&left, &[], &z);
             z.iter_mut().zip(step).for_each(|(z, step)| *z += step);
-            left = rest(&z);
+            left = residual(&z);
             if !rms(&left).is_finite() {
                 break;
             }

@@ -31,13 +31,13 @@ fn proposed(described: &Bench, wanted: &str) -> Option<(Point, f64)> {
     let (axis, cycles) = (&then.axis, f64::from(then.axis.cycles));
     let ratio = if axis.last_period_s > 0.0 { axis.period_s / axis.last_period_s } else { 1.0 };
     let rise = 0.5 * (ratio * ratio - 1.0) / cycles;
-    let rest = axis.dwell_s / axis.period_s;
-    let plain = rest == 0.0 && rise == 0.0 && !axis.backwards;
+    let standstill = axis.dwell_s / axis.period_s;
+    let plain = standstill == 0.0 && rise == 0.0 && !axis.backwards;
     let point = Point {
         speed: now.axis.period_s / axis.period_s,
         load: then.load.force_n / now.load.force_n,
         stroke: axis.amplitude / now.axis.amplitude * if axis.backwards { -1.0 } else { 1.0 },
-        course: if plain { Course::Plain } else { Course::Described { rest, rise } },
+        course: if plain { Course::Plain } else { Course::Described { standstill, rise } },
         ramp_s: if then.load.ramp_s == now.load.ramp_s { 0.0 } else { then.load.ramp_s },
     };
     Some((point, cycles))
@@ -103,10 +103,10 @@ mod tests {
         assert_eq!(wanted(&|r| r.load.force_n *= -1.0), Point { load: -1.0, ..plain });
         assert_eq!(wanted(&|r| r.axis.period_s *= 2.0), Point { speed: 0.5, ..plain });
         assert_eq!(wanted(&|r| r.load.ramp_s = 0.2), Point { ramp_s: 0.2, ..plain });
-        let rests = Course::Described { rest: 0.25, rise: 0.0 };
+        let rests = Course::Described { standstill: 0.25, rise: 0.0 };
         assert_eq!(wanted(&|r| r.axis.dwell_s = 1.0), Point { course: rests, ..plain });
         let sweep = wanted(&|r| (r.axis.cycles, r.axis.last_period_s) = (2, 0.5 * r.axis.period_s));
-        assert_eq!(sweep.course, Course::Described { rest: 0.0, rise: 0.75 });
+        assert_eq!(sweep.course, Course::Described { standstill: 0.0, rise: 0.75 });
         let mut record = Record::draw(Plant::Linear, 0.8, sweep, &mut Noise::new(3));
         record.cycles = 2.0;
         // Two cycles at a mean of 1.5 times the frequency.

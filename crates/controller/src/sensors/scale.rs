@@ -46,10 +46,10 @@ pub(super) fn linear(code: u16, zero_code: u16, gain: I16F16) -> i64 {
 /// Returns the table's error at a code, nm.
 fn error_nm(table: &[i32; TABLE_POINTS], code: u16) -> i64 {
     let place = usize::from(code >> SPACING_BITS);
-    let rest = i64::from(code & ((1 << SPACING_BITS) - 1));
+    let remainder = i64::from(code & ((1 << SPACING_BITS) - 1));
     let mut ends = table.iter().skip(place);
     let (low, high) = (i64::from(*ends.next().unwrap_or(&0)), i64::from(*ends.next().unwrap_or(&0)));
-    low.wrapping_add(high.wrapping_sub(low).wrapping_mul(rest) >> SPACING_BITS)
+    low.wrapping_add(high.wrapping_sub(low).wrapping_mul(remainder) >> SPACING_BITS)
 }
 
 #[cfg(test)]

@@ -92,7 +92,7 @@ impl ForceBalance {
         let lever_m = self.drive_lever_m * cosine(means.angle_rad - self.crank_vertical_rad);
         let inertia_part_n = -self.inertia_kg_m2 * angle / lever_m;
         let lever_part_n = means.load_n * self.lever_ratio;
-        let rest = self.mass_kg * y + inertia_part_n - means.load_n + lever_part_n;
+        let remaining_n = self.mass_kg * y + inertia_part_n - means.load_n + lever_part_n;
         let force_z_n = self.weight_n + self.mass_kg * z;
         let rho = self.journal_radius_m / lever_m;
         let (n_y, n_z) = (means.normal_y, means.normal_z);
@@ -103,8 +103,8 @@ impl ForceBalance {
         let normal_by = [-n_y * per, (rho - n_z) * per];
         let friction_by = [n_z * per, -n_y * per];
         BalanceForce {
-            normal_n: normal_by[0] * rest + normal_by[1] * force_z_n,
-            friction_n: friction_by[0] * rest + friction_by[1] * force_z_n,
+            normal_n: normal_by[0] * remaining_n + normal_by[1] * force_z_n,
+            friction_n: friction_by[0] * remaining_n + friction_by[1] * force_z_n,
             normal_by,
             friction_by,
             inertia_part_n,
