@@ -20,8 +20,8 @@ pub const SEQUENCE_GAP: Flags = Flags::from_bits(1 << 19);
 pub const TIME_FAULT: Flags = Flags::from_bits(1 << 20);
 /// The window is not full; the rates are 0.
 pub const WINDOW_FILLING: Flags = Flags::from_bits(1 << 21);
-/// In contact, but the onset was not seen (start, or a gap in the samples): the approach speed is
-/// the configured one for this case.
+/// The onset of a contact was not seen (start, or a gap in the samples): the approach speed is the
+/// configured one for this case.
 pub const ONSET_NOT_SEEN: Flags = Flags::from_bits(1 << 22);
 /// A channel has no value: its driver reports a fault, or the frame does not contain it.
 pub const SENSOR_MISSING: Flags = Flags::from_bits(1 << 23);

@@ -111,7 +111,7 @@ pub struct Campaign {
     pub sizes: Vec<f64>,
     /// Arms.
     pub arms: Vec<Arm>,
-    /// If set, a transmission bench shows single effects only, and only those that no cheaper plant
+    /// True if a transmission bench shows single effects only, and only those that no cheaper plant
     /// can show. One of its cells costs as much as fifty of an axis.
     #[serde(default, skip_serializing_if = "is_false")]
     pub bench_alone: bool,

@@ -99,7 +99,7 @@ struct Closed {
     /// True if no sample was faulty; from the second step on, if the journal also was steady and
     /// pressed to the bearing.
     counts: bool,
-    /// From the friction's step on: true if the journal slid, so that the block counts for the
+    /// True, from the friction's step on, if the journal slid, so that the block counts for the
     /// friction level.
     slides: bool,
 }
