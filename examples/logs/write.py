@@ -1,8 +1,9 @@
-"""Writes servo-axis.mat and servo-axis.parquet: a measured axis as other programs save it (SciPy 1.17, PyArrow 26).
+"""Writes servo-axis.mat and servo-axis.parquet: a measured axis as other programs save it.
 
-A motor turns an inertia of 0.8 kg m2 to and fro. Logged are the time in ms, the motor's position in degrees and its
-current; the torque constant is 0.25 N m/A. The axis has 6 N m of dry friction, as its description says, and
-2 N m s/rad of viscous friction, of which the description knows nothing.
+SciPy 1.17, PyArrow 26. A motor turns an inertia of 0.8 kg m2 back and forth. Logged are the time in
+ms, the motor's position in degrees and its current; the torque constant is 0.25 N m/A. The axis has
+6 N m of dry friction, as its description states, and 2 N m s/rad of viscous friction, which the
+description lacks.
 """
 import numpy as np
 import pyarrow as pa

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use twin::{CONFIGURATION, Plan, Trouble, Twin, frames};
 
 const TIMEOUTS: Timeouts = Timeouts { answer: Duration::from_secs(30), retry: Duration::from_millis(100) };
-/// On a line without losses nothing is sent again, however busy the machine.
+/// Timeouts of a line without losses: nothing is sent again, however busy the machine.
 const UNHURRIED: Timeouts = Timeouts { answer: Duration::from_secs(30), retry: Duration::from_secs(20) };
 
 fn attached_within(port: &Path, bounds: Timeouts) -> RemoteController {
@@ -36,7 +36,7 @@ fn native(frames: &[SensorFrame]) -> ExchangeResult {
 }
 
 /// A run over a twin with troubles, with the losses that the host counted.
-fn troubled(
+fn disturbed(
     frames: &[SensorFrame],
     plan: Vec<Plan>,
     hello_count: usize,
@@ -66,7 +66,7 @@ fn estimates_and_counts_are_those_of_the_native_controller() {
 #[test]
 fn a_repeated_hello_does_not_end_the_run() {
     let frames = frames(50, 2);
-    assert_same(&troubled(&frames, vec![], 3).unwrap(), &native(&frames));
+    assert_same(&disturbed(&frames, vec![], 3).unwrap(), &native(&frames));
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn a_lost_or_damaged_sample_is_sent_again_and_changes_nothing() {
         // Two in a row, the first, and a single one. The second transmission of a lost sample
         // counts as well.
         let plan = [0, 50, 51, 120].map(|at| Plan { at, bytes: 7, trouble }).to_vec();
-        assert_same(&troubled(&frames, plan, 1).unwrap(), &native(&frames));
+        assert_same(&disturbed(&frames, plan, 1).unwrap(), &native(&frames));
     }
 }
 
@@ -84,7 +84,7 @@ fn a_lost_or_damaged_sample_is_sent_again_and_changes_nothing() {
 fn a_lost_estimate_ends_the_run_at_once_and_is_named() {
     let plan = vec![Plan { at: 30, bytes: 0, trouble: Trouble::EstimateLost }];
     let started = Instant::now();
-    let error = troubled(&frames(100, 4), plan, 1).unwrap_err();
+    let error = disturbed(&frames(100, 4), plan, 1).unwrap_err();
     assert!(started.elapsed() < TIMEOUTS.answer, "{:?}", started.elapsed());
     assert!(
         matches!(error, ControllerError::Lost { sequence: 30, last_sequence: Some(29), .. }),
@@ -111,7 +111,7 @@ fn a_restart_ends_or_continues_the_run_as_requested() {
     let mut plan =
         [(100, 0), (250, 20), (350, 20)].map(|(at, bytes)| Plan { at, bytes, trouble: Trouble::Restarts });
     plan[2].trouble = Trouble::RestartsUnheard;
-    let error = troubled(&frames, plan.to_vec(), 1).unwrap_err();
+    let error = disturbed(&frames, plan.to_vec(), 1).unwrap_err();
     assert!(matches!(error, ControllerError::Restarted { last_sequence: Some(99), .. }), "{error:?}");
 
     let twin = Twin::start(plan.to_vec(), 1);

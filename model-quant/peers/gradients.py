@@ -1,8 +1,11 @@
-"""Gradients of small networks by PyTorch, for the tests of src/train: `python peers/gradients.py > peers/gradients.json`.
+"""Gradients of small networks by PyTorch, for the tests of src/train.
 
-Needs torch and numpy. Parameters, windows and targets are multiples of 1/64, so they are exact in the file; PyTorch computes in
-float64. Order of the parameters: layer by layer, weights by tap (column, then input), then output; then biases. The head sees
-its columns flattened length x channel. The loss is the mean squared error over all windows and outputs.
+    python peers/gradients.py > peers/gradients.json
+
+Needs torch and numpy. Parameters, windows and targets are multiples of 1/64, so they are exact in
+the file; PyTorch computes in float64. Order of the parameters: layer by layer, weights by tap
+(column, then input), then output; then biases. The input of the head is its columns, flattened
+length x channel. The loss is the mean squared error over all windows and outputs.
 """
 
 import json

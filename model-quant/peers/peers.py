@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
 """Runs the networks of the shipped images in ONNX Runtime and in LiteRT (formerly TensorFlow Lite).
 
-Reads windows.bin (beside this file) and the images in crates/inference/models; writes onnxruntime.bin and litert.bin.
-Formats: README.md. The images are read here a second time, independently of the Rust code. Use:
+Reads windows.bin (in this folder) and the images in crates/inference/models; writes
+onnxruntime.bin and litert.bin. Formats: README.md. The images are read here a second time,
+independently of the Rust code. Use:
 
     python3 -m venv venv && venv/bin/pip install -r requirements.txt && venv/bin/python peers.py
 
-ONNX Runtime: QLinearConv has no 16-bit activations, so the graph is spelled out in whole numbers: windows unfolded, MatMul,
-Add, Max with 0, Mul by the multiplier, Add of a half, Div by 2^32 (floor, as nothing is negative), Min with full scale,
-all in int64. Its sums must be those of the Rust code, bit for bit.
+ONNX Runtime: QLinearConv has no 16-bit activations, so the graph is written in integer operations:
+windows unfolded, MatMul, Add, Max with 0, Mul by the multiplier, Add of a half, Div by 2^32 (floor,
+as nothing is negative), Min with full scale, all in int64. Its sums must be those of the Rust code,
+bit for bit.
 
-LiteRT: CONV_2D with int16 activations, int8 weights per channel, int64 biases (its scheme "16x8") and the scales of the image,
-in the reference kernels. A scale is a float there and the rounding its own, so activations may differ by counts. Its last
-activations go through the head in whole numbers here: LiteRT would cut the output to 16 bits.
+LiteRT: CONV_2D with int16 activations, int8 weights per channel, int64 biases (its scheme "16x8")
+and the scales of the image, in the reference kernels. A scale is a float there and the rounding
+differs, so activations may differ by counts. Its last activations go through the head in integers
+here: LiteRT would cut the output to 16 bits.
 """
 
 import struct
@@ -60,7 +63,7 @@ def read_layer(data, at):
 
 
 def read_image(path):
-    """The layers of both networks and the check sum."""
+    """Layers of both networks and the checksum."""
     data = path.read_bytes()
     assert data[:8] == b"PINTLEM\n" and struct.unpack_from("<H", data, 8) == (3,), path
     at, networks = 64, []
@@ -77,22 +80,22 @@ def read_image(path):
 
 
 def read_windows(path):
-    """Per network: check sum of its image and windows as [window, column, input]."""
+    """Per network: checksum of its image and windows as [window, column, input]."""
     data = path.read_bytes()
     assert data[:8] == b"PINTLEW\n" and struct.unpack_from("<I", data, 8) == (1,), path
     (count,), at, networks = struct.unpack_from("<I", data, 12), 16, []
     for _ in range(count):
-        check_sum, columns, inputs, random, rows = struct.unpack_from("<5I", data, at)
+        checksum, columns, inputs, random, rows = struct.unpack_from("<5I", data, at)
         at += 20
         shape = (random + rows, columns, inputs)
-        networks.append((check_sum, np.frombuffer(data, "<i2", int(np.prod(shape)), at).reshape(shape)))
+        networks.append((checksum, np.frombuffer(data, "<i2", int(np.prod(shape)), at).reshape(shape)))
         at += 2 * int(np.prod(shape))
     assert at == len(data), path
     return networks
 
 
 def run_onnxruntime(layers, windows):
-    """Sums of the head, everything in whole numbers."""
+    """Sums of the head, everything in integers."""
     import onnxruntime
     from onnx import TensorProto, checker, helper, numpy_helper
 
@@ -164,7 +167,8 @@ def litert_model(layers, count, columns):
         graph.tensors.append(made)
         return len(graph.tensors) - 1
 
-    # Only ratios of scales matter: an activation's step is 1, a weight's step is its channel's factor.
+    # Only ratios of scales matter: an activation's step is 1, a weight's step is its channel's
+    # factor.
     types = schema.TensorType
     value = tensor("windows", (count, 1, columns, layers[0]["inputs"]), types.INT16, [1.0])
     graph.inputs = [value]
@@ -191,7 +195,10 @@ def litert_model(layers, count, columns):
 
 
 def run_litert(layers, windows):
-    """Sums of the head over the last activations of LiteRT, and the largest difference of an activation per layer."""
+    """Sums of the head over the last activations of LiteRT.
+
+    Also returns the largest difference of an activation per layer.
+    """
     from ai_edge_litert.interpreter import Interpreter, OpResolverType
 
     *convolutions, head = layers
@@ -208,7 +215,7 @@ def run_litert(layers, windows):
 
 
 def run_convolutions(interpreter_type, resolver, layers, windows):
-    """Activations behind some convolutions in LiteRT's reference kernels."""
+    """Activations after some convolutions in LiteRT's reference kernels."""
     count, columns, _ = windows.shape
     interpreter = interpreter_type(
         model_content=litert_model(layers, count, columns),
@@ -221,7 +228,7 @@ def run_convolutions(interpreter_type, resolver, layers, windows):
 
 
 def convolve(layer, values):
-    """One convolution as the image means it, for the comparison layer by layer."""
+    """One convolution as the image defines it, for the comparison layer by layer."""
     positions = values.shape[1] - layer["columns"] + 1
     windows = np.stack([values[:, at : at + layer["columns"]] for at in range(positions)], axis=1)
     sums = np.einsum("npki,oki->npo", windows, layer["weights"]) + layer["biases"]
@@ -232,9 +239,9 @@ def convolve(layer, values):
 def write_results(path, name, results):
     """A file of results."""
     data = b"PINTLER\n" + struct.pack("<II", 1, len(results)) + name.encode().ljust(48, b"\0")
-    for check_sum, sums in results:
+    for checksum, sums in results:
         assert np.abs(sums).max() < 1 << 31
-        data += struct.pack("<I", check_sum) + sums.astype("<i4").tobytes()
+        data += struct.pack("<I", checksum) + sums.astype("<i4").tobytes()
     path.write_bytes(data)
     print(f"wrote {path.name}: {name}, {len(data)} bytes")
 
@@ -243,16 +250,16 @@ def main():
     windows = read_windows(HERE / "windows.bin")
     networks = []
     for bearing in BEARINGS:
-        layers, check_sum = read_image(MODELS / f"{bearing}.pintle")
-        networks += [(bearing, name, check_sum, network) for name, network in zip(["collision", "friction"], layers)]
+        layers, checksum = read_image(MODELS / f"{bearing}.pintle")
+        networks += [(bearing, name, checksum, network) for name, network in zip(["collision", "friction"], layers)]
     onnx, litert = [], []
-    for (bearing, name, check_sum, layers), (wanted, inputs) in zip(networks, windows, strict=True):
-        if check_sum != wanted:
-            sys.exit(f"windows.bin: made for image {wanted:08x}, {bearing} is {check_sum:08x}: "
+    for (bearing, name, checksum, layers), (expected, inputs) in zip(networks, windows, strict=True):
+        if checksum != expected:
+            sys.exit(f"windows.bin: made for image {expected:08x}, {bearing} is {checksum:08x}: "
                      "run `model-quant verify --windows model-quant/peers/windows.bin`")
-        onnx.append((check_sum, run_onnxruntime(layers, inputs)))
+        onnx.append((checksum, run_onnxruntime(layers, inputs)))
         sums, largest = run_litert(layers, inputs)
-        litert.append((check_sum, sums))
+        litert.append((checksum, sums))
         print(f"{bearing} {name}: activations of LiteRT differ by at most {largest} counts, layer by layer on equal inputs")
     write_results(HERE / "onnxruntime.bin", f"ONNX Runtime {version('onnxruntime')}", onnx)
     write_results(HERE / "litert.bin", f"LiteRT {version('ai-edge-litert')} 16x8", litert)

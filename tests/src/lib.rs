@@ -6,3 +6,8 @@ pub mod hidden_effects;
 pub mod journal;
 pub mod random;
 pub mod soak;
+
+/// Compiles and runs the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDoctests;

@@ -21,6 +21,7 @@ use crate::faults::streams::bytes;
 use bench::Bench;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::{Snapshot, Transmission};
+use controller::emulator::TICKS_PER_INSTRUCTION;
 use controller::flags::CONVERGING;
 use host_sim::controller::{Controller, NativeController};
 use host_sim::run::configuration::controller_configuration;
@@ -38,8 +39,6 @@ use std::time::Instant;
 pub const GROWTH_BYTES: u64 = 8 << 20;
 /// Maximum instructions of a tick: one in each cycle of 100 us at 168 MHz.
 pub const PERIOD_INSTRUCTIONS: f64 = 16_800.0;
-/// SysTick ticks of one emulated instruction: 64 ns at 168 MHz.
-const TICKS_PER_INSTRUCTION: f64 = 10.752;
 /// Drive cycles up to the one that is repeated.
 const CYCLES: u32 = 3;
 /// Samples in a batch; the pipes hold about as many.

@@ -3,6 +3,7 @@
 use crate::compile;
 use crate::run::{ChoreError, root, run, run_with_timeout, target_folder};
 use crate::setup::{EMULATOR, TARGET, target};
+use controller::emulator::MACHINE;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -22,7 +23,7 @@ pub(crate) struct Board {
 const WITHOUT_FPU: &str = "thumbv8m.main-none-eabi";
 
 /// Board on which instructions are counted: it has the core of the default controller.
-pub(crate) const COUNTED: Board = Board { name: "netduinoplus2", core: "Cortex-M4", target: TARGET };
+pub(crate) const COUNTED: Board = Board { name: MACHINE, core: "Cortex-M4", target: TARGET };
 
 /// Every board: one for each core, and two for the Cortex-M4.
 pub(crate) const BOARDS: [Board; 5] = [

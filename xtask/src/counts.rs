@@ -19,11 +19,13 @@ pub(crate) struct Counts {
     pub(crate) estimator_tick_max: u64,
     /// Maximum instructions of a controller tick over disturbed samples: every kind of fault, and
     /// restarts of the history.
-    pub(crate) troubled_tick_max: u64,
+    #[serde(rename = "troubled_tick_max")]
+    pub(crate) disturbed_tick_max: u64,
     /// RAM of the two networks of a bearing with their history, in bytes.
     pub(crate) pair_ram_bytes: u64,
     /// Flash of the smallest image that estimates, model included, in bytes.
-    pub(crate) least_flash_bytes: u64,
+    #[serde(rename = "least_flash_bytes")]
+    pub(crate) smallest_flash_bytes: u64,
     /// All figures by name.
     pub(crate) figures: BTreeMap<String, Figure>,
 }

@@ -38,7 +38,7 @@ fn read(file: PathBuf) -> Result<String, ChoreError> {
 pub(crate) enum Comparison {
     /// Budgets and golden figures were compared.
     Complete,
-    /// Only the budgets were compared, because the compiler is not the pinned one.
+    /// Comparison with the budgets alone: the compiler is not the pinned one.
     BudgetsOnly,
 }
 
@@ -70,7 +70,7 @@ pub(crate) fn check() -> Result<Comparison, ChoreError> {
             expected: format!("at most {BUDGETS:?}"),
         });
     }
-    let tick = found.estimator_tick_max.max(found.troubled_tick_max);
+    let tick = found.estimator_tick_max.max(found.disturbed_tick_max);
     if tick > TICK_BUDGET {
         return Err(ChoreError::Differs {
             what: "maximum instructions of a controller tick".into(),
@@ -113,7 +113,7 @@ mod tests {
         let counts = golden().unwrap();
         for figure in [
             format!("{} bytes of RAM", counts.pair_ram_bytes),
-            format!("{} bytes of flash", counts.least_flash_bytes),
+            format!("{} bytes of flash", counts.smallest_flash_bytes),
         ] {
             assert!(readme.contains(&figure), "crates/inference/README.md: {figure}");
         }
@@ -125,7 +125,7 @@ mod tests {
         TABLES.check(&render(&counts)).unwrap();
         let used = [counts.reference_window, counts.reference_reuse, counts.reference_stream];
         assert!(used.iter().zip(BUDGETS).all(|(&used, budget)| used <= budget), "{used:?}");
-        assert!(counts.estimator_tick_max.max(counts.troubled_tick_max) <= TICK_BUDGET);
+        assert!(counts.estimator_tick_max.max(counts.disturbed_tick_max) <= TICK_BUDGET);
     }
 
     /// Checks every kernel but the filter, which does more while the journal touches the bearing.

@@ -8,6 +8,7 @@ use crate::counts::{Counts, Figure};
 use crate::kernels::SmallestImage;
 use crate::run::{ChoreError, cargo, output_of};
 use crate::{firmware, setup};
+use inference::BearingMaterial;
 use std::collections::BTreeMap;
 
 /// Counts everything.
@@ -42,9 +43,9 @@ pub(crate) fn count() -> Result<Counts, ChoreError> {
         reference_reuse,
         estimator_tick_min,
         estimator_tick_max,
-        troubled_tick_max: troubled_ticks()?,
+        disturbed_tick_max: disturbed_ticks()?,
         pair_ram_bytes,
-        least_flash_bytes: SmallestImage::build(COUNTED)?.flash_bytes,
+        smallest_flash_bytes: SmallestImage::build(COUNTED)?.flash_bytes,
         figures,
     })
 }
@@ -54,7 +55,7 @@ pub(crate) fn count() -> Result<Counts, ChoreError> {
 fn ticks() -> Result<(u64, u64), ChoreError> {
     let folder = crate::run::target_folder().join("insn");
     let (mut min, mut max) = (u64::MAX, 0);
-    for bearing in ["babbitt", "plastic"] {
+    for bearing in BearingMaterial::ALL.map(BearingMaterial::name) {
         let mut command = cargo();
         command.args(["run", "--quiet", "--package", "host-sim", "--", "run"]);
         command.args(["--controller", "emulated", "--json", "--bearing", bearing, "--out"]);
@@ -76,19 +77,19 @@ fn ticks() -> Result<(u64, u64), ChoreError> {
 }
 
 /// Reads the maximum over disturbed samples from the output of the test that measures it.
-fn troubled_ticks() -> Result<u64, ChoreError> {
+fn disturbed_ticks() -> Result<u64, ChoreError> {
     const TEST: &str = "ticks::no_tick_exceeds_its_budget_whatever_the_samples";
     let mut command = cargo();
     command.args(["test", "--quiet", "--package", "system-tests", "--features", "emulated"]);
     let text = output_of(command.args(["--test", "emulator", "--", "--exact", TEST, "--nocapture"]))?;
     let max = text.lines().find_map(|line| {
-        let (_, max) = line.split_once("troubled ticks: ")?.1.split_once(" to ")?;
+        let (_, max) = line.split_once("disturbed ticks: ")?.1.split_once(" to ")?;
         max.strip_suffix(" instructions")?.parse().ok()
     });
     max.ok_or_else(|| ChoreError::Differs {
         what: format!("output of {TEST}"),
         found: text,
-        expected: "`troubled ticks: A to B instructions`".into(),
+        expected: "`disturbed ticks: A to B instructions`".into(),
     })
 }
 

@@ -1,6 +1,7 @@
 //! Tables of instruction counts in Markdown, as the README shows them.
 
 use crate::counts::Counts;
+use inference::BearingMaterial;
 use std::fmt::Write;
 
 /// Rows of the reference network: name of the figure without the mode, and its description.
@@ -44,17 +45,20 @@ pub(crate) fn render(counts: &Counts) -> String {
             ["", "_packed", "_compact", "_portable"].map(|mode| figure(&format!("{name}{mode}")));
         line(format!("| {what} | {wide} | {packed} | {compact} | {portable} |"));
     }
-    let [babbitt, plastic] = ["pair_babbitt", "pair_plastic"].map(figure);
-    line(format!("| both networks of a bearing with their features, a sample: Babbitt | {babbitt} | | | |"));
-    line(format!("| the same: plastic | {plastic} | | | |"));
+    let mut what = "both networks of a bearing with their features, a sample";
+    for material in BearingMaterial::ALL {
+        let pair = figure(&format!("pair_{}", material.name()));
+        line(format!("| {what}: {} | {pair} | | | |", material.title()));
+        what = "the same";
+    }
     line(format!(
         "| whole controller tick of bench B | {}-{} | | | |",
         counts.estimator_tick_min, counts.estimator_tick_max
     ));
     line(format!(
-        "| the same over troubled samples (jumps, gaps, wrong times, missing values), the largest \
+        "| the same over disturbed samples (jumps, gaps, wrong times, missing values), the largest \
          | {} | | | |",
-        counts.troubled_tick_max
+        counts.disturbed_tick_max
     ));
     line(String::new());
     line(
@@ -78,7 +82,7 @@ pub(crate) fn render(counts: &Counts) -> String {
     line(String::new());
     line(format!(
         "RAM of a pair: {} bytes. Flash of the smallest estimating image, with model: {} bytes.",
-        counts.pair_ram_bytes, counts.least_flash_bytes
+        counts.pair_ram_bytes, counts.smallest_flash_bytes
     ));
     text
 }

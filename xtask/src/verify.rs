@@ -4,9 +4,11 @@ use crate::boards::COUNTED;
 use crate::run::{ChoreError, cargo, run, target_folder};
 use inference::{BearingMaterial, shipped};
 
-/// Name of the runtime in a file of results, and the length of the name field in bytes.
+#[path = "../../model-quant/src/evaluate/results_format.rs"]
+mod results_format;
+
+/// Name of the runtime in a file of results.
 const NAME: &[u8] = b"emulated Cortex-M4";
-const NAME_LENGTH: usize = 48;
 
 /// Runs the windows of `model-quant/peers` on the emulated core and verifies the shipped images
 /// against its results.
@@ -24,11 +26,10 @@ pub(crate) fn verify() -> Result<(), ChoreError> {
             expected: "an integer for every window of four networks",
         }
     })?;
-    // The format is documented in model-quant/peers/README.md.
-    let mut bytes = b"PINTLER\n".to_vec();
-    bytes.extend([1, networks as u32].map(u32::to_le_bytes).as_flattened());
+    let mut bytes = results_format::MAGIC.to_vec();
+    bytes.extend([results_format::VERSION, networks as u32].map(u32::to_le_bytes).as_flattened());
     bytes.extend(NAME);
-    bytes.resize(bytes.len() + NAME_LENGTH - NAME.len(), 0);
+    bytes.resize(bytes.len() + results_format::NAME_LENGTH - NAME.len(), 0);
     let bearings = BearingMaterial::ALL.iter().flat_map(|&bearing| [bearing, bearing]);
     for (sums, bearing) in sums.chunks(windows).zip(bearings) {
         bytes.extend(shipped(bearing).last_chunk::<4>().into_iter().flatten());

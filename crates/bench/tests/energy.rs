@@ -74,8 +74,8 @@ fn a_wrong_sign_or_a_missing_term_leaves_a_residual() {
     }
 }
 
-/// If equations and audit disagree about the direction of friction, the balance does not close
-/// either.
+/// Shows that the balance does not close if equations and audit disagree about the direction of
+/// friction.
 #[test]
 fn friction_of_the_wrong_sign_shows_as_negative_heat() {
     let bench = bench_b(BearingMaterial::Babbitt);

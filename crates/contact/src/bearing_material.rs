@@ -120,12 +120,12 @@ impl BearingMaterial {
 
     /// Returns the material of a code.
     pub const fn from_code(code: u8) -> Option<Self> {
-        let mut rest: &[Self] = &Self::ALL;
-        while let Some((material, others)) = rest.split_first() {
+        let mut remaining: &[Self] = &Self::ALL;
+        while let Some((material, others)) = remaining.split_first() {
             if material.code() == code {
                 return Some(*material);
             }
-            rest = others;
+            remaining = others;
         }
         None
     }

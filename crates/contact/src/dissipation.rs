@@ -55,7 +55,7 @@ impl Dissipation {
     ];
 
     /// Returns the dimensionless factor for a nominal restitution; infinite at 0 if
-    /// [`Dissipation::needs_rebound`].
+    /// `needs_rebound`.
     pub fn factor<T: Real>(self, restitution: T) -> T {
         let e = restitution;
         let (one, of) = (T::ONE, T::from_f64);
@@ -78,7 +78,7 @@ impl Dissipation {
     }
 
     /// Decides whether the factor is infinite at a restitution of 0.
-    pub const fn needs_rebound(self) -> bool {
+    pub(crate) const fn needs_rebound(self) -> bool {
         matches!(self, Self::Gonthier | Self::Flores | Self::HuGuo | Self::Exact)
     }
 

@@ -43,7 +43,7 @@ impl<T: Real> Joint<T> {
     }
 
     /// Radius of relative curvature `R = R_B R_J/D` in m.
-    pub fn relative_radius_m(&self) -> T {
+    pub(crate) fn relative_radius_m(&self) -> T {
         self.bearing_radius_m * self.journal_radius_m() / self.radial_clearance_m
     }
 }

@@ -35,7 +35,7 @@ pub use logarithmic::{Logarithmic, LogarithmicKind};
 pub use material::{Material, effective_modulus_pa};
 pub use normal::{FactorisedLaw, NormalLaw};
 pub use real::Real;
-pub use spring_dashpot::{SpringDashpot, damping_ratio_for, restitution_without_tension};
+pub use spring_dashpot::{SpringDashpot, restitution_without_tension};
 pub use stiffness::{Stiffness, hertz_sphere_in_sphere};
 pub use stiffness_kind::{StiffnessKind, StiffnessParameters};
 

@@ -100,11 +100,6 @@ impl<T: Real> Logarithmic<T> {
         self.kind
     }
 
-    /// Force in N at the limit of the law.
-    pub fn largest_force_n(&self) -> T {
-        self.largest_force_n
-    }
-
     /// Deformation in m at the limit of the law.
     pub fn largest_deformation_m(&self) -> T {
         self.largest_deformation_m
@@ -213,12 +208,11 @@ mod tests {
         for clearance in [0.1e-3, 0.5e-3, 1.5e-3] {
             for kind in KINDS {
                 let law = Logarithmic::new(kind, &joint(clearance));
-                for force in [1e-3, 1.0, 1e3, 14e3, 0.3 * law.largest_force_n(), 0.99 * law.largest_force_n()]
-                {
+                for force in [1e-3, 1.0, 1e3, 14e3, 0.3 * law.largest_force_n, 0.99 * law.largest_force_n] {
                     let known = printed(kind, &joint(clearance), force);
                     assert!((law.deformation_m(force) / known - 1.0).abs() < 1e-12, "{kind:?} {force}");
                 }
-                let limit = law.largest_force_n();
+                let limit = law.largest_force_n;
                 let at = |share: f64| printed(kind, &joint(clearance), share * limit);
                 assert!(
                     at(1.0) > at(0.999) && at(1.0) > at(1.001),
@@ -258,8 +252,8 @@ mod tests {
     #[test]
     fn beyond_the_limit_the_force_is_held() {
         let law = Logarithmic::new(LogarithmicKind::Johnson, &joint(0.5e-3));
-        assert_eq!(law.force_n(law.largest_deformation_m() * 1.5), law.largest_force_n());
-        assert_eq!(law.deformation_m(law.largest_force_n() * 2.0), law.largest_deformation_m());
+        assert_eq!(law.force_n(law.largest_deformation_m() * 1.5), law.largest_force_n);
+        assert_eq!(law.deformation_m(law.largest_force_n * 2.0), law.largest_deformation_m());
         assert_eq!(law.force_n(-1.0), 0.0);
     }
 
@@ -270,7 +264,7 @@ mod tests {
         ) {
             let law = Logarithmic::new(KINDS[kind], &joint(0.5e-3));
             let deformation = law.largest_deformation_m() * 10_f64.powf(exponent);
-            let force = law.force_near_n(deformation, start * law.largest_force_n());
+            let force = law.force_near_n(deformation, start * law.largest_force_n);
             prop_assert!((law.deformation_m(force) / deformation - 1.0).abs() < 1e-12);
             prop_assert!((force / law.force_n(deformation) - 1.0).abs() < 1e-6);
         }

@@ -34,7 +34,7 @@ impl<T: Real> Material<T> {
     }
 
     /// Plane-strain compliance `h = (1 - nu^2)/E` in 1/Pa.
-    pub fn compliance_per_pa(&self) -> T {
+    pub(crate) fn compliance_per_pa(&self) -> T {
         (T::ONE - self.poisson_ratio * self.poisson_ratio) / self.youngs_modulus_pa
     }
 }

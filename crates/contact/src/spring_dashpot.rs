@@ -70,7 +70,7 @@ impl<T: Real> SpringDashpot<T> {
 
 /// Returns `zeta = -ln e/sqrt(pi^2 + ln^2 e)`: the damping ratio for a restitution `e` if the
 /// dashpot may pull until `d = 0`.
-pub fn damping_ratio_for<T: Real>(restitution: T) -> T {
+pub(crate) fn damping_ratio_for<T: Real>(restitution: T) -> T {
     let logarithm = restitution.ln();
     let pi = T::from_f64(core::f64::consts::PI);
     -logarithm / (pi * pi + logarithm * logarithm).sqrt()

@@ -25,7 +25,7 @@ pub enum Stiffness<T = f64> {
         /// `K` in N/m^1.5.
         coefficient: T,
     },
-    /// `F = K d^n`. Pereira's law is of this form; see [`Stiffness::pereira`].
+    /// `F = K d^n`. Pereira's law is of this form; see `Stiffness::pereira`.
     Power {
         /// `K` in N/m^n.
         coefficient: T,
@@ -110,7 +110,7 @@ impl<T: Real> Stiffness<T> {
     /// converted to SI. The fit is checked against its authors' range: a clearance outside .005 to
     /// 10 mm is refused. Their published law has Zhiying and Qishao's factor; any other factor can
     /// be combined with it here.
-    pub fn pereira(joint: &Joint<T>) -> Result<Self, LawError> {
+    pub(crate) fn pereira(joint: &Joint<T>) -> Result<Self, LawError> {
         joint.check()?;
         let clearance_mm = joint.radial_clearance_m * T::from_f64(1e3);
         let (low, high) = (T::from_f64(0.005 * (1.0 - 1e-6)), T::from_f64(10.0 * (1.0 + 1e-6)));

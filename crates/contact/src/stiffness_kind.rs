@@ -20,7 +20,7 @@ pub enum StiffnessKind {
     HybridAsPrinted,
     /// [`Stiffness::LiuTimesLength`].
     LiuTimesLength,
-    /// [`Stiffness::pereira`].
+    /// `Stiffness::pereira`.
     Pereira,
     /// [`Stiffness::Logarithmic`].
     Logarithmic(LogarithmicKind),

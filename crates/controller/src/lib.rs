@@ -19,6 +19,7 @@ pub mod boards;
 pub mod buffers;
 pub mod clock;
 pub mod configuration;
+pub mod emulator;
 pub mod estimator;
 // Its vectors and matrices have sizes that are types, and every index is a constant or the counter
 // of a loop over such a size.

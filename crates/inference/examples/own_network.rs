@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut stream = Streaming::<_, i16, INPUTS>::new(network);
     let mut moved = Windowed::<_, i16, INPUTS, WINDOW, Causal>::new(network);
-    let mut whole = Windowed::<_, i16, INPUTS, WINDOW, Causal>::new(network);
+    let mut complete = Windowed::<_, i16, INPUTS, WINDOW, Causal>::new(network);
     let mut window = [[0; INPUTS]; WINDOW];
     for step in 0..20_i16 {
         let column = [1000 * (step % 7), -500 * (step % 5)];
@@ -64,12 +64,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
         let (Sums([sum]), _) = stream.push(&column);
         let (moved, _) = moved.slide(&column);
-        let (whole, _) = whole.evaluate(&window);
+        let (complete, _) = complete.evaluate(&window);
         // Before a stream has seen a full window, stream and windows have different zeros before
         // the first column.
         let full = step >= WINDOW as i16 - 1;
-        let equal = moved == whole && (!full || whole == Sums([sum]));
-        println!("column {step:2}: {:9.3}", f64::from(sum) * network.rest.rest.scale().to_f64());
+        let equal = moved == complete && (!full || complete == Sums([sum]));
+        println!("column {step:2}: {:9.3}", f64::from(sum) * network.tail.tail.scale().to_f64());
         if !equal {
             return Err(format!("column {step}: the modes differ").into());
         }

@@ -25,7 +25,7 @@ pub struct Then<L, R> {
     /// First layer of this chain.
     pub layer: L,
     /// Chain that takes the layer's outputs.
-    pub rest: R,
+    pub tail: R,
 }
 
 /// Chain of layers that takes columns of `IN` activations `A`.
@@ -103,7 +103,7 @@ pub trait Chain<'a, A: LayerInput, const IN: usize>: ReadLayers<'a> {
 #[derive(Clone, Debug)]
 pub struct ConvolutionStream<A, const IN: usize, const K: usize, R> {
     history: Ring<A, IN, K>,
-    rest: R,
+    tail: R,
 }
 
 /// Window of a convolution's inputs and of the rest of the chain.
@@ -111,7 +111,7 @@ pub struct ConvolutionStream<A, const IN: usize, const K: usize, R> {
 #[repr(align(4))]
 pub struct ConvolutionWindow<A, const IN: usize, const P: usize, R> {
     columns: [[A; IN]; P],
-    rest: R,
+    tail: R,
 }
 
 /// Stream of a head.
@@ -136,7 +136,7 @@ where
     R: ReadLayers<'a>,
 {
     fn read(reader: &mut Reader<'a>, layer: LayerName) -> Result<Self, ImageError> {
-        Ok(Self { layer: Convolution::read(reader, layer)?, rest: R::read(reader, layer.next())? })
+        Ok(Self { layer: Convolution::read(reader, layer)?, tail: R::read(reader, layer.next())? })
     }
 }
 
@@ -155,13 +155,13 @@ where
     type Window<const P: usize> = ConvolutionWindow<A, IN, P, R::Window<P>>;
 
     fn stream() -> Self::Stream {
-        ConvolutionStream { history: Ring::new(), rest: R::stream() }
+        ConvolutionStream { history: Ring::new(), tail: R::stream() }
     }
 
     #[inline]
     fn clear(stream: &mut Self::Stream) {
         stream.history.clear();
-        R::clear(&mut stream.rest);
+        R::clear(&mut stream.tail);
     }
 
     #[inline]
@@ -180,27 +180,27 @@ where
 
     #[inline]
     fn run<E: Engine>(&self, stream: &mut Self::Stream) -> u32 {
-        let clipped = R::receive::<E, A, IN, K>(&mut stream.rest, &self.layer, stream.history.columns());
-        clipped.wrapping_add(self.rest.run::<E>(&mut stream.rest))
+        let clipped = R::receive::<E, A, IN, K>(&mut stream.tail, &self.layer, stream.history.columns());
+        clipped.wrapping_add(self.tail.run::<E>(&mut stream.tail))
     }
 
     #[inline]
     fn corruption(stream: &Self::Stream) -> usize {
-        stream.history.corruption() | R::corruption(&stream.rest)
+        stream.history.corruption() | R::corruption(&stream.tail)
     }
 
     fn hash_config(&self, state: &mut impl Hasher) {
         self.layer.hash_config(state);
-        self.rest.hash_config(state);
+        self.tail.hash_config(state);
     }
 
     #[inline]
     fn output(stream: &Self::Stream) -> Self::Output {
-        R::output(&stream.rest)
+        R::output(&stream.tail)
     }
 
     fn window<const P: usize>() -> Self::Window<P> {
-        ConvolutionWindow { columns: [[A::default(); IN]; P], rest: R::window() }
+        ConvolutionWindow { columns: [[A::default(); IN]; P], tail: R::window() }
     }
 
     fn columns<const P: usize>(window: &mut Self::Window<P>) -> &mut [[A; IN]; P] {
@@ -215,9 +215,9 @@ where
     ) -> (Self::Output, u32) {
         let inputs = window.columns.get(..count).unwrap_or_default();
         let count = padding.outputs(count, K);
-        let outputs = R::columns(&mut window.rest);
+        let outputs = R::columns(&mut window.tail);
         let clipped = self.layer.positions::<E>(inputs, padding.before(K), 0..count, outputs);
-        let (output, clipped_after) = self.rest.evaluate::<E, P>(&mut window.rest, padding, count);
+        let (output, clipped_after) = self.tail.evaluate::<E, P>(&mut window.tail, padding, count);
         (output, clipped.wrapping_add(clipped_after))
     }
 
@@ -232,14 +232,14 @@ where
         let count = padding.outputs(count, K);
         let left = left.saturating_add(padding.stale_left(K)).min(count);
         let right = right.saturating_add(padding.stale_right(K)).min(count.saturating_sub(left));
-        let outputs = R::columns(&mut window.rest);
+        let outputs = R::columns(&mut window.tail);
         forget_oldest(outputs);
         let before = padding.before(K);
         let mut clipped = self.layer.positions::<E>(inputs, before, 0..left, outputs);
         let fresh = count.saturating_sub(right)..count;
         clipped = clipped.wrapping_add(self.layer.positions::<E>(inputs, before, fresh, outputs));
         let (output, clipped_after) =
-            self.rest.slide::<E, P>(&mut window.rest, padding, count, [left, right]);
+            self.tail.slide::<E, P>(&mut window.tail, padding, count, [left, right]);
         (output, clipped.wrapping_add(clipped_after))
     }
 }
@@ -378,8 +378,8 @@ impl<A, const IN: usize, const K: usize, R> ConvolutionStream<A, IN, K, R> {
         &mut self.history
     }
 
-    pub(crate) fn rest(&mut self) -> &mut R {
-        &mut self.rest
+    pub(crate) fn tail(&mut self) -> &mut R {
+        &mut self.tail
     }
 }
 

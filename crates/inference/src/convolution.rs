@@ -85,13 +85,13 @@ impl<'a, A: LayerInput, B: Activation, const IN: usize, const OUT: usize, const 
         outputs: &mut [[B; OUT]],
     ) -> u32 {
         let mut clipped = 0u32;
-        let mut rest = outputs.get_mut(positions.clone()).unwrap_or_default();
+        let mut remaining = outputs.get_mut(positions.clone()).unwrap_or_default();
         let mut position = positions.start;
-        while !rest.is_empty() {
+        while !remaining.is_empty() {
             let inside = position.checked_sub(before).and_then(|start| inputs.get(start..));
             let neighbours = inside.and_then(|columns| columns.get(..K + 1));
-            let together = if rest.len() > 1 && neighbours.is_some() { 2 } else { 1 };
-            let Some((now, later)) = rest.split_at_mut_checked(together) else { break };
+            let together = if remaining.len() > 1 && neighbours.is_some() { 2 } else { 1 };
+            let Some((now, later)) = remaining.split_at_mut_checked(together) else { break };
             clipped = clipped.wrapping_add(match (now, neighbours, inside.and_then(<[_]>::first_chunk)) {
                 ([first, second], Some(columns), _) => {
                     self.weights.pair::<E, B, IN, OUT, K>(columns, [first, second])
@@ -100,7 +100,7 @@ impl<'a, A: LayerInput, B: Activation, const IN: usize, const OUT: usize, const 
                 ([output, ..], _, None) => self.apply::<E>(&padded(inputs, position, before), output),
                 ([], ..) => 0,
             });
-            (position, rest) = (position.wrapping_add(together), later);
+            (position, remaining) = (position.wrapping_add(together), later);
         }
         clipped
     }

@@ -12,8 +12,8 @@ pub fn fraction(numerator: u32, denominator: u32) -> u32 {
     // Larger than the high half of the divisor, so no digit becomes too large.
     let half = (divisor >> 16).wrapping_add(1);
     let first = scaled / half;
-    let rest = (u64::from(scaled) << 16).wrapping_sub(u64::from(first).wrapping_mul(u64::from(divisor)));
-    let second = ((rest >> 2) as u32 / half) << 2;
+    let remainder = (u64::from(scaled) << 16).wrapping_sub(u64::from(first).wrapping_mul(u64::from(divisor)));
+    let second = ((remainder >> 2) as u32 / half) << 2;
     let quotient = (first << 16).wrapping_add(second);
     if numerator < denominator { quotient } else { u32::MAX }
 }

@@ -19,14 +19,14 @@ impl Flags {
     pub const OUTSIDE_CLEARANCE: Self = Self(1 << 0);
     /// The deformation is above the training range.
     pub const OUTSIDE_DEFORMATION: Self = Self(1 << 1);
-    /// In contact, the ratio of rate to approach speed is outside the training range and was
+    /// The ratio of rate to approach speed in a contact is outside the training range and was
     /// clipped to it; or one of the two exceeds the integers of a [`crate::Sample`].
     pub const OUTSIDE_RATE_RATIO: Self = Self(1 << 2);
-    /// In contact, the sliding speed is outside the training range and was clipped to it.
+    /// The sliding speed in a contact is outside the training range and was clipped to it.
     pub const OUTSIDE_SLIDING_SPEED: Self = Self(1 << 3);
     /// The estimated normal force is above every force of the training set.
     pub const OUTSIDE_FORCE: Self = Self(1 << 4);
-    /// At least one activation was clipped at full scale.
+    /// Saturation: at least one activation was clipped at full scale.
     pub const SATURATED: Self = Self(1 << 5);
     /// An input was infinite or not a number: the forces are 0 and the history restarts.
     pub const NON_FINITE: Self = Self(1 << 6);

@@ -140,7 +140,7 @@ impl<'a, B: Between, E: Engine> Pair<'a, B, E> {
 impl<B: Between, const IN: usize> Network<'_, B, IN> {
     /// Scale of the network's output sum.
     pub fn scale(&self) -> Scale {
-        self.rest.rest.rest.scale()
+        self.tail.tail.tail.scale()
     }
 }
 
@@ -202,13 +202,13 @@ mod tests {
         type Place = for<'p> fn(&'p mut Pair<'static>) -> &'p mut [u8];
         let places: [Place; 8] = [
             |p| p.collision.history().bytes(),
-            |p| p.collision.rest().history().bytes(),
-            |p| p.collision.rest().rest().history().bytes(),
-            |p| p.collision.rest().rest().rest().history().bytes(),
+            |p| p.collision.tail().history().bytes(),
+            |p| p.collision.tail().tail().history().bytes(),
+            |p| p.collision.tail().tail().tail().history().bytes(),
             |p| p.friction.history().bytes(),
-            |p| p.friction.rest().history().bytes(),
-            |p| p.friction.rest().rest().history().bytes(),
-            |p| p.friction.rest().rest().rest().history().bytes(),
+            |p| p.friction.tail().history().bytes(),
+            |p| p.friction.tail().tail().history().bytes(),
+            |p| p.friction.tail().tail().tail().history().bytes(),
         ];
         for (number, place) in places.into_iter().enumerate() {
             for byte in 0..place(&mut pair()).len() {

@@ -22,9 +22,9 @@ pub const fn shipped(material: BearingMaterial) -> &'static [u8] {
 /// Proves that no sum of a shipped network can overflow.
 const _: () = {
     let mut materials: &[BearingMaterial] = &BearingMaterial::ALL;
-    while let Some((material, rest)) = materials.split_first() {
+    while let Some((material, others)) = materials.split_first() {
         assert!(is_proven(shipped(*material)));
-        materials = rest;
+        materials = others;
     }
 };
 

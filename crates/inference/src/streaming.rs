@@ -31,12 +31,6 @@ impl<'a, N: Chain<'a, A, IN>, A: LayerInput, const IN: usize, E: Engine> Streami
         (N::output(&self.stream), clipped)
     }
 
-    /// Decides whether the column that left last in any layer was corrupted, so that the sums
-    /// depended on a flipped bit. Every column is stored twice for this check.
-    pub fn is_history_corrupted(&self) -> bool {
-        N::corruption(&self.stream) != 0
-    }
-
     /// Clears the history.
     pub fn reset(&mut self) {
         self.stream = N::stream();

@@ -74,9 +74,9 @@ impl Default for Digest {
 impl Digest {
     /// Adds bytes.
     pub fn update(&mut self, bytes: &[u8]) {
-        let (words, rest) = bytes.as_chunks::<4>();
+        let (words, tail) = bytes.as_chunks::<4>();
         let state = words.iter().fold(self.0, |state, word| update_word(state, u32::from_le_bytes(*word)));
-        self.0 = rest.iter().fold(state, |state, &byte| {
+        self.0 = tail.iter().fold(state, |state, &byte| {
             let [low, ..] = (state ^ u32::from(byte)).to_le_bytes();
             (state >> 8) ^ TABLES[0][usize::from(low)]
         });

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::State;
 use crate::start::{StackReport, StartReport};
 
 /// First bytes of a [`Hello`], so that a foreign device on the same port is recognised as foreign.
@@ -40,11 +39,11 @@ impl BuildId {
 /// Place where the controller runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Target {
-    /// In the host's own process.
+    /// Process of the host.
     Native,
-    /// On the emulator.
+    /// Emulator.
     Emulator,
-    /// On a microcontroller.
+    /// Microcontroller.
     Silicon,
 }
 
@@ -73,6 +72,19 @@ pub struct ModelId {
     pub crc: u32,
     /// Identifier of the training run; 0 if the image was rejected.
     pub training_id: u64,
+}
+
+/// State of the controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum State {
+    /// Waiting for a configuration.
+    #[default]
+    Waiting,
+    /// Estimating.
+    Running,
+    /// Tripped by late estimates: the last good estimate is held until
+    /// [`crate::Command::ClearTrip`].
+    Tripped,
 }
 
 /// Identity and state of a controller, with the models that it carries.

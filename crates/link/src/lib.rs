@@ -38,11 +38,11 @@ pub use crc32::crc32;
 pub use decode::{BadFrames, Decoder, FrameError};
 pub use encode::{ESTIMATE_FRAME, EncodeError, encode, encode_estimate};
 pub use hello::{
-    BUILD_ID_LEN, BuildId, ClockSource, Hello, MAGIC, MODELS, ModelId, PROTOCOL_VERSION, Target,
+    BUILD_ID_LEN, BuildId, ClockSource, Hello, MAGIC, MODELS, ModelId, PROTOCOL_VERSION, State, Target,
 };
 pub use message::{
     Acknowledgement, Answer, Command, Fault, NumberedCommand, Refusal, ReportKind, SlowFrame, SlowReport,
-    State, ToController, ToHost,
+    ToController, ToHost,
 };
 pub use sample::{EstimateFrame, EstimateLayout, NumberedEstimate, SensorFrame, VALUES};
 pub use wiring::{InputRange, Wiring, WiringField};

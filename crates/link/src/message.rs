@@ -16,7 +16,7 @@ use crate::track::{SensorHealth, SensorStatus, TrackReport};
 use crate::update::{UpdateAnswer, UpdateRequest, UpdateStatus};
 use crate::{
     Configured, ControllerConfiguration, Counters, EstimateLayout, Hello, NumberedEstimate, Reasons,
-    SensorFrame,
+    SensorFrame, State,
 };
 
 /// Message from the host.
@@ -97,24 +97,24 @@ pub struct Acknowledgement {
 /// Answer to a command that was executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Answer {
-    /// To [`Command::Configure`].
+    /// Answer to [`Command::Configure`].
     Configured(Configured),
-    /// To [`Command::GetConfiguration`]; `None` before the first configuration.
+    /// Answer to [`Command::GetConfiguration`]; `None` before the first configuration.
     Configuration(Option<ControllerConfiguration>),
-    /// To [`Command::Keep`].
+    /// Answer to [`Command::Keep`].
     Kept,
-    /// To [`Command::GetCounters`].
+    /// Answer to [`Command::GetCounters`].
     Counters(Counters),
-    /// To [`Command::ClearTrip`].
+    /// Answer to [`Command::ClearTrip`].
     Cleared,
-    /// To [`Command::Stop`]: the counters of the run.
+    /// Answer to [`Command::Stop`]: the counters of the run.
     Stopped(Counters),
-    /// To [`Command::SampleYourself`]: only some of the estimates are sent.
+    /// Answer to [`Command::SampleYourself`]: only some of the estimates are sent.
     Sampling {
         /// Number of samples from one sent estimate to the next.
         every: u16,
     },
-    /// To [`Command::GetReport`].
+    /// Answer to [`Command::GetReport`].
     Report(SlowReport),
 }
 
@@ -143,18 +143,6 @@ pub enum Refusal {
     NotKept,
     /// The controller has no sensors or no timer that paces samples.
     NoSensors,
-}
-
-/// State of the controller.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
-    /// Waiting for a configuration.
-    #[default]
-    Waiting,
-    /// Estimating.
-    Running,
-    /// Tripped by late estimates: the last good estimate is held until [`Command::ClearTrip`].
-    Tripped,
 }
 
 /// Frame of slow telemetry. The reports take turns.

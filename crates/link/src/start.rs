@@ -16,7 +16,7 @@ pub enum ResetReason {
     PowerOn,
     /// The supply dipped.
     BrownOut,
-    /// Only the reset pin was active.
+    /// Reset pin alone.
     Pin,
     /// The firmware requested the reset and left no record: after an update, or on command.
     Software,

@@ -86,7 +86,7 @@ pub enum ModelSource {
     /// Built into the firmware.
     #[default]
     BuiltIn,
-    /// From a slot.
+    /// Model package of a slot.
     Slot {
         /// Number of the slot, 0 or 1.
         slot: u8,

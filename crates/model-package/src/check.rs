@@ -48,10 +48,10 @@ pub fn check<'a>(
     if hash_of(payload) != manifest.hash {
         return Err(UpdateRefusal::Hash);
     }
-    let mut rest = payload;
+    let mut remaining = payload;
     let mut take = |length: u32| {
-        let (part, later) = rest.split_at_checked(length as usize).ok_or(UpdateRefusal::Lengths)?;
-        rest = later;
+        let (part, later) = remaining.split_at_checked(length as usize).ok_or(UpdateRefusal::Lengths)?;
+        remaining = later;
         Ok(part)
     };
     let mut parts = [[[].as_slice(); BearingMaterial::COUNT]; 2];

@@ -24,12 +24,33 @@ use sha2::{Digest, Sha512_256};
 
 use crate::self_test::RECORD_LENGTH;
 
-/// Codes of the boards for which packages are made.
+/// Boards for which packages are made.
 pub mod board {
-    /// STM32F405: all boards with it and the emulator.
+    /// Code of [`ALL`]'s entry for the STM32F405.
     pub const STM32F405: u16 = 0x0405;
-    /// Arm MPS2+ with image AN505.
+    /// Code of [`ALL`]'s entry for the MPS2+.
     pub const MPS2_AN505: u16 = 0x0505;
+
+    /// Boards that share their packages.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct Board {
+        /// Code in a manifest.
+        pub code: u16,
+        /// Name on the command line: the feature of the crate `firmware`.
+        pub name: &'static str,
+        /// Description.
+        pub title: &'static str,
+    }
+
+    /// Every board; the first one is the default.
+    pub const ALL: [Board; 2] = [
+        Board {
+            code: STM32F405,
+            name: "stm32f405",
+            title: "STM32F405: all boards with it, and the emulator",
+        },
+        Board { code: MPS2_AN505, name: "mps2-an505", title: "Arm MPS2+ with image AN505" },
+    ];
 }
 
 /// Magic of a package.

@@ -150,7 +150,7 @@ mod app {
                 check_in(attendance, Party::Sampling);
                 match exchange.tick(now_us, cx.local.tick_timer) {
                     Tick::Sampled => check_in(attendance, Party::Inference),
-                    Tick::Idle => attendance.rest(Party::Inference),
+                    Tick::Idle => attendance.stop_expecting(Party::Inference),
                 }
             }
             is_running

@@ -93,24 +93,27 @@ extern "C" fn record_fault(msp: u32) -> ! {
         let pushed = unsafe { pushed.read_volatile() };
         status.pushed = Some(pushed);
     }
-    let previous = memory::kept().map(|(fault, _)| fault);
-    memory::keep(&status.record(memory::guard_end(), build_hash(BUILD_ID), previous), true);
+    let previous = memory::stored_fault().map(|(fault, _)| fault);
+    memory::store_fault(&status.record(memory::guard_end(), build_hash(BUILD_ID), previous), true);
     SCB::sys_reset()
 }
 
 /// Records a fault that the firmware itself detected, and resets.
 pub fn give_up(kind: FaultKind) -> ! {
     cortex_m::interrupt::disable();
-    let previous = memory::kept().map(|(fault, _)| fault);
-    memory::keep(&given_up(kind, cortex_m::register::msp::read(), build_hash(BUILD_ID), previous), true);
+    let previous = memory::stored_fault().map(|(fault, _)| fault);
+    memory::store_fault(
+        &given_up(kind, cortex_m::register::msp::read(), build_hash(BUILD_ID), previous),
+        true,
+    );
     SCB::sys_reset()
 }
 
 /// Returns the report of this start and marks a new fault record as reported.
 pub(super) fn start_report(reason: ResetReason) -> StartReport {
-    let kept = memory::kept();
-    if let Some((fault, true)) = kept {
-        memory::keep(&fault, false);
+    let stored = memory::stored_fault();
+    if let Some((fault, true)) = stored {
+        memory::store_fault(&fault, false);
     }
-    report(reason, kept)
+    report(reason, stored)
 }

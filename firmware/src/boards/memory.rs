@@ -38,15 +38,15 @@ unsafe extern "C" {
 
 /// RAM that only a fault handler or start-up accesses, where nothing else runs.
 #[repr(C, align(8))]
-pub(super) struct Kept<T>(UnsafeCell<core::mem::MaybeUninit<T>>);
+pub(super) struct Retained<T>(UnsafeCell<core::mem::MaybeUninit<T>>);
 
 #[expect(
     unsafe_code,
     reason = "touched by code that nothing can interrupt: start-up, or a handler that ends in a reset"
 )]
-unsafe impl<T> Sync for Kept<T> {}
+unsafe impl<T> Sync for Retained<T> {}
 
-impl<T> Kept<T> {
+impl<T> Retained<T> {
     const fn new() -> Self {
         Self(UnsafeCell::new(core::mem::MaybeUninit::uninit()))
     }
@@ -54,11 +54,11 @@ impl<T> Kept<T> {
 
 #[expect(unsafe_code, reason = "this section is left alone by start-up")]
 #[unsafe(link_section = ".uninit.emergency_stack")]
-pub(super) static EMERGENCY: Kept<[u8; EMERGENCY_BYTES]> = Kept::new();
+pub(super) static EMERGENCY: Retained<[u8; EMERGENCY_BYTES]> = Retained::new();
 
 #[expect(unsafe_code, reason = "this section is left alone by start-up, so the record outlives a reset")]
 #[unsafe(link_section = ".uninit.fault_record")]
-static RECORD: Kept<[u32; WORDS]> = Kept::new();
+static RECORD: Retained<[u32; WORDS]> = Retained::new();
 
 /// Returns the lowest address of the stack, guard included.
 pub(super) fn stack_lowest() -> u32 {
@@ -76,15 +76,15 @@ pub(super) fn guard_end() -> u32 {
 }
 
 /// Returns the stored fault record and whether it has not been reported yet.
-pub(super) fn kept() -> Option<(FaultRecord, bool)> {
+pub(super) fn stored_fault() -> Option<(FaultRecord, bool)> {
     #[expect(unsafe_code, reason = "any bits are words, and the checksum decides whether they are a record")]
     let words = unsafe { RECORD.0.get().cast::<[u32; WORDS]>().read_volatile() };
     decode(&words)
 }
 
 /// Stores a record so that it outlasts the next reset.
-pub(super) fn keep(record: &FaultRecord, fresh: bool) {
-    #[expect(unsafe_code, reason = "nothing else runs where this is called, see `Kept`")]
+pub(super) fn store_fault(record: &FaultRecord, fresh: bool) {
+    #[expect(unsafe_code, reason = "nothing else runs where this is called, see `Retained`")]
     unsafe {
         RECORD.0.get().cast::<[u32; WORDS]>().write_volatile(encode(record, fresh));
     }

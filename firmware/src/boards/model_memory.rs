@@ -24,15 +24,15 @@ const IN_USE: u32 = 0x9E1D_57A7;
 
 /// RAM that a single [`Memory`] accesses.
 #[repr(C, align(8))]
-struct Kept<const BYTES: usize> {
+struct Retained<const BYTES: usize> {
     in_use: UnsafeCell<MaybeUninit<u32>>,
     bytes: UnsafeCell<MaybeUninit<[u8; BYTES]>>,
 }
 
 #[expect(unsafe_code, reason = "start-up gives each of them out once, to one owner")]
-unsafe impl<const BYTES: usize> Sync for Kept<BYTES> {}
+unsafe impl<const BYTES: usize> Sync for Retained<BYTES> {}
 
-impl<const BYTES: usize> Kept<BYTES> {
+impl<const BYTES: usize> Retained<BYTES> {
     const fn new() -> Self {
         Self { in_use: UnsafeCell::new(MaybeUninit::uninit()), bytes: UnsafeCell::new(MaybeUninit::uninit()) }
     }
@@ -53,11 +53,11 @@ impl<const BYTES: usize> Kept<BYTES> {
 
 #[expect(unsafe_code, reason = "sections that start-up leaves alone")]
 #[unsafe(link_section = ".uninit.slots")]
-static RAM_SLOTS: Kept<SLOTS> = Kept::new();
+static RAM_SLOTS: Retained<SLOTS> = Retained::new();
 
 #[expect(unsafe_code, reason = "as above")]
 #[unsafe(link_section = ".uninit.places")]
-static RAM_PLACES: Kept<PLACES> = Kept::new();
+static RAM_PLACES: Retained<PLACES> = Retained::new();
 
 /// One memory of this board.
 #[derive(Debug)]

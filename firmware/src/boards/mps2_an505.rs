@@ -6,6 +6,7 @@
 //! map, interrupts), Arm DDI 0479 (CMSDK APB UART).
 
 // Provides the vector table and the reset handler.
+use controller::boards::LINK_BAUD;
 use cortex_m_rt as _;
 use link::start::ResetReason;
 use link::{BuildId, ClockSource, LineErrors, Target};
@@ -19,8 +20,6 @@ pub const PACKAGES_FOR: u16 = model_package::board::MPS2_AN505;
 
 /// System clock, Hz; SysTick counts it.
 const CORE_HZ: u32 = 20_000_000;
-/// Line speed, baud.
-const BAUD: u32 = 500_000;
 /// Polls for room in the transmitter before a byte is dropped.
 const POLLS: u32 = 20_000;
 
@@ -220,7 +219,7 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
     let start = fault::start_report(ResetReason::Unknown);
     // Enables transmitter, receiver and receive interrupt.
     const CONTROL: u32 = 0b1011;
-    write(register!(divider), CORE_HZ / BAUD);
+    write(register!(divider), CORE_HZ / LINK_BAUD);
     write(register!(control), CONTROL);
     let files = Files::open();
     let paced = files.is_none();

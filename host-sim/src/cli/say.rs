@@ -1,6 +1,6 @@
 //! Output to standard output. A reader that ends early (`| head`) is not an error.
 
-/// Like `println!`, but ignores a closed standard output.
+/// Equivalent of `println!` that ignores a closed standard output.
 macro_rules! print_line {
     ($($text:tt)*) => {{
         use std::io::Write as _;

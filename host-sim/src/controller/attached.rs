@@ -6,6 +6,7 @@
 use super::line::{Line, Timeouts};
 use super::stream::Stream;
 use super::{ControllerError, RemoteController};
+use controller::boards::LINK_BAUD;
 use rustix::fs::OFlags;
 use rustix::termios::{QueueSelector, tcflush};
 use serial2::SerialPort;
@@ -14,8 +15,6 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// Line speed of the boards, baud.
-pub const BAUD: u32 = 500_000;
 /// Timeouts for a board at that speed.
 pub const TIMEOUTS: Timeouts = Timeouts { answer: Duration::from_secs(5), retry: Duration::from_millis(300) };
 
@@ -49,7 +48,7 @@ fn open_port(path: &Path) -> std::io::Result<SerialPort> {
     let flags = (OFlags::NONBLOCK | OFlags::NOCTTY).bits() as i32;
     let discarding = File::options().read(true).write(true).custom_flags(flags).open(path)?;
     tcflush(&discarding, QueueSelector::IOFlush)?;
-    let mut port = SerialPort::open(path, BAUD)?;
+    let mut port = SerialPort::open(path, LINK_BAUD)?;
     // The line has its own timeouts: a transfer that cannot start must return at once.
     port.set_read_timeout(Duration::ZERO)?;
     port.set_write_timeout(Duration::ZERO)?;

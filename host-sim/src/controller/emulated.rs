@@ -8,6 +8,7 @@ use super::line::{Line, Process, Timeouts};
 use super::one_core::OneCore;
 use super::stream::Stream;
 use super::{ControllerError, RemoteController, system};
+use controller::emulator::MACHINE;
 use link::ControllerConfiguration;
 use rustix::fs::{CWD, FileType, Mode, mknodat};
 use std::fs::{File, OpenOptions};
@@ -23,7 +24,7 @@ const START_TIMEOUT: Duration = Duration::from_secs(20);
 const TIMEOUTS: Timeouts = Timeouts { answer: Duration::from_secs(5), retry: Duration::from_secs(5) };
 
 const BOARD: &[&str] =
-    &["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "none", "-no-reboot"];
+    &["-M", MACHINE, "-display", "none", "-serial", "null", "-monitor", "none", "-no-reboot"];
 const COUNTING: &[&str] = &["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off"];
 
 /// Starts emulated controllers.

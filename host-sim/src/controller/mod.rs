@@ -21,7 +21,7 @@ pub mod recording;
 mod remote;
 mod stream;
 
-pub use attached::{AttachedController, BAUD, TIMEOUTS};
+pub use attached::{AttachedController, TIMEOUTS};
 pub use conversation::{Conversation, Losses, Received};
 pub use emulated::EmulatedController;
 pub use error::ControllerError;

@@ -117,7 +117,7 @@ pub(crate) fn calibrated(diagnosis: &Diagnosis) -> Table {
     }
 }
 
-/// Per-log nuisance parameters.
+/// Table of the per-log nuisance parameters.
 pub(crate) fn nuisances(diagnosis: &Diagnosis) -> Table {
     // Parameters that a log does not determine are listed elsewhere.
     let is_listed = |n: &&diagnosis::LogNuisance| n.deviation < MIN_LISTED * n.declared_deviation;

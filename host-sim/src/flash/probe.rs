@@ -65,7 +65,7 @@ pub fn write(plan: &Plan, image: &Path, selector: Option<&str>) -> Result<Sessio
     write_with(open(selector)?, plan, image)
 }
 
-/// As [`write`], through an open probe.
+/// Writes as [`write`] does, through an open probe.
 ///
 /// # Errors
 ///

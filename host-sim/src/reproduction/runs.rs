@@ -19,7 +19,7 @@ use serde::Serialize;
 
 /// Number of sliding speed bands over which the coefficient of friction is averaged.
 const SPEED_BANDS: usize = 12;
-/// Below this multiple of the regularisation speed, friction is dominated by the regularised sign,
+/// Multiple of the regularisation speed below which friction is dominated by the regularised sign,
 /// not by the law.
 const SIGN_WIDTHS: f64 = 5.0;
 

@@ -66,9 +66,9 @@ fn dominant_hz(values: &[f64], rate_hz: f64) -> Option<f64> {
     if count < 16 {
         return None;
     }
-    let rest = subtract_parabola(values);
+    let residual = subtract_parabola(values);
     let turn = core::f64::consts::TAU;
-    let windowed: Vec<f64> = rest
+    let windowed: Vec<f64> = residual
         .iter()
         .enumerate()
         .map(|(i, v)| v * (0.5 - 0.5 * (turn * i as f64 / (count - 1) as f64).cos()))
@@ -95,15 +95,15 @@ fn subtract_parabola(values: &[f64]) -> Vec<f64> {
     let place = |i: usize| 2.0 * i as f64 / (count - 1.0) - 1.0;
     let mean_square = (0..values.len()).map(|i| place(i) * place(i)).sum::<f64>() / count;
     let bases: [&dyn Fn(f64) -> f64; 3] = [&|_| 1.0, &|x| x, &|x| x * x - mean_square];
-    let mut rest = values.to_vec();
+    let mut residual = values.to_vec();
     for basis in bases {
-        let norm: f64 = (0..rest.len()).map(|i| basis(place(i)).powi(2)).sum();
-        let share = rest.iter().enumerate().map(|(i, v)| v * basis(place(i))).sum::<f64>() / norm;
-        for (i, v) in rest.iter_mut().enumerate() {
+        let norm: f64 = (0..residual.len()).map(|i| basis(place(i)).powi(2)).sum();
+        let share = residual.iter().enumerate().map(|(i, v)| v * basis(place(i))).sum::<f64>() / norm;
+        for (i, v) in residual.iter_mut().enumerate() {
             *v -= share * basis(place(i));
         }
     }
-    rest
+    residual
 }
 
 /// Exponent `p` and factor `c` of `y = c x^p` through positive points by least squares of the

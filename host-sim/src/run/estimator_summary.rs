@@ -6,14 +6,11 @@ use crate::run::same_signals::{Forces, OnSignals};
 use crate::run::summary::{after_start, peak, rms};
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
+use controller::emulator::TICKS_PER_INSTRUCTION;
 use controller::flags::{MODEL_MISFIT, SENSOR_FAULT};
 use inference::Flags;
 use link::{Counters, EstimateFrame};
 use serde::Serialize;
-
-/// Timer counts per instruction of the emulated controller: 64 ns at 168 MHz. A board counts core
-/// cycles, which do not convert to instructions.
-const TICKS_PER_INSTRUCTION: f64 = 10.752;
 
 /// Results of the estimator.
 #[derive(Clone, Debug, Serialize)]

@@ -5,6 +5,7 @@ use crate::memory::{Memory, probe_at};
 use crate::rings::marks;
 use crate::twin::{CONFIGURATION, frames};
 use controller::boards::parse as parse_board;
+use controller::emulator::MACHINE;
 use controller::session::OWN_ESTIMATE_INTERVAL;
 use host_sim::controller::{
     Controller, ControllerError, EmulatedController, NativeController, ProbedController, RemoteController,
@@ -44,7 +45,7 @@ impl Board {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let folder = tempfile::tempdir().unwrap();
         let mut emulator = Process::new("qemu-system-arm")
-            .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "unix:monitor,server=on,wait=off"])
+            .args(["-M", MACHINE, "-display", "none", "-monitor", "unix:monitor,server=on,wait=off"])
             .args(["-serial", "null"].repeat(5))
             .args(["-serial", "stdio", "-icount", "shift=2,sleep=off"])
             .args(["-qtest", "unix:memory,server=on,wait=off", "-qtest-log", "none"])

@@ -5,6 +5,7 @@
 //! read once.
 
 use controller::boards::parse as parse_board;
+use controller::emulator::MACHINE;
 use host_sim::controller::EmulatedController;
 use host_sim::flash::Plan;
 use host_sim::flash::probe::follow;
@@ -31,7 +32,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 fn memory(folder: &Path, block: usize) -> Vec<u8> {
     let _alone = crate::emulated::ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut emulator = Command::new("qemu-system-arm")
-        .args(["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "stdio"])
+        .args(["-M", MACHINE, "-display", "none", "-serial", "null", "-monitor", "stdio"])
         .args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=2,sleep=off", "-kernel"])
         .arg(std::path::absolute(EmulatedController::default_elf()).unwrap())
         .current_dir(folder)

@@ -1,10 +1,12 @@
-"""Training speed of model-quant and other frameworks on the reference network, in interleaved rounds.
+"""Training speed of model-quant and other frameworks, in interleaved rounds.
 
     cargo build --release -p model-quant --example training_rounds
-    python rounds.py --rounds 6 --ours ../../../target/release/examples/training_rounds torch tensorflow keras
+    python rounds.py --rounds 6 --ours ../../../target/release/examples/training_rounds \\
+        torch tensorflow keras
 
-Each round runs every trainer for 3 s, so that a busy machine slows all of them alike; the table has the medians.
-`--python NAME=PATH` runs a trainer with a separate interpreter.
+All train the reference network. Each round runs every trainer for 3 s, so that a busy machine slows
+all of them alike; the table has the medians. `--python NAME=PATH` runs a trainer with a separate
+interpreter.
 """
 
 import argparse

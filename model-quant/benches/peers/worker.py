@@ -1,6 +1,9 @@
-"""Samples/s of PyTorch or Keras on the reference network, one round of 3 s for every line on standard input.
+"""Samples/s of PyTorch or Keras on the reference network, rounds of 3 s.
 
-Argument: torch (eager), torch-compile, keras (fit) or tensorflow (tf.function). Two threads, batch 1024, f32, Adam, MSE.
+A round begins with a line on standard input.
+
+Argument: torch (eager), torch-compile, keras (fit) or tensorflow (tf.function). Two threads, batch
+1024, f32, Adam, MSE.
 """
 
 import os

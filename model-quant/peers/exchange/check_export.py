@@ -1,4 +1,4 @@
-"""Runs the files of `model-quant export` in ONNX Runtime and PyTorch and compares with the samples beside them.
+"""Compares the files of `model-quant export` in ONNX Runtime and PyTorch with their samples.
 
     python check_export.py DIRECTORY
 """

@@ -1,4 +1,6 @@
-"""Makes the test networks of `model-quant import` with Keras: ONNX by tf2onnx and by Keras' own export, samples by Keras.
+"""Makes the test networks of `model-quant import` with Keras.
+
+ONNX by tf2onnx and by Keras' own export, samples by Keras.
 
     python make_keras.py OUT
 """

@@ -1,4 +1,6 @@
-"""Makes the test networks of `model-quant import` with PyTorch: ONNX by torch.onnx (dynamo), samples by PyTorch itself.
+"""Makes the test networks of `model-quant import` with PyTorch.
+
+ONNX by torch.onnx (dynamo), samples by PyTorch itself.
 
     python make_torch.py OUT
 """
@@ -88,7 +90,10 @@ def export(network, example, path, dynamo=True, one_window=False):
 
 
 def strip(path):
-    """Drops what differs between two runs or names local files: metadata of nodes and values, documentation."""
+    """Removes metadata and documentation of nodes and values.
+
+    They differ between two runs, or name local files.
+    """
     import onnx
     model = onnx.load(path)
     for part in [model.graph, *model.graph.node, *model.graph.value_info, *model.graph.input, *model.graph.output,

@@ -1,4 +1,4 @@
-"""Runs the checked-in exported network in ONNX Runtime on PyTorch's samples and keeps what it gave.
+"""Runs the checked-in exported network in ONNX Runtime on PyTorch's samples; writes its outputs.
 
     python run_exported.py golden
 """

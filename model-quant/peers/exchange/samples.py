@@ -7,7 +7,7 @@ SAMPLES = 32
 
 
 def inputs(generator, shape):
-    """Samples of columns whose features have ranges of their own: feature c reaches 2^(c % 3 - 1)."""
+    """Samples of columns whose features have different ranges: feature c reaches 2^(c % 3 - 1)."""
     batch, columns, features = shape
     reach = 2.0 ** (numpy.arange(features) % 3 - 1)
     return (generator.uniform(-1, 1, (batch, columns, features)) * reach).astype(numpy.float32)

@@ -3,8 +3,8 @@
 use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
 use crate::data::file_io::write_atomically;
 use crate::exchange::description::{describe_network, describe_origin};
+use crate::exchange::layout::Layout;
 use crate::exchange::onnx_export;
-use crate::exchange::onnx_import::Layout;
 use crate::exchange::reference_samples::generate_samples;
 use crate::exchange::safetensors_export::to_bytes;
 use crate::network::NetworkKind;

@@ -6,7 +6,9 @@ use crate::data::file_io::write_atomically;
 use crate::exchange::key::{DEVELOPMENT, digits, parse};
 use crate::exchange::package::{Package, PackageProperties};
 use crate::quantise::image::AlignedImage;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use inference::{BearingMaterial, shipped};
+use model_package::board;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -39,8 +41,8 @@ pub(crate) struct Arguments {
     )]
     version: Option<u32>,
     /// Board that the package is for
-    #[arg(long, value_enum, default_value_t)]
-    board: Board,
+    #[arg(long, value_parser = board_code(), default_value = board::ALL[0].name)]
+    board: u16,
     /// Let controllers install it over newer models
     #[arg(long)]
     may_be_older: bool,
@@ -58,23 +60,13 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// Supported boards.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-enum Board {
-    /// STM32F405: all boards with it, and the emulator
-    #[default]
-    Stm32f405,
-    /// Arm MPS2+ with image AN505
-    Mps2An505,
-}
-
-impl Board {
-    const fn code(self) -> u16 {
-        match self {
-            Self::Stm32f405 => model_package::board::STM32F405,
-            Self::Mps2An505 => model_package::board::MPS2_AN505,
-        }
-    }
+/// Parses the name of a board into its code.
+fn board_code() -> impl TypedValueParser<Value = u16> {
+    let names = board::ALL.map(|board| PossibleValue::new(board.name).help(board.title));
+    PossibleValuesParser::new(names).try_map(|name| {
+        let board = board::ALL.iter().find(|board| board.name == name);
+        board.map(|board| board.code).ok_or("unknown board")
+    })
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
@@ -95,11 +87,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             (path, read.map_err(wrong(path))?)
         }
         (None, Some(path), Some(version)) => {
-            let properties = PackageProperties {
-                board: arguments.board.code(),
-                version,
-                may_be_older: arguments.may_be_older,
-            };
+            let properties =
+                PackageProperties { board: arguments.board, version, may_be_older: arguments.may_be_older };
             let package = Package::new(properties, &images(arguments)?, &key).map_err(wrong(path))?;
             write_atomically(path, &package.to_bytes())?;
             (path, package)

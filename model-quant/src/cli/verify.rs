@@ -141,10 +141,10 @@ fn table(verdicts: &[Verdict]) -> Result<(), CliError> {
                    rows: usize,
                    different: Option<usize>,
                    [mean, largest]: [f64; 2],
-                   rest: String| {
+                   columns: String| {
             let different = different.map_or("-".to_owned(), |count| count.to_string());
             print(format_args!(
-                "{:8} {:9}  {against:28}  {rows:7}  {different:>9}  {mean:8.2}  {largest:9.1}{rest}",
+                "{:8} {:9}  {against:28}  {rows:7}  {different:>9}  {mean:8.2}  {largest:9.1}{columns}",
                 verdict.bearing, verdict.network
             ))
         };

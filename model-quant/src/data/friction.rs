@@ -50,9 +50,9 @@ pub struct Group {
     pub split: Split,
     /// Time in s.
     pub time_s: Vec<f64>,
-    /// As logged.
+    /// Columns as logged.
     pub raw: [Vec<f64>; 3],
-    /// Without outliers and noise.
+    /// Columns without outliers and noise.
     pub clean: [Vec<f64>; 3],
     /// Outliers found in the torque.
     pub outliers: usize,

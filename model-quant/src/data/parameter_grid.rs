@@ -60,14 +60,14 @@ impl ParameterGrid {
     /// Index of the clearance and the four values at a point of the grid. Points beyond the last
     /// wrap around.
     pub(crate) fn at(&self, point: u64) -> (usize, [f32; 4]) {
-        let mut rest = point;
+        let mut remainder = point;
         let mut values = [0.0; 4];
         let mut index = 0;
         for (axis, value) in self.axes.iter().zip(&mut values).rev() {
             let count = axis.len().max(1) as u64;
-            index = (rest % count) as usize;
+            index = (remainder % count) as usize;
             *value = axis.get(index).copied().unwrap_or_default();
-            rest /= count;
+            remainder /= count;
         }
         (index, values)
     }

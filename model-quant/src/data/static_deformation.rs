@@ -2,6 +2,9 @@
 
 use contact::BearingMaterial;
 
+/// Radial clearance of the default bench, m: that of all static states.
+pub(crate) const CLEARANCE_M: f64 = 0.5e-3;
+
 /// Static deformation in m under a load in N, by bisection: the force increases with the
 /// deformation. None if it exceeds `deepest_m`.
 pub(crate) fn static_deformation_m(

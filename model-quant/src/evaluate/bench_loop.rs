@@ -60,9 +60,9 @@ pub struct BenchLoop {
     pub step_us: f64,
     /// Seed of the sensor noise.
     pub seed: u64,
-    /// On the paper's clearances and loads.
+    /// Figures on the paper's clearances and loads.
     pub paper: LoopSet,
-    /// On held-out conditions.
+    /// Figures on held-out conditions.
     pub held_out: LoopSet,
 }
 

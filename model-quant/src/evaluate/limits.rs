@@ -2,12 +2,10 @@
 
 use crate::data::bench_runs::{OutsideShare, RunError, bench_runs, measure_outside_share};
 use crate::data::features::FloatFeatures;
-use crate::data::static_deformation::static_deformation_m;
+use crate::data::static_deformation::{CLEARANCE_M, static_deformation_m};
 use crate::quantise::image::{AnyModel, AnyPair};
 use inference::{ContactState, WINDOW};
 
-/// Radial clearance of all probe states, m.
-const CLEARANCE_M: f64 = 0.5e-3;
 /// Deformations of the probe states relative to the end of the training range.
 const BEYOND: [f64; 3] = [1.1, 1.25, 1.5];
 /// Load in N of the probe state with a wrong rate.

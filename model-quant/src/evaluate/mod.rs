@@ -8,6 +8,7 @@ pub mod held_out;
 pub mod layers;
 pub mod limits;
 pub mod peers;
+mod results_format;
 pub mod rig;
 pub mod test_set;
 pub mod verdict;

@@ -7,6 +7,7 @@
 //! `peers/litert.bin` come from `peers/peers.py`; a controller can write one, too. Formats:
 //! `peers/README.md`.
 
+use super::results_format::{self, NAME_LENGTH, VERSION};
 use crate::data::draw::{Draw, Purpose};
 use crate::data::statistics::mean;
 use crate::evaluate::test_set::draw_test_set;
@@ -31,9 +32,6 @@ pub const CHECKED_IN: [(&[u8], bool); 2] = [
 ];
 
 const WINDOWS_MAGIC: [u8; 8] = *b"PINTLEW\n";
-const RESULTS_MAGIC: [u8; 8] = *b"PINTLER\n";
-const VERSION: u32 = 1;
-const NAME_LENGTH: usize = 48;
 
 /// PeerWindows of one network of a shipped image, with the sums that the image gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,7 +84,7 @@ pub struct Results {
     pub name: String,
     /// True if the runtime uses the same fixed-point arithmetic, so that a difference is an error.
     pub must_be_equal: bool,
-    /// For each network: checksum of the image, sums.
+    /// Checksum of the image and sums of each network.
     pub networks: Vec<(u32, Vec<i32>)>,
 }
 
@@ -210,8 +208,8 @@ impl Results {
         const COUNT: usize = RANDOM_WINDOWS + ROW_WINDOWS;
         let expected_networks = 2 * BearingMaterial::ALL.len();
         let expected = 16 + NAME_LENGTH + expected_networks * (4 + 4 * COUNT);
-        let rest = bytes.strip_prefix(&RESULTS_MAGIC).ok_or(ResultsError::Magic)?;
-        let (words, _) = rest.as_chunks::<4>();
+        let after_magic = bytes.strip_prefix(&results_format::MAGIC).ok_or(ResultsError::Magic)?;
+        let (words, _) = after_magic.as_chunks::<4>();
         let [version, networks, body @ ..] = words else { return Err(ResultsError::Magic) };
         if u32::from_le_bytes(*version) != VERSION {
             return Err(ResultsError::Magic);

@@ -12,9 +12,9 @@ use rayon::prelude::*;
 /// Torque errors in N m over the samples that the set draws from its test groups.
 #[derive(Clone, Copy, Debug)]
 pub struct RigErrors {
-    /// Against the torque without noise, if it is known.
+    /// Errors against the torque without noise, if it is known.
     pub truth: Option<Errors>,
-    /// Against the cleaned torque.
+    /// Errors against the cleaned torque.
     pub cleaned: Errors,
 }
 

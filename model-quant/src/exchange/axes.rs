@@ -143,20 +143,20 @@ pub(crate) fn reshape(node: &Node, constants: &Constants<'_>, axes: &[Axis]) -> 
     {
         return flat(node, axes);
     }
-    let mut rest = axes.iter().filter(|axis| axis.meaning != Meaning::One).peekable();
+    let mut remaining = axes.iter().filter(|axis| axis.meaning != Meaning::One).peekable();
     let mut found = Vec::new();
     for &size in shape.iter().take(axes.len() + 2) {
-        match rest.peek() {
+        match remaining.peek() {
             Some(axis) if axis.meaning == Meaning::Batch || fits(size, Some(axis.size)) => {
                 found.push(**axis);
-                rest.next();
+                remaining.next();
             }
             _ if size == 1 => found.push(Axis::ONE),
             _ => break,
         }
     }
     if found.len() == shape.len()
-        && rest.next().is_none()
+        && remaining.next().is_none()
         && shape.iter().filter(|&&size| size == -1).count() <= 1
     {
         return Ok(found);
@@ -169,10 +169,10 @@ pub(crate) fn reshape(node: &Node, constants: &Constants<'_>, axes: &[Axis]) -> 
 /// Flattens everything after the batch into one axis.
 fn flat(node: &Node, axes: &[Axis]) -> Result<Vec<Axis>, OnnxError> {
     let sized: Vec<Axis> = axes.iter().filter(|axis| axis.meaning != Meaning::One).copied().collect();
-    let [batch, rest @ ..] = &sized[..] else {
+    let [batch, remaining @ ..] = &sized[..] else {
         return Err(node_error(node, "input", "no axes", "a batch of windows"));
     };
-    let axis = match rest {
+    let axis = match remaining {
         [only] if only.meaning.is_flat() => *only,
         [a, b] => {
             let meaning = match (a.meaning, b.meaning) {

@@ -1,6 +1,7 @@
 //! Model card of an imported network: origin, shape, and error of the quantisation.
 
-use super::onnx_import::{Imported, Layout};
+use super::layout::Layout;
+use super::onnx_import::Imported;
 use super::quantised::{QuantisationError, QuantisedNetwork};
 use super::samples::{Difference, Samples};
 use crate::quantise::mode::Plan;

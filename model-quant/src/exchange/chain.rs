@@ -3,7 +3,7 @@
 use super::axes::{Axis, Meaning};
 use super::constants::{Constants, attribute, biases, integer, number};
 use super::error::{OnnxError, name, node_error};
-use super::onnx_import::Layout;
+use super::layout::Layout;
 use super::padding::padding;
 use super::proto::Node;
 use super::weight_order::{from_convolution, transposed};

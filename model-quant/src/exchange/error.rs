@@ -3,6 +3,23 @@
 use super::proto::Node;
 use crate::network::ShapeError;
 
+/// Supported operators.
+pub const OPERATORS: [&str; 13] = [
+    "Add",
+    "Constant",
+    "Conv",
+    "Dropout",
+    "Flatten",
+    "Gemm",
+    "Identity",
+    "MatMul",
+    "Relu",
+    "Reshape",
+    "Squeeze",
+    "Transpose",
+    "Unsqueeze",
+];
+
 /// Reason why an ONNX file was refused.
 #[derive(Debug, thiserror::Error)]
 pub enum OnnxError {
@@ -12,7 +29,7 @@ pub enum OnnxError {
     /// Operators that no supported network contains.
     #[error(
         "operators that cannot be imported: {0}; expected only {known}",
-        known = super::onnx_import::OPERATORS.join(", ")
+        known = OPERATORS.join(", ")
     )]
     Operators(String),
     /// A node differs from those of a supported network.

@@ -6,9 +6,7 @@
 
 use super::samples::Samples;
 use crate::network::Network;
-
-/// Full scale divided by the largest value in the samples.
-const HEADROOM: f32 = 17.0 / 16.0;
+use crate::quantise::fixed_point::HEADROOM;
 
 /// Full scale of every value of a column, in the unit of the network's inputs; above 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +31,7 @@ impl InputScale {
                 *largest = largest.max(value.abs());
             }
         }
-        let scales = largest.into_iter().map(|largest| (largest * HEADROOM).min(f32::MAX));
+        let scales = largest.into_iter().map(|largest| (largest * HEADROOM as f32).min(f32::MAX));
         Self(scales.map(|scale| if is_usable(scale) { scale } else { 1.0 }).collect())
     }
 

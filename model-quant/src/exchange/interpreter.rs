@@ -45,11 +45,11 @@ impl Interpreter {
     /// The bytes are not a sequence of layers.
     pub fn new(bytes: &[u8], padding: Padding) -> Result<Self, ImageError> {
         let mut layers = Vec::new();
-        let mut rest = bytes;
-        while !rest.is_empty() {
-            let (layer, remaining) = Layer::read(rest).ok_or(ImageError::TooShort)?;
+        let mut remaining = bytes;
+        while !remaining.is_empty() {
+            let (layer, later) = Layer::read(remaining).ok_or(ImageError::TooShort)?;
             layers.push(layer);
-            rest = remaining;
+            remaining = later;
         }
         Ok(Self { padding, layers })
     }
@@ -82,9 +82,9 @@ impl Layer {
         let (scale, biases, words) = match shape.kind {
             LayerKind::Convolution => (no_scale, &[][..], &words[..]),
             LayerKind::Head => {
-                let (&[multiplier, shift], rest) = words.split_first_chunk()?;
-                let (biases, rest) = rest.split_at_checked(outputs)?;
-                (Scale { multiplier: multiplier.cast_signed(), shift }, biases, rest)
+                let (&[multiplier, shift], remaining) = words.split_first_chunk()?;
+                let (biases, remaining) = remaining.split_at_checked(outputs)?;
+                (Scale { multiplier: multiplier.cast_signed(), shift }, biases, remaining)
             }
         };
         let mut biases: Vec<i32> = biases.iter().map(|bias| bias.cast_signed()).collect();

@@ -12,7 +12,7 @@ pub const DEVELOPMENT: &str = include_str!("../../keys/development.key");
 /// Reason why a text is not a key.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KeyError {
-    /// Not exactly one line that is no comment; the number of such lines.
+    /// A wrong number of lines that are no comment; the number of such lines.
     #[error("found {0} lines that do not begin with `#`, expected one")]
     Lines(usize),
     /// Content other than 64 hexadecimal digits.

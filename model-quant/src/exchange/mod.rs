@@ -16,6 +16,7 @@ pub(crate) mod error;
 pub mod input_scale;
 pub mod interpreter;
 pub mod key;
+pub(crate) mod layout;
 pub mod onnx_export;
 pub mod onnx_import;
 pub mod package;

@@ -10,43 +10,18 @@
 use super::axes::{Axis, Meaning, flatten, reshape, squeeze, transpose, unsqueeze};
 use super::chain::Chain;
 use super::constants::Constants;
+pub use super::error::OPERATORS;
 use super::error::{OnnxError, name, node_error};
+pub use super::layout::Layout;
 use super::proto::{Graph, Model, Node, Value, data_type};
 use crate::network::{MAX_SIZE, Network};
 use prost::Message;
-
-/// Supported operators.
-pub const OPERATORS: [&str; 13] = [
-    "Add",
-    "Constant",
-    "Conv",
-    "Dropout",
-    "Flatten",
-    "Gemm",
-    "Identity",
-    "MatMul",
-    "Relu",
-    "Reshape",
-    "Squeeze",
-    "Transpose",
-    "Unsqueeze",
-];
 
 /// Supported versions of the standard operator set.
 const OPSETS: std::ops::RangeInclusive<i64> = 7..=26;
 
 /// Maximum number of unsupported nodes named in a message.
 const NAMED: usize = 6;
-
-/// Order of the input's axes after the batch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Layout {
-    /// Columns, then the values of a column, as in Keras.
-    ColumnsFirst,
-    /// Values of a column, then columns, as in PyTorch.
-    ChannelsFirst,
-}
 
 /// A network found in an ONNX file.
 #[derive(Clone, Debug, PartialEq)]
@@ -189,7 +164,7 @@ fn input_axes(input: &Value) -> Result<Vec<Axis>, OnnxError> {
     }
 }
 
-/// Only consumer of a value; None at the end.
+/// Returns the only consumer of a value; `None` at the end.
 fn next<'g>(graph: &'g Graph, value: &str) -> Result<Option<&'g Node>, OnnxError> {
     let mut takers = graph.node.iter().filter(|node| node.input.iter().any(|input| input == value));
     let Some(node) = takers.next() else { return Ok(None) };

@@ -9,7 +9,7 @@
 //! Written in Python by `safetensors.numpy.save_file({"inputs": x, "outputs": y}, path)`, or
 //! `safetensors.torch`.
 
-use super::onnx_import::Layout;
+use super::layout::Layout;
 use super::weight_order::transposed;
 use crate::network::{Network, Shape};
 use safetensors::{Dtype, SafeTensorError, SafeTensors, tensor::TensorView};

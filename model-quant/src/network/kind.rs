@@ -14,9 +14,9 @@ pub(crate) const LAYERS: usize = CONVOLUTIONS + 1;
 /// of its windows for other runtimes. They must not change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NetworkKind {
-    /// From the state of the contact to the normal force.
+    /// Network from the state of the contact to the normal force.
     Collision = 0,
-    /// From normal force and sliding speed to the coefficient of friction.
+    /// Network from normal force and sliding speed to the coefficient of friction.
     Friction = 1,
 }
 

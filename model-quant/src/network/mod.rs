@@ -38,7 +38,7 @@ impl Layer {
     /// Computes the sums of all outputs at one position.
     pub(crate) fn sums(&self, inputs: &[f32], sums: &mut [f32]) {
         let outputs = self.biases.len();
-        let (blocks, rest) = sums.as_chunks_mut::<BLOCK>();
+        let (blocks, tail) = sums.as_chunks_mut::<BLOCK>();
         let (biases, biases_left) = self.biases.as_chunks::<BLOCK>();
         for (block, (sums, biases)) in blocks.iter_mut().zip(biases).enumerate() {
             let mut found = *biases;
@@ -53,7 +53,7 @@ impl Layer {
             *sums = found;
         }
         let done = outputs - biases_left.len();
-        for (output, (sum, bias)) in rest.iter_mut().zip(biases_left).enumerate() {
+        for (output, (sum, bias)) in tail.iter_mut().zip(biases_left).enumerate() {
             let column = self.weights.iter().skip(done + output).step_by(outputs);
             *sum = inputs.iter().zip(column).fold(*bias, |sum, (x, w)| sum + x * w);
         }

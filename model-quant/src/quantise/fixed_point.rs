@@ -16,7 +16,7 @@ use inference::image::{LayerKind, LayerShape, WeightForm};
 
 /// Full scale of a layer divided by its largest activation in the calibration set: a sixteenth of
 /// headroom for states that the calibration did not contain.
-const HEADROOM: f64 = 17.0 / 16.0;
+pub(crate) const HEADROOM: f64 = 17.0 / 16.0;
 
 /// Fixed-point format of a layer's activations.
 #[derive(Clone, Copy, Debug, PartialEq)]

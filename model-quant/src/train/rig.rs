@@ -18,7 +18,7 @@ use crate::data::features::FloatFeatures;
 use crate::data::friction::{FrictionSet, Group, Sample};
 use crate::data::friction_source::FrictionError;
 use crate::data::split::Split;
-use crate::data::static_deformation::static_deformation_m;
+use crate::data::static_deformation::{CLEARANCE_M, static_deformation_m};
 use crate::network::recipe::Recipe;
 use crate::network::{Network, NetworkKind};
 use crate::train::{Loss, Progress, Source, Training, Windows};
@@ -28,8 +28,6 @@ use rayon::prelude::*;
 
 /// Time between two columns in s.
 pub(crate) const SPACING_S: f64 = 0.020;
-/// Radial clearance in m of the static states.
-pub(crate) const CLEARANCE_M: f64 = 0.5e-3;
 /// Radius in m of the sliding surface.
 pub(crate) const RADIUS_M: f64 = 0.07;
 /// Full scale of the sliding speed in m/s.

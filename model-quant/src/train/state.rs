@@ -95,7 +95,7 @@ impl Training<'_> {
     /// Damaged bytes, or another recipe or network.
     pub fn resume_from(&mut self, bytes: &[u8]) -> Result<(), StateError> {
         let begin = [MAGIC.as_slice(), &VERSION.to_le_bytes()].concat();
-        let rest = bytes
+        let remaining = bytes
             .strip_prefix(begin.as_slice())
             .ok_or_else(|| damaged("other first bytes", format!("a training state of version {VERSION}")))?;
         let short = || damaged(format!("{} bytes", bytes.len()), "more");
@@ -104,21 +104,22 @@ impl Training<'_> {
         if found != expected {
             return Err(damaged(format!("checksum {found:#010x}"), format!("{expected:#010x}")));
         }
-        let (length, rest) = rest.split_first_chunk::<4>().ok_or_else(short)?;
-        let (notes, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize).ok_or_else(short)?;
+        let (length, remaining) = remaining.split_first_chunk::<4>().ok_or_else(short)?;
+        let (notes, remaining) =
+            remaining.split_at_checked(u32::from_le_bytes(*length) as usize).ok_or_else(short)?;
         let notes: Notes = serde_json::from_slice(notes)?;
         if notes.recipe != *self.recipe || notes.stream != self.stream {
             let text = |recipe: &Recipe| serde_json::to_string(recipe).unwrap_or_default();
             return Err(StateError::Other { found: text(&notes.recipe), expected: text(self.recipe) });
         }
-        let numbers = rest.len().saturating_sub(sum.len()) / 4;
+        let numbers = remaining.len().saturating_sub(sum.len()) / 4;
         let (packed, plain) = (self.trainer.layout.length, self.trainer.shape().parameters());
         let networks = usize::from(notes.best.is_some()) + 2 * usize::from(notes.has_freezer);
         let expected = 3 * packed + networks * plain;
         if numbers != expected {
             return Err(damaged(format!("{numbers} numbers"), expected.to_string()));
         }
-        let mut values = rest.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word));
+        let mut values = remaining.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word));
         let mut take = |count| values.by_ref().take(count).collect::<Vec<f32>>();
         self.trainer.parameters = take(packed);
         self.trainer.adam = Adam { mean: take(packed), square: take(packed), steps: notes.adam_steps };

@@ -116,7 +116,7 @@ fn line(outcome: &Outcome) -> String {
         outcome.what,
         outcome.class,
         outcome.wrong,
-        outcome.wrong_again,
+        outcome.wrong_after_report,
         100.0 * outcome.error_share
     )
 }

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
-use system_tests::generator::session::Plant;
+use system_tests::generator::plant::Plant;
 use system_tests::hidden_effects::CampaignError;
 use system_tests::hidden_effects::cell::{Arm, Campaign};
 use system_tests::hidden_effects::compare::Outcome;
@@ -218,8 +218,8 @@ fn today() -> String {
     let era = days.div_euclid(146_097);
     let day = days.rem_euclid(146_097);
     let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
-    let rest = day - (365 * year + year / 4 - year / 100);
-    let month = (5 * rest + 2) / 153;
-    let (d, m) = (rest - (153 * month + 2) / 5 + 1, if month < 10 { month + 3 } else { month - 9 });
+    let remainder = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * remainder + 2) / 153;
+    let (d, m) = (remainder - (153 * month + 2) / 5 + 1, if month < 10 { month + 3 } else { month - 9 });
     format!("{:04}-{m:02}-{d:02}", year + era * 400 + i64::from(m <= 2))
 }

@@ -4,7 +4,7 @@
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use system_tests::generator::session::Plant;
+use system_tests::generator::plant::Plant;
 use system_tests::hidden_effects::CampaignError;
 use system_tests::hidden_effects::mystery::{BENCH, LOG, deal, reveal};
 

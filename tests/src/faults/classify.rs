@@ -20,7 +20,8 @@
 //! by more than [`CLEARANCE_DEVIATIONS`] standard deviations.
 //!
 //! A detected fault can still leave wrong estimates: a mark lasts as long as the check fails, and
-//! estimates can be **wrong again** after it ends. [`Outcome::wrong_again`] counts these estimates.
+//! estimates can be **wrong again** after it ends. [`Outcome::wrong_after_report`] counts these
+//! estimates.
 
 use super::emulator::{PumpEnd, Received};
 use super::plan::{Fault, Kind};
@@ -79,7 +80,8 @@ pub struct Outcome {
     /// Number of wrong estimates.
     pub wrong: u32,
     /// Number of wrong estimates after the first report.
-    pub wrong_again: u32,
+    #[serde(rename = "wrong_again")]
+    pub wrong_after_report: u32,
     /// True if any message differed from the run without fault: the fault hit something in use.
     pub alive: bool,
 }
@@ -90,7 +92,7 @@ struct Observation {
     first_report: Option<(usize, String)>,
     first_wrong: Option<usize>,
     wrong: u32,
-    wrong_again: u32,
+    wrong_after_report: u32,
     error_share: f64,
     alive: bool,
     /// Sample that the next estimate belongs to.
@@ -179,7 +181,7 @@ impl Observation {
         self.error_share = self.error_share.max(share);
         if share > BOUND_SHARE {
             self.wrong += 1;
-            self.wrong_again += u32::from(self.first_report.is_some());
+            self.wrong_after_report += u32::from(self.first_report.is_some());
             self.first_wrong.get_or_insert(sample);
         }
     }
@@ -229,7 +231,8 @@ pub fn not_struck(fault: &Fault) -> Outcome {
 }
 
 fn conclude(fault: &Fault, observation: Observation) -> Outcome {
-    let Observation { first_report, first_wrong, wrong, wrong_again, error_share, alive, .. } = observation;
+    let Observation { first_report, first_wrong, wrong, wrong_after_report, error_share, alive, .. } =
+        observation;
     let class = match (&first_report, first_wrong) {
         (None, None) => Class::Harmless,
         (None, Some(_)) => Class::Silent,
@@ -247,7 +250,7 @@ fn conclude(fault: &Fault, observation: Observation) -> Outcome {
         first_report: first_report.map(|(_, what)| what),
         error_share,
         wrong,
-        wrong_again,
+        wrong_after_report,
         alive,
     }
 }

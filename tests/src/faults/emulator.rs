@@ -7,18 +7,19 @@
 
 use super::CampaignError;
 use super::gdb::Gdb;
+use super::wait::{system, wait};
+use controller::emulator::MACHINE;
 use link::{Decoder, FrameError, ToHost};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::event::{PollFd, PollFlags};
 use rustix::fs::{CWD, FileType, Mode, mknodat};
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
-use std::os::fd::AsFd;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-const MACHINE: [&str; 8] = ["-M", "netduinoplus2", "-display", "none", "-serial", "null", "-monitor", "none"];
+const ARGUMENTS: [&str; 8] = ["-M", MACHINE, "-display", "none", "-serial", "null", "-monitor", "none"];
 const COUNTING: [&str; 4] =
     ["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off"];
 /// Limit of a pump, in timeouts: a faulty controller may send messages for ever.
@@ -78,7 +79,7 @@ impl Emulator {
         let to_controller = open(&to_controller).map_err(system("the pipe to the controller"))?;
         let to_host = open(&to_host).map_err(system("the pipe from the controller"))?;
         let mut command = Command::new("qemu-system-arm");
-        command.args(MACHINE).args(COUNTING).args(more).arg("-kernel").arg(elf).current_dir(folder.path());
+        command.args(ARGUMENTS).args(COUNTING).args(more).arg("-kernel").arg(elf).current_dir(folder.path());
         if with_debugger {
             command.args(["-S", "-gdb", "unix:debug,server=on,wait=off"]);
         }
@@ -204,21 +205,4 @@ impl Emulator {
         }
         wait(&mut watched, Duration::from_millis(50))
     }
-}
-
-/// Waits until a stream is readable, or until the timeout.
-pub(super) fn wait_for(stream: &impl AsFd, bound: Duration) -> Result<(), CampaignError> {
-    wait(&mut [PollFd::new(stream, PollFlags::IN)], bound)
-}
-
-fn wait(watched: &mut [PollFd<'_>], bound: Duration) -> Result<(), CampaignError> {
-    let bound = Timespec { tv_sec: 0, tv_nsec: bound.as_nanos() as i64 };
-    match poll(watched, Some(&bound)) {
-        Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
-        Err(error) => Err(system("waiting for the emulator")(error.into())),
-    }
-}
-
-fn system(what: &'static str) -> impl Fn(std::io::Error) -> CampaignError {
-    move |source| CampaignError::System { what, source }
 }

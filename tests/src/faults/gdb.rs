@@ -6,6 +6,7 @@
 //! manual, "Remote Protocol".
 
 use super::CampaignError;
+use super::wait::wait_for;
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
@@ -138,7 +139,7 @@ impl Gdb {
                     expected: "a packet",
                 });
             }
-            super::emulator::wait_for(&self.stream, Duration::from_millis(100))?;
+            wait_for(&self.stream, Duration::from_millis(100))?;
         }
     }
 

@@ -24,6 +24,7 @@ pub mod scenario;
 pub mod streams;
 pub mod table;
 pub mod trace;
+mod wait;
 
 use crate::journal::JournalError;
 use crate::random::SplitMix64;

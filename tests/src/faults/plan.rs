@@ -6,9 +6,19 @@
 use super::image::{Image, length, pick};
 use super::scenario::{FAULTS_BEFORE, FAULTS_FROM};
 use super::stream;
-use super::trace::Step;
 use crate::random::SplitMix64;
 use serde::{Deserialize, Serialize};
+
+/// An executed instruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// Address.
+    pub address: u32,
+    /// Stack pointer before the instruction.
+    pub stack: u32,
+    /// Earlier executions of the same address in this trace.
+    pub before: u32,
+}
 
 /// Kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

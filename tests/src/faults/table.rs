@@ -97,7 +97,7 @@ fn row<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Row {
             Class::NotStruck => row.not_struck += 1,
         }
         row.alive += u32::from(outcome.alive);
-        row.wrong_after += u32::from(outcome.class == Class::Detected && outcome.wrong_again > 0);
+        row.wrong_after += u32::from(outcome.class == Class::Detected && outcome.wrong_after_report > 0);
         latencies.extend(outcome.latency);
         row.late_longest = row.late_longest.max(outcome.late);
     }

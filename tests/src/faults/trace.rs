@@ -7,6 +7,7 @@ use super::CampaignError;
 use super::attempt::Prepared;
 use super::emulator::Received;
 use super::image::Image;
+use super::plan::Step;
 use super::scenario::{FAULTS_FROM, Scenario};
 use link::ToHost;
 use std::path::Path;
@@ -15,17 +16,6 @@ use std::path::Path;
 const MAX_STEPS: usize = 40_000;
 /// Steps between two reads of the link.
 const STEPS_PER_PUMP: usize = 64;
-
-/// An executed instruction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Step {
-    /// Address.
-    pub address: u32,
-    /// Stack pointer before the instruction.
-    pub stack: u32,
-    /// Earlier executions of the same address in this trace.
-    pub before: u32,
-}
 
 /// Traces one sample.
 pub fn trace(elf: &Path, image: &Image, scenario: &Scenario) -> Result<Vec<Step>, CampaignError> {

@@ -42,7 +42,7 @@ pub struct RealAxis {
     pub warm: f64,
 }
 
-/// One session of an axis.
+/// One record of an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     /// Motion of the axis.
@@ -113,7 +113,7 @@ fn wave((cosine, sine, period): (f64, f64, f64), at: f64) -> f64 {
 }
 
 impl RealAxis {
-    /// Returns the true signals of a session on an even grid.
+    /// Returns the true signals of a record on an even grid.
     pub fn run(&self, run: &Run, hidden: &[HiddenEffect]) -> Signals {
         let axis = Self {
             inertia: self.inertia + total(hidden, "inertia-mismatch", "inertia_change"),
@@ -136,7 +136,8 @@ impl RealAxis {
         };
         let mut inputs = names.0.map(|n| (n, Vec::with_capacity(count)));
         let mut outputs = names.1.map(|n| (n, Vec::with_capacity(count)));
-        let (mut turned, mut rest, mut warmth) = (Memory::default(), Memory::default(), Memory::default());
+        let (mut turned, mut adhesion, mut warmth) =
+            (Memory::default(), Memory::default(), Memory::default());
         warmth.state =
             self.warm * added.thermal.map_or(0.0, |t| t.1 * self.coulomb * run.motion.amplitude / t.2);
         for i in 0..before + count {
@@ -146,7 +147,7 @@ impl RealAxis {
                 if added.lag_s == 0.0 { logged } else { run.motion.at(run.phase_s + t - added.lag_s) };
             let load = run.load.at(t);
             let (effort, friction) =
-                axis.effort(&added, run.start_s + t, driven, load, (&mut turned, &mut rest, &mut warmth));
+                axis.effort(&added, run.start_s + t, driven, load, (&mut turned, &mut adhesion, &mut warmth));
             if i < before {
                 continue;
             }
@@ -167,7 +168,7 @@ impl RealAxis {
         time_s: f64,
         driven: Moved,
         load_n: f64,
-        (turned, rest, warmth): (&mut Memory, &mut Memory, &mut Memory),
+        (turned, adhesion, warmth): (&mut Memory, &mut Memory, &mut Memory),
     ) -> (f64, f64) {
         let slide = driven.speed * self.radius_m;
         let sign = 2.0 / (1.0 + (-2.0 * slide / self.sign_width_m_s).exp()) - 1.0;
@@ -178,8 +179,8 @@ impl RealAxis {
         }
         if let Some((excess, rest_s, distance)) = added.breakaway {
             let (ageing, wearing) = (1.0 / rest_s, slide.abs() / distance);
-            rest.step(ageing + wearing, ageing / (ageing + wearing));
-            dry += excess * rest.state;
+            adhesion.step(ageing + wearing, ageing / (ageing + wearing));
+            dry += excess * adhesion.state;
         }
         if let Some((change, at)) = added.step {
             dry += change * ((time_s - at) / RAMP_S + 0.5).clamp(0.0, 1.0);

@@ -3,9 +3,9 @@
 //! The planar generator does not show `breakaway`, `presliding-hysteresis` and
 //! `thermal-friction-drift`, because its friction has no memory; the axes hide these.
 
+use super::drawn::{Draw, Drawn};
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
-use super::vocabulary::{Draw, Drawn};
 
 /// Effects of the plant that the planar generator can show, without sensor effects.
 pub const EFFECTS: &[&str] = &[
@@ -108,26 +108,27 @@ pub fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Dr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generator::session::{Plant, Point, Session};
+    use crate::generator::plant::Plant;
+    use crate::generator::record::{Point, Record};
 
     #[test]
     fn every_effect_changes_the_log_by_more_than_its_noise() {
         for (plant, effects) in [(Plant::Bench, EFFECTS), (Plant::TwoPlane, TILTING)] {
             let mut noise = Noise::new(4);
-            let mut session = Session::draw(plant, 0.8, Point::default(), &mut noise);
-            session.cycles = 1.0;
-            let base = session.readings(&session.off, &[]);
-            let sensors = session.sensors();
+            let mut record = Record::draw(plant, 0.8, Point::default(), &mut noise);
+            record.cycles = 1.0;
+            let base = record.readings(&record.off, &[]);
+            let sensors = record.sensors();
             for effect in effects {
                 let drawn = draw(effect, 1.0, 0.7, &mut noise).unwrap();
                 let mut hidden = drawn.at(drawn.guess);
                 if *effect == "friction-step" {
                     hidden.parameters.insert("time_s".into(), 0.5);
                 }
-                let with = session.readings(&session.off, &[hidden]);
+                let with = record.readings(&record.off, &[hidden]);
                 let most = with.iter().zip(&base).zip(plant.outputs()).map(|((w, b), channel)| {
                     let floor = sensors.iter().find(|s| s.channel == *channel).unwrap().floor();
-                    let landing = (plant.landing_s() * session.logger.rate_hz).round() as usize;
+                    let landing = (plant.landing_s() * record.logger.rate_hz).round() as usize;
                     w.iter().zip(b).skip(landing).map(|(w, b)| (w - b).abs() / floor).fold(0.0, f64::max)
                 });
                 let most = most.fold(0.0, f64::max);

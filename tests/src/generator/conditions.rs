@@ -6,9 +6,8 @@
 //! sign. A reading at standstill repeats one code.
 
 use super::motion::Course;
-use super::planar;
+use super::plant::{BENCH_SENSORS, Plant};
 use super::sensing::Reading;
-use super::session::Plant;
 
 /// Conditions of a log; the transmission bench has only the usual ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,7 +62,7 @@ impl Conditions {
                 ("load_force_n", 0.5, 0.2),
                 ("drive_force_n", 3.0, 1.5),
             ],
-            (Plant::Bench | Plant::TwoPlane, _) => planar::SENSORS,
+            (Plant::Bench | Plant::TwoPlane, _) => BENCH_SENSORS,
         };
         rows.iter().map(of).collect()
     }

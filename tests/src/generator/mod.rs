@@ -3,23 +3,27 @@
 //!
 //! [`axis`] is the friction rig and the linear axis; [`planar`] is the transmission bench, whose
 //! shaft may tilt (`tilt`). Both are written from their equations, with other integrators and steps
-//! than the engine's. [`session`] adds an operating point and nuisance parameters, [`conditions`]
-//! the conditions of the log, [`sensing`] the sensors. [`hidden`] is an effect, [`vocabulary`]
-//! draws it, and [`size`] measures its size. Nothing here uses the crates `bench` or `diagnosis`.
+//! than the engine's. [`plant`] lists them, [`record`] adds an operating point and nuisance
+//! parameters, [`conditions`] the conditions of the log, [`sensing`] the sensors. [`hidden`] is an
+//! effect, [`vocabulary`] draws it, and [`size`] measures its size. Nothing here uses the crates
+//! `bench` or `diagnosis`.
 
 pub mod axis;
 pub mod bench_vocabulary;
 pub mod conditions;
+mod drawn;
 pub mod hidden;
 pub mod motion;
 pub mod noise;
 pub mod planar;
 mod planar_added;
+mod planar_data;
 mod planar_plant;
+pub mod plant;
+pub mod record;
 pub mod sensing;
-pub mod session;
 pub mod size;
 mod tilt;
 pub mod vocabulary;
 
-pub use planar::{Hidden, RealBench};
+pub use planar_data::{Hidden, RealBench};

@@ -1,4 +1,4 @@
-//! Motion and load of an axis in a session.
+//! Motion and load of an axis in a record.
 //!
 //! The usual motion is a swing, `A sin(w t + sin(w t/2 + pi/4))`. Its speed rises and falls over
 //! two cycles, so that direction and speed are independent. The plain motion is one sine, on which
@@ -20,7 +20,7 @@ pub struct Moved {
     pub acceleration: f64,
 }
 
-/// The motion of a session.
+/// The motion of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// Half of the stroke, m or rad.
@@ -43,7 +43,7 @@ pub enum Course {
     /// Course of a bench description.
     Described {
         /// Standstill before each half cycle, as a share of a cycle.
-        rest: f64,
+        standstill: f64,
         /// Rise of the frequency over one cycle's length, as a share of the first frequency.
         rise: f64,
     },
@@ -59,8 +59,8 @@ const SHARES: [f64; 4] = [0.62, 0.38, 0.38, 0.62];
 impl Motion {
     /// Returns the motion at a time since the first standstill began.
     pub fn at(&self, time_s: f64) -> Moved {
-        if let Course::Described { rest, rise } = self.course {
-            return self.described(rest, rise, time_s / self.cycle_s);
+        if let Course::Described { standstill, rise } = self.course {
+            return self.described(standstill, rise, time_s / self.cycle_s);
         }
         if self.course != Course::Strokes {
             let (rate, depth) = (TAU / self.cycle_s, f64::from(u8::from(self.course == Course::Swing)));
@@ -96,15 +96,18 @@ impl Motion {
 
 impl Motion {
     /// Returns a described course at a time in cycles since its beginning.
-    fn described(&self, rest: f64, rise: f64, time: f64) -> Moved {
-        let half = 0.5 + rest;
+    fn described(&self, standstill: f64, rise: f64, time: f64) -> Moved {
+        let half = 0.5 + standstill;
         let index = (time / half).floor().max(0.0);
-        let moving =
-            if rest > 0.0 { 0.5 * index + (time - half * index - rest).max(0.0) } else { time.max(0.0) };
+        let moving = if standstill > 0.0 {
+            0.5 * index + (time - half * index - standstill).max(0.0)
+        } else {
+            time.max(0.0)
+        };
         // Turns, turns per cycle length, and the derivative of the latter.
         let (turns, pace) = (moving * (1.0 + 0.5 * rise * moving), 1.0 + rise * moving);
         let (sine, cosine) = (TAU * turns).sin_cos();
-        let at_rest = time <= 0.0 || rest > 0.0 && time - half * index <= rest;
+        let at_rest = time <= 0.0 || standstill > 0.0 && time - half * index <= standstill;
         let (rate, bend) =
             if at_rest { (0.0, 0.0) } else { (TAU / self.cycle_s * pace, TAU * rise / self.cycle_s.powi(2)) };
         Moved {
@@ -115,7 +118,7 @@ impl Motion {
     }
 }
 
-/// The load of a session.
+/// The load of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Load {
     /// Mean, N.
@@ -148,7 +151,7 @@ mod tests {
 
     #[test]
     fn speed_and_acceleration_are_the_slopes_of_place_and_speed() {
-        let described = |rest, rise| Course::Described { rest, rise };
+        let described = |standstill, rise| Course::Described { standstill, rise };
         let courses =
             [Course::Swing, Course::Plain, Course::Strokes, described(0.0, 0.0), described(0.0, 0.3)];
         for course in courses {
@@ -165,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_described_course_rests_at_its_ends_and_a_load_comes_on() {
-        let course = Course::Described { rest: 0.25, rise: 0.0 };
+        let course = Course::Described { standstill: 0.25, rise: 0.0 };
         let motion = Motion { amplitude: 0.4, cycle_s: 4.0, course };
         for (t, place) in [(0.5, -0.4), (2.0, 0.0), (3.5, 0.4), (5.0, 0.0), (6.5, -0.4)] {
             assert!((motion.at(t).place - place).abs() < 1e-12, "{t}: {:?}", motion.at(t));

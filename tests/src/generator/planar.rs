@@ -11,38 +11,12 @@
 
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
+use super::planar_data::{Hidden, RealBench, Row, State};
 use super::planar_plant::Plant;
+use super::plant::{BENCH_OUTPUTS, BENCH_SENSORS};
 use super::sensing::Signals;
-use super::session::{self, Session};
 use super::tilt::NODES;
 use std::fmt::Write as _;
-
-/// Channel, noise and resolution of every sensor.
-pub const SENSORS: &[(&str, f64, f64)] = &[
-    ("drive_displacement_m", 0.0, 1e-8),
-    ("drive_velocity_m_s", 0.0, 1e-6),
-    ("load_force_n", 0.5, 0.1),
-    ("shaft_angle_rad", 20e-6, 5e-6),
-    ("shaft_speed_rad_s", 2e-3, 5e-4),
-    ("journal_y_m", 0.2e-6, 0.05e-6),
-    ("journal_z_m", 0.2e-6, 0.05e-6),
-    ("bearing_force_y_n", 15.0, 4.0),
-    ("bearing_force_z_n", 15.0, 4.0),
-    ("friction_torque_nm", 0.4, 0.1),
-    ("drive_force_n", 20.0, 5.0),
-];
-
-/// Names of the outputs, in the order of [`SENSORS`].
-pub const OUTPUTS: &[&str] = &[
-    "shaft_angle_rad",
-    "shaft_speed_rad_s",
-    "journal_y_m",
-    "journal_z_m",
-    "bearing_force_y_n",
-    "bearing_force_z_n",
-    "friction_torque_nm",
-    "drive_force_n",
-];
 
 /// Integrator steps per step of the signals.
 const WRITTEN_EVERY: usize = 20;
@@ -64,9 +38,20 @@ pub(super) fn moved_number(off: &[f64], hidden: &HiddenEffect) -> Option<(usize,
     Some((place, share * (DESCRIBED.get(place)? + off.get(place)?)))
 }
 
-/// Returns the true signals of a session of bench B. `off` is in SI: drive crank, load crank, mass,
-/// inertia, clearance, modulus, friction.
-pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
+/// Operation of bench B in a record.
+#[derive(Clone, Copy, Debug)]
+pub struct Operation {
+    /// Load, relative to the described one.
+    pub load: f64,
+    /// Number of cycles.
+    pub cycles: usize,
+    /// True if the shaft may tilt in its bearing.
+    pub tilts: bool,
+}
+
+/// Returns the true signals of bench B. `off` is in SI: drive crank, load crank, mass, inertia,
+/// clearance, modulus, friction.
+pub fn signals(operation: Operation, off: &[f64], hidden: &[HiddenEffect]) -> Signals {
     let number = |i: usize| DESCRIBED[i] + off.get(i).copied().unwrap_or_default();
     let real = RealBench {
         levers_m: (number(0), number(1)),
@@ -74,19 +59,19 @@ pub fn signals(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Signa
         clearance_m: number(4),
         modulus_pa: number(5),
         friction: number(6),
-        load_n: 10e3 * session.point.load,
-        cycles: session.cycles as usize,
+        load_n: 10e3 * operation.load,
+        cycles: operation.cycles,
         noise_colour: 0.0,
-        tilts: session.plant == session::Plant::TwoPlane,
+        tilts: operation.tilts,
     };
     let rows = real.run(&Hidden::default(), hidden);
     let written = || rows.iter().step_by(WRITTEN_EVERY);
     let inputs: [fn(&Row) -> f64; 3] = [|r| r.drive.0, |r| r.drive.1, |r| r.load];
-    let names = SENSORS.iter().map(|s| s.0);
+    let names = BENCH_SENSORS.iter().map(|s| s.0);
     Signals {
         step_s: WRITTEN_EVERY as f64 * STEP_S,
         inputs: names.zip(inputs).map(|(n, read)| (n, written().map(read).collect())).collect(),
-        outputs: OUTPUTS
+        outputs: BENCH_OUTPUTS
             .iter()
             .enumerate()
             .map(|(i, n)| (*n, written().map(|r| r.outputs[i]).collect()))
@@ -99,49 +84,6 @@ const STEP_S: f64 = 5e-6;
 const RATE_HZ: f64 = 1000.0;
 /// Share of lost samples.
 const LOST: f64 = 0.004;
-
-/// Hidden effects of a log.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Hidden {
-    /// Wear: added radial clearance in m.
-    pub clearance_m: f64,
-    /// Relative change of dry friction.
-    pub friction: f64,
-    /// Friction force per sliding speed, N s/m.
-    pub viscous_n_s_m: f64,
-    /// Compliance between cylinder and fork, m/N.
-    pub compliance_m_n: f64,
-    /// Delay of the journal's Y sensor in s.
-    pub journal_y_delay_s: f64,
-    /// Offset of the bearing's Y force sensor in N.
-    pub force_y_offset_n: f64,
-    /// Force on the journal along Z at the drive's third harmonic, N: an effect outside of every
-    /// catalogue.
-    pub third_harmonic_n: f64,
-}
-
-/// A real bench: close to its description, but not equal.
-#[derive(Clone, Copy, Debug)]
-pub struct RealBench {
-    /// Drive and load crank, m.
-    pub levers_m: (f64, f64),
-    /// Mass in kg and inertia in kg m2.
-    pub inertia: (f64, f64),
-    /// Radial clearance, m.
-    pub clearance_m: f64,
-    /// Young's modulus, Pa.
-    pub modulus_pa: f64,
-    /// Factor on friction.
-    pub friction: f64,
-    /// Load, N.
-    pub load_n: f64,
-    /// Number of cycles of 1 s.
-    pub cycles: usize,
-    /// Correlation of the sensor noise from sample to sample; 0: white.
-    pub noise_colour: f64,
-    /// True if the shaft may tilt in its bearing.
-    pub tilts: bool,
-}
 
 impl RealBench {
     /// Returns bench B with every uncertain parameter off by up to `deviations` of its declared
@@ -253,20 +195,8 @@ fn round(value: f64, resolution: f64) -> f64 {
     (value / resolution).round() * resolution
 }
 
-/// State: y, z, y', z', th, th' (the last two for a compliant drive only), angle and speed of the
-/// load crank on a shaft that twists, slopes of the shaft in Y and Z and their rates.
-pub(super) type State = [f64; 12];
-
 fn add(a: &State, b: &State, h: f64) -> State {
     std::array::from_fn(|i| a[i] + h * b[i])
-}
-
-/// Quantities of a step.
-pub(super) struct Row {
-    pub(super) drive: (f64, f64),
-    pub(super) load: f64,
-    /// Angle, speed, y, z, F_cy, F_cz, T_f, fork force.
-    pub(super) outputs: [f64; 8],
 }
 
 #[cfg(test)]
@@ -277,7 +207,7 @@ mod tests {
     #[test]
     fn the_description_is_the_preset_with_resolutions_and_has_the_parameters_of_the_generator() {
         let preset = include_str!("../../../crates/bench/presets/bench-b.toml");
-        let own = super::super::session::Plant::Bench.description();
+        let own = super::super::plant::Plant::Bench.description();
         let data = |line: &str| line.split('#').next().unwrap_or_default().trim_end().to_owned();
         let lines = |text: &str| text.lines().map(data).filter(|line| !line.is_empty()).collect::<Vec<_>>();
         let without_resolution = |line: String| match line.split_once(", resolution = ") {
@@ -298,6 +228,6 @@ mod tests {
         ];
         assert_eq!(names.map(|name| *bench.parameter_mut(name).unwrap()), DESCRIBED);
         let declared = names.map(|name| bench.uncertain()[name]);
-        assert_eq!(declared.as_slice(), super::super::session::Plant::Bench.deviations());
+        assert_eq!(declared.as_slice(), super::super::plant::Plant::Bench.deviations());
     }
 }

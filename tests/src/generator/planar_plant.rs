@@ -6,8 +6,8 @@
 //! `docs/effects.md` documents.
 
 use super::hidden::{HiddenEffect, total};
-use super::planar::{Hidden, RealBench, Row, State};
 use super::planar_added::{Added, wave};
+use super::planar_data::{Hidden, RealBench, Row, State};
 use super::tilt::{LENGTH_M, NODES, Tilt};
 use std::f64::consts::{PI, TAU};
 

@@ -36,7 +36,7 @@ impl Reading {
     }
 }
 
-/// The logger of a session.
+/// The logger of a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Logger {
     /// Samples a second.
@@ -95,7 +95,7 @@ fn round(value: f64, resolution: f64) -> f64 {
     if resolution > 0.0 { (value / resolution).round() * resolution } else { value }
 }
 
-/// Returns the log of a session as CSV text.
+/// Returns the log of a record as CSV text.
 pub fn log(
     signals: &Signals,
     sensors: &[Reading],

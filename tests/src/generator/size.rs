@@ -1,7 +1,7 @@
 //! Size of a hidden effect, on one scale for every effect and plant.
 //!
 //! Size = rms of the part of the effect that calibration cannot absorb / rms of the noise floor.
-//! The generator simulates a session with and without the effect, without noise and with the same
+//! The generator simulates a record with and without the effect, without noise and with the same
 //! nuisance parameters. Every reading counts in units of its sensor's floor (noise and resolution).
 //! The rms goes over all samples of all channels, after the landing of the transmission bench's
 //! journal. An effect on one of `k` channels is therefore larger by the square root of `k` on that
@@ -10,7 +10,7 @@
 
 use super::hidden::HiddenEffect;
 use super::planar;
-use super::session::Session;
+use super::record::Record;
 
 /// Deviations by which calibration may move a parameter. A larger move is a finding.
 pub const MAX_DEVIATIONS: f64 = 4.0;
@@ -20,9 +20,9 @@ const SWEEPS: usize = 400;
 /// Calibration steps on the transmission bench, all with the sensitivities at the start.
 const CALIBRATION_STEPS: usize = 5;
 
-/// A session without effects, with its sensitivity to the uncertain parameters.
+/// A record without effects, with its sensitivity to the uncertain parameters.
 pub struct Scale<'a> {
-    session: &'a Session,
+    record: &'a Record,
     base: Vec<f64>,
     columns: Vec<Vec<f64>>,
 }
@@ -36,24 +36,24 @@ fn rms(values: &[f64]) -> f64 {
 }
 
 impl<'a> Scale<'a> {
-    /// Simulates the session without effects, and with each uncertain parameter moved.
-    pub fn new(session: &'a Session) -> Self {
-        let base = stacked(session, &session.off, &[]);
+    /// Simulates the record without effects, and with each uncertain parameter moved.
+    pub fn new(record: &'a Record) -> Self {
+        let base = stacked(record, &record.off, &[]);
         let by = |i: usize, step: f64| {
-            let mut off = session.off.clone();
+            let mut off = record.off.clone();
             off[i] += step;
-            stacked(session, &off, &[])
+            stacked(record, &off, &[])
         };
         let moved = |i: usize| {
-            let (ahead, before, span) = if session.plant.is_transmission() {
+            let (ahead, before, span) = if record.plant.is_transmission() {
                 (by(i, 0.5 * STEP), by(i, -0.5 * STEP), STEP)
             } else {
                 (by(i, STEP), base.clone(), STEP)
             };
             difference(&ahead, &before).iter().map(|d| d / span).collect()
         };
-        let columns = (0..session.off.len()).map(moved).collect();
-        Self { session, base, columns }
+        let columns = (0..record.off.len()).map(moved).collect();
+        Self { record, base, columns }
     }
 
     /// Returns the readings without effects and noise, in units of the floors.
@@ -63,7 +63,7 @@ impl<'a> Scale<'a> {
 
     /// Returns the change of the readings by effects, in units of the floors.
     pub fn response(&self, hidden: &[HiddenEffect]) -> Vec<f64> {
-        difference(&stacked(self.session, &self.session.off, hidden), &self.base)
+        difference(&stacked(self.record, &self.record.off, hidden), &self.base)
     }
 
     /// Returns the part of `added` that calibration and free factors on `others` leave.
@@ -76,7 +76,7 @@ impl<'a> Scale<'a> {
     fn calibrated(&self, added: &[f64], others: &[Vec<f64>], from: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let columns: Vec<&Vec<f64>> = self.columns.iter().chain(others).collect();
         let bounds = |i: usize| {
-            let gone = from.get(i).zip(self.session.off.get(i)).map(|(z, off)| z + off);
+            let gone = from.get(i).zip(self.record.off.get(i)).map(|(z, off)| z + off);
             gone.map_or([f64::NEG_INFINITY, f64::INFINITY], |z| [-MAX_DEVIATIONS - z, MAX_DEVIATIONS - z])
         };
         let gram: Vec<Vec<f64>> =
@@ -86,9 +86,9 @@ impl<'a> Scale<'a> {
         for _ in 0..SWEEPS {
             for i in 0..z.len() {
                 if gram[i][i] > 0.0 {
-                    let rest = right[i] - dot(&gram[i], &z) + gram[i][i] * z[i];
+                    let residual = right[i] - dot(&gram[i], &z) + gram[i][i] * z[i];
                     let [least, most] = bounds(i);
-                    z[i] = (rest / gram[i][i]).clamp(least, most);
+                    z[i] = (residual / gram[i][i]).clamp(least, most);
                 }
             }
         }
@@ -113,31 +113,31 @@ impl<'a> Scale<'a> {
     /// calibration is carried out in several steps.
     pub fn distance(&self, hidden: &[HiddenEffect], named: &[HiddenEffect]) -> f64 {
         let added = self.response(hidden);
-        if !self.session.plant.is_transmission() {
+        if !self.record.plant.is_transmission() {
             let named: Vec<_> = named.iter().map(|n| self.response(std::slice::from_ref(n))).collect();
             return rms(&self.residual(&added, &named));
         }
-        let rest = |z: &[f64]| {
-            let off: Vec<f64> = self.session.off.iter().zip(z).map(|(off, z)| off + z).collect();
-            difference(&added, &difference(&stacked(self.session, &off, named), &self.base))
+        let residual = |z: &[f64]| {
+            let off: Vec<f64> = self.record.off.iter().zip(z).map(|(off, z)| off + z).collect();
+            difference(&added, &difference(&stacked(self.record, &off, named), &self.base))
         };
         // An effect that moves a described parameter is first imitated by this parameter, within
         // its limits.
         let mut z = vec![0.0; self.columns.len()];
-        let deviations = self.session.plant.deviations();
-        let off: Vec<f64> = self.session.off.iter().zip(deviations).map(|(off, d)| off * d).collect();
+        let deviations = self.record.plant.deviations();
+        let off: Vec<f64> = self.record.off.iter().zip(deviations).map(|(off, d)| off * d).collect();
         for (effects, sign) in [(hidden, 1.0), (named, -1.0)] {
             for (i, by) in effects.iter().filter_map(|e| planar::moved_number(&off, e)) {
-                let off = self.session.off[i];
+                let off = self.record.off[i];
                 z[i] = (z[i] + sign * by / deviations[i]).clamp(-MAX_DEVIATIONS - off, MAX_DEVIATIONS - off);
             }
         }
-        let mut left = rest(&z);
+        let mut left = residual(&z);
         let mut least = rms(&left).min(rms(&added));
         for _ in 0..CALIBRATION_STEPS {
             let (_, step) = self.calibrated(&left, &[], &z);
             z.iter_mut().zip(step).for_each(|(z, step)| *z += step);
-            left = rest(&z);
+            left = residual(&z);
             if !rms(&left).is_finite() {
                 break;
             }
@@ -206,12 +206,12 @@ impl<'a> Scale<'a> {
     }
 }
 
-fn stacked(session: &Session, off: &[f64], hidden: &[HiddenEffect]) -> Vec<f64> {
-    let sensors = session.sensors();
+fn stacked(record: &Record, off: &[f64], hidden: &[HiddenEffect]) -> Vec<f64> {
+    let sensors = record.sensors();
     let floor = |c: &str| sensors.iter().find(|s| s.channel == c).map_or(1.0, |s| s.floor());
-    let floors = session.plant.outputs().iter().map(|c| floor(c));
-    let landing = (session.plant.landing_s() * session.logger.rate_hz).round() as usize;
-    let readings = session.readings(off, hidden);
+    let floors = record.plant.outputs().iter().map(|c| floor(c));
+    let landing = (record.plant.landing_s() * record.logger.rate_hz).round() as usize;
+    let readings = record.readings(off, hidden);
     readings.iter().zip(floors).flat_map(|(v, f)| v.iter().skip(landing).map(move |v| v / f)).collect()
 }
 
@@ -223,16 +223,17 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::generator::noise::Noise;
-    use crate::generator::session::{Plant, Point};
+    use crate::generator::plant::Plant;
+    use crate::generator::record::Point;
 
-    fn session() -> Session {
-        Session::draw(Plant::Linear, 0.8, Point::default(), &mut Noise::new(7))
+    fn record() -> Record {
+        Record::draw(Plant::Linear, 0.8, Point::default(), &mut Noise::new(7))
     }
 
     #[test]
     fn an_offset_has_the_size_that_is_left_of_it() {
-        let session = session();
-        let scale = Scale::new(&session);
+        let record = record();
+        let scale = Scale::new(&record);
         let floor = (9.0_f64 + 0.09 / 12.0).sqrt();
         let offset = |m: f64| HiddenEffect::for_sensor("sensor-offset", "drive_force_n", "offset", m);
         let size = scale.size(&[offset(10.0 * floor)]);
@@ -244,8 +245,8 @@ mod tests {
 
     #[test]
     fn what_calibration_may_move_has_no_size() {
-        let session = session();
-        let scale = Scale::new(&session);
+        let record = record();
+        let scale = Scale::new(&record);
         let coulomb = |m: f64| HiddenEffect::new("coulomb-level", &[("coulomb_effort", m)]);
         assert!(scale.size(&[coulomb(3.9 * 0.6)]) < 1e-3);
         assert!(scale.size(&[coulomb(8.0 * 0.6)]) > 0.1);
@@ -253,15 +254,15 @@ mod tests {
 
     #[test]
     fn a_size_out_of_reach_is_none() {
-        let session = session();
+        let record = record();
         let coulomb = |m: f64| HiddenEffect::new("coulomb-level", &[("coulomb_effort", m)]);
-        assert_eq!(Scale::new(&session).magnitude(coulomb, 1.0, 2.0, 1.0), None);
+        assert_eq!(Scale::new(&record).magnitude(coulomb, 1.0, 2.0, 1.0), None);
     }
 
     #[test]
     fn what_the_transmission_bench_may_be_off_by_has_no_size() {
-        let session = Session::draw(Plant::Bench, 0.5, Point::default(), &mut Noise::new(7));
-        let scale = Scale::new(&session);
+        let record = Record::draw(Plant::Bench, 0.5, Point::default(), &mut Noise::new(7));
+        let scale = Scale::new(&record);
         let one = |effect: &str, name: &str, value: f64| {
             let mut hidden = HiddenEffect::new(effect, &[]);
             hidden.parameters.insert(name.into(), value);

@@ -1,33 +1,13 @@
 //! Random draws of the effects: sign, phase and shape within the documented ranges. The magnitude
 //! stays free, to be scaled to a requested size.
 
+use super::drawn::Draw;
+pub use super::drawn::Drawn;
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
-use super::session::{Plant, Session};
+use super::plant::Plant;
+use super::record::Record;
 use std::f64::consts::TAU;
-
-/// A drawn effect without its magnitude.
-#[derive(Clone, Debug)]
-pub struct Drawn {
-    pub(super) effect: HiddenEffect,
-    /// Names of the parameters that are proportional to the magnitude, with their factors.
-    pub(super) sizes: Vec<(&'static str, f64)>,
-    /// First guess of a visible magnitude.
-    pub guess: f64,
-    /// Maximum magnitude.
-    pub most: f64,
-}
-
-impl Drawn {
-    /// Returns the effect at a magnitude.
-    pub fn at(&self, magnitude: f64) -> HiddenEffect {
-        let mut effect = self.effect.clone();
-        for (name, share) in &self.sizes {
-            effect.parameters.insert((*name).into(), share * magnitude);
-        }
-        effect
-    }
-}
 
 /// Returns the parameters that define the size of an effect; the others define its shape.
 pub fn size_parameters(effect: &str) -> &'static [&'static str] {
@@ -91,44 +71,41 @@ pub fn effects(plant: Plant) -> Vec<&'static str> {
     }
 }
 
-/// Factors of the size parameters, first guess and maximum of the magnitude, shapes.
-pub(super) type Draw = (Vec<(&'static str, f64)>, f64, f64, Vec<(&'static str, f64)>);
-
-/// Draws an effect for a session; `None` if its plant does not have it.
-pub fn draw(effect: &str, session: &Session, base: &[Vec<f64>], noise: &mut Noise) -> Option<Drawn> {
-    if !effects(session.plant).contains(&effect) {
+/// Draws an effect for a record; `None` if its plant does not have it.
+pub fn draw(effect: &str, record: &Record, base: &[Vec<f64>], noise: &mut Noise) -> Option<Drawn> {
+    if !effects(record.plant).contains(&effect) {
         return None;
     }
     let sign = if noise.uniform() < 0.5 { -1.0 } else { 1.0 };
     let phase = TAU * noise.uniform();
     if effect.starts_with("sensor-") {
-        let outputs = session.plant.outputs();
+        let outputs = record.plant.outputs();
         let which = ((noise.uniform() * outputs.len() as f64) as usize).min(outputs.len() - 1);
-        return Some(sensor(effect, session, outputs[which], &base[which], sign));
+        return Some(sensor(effect, record, outputs[which], &base[which], sign));
     }
-    if session.plant.is_transmission() {
+    if record.plant.is_transmission() {
         return super::bench_vocabulary::draw(effect, sign, phase, noise);
     }
-    Some(of_axis(effect, session, sign, phase, noise))
+    Some(of_axis(effect, record, sign, phase, noise))
 }
 
-fn sensor(effect: &str, session: &Session, channel: &str, base: &[f64], sign: f64) -> Drawn {
-    let sensors = session.sensors();
+fn sensor(effect: &str, record: &Record, channel: &str, base: &[f64], sign: f64) -> Drawn {
+    let sensors = record.sensors();
     let floor = sensors.iter().find(|s| s.channel == channel).map_or(1.0, |s| s.floor());
     let largest = base.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let (parameter, share, guess, most) = match effect {
         "sensor-offset" => ("offset", sign, floor, 1e6 * floor),
         "sensor-gain" => ("relative_change", sign, 2.0 * floor / largest, 0.9),
         "sensor-delay" => ("delay_s", 1.0, 1e-3, 0.2),
-        "sensor-drift" => ("drift_per_s", sign, floor / session.length_s(), 1e6 * floor),
+        "sensor-drift" => ("drift_per_s", sign, floor / record.length_s(), 1e6 * floor),
         _ => ("inverse_limit", 1.0, 1.1 / largest, 20.0 / largest),
     };
     let effect = HiddenEffect::for_sensor(effect, channel, parameter, 0.0);
     Drawn { effect, sizes: vec![(parameter, share)], guess, most }
 }
 
-fn of_axis(effect: &str, session: &Session, sign: f64, phase: f64, noise: &mut Noise) -> Drawn {
-    let rotary = session.plant == Plant::Rotary;
+fn of_axis(effect: &str, record: &Record, sign: f64, phase: f64, noise: &mut Noise) -> Drawn {
+    let rotary = record.plant == Plant::Rotary;
     // Noise floor of the effort, radius of friction, stroke, usual speed.
     let (floor, radius, stroke, speed) = if rotary { (1.0, 0.07, 0.8, 0.6) } else { (3.0, 1.0, 0.3, 0.2) };
     let mut between = |low: f64, high: f64| low * (high / low).powf(noise.uniform());
@@ -159,7 +136,7 @@ fn of_axis(effect: &str, session: &Session, sign: f64, phase: f64, noise: &mut N
         }
         "friction-step" => {
             let share = 0.1 + 0.8 * noise.uniform();
-            let at = session.logger.start_s + share * session.length_s();
+            let at = record.logger.start_s + share * record.length_s();
             (vec![("coulomb_effort", sign)], 3.0 * floor, 1e4, vec![("time_s", at)])
         }
         "position-ripple" => (

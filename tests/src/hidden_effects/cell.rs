@@ -1,13 +1,21 @@
 //! Cells of the matrix: hidden effects, their sizes, plant and seed.
 
-use super::pairs::PAIRS;
 use crate::generator::conditions::Conditions;
-use crate::generator::session::Plant;
+use crate::generator::plant::Plant;
 use crate::generator::vocabulary::effects;
 use crate::random::mix;
 use serde::{Deserialize, Serialize};
 
-/// Question that a cell asks.
+/// Pairs by plant.
+pub const PAIRS: &[(Plant, &str, &str)] = &[
+    (Plant::Linear, "coulomb-level", "load-dependent-friction"),
+    (Plant::Linear, "drive-lag", "sensor-delay"),
+    (Plant::Rotary, "coulomb-level", "load-dependent-friction"),
+];
+/// Changes, in the order of a cell's variants.
+pub const CHANGES: [&str; 7] = ["units", "time", "order", "twice", "more", "shuffled", "counter"];
+
+/// Kind of a cell: what is hidden, and what the diagnosis must find.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, clap::ValueEnum,
 )]
@@ -23,10 +31,10 @@ pub enum Arm {
     Two,
     /// One effect that looks like another one on this motion.
     Pair,
-    /// The same question, asked in another way.
+    /// No effect or one, with the same log in another form: the result must not change.
     Changed,
-    /// No effect or one, on an axis under hard conditions: standstill, a narrow sign, coarse
-    /// readings.
+    /// No effect or one, on an axis under hard conditions: standstill, a steep sign function of
+    /// friction, coarse readings.
     Hard,
 }
 
@@ -36,12 +44,12 @@ impl Arm {
         [Self::Clean, Self::Single, Self::Deleted, Self::Two, Self::Pair, Self::Changed, Self::Hard];
 }
 
-/// One question with one seed.
+/// One simulated diagnosis: effects, plant and seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Number in the campaign.
     pub index: usize,
-    /// Question.
+    /// Kind.
     pub arm: Arm,
     /// Plant.
     pub plant: Plant,
@@ -49,7 +57,7 @@ pub struct Cell {
     pub effects: Vec<String>,
     /// Requested sizes of the hidden effects.
     pub sizes: Vec<f64>,
-    /// Variant of the question, for arms that ask several.
+    /// Variant, for arms that have several.
     pub variant: usize,
     /// Seed.
     pub seed: u64,
@@ -103,7 +111,7 @@ pub struct Campaign {
     pub sizes: Vec<f64>,
     /// Arms.
     pub arms: Vec<Arm>,
-    /// If set, a transmission bench shows single effects only, and only those that no cheaper plant
+    /// True if a transmission bench shows single effects only, and only those that no cheaper plant
     /// can show. One of its cells costs as much as fifty of an axis.
     #[serde(default, skip_serializing_if = "is_false")]
     pub bench_alone: bool,
@@ -159,8 +167,9 @@ impl Campaign {
         for seed in 1..=self.seeds.max(self.bench_seeds) {
             for &plant in &self.plants {
                 let seeds = if plant.is_transmission() { self.bench_seeds } else { self.seeds };
-                let is_asked = |arm: &&Arm| seed <= seeds && (**arm == Arm::Single || !self.is_alone(plant));
-                for &arm in self.arms.iter().filter(is_asked) {
+                let is_included =
+                    |arm: &&Arm| seed <= seeds && (**arm == Arm::Single || !self.is_alone(plant));
+                for &arm in self.arms.iter().filter(is_included) {
                     self.arm(&mut cells, arm, plant, self.skipped_seeds + seed);
                 }
             }
@@ -216,11 +225,11 @@ impl Campaign {
             }
             Arm::Changed => {
                 if !plant.is_transmission() {
-                    (0..super::changed::CHANGES.len()).for_each(|variant| {
+                    (0..CHANGES.len()).for_each(|variant| {
                         let effect =
                             ["viscous-friction", "sensor-delay", "coulomb-asymmetry", "position-ripple"]
                                 [(seed as usize + variant) % 4];
-                        let size = if super::changed::CHANGES[variant] == "shuffled" { 0.3 } else { CLEAR };
+                        let size = if CHANGES[variant] == "shuffled" { 0.3 } else { CLEAR };
                         add(&[effect], &[size], variant);
                     });
                 }

@@ -1,25 +1,24 @@
 //! Changed questions: the same log in another form must get the same answer.
 //!
 //! The changes are foreign names, units and signs; other time stamps; another order of columns; a
-//! row counter before the columns; the log twice; a second session, which shrinks intervals by
+//! row counter before the columns; the log twice; a second record, which shrinks intervals by
 //! about the square root of two; the residual of the calibrated bench shuffled, which leaves
 //! nothing to find. Order and counter test the reader of logs: such a file has no header, and the
 //! description gives the columns by number.
 
 use super::CampaignError;
+use super::cell::CHANGES;
+use super::cell_run::{CellRun, hide};
 use super::compare::Outcome;
-use super::run::{CellRun, hide};
 use crate::generator::noise::Noise;
-use crate::generator::session::{Plant, Point, Session};
+use crate::generator::plant::Plant;
+use crate::generator::record::{Point, Record};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::size_parameters;
 use bench::{Bench, MeasuredLog};
 use diagnosis::{Diagnosis, Verdict};
 use std::fmt::Write as _;
 use std::time::Instant;
-
-/// Changes, in the order of a cell's variants.
-pub const CHANGES: [&str; 7] = ["units", "time", "order", "twice", "more", "shuffled", "counter"];
 
 /// Name of the column that counts rows.
 const COUNTER: &str = "counter";
@@ -136,12 +135,12 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
     let cell = run.cell;
     let change = CHANGES.get(cell.variant).copied().unwrap_or_default();
     let mut noise = Noise::new(cell.stream());
-    let session = Session::draw(cell.plant, 0.8, Point::default(), &mut noise);
-    let scale = Scale::new(&session);
+    let record = Record::draw(cell.plant, 0.8, Point::default(), &mut noise);
+    let scale = Scale::new(&record);
     let mut outcome = Outcome::new(cell);
-    let Some(effects) = hide(cell, &scale, &session, &mut noise) else { return Ok(outcome) };
+    let Some(effects) = hide(cell, &scale, &record, &mut noise) else { return Ok(outcome) };
     let bench = run.bench()?;
-    let text = session.log(&effects, &mut noise);
+    let text = record.log(&effects, &mut noise);
     let log = run.log("log", &text, &bench)?;
     let start = Instant::now();
     let answer = run.diagnose(&bench, std::slice::from_ref(&log), &[])?;
@@ -157,7 +156,7 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
         }
         "twice" => run.diagnose(&bench, &[log.clone(), log], &[])?,
         "more" => {
-            let second = session.repeat(Point::default(), &mut noise).log(&effects, &mut noise);
+            let second = record.repeat(Point::default(), &mut noise).log(&effects, &mut noise);
             let second = run.log("second", &second, &bench)?;
             run.diagnose(&bench, &[log, second], &[])?
         }
@@ -188,8 +187,8 @@ mod tests {
     #[test]
     fn a_foreign_log_is_read_back_as_the_same_numbers() {
         let mut noise = Noise::new(8);
-        let session = Session::draw(Plant::Linear, 0.8, Point::default(), &mut noise);
-        let text = session.log(&[], &mut noise);
+        let record = Record::draw(Plant::Linear, 0.8, Point::default(), &mut noise);
+        let text = record.log(&[], &mut noise);
         let (foreign, tables) = translated(Plant::Linear, &text);
         assert!(foreign.starts_with("t_s,pos [mm],v,"), "{}", &foreign[..40]);
         let bench = Bench::parse("a", &format!("{}{tables}", Plant::Linear.description())).unwrap();
@@ -209,7 +208,7 @@ mod tests {
     #[test]
     fn a_log_with_numbered_columns_is_read_back_as_the_same_numbers() {
         let mut noise = Noise::new(8);
-        let text = Session::draw(Plant::Linear, 0.8, Point::default(), &mut noise).log(&[], &mut noise);
+        let text = Record::draw(Plant::Linear, 0.8, Point::default(), &mut noise).log(&[], &mut noise);
         let read = |text: &str, tables: &str| {
             let bench = Bench::parse("a", &format!("{}{tables}", Plant::Linear.description())).unwrap();
             let log = MeasuredLog::parse("a.csv", text, &bench.log_format()).unwrap();
@@ -239,7 +238,7 @@ mod tests {
     #[test]
     fn a_shuffled_residual_is_the_same_numbers_in_another_order() {
         let mut noise = Noise::new(8);
-        let text = Session::draw(Plant::Linear, 0.8, Point::default(), &mut noise).log(&[], &mut noise);
+        let text = Record::draw(Plant::Linear, 0.8, Point::default(), &mut noise).log(&[], &mut noise);
         let bench = Bench::parse("b", Plant::Linear.description()).unwrap();
         let mut log = MeasuredLog::parse("a.csv", &text, &bench.log_format()).unwrap();
         // An outlier, which the engine leaves out: from there on, its rows differ from those of the

@@ -57,15 +57,15 @@ pub struct Outcome {
     pub covered: Option<bool>,
     /// Share of the repeatable residual that the extension explains, as predicted by the engine.
     pub predicted: Option<f64>,
-    /// The same share, measured on another session that the engine never saw.
+    /// The same share, measured on another record that the engine never saw.
     pub realised: Option<f64>,
     /// Experiment that the engine proposed.
     pub proposed: Option<String>,
     /// True if the engine reported that no experiment of its menu separates the causes.
     #[serde(default)]
     pub hopeless: bool,
-    /// For a pair, true if the experiment settled the question. For a changed question, true if the
-    /// answer was the same.
+    /// Result of a pair: true if the experiment settled the question. For a changed question, true
+    /// if the answer was the same.
     pub settled: Option<bool>,
     /// Ratio of interval widths, for the changes that test it.
     pub ratio: Option<f64>,

@@ -103,7 +103,7 @@ impl Figures {
 mod tests {
     use super::*;
     use crate::generator::hidden::HiddenEffect;
-    use crate::generator::session::Plant;
+    use crate::generator::plant::Plant;
     use crate::hidden_effects::cell::{Arm, Campaign};
     use crate::hidden_effects::compare::{Named, Outcome};
     use crate::hidden_effects::score::figures;

@@ -6,6 +6,7 @@
 //! and [`page`] writes the published pages. [`mystery`] writes a log for a person to diagnose.
 
 pub mod cell;
+mod cell_run;
 pub mod changed;
 pub mod compare;
 pub mod goals;

@@ -5,10 +5,11 @@
 
 use super::CampaignError;
 use super::cell::{Arm, Cell, hash};
-use super::run::hide;
+use super::cell_run::hide;
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::noise::Noise;
-use crate::generator::session::{Plant, Point, Session};
+use crate::generator::plant::Plant;
+use crate::generator::record::{Point, Record};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::effects;
 use bench::atomic;
@@ -60,9 +61,9 @@ pub fn deal(folder: &Path, plant: Plant, size: f64, seed: u64) -> Result<(), Cam
         let cell =
             Cell { index: 0, arm: Arm::Single, plant, effects, sizes: sizes.clone(), variant: 0, seed };
         let mut noise = Noise::new(hash("mystery", seed) ^ attempt);
-        let session = Session::draw(plant, SPREAD, Point::default(), &mut noise);
-        let Some(effects) = hide(&cell, &Scale::new(&session), &session, &mut noise) else { continue };
-        let log = session.log(&effects, &mut noise);
+        let record = Record::draw(plant, SPREAD, Point::default(), &mut noise);
+        let Some(effects) = hide(&cell, &Scale::new(&record), &record, &mut noise) else { continue };
+        let log = record.log(&effects, &mut noise);
         let label = serde_json::to_vec_pretty(&Label { effects, sizes })
             .map_err(|error| failed(folder, "a label")(&error))?;
         return write(folder, &log, plant, &label);

@@ -4,7 +4,7 @@
 use super::cell::Campaign;
 use super::goals::Goal;
 use super::score::{Figures, Share, Shares};
-use crate::generator::session::Plant;
+use crate::generator::plant::Plant;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -216,7 +216,7 @@ fn questions(page: &mut String, figures: &Figures) {
         line(&format!("same answer, changed: {change}"), s);
     }
     page.push_str(&wrap(&format!(
-        "\nA second session shrinks intervals by a factor of {} (median of the cells with the same \
+        "\nA second record shrinks intervals by a factor of {} (median of the cells with the same \
          answer; the square root of two is 1.414).\n",
         number(figures.shrink)
     )));

@@ -8,12 +8,12 @@
 //! in [`super::compare`]. A cell counts only if the remaining chi-square is below [`ALIKE`].
 
 use super::CampaignError;
+use super::cell_run::{CellRun, hide};
 use super::compare::Outcome;
-use super::run::{CellRun, hide};
 use crate::generator::hidden::HiddenEffect;
 use crate::generator::motion::Course;
 use crate::generator::noise::Noise;
-use crate::generator::session::{Plant, Point, Session};
+use crate::generator::record::{Point, Record};
 use crate::generator::size::Scale;
 use crate::generator::vocabulary::draw;
 use bench::Bench;
@@ -22,14 +22,7 @@ use std::time::Instant;
 /// Chi-square between hidden effect and imitation below which they cannot be separated.
 const ALIKE: f64 = 9.0;
 
-/// Pairs by plant.
-pub const PAIRS: &[(Plant, &str, &str)] = &[
-    (Plant::Linear, "coulomb-level", "load-dependent-friction"),
-    (Plant::Linear, "drive-lag", "sensor-delay"),
-    (Plant::Rotary, "coulomb-level", "load-dependent-friction"),
-];
-
-/// Returns the session and the cycles of a proposed description, relative to the described plant. A
+/// Returns the record and the cycles of a proposed description, relative to the described plant. A
 /// sine without standstill begins at any phase, as its log does. The load gets a ramp only if the
 /// proposal changes it.
 fn proposed(described: &Bench, wanted: &str) -> Option<(Point, f64)> {
@@ -38,13 +31,13 @@ fn proposed(described: &Bench, wanted: &str) -> Option<(Point, f64)> {
     let (axis, cycles) = (&then.axis, f64::from(then.axis.cycles));
     let ratio = if axis.last_period_s > 0.0 { axis.period_s / axis.last_period_s } else { 1.0 };
     let rise = 0.5 * (ratio * ratio - 1.0) / cycles;
-    let rest = axis.dwell_s / axis.period_s;
-    let plain = rest == 0.0 && rise == 0.0 && !axis.backwards;
+    let standstill = axis.dwell_s / axis.period_s;
+    let plain = standstill == 0.0 && rise == 0.0 && !axis.backwards;
     let point = Point {
         speed: now.axis.period_s / axis.period_s,
         load: then.load.force_n / now.load.force_n,
         stroke: axis.amplitude / now.axis.amplitude * if axis.backwards { -1.0 } else { 1.0 },
-        course: if plain { Course::Plain } else { Course::Described { rest, rise } },
+        course: if plain { Course::Plain } else { Course::Described { standstill, rise } },
         ramp_s: if then.load.ramp_s == now.load.ramp_s { 0.0 } else { then.load.ramp_s },
     };
     Some((point, cycles))
@@ -54,12 +47,12 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
     let cell = run.cell;
     let mut noise = Noise::new(cell.stream());
     let point = Point { course: Course::Plain, ..Point::default() };
-    let session = Session::draw(cell.plant, 0.8, point, &mut noise);
-    let scale = Scale::new(&session);
+    let record = Record::draw(cell.plant, 0.8, point, &mut noise);
+    let scale = Scale::new(&record);
     let mut outcome = Outcome::new(cell);
-    let Some(effects) = hide(cell, &scale, &session, &mut noise) else { return Ok(outcome) };
-    let base = session.readings(&session.off, &[]);
-    let Some(rival) = cell.effects.get(1).and_then(|e| draw(e, &session, &base, &mut noise)) else {
+    let Some(effects) = hide(cell, &scale, &record, &mut noise) else { return Ok(outcome) };
+    let base = record.readings(&record.off, &[]);
+    let Some(rival) = cell.effects.get(1).and_then(|e| draw(e, &record, &base, &mut noise)) else {
         return Ok(outcome);
     };
     let imitation: HiddenEffect = rival.at(rival.guess);
@@ -68,7 +61,7 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
         return Ok(outcome);
     }
     let bench = run.bench()?;
-    let log = run.log("log", &session.log(&effects, &mut noise), &bench)?;
+    let log = run.log("log", &record.log(&effects, &mut noise), &bench)?;
     let start = Instant::now();
     let answer = run.diagnose(&bench, std::slice::from_ref(&log), &[])?;
     outcome.engine_s = start.elapsed().as_secs_f64();
@@ -82,7 +75,7 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
     let mut logs = vec![log];
     for (number, recording) in proposal.recordings.iter().enumerate() {
         let Some((point, cycles)) = proposed(&bench, &recording.bench) else { return Ok(outcome) };
-        let mut experiment = session.repeat(point, &mut noise);
+        let mut experiment = record.repeat(point, &mut noise);
         experiment.cycles = cycles;
         logs.push(run.log(&format!("experiment-{number}"), &experiment.log(&effects, &mut noise), &bench)?);
     }
@@ -96,9 +89,10 @@ pub(super) fn run(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::generator::plant::Plant;
 
     #[test]
-    fn a_proposed_description_becomes_a_session() {
+    fn a_proposed_description_becomes_a_record() {
         let bench = Bench::parse("bench.toml", Plant::Linear.description()).unwrap();
         let wanted = |change: &dyn Fn(&mut bench::description::FrictionRig)| {
             let Bench::FrictionRig(mut rig) = bench.clone() else { panic!("a cylinder") };
@@ -109,14 +103,14 @@ mod tests {
         assert_eq!(wanted(&|r| r.load.force_n *= -1.0), Point { load: -1.0, ..plain });
         assert_eq!(wanted(&|r| r.axis.period_s *= 2.0), Point { speed: 0.5, ..plain });
         assert_eq!(wanted(&|r| r.load.ramp_s = 0.2), Point { ramp_s: 0.2, ..plain });
-        let rests = Course::Described { rest: 0.25, rise: 0.0 };
+        let rests = Course::Described { standstill: 0.25, rise: 0.0 };
         assert_eq!(wanted(&|r| r.axis.dwell_s = 1.0), Point { course: rests, ..plain });
         let sweep = wanted(&|r| (r.axis.cycles, r.axis.last_period_s) = (2, 0.5 * r.axis.period_s));
-        assert_eq!(sweep.course, Course::Described { rest: 0.0, rise: 0.75 });
-        let mut session = Session::draw(Plant::Linear, 0.8, sweep, &mut Noise::new(3));
-        session.cycles = 2.0;
+        assert_eq!(sweep.course, Course::Described { standstill: 0.0, rise: 0.75 });
+        let mut record = Record::draw(Plant::Linear, 0.8, sweep, &mut Noise::new(3));
+        record.cycles = 2.0;
         // Two cycles at a mean of 1.5 times the frequency.
-        assert!((session.length_s() - 4.0 * 2.0 / 1.5).abs() < 1e-12, "{}", session.length_s());
+        assert!((record.length_s() - 4.0 * 2.0 / 1.5).abs() < 1e-12, "{}", record.length_s());
     }
 
     #[test]
@@ -124,9 +118,9 @@ mod tests {
         let apart = |plant, one: &str, two: &str| {
             let mut noise = Noise::new(3);
             let point = Point { course: Course::Plain, ..Point::default() };
-            let session = Session::draw(plant, 0.8, point, &mut noise);
-            let (scale, base) = (Scale::new(&session), session.readings(&session.off, &[]));
-            let (one, two) = (draw(one, &session, &base, &mut noise), draw(two, &session, &base, &mut noise));
+            let record = Record::draw(plant, 0.8, point, &mut noise);
+            let (scale, base) = (Scale::new(&record), record.readings(&record.off, &[]));
+            let (one, two) = (draw(one, &record, &base, &mut noise), draw(two, &record, &base, &mut noise));
             let (one, two) = (one.unwrap(), two.unwrap());
             let size = scale.magnitude(|m| one.at(m), one.guess, one.most, 1.0).unwrap();
             let left =

@@ -1,19 +1,17 @@
 //! One cell: hide an effect, ask the engine, score the answer.
 
 use super::cell::{Arm, Cell};
+use super::cell_run::{CellRun, hide};
 use super::compare::Outcome;
 use super::{CampaignError, changed, pairs};
-use crate::generator::hidden::HiddenEffect;
 use crate::generator::motion::Course;
 use crate::generator::noise::Noise;
-use crate::generator::session::{Point, Session};
+use crate::generator::record::{Point, Record};
 use crate::generator::size::Scale;
-use crate::generator::vocabulary::draw;
-use bench::effects::CATALOGUE;
 use bench::simulate::{Inputs, respond};
 use bench::{Bench, MeasuredLog};
-use diagnosis::{Diagnosis, Options, diagnose};
-use std::path::{Path, PathBuf};
+use diagnosis::Diagnosis;
+use std::path::Path;
 use std::time::Instant;
 
 /// Maximum deviation of the real plant from its description beside a hidden effect, in declared
@@ -24,67 +22,8 @@ const CLEAN_SPREAD: f64 = 2.0;
 /// Minimum size at which a predicted gain is compared with a measured one.
 const GAIN_SIZE: f64 = 0.5;
 
-/// Folder of a cell's files, and the cell.
-pub(super) struct CellRun<'a> {
-    pub(super) folder: &'a Path,
-    pub(super) cell: &'a Cell,
-}
-
-impl CellRun<'_> {
-    pub(super) fn failed(&self, error: &dyn std::fmt::Display) -> CampaignError {
-        CampaignError::Engine { cell: self.cell.index, found: error.to_string() }
-    }
-
-    /// Returns the user's description of the plant.
-    pub(super) fn bench(&self) -> Result<Bench, CampaignError> {
-        let description = self.cell.conditions().description(self.cell.plant);
-        Bench::parse("bench.toml", description).map_err(|e| self.failed(&e))
-    }
-
-    /// Writes a log and reads it back as a user of the engine would.
-    pub(super) fn log(&self, name: &str, text: &str, bench: &Bench) -> Result<MeasuredLog, CampaignError> {
-        let file: PathBuf = self.folder.join(format!("{name}.csv"));
-        bench::atomic::write(&file, text.as_bytes()).map_err(|e| self.failed(&e))?;
-        let text = std::fs::read_to_string(&file).map_err(|e| self.failed(&e))?;
-        MeasuredLog::parse(&format!("{name}.csv"), &text, &bench.log_format()).map_err(|e| self.failed(&e))
-    }
-
-    /// Returns the engine's answer to logs.
-    pub(super) fn diagnose(
-        &self,
-        bench: &Bench,
-        logs: &[MeasuredLog],
-        exclude: &[String],
-    ) -> Result<Diagnosis, CampaignError> {
-        diagnose(bench, logs, &[], &Options { exclude, ..Options::default() }).map_err(|e| self.failed(&e))
-    }
-
-    /// Calibrates the bench with a log; no effect may be named.
-    pub(super) fn calibrate(&self, bench: &Bench, log: &MeasuredLog) -> Result<Diagnosis, CampaignError> {
-        let every: Vec<String> = CATALOGUE.iter().map(|kind| kind.name.to_owned()).collect();
-        self.diagnose(bench, std::slice::from_ref(log), &every)
-    }
-}
-
-/// Draws the effects of a cell at their sizes; `None` if the plant cannot show one of them as
-/// large.
-pub(super) fn hide(
-    cell: &Cell,
-    scale: &Scale<'_>,
-    session: &Session,
-    noise: &mut Noise,
-) -> Option<Vec<HiddenEffect>> {
-    let base = session.readings(&session.off, &[]);
-    let one = |(effect, size): (&String, &f64)| {
-        let drawn = draw(effect, session, &base, noise)?;
-        let magnitude = scale.magnitude(|m| drawn.at(m), drawn.guess, drawn.most, *size)?;
-        Some(drawn.at(magnitude))
-    };
-    cell.effects.iter().zip(&cell.sizes).map(one).collect()
-}
-
-/// Draws a clean session: coloured noise, another operating point, more samples lost.
-fn clean(cell: &Cell, noise: &mut Noise) -> Session {
+/// Draws a clean record: coloured noise, another operating point, more samples lost.
+fn clean(cell: &Cell, noise: &mut Noise) -> Record {
     let any = |noise: &mut Noise, choices: &[f64]| choices[(noise.uniform() * choices.len() as f64) as usize];
     let point = Point {
         speed: if cell.plant.is_transmission() { 1.0 } else { any(noise, &[0.7, 1.0, 1.3]) },
@@ -93,10 +32,10 @@ fn clean(cell: &Cell, noise: &mut Noise) -> Session {
         course: if noise.uniform() < 0.2 { Course::Plain } else { Course::Swing },
         ..Point::default()
     };
-    let mut session = Session::draw(cell.plant, CLEAN_SPREAD, point, noise);
-    session.logger.colour = any(noise, &[0.0, 0.3, 0.6]);
-    session.logger.lost = any(noise, &[0.0, 0.004, 0.03]);
-    session
+    let mut record = Record::draw(cell.plant, CLEAN_SPREAD, point, noise);
+    record.logger.colour = any(noise, &[0.0, 0.3, 0.6]);
+    record.logger.lost = any(noise, &[0.0, 0.004, 0.03]);
+    record
 }
 
 /// Runs a cell in a folder and removes its files.
@@ -117,25 +56,25 @@ pub fn run(folder: &Path, cell: &Cell) -> Result<Outcome, CampaignError> {
 fn plain(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
     let cell = run.cell;
     let mut noise = Noise::new(cell.stream());
-    let session = match cell.arm {
+    let record = match cell.arm {
         Arm::Clean => clean(cell, &mut noise),
         Arm::Hard if cell.effects.is_empty() => clean(cell, &mut noise).hard(),
-        Arm::Hard => Session::draw(cell.plant, SPREAD, Point::default(), &mut noise).hard(),
-        _ => Session::draw(cell.plant, SPREAD, Point::default(), &mut noise),
+        Arm::Hard => Record::draw(cell.plant, SPREAD, Point::default(), &mut noise).hard(),
+        _ => Record::draw(cell.plant, SPREAD, Point::default(), &mut noise),
     };
     let mut outcome = Outcome::new(cell);
-    let scale = Scale::new(&session);
-    let Some(effects) = hide(cell, &scale, &session, &mut noise) else { return Ok(outcome) };
+    let scale = Scale::new(&record);
+    let Some(effects) = hide(cell, &scale, &record, &mut noise) else { return Ok(outcome) };
     let bench = run.bench()?;
-    let log = run.log("log", &session.log(&effects, &mut noise), &bench)?;
+    let log = run.log("log", &record.log(&effects, &mut noise), &bench)?;
     let exclude = if cell.arm == Arm::Deleted { cell.effects.clone() } else { Vec::new() };
     let start = Instant::now();
     let answer = run.diagnose(&bench, std::slice::from_ref(&log), &exclude)?;
     outcome.engine_s = start.elapsed().as_secs_f64();
     outcome.score(&answer, &effects);
     outcome.score_equivalence(&scale, &answer);
-    if gain_is_asked(&outcome) {
-        let text = session.repeat(Point::default(), &mut noise).log(&effects, &mut noise);
+    if is_gain_measured(&outcome) {
+        let text = record.repeat(Point::default(), &mut noise).log(&effects, &mut noise);
         outcome.realised = realised(run, &bench, &log, &text, &answer)?;
     }
     Ok(outcome)
@@ -143,13 +82,13 @@ fn plain(run: &CellRun<'_>) -> Result<Outcome, CampaignError> {
 
 /// Returns whether a predicted gain is measured. Wrong names count, too, because the engine does
 /// not know that they are wrong.
-fn gain_is_asked(outcome: &Outcome) -> bool {
+fn is_gain_measured(outcome: &Outcome) -> bool {
     let cell = &outcome.cell;
     cell.arm == Arm::Single && !outcome.causes.is_empty() && cell.sizes.iter().all(|s| *s >= GAIN_SIZE)
 }
 
 /// Returns the share of the residual above the noise that the extended bench removes, relative to
-/// the calibrated nominal bench, on a session that the engine never saw.
+/// the calibrated nominal bench, on a record that the engine never saw.
 fn realised(
     run: &CellRun<'_>,
     bench: &Bench,
@@ -190,9 +129,9 @@ mod tests {
         let cells = Campaign { sizes: vec![0.3, 0.5], arms: vec![Arm::Single], ..Campaign::quick() }.cells();
         for cell in &cells {
             let mut outcome = Outcome::new(cell);
-            assert!(!gain_is_asked(&outcome));
+            assert!(!is_gain_measured(&outcome));
             outcome.causes = vec![Named { effect: "another".into(), channel: None, probability: 0.9 }];
-            assert_eq!(gain_is_asked(&outcome), cell.sizes != [0.3]);
+            assert_eq!(is_gain_measured(&outcome), cell.sizes != [0.3]);
         }
     }
 }

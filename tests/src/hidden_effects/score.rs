@@ -5,10 +5,10 @@
 //! causes and the effects that fit equally well. Wrong: causes are named, and the hidden effect is
 //! neither in the group nor equivalent to a cause.
 
-use super::cell::{Arm, Campaign};
-use super::changed::CHANGES;
+use super::cell::{Arm, CHANGES, Campaign};
 use super::compare::Outcome;
 use serde::{Deserialize, Serialize};
+use statrs::statistics::{Data, OrderStatistics};
 use std::collections::BTreeMap;
 
 /// Shares over cells with one hidden effect.
@@ -91,7 +91,7 @@ pub struct Figures {
     pub hard: Shares,
     /// Changed questions: same answer, by change.
     pub changed: BTreeMap<String, Share>,
-    /// Two sessions: median ratio of interval widths.
+    /// Two records: median ratio of interval widths.
     pub shrink: Option<f64>,
     /// Bins of the stated probability of the first cause over single effects: cells, mean, hit
     /// rate.
@@ -125,11 +125,8 @@ fn share(cells: &[&Outcome], hit: impl Fn(&Outcome) -> bool) -> Share {
     Share { cells: cells.len(), share: hits as f64 / cells.len().max(1) as f64 }
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let upper = values.get(values.len() / 2)?;
-    let lower = values.get((values.len() - 1) / 2)?;
-    Some(0.5 * (lower + upper))
+fn median(values: Vec<f64>) -> Option<f64> {
+    (!values.is_empty()).then(|| Data::new(values).median())
 }
 
 fn shares(cells: &[&Outcome]) -> Shares {

@@ -57,7 +57,7 @@ fn layer<E: Engine, A: LayerInput, B: LayerInput, const IN: usize, const OUT: us
         digest.add(i64::from(clipped));
         outputs.as_flattened().iter().for_each(|&output| digest.add(i64::from(output.widen())));
         for columns in outputs.windows(2) {
-            let sums = network.rest.apply::<E>(columns.first_chunk()?);
+            let sums = network.tail.apply::<E>(columns.first_chunk()?);
             sums.into_iter().for_each(|sum| digest.add(i64::from(sum)));
         }
     }

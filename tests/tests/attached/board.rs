@@ -1,6 +1,7 @@
 //! The emulated board on a pseudo-terminal, with the emulator's monitor.
 
 use controller::configuration::BENCH_B;
+use controller::emulator::MACHINE;
 use host_sim::controller::{
     AttachedController, Controller, EmulatedController, NativeController, RemoteController, Timeouts,
 };
@@ -43,7 +44,7 @@ impl Board {
         // Without the link's pipes in its folder, the image uses the serial port.
         let folder = tempfile::tempdir().unwrap();
         let mut emulator = Command::new("qemu-system-arm")
-            .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "unix:monitor,server=on,wait=off"])
+            .args(["-M", MACHINE, "-display", "none", "-monitor", "unix:monitor,server=on,wait=off"])
             .args(["-serial", "null"].repeat(5))
             .args(["-serial", "pty", "-icount", "shift=2,sleep=off"])
             .args(["-semihosting-config", "enable=on,target=native", "-kernel"])

@@ -1,7 +1,8 @@
 //! Host and emulated controller give the same bits, and the instruction counts of the latter repeat
 //! exactly.
 
-use crate::frames::{configuration, troubled};
+use crate::frames::{configuration, disturbed_frames};
+use controller::emulator::TICKS_PER_INSTRUCTION;
 use controller::flags::{NAMES, STALE, TRIPPED};
 use host_sim::controller::{Controller, EmulatedController, NativeController};
 use inference::{BearingMaterial, Flags};
@@ -10,8 +11,6 @@ use system_tests::faults::plan::Fault;
 use system_tests::faults::scenario::Scenario;
 use system_tests::faults::streams::disturbed;
 
-/// SysTick's ticks of one emulated instruction: 64 ns at 168 MHz.
-const TICKS_PER_INSTRUCTION: f64 = 10.752;
 /// Instructions in a sample period of 100 us, one in each cycle at 168 MHz.
 const BUDGET_INSTRUCTIONS: f64 = 16_800.0;
 /// Number of a campaign fault: a probe that drifts by .1 mm/s.
@@ -52,7 +51,7 @@ fn host_and_emulator_agree_bit_for_bit_on_any_input() {
     for (bearing, seed) in [(BearingMaterial::Babbitt, 1), (BearingMaterial::Plastic, 2)] {
         let mut configuration = configuration(bearing);
         configuration.limits.force_limit_n = 2_000;
-        let frames = troubled(&configuration, 10_000, seed);
+        let frames = disturbed_frames(&configuration, 10_000, seed);
         let on_host = native(configuration, &frames);
         assert_same(&on_host, &emulated(configuration, &frames));
         flags |= union(&on_host.0);
@@ -66,7 +65,7 @@ fn host_and_emulator_agree_bit_for_bit_on_any_input() {
     // A clearance outside the range of every network.
     let mut wide = configuration(BearingMaterial::Babbitt);
     wide.bench.radial_clearance_nm = 2_000_000;
-    let frames = troubled(&wide, 5_000, 3);
+    let frames = disturbed_frames(&wide, 5_000, 3);
     let on_host = native(wide, &frames);
     assert_same(&on_host, &emulated(wide, &frames));
     flags |= union(&on_host.0);
@@ -99,7 +98,7 @@ fn host_and_emulator_agree_bit_for_bit_on_any_input() {
 fn instruction_counts_repeat_exactly_and_stay_within_the_sample_period() {
     for bearing in BearingMaterial::ALL {
         let configuration = configuration(bearing);
-        let frames = troubled(&configuration, 5_000, 4);
+        let frames = disturbed_frames(&configuration, 5_000, 4);
         let ticks = |run: (Vec<EstimateFrame>, Counters)| {
             run.0.iter().map(|e| e.instruction_ticks).collect::<Vec<_>>()
         };

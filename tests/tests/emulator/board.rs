@@ -1,5 +1,6 @@
 //! The image on the emulator with its serial port, paced by its timer.
 
+use controller::emulator::MACHINE;
 use host_sim::controller::EmulatedController;
 use link::{
     Acknowledgement, Answer, Command, ControllerConfiguration, Counters, Decoder, MAX_FRAME, NumberedCommand,
@@ -40,7 +41,7 @@ impl Board {
         let folder = tempfile::tempdir().unwrap();
         let elf = std::path::absolute(EmulatedController::default_elf()).unwrap();
         let mut emulator = Process::new("qemu-system-arm")
-            .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-no-reboot"])
+            .args(["-M", MACHINE, "-display", "none", "-monitor", "none", "-no-reboot"])
             .args(["-serial", "null"].repeat(5))
             .args(["-serial", "stdio", "-icount", "shift=2,sleep=off"])
             .args(["-semihosting-config", "enable=on,target=native", "-kernel"])

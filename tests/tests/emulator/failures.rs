@@ -1,7 +1,7 @@
 //! Failures of a controller: each has a named error and a timeout, and the error states the last
 //! answered sample.
 
-use crate::frames::{configuration, troubled};
+use crate::frames::{configuration, disturbed_frames};
 use host_sim::controller::{Controller, ControllerError, EmulatedController, RemoteController};
 use inference::BearingMaterial;
 use link::track::SensorStatus;
@@ -20,7 +20,7 @@ fn start() -> RemoteController {
 }
 
 fn frames() -> Vec<SensorFrame> {
-    troubled(&configuration(BearingMaterial::Babbitt), 200, 9)
+    disturbed_frames(&configuration(BearingMaterial::Babbitt), 200, 9)
 }
 
 fn process(controller: &RemoteController) -> Pid {

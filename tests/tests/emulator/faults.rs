@@ -5,6 +5,7 @@
 //! command line, resets, sends the next hello frame and ends.
 
 use crate::batch;
+use controller::emulator::MACHINE;
 use controller::supervisor::record::build_hash;
 use host_sim::controller::EmulatedController;
 use link::start::{FaultKind, FaultRecord, ResetReason};
@@ -19,7 +20,7 @@ fn provoking() -> PathBuf {
 
 /// Runs an image until it ends; returns the exit status and its last hello frame.
 fn run(image: &Path, provocation: &str, more: &[&str]) -> (ExitStatus, Hello) {
-    let (status, received) = batch::run("netduinoplus2", image, provocation, more, &[]);
+    let (status, received) = batch::run(MACHINE, image, provocation, more, &[]);
     let mut hellos = received.iter().filter_map(|message| match message {
         ToHost::Hello(hello) => Some(*hello),
         _ => None,

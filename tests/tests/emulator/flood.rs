@@ -1,6 +1,7 @@
 //! Garbage on the link changes neither the estimates nor the cost of a tick.
 
-use crate::frames::{configuration, troubled};
+use crate::frames::{configuration, disturbed_frames};
+use controller::emulator::TICKS_PER_INSTRUCTION;
 use host_sim::controller::{Controller, EmulatedController};
 use inference::BearingMaterial;
 use link::{BadFrames, Counters, Decoder, EstimateFrame, Fault, ToController, ToHost};
@@ -26,13 +27,13 @@ pub(crate) fn garbage(index: u32) -> Vec<u8> {
 
 /// Returns the instructions of a tick. The timer's count depends by one on the phase of SysTick.
 fn instructions(estimate: &EstimateFrame) -> f64 {
-    (f64::from(estimate.instruction_ticks) / 10.752).round()
+    (f64::from(estimate.instruction_ticks) / TICKS_PER_INSTRUCTION).round()
 }
 
 #[test]
 fn garbage_between_the_frames_changes_neither_estimates_nor_the_instructions_of_a_tick() {
     let configuration = configuration(BearingMaterial::Babbitt);
-    let frames = troubled(&configuration, SAMPLES, 21);
+    let frames = disturbed_frames(&configuration, SAMPLES, 21);
     let elf = EmulatedController::default_elf();
     let mut quiet = EmulatedController::start(configuration, &elf).unwrap();
     let mut flooded = EmulatedController::start(configuration, &elf).unwrap();

@@ -74,7 +74,11 @@ const DISTURBANCES: [Disturbance; 10] = [
 /// Returns `count` frames for a configuration. Every second section is clean; all disturbances take
 /// 5,000 frames. The load is random for 5,000 frames and plausible for the next 5,000: a load known
 /// to be faulty hides an implausible swing.
-pub(crate) fn troubled(configuration: &ControllerConfiguration, count: u32, seed: u64) -> Vec<SensorFrame> {
+pub(crate) fn disturbed_frames(
+    configuration: &ControllerConfiguration,
+    count: u32,
+    seed: u64,
+) -> Vec<SensorFrame> {
     let configuration = configuration.bench;
     let mut random = Random(SplitMix64(seed));
     let clearance_m = f64::from(configuration.radial_clearance_nm) * 1e-9;

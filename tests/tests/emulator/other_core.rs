@@ -2,7 +2,7 @@
 //! same bits as the host.
 
 use crate::batch;
-use crate::frames::{configuration, troubled};
+use crate::frames::{configuration, disturbed_frames};
 use crate::update::package_for;
 use controller::{Identity, NoTicks, Session};
 use host_sim::controller::EmulatedController;
@@ -33,7 +33,7 @@ fn another_core_estimates_the_same_bits() {
     for (bearing, seed) in [(BearingMaterial::Babbitt, 4), (BearingMaterial::Plastic, 5)] {
         let configuration = configuration(bearing);
         let configure = NumberedCommand { id: 1, command: Command::Configure(configuration) };
-        let frames = troubled(&configuration, 5_000, seed);
+        let frames = disturbed_frames(&configuration, 5_000, seed);
         let sensors = frames.iter().map(|frame| ToController::Sensor(*frame, SensorStatus::GOOD));
         let messages: Vec<_> = std::iter::once(ToController::Command(configure)).chain(sensors).collect();
         let (status, received) = batch::run("mps2-an505", &image(), "", &[], &messages);

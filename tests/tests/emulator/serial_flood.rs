@@ -7,7 +7,7 @@
 
 use crate::board::Board;
 use crate::flood::garbage;
-use crate::frames::{configuration, troubled};
+use crate::frames::{configuration, disturbed_frames};
 use crate::update::package;
 use controller::session::{OWN_ESTIMATE_INTERVAL, OWN_SAMPLE_PERIOD_US};
 use controller::{Identity, NoTicks, Session};
@@ -88,7 +88,7 @@ fn samples_among_garbage_are_estimated_as_on_the_host() {
         core_hz: 168_000_000,
     });
     session.configure(&configuration).unwrap();
-    for (frame, index) in troubled(&configuration, SAMPLES, 5).iter().zip(0..) {
+    for (frame, index) in disturbed_frames(&configuration, SAMPLES, 5).iter().zip(0..) {
         let message = ToController::Sensor(*frame, SensorStatus::GOOD);
         board.send_bytes(&garbage(index));
         board.send(&message);

@@ -2,7 +2,8 @@
 //! budget.
 
 use crate::batch;
-use crate::frames::{configuration, troubled};
+use crate::frames::{configuration, disturbed_frames};
+use controller::emulator::{MACHINE, TICKS_PER_INSTRUCTION};
 use controller::flags::{HELD, OVER_FORCE, SENSOR_FAULT};
 use host_sim::controller::EmulatedController;
 use inference::{BearingMaterial, Flags};
@@ -14,8 +15,6 @@ use system_tests::random::SplitMix64;
 
 /// Maximum instructions of a tick: from a sample to the bytes of its estimate.
 const BUDGET: u32 = 20_000;
-/// SysTick's ticks of one emulated instruction: 64 ns at 168 MHz.
-const TICKS_PER_INSTRUCTION: f64 = 10.752;
 /// Samples of a run: two rounds of disturbances.
 const SAMPLES: u32 = 10_000;
 
@@ -38,8 +37,7 @@ fn ticks(
     let configure = NumberedCommand { id: 1, command: Command::Configure(configuration) };
     let samples = frames.iter().map(|&(frame, status)| ToController::Sensor(frame, status));
     let messages: Vec<_> = std::iter::once(ToController::Command(configure)).chain(samples).collect();
-    let (status, received) =
-        batch::run("netduinoplus2", &EmulatedController::default_elf(), "", &[], &messages);
+    let (status, received) = batch::run(MACHINE, &EmulatedController::default_elf(), "", &[], &messages);
     assert!(status.success(), "{status}");
     let estimates: Vec<_> = received
         .iter()
@@ -63,7 +61,7 @@ fn no_tick_exceeds_its_budget_whatever_the_samples() {
         let mut configuration = configuration(bearing);
         configuration.limits.force_limit_n = 2_000;
         let mut random = SplitMix64(seed);
-        let frames: Vec<_> = troubled(&configuration, SAMPLES, seed)
+        let frames: Vec<_> = disturbed_frames(&configuration, SAMPLES, seed)
             .into_iter()
             .map(|frame| {
                 let bits = random.bits();
@@ -78,7 +76,7 @@ fn no_tick_exceeds_its_budget_whatever_the_samples() {
     }
     assert!(Flags::from_bits(flags).contains(SENSOR_FAULT | HELD | OVER_FORCE), "{flags:08x}");
     // `cargo xtask insn` reads this line.
-    println!("troubled ticks: {least} to {most} instructions");
+    println!("disturbed ticks: {least} to {most} instructions");
     // Two networks of 3,700 multiply-accumulates, at most two in a cycle: a smaller count would be
     // an error of measurement.
     assert!(least > 1_856, "{least}");

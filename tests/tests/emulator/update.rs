@@ -1,7 +1,7 @@
 //! The emulated controller accepts a model package over the link while it estimates, and rejects
 //! others.
 
-use crate::frames::{configuration, troubled};
+use crate::frames::{configuration, disturbed_frames};
 use controller::store::{Loaded, Models};
 use controller::{Identity, NoTicks, Session};
 use ed25519_dalek::SigningKey;
@@ -98,7 +98,7 @@ impl Ask for Beside<'_, '_> {
 
 #[test]
 fn estimates_continue_during_an_update_and_equal_those_of_the_new_model_after_it() {
-    let frames = troubled(&configuration(BearingMaterial::Babbitt), 6000, 4);
+    let frames = disturbed_frames(&configuration(BearingMaterial::Babbitt), 6000, 4);
     let package = package(7, BearingMaterial::Babbitt);
     let (mut controller, mut session) = (start(), native());
     let mut beside = Beside {

@@ -15,7 +15,7 @@
 //! The contact law is the hybrid one of Bai and Zhao as printed in the paper, with the damping
 //! factor of Zhiying and Qishao.
 
-use crate::run::Row;
+use crate::row::Row;
 use crate::world::World;
 use std::f64::consts::PI;
 

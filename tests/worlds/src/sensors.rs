@@ -1,7 +1,7 @@
 //! Sensors of a world: noise, delay and lost readings.
 
 use crate::random::Random;
-use crate::run::Row;
+use crate::row::Row;
 
 /// Properties of the sensors. Noise is one standard deviation of a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]

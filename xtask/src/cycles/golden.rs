@@ -22,10 +22,10 @@ const TABLE: Block = Block { file: "docs/firmware.md", name: "cycles" };
 /// Budgets: upper bounds of the cycles with a placement. The sample period has 16,800 cycles.
 const BUDGETS: [(Work, Placement, u64); 8] = [
     (Work::Tick, Placement::WeightsInFlash, 18_500),
-    (Work::TroubledTick, Placement::WeightsInFlash, 18_500),
+    (Work::DisturbedTick, Placement::WeightsInFlash, 18_500),
     (Work::Handler, Placement::WeightsInFlash, 23_500),
     (Work::Tick, Placement::WeightsInRam, 15_500),
-    (Work::TroubledTick, Placement::WeightsInRam, 15_500),
+    (Work::DisturbedTick, Placement::WeightsInRam, 15_500),
     (Work::Handler, Placement::WeightsInRam, 20_500),
     (Work::ReferenceWindow, Placement::NoWaitStates, 310_000),
     (Work::ReferenceStream, Placement::NoWaitStates, 13_000),

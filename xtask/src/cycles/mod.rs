@@ -183,7 +183,7 @@ fn board(placement: Placement, cycles: &BTreeMap<String, Cycles>) -> BoardCycles
         core: core.into(),
         core_hz,
         period_cycles: u64::from(core_hz) * u64::from(OWN_SAMPLE_PERIOD_US) / 1_000_000,
-        tick_max: upper(Work::Tick).max(upper(Work::TroubledTick)),
+        tick_max: upper(Work::Tick).max(upper(Work::DisturbedTick)),
         handler_max: upper(Work::Handler),
         reference_window: upper(Work::ReferenceWindow),
         reference_stream: upper(Work::ReferenceStream),

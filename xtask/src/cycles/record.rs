@@ -20,7 +20,7 @@ pub(super) enum Work {
     /// Tick in lockstep over a cycle of bench B, from the sample to its frame.
     Tick,
     /// The same over disturbed samples.
-    TroubledTick,
+    DisturbedTick,
     /// Handler of the timer's interrupt with own samples.
     Handler,
     /// Reference network over a complete window.
@@ -39,7 +39,7 @@ impl Work {
     /// Works of the project.
     pub(super) const ALL: [Self; 7] = [
         Self::Tick,
-        Self::TroubledTick,
+        Self::DisturbedTick,
         Self::Handler,
         Self::ReferenceWindow,
         Self::ReferenceStream,
@@ -60,7 +60,7 @@ impl Work {
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Tick => "tick",
-            Self::TroubledTick => "troubled_tick",
+            Self::DisturbedTick => "troubled_tick",
             Self::Handler => "handler",
             Self::ReferenceWindow => "reference_window",
             Self::ReferenceStream => "reference_stream",
@@ -184,7 +184,7 @@ impl Runs {
         let [babbitt, plastic] = both;
         let (babbitt, plastic) = (babbitt?, plastic?);
         maxima.set_weights(&(babbitt.start.min(plastic.start)..babbitt.end.max(plastic.end)));
-        let each = |section: &Section| maxima.add(Work::TroubledTick, section);
+        let each = |section: &Section| maxima.add(Work::DisturbedTick, section);
         self.trace(&mut test(TROUBLED), TICKS, &image, each)?;
         let wrong = || ChoreError::File {
             file: elf.clone(),

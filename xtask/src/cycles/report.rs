@@ -53,7 +53,7 @@ pub(super) struct Report {
 /// Works of the table with their descriptions.
 const ROWS: [(Work, &str); 7] = [
     (Work::Tick, "tick in lockstep, bench B"),
-    (Work::TroubledTick, "the same over disturbed samples"),
+    (Work::DisturbedTick, "the same over disturbed samples"),
     (Work::Handler, "handler of the timer, own samples"),
     (Work::ReferenceWindow, "reference network, window"),
     (Work::ReferenceStream, "reference network, column"),
@@ -108,7 +108,7 @@ impl Report {
 /// Returns the share of a sample period for work that has to end within it.
 fn share(work: Work, upper: u64, period: u64) -> String {
     match work {
-        Work::Tick | Work::TroubledTick | Work::Handler => {
+        Work::Tick | Work::DisturbedTick | Work::Handler => {
             format!(", {:.0} %", 100.0 * upper as f64 / period.max(1) as f64)
         }
         _ => String::new(),

@@ -1,8 +1,9 @@
 //! The project's language rules: plain words, lines that fit the screen, functions that fit a page
 //! and have few branches.
 //!
-//! Checks every Rust and Markdown file of the workspace, `CHANGELOG.md` excepted. The words to
-//! avoid are in `terms.txt`, the functions without limits in `exempt-functions.txt`.
+//! Checks every file of Rust and Markdown, and the comments of Python, TOML, C and linker scripts,
+//! `CHANGELOG.md` excepted. The words to avoid are in `terms.txt`, the functions without limits in
+//! `exempt-functions.txt`.
 
 mod functions;
 mod prose;
@@ -19,8 +20,6 @@ struct Departure {
     line: usize,
     /// The finding.
     message: String,
-    /// `true` if a function exceeds a limit.
-    is_function: bool,
 }
 
 /// Prints the departures, by line or as counts by file, and fails if there are any.
@@ -32,7 +31,7 @@ pub(crate) fn language(paths: &[PathBuf], by_file: bool) -> Result<(), ChoreErro
             println!("{:5}  {}", group.len(), file.unwrap_or_default());
         }
     } else {
-        for Departure { file, line, message, .. } in &departures {
+        for Departure { file, line, message } in &departures {
             println!("{}:{line}: {message}", file.display());
         }
     }
@@ -42,15 +41,12 @@ pub(crate) fn language(paths: &[PathBuf], by_file: bool) -> Result<(), ChoreErro
     }
 }
 
-/// Rejects a workspace with lines that depart from the rules. Returns the number of departures of
-/// functions.
-pub(crate) fn check() -> Result<usize, ChoreError> {
-    let (functions, lines): (Vec<_>, Vec<_>) =
-        find(&[])?.into_iter().partition(|departure| departure.is_function);
-    match lines.len() {
-        0 => Ok(functions.len()),
+/// Rejects a workspace that departs from the rules.
+pub(crate) fn check() -> Result<(), ChoreError> {
+    match find(&[])?.len() {
+        0 => Ok(()),
         count => Err(ChoreError::ByHand(format!(
-            "{count} lines depart from the language rules: cargo xtask language"
+            "{count} departures from the language rules: cargo xtask language"
         ))),
     }
 }
@@ -67,22 +63,19 @@ fn find(paths: &[PathBuf]) -> Result<Vec<Departure>, ChoreError> {
     let mut departures = vec![];
     for (path, text) in files {
         let content = std::fs::read_to_string(&path).map_err(|error| unreadable(&path, &error))?;
-        let lines = rules.check(text, &content).into_iter().map(|found| (found, false));
+        let mut found = rules.check(text, &content);
         let file = path.strip_prefix(root()).unwrap_or(&path).to_path_buf();
-        let functions = match text {
-            Text::Rust => functions::check(&file.to_string_lossy(), &content),
-            Text::Markdown => vec![],
-        };
-        let mut found: Vec<_> = lines.chain(functions.into_iter().map(|found| (found, true))).collect();
+        if text == Text::Rust {
+            found.extend(functions::check(&file.to_string_lossy(), &content));
+        }
         found.sort();
-        let departure =
-            |((line, message), is_function)| Departure { file: file.clone(), line, message, is_function };
+        let departure = |(line, message)| Departure { file: file.clone(), line, message };
         departures.extend(found.into_iter().map(departure));
     }
     Ok(departures)
 }
 
-/// Collects the files to check: no hidden folders, no build output.
+/// Collects the files to check: no hidden folders except cargo's, no build output.
 fn collect(path: &Path, files: &mut Vec<(PathBuf, Text)>) -> Result<(), ChoreError> {
     if !path.is_dir() {
         let is_exempt = path.file_name().is_some_and(|name| name == "CHANGELOG.md");
@@ -95,7 +88,8 @@ fn collect(path: &Path, files: &mut Vec<(PathBuf, Text)>) -> Result<(), ChoreErr
     }
     for entry in std::fs::read_dir(path).map_err(|error| unreadable(path, &error))?.flatten() {
         let name = entry.file_name();
-        if !name.to_string_lossy().starts_with('.') && name != "out" {
+        let is_hidden = name.to_string_lossy().starts_with('.') && name != ".cargo";
+        if !is_hidden && name != "out" {
             collect(&entry.path(), files)?;
         }
     }

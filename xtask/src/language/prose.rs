@@ -1,4 +1,7 @@
 //! Line rules: width, the first word of a doc comment, and terms that the project does not use.
+//!
+//! In Python, TOML, C and linker scripts only comments have a maximum width; the terms apply to all
+//! lines.
 
 use crate::run::ChoreError;
 use regex_lite::{Regex, RegexBuilder};
@@ -23,6 +26,10 @@ pub(super) enum Text {
     Rust,
     /// Markdown prose with tables and code blocks.
     Markdown,
+    /// Python or TOML: comments after `#`, and documentation between `"""`.
+    Hash,
+    /// C or a linker script: comments after `//`, and between `/*` and `*/`.
+    C,
 }
 
 impl Text {
@@ -31,6 +38,8 @@ impl Text {
         match path.extension()?.to_str()? {
             "rs" => Some(Self::Rust),
             "md" => Some(Self::Markdown),
+            "py" | "toml" => Some(Self::Hash),
+            "c" | "x" => Some(Self::C),
             _ => None,
         }
     }
@@ -58,7 +67,7 @@ impl Rules {
             let (pattern, replacement) = line.split_once(" => ").ok_or_else(|| {
                 ChoreError::ByHand(format!("terms.txt: `{line}`: expected `pattern => term`"))
             })?;
-            let is_verbatim = pattern.contains('_');
+            let is_verbatim = pattern.contains('_') || pattern.chars().all(|c| c.is_ascii_uppercase());
             let pattern = compile(&format!(r"\b(?:{pattern})\b"), !is_verbatim)?;
             Ok(Term { pattern, is_verbatim, replacement })
         });
@@ -68,12 +77,13 @@ impl Rules {
     /// Lists the departures in a file's text: line number from 1, and what is wrong.
     pub(super) fn check(&self, text: Text, content: &str) -> Vec<(usize, String)> {
         let mut departures = vec![];
-        let mut is_code_block = false;
+        let mut is_block = false;
         for (number, line) in (1..).zip(content.lines()) {
-            if text == Text::Markdown && line.trim_start().starts_with("```") {
-                is_code_block = !is_code_block;
-            }
-            let (width, max_width) = (line.chars().count(), max_width(text, is_code_block, line));
+            let was_block = is_block;
+            is_block = is_block_after(text, was_block, line);
+            // A fence belongs to its code block, the last line of a comment to its comment.
+            let is_in_block = is_block || (was_block && text != Text::Markdown);
+            let (width, max_width) = (line.chars().count(), max_width(text, is_in_block, line));
             if width > max_width {
                 departures.push((number, format!("{width} characters wide; at most {max_width}")));
             }
@@ -110,16 +120,36 @@ fn compile(pattern: &str, ignores_case: bool) -> Result<Regex, ChoreError> {
         .map_err(|error| ChoreError::ByHand(format!("`{pattern}` in the language rules: {error}")))
 }
 
-/// Returns the maximum width of a line. Tables, code blocks and lines without a space to break at
-/// have none.
-fn max_width(text: Text, is_code_block: bool, line: &str) -> usize {
+/// Returns `true` if a block continues after a line: a code block of Markdown, a documentation
+/// string of Python, a comment of C.
+fn is_block_after(text: Text, is_block: bool, line: &str) -> bool {
+    match text {
+        Text::Rust => false,
+        Text::Markdown => is_block != line.trim_start().starts_with("```"),
+        Text::Hash => is_block != (line.matches("\"\"\"").count() % 2 == 1),
+        Text::C => match (line.rfind("/*"), line.rfind("*/")) {
+            (None, None) => is_block,
+            (start, end) => start > end,
+        },
+    }
+}
+
+/// Returns the maximum width of a line. Tables, code blocks, lines without a space to break at, and
+/// code in other languages than Rust have none.
+fn max_width(text: Text, is_block: bool, line: &str) -> usize {
     let trimmed = line.trim_start();
-    let prose = trimmed.trim_start_matches(['/', '!', '>']).trim();
-    let is_prose = text == Text::Markdown || trimmed.starts_with("//");
-    match is_prose {
-        true if is_code_block || prose.starts_with('|') || !prose.contains(' ') => usize::MAX,
-        true => MAX_PROSE_WIDTH,
-        false => MAX_CODE_WIDTH,
+    let prose = trimmed.trim_start_matches(['/', '!', '>', '#', '*']).trim();
+    let is_prose = match text {
+        Text::Rust => trimmed.starts_with("//"),
+        Text::Markdown => !is_block,
+        Text::Hash => is_block || trimmed.starts_with('#') || trimmed.starts_with("\"\"\""),
+        Text::C => is_block || ["//", "/*"].iter().any(|start| trimmed.starts_with(start)),
+    };
+    match text {
+        _ if is_prose && (prose.starts_with('|') || !prose.contains(' ')) => usize::MAX,
+        _ if is_prose => MAX_PROSE_WIDTH,
+        Text::Rust => MAX_CODE_WIDTH,
+        Text::Markdown | Text::Hash | Text::C => usize::MAX,
     }
 }
 
@@ -157,6 +187,31 @@ mod tests {
         assert_eq!(departures(Text::Rust, &wide), []);
         assert_eq!(departures(Text::Rust, &format!("// {wide}")).len(), 1);
         assert_eq!(departures(Text::Rust, &format!("x = {wide}{wide}")).len(), 1);
+    }
+
+    #[test]
+    fn comments_of_other_languages_are_prose_and_their_code_is_not() {
+        let wide = "a ".repeat(51);
+        for (text, content, count) in [
+            (Text::Hash, format!("# {wide}"), 1),
+            (Text::Hash, format!("\"\"\"A.\n{wide}\n\"\"\"\n{wide}"), 1),
+            (Text::Hash, format!("    \"\"\"{wide}\"\"\"\n{wide}"), 1),
+            (Text::C, format!("/* A.\n{wide}\n{wide} */\n{wide}"), 2),
+            (Text::C, format!("// {wide}\n{wide}"), 1),
+            (Text::C, format!("    /* {wide} */\n{wide}"), 1),
+        ] {
+            assert_eq!(departures(text, &content).len(), count, "{content}");
+        }
+        let term = ["to", "ld"].concat();
+        assert_eq!(departures(Text::Hash, &format!("{term} = 1")).len(), 1);
+    }
+
+    #[test]
+    fn a_constant_is_not_named_by_a_bare_superlative() {
+        for name in [["MO", "ST"].concat(), ["LEA", "ST"].concat()] {
+            assert_eq!(departures(Text::Rust, &format!("const {name}: u8 = 1;")).len(), 1);
+            assert_eq!(departures(Text::Rust, &format!("const {}: u8 = 1;", name.to_lowercase())), []);
+        }
     }
 
     #[test]

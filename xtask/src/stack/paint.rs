@@ -6,6 +6,7 @@
 use crate::run::{ChoreError, run_with_timeout, target_folder};
 use crate::setup::EMULATOR;
 use controller::configuration::BENCH_B;
+use controller::emulator::MACHINE;
 use link::track::SensorStatus;
 use link::{Command, Decoder, MAX_FRAME, NumberedCommand, SensorFrame, ToController, ToHost, encode};
 use std::path::Path;
@@ -53,17 +54,7 @@ pub(super) fn run(image: &Path) -> Result<u32, ChoreError> {
 fn emulate(image: &Path, folder: &Path) -> Result<(), ChoreError> {
     let mut command = std::process::Command::new(EMULATOR);
     command
-        .args([
-            "-M",
-            "netduinoplus2",
-            "-display",
-            "none",
-            "-serial",
-            "null",
-            "-monitor",
-            "none",
-            "-no-reboot",
-        ])
+        .args(["-M", MACHINE, "-display", "none", "-serial", "null", "-monitor", "none", "-no-reboot"])
         .args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off", "-kernel"])
         .arg(image)
         .current_dir(folder)

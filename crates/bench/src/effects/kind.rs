@@ -87,11 +87,11 @@ pub(super) type Values<'a> = dyn Fn(&str) -> f64 + 'a;
 /// Function that applies an effect to the part of a bench on which it acts.
 #[derive(Clone, Copy)]
 pub(super) enum Apply {
-    /// To the sensor of the effect's channel.
+    /// Action on the sensor of the effect's channel.
     Sensor(fn(&mut Sensor, &Values<'_>)),
-    /// To a transmission bench.
+    /// Action on a transmission bench.
     Transmission(fn(&mut TransmissionBench, &Values<'_>)),
-    /// To a driven axis.
+    /// Action on a driven axis.
     Axis(fn(&mut FrictionRig, &Values<'_>)),
 }
 

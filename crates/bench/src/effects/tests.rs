@@ -143,7 +143,7 @@ fn an_effect_is_refused_on_a_plant_where_it_does_not_act() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
-    /// At size 0 the resolved description, and so every run, is the nominal one to the bit, for all
+    /// Checks that at size 0 the resolved description is the nominal one to the bit, for all
     /// shapes.
     #[test]
     fn an_effect_of_size_0_is_the_nominal_bench(share in 0.0..1.0_f64) {

@@ -15,7 +15,8 @@ mod plant;
 
 pub use contacts::CHATTER_CONTACTS;
 pub use outcome::{Impact, Integration, IntegrationError};
-pub use plant::{ContactAngles, ContactPlant, ContactReading, SlicedPlant};
+pub(crate) use plant::SlicedPlant;
+pub use plant::{ContactAngles, ContactPlant, ContactReading};
 
 use contacts::Contacts;
 use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
@@ -64,7 +65,7 @@ pub fn integrate<P: ContactPlant<N>, const N: usize>(
 
 /// Integrates a plant with any number of contacts, as [`integrate`]: `in_contact` and the latched
 /// speeds have one value for each contact.
-pub fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
+pub(crate) fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
     plant: &P,
     (start_s, end_s): (f64, f64),
     initial: [f64; N],

@@ -40,7 +40,7 @@ pub trait ContactPlant<const N: usize> {
 }
 
 /// A plant with `N` states and a fixed number of contacts, each with its own latch.
-pub trait SlicedPlant<const N: usize> {
+pub(crate) trait SlicedPlant<const N: usize> {
     /// Number of contacts.
     fn slices(&self) -> usize;
     /// Computes the state derivative with the latched approach speed of each contact, `None` in a

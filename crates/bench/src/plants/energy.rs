@@ -71,7 +71,7 @@ impl EnergyAudit {
 
 /// Elastic energy of a contact in J at a deformation in m: the integral of the stiffness part. It
 /// uses Gauss' rule in the square root of the deformation, where laws with half powers are smooth.
-pub fn elastic_energy_j(stiffness: &Stiffness, deformation_m: f64) -> f64 {
+pub(crate) fn elastic_energy_j(stiffness: &Stiffness, deformation_m: f64) -> f64 {
     const NODES: [(f64, f64); 5] = [
         (0.0, 0.568_888_888_888_888_9),
         (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),

@@ -27,7 +27,7 @@ pub(crate) struct Memory {
     /// Deflection of the law's bristles in m, or the pre-sliding sign.
     pub(crate) bristle: f64,
     /// Share of the excess that a standstill has built up.
-    pub(crate) rest: f64,
+    pub(crate) breakaway: f64,
     /// Temperature rise in K.
     pub(crate) rise_k: f64,
 }
@@ -72,7 +72,7 @@ impl Extension {
             dry *= (normal_n / REFERENCE_N).powf(self.load_exponent);
         }
         if let Some(term) = &self.breakaway {
-            dry *= 1.0 + term.excess * memory.rest;
+            dry *= 1.0 + term.excess * memory.breakaway;
         }
         for term in &self.friction_steps {
             dry *= 1.0 + term.change * smooth_step(time_s, term.time_s);

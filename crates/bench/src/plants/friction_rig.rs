@@ -62,7 +62,7 @@ struct AxisMemory {
     /// Pre-sliding sign, from -1 to 1.
     turned: f64,
     /// Share of the excess that a standstill has built up.
-    rest: f64,
+    breakaway: f64,
     /// Temperature rise in K.
     rise_k: f64,
 }
@@ -97,7 +97,7 @@ fn friction_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> f64 {
         dry += term.rise * (-speed.abs() / term.speed_m_s).exp();
     }
     if let Some(term) = &extension.breakaway {
-        dry += term.excess * memory.rest;
+        dry += term.excess * memory.breakaway;
     }
     for term in &extension.friction_steps {
         dry += term.change * smooth_step(now.time_s, term.time_s);
@@ -134,7 +134,7 @@ fn memory_after(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) 
     }
     if let Some(term) = &extension.breakaway {
         let (steady, rate) = term.steady(sliding);
-        next.rest = steady + (last.rest - steady) * (-rate * step_s).exp();
+        next.breakaway = steady + (last.breakaway - steady) * (-rate * step_s).exp();
     }
     if let Some(term) = &extension.thermal {
         let heat = (friction_at(rig, now, &last) * now.motion.rate).max(0.0);
@@ -240,14 +240,14 @@ pub(crate) fn efforts_along(
     // in steady sliding. An axis at standstill has been there for a long time.
     let mut memory = AxisMemory {
         turned: slides.sign,
-        rest: extension.breakaway.as_ref().map_or(0.0, |term| term.steady(slides.speed_m_s).0),
+        breakaway: extension.breakaway.as_ref().map_or(0.0, |term| term.steady(slides.speed_m_s).0),
         rise_k: extension.temperature_start_k,
         ..AxisMemory::default()
     };
     let mut efforts = Vec::with_capacity(course.len().div_ceil(every));
     for (place, given) in course.iter().enumerate() {
-        let is_asked = place % every == 0;
-        if !is_asked && !remembers && !bends {
+        let is_output = place % every == 0;
+        if !is_output && !remembers && !bends {
             continue;
         }
         let given = lagged(given);
@@ -270,7 +270,7 @@ pub(crate) fn efforts_along(
             }
             last = given;
         }
-        if is_asked {
+        if is_output {
             let mut now = moment(&given);
             now.coefficient *= 1.0 + memory.excess;
             efforts.push(effort_at(rig, &now, &memory));

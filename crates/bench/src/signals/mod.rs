@@ -9,5 +9,6 @@ pub mod white_noise;
 
 pub(crate) use axis_motion::{follow, smoothed};
 pub use channel::{Channel, Role};
-pub use motion::{Motion, Profile, sweep_s};
+pub(crate) use motion::sweep_s;
+pub use motion::{Motion, Profile};
 pub use sensor::Sensor;

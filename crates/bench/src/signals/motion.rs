@@ -42,7 +42,7 @@ pub enum Profile {
         /// Cycles.
         cycles: f64,
     },
-    /// As `Cycles`, with a standstill before each half cycle.
+    /// Motion as in `Cycles`, with a standstill before each half cycle.
     Resting {
         /// Stroke.
         stroke: f64,
@@ -53,8 +53,8 @@ pub enum Profile {
         /// Length of a standstill in s.
         dwell_s: f64,
     },
-    /// As `Cycles`, with a frequency that changes linearly from that of the first period to that of
-    /// the last.
+    /// Motion as in `Cycles`, with a frequency that changes linearly from that of the first period
+    /// to that of the last.
     Sweep {
         /// Stroke.
         stroke: f64,
@@ -205,7 +205,7 @@ impl Profile {
 
 /// Length in s of a number of cycles while the frequency changes linearly from one period to
 /// another.
-pub fn sweep_s(period_s: f64, last_period_s: f64, cycles: f64) -> f64 {
+pub(crate) fn sweep_s(period_s: f64, last_period_s: f64, cycles: f64) -> f64 {
     2.0 * cycles / (1.0 / period_s + 1.0 / last_period_s)
 }
 

@@ -42,11 +42,11 @@ pub(crate) fn hold_standstills(
         }
         let margin = places.len() / 2;
         let wider = places.start.saturating_sub(margin)..(places.end + margin).min(nodes.len());
-        let (Some(rest), Some(around)) = (positions.slice(places.clone()), positions.slice(wider)) else {
+        let (Some(inner), Some(around)) = (positions.slice(places.clone()), positions.slice(wider)) else {
             return;
         };
-        let mean = rest.values.iter().sum::<f64>() / rest.values.len() as f64;
-        if rest.lie_on(|_| mean)
+        let mean = inner.values.iter().sum::<f64>() / inner.values.len() as f64;
+        if inner.lie_on(|_| mean)
             && !around.lie_on_parabola()
             && let Some(nodes) = nodes.get_mut(places)
         {

@@ -6,7 +6,7 @@
 //! the model. In a run whose trajectories decorrelate (a slider-crank beyond two revolutions) bars
 //! become as large as the peaks; then only statistics can be compared.
 
-use crate::integrate::{Impact, IntegrationError, SlicedPlant, Tolerances, integrate_slices};
+use crate::integrate::{ContactPlant, Impact, IntegrationError, Tolerances, integrate};
 use crate::plants::transmission::Snapshot;
 
 /// Tolerance of the finer run relative to that of the coarser one.
@@ -116,7 +116,7 @@ fn highest(samples: &[Snapshot], read: fn(&Snapshot) -> f64) -> Vec<f64> {
 
 /// Returns every impact of a plant with the error bar of its peak force. A contact that only one of
 /// the runs has gets an infinite bar.
-pub fn impacts_with_bars<P: SlicedPlant<N>, const N: usize>(
+pub fn impacts_with_bars<P: ContactPlant<N>, const N: usize>(
     plant: &P,
     span_s: (f64, f64),
     initial: [f64; N],
@@ -127,7 +127,7 @@ pub fn impacts_with_bars<P: SlicedPlant<N>, const N: usize>(
         absolute: tolerances.absolute.map(|a| a * TIGHTER),
         largest_step_s: tolerances.largest_step_s,
     };
-    let run = |tolerances| integrate_slices(plant, span_s, initial, &[], &[], tolerances, |_, _, _| {});
+    let run = |tolerances| integrate(plant, span_s, initial, false, &[], tolerances, |_, _, _| {});
     let (coarse, fine) = (run(tolerances)?, run(&tighter)?);
     let bar = |i: usize, impact: &Impact| {
         coarse.impacts.get(i).map_or(f64::INFINITY, |c| (c.peak_force_n - impact.peak_force_n).abs())

@@ -25,9 +25,9 @@ pub struct Karnopp<T = f64> {
 /// State of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KarnoppState {
-    /// In the band, and friction balances the applied force.
+    /// Sticking: in the band, and friction balances the applied force.
     Sticking,
-    /// In the band, but the applied force exceeds `mu_s N`.
+    /// Break-away: in the band, but the applied force exceeds `mu_s N`.
     BreakingAway,
     /// Outside the band.
     Sliding,

@@ -44,7 +44,7 @@ pub struct SevenParameter<T = f64> {
 /// State of the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SevenParameterState<T = f64> {
-    /// At standstill except for the spring.
+    /// Standstill except for the spring.
     Sticking {
         /// `x` in m.
         displacement_m: T,

@@ -11,6 +11,9 @@ mod table;
 
 pub use memory_map::{MemoryMap, Region};
 pub use signals::{Port, SIGNALS, Signal};
+/// Baud rate of the link's serial port, on every board and on the host.
+pub const LINK_BAUD: u32 = 500_000;
+
 pub use table::{BOARDS, Board, Light, Microcontroller, UnknownBoard, find, parse};
 
 #[cfg(test)]

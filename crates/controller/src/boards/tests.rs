@@ -76,3 +76,11 @@ fn the_documentation_has_the_same_tables() {
         assert!(text.contains(&row), "docs/firmware.md: {row}");
     }
 }
+
+#[test]
+fn model_packages_exist_for_every_microcontroller() {
+    for board in &BOARDS {
+        let feature = board.microcontroller.feature;
+        assert!(model_package::board::ALL.iter().any(|board| board.name == feature), "{feature}");
+    }
+}

@@ -37,8 +37,8 @@ pub struct As5047p<SPI> {
     spi: SPI,
     /// Address in the next frame: the angle, or the error register, which reading clears.
     next: u16,
-    /// Address that the next answer belongs to.
-    asked: u16,
+    /// Address of the register that the next answer contains.
+    requested: u16,
     /// `true` once the device has answered anything but zeros.
     seen: bool,
 }
@@ -46,7 +46,7 @@ pub struct As5047p<SPI> {
 impl<SPI: SpiDevice> As5047p<SPI> {
     /// Takes the device. The first two readings have no angle yet.
     pub const fn new(spi: SPI) -> Self {
-        Self { spi, next: ANGLE, asked: ERRORS, seen: false }
+        Self { spi, next: ANGLE, requested: ERRORS, seen: false }
     }
 
     /// Reads the angle that the previous frame requested, in steps.
@@ -59,10 +59,10 @@ impl<SPI: SpiDevice> As5047p<SPI> {
     pub fn read(&mut self) -> Result<u16, SensorFault> {
         let command = with_parity(READ | self.next);
         let mut frame = command.to_be_bytes();
-        let asked = core::mem::replace(&mut self.asked, self.next);
+        let requested = core::mem::replace(&mut self.requested, self.next);
         self.next = ANGLE;
         if self.spi.transfer_in_place(&mut frame).is_err() {
-            self.asked = ERRORS;
+            self.requested = ERRORS;
             return Err(SensorFault::Bus);
         }
         let answer = u16::from_be_bytes(frame);
@@ -77,11 +77,11 @@ impl<SPI: SpiDevice> As5047p<SPI> {
             return Err(SensorFault::ErrorFlag);
         }
         self.seen |= answer & DATA != 0;
-        if asked != ERRORS && !self.seen {
+        if requested != ERRORS && !self.seen {
             self.next = DIAGNOSTICS;
             return Err(SensorFault::NoAnswer);
         }
-        if asked == ANGLE { Ok(answer & DATA) } else { Err(SensorFault::ErrorFlag) }
+        if requested == ANGLE { Ok(answer & DATA) } else { Err(SensorFault::ErrorFlag) }
     }
 
     /// Returns the bus.

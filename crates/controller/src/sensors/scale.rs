@@ -28,12 +28,14 @@ impl Scale {
     #[must_use]
     pub fn length_nm(&self, code: u16) -> i32 {
         let error_nm = self.table_nm.map_or(0, |table| error_nm(table, code));
-        linear(code, self.zero_code, self.gain_nm).wrapping_sub(error_nm).clamp(LEAST, MOST) as i32
+        linear(code, self.zero_code, self.gain_nm).wrapping_sub(error_nm).clamp(MIN_NM, MAX_NM) as i32
     }
 }
 
-const LEAST: i64 = i32::MIN as i64 + 1;
-const MOST: i64 = i32::MAX as i64;
+/// Minimum of a length, nm: its negative is representable.
+const MIN_NM: i64 = i32::MIN as i64 + 1;
+/// Maximum of a length, nm.
+const MAX_NM: i64 = i32::MAX as i64;
 
 /// Returns `(code - zero) * gain`, rounded to the nearest integer; below 2^31.
 pub(super) fn linear(code: u16, zero_code: u16, gain: I16F16) -> i64 {
@@ -44,10 +46,10 @@ pub(super) fn linear(code: u16, zero_code: u16, gain: I16F16) -> i64 {
 /// Returns the table's error at a code, nm.
 fn error_nm(table: &[i32; TABLE_POINTS], code: u16) -> i64 {
     let place = usize::from(code >> SPACING_BITS);
-    let rest = i64::from(code & ((1 << SPACING_BITS) - 1));
+    let remainder = i64::from(code & ((1 << SPACING_BITS) - 1));
     let mut ends = table.iter().skip(place);
     let (low, high) = (i64::from(*ends.next().unwrap_or(&0)), i64::from(*ends.next().unwrap_or(&0)));
-    low.wrapping_add(high.wrapping_sub(low).wrapping_mul(rest) >> SPACING_BITS)
+    low.wrapping_add(high.wrapping_sub(low).wrapping_mul(remainder) >> SPACING_BITS)
 }
 
 #[cfg(test)]

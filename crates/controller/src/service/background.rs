@@ -11,7 +11,7 @@ use crate::supervisor::paint::Mark;
 use crate::supervisor::self_test::Progress;
 use crate::supervisor::{Attendance, CodeCheck, Party, SelfTest};
 
-/// In lockstep the self-test runs in one pass of this many, so that it does not slow down the
+/// Number of passes in lockstep per pass of the self-test, which must not slow down the
 /// exchange of frames.
 const LOCKSTEP_PASSES_PER_SELF_TEST: u32 = 16;
 /// Words of code that are checked in one pass.

@@ -44,7 +44,7 @@ pub trait FlashPort {
 /// Error of a flash operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashError {
-    /// Not complete words, or not complete sectors.
+    /// Alignment error: not complete words, or not complete sectors.
     NotAligned,
     /// Outside the memory.
     OutOfBounds,

@@ -122,7 +122,7 @@ pub struct Attendance {
 }
 
 impl Attendance {
-    /// Creates a register in which every party rests.
+    /// Creates a register in which no party is expected.
     #[must_use]
     pub const fn new(periods: Periods) -> Self {
         Self {
@@ -151,7 +151,7 @@ impl Attendance {
     }
 
     /// Stops expecting a party until it checks in again.
-    pub fn rest(&self, party: Party) {
+    pub fn stop_expecting(&self, party: Party) {
         self.watch(party).expected.store(0, Ordering::Relaxed);
     }
 
@@ -208,7 +208,7 @@ mod tests {
         for party in Party::ALL {
             register.check_in(party, 0);
         }
-        register.rest(Party::Inference);
+        register.stop_expecting(Party::Inference);
         let missing = Party::Sampling.bit() | Party::Link.bit();
         assert_eq!(register.review(60_000), Verdict::Starved { missing });
     }
@@ -229,7 +229,7 @@ mod tests {
         // The clock was read before the check-in.
         register.check_in(Party::Link, 31_300);
         assert_eq!(register.look(31_200)[2].away_us, 0);
-        register.rest(Party::Link);
+        register.stop_expecting(Party::Link);
         let [_, _, link, _] = register.look(5_000_000);
         assert_eq!((link.expected, link.away_us, link.longest_us), (false, 0, 30_000));
     }
@@ -254,7 +254,7 @@ mod tests {
             let (mut now, mut starved) = (0_u64, None);
             let mut last: [Option<u64>; 4] = [None; 4];
             let periods = [1_000_u64, 2_000, 50_000, 5_000_000];
-            for (index, step, rests) in events {
+            for (index, step, is_stopped) in events {
                 now += u64::from(step);
                 let stamp = begin.wrapping_add(now as u32);
                 let missing = (0..4)
@@ -263,8 +263,8 @@ mod tests {
                 starved = starved.or((missing != 0).then_some(missing));
                 let expected = starved.map_or(Verdict::Kick, |missing| Verdict::Starved { missing });
                 prop_assert_eq!(register.review(stamp), expected);
-                if rests {
-                    register.rest(Party::ALL[index]);
+                if is_stopped {
+                    register.stop_expecting(Party::ALL[index]);
                     last[index] = None;
                 } else {
                     register.check_in(Party::ALL[index], stamp);

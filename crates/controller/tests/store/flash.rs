@@ -21,7 +21,7 @@ const ERASE_STEPS: usize = 8;
 pub(crate) enum Failure {
     /// The power has failed.
     Power,
-    /// Not aligned or out of bounds.
+    /// Access that is not aligned or out of bounds.
     Bounds,
     /// The memory is worn out and can no longer be erased.
     Worn,

@@ -12,7 +12,7 @@ pub enum Severity {
     Wrong,
     /// May lead to a wrong diagnosis; needs a look by the user.
     Doubtful,
-    /// For information.
+    /// Information.
     Note,
 }
 

@@ -26,7 +26,7 @@ pub(crate) enum FloorSource {
     /// The description.
     Declared,
     /// Differences between repeated cycles.
-    Repeats,
+    RepeatedCycles,
     /// Fourth differences of neighbouring samples.
     Differences,
 }
@@ -36,7 +36,7 @@ impl FloorSource {
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Declared => "declared",
-            Self::Repeats => "repeats",
+            Self::RepeatedCycles => "repeats",
             Self::Differences => "differences",
         }
     }
@@ -81,7 +81,7 @@ impl ChannelNoise {
             return None;
         }
         let how = match self.observed_by {
-            FloorSource::Repeats => "the difference between cycles",
+            FloorSource::RepeatedCycles => "the difference between cycles",
             _ => "the difference of neighbouring samples",
         };
         Some(format!(
@@ -109,7 +109,7 @@ impl NoiseModel {
             let is_credible = declared > 0.0 && white <= tuning::MAX_WHITE_OVER_DECLARED * declared;
             let (floor, source) = match repeated {
                 _ if is_credible => (declared, FloorSource::Declared),
-                Some(deviation) => (deviation, FloorSource::Repeats),
+                Some(deviation) => (deviation, FloorSource::RepeatedCycles),
                 None => (white, FloorSource::Differences),
             };
             let min = tuning::MIN_FLOOR_SHARE * largest_reading(data, channel).max(f64::MIN_POSITIVE);
@@ -118,7 +118,11 @@ impl NoiseModel {
                 source,
                 declared_floor: declared,
                 observed_floor: repeated.unwrap_or(white),
-                observed_by: if repeated.is_some() { FloorSource::Repeats } else { FloorSource::Differences },
+                observed_by: if repeated.is_some() {
+                    FloorSource::RepeatedCycles
+                } else {
+                    FloorSource::Differences
+                },
                 excess: 1.0,
                 correlation_samples: 1.0,
             };

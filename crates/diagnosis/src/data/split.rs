@@ -22,7 +22,7 @@ pub(crate) enum Split {
 /// Use of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Use {
-    /// Not used.
+    /// Row that is not used.
     Skip,
     /// Fitted.
     Fit,

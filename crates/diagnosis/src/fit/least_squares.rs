@@ -57,7 +57,7 @@ impl Fit {
         information
     }
 
-    /// For each parameter, whether it is declared and lies on a bound of calibration.
+    /// Returns true for each parameter that is declared and lies on a bound of calibration.
     pub(crate) fn at_bound(&self) -> Vec<bool> {
         let is_at_bound = |(p, z): (&Parameter, &f64)| p.is_declared() && p.bound_at(*z).is_some();
         self.model.parameters.iter().zip(&self.z).map(is_at_bound).collect()

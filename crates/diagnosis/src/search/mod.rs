@@ -11,4 +11,4 @@ pub(crate) mod selection;
 mod size_search;
 pub(crate) mod stage;
 pub(crate) mod threshold;
-mod tuning;
+pub(crate) mod tuning;

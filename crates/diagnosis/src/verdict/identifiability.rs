@@ -38,9 +38,9 @@ pub struct Identifiability {
     pub kind: &'static str,
     /// The parameters concerned.
     pub parameters: Vec<String>,
-    /// By kind: change of chi-square over one prior standard deviation (`dead`), the bound, the
-    /// share of the prior's standard deviation (`not-pinned`), the correlation, the change of
-    /// chi-square (`sign`), the eigenvalue (`flat-direction`).
+    /// Measure of the kind: change of chi-square over one prior standard deviation (`dead`), the
+    /// bound, the share of the prior's standard deviation (`not-pinned`), the correlation, the
+    /// change of chi-square (`sign`), the eigenvalue (`flat-direction`).
     pub value: f64,
     /// The same as a sentence.
     pub words: String,
@@ -93,7 +93,7 @@ struct Analysis<'a> {
     information: DMatrix<f64>,
     /// Name of each parameter.
     names: Vec<String>,
-    /// For each parameter, whether the logs do not show it.
+    /// True for each parameter that the logs do not show.
     dead: Vec<bool>,
     out: Vec<Identifiability>,
 }

@@ -29,9 +29,9 @@ pub struct ResidualBin {
     pub from: f64,
     /// Upper end, SI.
     pub to: f64,
-    /// With the calibrated nominal bench.
+    /// Residual of the calibrated nominal bench.
     pub before: f64,
-    /// With the extended bench.
+    /// Residual of the extended bench.
     pub after: f64,
 }
 

@@ -3,6 +3,8 @@
 //! The thresholds were chosen by looking at the cells of seeds 1 to 7 of `cargo xtask
 //! hidden-effects`. Seeds 8 to 100 of `docs/hidden-effects.md` are independent of that choice.
 
+use crate::search::tuning::FAMILY_ERROR;
+
 /// Time constants after which an effect has settled to 5 %. Derived: `exp(-3)`.
 pub(crate) const SETTLED_TIME_CONSTANTS: f64 = 3.0;
 /// Share of a sensor limit from which on a reading reaches it. Chosen by hand, not measured.
@@ -18,9 +20,9 @@ pub(crate) const MAIN_SHARE_UPPER: f64 = 0.9;
 /// hidden-effects --quick`: effects similar to a removed one were named at shares down to .35. The
 /// true causes below this limit are slow ones that only interleaved hold-out names.
 pub(crate) const FULL_SHARE_UPPER: f64 = 0.95;
-/// Chance that a true cause appears inconsistent, shared by all tests of a model. The same as
-/// `search::tuning::FAMILY_ERROR`. Chosen by hand, not measured.
-pub(crate) const INCONSISTENCY_FAMILY_ERROR: f64 = 0.002;
+/// Chance that a true cause appears inconsistent, shared by all tests of a model: that of the
+/// search.
+pub(crate) const INCONSISTENCY_FAMILY_ERROR: f64 = FAMILY_ERROR;
 /// Share of a cause's fall of chi-square below which an inconsistency is negligible. In `cargo
 /// xtask hidden-effects`, an effect that imitates a removed one explains .9 to .97 of the residual,
 /// so .03 separates it from the true one.
@@ -66,9 +68,9 @@ pub(crate) const MIN_STRUCTURE_RMS: f64 = 0.2;
 /// Rms of a residual over the declared noise above which it is more than noise; a declaration may
 /// be wrong by as much. Chosen by hand, not measured.
 pub(crate) const MAX_RMS_OVER_DECLARED: f64 = 1.2;
-/// Chance that a log without model error shows structure, shared by channels and tests. The same as
-/// `search::tuning::FAMILY_ERROR`. Chosen by hand, not measured.
-pub(crate) const STRUCTURE_FAMILY_ERROR: f64 = 0.002;
+/// Chance that a log without model error shows structure, shared by channels and tests: that of the
+/// search.
+pub(crate) const STRUCTURE_FAMILY_ERROR: f64 = FAMILY_ERROR;
 /// Most bins of a cycle. Chosen by hand, not measured.
 pub(crate) const MAX_PHASE_BINS: usize = 24;
 /// Fewest bins of a cycle. Chosen by hand, not measured.

@@ -41,9 +41,9 @@ pub(crate) const SHIFT_RANGE: core::ops::RangeInclusive<u32> = 25..=78;
 
 /// Proves every layer of a sequence.
 pub const fn prove(networks: &[u8]) -> Result<(), Unproven> {
-    let mut rest = networks;
+    let mut remaining = networks;
     let mut layer = 0u8;
-    while let Some((shape, after)) = rest.split_first_chunk::<SHAPE_LENGTH>() {
+    while let Some((shape, after)) = remaining.split_first_chunk::<SHAPE_LENGTH>() {
         let Some(shape) = LayerShape::from_bytes(shape) else { return Err(Unproven::Malformed { layer }) };
         let Some((body, after)) = after.split_at_checked(shape.length().wrapping_sub(SHAPE_LENGTH)) else {
             return Err(Unproven::Malformed { layer });
@@ -51,10 +51,10 @@ pub const fn prove(networks: &[u8]) -> Result<(), Unproven> {
         if let Err(error) = prove_layer(layer, &shape, body) {
             return Err(error);
         }
-        rest = after;
+        remaining = after;
         layer = layer.saturating_add(1);
     }
-    if rest.is_empty() { Ok(()) } else { Err(Unproven::Malformed { layer }) }
+    if remaining.is_empty() { Ok(()) } else { Err(Unproven::Malformed { layer }) }
 }
 
 const fn prove_layer(layer: u8, shape: &LayerShape, mut body: &[u8]) -> Result<(), Unproven> {

@@ -5,32 +5,32 @@ use super::{ImageError, LayerName, LayerShape, WeightForm};
 /// Bytes not yet read.
 #[derive(Clone, Debug)]
 pub struct Reader<'a> {
-    rest: &'a [u8],
+    remaining: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
     /// Creates a reader of `bytes`, which should be at an address divisible by 4.
     pub fn new(bytes: &'a [u8]) -> Self {
-        Self { rest: bytes }
+        Self { remaining: bytes }
     }
 
     /// Decides whether everything has been read.
     pub fn is_empty(&self) -> bool {
-        self.rest.is_empty()
+        self.remaining.is_empty()
     }
 
     /// Reads the next `N` bytes.
     pub(crate) fn chunk<const N: usize>(&mut self) -> Result<&'a [u8; N], ImageError> {
-        let (chunk, rest) = self.rest.split_first_chunk().ok_or(ImageError::TooShort)?;
-        self.rest = rest;
+        let (chunk, remaining) = self.remaining.split_first_chunk().ok_or(ImageError::TooShort)?;
+        self.remaining = remaining;
         Ok(chunk)
     }
 
     /// Reads the next `count` values.
     pub(crate) fn slice<T: bytemuck::Pod>(&mut self, count: usize) -> Result<&'a [T], ImageError> {
         let length = count.checked_mul(size_of::<T>()).ok_or(ImageError::TooShort)?;
-        let (bytes, rest) = self.rest.split_at_checked(length).ok_or(ImageError::TooShort)?;
-        self.rest = rest;
+        let (bytes, remaining) = self.remaining.split_at_checked(length).ok_or(ImageError::TooShort)?;
+        self.remaining = remaining;
         if !bytes.as_ptr().cast::<u32>().is_aligned() {
             return Err(ImageError::Alignment);
         }

@@ -202,13 +202,13 @@ proptest! {
         }
         for output in 0..7 {
             for tap in 0..12 {
-                let found = chain.rest.layer.weight(output, tap);
+                let found = chain.tail.layer.weight(output, tap);
                 prop_assert_eq!(found, Some(i32::from(second.weights[output * 12 + tap])));
             }
         }
         for output in 0..2 {
             for tap in 0..28 {
-                let found = chain.rest.rest.weight(output, tap);
+                let found = chain.tail.tail.weight(output, tap);
                 prop_assert_eq!(found, Some(i32::from(head.weights[output * 28 + tap])));
             }
         }
@@ -220,8 +220,8 @@ proptest! {
             prop_assert_eq!(chain.layer.weight(output, 0), None);
         }
         prop_assert_eq!(chain.layer.weight(5, 15), None);
-        prop_assert_eq!(chain.rest.layer.weight(6, 12), None);
-        prop_assert_eq!(chain.rest.rest.weight(1, 28), None);
+        prop_assert_eq!(chain.tail.layer.weight(6, 12), None);
+        prop_assert_eq!(chain.tail.tail.weight(1, 28), None);
     }
 }
 

@@ -50,9 +50,6 @@ pub mod device {
 /// Board code of model packages.
 pub const PACKAGES_FOR: u16 = model_package::board::STM32F405;
 
-/// SysTick's frequency in the emulator, Hz, whatever the clock registers contain.
-const EMULATOR_HZ: u32 = 168_000_000;
-
 /// Starts the board. Every wait has a bound.
 #[must_use]
 pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board {
@@ -70,7 +67,7 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
             bring_up(&mut ClockTree { rcc: &device.RCC, flash: &device.FLASH }, BOARD.crystal_mhz)
         }
         // The emulator ignores the clock registers.
-        _ => Clocks { source: ClockSource::Internal, core_hz: EMULATOR_HZ },
+        _ => Clocks { source: ClockSource::Internal, core_hz: controller::emulator::SYSTICK_HZ },
     };
     let files = if target == Target::Emulator { Files::open() } else { None };
 

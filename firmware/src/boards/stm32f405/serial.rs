@@ -7,6 +7,7 @@
 //! buffer of 20 ms, without an interrupt per byte. Then the interrupt reports bytes with errors
 //! only. The emulator has no DMA; there every byte causes an interrupt.
 
+use controller::boards::LINK_BAUD;
 use core::sync::atomic::{AtomicU8, Ordering};
 
 use link::LineErrors;
@@ -14,9 +15,6 @@ use stm32f4xx_hal::pac::{DMA2, USART6};
 
 use crate::boards::ReceiveEvent;
 use controller::buffers::dma_ring::DmaRing;
-
-/// Line speed, baud.
-const BAUD: u32 = 500_000;
 
 /// Polls for room in the transmitter before a byte is dropped: about 20 byte times at 168 MHz.
 const POLLS: u32 = 20_000;
@@ -54,7 +52,7 @@ pub(in crate::boards) fn set_up(
     by_dma: bool,
 ) -> (Receiver, Inbox, Transmitter) {
     // At 16-fold oversampling the register holds the clock over the baud rate, fraction included.
-    let divider = u16::try_from(bus_hz / BAUD).unwrap_or(u16::MAX);
+    let divider = u16::try_from(bus_hz / LINK_BAUD).unwrap_or(u16::MAX);
     port.brr().write(|w| {
         #[expect(unsafe_code, reason = "the whole divider, mantissa and fraction, in one")]
         unsafe {

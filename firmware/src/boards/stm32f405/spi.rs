@@ -32,9 +32,9 @@ const DIVIDER: u32 = 3;
 #[derive(Clone, Copy, Debug)]
 #[repr(u16)]
 pub(super) enum Divider {
-    /// By 4.
+    /// Division by 4.
     Four = 1,
-    /// By 8.
+    /// Division by 8.
     Eight = 2,
 }
 

@@ -41,9 +41,9 @@ pub struct RunFacts {
 pub struct BearingFacts {
     /// The bearing.
     pub bearing: BearingMaterial,
-    /// By clearance, ascending.
+    /// Facts by clearance, ascending.
     pub clearance: Vec<RunFacts>,
-    /// By load, descending.
+    /// Facts by load, descending.
     pub load: Vec<RunFacts>,
     /// Peak force by load in kN on a fine grid, ascending, with the analytic law.
     pub load_curve: Vec<(f64, f64)>,

@@ -68,7 +68,7 @@ fn grows(both: &[&BearingFacts]) -> Claim {
     }
 }
 
-/// From the smallest positive load down through the negative ones: peak forces.
+/// Peak forces from the smallest positive load down through the negative ones.
 fn descending(bearing: &BearingFacts) -> Vec<f64> {
     let min_load_kn =
         bearing.load.iter().filter(|r| r.load_kn > 0.0).map(|r| r.load_kn).fold(f64::INFINITY, f64::min);

@@ -4,9 +4,10 @@ use super::ReportError;
 use super::companding::Comparison;
 use super::facts::BearingFacts;
 use super::pictures::{self, Picture};
-use super::rig::{GOAL_R2, RigFacts};
+use super::rig::RigFacts;
 use super::rig_pictures;
 use super::tables::{error_rows, mode_rows, recipe_rows, rig_rows};
+use crate::evaluate::goals::FRICTION_R2;
 use crate::evaluate::goals::Goal;
 use crate::evaluate::layers::LAYER_ROWS;
 use crate::evaluate::test_set::TEST_ROWS;
@@ -59,7 +60,7 @@ pub(crate) fn goal_rows(contents: &Contents) -> Vec<Vec<String>> {
         let r2 = facts.errors.first().map_or(f64::NAN, |all| all.truth.r2);
         let figure = "R^2 of the torque, rig's test groups against the torque without noise".to_owned();
         let start = [facts.bearing.to_owned(), "friction, rig".to_owned(), figure];
-        start.into_iter().chain([format!("{r2:.6}"), format!(">= {GOAL_R2}"), word(facts.met)]).collect()
+        start.into_iter().chain([format!("{r2:.6}"), format!(">= {FRICTION_R2}"), word(facts.met)]).collect()
     };
     let goals = verdicts.flat_map(|v| v.goals.iter().map(move |goal| row(v, goal)));
     goals.chain(contents.rigs.iter().map(rig)).collect()

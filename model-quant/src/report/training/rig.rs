@@ -12,6 +12,7 @@ use crate::data::friction::FrictionSet;
 use crate::data::friction_source::{from_rig, truth_of_rig};
 use crate::data::ranges::header;
 use crate::evaluate::errors::Errors;
+use crate::evaluate::goals::FRICTION_R2;
 use crate::evaluate::rig::{TestGroup, test_groups};
 use crate::network::recipe::Recipe;
 use crate::network::{Network, NetworkKind, Shape};
@@ -20,8 +21,6 @@ use inference::BearingMaterial;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Minimum R^2 against the torque without noise.
-pub(crate) const GOAL_R2: f64 = 0.999;
 /// Largest relative difference of the torque's scale; the file has decimal numbers.
 const SCALE_TOLERANCE: f64 = 1e-9;
 
@@ -74,9 +73,9 @@ impl TorqueErrors {
 pub(crate) struct GroupFacts {
     /// The group, or `all`.
     pub group: String,
-    /// Against the sensor value without noise, resolution and outliers.
+    /// Errors against the sensor value without noise, resolution and outliers.
     pub truth: TorqueErrors,
-    /// Against the cleaned torque.
+    /// Errors against the cleaned torque.
     pub cleaned: TorqueErrors,
 }
 
@@ -96,7 +95,7 @@ pub(crate) struct RigFacts {
     pub recipe: Recipe,
     /// Errors over all test groups, then over each.
     pub errors: Vec<GroupFacts>,
-    /// True if R^2 against the torque without noise over all groups reaches [`GOAL_R2`].
+    /// True if R^2 against the torque without noise over all groups reaches [`FRICTION_R2`].
     pub met: bool,
     /// The test groups.
     #[serde(skip)]
@@ -154,7 +153,7 @@ impl RigFacts {
             cleaned: TorqueErrors::from_groups(groups, |g| &g.cleaned_nm),
         };
         let all = facts("all", &groups);
-        let met = all.truth.r2 >= GOAL_R2;
+        let met = all.truth.r2 >= FRICTION_R2;
         let each = groups.iter().map(|group| facts(&label(group), core::slice::from_ref(group)));
         let errors = core::iter::once(all).chain(each).collect();
         Ok(Self { bearing: bearing.name(), recipe: file.recipe, errors, met, groups })

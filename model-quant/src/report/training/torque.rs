@@ -5,7 +5,7 @@
 //! networks. Loads and speeds are those of the bench; those of the rig lie beyond the training
 //! range.
 
-use crate::data::static_deformation::static_deformation_m;
+use crate::data::static_deformation::{CLEARANCE_M, static_deformation_m};
 use crate::evaluate::errors::FRICTION_RADIUS_M;
 use crate::quantise::image::{AnyModel, AnyPair};
 use inference::{ContactState, Header, WINDOW};
@@ -19,8 +19,6 @@ pub(crate) const SPEEDS_M_S: [f64; 8] = [0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.
 const POINTS: usize = 80;
 /// Lowest sliding speed of a curve in m/s.
 const SLOWEST_M_S: f64 = 5e-4;
-/// Radial clearance in m of all states.
-const CLEARANCE_M: f64 = 0.5e-3;
 
 /// Torque in N m at one load over sliding speed in m/s, ascending.
 #[derive(Clone, Debug, PartialEq, Serialize)]

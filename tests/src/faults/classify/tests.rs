@@ -110,13 +110,13 @@ fn a_mark_in_time_detects_and_a_later_one_is_late() {
     });
     assert_eq!(classified(&once, PumpEnd::Arrived), (Class::Detected, Some("jump".into()), None, 5));
     let outcome = classify(&fault(), &scenario(), &once, PumpEnd::Arrived);
-    assert_eq!((outcome.wrong, outcome.wrong_again), (5, 5));
-    let table = Table::from_outcomes(&[outcome.clone(), Outcome { wrong_again: 0, ..outcome }]);
+    assert_eq!((outcome.wrong, outcome.wrong_after_report), (5, 5));
+    let table = Table::from_outcomes(&[outcome.clone(), Outcome { wrong_after_report: 0, ..outcome }]);
     assert_eq!((table.all.detected, table.all.wrong_after), (2, 1));
     assert!(table.render().contains("wrong again: 1 of the 2 detected faults"), "{}", table.render());
     // Late, then marked, then wrong again: the count begins with the report.
     let late = marked_in_the_middle(jump);
-    assert_eq!(classify(&fault(), &scenario(), &late, PumpEnd::Arrived).wrong_again, 2);
+    assert_eq!(classify(&fault(), &scenario(), &late, PumpEnd::Arrived).wrong_after_report, 2);
 }
 
 #[test]

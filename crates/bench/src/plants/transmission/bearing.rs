@@ -2,15 +2,15 @@
 //! action on the shaft.
 
 use super::geometry::Geometry;
-use super::{BRISTLE, BearingForces, ContactView, REST, RISE, State, Transmission};
+use super::{BREAKAWAY, BRISTLE, BearingForces, ContactView, RISE, State, Transmission};
 use crate::plants::extended_friction::Memory;
 
 /// Action of the bearing on the shaft.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct OnShaft {
-    /// Along Y in N.
+    /// Component along Y, N.
     pub(crate) force_y_n: f64,
-    /// Along Z in N.
+    /// Component along Z, N.
     pub(crate) force_z_n: f64,
     /// Torque in N m.
     pub(crate) torque_nm: f64,
@@ -56,7 +56,7 @@ impl Transmission {
         if self.plain_friction || view.deformation_m <= 0.0 {
             return forces;
         }
-        let memory = Memory { bristle: s[BRISTLE], rest: s[REST], rise_k: s[RISE] };
+        let memory = Memory { bristle: s[BRISTLE], breakaway: s[BREAKAWAY], rise_k: s[RISE] };
         let (v, width) = (view.sliding_speed_m_s, self.sign_width_m_s);
         let (normal, dry) = (forces.normal_n, forces.friction_n);
         let friction_n = self.extension.friction_n(time_s, normal, dry, v, width, &memory);

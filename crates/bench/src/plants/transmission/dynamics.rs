@@ -3,7 +3,7 @@
 use super::bearing::OnShaft;
 use super::geometry::Geometry;
 use super::{
-    BRISTLE, BearingForces, LOAD_ANGLE, LOAD_SPEED, REST, RISE, STATES, Snapshot, State, Transmission,
+    BREAKAWAY, BRISTLE, BearingForces, LOAD_ANGLE, LOAD_SPEED, RISE, STATES, Snapshot, State, Transmission,
 };
 use crate::description::ripples;
 use crate::integrate::{ContactAngles, ContactPlant, ContactReading};
@@ -115,7 +115,7 @@ impl Transmission {
             self.friction_law.rate_m_s(g.sliding_m_s, s[BRISTLE])
         };
         if let Some(term) = &self.extension.breakaway {
-            out[REST] = term.rate_per_s(s[REST], g.sliding_m_s);
+            out[BREAKAWAY] = term.rate_per_s(s[BREAKAWAY], g.sliding_m_s);
         }
         if let Some(term) = &self.extension.thermal {
             out[RISE] = term.rate_k_s(s[RISE], heat_w);

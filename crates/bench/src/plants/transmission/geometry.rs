@@ -15,7 +15,7 @@ pub(crate) struct Geometry {
     /// Deformation in m and its rate.
     pub(super) depth_m: f64,
     pub(super) rate_m_s: f64,
-    /// For an oval journal: change of the deformation in m per angle of the contact relative to the
+    /// Change of the deformation of an oval journal, m per angle of the contact relative to the
     /// shaft. `across` is that over the distance of the centres: the share of the normal force
     /// across `n`.
     pub(super) oval_m: f64,

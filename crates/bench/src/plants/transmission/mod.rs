@@ -49,7 +49,7 @@ const BRISTLE: usize = 12;
 const LOAD_ANGLE: usize = 13;
 const LOAD_SPEED: usize = 14;
 /// Index of the static friction that has built up at standstill.
-const REST: usize = 15;
+const BREAKAWAY: usize = 15;
 /// Index of the bearing's temperature rise.
 const RISE: usize = 16;
 /// States under error control, with a friction law without bristles.
@@ -188,7 +188,7 @@ impl Transmission {
         state[RISE] = self.extension.temperature_start_k;
         // Parts without motion are assumed to have been at standstill for a long time.
         let sliding_m_s = state[5] * self.journal_radius_m;
-        state[REST] = self.extension.breakaway.as_ref().map_or(0.0, |term| term.steady(sliding_m_s).0);
+        state[BREAKAWAY] = self.extension.breakaway.as_ref().map_or(0.0, |term| term.steady(sliding_m_s).0);
         if self.shaft.is_some() {
             [state[LOAD_ANGLE], state[LOAD_SPEED]] = [state[4], state[5]];
         }
@@ -215,7 +215,7 @@ impl Transmission {
             (self.extension.presliding_distance_m > 0.0, BRISTLE, 1e-2),
             (self.shaft.is_some(), LOAD_ANGLE, 1e-2),
             (self.shaft.is_some(), LOAD_SPEED, 1.0),
-            (self.extension.breakaway.is_some(), REST, 1e-2),
+            (self.extension.breakaway.is_some(), BREAKAWAY, 1e-2),
             (self.extension.thermal.is_some(), RISE, 1.0),
         ];
         for (_, state, size) in own.into_iter().filter(|(present, ..)| *present) {
@@ -294,13 +294,17 @@ mod tests {
         let Bench::Transmission(bench) = bench.resolved() else { panic!("bench-b is no axis") };
         let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
         assert_eq!(
-            plant.initial_state(0.0)[REST],
+            plant.initial_state(0.0)[BREAKAWAY],
             1.0,
             "a plant at standstill starts with full static friction"
         );
         let moving = plant.initial_state(0.25);
         let sliding_m_s = moving[5].abs() * plant.journal_radius_m;
         let expected = 1.0 / (1.0 + sliding_m_s * 0.1 / 1e-3);
-        assert!((moving[REST] - expected).abs() < 1e-12 && expected < 0.2, "{} {expected}", moving[REST]);
+        assert!(
+            (moving[BREAKAWAY] - expected).abs() < 1e-12 && expected < 0.2,
+            "{} {expected}",
+            moving[BREAKAWAY]
+        );
     }
 }

@@ -5,7 +5,7 @@
 //! with a memory are absent. The rigid plant without memories moves [`PLAIN`] of the [`STATES`]
 //! states. Equations and tolerances of the remaining states do not change.
 
-use super::{BRISTLE, LOAD_ANGLE, LOAD_SPEED, REST, RISE, STATES, State, Transmission};
+use super::{BREAKAWAY, BRISTLE, LOAD_ANGLE, LOAD_SPEED, RISE, STATES, State, Transmission};
 use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Tolerances};
 use crate::plants::transmission::BearingForces;
 
@@ -15,7 +15,7 @@ pub(crate) const PLAIN: usize = 4;
 /// temperature.
 pub(crate) const MOVING: usize = 11;
 
-const PLACES: [usize; MOVING] = [0, 1, 2, 3, 4, 5, BRISTLE, LOAD_ANGLE, LOAD_SPEED, REST, RISE];
+const PLACES: [usize; MOVING] = [0, 1, 2, 3, 4, 5, BRISTLE, LOAD_ANGLE, LOAD_SPEED, BREAKAWAY, RISE];
 
 /// A plant that integrates the first `N` of its moving states.
 pub(crate) struct Reduced<'a, const N: usize>(pub(crate) &'a Transmission);

@@ -187,11 +187,12 @@ pub(super) fn run<const IN: usize, const OUT: usize, const K: usize, const N: us
     let aligned = (columns.as_ptr().addr() | outputs.as_ptr().addr() | 2 * OUT * N).is_multiple_of(4);
     let block = K * IN / 2 + 2;
     let count = blocks.len() / block;
-    let whole = blocks.len().is_multiple_of(block) && outputs.len() >= OUT * N + count.wrapping_mul(BLOCK);
+    let is_complete =
+        blocks.len().is_multiple_of(block) && outputs.len() >= OUT * N + count.wrapping_mul(BLOCK);
     if !(K * IN).is_multiple_of(2)
         || K * IN == 0
         || !aligned
-        || !whole
+        || !is_complete
         || count == 0
         || count > usize::from(u16::MAX) / BLOCK
     {

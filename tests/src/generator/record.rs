@@ -1,7 +1,7 @@
-//! A session: a plant close to its description at some operating point, with a logger and nuisance
+//! A record: a plant close to its description at some operating point, with a logger and nuisance
 //! parameters.
 //!
-//! The seed of a session draws the deviations of the uncertain parameters, the first time stamp,
+//! The seed of a record draws the deviations of the uncertain parameters, the first time stamp,
 //! the start phase in the motion, offsets within the resolution of the readings, and the initial
 //! temperature.
 
@@ -11,84 +11,11 @@ use super::hidden::HiddenEffect;
 use super::motion::{Course, Load, Motion};
 use super::noise::Noise;
 use super::planar;
+use super::plant::Plant;
 use super::sensing::{Logger, Reading, Signals, log, readings};
 
 /// Length of a cycle of an axis, s.
 const CYCLE_S: f64 = 4.0;
-
-/// Simulated plant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Plant {
-    /// Friction rig with drive torque and friction torque.
-    Rotary,
-    /// Cylinder of which only the force is measured.
-    Linear,
-    /// Transmission bench B.
-    Bench,
-    /// Transmission bench B with a shaft that may tilt in its bearing.
-    TwoPlane,
-}
-
-impl Plant {
-    /// All plants.
-    pub const ALL: [Self; 4] = [Self::Rotary, Self::Linear, Self::Bench, Self::TwoPlane];
-
-    /// Returns whether the plant is a transmission bench, not a single axis.
-    pub const fn is_transmission(self) -> bool {
-        matches!(self, Self::Bench | Self::TwoPlane)
-    }
-
-    /// Returns the name in the figures.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rotary => "rotary",
-            Self::Linear => "linear",
-            Self::Bench => "bench",
-            Self::TwoPlane => "two-plane",
-        }
-    }
-
-    /// Returns the user's description (TOML).
-    pub const fn description(self) -> &'static str {
-        match self {
-            Self::Rotary => include_str!("rotary.toml"),
-            Self::Linear => include_str!("linear.toml"),
-            Self::Bench => include_str!("transmission.toml"),
-            Self::TwoPlane => concat!(include_str!("transmission.toml"), include_str!("two-plane.toml")),
-        }
-    }
-
-    /// Returns the declared standard deviations of the parameters that calibration may move, in the
-    /// order of [`Session::off`].
-    pub const fn deviations(self) -> &'static [f64] {
-        match self {
-            Self::Rotary => &[0.2, 0.2, 0.5, 3e-4],
-            Self::Linear => &[2.0, 0.6, 3.0, 6e-4, 6e-4],
-            Self::Bench | Self::TwoPlane => &[0.9e-3, 1.08e-3, 3.0, 3.0, 10e-6, 2.5e9, 0.03],
-        }
-    }
-
-    /// Returns the time at the start of a log in which the journal of a transmission bench lands
-    /// and bounces, s.
-    ///
-    /// The times of the bounces depend on every parameter, so this time does not count.
-    pub const fn landing_s(self) -> f64 {
-        match self {
-            Self::Rotary | Self::Linear => 0.0,
-            Self::Bench | Self::TwoPlane => 0.06,
-        }
-    }
-
-    /// Returns the names of the outputs.
-    pub const fn outputs(self) -> &'static [&'static str] {
-        match self {
-            Self::Rotary => &["drive_torque_nm", "friction_torque_nm"],
-            Self::Linear => &["drive_force_n"],
-            Self::Bench | Self::TwoPlane => planar::OUTPUTS,
-        }
-    }
-}
 
 /// Operating point, relative to the described one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,9 +38,9 @@ impl Default for Point {
     }
 }
 
-/// One session.
+/// A measured record of a plant, without its hidden effects.
 #[derive(Clone, Debug)]
-pub struct Session {
+pub struct Record {
     /// Plant.
     pub plant: Plant,
     /// Deviation of each uncertain parameter, in declared standard deviations.
@@ -134,8 +61,8 @@ pub struct Session {
     offsets: Vec<f64>,
 }
 
-impl Session {
-    /// Draws a session with uncertain parameters off by up to `spread` deviations, uniformly.
+impl Record {
+    /// Draws a record with uncertain parameters off by up to `spread` deviations, uniformly.
     pub fn draw(plant: Plant, spread: f64, point: Point, noise: &mut Noise) -> Self {
         let off = plant.deviations().iter().map(|_| spread * (2.0 * noise.uniform() - 1.0)).collect();
         let bench = plant.is_transmission();
@@ -156,14 +83,14 @@ impl Session {
         }
     }
 
-    /// Draws another session of the same plant: deviations stay, all else is drawn again.
+    /// Draws another record of the same plant: deviations stay, all else is drawn again.
     pub fn repeat(&self, point: Point, noise: &mut Noise) -> Self {
         let logger = Logger { colour: self.logger.colour, lost: self.logger.lost, ..self.logger };
         let fresh = Self::draw(self.plant, 0.0, point, noise);
         Self { off: self.off.clone(), logger, conditions: self.conditions, ..fresh }
     }
 
-    /// Returns the session under hard conditions.
+    /// Returns the record under hard conditions.
     pub fn hard(mut self) -> Self {
         if !self.plant.is_transmission() {
             self.conditions = Conditions::Hard;
@@ -182,7 +109,9 @@ impl Session {
     pub fn length_s(&self) -> f64 {
         let cycle_s = if self.plant.is_transmission() { 1.0 } else { CYCLE_S };
         let cycles = match self.point.course {
-            Course::Described { rest, .. } if rest > 0.0 => self.cycles * (1.0 + 2.0 * rest),
+            Course::Described { standstill, .. } if standstill > 0.0 => {
+                self.cycles * (1.0 + 2.0 * standstill)
+            }
             // Turns at a rising frequency.
             Course::Described { rise, .. } if rise != 0.0 => {
                 ((1.0 + 2.0 * rise * self.cycles).sqrt() - 1.0) / rise
@@ -202,7 +131,12 @@ impl Session {
         let sign_width_m_s = self.conditions.sign_width_m_s(self.plant);
         let (axis, amplitude, load_n) = match self.plant {
             Plant::Bench | Plant::TwoPlane => {
-                return planar::signals(self, &(0..7).map(by).collect::<Vec<_>>(), hidden);
+                let operation = planar::Operation {
+                    load: self.point.load,
+                    cycles: self.cycles as usize,
+                    tilts: self.plant == Plant::TwoPlane,
+                };
+                return planar::signals(operation, &(0..7).map(by).collect::<Vec<_>>(), hidden);
             }
             Plant::Rotary => {
                 let axis = RealAxis {
