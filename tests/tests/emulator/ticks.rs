@@ -14,7 +14,7 @@ use link::{
 use system_tests::random::SplitMix64;
 
 /// Maximum instructions of a tick: from a sample to the bytes of its estimate.
-const BUDGET: u32 = 20_000;
+const BUDGET: u32 = 18_000;
 /// Samples of a run: two rounds of disturbances.
 const SAMPLES: u32 = 10_000;
 

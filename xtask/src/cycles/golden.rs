@@ -19,14 +19,15 @@ const FILE: &str = "tests/golden/cycles.json";
 /// Place of the table.
 const TABLE: Block = Block { file: "docs/firmware.md", name: "cycles" };
 
-/// Budgets: upper bounds of the cycles with a placement. The sample period has 16,800 cycles.
+/// Budgets: upper bounds of the cycles with a placement. A sample period of 100 us has 16,800
+/// cycles: the tick does not fit into it.
 const BUDGETS: [(Work, Placement, u64); 8] = [
-    (Work::Tick, Placement::WeightsInFlash, 18_500),
-    (Work::DisturbedTick, Placement::WeightsInFlash, 18_500),
-    (Work::Handler, Placement::WeightsInFlash, 23_500),
-    (Work::Tick, Placement::WeightsInRam, 15_500),
-    (Work::DisturbedTick, Placement::WeightsInRam, 15_500),
-    (Work::Handler, Placement::WeightsInRam, 20_500),
+    (Work::Tick, Placement::WeightsInFlash, 35_500),
+    (Work::DisturbedTick, Placement::WeightsInFlash, 38_500),
+    (Work::Handler, Placement::WeightsInFlash, 24_500),
+    (Work::Tick, Placement::WeightsInRam, 32_500),
+    (Work::DisturbedTick, Placement::WeightsInRam, 35_500),
+    (Work::Handler, Placement::WeightsInRam, 21_500),
     (Work::ReferenceWindow, Placement::NoWaitStates, 310_000),
     (Work::ReferenceStream, Placement::NoWaitStates, 13_000),
 ];
