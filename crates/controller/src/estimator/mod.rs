@@ -3,9 +3,9 @@
 //! A calibrated sample is checked ([`Plausibility`]). The filter ([`crate::filter`]) predicts the
 //! motion of the journal over a sample period and corrects it by the sample. At the estimated
 //! contact the networks ([`inference::Pair`]) compute their forces. If the configuration names them
-//! as the source of the contact, their ratios to the analytic law enter the filter's next prediction
-//! and estimate; the law gives the gradients. Networks that are outside their training range or the
-//! law's envelope, corrupted or still warming up are flagged, and the law is used.
+//! as the source of the contact, their ratios to the analytic law enter the filter's next
+//! prediction and estimate; the law gives the gradients. Networks that are outside their training
+//! range or the law's envelope, corrupted or still warming up are flagged, and the law is used.
 //!
 //! A sample whose motion cannot be trusted is predicted only. After lost samples the filter
 //! continues with what it has learnt about the bearing.
@@ -60,7 +60,7 @@ pub struct Estimator {
     sample: Sample,
 }
 
-/// What is known from earlier samples.
+/// Knowledge from earlier samples.
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
     filter: FilterState,

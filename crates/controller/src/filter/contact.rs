@@ -11,8 +11,8 @@
 //! of the deformation, restricted to contact, and the slope by that expectation's derivative.
 //!
 //! With the networks as the source of the contact, `K(d) (1 + r d')` and `mu` are multiplied by the
-//! ratio of their forces to the law's at the last estimate ([`Ratios`]); the gradients stay the law's,
-//! multiplied in the same way.
+//! ratio of their forces to the law's at the last estimate ([`Ratios`]); the gradients stay the
+//! law's, multiplied in the same way.
 
 use super::arithmetic::{inverse_root, larger, smaller};
 use super::configuration::FilterConfiguration;

@@ -36,7 +36,7 @@ pub struct Filter {
     state: FilterState,
 }
 
-/// What the filter knows from earlier samples.
+/// Knowledge of the filter from earlier samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FilterState(Option<State>);
 
@@ -69,8 +69,8 @@ impl FilterModel {
     }
 
     /// Takes one sample and estimates. A sample of which a value is missing, which is not a number,
-    /// is predicted. After `lost` samples a complete one continues with what has been learnt. A state
-    /// that is no longer finite is forgotten: the next sample starts anew.
+    /// is predicted. After `lost` samples a complete one continues with what has been learnt. A
+    /// state that is no longer finite is forgotten: the next sample starts anew.
     #[inline(never)]
     pub(crate) fn step(
         &self,

@@ -134,8 +134,8 @@ impl Model {
         };
     }
 
-    /// Continues after lost samples: the drive moved on, the motion of the journal is taken from the
-    /// sample, what has been learnt about the bearing stays.
+    /// Continues after lost samples: the drive moved on, the motion of the journal is taken from
+    /// the sample, what has been learnt about the bearing stays.
     pub(super) fn resume(&self, state: &mut State, measured: &Measurement, lost: u32) {
         if lost > MAX_LOST {
             state.drive = DriveTracker::new(&self.config, self.displacement(measured));
@@ -226,6 +226,8 @@ impl Model {
         *state = self.restart(measured, state.drive);
         state.ratios = ratios;
         // Friction does not depend on clearance and stiffness: what was learnt is a better start.
+        // With a measured drive force it is learnt anew at once.
+        let friction = if measured.drive_force_n.is_some() { 0.0 } else { friction };
         let [.., declared] = self.config.factor_sds();
         state.bias[FRICTION] = friction;
         let deviation = root(square(declared) + square(0.5 * friction));
@@ -418,7 +420,8 @@ impl Model {
             friction_torque_sd_nm: radius * reported_root(widening * (friction_variance + least)),
             deformation_m: place.deformation,
             clearance_m: self.config.radial_clearance_m + state.bias[CLEARANCE],
-            // The offset of a probe is as uncertain as the noise of a sample, and looks like clearance.
+            // The offset of a probe is as uncertain as the noise of a sample, and looks like
+            // clearance.
             clearance_sd_m: reported_root(
                 covariance.bias_variance(CLEARANCE) + self.levels.position_variance,
             ),

@@ -25,8 +25,8 @@ impl Ratios {
     /// The described law.
     pub(super) const LAW: Self = Self { normal: 1.0, friction: 1.0 };
 
-    /// Compares normal forces in N, 0 or more, and coefficients of friction without sign. `blend` is
-    /// the force in N at which half of the difference is taken; above 0.
+    /// Compares normal forces in N, 0 or more, and coefficients of friction without sign. `blend`
+    /// is the force in N at which half of the difference is taken; above 0.
     pub(super) fn new(normal: [f32; 2], coefficients: [f32; 2], blend: f32) -> Self {
         Self { normal: ratio(normal, blend), friction: ratio(coefficients, BLENDED_COEFFICIENT) }
     }

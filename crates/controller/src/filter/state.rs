@@ -223,8 +223,8 @@ impl Covariance {
 }
 
 impl Transition {
-    /// Returns, for each state of the motion, its derivatives over the motion and its response to the
-    /// accelerations.
+    /// Returns, for each state of the motion, its derivatives over the motion and its response to
+    /// the accelerations.
     fn rows(&self) -> [([f32; MOTION], [f32; 2]); MOTION] {
         let Self { by_position: [p, q], by_speed: [u, v], response: [r, s], .. } = self;
         [

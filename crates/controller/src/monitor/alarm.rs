@@ -1,10 +1,10 @@
 //! Alarms: a tracked quantity is compared with its limit, with confidence and hysteresis.
 //!
 //! An alarm is raised if the quantity is above the limit by [`CONFIDENCE`] standard deviations
-//! (one-sided 95 %) in [`CONFIRM`] successive comparisons. It ends if the quantity is below
-//! the end by as many deviations in as many comparisons. So a quantity exactly at the limit raises no alarm, and
-//! one that is `2 CONFIDENCE` deviations above it raises it within the confirmation in 95 of 100
-//! cases.
+//! (one-sided 95 %) in [`CONFIRM`] successive comparisons. It ends if the quantity is below the end
+//! by as many deviations in as many comparisons. So a quantity exactly at the limit raises no
+//! alarm, and one that is `2 CONFIDENCE` deviations above it raises it within the confirmation in
+//! 95 of 100 cases.
 //!
 //! | quantity | limit | end |
 //! |---|---|---|

@@ -8,11 +8,12 @@
 //! | lost | held for longer than the configured time | as held, but forces and torque 0 |
 //!
 //! Distrust is a flag of [`crate::flags::DISTRUSTED`]. A held estimate has forces, torque,
-//! deformation and angle of the last trusted one, infinite deviations, the other values and flags of
-//! this sample, and `HELD`.
+//! deformation and angle of the last trusted one, infinite deviations, the other values and flags
+//! of this sample, and `HELD`.
 //!
 //! A hold ends by itself after the configured number of samples without distrust. This recovery
-//! time covers the histories of the networks. Whether the machine has to stop is decided by the reader of the flags.
+//! time covers the histories of the networks. Whether the machine has to stop is decided by the
+//! reader of the flags.
 
 use link::EstimateFrame;
 use link::track::SafeState;

@@ -1,5 +1,5 @@
-//! Virtual sensors of clearance, friction and stiffness: the filter's factors with their deviations,
-//! compared with the limits of wear and friction.
+//! Virtual sensors of clearance, friction and stiffness: the filter's factors with their
+//! deviations, compared with the limits of wear and friction.
 //!
 //! The alarms compare one sample in [`INTERVAL`], and only while the estimate has converged, its
 //! model fits, no sensor is faulty, and the stiffness is within [`PLAUSIBLE`] declared deviations:

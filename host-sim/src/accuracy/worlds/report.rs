@@ -186,9 +186,9 @@ fn lead(outcome: &Outcome) -> String {
     let (network, law) = (drawn.spread(Network, Case::force_share), drawn.spread(Law, Case::force_share));
     let met = outcome.goals.iter().filter(|goal| goal.met == Some(true)).count();
     format!(
-        "In {} drawn worlds of each operating point the estimated force is wrong by {} % rms of full scale in \
-         the median and {} % in the worst world; with the analytic law in place of the networks by {} % and {} %. {met} of {} goals \
-         met.",
+        "In {} drawn worlds of each operating point the estimated force is wrong by {} % rms of full scale \
+         in the median and {} % in the worst world; with the analytic law in place of the networks by {} % \
+         and {} %. {met} of {} goals met.",
         outcome.worlds,
         percent(network.median),
         percent(network.largest),
