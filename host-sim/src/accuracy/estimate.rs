@@ -72,7 +72,8 @@ pub struct EstimateAccuracy {
     pub suspect_share: f64,
 }
 
-/// Follows the run of the law with the estimator; without a seed the sensors are perfect.
+/// Follows the run of the law with the estimator; without a seed the sensors are perfect, which the
+/// estimator does not know.
 pub fn follow(condition: &Condition, law: &LawRun, seed: Option<u64>) -> Result<Vec<Tick>, CliError> {
     let mut bench = law.bench.clone();
     if seed.is_none() {
@@ -80,7 +81,7 @@ pub fn follow(condition: &Condition, law: &LawRun, seed: Option<u64>) -> Result<
     }
     let samples = &law.forced.run.samples;
     let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
-    let configuration = controller_configuration(&plant, &bench, SAMPLE_RATE_HZ, ContactSource::Network)?;
+    let configuration = controller_configuration(&plant, &law.bench, SAMPLE_RATE_HZ, ContactSource::Network)?;
     let seed = seed.unwrap_or_default().wrapping_add(condition.index);
     let start_s = bench.load.ramp_s;
     let frames = sensing::frames(&Bench::from(bench.clone()), samples, seed);
