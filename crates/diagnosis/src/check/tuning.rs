@@ -179,7 +179,7 @@ pub(crate) const MIN_LOAD_N: f64 = 1.0;
 /// levers. Chosen by hand, not measured.
 pub(crate) const GEOMETRY_FACTORS: Range<f64> = 0.2..5.0;
 /// Smallest logarithm of the ratio by which the correction of any other factor must bring the load
-/// nearer to the described one. Chosen by hand, not measured.
+/// nearer to the described one. Chosen by hand; half and double pass.
 pub(crate) const MIN_LOG_APPROACH: f64 = 1.0;
 /// Cycles of a log with which a factor of the load is tried; it bounds the work. Chosen by hand,
 /// not measured.
@@ -188,13 +188,13 @@ pub(crate) const TRIAL_CYCLES: f64 = 2.0;
 /// 1)/36)`.
 pub(crate) const PREDICTION_SIGMAS: f64 = 1.39;
 /// Deviation of a difference from an integer multiple of the resolution, in resolutions. Chosen by
-/// hand, not measured.
+/// hand; half and double pass.
 pub(crate) const STEP_TOLERANCE: f64 = 0.02;
 /// Divisor of the count of differences: at most one in so many may be no integer multiple of the
-/// resolution. Chosen by hand, not measured.
+/// resolution. Chosen by hand; half and double pass.
 pub(crate) const OFF_GRID_DIVISOR: usize = 100;
-/// Declared noise floors from which a resolution is reported as doubtful. Chosen by hand, not
-/// measured.
+/// Declared noise floors from which a resolution is reported as doubtful. Chosen by hand; half and
+/// double pass.
 pub(crate) const COARSE_STEPS: f64 = 4.0;
 /// Noise floors by which a bench lies beyond or inside a rail. Chosen by hand, not measured.
 pub(crate) const RAIL_SIGMAS: f64 = 4.0;
