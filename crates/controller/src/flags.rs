@@ -56,16 +56,18 @@ pub const SENSOR_FAULT: Flags = Flags::from_bits(
         | IMPLAUSIBLE_SWING.bits(),
 );
 
-/// All flags that mean "do not trust the estimate": the monitor holds the last trusted one.
-pub const DISTRUSTED: Flags = Flags::from_bits(
-    SENSOR_FAULT.bits()
-        | NETWORK_OUTSIDE_LAW.bits()
-        | NOT_STARTED.bits()
+/// Flags about the networks alone: no reason to distrust an estimate with the law as its source.
+pub const NETWORK_FAULT: Flags = Flags::from_bits(
+    NETWORK_OUTSIDE_LAW.bits()
         | Flags::NON_FINITE.bits()
         | Flags::WARMING_UP.bits()
         | Flags::MISSING.bits()
-        | Flags::CORRUPTED.bits()
         | Flags::IMPLAUSIBLE_FRICTION.bits(),
+);
+
+/// All flags that mean "do not trust the estimate": the monitor holds the last trusted one.
+pub const DISTRUSTED: Flags = Flags::from_bits(
+    SENSOR_FAULT.bits() | NETWORK_FAULT.bits() | NOT_STARTED.bits() | Flags::CORRUPTED.bits(),
 );
 
 /// Names of all flags for reports, including those of the networks.

@@ -14,7 +14,8 @@
 //! * **Code in flash**: CRC-32, in the idle loop ([`crate::supervisor::code`]).
 //! * **Networks in use**: CRC-32, one word a tick (`store::scrub`).
 //! * **History of the networks**: stored twice and compared (crate `inference`).
-//! * **Plausibility checks and alarms**: no protection. An error leaves with its samples.
+//! * **Plausibility checks, alarms**: no protection. An error of a check leaves with its samples, a
+//!   raised alarm ends with the tracked quantity.
 //!
 //! There are two checksums. The word sum costs two instructions a word and serves within a tick and
 //! from one tick to the next. It detects every flip of a single bit, but it is linear: two flips in
@@ -23,6 +24,7 @@
 
 use contact::{FrictionLaw, StribeckShape};
 use fixed::types::U2F30;
+use inference::Flags;
 use link::crc32::Digest;
 use nalgebra::SMatrix;
 
@@ -100,6 +102,7 @@ one_word! {
     u8 => |value| u32::from(value),
     u16 => |value| u32::from(value),
     U2F30 => |value| value.to_bits(),
+    Flags => |value| value.bits(),
 }
 
 impl Words for i64 {

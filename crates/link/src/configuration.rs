@@ -40,17 +40,6 @@ pub enum ContactSource {
     Law,
 }
 
-impl ContactSource {
-    /// Returns the lower-case name for options and reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Network => "network",
-            Self::Law => "law",
-        }
-    }
-}
-
 /// Calibration of a channel: `true = (raw - offset) * gain`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Calibration {

@@ -27,8 +27,8 @@ pub const VALUES: usize = 19;
 
 /// Estimate for one sample.
 ///
-/// Deviations are standard deviations. They are infinite while nothing is known and while the
-/// estimate is held.
+/// Deviations are standard deviations. Those of force and torque are infinite while nothing is known
+/// and while the estimate is held or tripped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EstimateFrame {
     /// Sequence number of the sample.
@@ -82,37 +82,45 @@ pub struct EstimateFrame {
 }
 
 impl EstimateFrame {
+    /// Estimate while nothing is known: forces of 0, infinite deviations.
+    pub const UNKNOWN: Self = Self {
+        sequence: 0,
+        time_us: 0,
+        normal_force_n: 0.0,
+        force_y_n: 0.0,
+        force_z_n: 0.0,
+        friction_torque_nm: 0.0,
+        deformation_m: 0.0,
+        contact_angle_rad: 0.0,
+        normal_force_sd_n: f32::INFINITY,
+        force_sd_n: f32::INFINITY,
+        friction_torque_sd_nm: f32::INFINITY,
+        network_force_n: 0.0,
+        network_torque_nm: 0.0,
+        law_force_n: 0.0,
+        law_torque_nm: 0.0,
+        clearance_m: 0.0,
+        clearance_sd_m: f32::INFINITY,
+        stiffness_factor: 1.0,
+        stiffness_sd: f32::INFINITY,
+        friction_factor: 1.0,
+        friction_sd: f32::INFINITY,
+        flags: 0,
+        saturated: 0,
+        instruction_ticks: 0,
+    };
+
+    /// Makes the deviations of force and torque infinite: the values are not those of this sample.
+    pub const fn forget_deviations(&mut self) {
+        self.normal_force_sd_n = f32::INFINITY;
+        self.force_sd_n = f32::INFINITY;
+        self.friction_torque_sd_nm = f32::INFINITY;
+    }
+
     /// Returns `true` if two estimates agree in every bit of every field except the tick count.
     #[must_use]
     pub fn same_bits(&self, other: &Self) -> bool {
         self.bits() == other.bits()
-    }
-
-    /// The floats, in their order.
-    #[must_use]
-    #[inline]
-    pub const fn values(&self) -> [f32; VALUES] {
-        [
-            self.normal_force_n,
-            self.force_y_n,
-            self.force_z_n,
-            self.friction_torque_nm,
-            self.deformation_m,
-            self.contact_angle_rad,
-            self.normal_force_sd_n,
-            self.force_sd_n,
-            self.friction_torque_sd_nm,
-            self.network_force_n,
-            self.network_torque_nm,
-            self.law_force_n,
-            self.law_torque_nm,
-            self.clearance_m,
-            self.clearance_sd_m,
-            self.stiffness_factor,
-            self.stiffness_sd,
-            self.friction_factor,
-            self.friction_sd,
-        ]
     }
 
     /// The bits of the floats, in their order.
@@ -122,34 +130,50 @@ impl EstimateFrame {
         self.values().map(f32::to_bits)
     }
 
-    /// Replaces the floats, in their order.
-    pub const fn set_values(&mut self, values: [f32; VALUES]) {
-        [
-            self.normal_force_n,
-            self.force_y_n,
-            self.force_z_n,
-            self.friction_torque_nm,
-            self.deformation_m,
-            self.contact_angle_rad,
-            self.normal_force_sd_n,
-            self.force_sd_n,
-            self.friction_torque_sd_nm,
-            self.network_force_n,
-            self.network_torque_nm,
-            self.law_force_n,
-            self.law_torque_nm,
-            self.clearance_m,
-            self.clearance_sd_m,
-            self.stiffness_factor,
-            self.stiffness_sd,
-            self.friction_factor,
-            self.friction_sd,
-        ] = values;
-    }
-
     fn bits(&self) -> (u32, u32, [u32; VALUES], u32, u16) {
         (self.sequence, self.time_us, self.value_bits(), self.flags, self.saturated)
     }
+}
+
+/// Lists the floats of an estimate once, in the order of the wire.
+macro_rules! in_order {
+    ($($field:ident),+ $(,)?) => {
+        impl EstimateFrame {
+            /// The floats, in their order.
+            #[must_use]
+            #[inline]
+            pub const fn values(&self) -> [f32; VALUES] {
+                [$(self.$field),+]
+            }
+
+            /// Replaces the floats, in their order.
+            pub const fn set_values(&mut self, values: [f32; VALUES]) {
+                [$(self.$field),+] = values;
+            }
+        }
+    };
+}
+
+in_order! {
+    normal_force_n,
+    force_y_n,
+    force_z_n,
+    friction_torque_nm,
+    deformation_m,
+    contact_angle_rad,
+    normal_force_sd_n,
+    force_sd_n,
+    friction_torque_sd_nm,
+    network_force_n,
+    network_torque_nm,
+    law_force_n,
+    law_torque_nm,
+    clearance_m,
+    clearance_sd_m,
+    stiffness_factor,
+    stiffness_sd,
+    friction_factor,
+    friction_sd,
 }
 
 /// Estimate with its number, as it is sent.

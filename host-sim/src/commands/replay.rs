@@ -142,7 +142,7 @@ fn run_log(args: &ReplayArgs) -> Result<(), CliError> {
     let exchanged = exchange(controller, &frames)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(OUT));
     output::write(&out, estimates::FILE_NAME, &estimates::to_csv(&exchanged.estimates))?;
-    print_log(args, &exchanged, rate_hz, &out.join("estimates.csv"))
+    print_log(args, &exchanged, rate_hz, &out.join(estimates::FILE_NAME))
 }
 
 fn print_log(

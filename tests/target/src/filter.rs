@@ -6,9 +6,9 @@
 
 use crate::noise::Noise;
 use contact::BearingMaterial;
-use controller::filter::{
-    Filter, FilterConfiguration, FilterEstimate, Measurement, SensorNoise, Uncertainty,
-};
+use controller::configuration::BENCH_B;
+use controller::estimator::filter_configuration;
+use controller::filter::{Filter, FilterConfiguration, FilterEstimate, Measurement};
 use core::f32::consts::TAU;
 
 /// Samples of a digest: 0.4 s.
@@ -16,40 +16,9 @@ const SAMPLES: u32 = 4000;
 
 /// Configuration of the filter for the default bench with its declared uncertainties.
 pub fn default_bench() -> FilterConfiguration {
-    let material = BearingMaterial::Babbitt;
-    let friction = material.friction_law();
-    FilterConfiguration {
-        sample_period_s: 1e-4,
-        mass_kg: 150.0,
-        inertia_kg_m2: 60.0,
-        drive_lever_m: 0.3,
-        load_lever_m: 0.36,
-        journal_radius_m: 0.0695,
-        radial_clearance_m: 5e-4,
-        effective_modulus_pa: material.effective_modulus_pa() as f32,
-        dissipation_factor: material.damping_per_mille() as f32 * 1e-3,
-        friction: contact::FrictionLaw {
-            coulomb_coefficient: friction.coulomb_coefficient as f32,
-            static_coefficient: friction.static_coefficient as f32,
-            stribeck_speed_m_s: friction.stribeck_speed_m_s as f32,
-            shape: friction.shape,
-            viscous_slope_s_m: friction.viscous_slope_s_m as f32,
-            viscous_onset_m_s: friction.viscous_onset_m_s as f32,
-            regularisation_m_s: friction.regularisation_m_s as f32,
-        },
-        latch_floor_m_s: 1e-3,
-        stroke_m: 0.172,
-        period_s: 1.0,
-        noise: SensorNoise { position_m: 0.2e-6, angle_rad: 20e-6, drive_force_n: 20.0 },
-        uncertainty: Uncertainty {
-            mass_share: 0.02,
-            inertia_share: 0.05,
-            clearance_m: 10e-6,
-            stiffness_share: 0.05,
-            friction_share: 0.03,
-            lever_share: 0.003,
-        },
-    }
+    let mut config = filter_configuration(BearingMaterial::Babbitt, &BENCH_B.bench, &BENCH_B.monitor);
+    config.noise.drive_force_n = 20.0;
+    config
 }
 
 /// A filter and the samples that it gets.

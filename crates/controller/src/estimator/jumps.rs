@@ -1,47 +1,65 @@
-//! Positions after a jump: a probe that has jumped is not trusted until it has returned, or until a
+//! Samples after a jump: a sensor that has jumped is not trusted until it has returned, or until a
 //! stuck one would have been found.
 
 use crate::integrity::words;
 use link::SensorFrame;
 
-/// Samples for which a position is not trusted after a jump: longer than the default time after
-/// which an unchanged code counts as stuck.
+/// Samples for which a sensor is not trusted after a jump: longer than the default time after which
+/// an unchanged code counts as stuck.
 const SUSPECT_SAMPLES: u32 = 128;
-/// Distance from the last trusted position within which a probe has returned, nm.
+/// Distance from the last trusted position within which a probe has returned, nm, for each sample
+/// since: the journal moves by less than .5 m/s at 10 kHz.
 const RETURNED_NM: u32 = 50_000;
+/// The same of the shaft's angle, nrad.
+const RETURNED_NRAD: u32 = 10_000_000;
 
 /// Memory of the last jump.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Jumps {
-    /// Samples for which the position is not trusted.
+    /// Samples for which the sensors are not trusted.
     suspect: u32,
     trusted_y_nm: i32,
     trusted_z_nm: i32,
+    trusted_angle_nrad: i32,
+    has_trusted: bool,
     was_missing: bool,
 }
-words!(Jumps { suspect, trusted_y_nm, trusted_z_nm, was_missing });
+words!(Jumps { suspect, trusted_y_nm, trusted_z_nm, trusted_angle_nrad, has_trusted, was_missing });
 
 impl Jumps {
-    /// Takes a sample; returns true if its position can be trusted.
+    /// Takes a sample; returns true if its motion can be trusted. `lost` is the number of samples
+    /// that were lost before it, if any were.
     #[inline]
-    pub(super) fn is_trusted(&mut self, frame: &SensorFrame, has_jumped: bool) -> bool {
-        let (y, z) = (frame.journal_y_nm, frame.journal_z_nm);
+    pub(super) fn is_trusted(&mut self, frame: &SensorFrame, has_jumped: bool, lost: Option<u32>) -> bool {
         // A missing value is no position: neither it nor the step from it is a jump.
-        let is_missing = (y == i32::MIN) | (z == i32::MIN);
+        let is_missing = (frame.journal_y_nm == i32::MIN) | (frame.journal_z_nm == i32::MIN);
         let is_jump = has_jumped & !is_missing & !self.was_missing;
         self.was_missing = is_missing;
         if is_jump {
-            let has_returned = self.suspect > 0
-                && y.abs_diff(self.trusted_y_nm) < RETURNED_NM
-                && z.abs_diff(self.trusted_z_nm) < RETURNED_NM;
+            // After lost samples the last trusted one is further away.
+            let may_continue = self.suspect > 0 || lost.is_some();
+            let has_returned = may_continue && self.is_near(frame, lost.unwrap_or_default());
             self.suspect = if has_returned { 0 } else { SUSPECT_SAMPLES };
         }
         let is_trusted = (self.suspect == 0) & !is_missing;
         self.suspect = self.suspect.saturating_sub(1);
         if is_trusted {
-            (self.trusted_y_nm, self.trusted_z_nm) = (y, z);
+            self.has_trusted = true;
+            self.trusted_y_nm = frame.journal_y_nm;
+            self.trusted_z_nm = frame.journal_z_nm;
+            self.trusted_angle_nrad = frame.shaft_angle_nrad;
         }
         is_trusted
+    }
+
+    /// Returns true if a sample is where the machine can have moved since the last trusted one.
+    fn is_near(&self, frame: &SensorFrame, lost: u32) -> bool {
+        let samples = lost.saturating_add(1);
+        let (length, angle) = (RETURNED_NM.saturating_mul(samples), RETURNED_NRAD.saturating_mul(samples));
+        !self.has_trusted
+            || (frame.journal_y_nm.abs_diff(self.trusted_y_nm) < length
+                && frame.journal_z_nm.abs_diff(self.trusted_z_nm) < length
+                && frame.shaft_angle_nrad.wrapping_sub(self.trusted_angle_nrad).unsigned_abs() < angle)
     }
 }
 
@@ -53,25 +71,46 @@ mod tests {
         SensorFrame { journal_y_nm, ..SensorFrame::default() }
     }
 
+    /// Memory with a trusted sample at 0.
+    fn started() -> Jumps {
+        let mut jumps = Jumps::default();
+        assert!(jumps.is_trusted(&at(0), false, None));
+        jumps
+    }
+
     #[test]
     fn a_spike_is_over_when_the_probe_returns() {
-        let mut jumps = Jumps::default();
-        assert!(jumps.is_trusted(&at(0), false));
-        assert!(!jumps.is_trusted(&at(80_000), true));
-        assert!(jumps.is_trusted(&at(1_000), true) && jumps.is_trusted(&at(2_000), false));
+        let mut jumps = started();
+        assert!(!jumps.is_trusted(&at(80_000), true, None));
+        assert!(jumps.is_trusted(&at(1_000), true, None) && jumps.is_trusted(&at(2_000), false, None));
+    }
+
+    #[test]
+    fn a_second_wrong_angle_is_no_return() {
+        let mut jumps = started();
+        let turned = |shaft_angle_nrad| SensorFrame { shaft_angle_nrad, ..SensorFrame::default() };
+        assert!(!jumps.is_trusted(&turned(50_000_000), true, None));
+        assert!(!jumps.is_trusted(&turned(-70_000_000), true, None));
+        assert!(jumps.is_trusted(&turned(100_000), true, None));
+    }
+
+    #[test]
+    fn after_lost_samples_a_step_is_trusted_as_far_as_the_machine_can_move() {
+        assert!(started().is_trusted(&at(400_000), true, Some(9)));
+        assert!(!started().is_trusted(&at(600_000), true, Some(9)));
+        assert!(!started().is_trusted(&at(80_000), true, Some(0)));
     }
 
     #[test]
     fn a_position_that_stays_away_is_trusted_after_the_time_of_a_stuck_probe() {
-        let mut jumps = Jumps::default();
-        assert!(jumps.is_trusted(&at(0), false));
-        let trusted = |index: &u32| jumps.is_trusted(&at(300_000), *index == 0);
+        let mut jumps = started();
+        let trusted = |index: &u32| jumps.is_trusted(&at(300_000), *index == 0, None);
         assert_eq!((0..1000).filter(trusted).count(), 1000 - SUSPECT_SAMPLES as usize);
     }
 
     #[test]
-    fn jumps_to_and_fro_keep_the_position_suspect() {
-        let mut jumps = Jumps::default();
-        assert!((1..100).all(|index| !jumps.is_trusted(&at(300_000 * index), true)));
+    fn a_probe_that_runs_away_in_jumps_stays_suspect() {
+        let mut jumps = started();
+        assert!((1..100).all(|index| !jumps.is_trusted(&at(300_000 * index), true, None)));
     }
 }

@@ -144,7 +144,7 @@ impl Estimator {
         let is_state_corrupted = self.check_state();
         let doubts = self.plausibility.check(frame);
         let lost = doubts.intersects(LOST_SAMPLES).then_some(self.plausibility.lost());
-        let measured = self.measurement(frame, doubts, lost.is_some());
+        let (measured, is_suspect) = self.measurement(frame, doubts, lost);
         let estimate = self.setup.filter.step(&mut self.state.value_mut().filter, &measured, lost);
         self.sample = Setup::sample(&estimate);
         self.waiting.store(estimate);
@@ -162,9 +162,10 @@ impl Estimator {
         let is_source = self.setup.uses_networks & is_usable & !is_outside & !is_tick_corrupted;
         let state = &mut self.state.value_mut().filter;
         self.setup.filter.set_networks(state, is_source.then_some(forces));
-        self.state.seal(is_tick_corrupted | networks.flags.contains(Flags::CORRUPTED));
+        self.state.seal(false);
 
         let flags = doubts
+            | JUMP.when(is_suspect)
             | networks.flags
             | NETWORK_OUTSIDE_LAW.when(is_outside)
             | Flags::CORRUPTED.when(is_state_corrupted | is_tick_corrupted)
@@ -201,15 +202,17 @@ impl Estimator {
     }
 
     /// Converts a sample: without its motion if that cannot be trusted, with the last good load if
-    /// its own is faulty. After lost samples a jump is no doubt.
+    /// its own is faulty. Returns whether it is not trusted because of a jump.
     #[inline]
-    fn measurement(&mut self, frame: &SensorFrame, doubts: Flags, has_lost: bool) -> Measurement {
+    fn measurement(&mut self, frame: &SensorFrame, doubts: Flags, lost: Option<u32>) -> (Measurement, bool) {
         let State { load_n: load, jumps, .. } = self.state.value_mut();
         if !self.plausibility.findings().is_load_faulty() {
             *load = frame.load_force_mn as f32 * MILLI;
         }
-        let is_trusted = jumps.is_trusted(frame, !has_lost & doubts.intersects(JUMP));
-        self.setup.measurement(frame, *load, is_trusted & !doubts.intersects(NO_MOTION))
+        let is_missing = doubts.contains(SENSOR_MISSING);
+        let is_trusted = jumps.is_trusted(frame, doubts.contains(JUMP), lost);
+        let is_usable = is_trusted & !doubts.intersects(NO_MOTION);
+        (self.setup.measurement(frame, *load, is_usable), !is_trusted & !is_missing)
     }
 
     /// Checks the state; returns true if it is corrupted. Everything that was learnt is forgotten

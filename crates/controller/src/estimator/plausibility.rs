@@ -266,7 +266,7 @@ impl Plausibility {
         &self.state.findings
     }
 
-    /// Number of samples that the sequence numbers leave out before the last sample; more than
+    /// Number of samples that sequence numbers or time leave out before the last sample; more than
     /// 2^31 if it was repeated or out of order.
     #[must_use]
     pub const fn lost(&self) -> u32 {
@@ -296,9 +296,10 @@ impl Plausibility {
         events |= state.noisy << NOISE;
 
         let elapsed_us = frame.time_us.wrapping_sub(previous.time_us);
-        state.lost = frame.sequence.wrapping_sub(previous.sequence).wrapping_sub(1);
-        let is_gap = state.lost != 0;
+        let skipped = frame.sequence.wrapping_sub(previous.sequence).wrapping_sub(1);
+        let is_gap = skipped != 0;
         let is_late = elapsed_us.abs_diff(config.period_us) > config.period_us / 2;
+        state.lost = skipped.max(config.periods_missed(elapsed_us, is_late));
         let has_jumped = events & MOTION & 0xf << JUMPED != 0;
         state.has_steps = u32::from(!(is_gap | is_late | has_jumped | is_first)).wrapping_neg();
         let is_load_good = events & !MOTION == 0;
@@ -341,6 +342,19 @@ impl State {
 }
 
 impl Config {
+    /// Returns the number of periods that a late sample left out; 0 if the time went back.
+    #[inline]
+    fn periods_missed(&self, elapsed_us: u32, is_late: bool) -> u32 {
+        if !is_late || elapsed_us > i32::MAX.cast_unsigned() {
+            return 0;
+        }
+        elapsed_us
+            .saturating_add(self.period_us / 2)
+            .checked_div(self.period_us)
+            .unwrap_or(0)
+            .saturating_sub(1)
+    }
+
     /// Checks every channel alone; returns the steps from the previous sample and the events.
     #[inline]
     fn check_channels(

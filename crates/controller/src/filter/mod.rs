@@ -47,6 +47,9 @@ impl Words for FilterState {
     }
 }
 
+/// Number of skipped samples above which a sequence number went back.
+const MAX_SKIPPED: u32 = i32::MAX.cast_unsigned();
+
 /// Constants of the filter of one bench, apart from its state.
 #[derive(Clone, Debug)]
 pub(crate) struct FilterModel(Model);
@@ -68,8 +71,8 @@ impl FilterModel {
         Ok(Self(Model::new(config)))
     }
 
-    /// Takes one sample and estimates. A sample of which a value is missing, which is not a number,
-    /// is predicted. After `lost` samples a complete one continues with what has been learnt. A
+    /// Takes one sample and estimates. A sample with a missing value (not a number) is only
+    /// predicted. After `lost` samples a complete one continues with what has been learnt. A
     /// state that is no longer finite is forgotten: the next sample starts anew.
     #[inline(never)]
     pub(crate) fn step(
@@ -80,6 +83,8 @@ impl FilterModel {
     ) -> FilterEstimate {
         let Self(model) = self;
         match (&mut state.0, lost) {
+            // A repeated or earlier sample says nothing new.
+            (Some(_), Some(lost)) if lost > MAX_SKIPPED => {}
             (Some(state), Some(lost)) if measured.is_complete() => model.resume(state, measured, lost),
             (Some(state), Some(_)) => model.lose(state),
             (Some(state), None) => model.follow(state, measured),
@@ -117,13 +122,8 @@ impl Filter {
         Ok(Self { model: FilterModel::new(config)?, state: FilterState::default() })
     }
 
-    /// Forgets everything that was measured, for example after a gap in the samples.
-    pub const fn restart(&mut self) {
-        self.state = FilterState(None);
-    }
-
-    /// Takes one sample and estimates. A sample of which a value is missing, which is not a number,
-    /// is predicted. A state that is no longer finite is forgotten: the next sample starts anew.
+    /// Takes one sample and estimates. A sample with a missing value (not a number) is only
+    /// predicted. A state that is no longer finite is forgotten: the next sample starts anew.
     pub fn step(&mut self, measured: &Measurement) -> FilterEstimate {
         self.model.step(&mut self.state, measured, None)
     }

@@ -33,6 +33,8 @@ const MAX_DAMPING_CHANGE: f32 = 1.0;
 const MAX_MISSED: u32 = 50;
 /// Standard deviation of the radial speed in contact as a share of the approach speed.
 const CONTACT_RATE: f32 = 0.5;
+/// Lost samples over which the factors drift: five minutes at 10 kHz.
+const MAX_DRIFT_SAMPLES: u32 = 3_000_000;
 /// Lost samples over which the motion of the drive is extrapolated.
 const MAX_LOST: u32 = 64;
 
@@ -67,6 +69,8 @@ pub(super) struct State {
     ratios: Ratios,
     /// Samples since the last complete one.
     missed: u32,
+    /// True if this sample contradicted the model so much that the state was started anew.
+    is_repaired: bool,
 }
 words!(State {
     motion,
@@ -81,6 +85,7 @@ words!(State {
     innovation,
     ratios,
     missed,
+    is_repaired,
 });
 
 impl State {
@@ -121,7 +126,9 @@ impl Model {
     pub(super) fn set_networks(&self, state: &mut State, networks: Option<NetworkForces>) {
         let forces = &state.at.forces;
         state.ratios = match networks {
-            Some(NetworkForces { normal_n, friction_n, blend_n }) if forces.law_normal > 0.0 => {
+            Some(NetworkForces { normal_n, friction_n, blend_n })
+                if forces.law_normal > 0.0 && forces.normal > 0.0 =>
+            {
                 // Below the blended force the coefficients lose their meaning, both alike.
                 let share = 1.0 / larger(normal_n, blend_n);
                 let described = forces.law_coefficient.abs() * (normal_n * share);
@@ -139,6 +146,7 @@ impl Model {
     pub(super) fn resume(&self, state: &mut State, measured: &Measurement, lost: u32) {
         if lost > MAX_LOST {
             state.drive = DriveTracker::new(&self.config, self.displacement(measured));
+            state.bias[RESIDUAL] = 0.0;
         } else {
             for _ in 0..=lost {
                 state.drive.advance(&self.drive);
@@ -146,6 +154,21 @@ impl Model {
             state.drive.correct(&self.drive, self.displacement(measured));
         }
         self.restart_motion(state, measured, lost);
+        if lost > MAX_LOST {
+            let residual = self.unknown_residual(measured.load_force_n);
+            state.covariance.restart_bias(RESIDUAL, residual);
+        }
+        let samples = lost.min(MAX_DRIFT_SAMPLES).wrapping_add(1) as f32;
+        state.covariance.add_noise(&Matrix2::zeros(), &(self.levels.factor_drift() * samples));
+        self.evaluate(state);
+        self.onset(state);
+    }
+
+    /// Standard deviation of the residual force while the drive's acceleration is unknown, N.
+    fn unknown_residual(&self, load: f32) -> f32 {
+        let config = &self.config;
+        let unknown_drive = config.reflected_mass() * config.jerk_sd() * config.jerk_time();
+        root(self.levels.residual_variance(load) + square(unknown_drive))
     }
 
     /// Predicts a sample after lost ones; the next complete one starts the motion anew.
@@ -176,10 +199,7 @@ impl Model {
         let speeds = normal * normal.transpose() + tangent * tangent.transpose();
         state.covariance.restart_motion(noise * noise, &speeds);
         state.load = measured.load_force_n;
-        state.innovation = EXPECTED_INNOVATION;
         state.missed = 0;
-        self.evaluate(state);
-        self.onset(state);
     }
 
     /// Predicts a state one sample on and corrects it by the sample, if that is complete.
@@ -190,6 +210,7 @@ impl Model {
         }
         self.predict(state);
         state.missed = state.missed.saturating_add(1);
+        state.is_repaired = false;
         if measured.is_complete() {
             state.missed = 0;
             state.load = measured.load_force_n;
@@ -224,7 +245,7 @@ impl Model {
         }
         let (ratios, friction) = (state.ratios, state.bias[FRICTION]);
         *state = self.restart(measured, state.drive);
-        state.ratios = ratios;
+        (state.ratios, state.is_repaired) = (ratios, true);
         // Friction does not depend on clearance and stiffness: what was learnt is a better start.
         // With a measured drive force it is learnt anew at once.
         let friction = if measured.drive_force_n.is_some() { 0.0 } else { friction };
@@ -233,7 +254,12 @@ impl Model {
         let deviation = root(square(declared) + square(0.5 * friction));
         state.covariance.restart_bias(FRICTION, deviation);
         if is_free {
-            state.bias[CLEARANCE] = distance(measured) - self.config.radial_clearance_m;
+            // As uncertain as at a start with the journal at this distance, on either side.
+            let change = distance(measured) - self.config.radial_clearance_m;
+            let [_, clearance, _] = self.config.factor_sds();
+            state.bias[CLEARANCE] = change;
+            let deviation = root(square(clearance) + square(0.5 * change));
+            state.covariance.restart_bias(CLEARANCE, deviation);
         }
     }
 
@@ -252,8 +278,7 @@ impl Model {
         let noise = config.noise.position_m;
         let speed = self.levels.fall_speed;
         let [stiffness, clearance, friction] = config.factor_sds();
-        let unknown_drive = config.reflected_mass() * config.jerk_sd() * config.jerk_time();
-        let residual = root(self.levels.residual_variance(measured.load_force_n) + square(unknown_drive));
+        let residual = self.unknown_residual(measured.load_force_n);
         let motion = Motion::new(measured.journal_y_m, measured.journal_z_m, 0.0, 0.0);
         let bias = Bias::new(0.0, 0.0, beyond, 0.0, 0.0, 0.0);
         let deviations = Bias::new(
@@ -282,6 +307,7 @@ impl Model {
             innovation: EXPECTED_INNOVATION,
             ratios,
             missed: 0,
+            is_repaired: false,
         }
     }
 
@@ -400,8 +426,9 @@ impl Model {
             + square(mass * friction);
         let normal_variance =
             projection.variance + square(forces.normal_curvature) + square(mass * normal) + least;
-        let fits = state.innovation <= MAX_INNOVATION;
-        let widening = if fits { 1.0 } else { state.innovation * (1.0 / EXPECTED_INNOVATION) };
+        let fits = state.innovation <= MAX_INNOVATION && !state.is_repaired;
+        let excess = larger(state.innovation, MAX_INNOVATION) * (1.0 / EXPECTED_INNOVATION);
+        let widening = if fits { 1.0 } else { excess };
         // Masses and levers are not estimated: their errors pass to the factors.
         let considered = |place: usize, share: f32| {
             let error = share * (1.0 + state.bias[place]);

@@ -347,51 +347,16 @@ fn join(positions: Pair, speeds: Pair) -> Motion {
 
 #[cfg(test)]
 mod tests {
-    use super::super::configuration::{SensorNoise, Uncertainty};
     use super::super::state::{CLEARANCE, MASS};
     use super::*;
+    use crate::configuration::BENCH_B;
+    use crate::estimator::filter_configuration;
     use contact::BearingMaterial;
-
-    /// Bench B with a Babbitt bearing.
-    fn bench() -> FilterConfiguration {
-        let law = BearingMaterial::Babbitt.friction_law();
-        FilterConfiguration {
-            sample_period_s: 1e-4,
-            mass_kg: 150.0,
-            inertia_kg_m2: 60.0,
-            drive_lever_m: 0.3,
-            load_lever_m: 0.36,
-            journal_radius_m: 0.0695,
-            radial_clearance_m: 5e-4,
-            effective_modulus_pa: 4.4e10,
-            dissipation_factor: 2.1,
-            friction: contact::FrictionLaw {
-                coulomb_coefficient: law.coulomb_coefficient as f32,
-                static_coefficient: law.static_coefficient as f32,
-                stribeck_speed_m_s: law.stribeck_speed_m_s as f32,
-                shape: law.shape,
-                viscous_slope_s_m: 0.0,
-                viscous_onset_m_s: 0.0,
-                regularisation_m_s: 1e-3,
-            },
-            latch_floor_m_s: 1e-3,
-            stroke_m: 0.172,
-            period_s: 1.0,
-            noise: SensorNoise { position_m: 2e-7, angle_rad: 2e-5, drive_force_n: 20.0 },
-            uncertainty: Uncertainty {
-                mass_share: 0.02,
-                inertia_share: 0.05,
-                clearance_m: 1e-5,
-                stiffness_share: 0.05,
-                friction_share: 0.03,
-                lever_share: 0.003,
-            },
-        }
-    }
 
     /// Accelerations and force of the drive at a state in contact, with one state moved.
     fn at(moved: Option<(usize, f32)>) -> Evaluated {
-        let dynamics = Dynamics::new(&bench());
+        let bench = filter_configuration(BearingMaterial::Babbitt, &BENCH_B.bench, &BENCH_B.monitor);
+        let dynamics = Dynamics::new(&bench);
         let mut motion = Motion::new(-3.08e-4, -4.265e-4, 2e-3, -1e-3);
         let mut bias = Bias::new(50.0, 0.02, 1e-6, 0.03, 0.0, 0.01);
         match moved {

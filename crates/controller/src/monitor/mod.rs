@@ -17,15 +17,15 @@ mod tracked;
 use inference::{Flags, Model};
 use link::crc32::Digest;
 use link::track::{CHANNELS, ChannelCounts, MonitorConfiguration, SensorHealth, SensorStatus, TrackReport};
-use link::{BenchConfiguration, EstimateFrame, Refusal, SensorFrame};
+use link::{BenchConfiguration, ContactSource, EstimateFrame, Refusal, SensorFrame};
 
 pub use limits::ranges;
 
 use crate::Estimator;
 use crate::estimator::{Limits, SwingLimit, flags_of};
 use crate::flags::{
-    CONVERGING, DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, MODEL_MISFIT, NETWORK_OUTSIDE_LAW,
-    SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT,
+    CONVERGING, DISTRUSTED, IMPLAUSIBLE_POSITION, IMPLAUSIBLE_SWING, MODEL_MISFIT, NETWORK_FAULT,
+    NETWORK_OUTSIDE_LAW, SENSOR_FAULT, SEQUENCE_GAP, TIME_FAULT,
 };
 use crate::integrity::{WordSum, Words, read_anew, words};
 use safe_state::{Holding, HoldingState};
@@ -52,8 +52,10 @@ pub struct Monitor {
 struct Config {
     tracked: Tracked,
     holding: Holding,
+    /// Flags with which no estimate is trusted.
+    distrusted: Flags,
 }
-words!(Config { tracked, holding });
+words!(Config { tracked, holding, distrusted });
 
 /// Flags of estimates whose factors are not compared with limits.
 const UNTRACKED: Flags = Flags::from_bits(SENSOR_FAULT.bits() | CONVERGING.bits() | MODEL_MISFIT.bits());
@@ -82,6 +84,10 @@ impl Monitor {
             config: Config {
                 tracked: Tracked::new(monitor),
                 holding: Holding::new(monitor.recovery_samples.into(), monitor.lost_samples),
+                distrusted: match configuration.contact {
+                    ContactSource::Network => DISTRUSTED,
+                    ContactSource::Law => Flags::from_bits(DISTRUSTED.bits() & !NETWORK_FAULT.bits()),
+                },
             },
             tracked: TrackedState::default(),
             holding: HoldingState::default(),
@@ -118,7 +124,7 @@ impl Monitor {
         let flags = flags_of(&estimate);
         // A fault of the load alone is flagged, but nothing is held: the residual force covers it.
         let flags = flags | Flags::CORRUPTED.when(self.are_networks_corrupted);
-        let is_distrusted = flags.intersects(DISTRUSTED);
+        let is_distrusted = flags.intersects(self.config.distrusted);
         let flags = flags | findings.flags;
         estimate.flags = flags.bits();
         let counts = !flags.intersects(UNTRACKED) & !is_distrusted;

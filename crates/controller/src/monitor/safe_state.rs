@@ -81,9 +81,7 @@ impl Holding {
         apply(deformation, &mut estimate.deformation_m, u32::MAX);
         apply(angle, &mut estimate.contact_angle_rad, u32::MAX);
         if hold != 0 {
-            estimate.normal_force_sd_n = f32::INFINITY;
-            estimate.force_sd_n = f32::INFINITY;
-            estimate.friction_torque_sd_nm = f32::INFINITY;
+            estimate.forget_deviations();
         }
         estimate.flags |= HELD.bits() & hold;
         (hold != 0, begins, WordSum::from_words(&estimate.value_bits()))

@@ -13,6 +13,8 @@ use link::track::{MonitorConfiguration, SafeState, TrackReport};
 /// Samples from one comparison to the next: 26 ms at 10 kHz.
 const INTERVAL: u32 = 256;
 
+/// Comparisons without one that counts after which an alarm's state is unknown: 6.5 s at 10 kHz.
+const MAX_IDLE: u32 = 256;
 /// Declared deviations of the stiffness within which the factors are compared.
 const PLAUSIBLE: f32 = 3.0;
 
@@ -31,8 +33,10 @@ words!(Tracked { wear, friction, stiffness_limit });
 pub(super) struct TrackedState {
     wear: AlarmState,
     friction: AlarmState,
-    /// Comparisons that counted, saturating.
+    /// Comparisons that counted, saturating; 0 again when none has counted for long.
     comparisons: u32,
+    /// Comparisons since the last one that counted.
+    idle: u32,
     place: u32,
     last: Factors,
 }
@@ -80,8 +84,13 @@ impl Tracked {
         }
         let Factors { clearance_m: [clearance, clearance_sd], friction: [friction, friction_sd], .. } =
             state.last;
+        state.idle = state.idle.saturating_add(1);
         let counts = counts & ((state.last.stiffness[0] - 1.0).abs() <= self.stiffness_limit);
-        state.comparisons = state.comparisons.saturating_add(u32::from(counts));
+        if counts {
+            (state.comparisons, state.idle) = (state.comparisons.saturating_add(1), 0);
+        } else if state.idle > MAX_IDLE {
+            state.comparisons = 0;
+        }
         let counts = counts & (state.comparisons >= ENOUGH);
         self.wear.update(&mut state.wear, clearance, clearance_sd * clearance_sd, counts);
         self.friction.update(&mut state.friction, friction, friction_sd * friction_sd, counts);

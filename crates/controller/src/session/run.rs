@@ -4,12 +4,13 @@ use inference::{BearingMaterial, Flags, ImageError, WINDOW};
 use link::crc32::Digest;
 use link::track::SensorStatus;
 use link::{
-    Configured, ControllerConfiguration, EstimateFrame, Field, NumberedEstimate, OutOfRange, Reasons,
-    Refusal, SensorFrame,
+    Configured, ControllerConfiguration, ESTIMATE_FRAME, EstimateFrame, Field, NumberedEstimate, OutOfRange,
+    Reasons, Refusal, SensorFrame,
 };
 
 use super::deadline::Deadline;
 use crate::Monitor;
+use crate::boards::LINK_BAUD;
 use crate::configuration::{Calibrator, checksum};
 use crate::flags::{OVER_FORCE, STALE, TRIPPED};
 use crate::integrity::{WordSum, Words};
@@ -17,8 +18,14 @@ use crate::store::{Loaded, Models, Scrubber};
 
 /// Period of the controller's own samples, us: one timer tick.
 pub const OWN_SAMPLE_PERIOD_US: u32 = 100;
-/// Own samples per sent estimate: 500 estimates per second, half of what the serial line carries.
-pub const OWN_ESTIMATE_INTERVAL: u16 = 20;
+/// Own samples per sent estimate: 250 estimates per second, half of what the serial line carries.
+pub const OWN_ESTIMATE_INTERVAL: u16 = 40;
+
+/// A byte takes ten bits on the serial line.
+const _: () = assert!(
+    1_000_000 / (OWN_SAMPLE_PERIOD_US * OWN_ESTIMATE_INTERVAL as u32) * ESTIMATE_FRAME as u32
+        <= LINK_BAUD / 10 * 6 / 10
+);
 
 /// A configured estimator at work.
 #[derive(Debug)]
@@ -90,8 +97,8 @@ impl Run {
             next_number: 0,
             is_sampling: false,
             withheld: 0,
-            last_in_time: EstimateFrame::default(),
-            last_in_time_sum: WordSum::default(),
+            last_in_time: EstimateFrame::UNKNOWN,
+            last_in_time_sum: WordSum::from_words(&EstimateFrame::UNKNOWN.value_bits()),
             value_sum: WordSum::default(),
             config_crc: 0,
         };
@@ -128,14 +135,11 @@ impl Run {
     /// to be served.
     pub(super) fn estimate(&mut self, frame: &SensorFrame, status: SensorStatus) -> EstimateFrame {
         if self.deadline.is_tripped() {
-            self.value_sum = self.last_in_time_sum;
             let flags = self.last_in_time.flags | (STALE | TRIPPED).bits();
-            return EstimateFrame {
-                sequence: frame.sequence,
-                time_us: frame.time_us,
-                flags,
-                ..self.last_in_time
-            };
+            let (sequence, time_us) = (frame.sequence, frame.time_us);
+            let held = EstimateFrame { sequence, time_us, flags, ..self.last_in_time };
+            self.value_sum = self.last_in_time_sum;
+            return held;
         }
         self.monitor.set_networks_corrupted(self.is_model_corrupted);
         let mut estimate = self.monitor.step(&self.calibrator.apply(frame), status);
@@ -183,7 +187,15 @@ impl Run {
         sends
     }
 
-    /// Returns the last estimate in time; all zeros before the first.
+    /// Makes the deviations of the estimate that a trip repeats infinite. A corruption from before
+    /// stays detectable.
+    fn forget_deviations(&mut self) {
+        let is_corrupted = WordSum::from_words(&self.last_in_time.value_bits()) != self.last_in_time_sum;
+        self.last_in_time.forget_deviations();
+        self.last_in_time_sum = WordSum::from_words(&self.last_in_time.value_bits()).marked(is_corrupted);
+    }
+
+    /// Returns the last estimate in time; unknown before the first.
     pub(super) const fn last(&self) -> &EstimateFrame {
         &self.last_in_time
     }
@@ -216,6 +228,9 @@ impl Run {
         estimate.instruction_ticks = self.deadline.total_ticks();
         if !(is_late || is_held) {
             (self.last_in_time, self.last_in_time_sum) = (estimate, self.value_sum);
+        }
+        if trips {
+            self.forget_deviations();
         }
         let number = self.next_number;
         self.next_number = number.wrapping_add(1);

@@ -41,7 +41,7 @@ pub struct Estimate {
     /// Torque of the bearing on the shaft, N m.
     pub torque_nm: f64,
     /// Standard deviation of the force in N and of the torque in N m, if the estimator has one.
-    pub deviations: Option<[f64; 2]>,
+    pub deviations: [f64; 2],
 }
 
 /// Follows the readings with an estimator for the described bench.
@@ -84,7 +84,7 @@ fn ticks(
         Estimate {
             force_n: [found.force_y_n, found.force_z_n].map(f64::from),
             torque_nm: found.friction_torque_nm.into(),
-            deviations: Some([found.force_sd_n, found.friction_torque_sd_nm].map(f64::from)),
+            deviations: [found.force_sd_n, found.friction_torque_sd_nm].map(f64::from),
         }
     };
     Ok(readings.iter().enumerate().map(estimate).collect())
@@ -108,7 +108,7 @@ fn with_drive_force(bench: &TransmissionBench, readings: &[Reading]) -> Result<V
         Estimate {
             force_n: [found.force_y_n, found.force_z_n].map(f64::from),
             torque_nm: found.friction_torque_nm.into(),
-            deviations: Some([found.force_sd_n, found.friction_torque_sd_nm].map(f64::from)),
+            deviations: [found.force_sd_n, found.friction_torque_sd_nm].map(f64::from),
         }
     };
     Ok(readings.iter().map(estimate).collect())

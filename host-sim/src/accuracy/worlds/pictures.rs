@@ -83,7 +83,7 @@ impl Shown {
 
     /// The area within a value plus and minus two standard deviations.
     fn band(&self, span: (f64, f64), value: impl Fn(usize, &Row) -> f64, which: usize) -> Series {
-        let deviation = |i: usize| self.network[i].deviations.map_or(0.0, |deviations| deviations[which]);
+        let deviation = |i: usize| self.network[i].deviations[which];
         let edge =
             |sign: f64| self.curve("", span, |i, row| value(i, row) + 2.0 * sign * deviation(i)).points;
         let mut points = edge(1.0);
