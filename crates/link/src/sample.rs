@@ -27,8 +27,8 @@ pub const VALUES: usize = 19;
 
 /// Estimate for one sample.
 ///
-/// Deviations are standard deviations. Those of force and torque are infinite while nothing is known
-/// and while the estimate is held or tripped.
+/// Deviations are standard deviations. Those of force and torque are infinite while nothing is
+/// known and while the estimate is held or tripped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EstimateFrame {
     /// Sequence number of the sample.

@@ -274,6 +274,26 @@ fn late_estimates_are_marked_and_trip_the_controller_until_it_is_cleared() {
     assert_eq!(counters.deadline_overruns, 6, "each late sample once");
 }
 
+#[test]
+fn a_trip_before_the_first_estimate_in_time_repeats_an_unknown_force() {
+    let mut configuration = BENCH_B;
+    configuration.limits.deadline_trip_count = 3;
+    let mut session = configured(Target::Silicon, configuration);
+    for sequence in 0..8 {
+        match session.handle(&pressed(sequence), &mut FixedTicks::new(200_000, 200_000)) {
+            ToHost::Estimate(numbered) if sequence > 3 => {
+                let estimate = numbered.estimate;
+                assert!(flags_of(&estimate).contains(STALE | TRIPPED), "{estimate:?}");
+                assert!(estimate.force_sd_n == f32::INFINITY, "{estimate:?}");
+                assert!(estimate.friction_torque_sd_nm == f32::INFINITY, "{estimate:?}");
+            }
+            ToHost::Estimate(_) => {}
+            other => panic!("{other:?}"),
+        }
+    }
+    assert_eq!(session.state(), State::Tripped);
+}
+
 fn sequence_of(session: &Session) -> u32 {
     session.telemetry.schedule.sequence
 }

@@ -1,6 +1,6 @@
 //! Every flag is raised with its cause and cleared after it. A clean run raises none.
 
-use crate::run::{Point, START};
+use crate::run::{Errors, Point, START};
 use controller::estimator::{STUCK_SAMPLES, flags_of};
 use controller::flags::{
     CONVERGING, IMPLAUSIBLE_POSITION, JUMP, MODEL_MISFIT, NETWORK_OUTSIDE_LAW, NOT_STARTED, SENSOR_FAULT,
@@ -163,16 +163,22 @@ fn friction_that_no_law_describes_is_a_misfit_and_widens_the_deviation() {
 
 #[test]
 fn networks_far_from_the_law_are_flagged_and_the_law_is_used() {
-    let point = Point::DEFAULT;
-    let (bench, mut monitor) = point.configuration();
-    monitor.effective_modulus_kpa /= 2;
-    let mut estimator =
-        controller::Estimator::new(inference::shipped(inference::BearingMaterial::Babbitt), &bench, &monitor)
-            .unwrap();
-    let frames = frames(&point, &point.world());
-    let outside =
-        frames.iter().filter(|frame| flags_of(&estimator.step(frame)).contains(NETWORK_OUTSIDE_LAW)).count();
-    assert!(outside > 1_000, "{outside}");
+    let follow = |source| {
+        let point = Point { source, ..Point::DEFAULT };
+        let (bench, mut monitor) = point.configuration();
+        monitor.effective_modulus_kpa /= 2;
+        let mut estimator = point.estimator_for(&bench, &monitor);
+        let (rows, frames) = point.read(&point.world(), 7, 1.0);
+        let estimates: Vec<_> = frames.iter().map(|frame| estimator.step(frame)).collect();
+        (Errors::new(&rows, &estimates), estimates)
+    };
+    let (network, estimates) = follow(ContactSource::Network);
+    let (law, _) = follow(ContactSource::Law);
+    let outside = estimates.iter().filter(|one| flags_of(one).contains(NETWORK_OUTSIDE_LAW));
+    assert!(outside.count() > 1_000);
+    // The stiffness is learnt anew whenever the source changes. Only the law alone stays accurate.
+    assert!(law.force_share < 0.01 && law.inside > 0.95, "{law:?}");
+    assert!(network.force_share < 0.05 && network.inside > 0.8, "{network:?}");
 }
 
 #[test]

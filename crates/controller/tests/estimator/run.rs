@@ -54,6 +54,19 @@ impl Point {
         World::bench_b(self.bearing, self.clearance_m, self.load_n)
     }
 
+    /// Returns a light bench on a short, fast stroke, whose journal bounces: it leaves the bearing
+    /// several times in every cycle.
+    pub(crate) fn bouncing_world(&self) -> World {
+        World { inertia_kg_m2: 3.0, stroke_m: 0.01, period_s: 0.07, ..self.world() }
+    }
+
+    /// Returns an estimator for the bouncing bench.
+    pub(crate) fn bouncing_estimator(&self) -> Estimator {
+        let (bench, mut monitor) = self.configuration();
+        (monitor.inertia_g_m2, monitor.stroke_mm, monitor.drive_period_ms) = (3_000, 10, 70);
+        self.estimator_for(&bench, &monitor)
+    }
+
     /// Returns the configuration of the controller.
     pub(crate) fn configuration(&self) -> (BenchConfiguration, MonitorConfiguration) {
         let bench = BenchConfiguration {
@@ -72,7 +85,16 @@ impl Point {
     /// Returns a fresh estimator.
     pub(crate) fn estimator(&self) -> Estimator {
         let (bench, monitor) = self.configuration();
-        Estimator::new(shipped(self.material()), &bench, &monitor)
+        self.estimator_for(&bench, &monitor)
+    }
+
+    /// Returns a fresh estimator for a configuration.
+    pub(crate) fn estimator_for(
+        &self,
+        bench: &BenchConfiguration,
+        monitor: &MonitorConfiguration,
+    ) -> Estimator {
+        Estimator::new(shipped(self.material()), bench, monitor)
             .unwrap_or_else(|refusal| unreachable!("a bench within the limits: {refusal:?}"))
     }
 
@@ -129,7 +151,8 @@ impl Errors {
             f64::from(estimate.friction_torque_nm) - row.friction_torque_nm
         };
         let is_inside = |(row, estimate): &&(&Row, &EstimateFrame)| {
-            error_n(row, estimate) <= 2.0 * f64::from(estimate.force_sd_n)
+            let deviation_n = f64::from(estimate.force_sd_n);
+            deviation_n.is_finite() && error_n(row, estimate) <= 2.0 * deviation_n
         };
         Self {
             force_share: rms(&|(row, estimate)| error_n(row, estimate)) / force,

@@ -40,7 +40,7 @@ pub struct Estimate {
     pub force_n: [f64; 2],
     /// Torque of the bearing on the shaft, N m.
     pub torque_nm: f64,
-    /// Standard deviation of the force in N and of the torque in N m, if the estimator has one.
+    /// Standard deviation of the force in N and of the torque in N m.
     pub deviations: [f64; 2],
 }
 
