@@ -2,8 +2,7 @@
 //!
 //! Tasks and their priorities:
 //!
-//! * `tick`, 2: SysTick. Reviews the check-ins and kicks the watchdog. Paced by the timer (10 kHz),
-//!   it takes a sample, estimates and queues the estimate.
+//! * `tick`, 2: SysTick. Reviews the check-ins and kicks the watchdog. Paced by the timer, it takes a sample, estimates and queues the estimate.
 //! * `received`, 1: serial port. Counts receive errors; without DMA it also stores the received
 //!   bytes.
 //! * `idle`, 0: link service over the serial port and a debug probe, or over files of the host.
@@ -28,15 +27,17 @@ mod app {
     use controller::service::{
         Background, LinkService, Pacing, Ports, SharedSession, Stop, Tick, Unconnected,
     };
+    use controller::session::Identity;
     use controller::store::{Keeper, Store, key};
     use controller::supervisor::light::{lit, shown};
     use controller::supervisor::{Attendance, Party, Verdict};
     use firmware::boards::{
-        Board, Files, Light, Link, Memory, PACKAGES_FOR, Platform, Probe, Receiver, Sensors, SerialTransport,
-        Storage, Timer, Watchdog, advance_uptime, check_in, code_check, give_up, leave, receive, stack_mark,
+        BOARD, Board, Files, Light, Link, Memory, PACKAGES_FOR, Pacer, Platform, Probe, Receiver, Sensors,
+        SerialTransport, Storage, Timer, Watchdog, check_in, code_check, give_up, leave, receive, stack_mark,
         start,
     };
     use heapless::spsc::{Producer, Queue};
+    use link::Target;
     use link::start::{FaultKind, MISSING_SELF_TEST, StartReport};
 
     /// Capacity for bytes received by interrupt, the same as that of the DMA buffer.
@@ -54,6 +55,7 @@ mod app {
         service: LinkService<Memory>,
         idle_timer: Timer,
         tick_timer: Timer,
+        pacer: Pacer,
         receiver: Receiver,
         bytes_in: Producer<'static, u8>,
         watchdog: Watchdog,
@@ -79,6 +81,7 @@ mod app {
             receiver,
             inbox,
             timer,
+            pacer,
             watchdog,
             light,
             attendance,
@@ -95,7 +98,8 @@ mod app {
         };
         let mut session = Session::new(identity);
         session.set_start_report(start);
-        session.set_has_sensors(pacing == Pacing::Timer && sensors.is_some());
+        let can_sample = pacing == Pacing::Timer && sensors.is_some();
+        session.set_shortest_period(can_sample.then(|| shortest_period_us(&identity)));
         let Storage { slots, places } = storage;
         let (store, models) = Store::start(slots, PACKAGES_FOR, key::KEY);
         session.switch_models(models);
@@ -114,6 +118,7 @@ mod app {
                 service,
                 idle_timer: timer,
                 tick_timer: timer,
+                pacer,
                 receiver,
                 bytes_in,
                 watchdog,
@@ -134,11 +139,11 @@ mod app {
     #[task(
         binds = SysTick,
         priority = 2,
-        local = [tick_timer, watchdog, light, start, pacing],
+        local = [tick_timer, pacer, watchdog, light, start, pacing],
         shared = [exchange, &attendance]
     )]
     fn tick(mut cx: tick::Context) {
-        let now_us = advance_uptime();
+        let now_us = cx.local.pacer.advance_uptime();
         let attendance = cx.shared.attendance;
         match attendance.review(now_us) {
             Verdict::Kick => cx.local.watchdog.kick(),
@@ -152,10 +157,19 @@ mod app {
                     Tick::Sampled => check_in(attendance, Party::Inference),
                     Tick::Idle => attendance.stop_expecting(Party::Inference),
                 }
+                cx.local.pacer.set_period(exchange.sample_period_us());
             }
             is_running
         });
         cx.local.light.show(lit(shown(cx.local.start, is_running), now_us));
+    }
+
+    /// Returns the shortest period of own samples, us. The emulator's time is not that of a board.
+    fn shortest_period_us(identity: &Identity) -> u32 {
+        match identity.target {
+            Target::Silicon => BOARD.microcontroller.shortest_period_us(identity.core_hz),
+            _ => 0,
+        }
     }
 
     /// Runs the link service.

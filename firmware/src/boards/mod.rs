@@ -58,7 +58,7 @@ pub use platform::Platform;
 pub use rtt::Probe;
 pub use semihosting::{Files, leave};
 pub use serial_transport::{SerialTransport, receive};
-pub use timer::{TICKS_PER_SECOND, Timer, advance_uptime, uptime_us};
+pub use timer::{Pacer, Timer, uptime_us};
 
 /// Name of this build: `git describe`, or the crate's version.
 const BUILD_ID: &str = match option_env!("PINTLE_BUILD_ID") {
@@ -103,6 +103,8 @@ pub struct Board {
     pub inbox: Inbox,
     /// Counter that times a tick.
     pub timer: Timer,
+    /// Clock of the ticks.
+    pub pacer: Pacer,
     /// Hardware watchdog, running.
     pub watchdog: Watchdog,
     /// Indicator light.

@@ -223,7 +223,7 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
     write(register!(control), CONTROL);
     let files = Files::open();
     let paced = files.is_none();
-    let timer = Timer::start(core.SYST, core.DCB, core.DWT, CORE_HZ, Target::Emulator, paced);
+    let (timer, pacer) = Timer::start(core.SYST, core.DCB, core.DWT, CORE_HZ, Target::Emulator, paced);
     let identity = Identity {
         build_id: BuildId::new(BUILD_ID),
         target: Target::Emulator,
@@ -237,6 +237,7 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
         receiver: Receiver(()),
         inbox: Inbox(()),
         timer,
+        pacer,
         watchdog: Watchdog(()),
         light: Light(()),
         attendance: timer::attendance(paced),

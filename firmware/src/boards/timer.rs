@@ -2,8 +2,8 @@
 //!
 //! | where | SysTick | counter | counts from |
 //! |---|---|---|---|
-//! | silicon | 10 kHz | the core's cycle counter | the timer's tick |
-//! | emulator, serial link | 10 kHz | SysTick itself: less than a period | the timer's tick |
+//! | silicon | the sample period | the core's cycle counter | the timer's tick |
+//! | emulator, serial link | the sample period | SysTick itself: less than a period | the timer's tick |
 //! | emulator, lockstep | 24 bits: 10 Hz | SysTick itself, wrap removed | the start of the work |
 //!
 //! Paced by the timer, the count starts when the tick is due, so that any delay counts as work.
@@ -19,18 +19,15 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DCB, DWT, SYST};
 use link::Target;
 
-use controller::session::{OWN_SAMPLE_PERIOD_US, TickSource};
+use controller::session::TickSource;
 use controller::supervisor::{Attendance, Periods};
 
-/// Timer ticks per second if SysTick paces the tick.
-pub const TICKS_PER_SECOND: u32 = 10_000;
-const _: () =
-    assert!(TICKS_PER_SECOND * OWN_SAMPLE_PERIOD_US == 1_000_000, "own samples are taken every tick");
+/// Period of the tick before a configuration, us.
+const FIRST_PERIOD_US: u32 = 100;
 
 const FULL: u32 = 0x00FF_FFFF;
 
 static UPTIME_US: AtomicU32 = AtomicU32::new(0);
-static PERIOD_US: AtomicU32 = AtomicU32::new(0);
 
 /// Returns the time from the start to the last timer tick, us, modulo 2^32.
 #[must_use]
@@ -38,13 +35,39 @@ pub fn uptime_us() -> u32 {
     UPTIME_US.load(Ordering::Relaxed)
 }
 
-/// Advances the uptime by a timer tick and returns it, us. To be called once per tick.
-pub fn advance_uptime() -> u32 {
-    let period_us = PERIOD_US.load(Ordering::Relaxed);
-    UPTIME_US.fetch_add(period_us, Ordering::Relaxed).wrapping_add(period_us)
+/// SysTick as the clock of the ticks.
+pub struct Pacer {
+    syst: SYST,
+    core_mhz: u32,
+    is_paced: bool,
+    /// Time from the last tick to the next one, us.
+    current_us: u32,
+    /// The same after the next tick: SysTick loads a new period when it has counted the old one.
+    next_us: u32,
 }
 
-/// Creates the register of check-ins. Paced by the timer, a tick is 100 us. In lockstep, where time
+impl Pacer {
+    /// Advances the uptime by a timer tick and returns it, us. To be called once per tick.
+    pub fn advance_uptime(&mut self) -> u32 {
+        let passed_us = core::mem::replace(&mut self.current_us, self.next_us);
+        UPTIME_US.fetch_add(passed_us, Ordering::Relaxed).wrapping_add(passed_us)
+    }
+
+    /// Changes the period from the next tick on; us. In lockstep nothing changes.
+    pub fn set_period(&mut self, period_us: u32) {
+        if self.is_paced && period_us != self.next_us {
+            self.next_us = period_us;
+            self.syst.set_reload(reload(self.core_mhz, period_us));
+        }
+    }
+}
+
+/// Returns the reload value of a period in us.
+fn reload(core_mhz: u32, period_us: u32) -> u32 {
+    core_mhz.saturating_mul(period_us).clamp(2, FULL).saturating_sub(1)
+}
+
+/// Creates the register of check-ins. Paced by the timer, a tick is at most 1 ms. In lockstep, where time
 /// passes only while the controller works, it is 0.1 to 0.9 s.
 pub(super) const fn attendance(paced: bool) -> Attendance {
     const SECOND_US: u32 = 1_000_000;
@@ -72,43 +95,37 @@ pub enum Timer {
     /// SysTick's 24 bits, counting down.
     SysTick,
     /// SysTick from its reload value on.
-    Due {
-        /// Reload value.
-        reload: u32,
-    },
+    Due,
     /// The core's cycle counter, from the moment when SysTick was reloaded.
-    Cycles {
-        /// Reload value of SysTick.
-        reload: u32,
-    },
+    Cycles,
 }
 
 impl Timer {
-    /// Starts SysTick and the cycle counter.
+    /// Starts SysTick and the cycle counter. Returns the counter and the clock of the ticks.
     pub(super) fn start(
         mut syst: SYST,
         mut dcb: DCB,
         mut dwt: DWT,
         core_hz: u32,
         target: Target,
-        paced: bool,
-    ) -> Self {
-        let reload = if paced { (core_hz / TICKS_PER_SECOND).saturating_sub(1) } else { FULL };
-        let period_us =
-            u64::from(reload).saturating_add(1).saturating_mul(1_000_000).checked_div(core_hz.into());
-        PERIOD_US.store(period_us.and_then(|us| us.try_into().ok()).unwrap_or(u32::MAX), Ordering::Relaxed);
+        is_paced: bool,
+    ) -> (Self, Pacer) {
+        // Every clock of the boards is a whole number of MHz.
+        let core_mhz = (core_hz / 1_000_000).max(1);
+        let period_us = if is_paced { FIRST_PERIOD_US } else { FULL.saturating_add(1) / core_mhz };
         syst.set_clock_source(SystClkSource::Core);
-        syst.set_reload(reload);
+        syst.set_reload(if is_paced { reload(core_mhz, period_us) } else { FULL });
         syst.clear_current();
         syst.enable_counter();
         syst.enable_interrupt();
         dcb.enable_trace();
         dwt.enable_cycle_counter();
-        match (paced, target) {
+        let timer = match (is_paced, target) {
             (false, _) => Self::SysTick,
-            (true, Target::Silicon) => Self::Cycles { reload },
-            (true, _) => Self::Due { reload },
-        }
+            (true, Target::Silicon) => Self::Cycles,
+            (true, _) => Self::Due,
+        };
+        (timer, Pacer { syst, core_mhz, is_paced, current_us: period_us, next_us: period_us })
     }
 }
 
@@ -116,9 +133,9 @@ impl TickSource for Timer {
     fn start(&mut self) -> u32 {
         match self {
             Self::SysTick => SYST::get_current(),
-            Self::Due { reload } => *reload,
-            Self::Cycles { reload } => {
-                let late = reload.wrapping_sub(SYST::get_current());
+            Self::Due => SYST::get_reload(),
+            Self::Cycles => {
+                let late = SYST::get_reload().wrapping_sub(SYST::get_current());
                 DWT::cycle_count().wrapping_sub(late)
             }
         }
@@ -126,8 +143,8 @@ impl TickSource for Timer {
 
     fn since(&mut self, start: u32) -> u32 {
         match self {
-            Self::SysTick | Self::Due { .. } => start.wrapping_sub(SYST::get_current()) & FULL,
-            Self::Cycles { .. } => DWT::cycle_count().wrapping_sub(start),
+            Self::SysTick | Self::Due => start.wrapping_sub(SYST::get_current()) & FULL,
+            Self::Cycles => DWT::cycle_count().wrapping_sub(start),
         }
     }
 }

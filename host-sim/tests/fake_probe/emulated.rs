@@ -6,7 +6,7 @@ use crate::rings::marks;
 use crate::twin::{CONFIGURATION, frames};
 use controller::boards::parse as parse_board;
 use controller::emulator::MACHINE;
-use controller::session::OWN_ESTIMATE_INTERVAL;
+use controller::session::own_estimate_interval;
 use host_sim::controller::{
     Controller, ControllerError, EmulatedController, NativeController, ProbedController, RemoteController,
     Timeouts,
@@ -185,7 +185,7 @@ fn a_probe_that_does_not_read_delays_nothing_and_its_missed_estimates_are_counte
     controller.configure(CONFIGURATION).unwrap();
     assert_eq!(
         controller.order(Command::SampleYourself).unwrap(),
-        Answer::Sampling { every: OWN_ESTIMATE_INTERVAL }
+        Answer::Sampling { every: own_estimate_interval(100) }
     );
     let mut rounds = 0;
     let found = loop {

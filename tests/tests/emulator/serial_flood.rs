@@ -9,7 +9,7 @@ use crate::board::Board;
 use crate::flood::garbage;
 use crate::frames::{configuration, disturbed_frames};
 use crate::update::package;
-use controller::session::{OWN_ESTIMATE_INTERVAL, OWN_SAMPLE_PERIOD_US};
+use controller::session::own_estimate_interval;
 use controller::{Identity, NoTicks, Session};
 use inference::BearingMaterial;
 use link::track::SensorStatus;
@@ -19,7 +19,9 @@ use link::{
     ToHost,
 };
 
-/// Number of estimates: 0.8 s of ticks.
+/// Sample period of the configuration, us.
+const PERIOD_US: u32 = 100;
+/// Number of estimates: 1.6 s of ticks.
 const ESTIMATES: usize = 400;
 /// Samples among garbage; the first disturbance is included.
 const SAMPLES: u32 = 300;
@@ -31,7 +33,8 @@ const FRAMES: u32 = 4_000;
 
 fn sampling() -> Board {
     let mut board = Board::configured(configuration(BearingMaterial::Babbitt));
-    assert_eq!(board.order(Command::SampleYourself), Ok(Answer::Sampling { every: OWN_ESTIMATE_INTERVAL }));
+    let every = own_estimate_interval(PERIOD_US);
+    assert_eq!(board.order(Command::SampleYourself), Ok(Answer::Sampling { every }));
     board
 }
 
@@ -40,9 +43,9 @@ fn sampling() -> Board {
 fn longest(estimates: &[NumberedEstimate]) -> u32 {
     for pair in estimates.windows(2) {
         let [before, after] = pair else { unreachable!() };
-        let samples = (after.number - before.number) * u32::from(OWN_ESTIMATE_INTERVAL);
+        let samples = (after.number - before.number) * u32::from(own_estimate_interval(PERIOD_US));
         assert_eq!(after.estimate.sequence, before.estimate.sequence + samples);
-        assert_eq!(after.estimate.time_us, before.estimate.time_us + samples * OWN_SAMPLE_PERIOD_US);
+        assert_eq!(after.estimate.time_us, before.estimate.time_us + samples * PERIOD_US);
     }
     estimates.iter().map(|numbered| numbered.estimate.instruction_ticks).max().unwrap()
 }

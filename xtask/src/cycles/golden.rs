@@ -122,6 +122,15 @@ mod tests {
     }
 
     #[test]
+    fn the_shortest_period_of_own_samples_has_room_for_the_longest_tick_and_a_third_of_it() {
+        let (golden, board) = (golden().unwrap(), controller::boards::find("stm32f405").unwrap());
+        let tick = golden.boards.iter().find(|found| found.board == board.name).unwrap().tick_max;
+        let handler = board.microcontroller.handler_cycles.unwrap();
+        assert!(4 * tick <= 3 * u64::from(handler), "{tick} {handler}");
+        assert_eq!(board.microcontroller.shortest_period_us(controller::clock::PLL_HZ), 298);
+    }
+
+    #[test]
     fn a_figure_over_its_budget_or_without_a_value_is_rejected() {
         for cycles in [0, u64::MAX] {
             let mut report = golden().unwrap();

@@ -17,7 +17,6 @@ mod trace;
 
 use crate::run::ChoreError;
 use controller::clock::PLL_HZ;
-use controller::session::OWN_SAMPLE_PERIOD_US;
 use flash::Memory;
 pub(crate) use golden::{bless, check};
 use m4::CortexM4;
@@ -28,6 +27,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 use trace::Section;
+
+/// Period of 10 kHz, us.
+const PERIOD_US: u64 = 100;
 
 /// End of a range of documented timings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,7 +184,7 @@ fn board(placement: Placement, cycles: &BTreeMap<String, Cycles>) -> BoardCycles
         board: board.into(),
         core: core.into(),
         core_hz,
-        period_cycles: u64::from(core_hz) * u64::from(OWN_SAMPLE_PERIOD_US) / 1_000_000,
+        period_cycles: u64::from(core_hz) * PERIOD_US / 1_000_000,
         tick_max: upper(Work::Tick).max(upper(Work::DisturbedTick)),
         handler_max: upper(Work::Handler),
         reference_window: upper(Work::ReferenceWindow),

@@ -17,6 +17,9 @@ pub struct Microcontroller {
     pub memory_map: MemoryMap,
     /// Start addresses of the flash sectors that an image may occupy.
     pub flash_sectors: &'static [u32],
+    /// Upper bound on the cycles of a tick with own sensors; `None` if it exists in the emulator
+    /// only.
+    pub handler_cycles: Option<u32>,
     /// Name of the microcontroller in probe-rs; `None` if it exists in the emulator only.
     pub probe_name: Option<&'static str>,
     /// Interrupts that the firmware's board file declares itself; a device crate declares its own.
@@ -28,6 +31,14 @@ impl Microcontroller {
     #[must_use]
     pub const fn is_emulated_only(&self) -> bool {
         self.probe_name.is_none()
+    }
+
+    /// Returns the shortest period of own samples in us, at a core frequency in Hz: that of
+    /// [`Microcontroller::handler_cycles`], or 0 without one.
+    #[must_use]
+    pub fn shortest_period_us(&self, core_hz: u32) -> u32 {
+        let core_mhz = (core_hz / 1_000_000).max(1);
+        self.handler_cycles.unwrap_or(0).div_ceil(core_mhz)
     }
 }
 
@@ -75,6 +86,8 @@ static STM32F405: Microcontroller = Microcontroller {
         0x0804_0000,
         0x0806_0000,
     ],
+    // `tests/golden/cycles.json`: the longest tick, and a third of it for sensors and frames.
+    handler_cycles: Some(50_000),
     probe_name: Some("STM32F405RGTx"),
     declared_interrupts: &[],
 };
@@ -88,6 +101,7 @@ static MPS2_AN505: Microcontroller = Microcontroller {
         text: include_str!("../../../../firmware/memory/mps2-an505.x"),
     },
     flash_sectors: &[],
+    handler_cycles: None,
     probe_name: None,
     declared_interrupts: &["SERIAL"],
 };

@@ -108,6 +108,12 @@ impl<S: SampleSource> SharedSession<S> {
         Tick::Sampled
     }
 
+    /// Returns the period of the timer that paces the samples, us.
+    #[must_use]
+    pub fn sample_period_us(&self) -> u32 {
+        self.session.sample_period_us()
+    }
+
     /// Queues a sample of the link for the tick, or counts it as dropped.
     pub(super) fn queue_sample(&mut self, frame: SensorFrame, status: SensorStatus) {
         if self.samples.push_back((frame, status)).is_err() {

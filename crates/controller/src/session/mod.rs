@@ -39,7 +39,7 @@ use crate::store::Models;
 use conversation::Conversation;
 pub use conversation::Identity;
 use run::Run;
-pub use run::{OWN_ESTIMATE_INTERVAL, OWN_SAMPLE_PERIOD_US};
+pub use run::own_estimate_interval;
 pub use telemetry::{LineReport, Status};
 use telemetry::{Telemetry, count};
 pub use ticks::{NoTicks, TickSource};
@@ -54,8 +54,8 @@ pub struct Session {
     configuration: Option<ControllerConfiguration>,
     /// True if that configuration has just been saved.
     is_saved: bool,
-    /// True if sensors are connected to the controller.
-    has_sensors: bool,
+    /// Shortest period of own samples, us; `None` without sensors.
+    shortest_period_us: Option<u32>,
     /// True until the wiring of the configuration has been taken.
     has_new_wiring: bool,
     run: Option<Run>,
@@ -72,7 +72,7 @@ impl Session {
             models,
             configuration: None,
             is_saved: false,
-            has_sensors: false,
+            shortest_period_us: None,
             has_new_wiring: false,
             run: None,
         }
@@ -122,9 +122,17 @@ impl Session {
         self.telemetry.status = status;
     }
 
-    /// Sets whether the controller has sensors and a timer that paces them.
-    pub const fn set_has_sensors(&mut self, has_sensors: bool) {
-        self.has_sensors = has_sensors;
+    /// Sets the shortest period of the controller's own samples, us; `None` without sensors or
+    /// without a timer that paces them.
+    pub const fn set_shortest_period(&mut self, period_us: Option<u32>) {
+        self.shortest_period_us = period_us;
+    }
+
+    /// Returns the period of the timer that paces the samples, us: the configured sample period,
+    /// and 100 us without a run.
+    #[must_use]
+    pub fn sample_period_us(&self) -> u32 {
+        self.run.as_ref().map_or(100, |run| run.configuration.bench.sample_period_us)
     }
 
     /// Returns the wiring of a newly accepted configuration once, for the controller's own sensors.
@@ -138,15 +146,12 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// Nothing is configured, there are no sensors, or the bench's sample period is not the
-    /// timer's.
+    /// Nothing is configured, there are no sensors, or a tick takes longer than the bench's sample
+    /// period.
     pub fn start_sampling(&mut self) -> Result<u16, Refusal> {
         let run = self.run.as_mut().ok_or(Refusal::NotConfigured)?;
-        if !self.has_sensors {
-            return Err(Refusal::NoSensors);
-        }
-        run.start_sampling().map_err(Refusal::Configuration)?;
-        Ok(OWN_ESTIMATE_INTERVAL)
+        let shortest_period_us = self.shortest_period_us.ok_or(Refusal::NoSensors)?;
+        run.start_sampling(shortest_period_us).map_err(Refusal::Configuration)
     }
 
     /// Decides whether the run uses the controller's own samples: then [`Session::tick_own_sample`]

@@ -12,20 +12,24 @@ use super::deadline::Deadline;
 use crate::Monitor;
 use crate::boards::LINK_BAUD;
 use crate::configuration::{Calibrator, checksum};
+use crate::estimator::SAMPLE_PERIOD_RANGE_US;
 use crate::flags::{OVER_FORCE, STALE, TRIPPED};
 use crate::integrity::{WordSum, Words};
 use crate::store::{Loaded, Models, Scrubber};
 
-/// Period of the controller's own samples, us: one timer tick.
-pub const OWN_SAMPLE_PERIOD_US: u32 = 100;
-/// Own samples per sent estimate: 250 estimates per second, half of what the serial line carries.
-pub const OWN_ESTIMATE_INTERVAL: u16 = 40;
+/// Shortest time between two sent estimates of own samples, us: half of what the serial line
+/// carries.
+const OWN_ESTIMATE_PERIOD_US: u32 = 4_000;
 
 /// A byte takes ten bits on the serial line.
-const _: () = assert!(
-    1_000_000 / (OWN_SAMPLE_PERIOD_US * OWN_ESTIMATE_INTERVAL as u32) * ESTIMATE_FRAME as u32
-        <= LINK_BAUD / 10 * 6 / 10
-);
+const _: () = assert!(1_000_000 / OWN_ESTIMATE_PERIOD_US * ESTIMATE_FRAME as u32 <= LINK_BAUD / 10 * 6 / 10);
+
+/// Returns the number of own samples per sent estimate at a sample period in us; 1 or more.
+#[must_use]
+pub fn own_estimate_interval(sample_period_us: u32) -> u16 {
+    // At most 4,000.
+    OWN_ESTIMATE_PERIOD_US.div_ceil(sample_period_us.max(1)) as u16
+}
 
 /// A configured estimator at work.
 #[derive(Debug)]
@@ -158,15 +162,17 @@ impl Run {
         self.value_sum
     }
 
-    /// Continues with the controller's own samples. Refused if the bench's period differs from
-    /// theirs.
-    pub(super) fn start_sampling(&mut self) -> Result<(), Reasons> {
-        let (found, own) = (self.configuration.bench.sample_period_us.into(), OWN_SAMPLE_PERIOD_US.into());
-        if found == own {
-            self.change_configuration(|run| run.is_sampling = true);
-            return Ok(());
+    /// Continues with the controller's own samples. Returns the number of samples per sent
+    /// estimate. Refused if a tick takes longer than the bench's period.
+    pub(super) fn start_sampling(&mut self, shortest_period_us: u32) -> Result<u16, Reasons> {
+        let period_us = self.configuration.bench.sample_period_us;
+        if period_us < shortest_period_us {
+            let (found, min) = (period_us.into(), shortest_period_us.into());
+            let max = *SAMPLE_PERIOD_RANGE_US.end();
+            return Err(OutOfRange { field: Field::SamplePeriod, found, min, max }.into());
         }
-        Err(OutOfRange { field: Field::SamplePeriod, found, min: own, max: own }.into())
+        self.change_configuration(|run| run.is_sampling = true);
+        Ok(own_estimate_interval(period_us))
     }
 
     /// Decides whether the run uses the controller's own samples.
@@ -176,9 +182,9 @@ impl Run {
 
     /// Counts the estimate of an own sample and returns whether it is sent. If not, the next
     /// estimate takes its number.
-    pub(super) const fn take_turn(&mut self) -> bool {
+    pub(super) fn take_turn(&mut self) -> bool {
         self.withheld = self.withheld.saturating_add(1);
-        let sends = self.withheld >= OWN_ESTIMATE_INTERVAL;
+        let sends = self.withheld >= own_estimate_interval(self.configuration.bench.sample_period_us);
         if sends {
             self.withheld = 0;
         } else {
@@ -268,7 +274,7 @@ mod tests {
     #[test]
     fn an_intended_change_of_the_configuration_does_not_hide_a_corruption() {
         let changes: [fn(&mut Run); 2] =
-            [|run| run.start_sampling().unwrap(), |run| run.switch(&Models::built_in())];
+            [|run| assert_eq!(run.start_sampling(100), Ok(40)), |run| run.switch(&Models::built_in())];
         for (number, change) in changes.into_iter().enumerate() {
             let mut run = run();
             change(&mut run);

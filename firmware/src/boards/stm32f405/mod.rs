@@ -100,7 +100,7 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
         serial::set_up(device.USART6, device.DMA2, bus_hz, target == Target::Silicon);
 
     let paced = files.is_none();
-    let timer = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, target, paced);
+    let (timer, pacer) = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, target, paced);
     let identity =
         Identity { build_id: BuildId::new(BUILD_ID), target, clock: clocks.source, core_hz: clocks.core_hz };
     let link = files.map_or(Link::Serial(transmitter, Probe::new()), Link::Files);
@@ -108,5 +108,18 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
     let storage =
         Storage::new((target == Target::Silicon).then_some([Sectors::MODELS, Sectors::CONFIGURATION]));
     let attendance = timer::attendance(paced);
-    Board { identity, start, link, receiver, inbox, timer, watchdog, light, attendance, storage, sensors }
+    Board {
+        identity,
+        start,
+        link,
+        receiver,
+        inbox,
+        timer,
+        pacer,
+        watchdog,
+        light,
+        attendance,
+        storage,
+        sensors,
+    }
 }

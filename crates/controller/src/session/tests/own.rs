@@ -2,24 +2,24 @@
 
 use super::*;
 use crate::flags::SENSOR_MISSING;
-use link::Decoder;
 use link::track::SensorChannel;
+use link::{Decoder, OutOfRange};
+
+/// Own samples per sent estimate at 100 us.
+const EVERY: u16 = 40;
 
 fn sampling() -> Session {
     let mut session = configured(Target::Silicon, BENCH_B);
     assert_eq!(order(&mut session, Command::SampleYourself), Err(Refusal::NoSensors));
     assert!(!session.is_sampling());
-    session.set_has_sensors(true);
-    assert_eq!(
-        order(&mut session, Command::SampleYourself),
-        Ok(Answer::Sampling { every: OWN_ESTIMATE_INTERVAL })
-    );
+    session.set_shortest_period(Some(100));
+    assert_eq!(order(&mut session, Command::SampleYourself), Ok(Answer::Sampling { every: EVERY }));
     assert!(session.is_sampling());
     session
 }
 
 fn sample(sequence: u32) -> (SensorFrame, SensorStatus) {
-    let time_us = sequence * OWN_SAMPLE_PERIOD_US;
+    let time_us = sequence * 100;
     let frame = SensorFrame { sequence, time_us, ..SensorFrame::default() };
     (frame, SensorStatus::GOOD.missing(SensorChannel::JournalY))
 }
@@ -39,7 +39,7 @@ fn one_estimate_in_so_many_is_sent_and_their_numbers_have_no_gaps() {
         .filter_map(|sequence| session.tick_own_sample(|| sample(sequence), &mut NoTicks))
         .map(|bytes| decoded(&bytes))
         .collect();
-    let every = u32::from(OWN_ESTIMATE_INTERVAL);
+    let every = u32::from(EVERY);
     assert_eq!(sent.len() as u32, 200 / every);
     for (estimate, number) in sent.iter().zip(0..) {
         assert_eq!((estimate.number, estimate.estimate.sequence), (number, (number + 1) * every - 1));
@@ -86,20 +86,38 @@ fn the_wiring_of_a_configuration_is_returned_once() {
 }
 
 #[test]
-fn a_stop_a_new_configuration_and_another_period_end_it() {
+fn a_stop_a_new_configuration_and_a_period_shorter_than_the_tick_end_it() {
     let mut session = sampling();
     stopped(&mut session);
     assert!(!session.is_sampling());
     assert_eq!(session.tick_own_sample(|| sample(0), &mut NoTicks), None);
     assert_eq!(order(&mut session, Command::SampleYourself), Err(Refusal::NotConfigured));
-    let mut other = BENCH_B;
-    other.bench.sample_period_us = 200;
-    assert!(matches!(order(&mut session, Command::Configure(other)), Ok(Answer::Configured(_))));
+    assert!(matches!(order(&mut session, Command::Configure(BENCH_B)), Ok(Answer::Configured(_))));
+    session.set_shortest_period(Some(101));
     match order(&mut session, Command::SampleYourself) {
         Err(Refusal::Configuration(reasons)) => {
-            assert_eq!(reasons.iter().map(|reason| reason.field).collect::<Vec<_>>(), [Field::SamplePeriod]);
+            let expected = OutOfRange { field: Field::SamplePeriod, found: 100, min: 101, max: 1_000 };
+            assert_eq!(reasons.iter().collect::<Vec<_>>(), [&expected]);
         }
         answer => panic!("{answer:?}"),
     }
     assert!(!session.is_sampling());
+}
+
+#[test]
+fn every_period_from_the_shortest_on_is_served_and_paces_the_timer() {
+    for (sample_period_us, every) in [(300, 14), (500, 8), (1_000, 4)] {
+        let mut session = sampling();
+        session.set_shortest_period(Some(300));
+        let mut other = BENCH_B;
+        other.bench.sample_period_us = sample_period_us;
+        assert!(matches!(order(&mut session, Command::Configure(other)), Ok(Answer::Configured(_))));
+        assert_eq!(order(&mut session, Command::SampleYourself), Ok(Answer::Sampling { every }));
+        assert_eq!(session.sample_period_us(), sample_period_us);
+        let sent = (0..2 * u32::from(every))
+            .filter_map(|sequence| session.tick_own_sample(|| sample(sequence), &mut NoTicks));
+        assert_eq!(sent.count(), 2);
+        stopped(&mut session);
+        assert_eq!(session.sample_period_us(), 100);
+    }
 }
