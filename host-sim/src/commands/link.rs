@@ -9,7 +9,6 @@ use crate::controller::choice::{self, ProbeOptions, RemoteKind};
 use crate::device::follow::follow;
 use crate::device::info::DeviceInfo;
 use crate::run::configuration::controller_configuration;
-use crate::run::force::SAMPLE_RATE_HZ;
 use bench::plants::transmission::Transmission;
 use clap::Args;
 use link::{Command, ContactSource, ControllerConfiguration};
@@ -19,7 +18,8 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  host-sim link\n  \
     host-sim link --controller attached --port /dev/ttyUSB0 --json\n  \
-    host-sim link --controller attached --port /dev/ttyUSB0 --configure --bench bench-b --keep\n  \
+    host-sim link --controller attached --port /dev/ttyUSB0 --configure --bench bench-b \
+    --sample-period-us 300 --keep\n  \
     host-sim link --controller attached --port /dev/ttyUSB0 --sample --follow 60\n  \
     host-sim link --controller attached --probe --board feather-stm32f405\n\n\
     The emulated controller starts anew each time, loses its state at its end, and has no sensors. \
@@ -46,6 +46,9 @@ pub struct LinkArgs {
     /// Send the configuration of the bench below.
     #[arg(long)]
     pub configure: bool,
+    /// Sample period for --configure, us. An STM32F405 with its own sensors needs 298 or more.
+    #[arg(long, value_name = "US", default_value_t = 100, value_parser = clap::value_parser!(u32).range(50..=1_000), requires = "configure")]
+    pub sample_period_us: u32,
     /// Send the configuration in a file: JSON, as printed under `configuration`.
     #[arg(long, value_name = "FILE", conflicts_with = "configure")]
     pub configuration: Option<PathBuf>,
@@ -73,7 +76,7 @@ pub fn run(args: &LinkArgs) -> Result<(), CliError> {
     // The bench first: if it is wrong, no controller is opened.
     let configuration = match &args.configuration {
         Some(file) => Some(read(file)?),
-        None => args.configure.then(|| configuration(&args.bench)).transpose()?,
+        None => args.configure.then(|| configuration(&args.bench, args.sample_period_us)).transpose()?,
     };
     let elf = args.elf.as_deref();
     let mut controller = match args.controller {
@@ -117,10 +120,11 @@ fn read(file: &Path) -> Result<ControllerConfiguration, CliError> {
 }
 
 /// Returns the configuration of a bench, as `host-sim run` sends it.
-fn configuration(options: &BenchOptions) -> Result<ControllerConfiguration, CliError> {
+fn configuration(options: &BenchOptions, sample_period_us: u32) -> Result<ControllerConfiguration, CliError> {
     let resolved = options.open_transmission()?.resolved();
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
-    controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ, ContactSource::default())
+    let rate_hz = 1e6 / f64::from(sample_period_us);
+    controller_configuration(&plant, &resolved, rate_hz, ContactSource::default())
 }
 
 #[cfg(test)]

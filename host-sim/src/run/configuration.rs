@@ -65,6 +65,11 @@ pub fn controller_configuration(
     contact: ContactSource,
 ) -> Result<ControllerConfiguration, CliError> {
     let configuration = bench_configuration(plant, bench, rate_hz, contact)?;
+    let longest_s = f64::from(u16::MAX) * 1e-3;
+    if bench.drive.period_s > longest_s {
+        let found = bench.drive.period_s;
+        return Err(CliError::Input(format!("drive.period_s: found {found}; expected at most {longest_s}")));
+    }
     let bearing = Material::new(bench.bearing.youngs_modulus_pa, bench.bearing.poisson_ratio)
         .map_err(|e| CliError::Input(format!("bearing: {e}")))?;
     let declared = |name: &str| bench.common.uncertain.get(name).copied().unwrap_or_default();
@@ -97,4 +102,22 @@ pub fn controller_configuration(
         ..controller::configuration::BENCH_B.monitor
     };
     Ok(ControllerConfiguration::new(configuration, monitor))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_period_that_the_controller_cannot_hold_is_an_error_and_not_another_period() {
+        let configured = |period_s: f64| {
+            let mut bench = TransmissionBench::open("bench-b").expect("a preset");
+            bench.drive.period_s = period_s;
+            let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
+            controller_configuration(&plant, &bench, 1e4, ContactSource::Law)
+        };
+        assert_eq!(configured(65.0).expect("a configuration").monitor.drive_period_ms, 65_000);
+        let error = configured(66.0).expect_err("too long").to_string();
+        assert!(error.contains("drive.period_s: found 66"), "{error}");
+    }
 }

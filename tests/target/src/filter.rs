@@ -41,7 +41,7 @@ impl Orbit {
     }
 
     /// Returns the next sample.
-    pub fn next(&mut self) -> Measurement {
+    pub fn measure(&mut self) -> Measurement {
         let time = self.samples as f32 * 1e-4;
         self.samples += 1;
         let config = &self.config;
@@ -67,7 +67,7 @@ pub fn digest() -> Option<u64> {
     for measures_drive_force in [false, true] {
         let mut orbit = Orbit::new(measures_drive_force)?;
         for _ in 0..SAMPLES {
-            let measured = orbit.next();
+            let measured = orbit.measure();
             numbers(&orbit.filter.step(&measured)).iter().for_each(|number| {
                 // FNV-1a over words.
                 sum = (sum ^ u64::from(number.to_bits())).wrapping_mul(0x0100_0000_01b3);

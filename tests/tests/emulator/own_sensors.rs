@@ -11,8 +11,7 @@ use controller::session::own_estimate_interval;
 use inference::{BearingMaterial, Flags};
 use link::track::SensorHealth;
 use link::{
-    Answer, Command, EstimateFrame, Field, NumberedEstimate, Refusal, SensorFrame, SlowReport, ToController,
-    ToHost,
+    Answer, Command, EstimateFrame, NumberedEstimate, Refusal, SensorFrame, SlowReport, ToController, ToHost,
 };
 
 fn is_missing(estimate: &EstimateFrame) -> bool {

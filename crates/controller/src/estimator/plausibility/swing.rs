@@ -1,12 +1,12 @@
 //! Largest speed of the journal's swing along its clearance.
 //!
-//! A fall from rest across the whole clearance under weight and load gives `v^2 = 4 D (g + |F_L| |1
-//! - R_l/R_d|/m)`; a rolling journal moves at the speed of the shaft's surface. The limit is
-//! [`MARGIN`] times the former and twice the latter. It neglects the inertia of the crank, which
-//! halves the speed along y, and friction: bench B stays below two thirds of the limit. The limit
-//! applies to the displacement over [`SPAN`] samples, so that noise and single samples, which the
-//! jump check covers, do not count. Over a longer span, a journal that circles would return to its
-//! start.
+//! A fall from rest across the whole clearance under weight and load gives
+//! `v^2 = 4 D (g + |F_L| |1 - R_l/R_d|/m)`; a rolling journal moves at the speed of the shaft's
+//! surface. The limit is [`MARGIN`] times the former and twice the latter. It neglects the inertia
+//! of the crank, which halves the speed along y, and friction: bench B stays below two thirds of
+//! the limit. The limit applies to the displacement over [`SPAN`] samples, so that noise and single
+//! samples, which the jump check covers, do not count. Over a longer span, a journal that circles
+//! would return to its start.
 //!
 //! A swing above the limit shows that the position or the load is wrong, but not which of them.
 //! Therefore it counts against the position, and the estimate is held. Where the load is known to
