@@ -138,7 +138,7 @@ fn page() -> String {
     );
     for channel in Channel::ALL {
         let role = if channel.role() == Role::Input { "input" } else { "output" };
-        let _ = write!(page, "| `{channel}` | {} | {role} | {} |\n", channel.unit(), channel.meaning());
+        let _ = writeln!(page, "| `{channel}` | {} | {role} | {} |", channel.unit(), channel.meaning());
     }
     page
 }

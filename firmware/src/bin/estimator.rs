@@ -2,7 +2,8 @@
 //!
 //! Tasks and their priorities:
 //!
-//! * `tick`, 2: SysTick. Reviews the check-ins and kicks the watchdog. Paced by the timer, it takes a sample, estimates and queues the estimate.
+//! * `tick`, 2: SysTick. Reviews the check-ins and kicks the watchdog. Paced by the timer,
+//!   it takes a sample, estimates and queues the estimate.
 //! * `received`, 1: serial port. Counts receive errors; without DMA it also stores the received
 //!   bytes.
 //! * `idle`, 0: link service over the serial port and a debug probe, or over files of the host.

@@ -67,8 +67,8 @@ fn reload(core_mhz: u32, period_us: u32) -> u32 {
     core_mhz.saturating_mul(period_us).clamp(2, FULL).saturating_sub(1)
 }
 
-/// Creates the register of check-ins. Paced by the timer, a tick is at most 1 ms. In lockstep, where time
-/// passes only while the controller works, it is 0.1 to 0.9 s.
+/// Creates the register of check-ins. Paced by the timer, a tick is at most 1 ms. In lockstep,
+/// where time passes only while the controller works, it is 0.1 to 0.9 s.
 pub(super) const fn attendance(paced: bool) -> Attendance {
     const SECOND_US: u32 = 1_000_000;
     Attendance::new(if paced {
@@ -110,7 +110,7 @@ impl Timer {
         target: Target,
         is_paced: bool,
     ) -> (Self, Pacer) {
-        // Every clock of the boards is a whole number of MHz.
+        // Clocks of the boards have no fraction of a megahertz.
         let core_mhz = (core_hz / 1_000_000).max(1);
         let period_us = if is_paced { FIRST_PERIOD_US } else { FULL.saturating_add(1) / core_mhz };
         syst.set_clock_source(SystClkSource::Core);

@@ -47,7 +47,13 @@ pub struct LinkArgs {
     #[arg(long)]
     pub configure: bool,
     /// Sample period for --configure, us. An STM32F405 with its own sensors needs 298 or more.
-    #[arg(long, value_name = "US", default_value_t = 100, value_parser = clap::value_parser!(u32).range(50..=1_000), requires = "configure")]
+    #[arg(
+        long,
+        value_name = "US",
+        default_value_t = 100,
+        value_parser = clap::value_parser!(u32).range(50..=1_000),
+        requires = "configure"
+    )]
     pub sample_period_us: u32,
     /// Send the configuration in a file: JSON, as printed under `configuration`.
     #[arg(long, value_name = "FILE", conflicts_with = "configure")]

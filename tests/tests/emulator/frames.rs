@@ -140,9 +140,9 @@ fn disturb(
         Disturbance::Jump if within % 80 == 70 => frame.shaft_angle_nrad ^= 1 << 29,
         Disturbance::StuckAngle if within > 0 => frame.shaft_angle_nrad = previous.shaft_angle_nrad,
         Disturbance::StuckJournal if within > 0 => frame.journal_y_nm = previous.journal_y_nm,
-        Disturbance::Centre if within % 7 == 0 => (frame.journal_y_nm, frame.journal_z_nm) = (0, 0),
+        Disturbance::Centre if within.is_multiple_of(7) => (frame.journal_y_nm, frame.journal_z_nm) = (0, 0),
         // Single values, then values held for longer than the window.
-        Disturbance::Extreme if within < 150 || within % 50 == 0 => {
+        Disturbance::Extreme if within < 150 || within.is_multiple_of(50) => {
             (frame.journal_y_nm, frame.journal_z_nm) = (random.code(), random.code());
             frame.shaft_angle_nrad = random.code();
         }

@@ -77,8 +77,8 @@ impl<M: SlotMemory> LinkService<M> {
             let _ = shared.session.configure(&configuration);
             shared.rewire();
             if configuration.wiring.sample_at_start {
-                // Refused on a board without sensors and for a period shorter than the board's tick;
-                // idle ticks then count.
+                // Refused on a board without sensors and for a period that is too short; idle ticks
+                // then count.
                 let _ = shared.session.start_sampling();
             }
         });

@@ -86,7 +86,7 @@ fn a_missing_sample_is_predicted_and_widens_the_deviation() {
     assert_eq!(orbit.filter.step(&missing).force_sd_n, f32::INFINITY);
     let mut last = FilterEstimate::default();
     for _ in 0..2000 {
-        let measured = orbit.next();
+        let measured = orbit.measure();
         last = orbit.filter.step(&measured);
     }
     let first_gap = orbit.filter.step(&missing);
@@ -100,7 +100,7 @@ fn a_missing_sample_is_predicted_and_widens_the_deviation() {
 fn soak(samples: u32, measures_drive_force: bool) -> u32 {
     let mut orbit = Orbit::new(measures_drive_force).unwrap();
     let mut is_wrong = |_: &u32| {
-        let measured = orbit.next();
+        let measured = orbit.measure();
         let estimate = orbit.filter.step(&measured);
         !is_sane(&estimate) || estimate.force_sd_n.is_infinite()
     };

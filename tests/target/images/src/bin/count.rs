@@ -237,7 +237,7 @@ fn filter(counter: &Counter) {
     for (name, drive_force) in [("filter", false), ("filter_drive_force", true)] {
         let Some(mut orbit) = Orbit::new(drive_force) else { return };
         Extremes::over(TIMES, || {
-            let measured = orbit.next();
+            let measured = orbit.measure();
             counter.count(|| {
                 black_box(orbit.filter.step(&measured));
             })
