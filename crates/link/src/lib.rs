@@ -7,7 +7,7 @@
 //! The host sends [`ToController`], the controller sends [`ToHost`]. Samples go in lockstep: one
 //! [`SensorFrame`] out, one [`NumberedEstimate`] (or a [`Fault`]) back. The time in a sensor frame
 //! is the controller's time. Lengths travel as integer nanometres and angles as integer
-//! nanoradians, so nothing is lost between sensor and conditioning. Commands are numbered and
+//! nanoradians, so nothing is lost between sensor and estimator. Commands are numbered and
 //! acknowledged (see [`Command`]). Estimates and slow telemetry are numbered separately, so each
 //! side knows what it missed.
 //!

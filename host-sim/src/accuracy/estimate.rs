@@ -1,11 +1,10 @@
-//! The estimator with noisy sensors: errors of its force and torque, compared with the law on the
-//! same signals.
+//! The estimator with noisy sensors: errors of its force and torque, compared with the law at the
+//! same contact.
 //!
 //! The run uses the analytic law, is sampled at the controller's rate and read through noisy
-//! sensors. The estimator conditions the signals. On the resulting contact three sources are
-//! evaluated: the quantised networks (the estimator's own estimate), the float networks, and the
-//! analytic law. The law's error is caused by the signals alone; the difference between the
-//! networks and the law by the networks. Errors count from the end of the load's ramp on.
+//! sensors. The estimate is compared with the float networks and with the described law at the
+//! contact that the filter has estimated. Both lack the factors that the filter has learnt. Errors
+//! count from the end of the load's ramp on.
 
 use super::conditions::{Condition, LawRun};
 use crate::cli::error::CliError;

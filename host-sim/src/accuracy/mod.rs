@@ -3,13 +3,13 @@
 //! * [`in_the_loop`]: change of a run when the networks replace the law, and the share of the held
 //!   step in that change.
 //! * [`estimate`]: the estimator with noisy sensors against the bench's true force, compared with
-//!   the analytic law and the float networks on the same conditioned signals.
+//!   the analytic law and the float networks at the estimated contact.
 //! * [`gap`]: forces without contact.
 //! * [`goals`] evaluates the results, and [`summary`] extracts the figures of the model cards.
 //! * [`worlds`]: estimators in an independent simulator whose parameters differ from the described
 //!   ones.
 //! * [`conditions`]: the paper's conditions and held-out ones, on which no setting of the networks
-//!   or of the conditioning was chosen.
+//!   was chosen.
 //!
 //! Limits: the reference is the analytic law on the simulated bench, and the sensors' noise is
 //! white. Shares refer to the run's own figures: a run with little oscillation can have a large

@@ -55,9 +55,9 @@ fn lead(outcome: &Outcome) -> String {
     let met = outcome.goals.iter().filter(|v| v.met).count();
     let ratios = || outcome.runs.iter().map(|a| a.estimate.network.force_rms_n / a.estimate.law.force_rms_n);
     format!(
-        "{met} of {} goals met over {} runs of bench B. On the same signals the analytic law has a smaller \
-         error than the estimator's networks in {} of {} runs; the networks' error is {:.2} to {:.2} times \
-         the law's.",
+        "{met} of {} goals met over {} runs of bench B. At the estimated contact the described law, without \
+         what the filter has learnt, has a smaller error than the estimate in {} of {} runs; the \
+         estimate's error is {:.2} to {:.2} times the law's.",
         outcome.goals.len(),
         outcome.runs.len(),
         outcome.law_wins,
@@ -133,8 +133,8 @@ fn estimate_rows(outcome: &Outcome) -> Vec<Vec<String>> {
     }
     [
         rows!("estimator", network),
-        rows!("float networks, same signals", float_network),
-        rows!("law, same signals", law),
+        rows!("float networks, same contact", float_network),
+        rows!("described law, same contact", law),
         rows!("estimator, perfect sensors", perfect_sensors),
         rows!("law, perfect sensors", law_perfect_sensors),
     ]
@@ -152,7 +152,7 @@ const RUN_HEADER: [&str; 14] = [
     "held law, %",
     "estimator, N rms",
     "of full scale, %",
-    "law, same signals, %",
+    "described law, same contact, %",
     "torque, N m rms",
     "of full scale, %",
     "without contact, N",

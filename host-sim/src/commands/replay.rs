@@ -7,7 +7,7 @@ use crate::controller::Recording;
 use crate::controller::choice::{self, ControllerKind, ProbeOptions};
 use crate::controller::recording::MAGIC;
 use crate::replay::{Difference, Replayed, log, replay};
-use crate::run::configuration::controller_configuration;
+use crate::run::configuration::lockstep_configuration;
 use crate::run::estimates;
 use crate::run::exchange::{ExchangeResult, exchange};
 use bench::MeasuredLog;
@@ -135,7 +135,7 @@ fn run_log(args: &ReplayArgs) -> Result<(), CliError> {
     let frames = log::frames(&measured)?;
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
     let rate_hz = 1.0 / log::period_s(&measured)?;
-    let configuration = controller_configuration(&plant, &resolved, rate_hz, ContactSource::default())?;
+    let configuration = lockstep_configuration(&plant, &resolved, rate_hz, ContactSource::default())?;
     let mut controller =
         choice::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;
     controller.order(Command::Configure(configuration))?;

@@ -104,6 +104,23 @@ pub fn controller_configuration(
     Ok(ControllerConfiguration::new(configuration, monitor))
 }
 
+/// Returns the configuration for a host that waits for each estimate: late ones are marked and
+/// counted, but do not trip the controller.
+///
+/// # Errors
+///
+/// A value of the description is out of the configuration's range.
+pub fn lockstep_configuration(
+    plant: &Transmission,
+    bench: &TransmissionBench,
+    rate_hz: f64,
+    contact: ContactSource,
+) -> Result<ControllerConfiguration, CliError> {
+    let mut configuration = controller_configuration(plant, bench, rate_hz, contact)?;
+    configuration.limits.deadline_trip_count = 0;
+    Ok(configuration)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

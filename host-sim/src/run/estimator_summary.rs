@@ -49,11 +49,11 @@ pub struct EstimatorSummary {
     pub suspect_share: f64,
     /// Differences from the bench, after the start.
     pub against_truth: Differences,
-    /// Differences from the float networks on the same signals, after the start: the effect of
-    /// quantisation.
+    /// Differences from the float networks at the estimated contact, after the start: the effect of
+    /// quantisation and of what the filter has learnt.
     pub against_float: Differences,
-    /// Differences from the analytic law on the same signals, after the start: the effect of the
-    /// networks.
+    /// Differences from the described law at the estimated contact, after the start: the effect of
+    /// the networks and of what the filter has learnt.
     pub against_law: Differences,
     /// Counters of the controller.
     pub counters: Counters,

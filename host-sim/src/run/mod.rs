@@ -101,7 +101,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     };
     bar.set_message("estimator");
     let configuration =
-        configuration::controller_configuration(&plant, &resolved, SAMPLE_RATE_HZ, args.contact.into())?;
+        configuration::lockstep_configuration(&plant, &resolved, SAMPLE_RATE_HZ, args.contact.into())?;
     let frames = sensing::samples(&described, &forced.run.samples, args.seed, drop_out);
     let (mut exchange, mut recording) = (None, None);
     let mut watch = if args.watch {

@@ -158,8 +158,9 @@ fn controller_section(page: &mut Page, estimator: &EstimatorSummary) {
     page.section("The controller").table(&EQUIVALENCE_HEADER, &equivalence_rows(estimator));
     page.note(
         "Difference from the bench: error of sensors, filter and networks together. Differences \
-         from the law and from the float networks on the same signals: error of the networks and of their \
-         quantisation. All are evaluated after the load ramp.",
+         from the described law and from the float networks at the estimated contact: what the filter has \
+         learnt, and the error of the networks and of their quantisation. All are evaluated after the load \
+         ramp.",
     );
     page.table(&["counted", "times"], &counted_rows(estimator));
     page.note("Counters at zero are omitted.");

@@ -110,8 +110,8 @@ pub(super) fn equivalence_rows(e: &EstimatorSummary) -> Vec<Vec<String>> {
     };
     vec![
         row("the bench", &e.against_truth),
-        row("the analytic law, same signals", &e.against_law),
-        row("the float networks, same signals", &e.against_float),
+        row("the described law, same contact", &e.against_law),
+        row("the float networks, same contact", &e.against_float),
     ]
 }
 

@@ -1,7 +1,7 @@
 //! Held-out runs of bench B: clearances, loads and drive periods between and beyond those of the
 //! paper.
 //!
-//! No choice of a training recipe, a window or an observer may depend on these runs. If one ever
+//! No choice of a training recipe, a window or an estimator may depend on these runs. If one ever
 //! does, the runs must be replaced by others. `verify` evaluates the networks on their contacts;
 //! `host-sim accuracy` uses the same conditions in the closed loop and with sensors.
 

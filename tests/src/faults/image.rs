@@ -20,7 +20,7 @@ pub struct Image {
     pub weights: Range<u32>,
     /// Code and constants without the networks.
     pub code: Vec<Range<u32>>,
-    /// Session: configuration, estimator, monitor, tracker, counters.
+    /// Session: configuration, estimator, monitor, counters.
     pub session: Range<u32>,
     /// Other static memory that the controller uses.
     pub other_state: Vec<Range<u32>>,

@@ -70,8 +70,7 @@ fn host_and_emulator_agree_bit_for_bit_on_any_input() {
     assert_same(&on_host, &emulated(wide, &frames));
     flags |= union(&on_host.0);
 
-    // A probe that drifts. The disturbed frames above have no block that is good enough to
-    // contradict it.
+    // A probe that drifts: the disturbed frames above leave no time for a misfit.
     let scenario = Scenario::new(1).unwrap();
     let drift = disturbed(&Fault::for_sensor(1, DRIFT).unwrap(), &scenario.frames);
     let frames: Vec<SensorFrame> = drift.into_iter().map(|(frame, _)| frame).collect();

@@ -11,7 +11,7 @@ use inference::BearingMaterial;
 use link::{BenchConfiguration, ControllerConfiguration, SensorFrame};
 use system_tests::random::SplitMix64;
 
-/// Samples of a section: enough to detect a stuck sensor and to fill the window again.
+/// Samples of a section: enough to detect a stuck sensor and to fill the networks' history again.
 const STRETCH: u32 = 250;
 /// Samples of a round through all disturbances.
 const ROUND: u32 = 2 * STRETCH * DISTURBANCES.len() as u32;

@@ -23,10 +23,10 @@ const TABLE: Block = Block { file: "docs/firmware.md", name: "cycles" };
 /// cycles: the tick does not fit into it.
 const BUDGETS: [(Work, Placement, u64); 8] = [
     (Work::Tick, Placement::WeightsInFlash, 35_500),
-    (Work::DisturbedTick, Placement::WeightsInFlash, 38_500),
+    (Work::DisturbedTick, Placement::WeightsInFlash, 39_500),
     (Work::Handler, Placement::WeightsInFlash, 24_500),
     (Work::Tick, Placement::WeightsInRam, 32_500),
-    (Work::DisturbedTick, Placement::WeightsInRam, 35_500),
+    (Work::DisturbedTick, Placement::WeightsInRam, 36_500),
     (Work::Handler, Placement::WeightsInRam, 21_500),
     (Work::ReferenceWindow, Placement::NoWaitStates, 310_000),
     (Work::ReferenceStream, Placement::NoWaitStates, 13_000),
@@ -122,11 +122,11 @@ mod tests {
     }
 
     #[test]
-    fn the_shortest_period_of_own_samples_has_room_for_the_longest_tick_and_a_third_of_it() {
+    fn the_shortest_period_of_own_samples_has_room_for_the_longest_tick_and_a_quarter_of_it() {
         let (golden, board) = (golden().unwrap(), controller::boards::find("stm32f405").unwrap());
         let tick = golden.boards.iter().find(|found| found.board == board.name).unwrap().tick_max;
         let handler = board.microcontroller.handler_cycles.unwrap();
-        assert!(4 * tick <= 3 * u64::from(handler), "{tick} {handler}");
+        assert!(5 * tick <= 4 * u64::from(handler), "{tick} {handler}");
         assert_eq!(board.microcontroller.shortest_period_us(controller::clock::PLL_HZ), 298);
     }
 

@@ -86,7 +86,8 @@ static STM32F405: Microcontroller = Microcontroller {
         0x0804_0000,
         0x0806_0000,
     ],
-    // `tests/golden/cycles.json`: the longest tick, and a third of it for sensors and frames.
+    // The longest tick in `tests/golden/cycles.json`, and a quarter of it for sensors and
+    // supervision.
     handler_cycles: Some(50_000),
     probe_name: Some("STM32F405RGTx"),
     declared_interrupts: &[],

@@ -287,6 +287,8 @@ impl ContactModel {
         let described = 1.0 + self.dissipation_factor / larger(turning.approach, self.floor) * place.rate;
         forces.law_normal = larger(shape * touching * touching * described, 0.0);
         if normal <= 0.0 {
+            // The damping takes back the elastic force, as far as the rate is known.
+            forces.normal_curvature = stiffness * elastic;
             return;
         }
         forces.normal = normal;

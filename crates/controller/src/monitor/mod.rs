@@ -197,7 +197,7 @@ impl Monitor {
         self.value_sum
     }
 
-    /// The estimator, to read its conditioned contact.
+    /// Estimator, to read its contact.
     #[must_use]
     pub const fn estimator(&self) -> &Estimator {
         &self.estimator

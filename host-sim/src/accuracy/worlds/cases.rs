@@ -55,10 +55,14 @@ impl OperatingPoint {
         material_of(self.bearing)
     }
 
-    /// Returns the bench as the estimators know it.
+    /// Returns the bench as the estimators know it. The clearance is as uncertain as the worlds are
+    /// drawn: by 10 um at every clearance.
     pub fn described_bench(&self) -> Result<TransmissionBench, CliError> {
         let base = TransmissionBench::open("bench-b")?;
-        Ok(variant(&base, self.material(), self.clearance_mm, self.load_kn).resolved())
+        let mut bench = variant(&base, self.material(), self.clearance_mm, self.load_kn).resolved();
+        let drawn_m = Deviations::BENCH_B.clearance_m;
+        bench.common.uncertain.insert("bearing.radial_clearance_m".into(), drawn_m);
+        Ok(bench)
     }
 
     /// Returns the same bench as a world.
@@ -157,6 +161,13 @@ mod tests {
             assert!((own / declared - 1.0).abs() < 1e-9, "{own} {declared}");
         }
         assert_eq!(bench.common.uncertain.len(), pairs.len());
+        for point in OperatingPoint::all() {
+            let described = point.described_bench().unwrap();
+            assert_eq!(
+                described.common.uncertain["bearing.radial_clearance_m"], own.clearance_m,
+                "{point:?}"
+            );
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //!
 //! * [`cases`]: the worlds of an operating point: the described one, drawn ones, ones with a single
 //!   parameter off, and ones with an effect that no description contains.
-//! * [`estimators`]: today's estimator, and the filter with and without the drive force.
+//! * [`estimators`]: the controller with the networks, with the law, and with a drive force.
 //! * [`score`]: errors of one estimator in one world.
 //! * [`goals`] evaluates the figures.
 //!

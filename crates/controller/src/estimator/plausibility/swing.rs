@@ -19,7 +19,7 @@ use link::SensorFrame;
 const SPAN: u32 = 14;
 /// Period of the spans, samples.
 const EVERY: u32 = 16;
-/// Places at which a span begins and ends: samples in which the tracker sums nothing.
+/// Places at which a span begins and ends: they spread the work of the checks over the samples.
 const BEGINS: u32 = 15;
 const ENDS: u32 = 13;
 /// Factor on the speed of the fall.
