@@ -62,7 +62,7 @@ pub enum Command {
     /// Ends the run and waits for a configuration.
     Stop,
     /// Continues the run on samples of the controller's own sensors, one per timer tick, until the
-    /// run ends. The sample period of the bench must be 100 us.
+    /// run ends. The sample period of the bench must not be shorter than the board's tick.
     SampleYourself,
     /// Returns one of the reports of slow telemetry.
     GetReport(ReportKind),

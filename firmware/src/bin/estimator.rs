@@ -154,11 +154,12 @@ mod app {
             let is_running = exchange.is_running();
             if *cx.local.pacing == Pacing::Timer {
                 check_in(attendance, Party::Sampling);
-                match exchange.tick(now_us, cx.local.tick_timer) {
+                let is_paced = cx.local.pacer.set_period(exchange.sample_period_us());
+                let mut timer = cx.local.pacer.timer(*cx.local.tick_timer);
+                match exchange.tick(now_us, is_paced, &mut timer) {
                     Tick::Sampled => check_in(attendance, Party::Inference),
                     Tick::Idle => attendance.stop_expecting(Party::Inference),
                 }
-                cx.local.pacer.set_period(exchange.sample_period_us());
             }
             is_running
         });

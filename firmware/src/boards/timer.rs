@@ -19,6 +19,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DCB, DWT, SYST};
 use link::Target;
 
+use controller::service::Pace;
 use controller::session::TickSource;
 use controller::supervisor::{Attendance, Periods};
 
@@ -40,24 +41,37 @@ pub struct Pacer {
     syst: SYST,
     core_mhz: u32,
     is_paced: bool,
-    /// Time from the last tick to the next one, us.
-    current_us: u32,
-    /// The same after the next tick: SysTick loads a new period when it has counted the old one.
-    next_us: u32,
+    pace: Pace,
 }
 
 impl Pacer {
     /// Advances the uptime by a timer tick and returns it, us. To be called once per tick.
     pub fn advance_uptime(&mut self) -> u32 {
-        let passed_us = core::mem::replace(&mut self.current_us, self.next_us);
+        let passed_us = self.pace.advance();
         UPTIME_US.fetch_add(passed_us, Ordering::Relaxed).wrapping_add(passed_us)
     }
 
-    /// Changes the period from the next tick on; us. In lockstep nothing changes.
-    pub fn set_period(&mut self, period_us: u32) {
-        if self.is_paced && period_us != self.next_us {
-            self.next_us = period_us;
+    /// Changes the period from the next tick on; us. Returns true if the time to the next tick is
+    /// that period already. In lockstep nothing changes.
+    pub fn set_period(&mut self, period_us: u32) -> bool {
+        if !self.is_paced {
+            return true;
+        }
+        let (is_new, is_current) = self.pace.set_period(period_us);
+        if is_new {
             self.syst.set_reload(reload(self.core_mhz, period_us));
+        }
+        is_current
+    }
+
+    /// Returns the counter of a tick for the period that SysTick is counting now.
+    #[must_use]
+    pub fn timer(&self, timer: Timer) -> Timer {
+        let reload = reload(self.core_mhz, self.pace.current_us());
+        match timer {
+            Timer::SysTick => timer,
+            Timer::Due { .. } => Timer::Due { reload },
+            Timer::Cycles { .. } => Timer::Cycles { reload },
         }
     }
 }
@@ -95,9 +109,15 @@ pub enum Timer {
     /// SysTick's 24 bits, counting down.
     SysTick,
     /// SysTick from its reload value on.
-    Due,
+    Due {
+        /// Reload value.
+        reload: u32,
+    },
     /// The core's cycle counter, from the moment when SysTick was reloaded.
-    Cycles,
+    Cycles {
+        /// Reload value of SysTick.
+        reload: u32,
+    },
 }
 
 impl Timer {
@@ -114,7 +134,8 @@ impl Timer {
         let core_mhz = (core_hz / 1_000_000).max(1);
         let period_us = if is_paced { FIRST_PERIOD_US } else { FULL.saturating_add(1) / core_mhz };
         syst.set_clock_source(SystClkSource::Core);
-        syst.set_reload(if is_paced { reload(core_mhz, period_us) } else { FULL });
+        let reload = if is_paced { reload(core_mhz, period_us) } else { FULL };
+        syst.set_reload(reload);
         syst.clear_current();
         syst.enable_counter();
         syst.enable_interrupt();
@@ -122,10 +143,10 @@ impl Timer {
         dwt.enable_cycle_counter();
         let timer = match (is_paced, target) {
             (false, _) => Self::SysTick,
-            (true, Target::Silicon) => Self::Cycles,
-            (true, _) => Self::Due,
+            (true, Target::Silicon) => Self::Cycles { reload },
+            (true, _) => Self::Due { reload },
         };
-        (timer, Pacer { syst, core_mhz, is_paced, current_us: period_us, next_us: period_us })
+        (timer, Pacer { syst, core_mhz, is_paced, pace: Pace::new(period_us) })
     }
 }
 
@@ -133,9 +154,9 @@ impl TickSource for Timer {
     fn start(&mut self) -> u32 {
         match self {
             Self::SysTick => SYST::get_current(),
-            Self::Due => SYST::get_reload(),
-            Self::Cycles => {
-                let late = SYST::get_reload().wrapping_sub(SYST::get_current());
+            Self::Due { reload } => *reload,
+            Self::Cycles { reload } => {
+                let late = reload.wrapping_sub(SYST::get_current());
                 DWT::cycle_count().wrapping_sub(late)
             }
         }
@@ -143,8 +164,8 @@ impl TickSource for Timer {
 
     fn since(&mut self, start: u32) -> u32 {
         match self {
-            Self::SysTick | Self::Due => start.wrapping_sub(SYST::get_current()) & FULL,
-            Self::Cycles => DWT::cycle_count().wrapping_sub(start),
+            Self::SysTick | Self::Due { .. } => start.wrapping_sub(SYST::get_current()) & FULL,
+            Self::Cycles { .. } => DWT::cycle_count().wrapping_sub(start),
         }
     }
 }

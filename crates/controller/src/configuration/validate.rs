@@ -17,7 +17,7 @@ const OFFSET_RANGE: RangeInclusive<i64> = i32::MIN as i64..=i32::MAX as i64;
 const GAIN_RANGE_PPM: RangeInclusive<i64> = 500_000..=2_000_000;
 /// Force limits, N: none, or up to 1 MN.
 const FORCE_LIMIT_RANGE_N: RangeInclusive<i64> = 0..=1_000_000;
-/// Limits of the friction level, thousandths: none, or up to a hundred times the trained friction.
+/// Limits of the friction level, thousandths: none, or up to 65 times the described friction.
 const FRICTION_LEVEL_LIMIT_RANGE_PER_MILLE: RangeInclusive<i64> = 0..=u16::MAX as i64;
 /// Consecutive late estimates that trip the controller: never, or up to 10,000.
 const DEADLINE_TRIP_RANGE: RangeInclusive<i64> = 0..=10_000;

@@ -30,7 +30,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn angles_are_those_of_the_standard_library(angle in -3.1..3.1_f32) {
+        fn angles_are_those_of_the_standard_library(angle in -core::f32::consts::PI..core::f32::consts::PI) {
             let (z, y) = angle.sin_cos();
             prop_assert!((angle_rad(y, z) - angle).abs() < 3e-6);
         }

@@ -209,8 +209,14 @@ impl Estimator {
         if !self.plausibility.findings().is_load_faulty() {
             *load = frame.load_force_mn as f32 * MILLI;
         }
-        let is_missing = doubts.contains(SENSOR_MISSING);
-        let is_trusted = jumps.is_trusted(frame, doubts.contains(JUMP), lost);
+        let has_no_value =
+            [frame.journal_y_nm, frame.journal_z_nm, frame.shaft_angle_nrad].contains(&i32::MIN);
+        let is_missing = doubts.contains(SENSOR_MISSING) | has_no_value;
+        // Of a repeated or earlier sample the number is above 2^31: no time has passed.
+        let lost = lost.filter(|&lost| lost < 1 << 31);
+        let passed_us = self.setup.sample_period_us.saturating_mul(lost.unwrap_or(0).saturating_add(1));
+        let events = (doubts.contains(JUMP), is_missing);
+        let is_trusted = jumps.is_trusted(frame, events, (passed_us, lost.is_some()));
         let is_usable = is_trusted & !doubts.intersects(NO_MOTION);
         (self.setup.measurement(frame, *load, is_usable), !is_trusted & !is_missing)
     }

@@ -58,6 +58,7 @@ pub(super) struct Setup {
     pub(super) filter: FilterModel,
     pub(super) envelope: Envelope,
     pub(super) journal_radius_m: f32,
+    pub(super) sample_period_us: u32,
     /// Angle reading with the drive crank vertical, nrad.
     crank_vertical_nrad: i32,
     /// True if the networks are the source of the contact, false if the law is.
@@ -65,7 +66,15 @@ pub(super) struct Setup {
     /// Normal force at which half of the networks' difference from the law is taken, N.
     pub(super) blend_n: f32,
 }
-words!(Setup { filter, envelope, journal_radius_m, crank_vertical_nrad, uses_networks, blend_n });
+words!(Setup {
+    filter,
+    envelope,
+    journal_radius_m,
+    sample_period_us,
+    crank_vertical_nrad,
+    uses_networks,
+    blend_n
+});
 
 impl Setup {
     pub(super) fn new(
@@ -89,6 +98,7 @@ impl Setup {
             filter: FilterModel::new(&configuration).map_err(|error| out_of_range(&error))?,
             envelope: Envelope::new(monitor),
             journal_radius_m: configuration.journal_radius_m,
+            sample_period_us: bench.sample_period_us,
             crank_vertical_nrad: monitor.crank_vertical_nrad,
             uses_networks: bench.contact == ContactSource::Network,
             blend_n: blend_n(&model),

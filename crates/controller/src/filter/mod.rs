@@ -86,7 +86,7 @@ impl FilterModel {
             // A repeated or earlier sample says nothing new.
             (Some(_), Some(lost)) if lost > MAX_SKIPPED => {}
             (Some(state), Some(lost)) if measured.is_complete() => model.resume(state, measured, lost),
-            (Some(state), Some(_)) => model.lose(state),
+            (Some(state), Some(lost)) => model.lose(state, lost),
             (Some(state), None) => model.follow(state, measured),
             (None, _) if measured.is_complete() => state.0 = Some(model.start(measured)),
             (None, _) => return FilterEstimate::UNKNOWN,

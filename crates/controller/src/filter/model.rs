@@ -33,8 +33,8 @@ const MAX_DAMPING_CHANGE: f32 = 1.0;
 const MAX_MISSED: u32 = 50;
 /// Standard deviation of the radial speed in contact as a share of the approach speed.
 const CONTACT_RATE: f32 = 0.5;
-/// Lost samples over which the factors drift: five minutes at 10 kHz.
-const MAX_DRIFT_SAMPLES: u32 = 3_000_000;
+/// Longest time without samples over which the factors drift, s.
+const MAX_DRIFT_S: f32 = 300.0;
 /// Lost samples over which the motion of the drive is extrapolated.
 const MAX_LOST: u32 = 64;
 
@@ -144,7 +144,13 @@ impl Model {
     /// Continues after lost samples: the drive moved on, the motion of the journal is taken from
     /// the sample, what has been learnt about the bearing stays.
     pub(super) fn resume(&self, state: &mut State, measured: &Measurement, lost: u32) {
-        if lost > MAX_LOST {
+        self.proceed(state, measured, lost, lost > MAX_LOST);
+    }
+
+    /// Continues `lost` samples after the last complete one; with the drive started anew or
+    /// extrapolated.
+    fn proceed(&self, state: &mut State, measured: &Measurement, lost: u32, starts_drive: bool) {
+        if starts_drive {
             state.drive = DriveTracker::new(&self.config, self.displacement(measured));
             state.bias[RESIDUAL] = 0.0;
         } else {
@@ -154,11 +160,11 @@ impl Model {
             state.drive.correct(&self.drive, self.displacement(measured));
         }
         self.restart_motion(state, measured, lost);
-        if lost > MAX_LOST {
+        if starts_drive {
             let residual = self.unknown_residual(measured.load_force_n);
             state.covariance.restart_bias(RESIDUAL, residual);
         }
-        let samples = lost.min(MAX_DRIFT_SAMPLES).wrapping_add(1) as f32;
+        let samples = smaller(lost as f32 + 1.0, MAX_DRIFT_S / self.config.sample_period_s);
         state.covariance.add_noise(&Matrix2::zeros(), &(self.levels.factor_drift() * samples));
         self.evaluate(state);
         self.onset(state);
@@ -172,10 +178,10 @@ impl Model {
     }
 
     /// Predicts a sample after lost ones; the next complete one starts the motion anew.
-    pub(super) fn lose(&self, state: &mut State) {
+    pub(super) fn lose(&self, state: &mut State, lost: u32) {
         self.predict(state);
         self.evaluate(state);
-        state.missed = u32::MAX;
+        state.missed = state.missed.max(MAX_MISSED).saturating_add(lost).saturating_add(1);
     }
 
     /// Takes the position of the journal from a sample after lost ones.
@@ -205,7 +211,8 @@ impl Model {
     /// Predicts a state one sample on and corrects it by the sample, if that is complete.
     pub(super) fn follow(&self, state: &mut State, measured: &Measurement) {
         if measured.is_complete() && state.missed > MAX_MISSED {
-            self.resume(state, measured, u32::MAX);
+            // Its prediction has left the motion of the drive behind.
+            self.proceed(state, measured, state.missed, true);
             return;
         }
         self.predict(state);

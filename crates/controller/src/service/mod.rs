@@ -10,6 +10,7 @@
 //! transport.
 
 mod background;
+mod pace;
 mod shared_session;
 mod transport;
 
@@ -29,6 +30,7 @@ use crate::session::{NoTicks, Status};
 use crate::store::{Keeper, SlotMemory, Store};
 use crate::supervisor::Party;
 pub use background::{Background, Platform};
+pub use pace::Pace;
 pub use shared_session::{SampleSource, SharedSession, Tick};
 use transport::Event;
 pub use transport::{Ports, Purpose, Received, Transport, Unconnected};

@@ -83,8 +83,14 @@ impl<S: SampleSource> SharedSession<S> {
     }
 
     /// Runs one timer tick: takes a sample of the board's sensors or the link's next one,
-    /// estimates, and queues the frame of the estimate.
-    pub fn tick(&mut self, now_us: u32, ticks: &mut impl TickSource) -> Tick {
+    /// estimates, and queues the frame of the estimate. `is_paced`: the time since the next tick on
+    /// is the sample period of the run, see [`Pace::set_period`]; own samples wait for that.
+    ///
+    /// [`Pace::set_period`]: super::Pace::set_period
+    pub fn tick(&mut self, now_us: u32, is_paced: bool, ticks: &mut impl TickSource) -> Tick {
+        if self.session.is_sampling() && !is_paced {
+            return Tick::Idle;
+        }
         let received = self.samples.pop_front();
         let estimate = match (&mut self.sensors, received) {
             (Some(sensors), received) if self.session.is_sampling() => {

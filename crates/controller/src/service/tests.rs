@@ -259,9 +259,9 @@ fn paced_by_the_timer_samples_wait_for_the_tick_and_samples_without_room_are_cou
     assert!(script.replies().is_empty());
     assert_eq!(fixture.shared.session.counters().dropped_samples, 2);
     for _ in 0..8 {
-        assert_eq!(fixture.shared.tick(0, &mut NoTicks), Tick::Sampled);
+        assert_eq!(fixture.shared.tick(0, true, &mut NoTicks), Tick::Sampled);
     }
-    assert_eq!(fixture.shared.tick(0, &mut NoTicks), Tick::Idle);
+    assert_eq!(fixture.shared.tick(0, true, &mut NoTicks), Tick::Idle);
     let mut script = Script::default();
     fixture.run(&mut script, &mut Script::default(), 1).unwrap();
     assert_eq!(script.replies().len(), 8);
@@ -278,7 +278,7 @@ fn replies_go_to_the_port_of_the_request_and_estimates_to_the_port_of_the_last_f
     for _ in 0..3 {
         let mut shared = Exclusive(&mut fixture.shared);
         fixture.service.pass(&mut ports, &mut shared, &mut fixture.board).unwrap();
-        fixture.shared.tick(0, &mut NoTicks);
+        fixture.shared.tick(0, true, &mut NoTicks);
     }
     assert!(serial.sent.is_empty());
     assert!(matches!(probe.replies()[..], [ToHost::Hello(hello), ToHost::Estimate(_)] if hello.token == 5));

@@ -118,6 +118,7 @@ impl Run {
         self.deadline.add_config_to(&mut crc);
         self.bearing.code().add_to(&mut crc);
         self.is_sampling.add_to(&mut crc);
+        self.configuration.bench.sample_period_us.add_to(&mut crc);
         self.configuration.limits.slow_every.add_to(&mut crc);
         self.force_limit_n.add_to(&mut crc);
         crc.value()
@@ -269,6 +270,15 @@ mod tests {
         run.configuration.limits.slow_every ^= 1;
         run.force_limit_n = f32::from_bits(run.force_limit_n.to_bits() ^ 1 << 7);
         assert!(run.is_configuration_corrupted());
+    }
+
+    #[test]
+    fn a_flip_in_the_period_that_paces_the_samples_is_detected() {
+        for bit in 0..32 {
+            let mut run = run();
+            run.configuration.bench.sample_period_us ^= 1 << bit;
+            assert!(run.is_configuration_corrupted(), "bit {bit}");
+        }
     }
 
     #[test]

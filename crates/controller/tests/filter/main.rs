@@ -96,6 +96,24 @@ fn a_missing_sample_is_predicted_and_widens_the_deviation() {
     assert!(later.clearance_sd_m >= last.clearance_sd_m);
 }
 
+#[test]
+fn after_a_drop_out_the_bearing_is_as_well_known_as_before() {
+    let (_, readings) = run(5.1e-4);
+    let config = default_bench();
+    let mut filter = Filter::new(&config).unwrap();
+    let mut before = FilterEstimate::default();
+    for reading in &readings[..4_000] {
+        before = filter.step(reading);
+    }
+    let missing = Measurement { journal_y_m: f32::NAN, ..Measurement::default() };
+    for _ in 0..60 {
+        filter.step(&missing);
+    }
+    let after = filter.step(&readings[4_060]);
+    assert!(after.clearance_sd_m < 1.5 * before.clearance_sd_m + 1e-7, "{before:?} {after:?}");
+    assert!(after.stiffness_sd < 1.5 * before.stiffness_sd, "{before:?} {after:?}");
+}
+
 /// Runs an orbit and returns the number of estimates that are not sane.
 fn soak(samples: u32, measures_drive_force: bool) -> u32 {
     let mut orbit = Orbit::new(measures_drive_force).unwrap();

@@ -88,6 +88,9 @@ fn the_wiring_of_a_configuration_is_returned_once() {
 #[test]
 fn a_stop_a_new_configuration_and_a_period_shorter_than_the_tick_end_it() {
     let mut session = sampling();
+    assert!(matches!(order(&mut session, Command::Configure(BENCH_B)), Ok(Answer::Configured(_))));
+    assert!(!session.is_sampling(), "a new configuration ends it");
+    assert!(order(&mut session, Command::SampleYourself).is_ok() && session.is_sampling());
     stopped(&mut session);
     assert!(!session.is_sampling());
     assert_eq!(session.tick_own_sample(|| sample(0), &mut NoTicks), None);
