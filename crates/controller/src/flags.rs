@@ -13,7 +13,8 @@ pub const IMPLAUSIBLE_POSITION: Flags = Flags::from_bits(1 << 16);
 pub const JUMP: Flags = Flags::from_bits(1 << 17);
 /// A sensor has shown the same code for the configured number of samples.
 pub const STUCK: Flags = Flags::from_bits(1 << 18);
-/// The sequence number did not follow: samples were lost or repeated; the motion starts anew.
+/// The sequence number did not follow: samples were lost or repeated. After lost ones the motion
+/// starts anew; a repeated one is ignored.
 pub const SEQUENCE_GAP: Flags = Flags::from_bits(1 << 19);
 /// The time did not advance by the sample period (tolerance: half of it); the motion starts anew.
 pub const TIME_FAULT: Flags = Flags::from_bits(1 << 20);

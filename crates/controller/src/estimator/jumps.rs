@@ -30,8 +30,8 @@ words!(Jumps { suspect, trusted_y_nm, trusted_z_nm, trusted_angle_nrad, age_us, 
 
 impl Jumps {
     /// Takes a sample; returns true if its motion can be trusted. `is_missing`: a channel of the
-    /// motion has no value. `passed_us` is the time since the sample before, and `has_lost` tells
-    /// that it was not the one before.
+    /// motion has no value. `passed_us` is the time since the last sample; `has_lost` is true if
+    /// samples were lost between them.
     #[inline]
     pub(super) fn is_trusted(
         &mut self,

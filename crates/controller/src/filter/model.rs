@@ -211,7 +211,7 @@ impl Model {
     /// Predicts a state one sample on and corrects it by the sample, if that is complete.
     pub(super) fn follow(&self, state: &mut State, measured: &Measurement) {
         if measured.is_complete() && state.missed > MAX_MISSED {
-            // Its prediction has left the motion of the drive behind.
+            // The predicted motion of the drive is no longer known.
             self.proceed(state, measured, state.missed, true);
             return;
         }
