@@ -19,8 +19,19 @@ fn the_exact_bench_is_estimated_to_half_a_percent_with_networks_and_with_the_law
 
 #[test]
 fn benches_with_drawn_parameters_are_estimated_within_their_deviations() {
+    drawn_benches(100);
+}
+
+#[test]
+fn drawn_benches_are_estimated_at_a_period_that_the_stm32f405_serves() {
+    drawn_benches(300);
+}
+
+/// Runs a drawn world at every point.
+fn drawn_benches(period_us: u32) {
     let mut inside = 0.0;
     for (point, seed) in Point::all().zip(40..) {
+        let point = Point { period_us, ..point };
         let world = point.world().draw(seed, &Deviations::BENCH_B);
         let found = errors(&point, &world, seed);
         println!("{point:?}: {found:?}");
