@@ -57,8 +57,9 @@ fn host_and_emulator_agree_bit_for_bit_on_any_input() {
 
         // The frames must contain both directions of sliding, contact and no contact.
         let count = |holds: fn(&EstimateFrame) -> bool| on_host.0.iter().filter(|e| holds(e)).count();
-        assert!(count(|e| e.friction_torque_nm > 0.0) > 500, "{bearing:?}");
-        assert!(count(|e| e.friction_torque_nm < 0.0) > 500, "{bearing:?}");
+        let (forward, backward) =
+            (count(|e| e.friction_torque_nm > 0.0), count(|e| e.friction_torque_nm < 0.0));
+        assert!(forward > 250 && backward > 250, "{bearing:?}: {forward} {backward}");
         let light = count(|e| e.normal_force_n < 10.0);
         assert!(light > 100, "{bearing:?}: {light}");
     }
