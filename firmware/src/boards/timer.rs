@@ -2,8 +2,8 @@
 //!
 //! | where | SysTick | counter | counts from |
 //! |---|---|---|---|
-//! | silicon | the sample period | the core's cycle counter | the timer's tick |
-//! | emulator, serial link | the sample period | SysTick itself: less than a period | the timer's tick |
+//! | silicon | the sample period | the core's cycle counter | the tick |
+//! | emulator, serial link | the sample period | SysTick itself, less than a period | the tick |
 //! | emulator, lockstep | 24 bits: 10 Hz | SysTick itself, wrap removed | the start of the work |
 //!
 //! Paced by the timer, the count starts when the tick is due, so that any delay counts as work.
@@ -20,11 +20,8 @@ use cortex_m::peripheral::{DCB, DWT, SYST};
 use link::Target;
 
 use controller::service::Pace;
-use controller::session::TickSource;
+use controller::session::{IDLE_PERIOD_US, TickSource};
 use controller::supervisor::{Attendance, Periods};
-
-/// Period of the tick before a configuration, us.
-const FIRST_PERIOD_US: u32 = 100;
 
 const FULL: u32 = 0x00FF_FFFF;
 
@@ -132,7 +129,7 @@ impl Timer {
     ) -> (Self, Pacer) {
         // Clocks of the boards have no fraction of a megahertz.
         let core_mhz = (core_hz / 1_000_000).max(1);
-        let period_us = if is_paced { FIRST_PERIOD_US } else { FULL.saturating_add(1) / core_mhz };
+        let period_us = if is_paced { IDLE_PERIOD_US } else { FULL.saturating_add(1) / core_mhz };
         syst.set_clock_source(SystClkSource::Core);
         let reload = if is_paced { reload(core_mhz, period_us) } else { FULL };
         syst.set_reload(reload);

@@ -137,4 +137,17 @@ mod tests {
         let error = configured(66.0).expect_err("too long").to_string();
         assert!(error.contains("drive.period_s: found 66"), "{error}");
     }
+
+    #[test]
+    fn a_host_that_waits_for_each_estimate_trips_no_controller() {
+        let bench = TransmissionBench::open("bench-b").expect("a preset");
+        let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
+        let waits = lockstep_configuration(&plant, &bench, 1e4, ContactSource::Law).expect("a configuration");
+        assert_eq!(waits.limits.deadline_trip_count, 0);
+        let mut paced =
+            controller_configuration(&plant, &bench, 1e4, ContactSource::Law).expect("a configuration");
+        assert_ne!(paced.limits.deadline_trip_count, 0);
+        paced.limits.deadline_trip_count = 0;
+        assert_eq!(waits, paced, "nothing else differs");
+    }
 }

@@ -86,8 +86,8 @@ static STM32F405: Microcontroller = Microcontroller {
         0x0804_0000,
         0x0806_0000,
     ],
-    // The longest tick in `tests/golden/cycles.json`, and a quarter of it for sensors and
-    // supervision.
+    // Above the longest tick in `tests/golden/cycles.json` by a quarter or more, for sensors and
+    // supervision. Not measured on a board.
     handler_cycles: Some(50_000),
     probe_name: Some("STM32F405RGTx"),
     declared_interrupts: &[],

@@ -341,3 +341,26 @@ fn contact_moments(mean: f32, deviation: f32) -> (f32, f32) {
 }
 
 const _: () = assert!(MOTION == 4 && BIAS == 6);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::configuration::BENCH_B;
+    use crate::estimator::filter_configuration;
+    use contact::BearingMaterial;
+
+    #[test]
+    fn a_force_that_the_damping_takes_back_is_as_uncertain_as_the_elastic_force() {
+        let bench = filter_configuration(BearingMaterial::Babbitt, &BENCH_B.bench, &BENCH_B.monitor);
+        let contact = ContactModel::new(&bench);
+        let forces = |rate: f32| {
+            let motion = Motion::new(bench.radial_clearance_m + 2e-5, 0.0, rate, 0.0);
+            let (bias, sds) = (Bias::zeros(), Deviations { deformation: 1e-6, ..Deviations::default() });
+            let turning = Turning { surface: 0.0, slope: 0.0, approach: 0.1, ratios: Ratios::LAW };
+            contact.forces(contact.place(&motion, &bias), &bias, &turning, &sds)
+        };
+        let (resting, leaving) = (forces(0.0), forces(-1.0));
+        assert!(resting.normal > 1e3 && leaving.normal == 0.0, "{resting:?} {leaving:?}");
+        assert!((leaving.normal_curvature / resting.normal - 1.0).abs() < 1e-3, "{leaving:?}");
+    }
+}

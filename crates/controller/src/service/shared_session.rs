@@ -144,3 +144,42 @@ impl<S: SampleSource> SharedSession<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::configuration::BENCH_B;
+    use crate::session::{Identity, NoTicks};
+    use link::{BuildId, ClockSource, Target};
+
+    /// Sensors that count their samples.
+    struct Counted(u32);
+
+    impl SampleSource for Counted {
+        fn sample(&mut self, time_us: u32) -> (SensorFrame, SensorStatus) {
+            self.0 += 1;
+            (SensorFrame { sequence: self.0, time_us, ..SensorFrame::default() }, SensorStatus::GOOD)
+        }
+
+        fn latest(&self) -> SensorFrame {
+            SensorFrame::default()
+        }
+
+        fn rewire(&mut self, _wiring: Wiring) {}
+    }
+
+    #[test]
+    fn own_samples_wait_until_the_timer_has_their_period() {
+        let (target, clock) = (Target::Silicon, ClockSource::Internal);
+        let identity = Identity { build_id: BuildId::new("test"), target, clock, core_hz: 168_000_000 };
+        let mut session = Session::new(identity);
+        session.set_shortest_period(Some(100));
+        session.configure(&BENCH_B).unwrap();
+        session.start_sampling().unwrap();
+        let mut shared = SharedSession::new(session, Some(Counted(0)));
+        assert_eq!(shared.tick(100, false, &mut NoTicks), Tick::Idle);
+        assert_eq!(shared.sensors.as_ref().unwrap().0, 0);
+        assert_eq!(shared.tick(200, true, &mut NoTicks), Tick::Sampled);
+        assert_eq!(shared.sensors.as_ref().unwrap().0, 1);
+    }
+}

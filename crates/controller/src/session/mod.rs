@@ -44,6 +44,9 @@ pub use telemetry::{LineReport, Status};
 use telemetry::{Telemetry, count};
 pub use ticks::{NoTicks, TickSource};
 
+/// Period of the timer without a run, us.
+pub const IDLE_PERIOD_US: u32 = 100;
+
 /// One link session.
 #[derive(Debug)]
 pub struct Session {
@@ -128,11 +131,11 @@ impl Session {
         self.shortest_period_us = period_us;
     }
 
-    /// Returns the period of the timer that paces the samples, us: the configured sample period,
-    /// and 100 us without a run.
+    /// Returns the period of the timer that paces the samples, us: the configured sample period, or
+    /// [`IDLE_PERIOD_US`] without a run.
     #[must_use]
     pub fn sample_period_us(&self) -> u32 {
-        self.run.as_ref().map_or(100, |run| run.configuration.bench.sample_period_us)
+        self.run.as_ref().map_or(IDLE_PERIOD_US, |run| run.configuration.bench.sample_period_us)
     }
 
     /// Returns the wiring of a newly accepted configuration once, for the controller's own sensors.
