@@ -117,3 +117,26 @@ impl Tracked {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::configuration::BENCH_B;
+    use link::track::Wear;
+
+    #[test]
+    fn an_alarm_s_state_is_unknown_again_when_nothing_has_counted_for_long() {
+        let tracked = Tracked::new(&BENCH_B.monitor);
+        let mut state = TrackedState::default();
+        let estimate = EstimateFrame { clearance_m: 5e-4, clearance_sd_m: 1e-6, ..EstimateFrame::UNKNOWN };
+        let mut follow = |comparisons: u32, counts: bool| {
+            for _ in 0..comparisons * INTERVAL {
+                tracked.step(&mut state, &estimate, counts);
+            }
+            tracked.report(&state).wear
+        };
+        assert_eq!(follow(40, true), Wear::Below);
+        assert_eq!(follow(MAX_IDLE, false), Wear::Below);
+        assert_eq!(follow(1, false), Wear::Unknown);
+    }
+}

@@ -263,6 +263,7 @@ fn late_estimates_are_marked_and_trip_the_controller_until_it_is_cleared() {
         let held = next(&mut session, took);
         assert!(flags_of(&held).contains(STALE | TRIPPED));
         assert_eq!(held.normal_force_n, good.normal_force_n);
+        assert_eq!(held.force_sd_n, f32::INFINITY);
         assert_eq!(held.sequence, sequence_of(&session));
     }
     assert_eq!(order(&mut session, Command::ClearTrip), Ok(Answer::Cleared));
@@ -279,6 +280,8 @@ fn a_trip_before_the_first_estimate_in_time_repeats_an_unknown_force() {
     let mut configuration = BENCH_B;
     configuration.limits.deadline_trip_count = 3;
     let mut session = configured(Target::Silicon, configuration);
+    let last = *session.run.as_ref().unwrap().last();
+    assert_eq!((last.force_sd_n, last.clearance_sd_m), (f32::INFINITY, f32::INFINITY));
     for sequence in 0..8 {
         match session.handle(&pressed(sequence), &mut FixedTicks::new(200_000, 200_000)) {
             ToHost::Estimate(numbered) if sequence > 3 => {

@@ -152,6 +152,19 @@ fn a_missing_position_is_predicted_and_the_deviation_grows() {
 }
 
 #[test]
+fn a_repeated_or_earlier_sample_changes_nothing_in_the_filter() {
+    let (_, frames) = Point::DEFAULT.read(&Point::DEFAULT.world(), 6, 0.4);
+    let mut estimator = Point::DEFAULT.estimator();
+    let estimates: Vec<_> = frames.iter().map(|frame| estimator.step(frame)).collect();
+    let before = estimates.last().unwrap();
+    for frame in [frames.last().unwrap(), &frames[frames.len() - 3]] {
+        let repeated = estimator.step(frame);
+        assert_eq!(repeated.normal_force_n, before.normal_force_n);
+        assert_eq!(repeated.clearance_sd_m, before.clearance_sd_m);
+    }
+}
+
+#[test]
 fn after_a_long_drop_out_the_estimate_returns_to_the_truth() {
     let (rows, frames) = Point::DEFAULT.read(&Point::DEFAULT.world(), 6, 1.0);
     let mut estimator = Point::DEFAULT.estimator();

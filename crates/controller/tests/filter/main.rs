@@ -207,6 +207,30 @@ fn a_clearance_far_beyond_its_declared_deviation_is_found() {
 }
 
 #[test]
+fn a_filter_that_starts_anew_says_that_it_did_not_fit_and_how_little_it_knows() {
+    // Far from a clearance that is declared too narrowly the filter learns a wrong one first.
+    let mut config = default_bench();
+    config.uncertainty.clearance_m = 2e-6;
+    let follow = |off_um: f64| -> Vec<FilterEstimate> {
+        let mut filter = Filter::new(&config).unwrap();
+        run(500e-6 + 1e-6 * off_um).1.iter().map(|reading| filter.step(reading)).collect()
+    };
+    let runs = [-60.0, -30.0, -15.0, 15.0, 30.0, 60.0, 100.0].map(follow);
+    // No measurement moves the clearance so far while it is so well known.
+    let is_restart = |pair: &&[FilterEstimate]| {
+        let change = (pair[1].clearance_m - pair[0].clearance_m).abs();
+        change > 10e-6 && change > 3.0 * pair[0].clearance_sd_m
+    };
+    let restarts: Vec<_> = runs.iter().flat_map(|run| run.windows(2).filter(is_restart)).collect();
+    assert!(!restarts.is_empty());
+    for pair in restarts {
+        assert!(!pair[1].fits, "{pair:?}");
+        let moved = (pair[1].clearance_m - 500e-6).abs();
+        assert!(pair[1].clearance_sd_m > 0.45 * moved, "{pair:?}");
+    }
+}
+
+#[test]
 fn single_precision_estimates_what_a_dense_filter_in_double_precision_does() {
     let (_, readings) = run(510e-6);
     let config = default_bench();
