@@ -165,6 +165,20 @@ fn a_repeated_or_earlier_sample_changes_nothing_in_the_filter() {
 }
 
 #[test]
+fn after_ten_seconds_without_samples_the_bearing_is_less_well_known() {
+    // A clearance drifts by its declared deviation of 10 um in 30 s: by 5.8 um in 10 s.
+    let (_, frames) = Point::DEFAULT.read(&Point::DEFAULT.world(), 6, 0.4);
+    let mut estimator = Point::DEFAULT.estimator();
+    let before = frames.iter().map(|frame| estimator.step(frame)).last().unwrap();
+    let mut later = *frames.last().unwrap();
+    later.sequence += 100_000;
+    later.time_us += 10_000_000;
+    let after = estimator.step(&later);
+    assert!(before.clearance_sd_m < 1e-6, "{before:?}");
+    assert!((4e-6..7e-6).contains(&after.clearance_sd_m), "{after:?}");
+}
+
+#[test]
 fn after_a_long_drop_out_the_estimate_returns_to_the_truth() {
     let (rows, frames) = Point::DEFAULT.read(&Point::DEFAULT.world(), 6, 1.0);
     let mut estimator = Point::DEFAULT.estimator();
