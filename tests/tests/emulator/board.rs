@@ -102,15 +102,16 @@ impl Board {
     }
 
     /// Sends a command; returns nothing if there was no answer within [`ANSWER_ESTIMATES`]. A board
-    /// that samples itself sends estimates for ever, so silence alone does not end the wait.
+    /// that samples itself sends estimates for ever, so silence alone does not end the wait. A
+    /// command without an answer keeps its number for the next one, since the board expects it.
     fn try_order(&mut self, command: Command) -> Option<Result<Answer, Refusal>> {
-        self.commands += 1;
-        let id = self.commands;
+        let id = self.commands + 1;
         self.send(&ToController::Command(NumberedCommand { id, command }));
         let last = self.estimates.len() + ANSWER_ESTIMATES;
         while self.estimates.len() < last {
             match self.next() {
                 ToHost::Acknowledged(Acknowledgement { id: answered, outcome }) if answered == id => {
+                    self.commands = id;
                     return Some(outcome);
                 }
                 ToHost::Estimate(estimate) => self.estimates.push(estimate),
@@ -131,7 +132,8 @@ impl Board {
     }
 
     /// Returns the counters and the number of requests that it took. A request after bytes that
-    /// the board has no room for is lost with them.
+    /// the board has no room for is lost with them; so may its answer be, and a repeated request
+    /// is answered again.
     pub(crate) fn counters_of_full_line(&mut self) -> (Counters, u32) {
         for request in 1..=MAX_REQUESTS {
             match self.try_order(Command::GetCounters) {
