@@ -2,7 +2,7 @@
 //! effects_table` writes it.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use bench::effects::{CATALOGUE, EffectKind, EffectParameter, Plant};
+use bench::effects::{CATALOGUE, EffectKind, EffectParameter, Measure, Plant};
 use std::path::Path;
 
 const HEAD: &str = "# Effects
@@ -27,7 +27,10 @@ delay_s = 4e-4
 * **Parameters**: name, unit, bounds and prior. The prior is one standard deviation over real
   benches; it is wide and matters only where a log contains no information. A size is 0 by default,
   and at 0 the effect changes no bit of the result. A shape has a default. Offset and drift of a
-  sensor are in the unit of its channel, their priors in multiples of its noise.
+  sensor are in the unit of its channel, their priors in multiples of its noise. On an axis, priors
+  are multiples of what the log shows: its rms effort, half its stroke at the friction radius, its
+  drag (rms effort over rms speed) and its inertia (rms effort over the acceleration that rms speed
+  and half stroke imply). So the same log in other units gives the same diagnosis.
 * **Plants**: planar (transmission bench), two-plane (the same with `[two_plane]`), rotary (friction
   rig), linear (axis). On other plants the effect is refused.
 * **Shows in**: the channel of the transmission bench that shows it best. On an axis that is the
@@ -56,7 +59,14 @@ fn parameter(p: &EffectParameter) -> String {
     let default = if p.is_size { String::new() } else { format!(", default {}", number(p.default)) };
     let (min, max, prior) = (number(p.min), number(p.max), number(p.prior));
     let factor = if p.is_factor { "a factor of " } else { "" };
-    format!("`{}`{unit}: {min} to {max}{default}, prior {factor}{prior}", p.name)
+    let measure = match p.measure {
+        Measure::Unit => "",
+        Measure::Effort => " efforts",
+        Measure::Distance => " half strokes",
+        Measure::Drag => " drags",
+        Measure::Inertia => " inertias",
+    };
+    format!("`{}`{unit}: {min} to {max}{default}, prior {factor}{prior}{measure}", p.name)
 }
 
 fn row(kind: &EffectKind) -> String {

@@ -28,7 +28,7 @@ pub(crate) fn calibrated(effort: f64) -> (Data, NoiseModel, Fit) {
     let data = Data::new(&bench, &[record(&truth, 3).unwrap()], &[], Split::Halves).unwrap();
     let described = simulate(&data, &bench, None).unwrap();
     let noise = NoiseModel::from_nominal_residual(&bench, &data, &data.residual(&described.columns));
-    let model = Model::nominal(&bench, &data.channels);
+    let model = Model::nominal(&bench, &data);
     let start = vec![0.0; model.parameters.len()];
     let base = fit(&data, &noise, model, start).unwrap();
     (data, noise, base)

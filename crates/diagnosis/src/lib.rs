@@ -73,6 +73,9 @@ pub struct Options<'a> {
 /// 3. If the verdict for a driven axis is still `unknown`, pairs of causes are selected against the
 ///    noise floor alone, because with inflated noise each of two causes hides the other. A pair
 ///    counts if no structure remains and it may explain the complete residual.
+///
+/// If structure remains on a driven axis, up to six causes are searched for that each help beside
+/// all others. The verdict is `partial` if they are not sufficient for `named`.
 pub fn diagnose(
     bench: &Bench,
     logs: &[MeasuredLog],
@@ -107,7 +110,7 @@ fn diagnose_checked(
     let is_axis = bench.is_axis();
     let pass = Pass { bench, exclude, split: Split::Halves, noise_policy: NoisePolicy::InflateByResidual };
     let first = pass.run(checked, report)?;
-    let mut diagnosis = first.diagnosis;
+    let mut diagnosis = first.diagnosis.clone();
     if matches!(diagnosis.verdict, Verdict::Unknown | Verdict::None)
         && checked.held_out.is_empty()
         && (first.is_wrong_late || is_axis)
@@ -116,15 +119,24 @@ fn diagnose_checked(
         let report = |step: Step| report(Step { share: progress::INTERLEAVED_SHARE, ..step });
         let second = interleaved.run(checked, &report)?.diagnosis;
         if names_late_cause(&diagnosis.series, &second.causes) {
-            diagnosis = second;
+            return Ok(second);
         }
     }
-    if diagnosis.verdict == Verdict::Unknown && is_axis {
+    if !is_axis || diagnosis.verdict == Verdict::None {
+        return Ok(diagnosis);
+    }
+    if diagnosis.verdict == Verdict::Unknown {
         let floor_only = Pass { noise_policy: NoisePolicy::FloorOnly, ..pass };
         let report = |step: Step| report(Step { share: progress::PAIR_SHARE, ..step });
         let pair = floor_only.run(checked, &report)?.diagnosis;
         if is_complete_pair(&pair) {
-            diagnosis = pair;
+            return Ok(pair);
+        }
+    }
+    if diagnosis.signature.is_some() {
+        report(progress::PARTS);
+        if let Some(parts) = pass.parts(&first)? {
+            diagnosis = parts;
         }
     }
     Ok(diagnosis)

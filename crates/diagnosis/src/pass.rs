@@ -8,34 +8,43 @@
 //! 3. If [`crate::verdict::acceptance`] accepts the selected causes, the verdict is `named`, or
 //!    `ambiguous` if another candidate fits equally well. If it accepts none, the verdict is
 //!    `unknown`.
+//!
+//! [`Pass::parts`] then searches for causes beside an error that remains.
 
 use crate::check::Checked;
 use crate::data::logs::Data;
 use crate::data::noise::NoiseModel;
 use crate::data::split::Split;
 use crate::data::views::Views;
+use crate::experiment::proposal::Experiment;
 use crate::experiment::proposal::propose;
 use crate::fit::held_out_gain::gains;
-use crate::fit::model::Model;
+use crate::fit::model::{Candidate, Model};
 use crate::fit::simulation::simulate;
 use crate::progress::{self, Step};
 use crate::result::{Diagnosis, DiagnosisError, Verdict};
 use crate::search::contender::Contender;
+use crate::search::parts::PartSearch;
 use crate::search::score::candidates;
 use crate::search::selection::{NoisePolicy, Selection, select_causes};
-use crate::verdict::acceptance::{accept, declared_at_bound, nearest_candidate};
-use crate::verdict::causes::{EquivalentEffect, causes};
+use crate::search::stage::Stage;
+use crate::verdict::acceptance::{Rejection, accept, declared_at_bound, nearest_candidate};
+use crate::verdict::causes::{EffectName, EquivalentEffect, causes};
 use crate::verdict::estimates::{calibrated_parameters, log_nuisances};
-use crate::verdict::explanation::explanations;
+use crate::verdict::explanation::{Explanation, explanations};
 use crate::verdict::identifiability::identifiability;
 use crate::verdict::noise_summary::noise_summary;
 use crate::verdict::nuisance_bounds::findings_at_bounds;
-use crate::verdict::probability::posterior_shares;
+use crate::verdict::parts::Parts;
+use crate::verdict::probability::{Shares, posterior_shares, share_probability, unknown_probability};
 use crate::verdict::ranking::ranking;
 use crate::verdict::remaining_structure::is_confined_to_held_out;
 use crate::verdict::residual_bins::binned_residuals;
 use crate::verdict::series::series;
 use bench::Bench;
+
+/// Probability of an unknown cause, at least, where the rules of acceptance reject the causes.
+const EVEN: f64 = 0.5;
 
 /// Settings of one pass.
 #[derive(Clone, Copy)]
@@ -53,6 +62,30 @@ pub(crate) struct PassResult {
     /// True if the nominal bench is wrong in held-out samples alone, so that another split may show
     /// more.
     pub(crate) is_wrong_late: bool,
+    search: Search,
+    /// The calibrated bench without a cause, with the first selected one, and with both.
+    explanations: Vec<Explanation>,
+    /// Number of accepted causes.
+    accepted: usize,
+}
+
+/// Logs, models and selected causes of a pass.
+struct Search {
+    views: Views,
+    floors: NoiseModel,
+    nominal: Model,
+    candidates: Vec<Candidate>,
+    selection: Selection,
+}
+
+/// Verdict of a diagnosis, its explanation, and probabilities.
+struct Answer<'a> {
+    verdict: Verdict,
+    explanation: &'a Explanation,
+    equivalents: Vec<&'a Contender>,
+    rejection: Option<Rejection>,
+    shares: Shares,
+    experiment: Option<Experiment>,
 }
 
 impl Pass<'_> {
@@ -64,38 +97,30 @@ impl Pass<'_> {
         let described = simulate(&data, bench, None)?;
         let floors = NoiseModel::from_nominal_residual(bench, &data, &data.residual(&described.columns));
         let views = Views::new(data);
-        let nominal = Model::nominal(bench, &views.all.channels).with_nuisances(&views.fitted);
-        let all = candidates(bench, &views.all, self.exclude);
+        let nominal = Model::nominal(bench, &views.all).with_nuisances(&views.fitted);
+        let candidates = candidates(bench, &views.all, self.exclude);
         report(progress::FIRST_CAUSE);
-        let selection = select_causes(&views, self.noise_policy, &floors, &nominal, &all, || {
+        let selection = select_causes(&views, self.noise_policy, &floors, &nominal, &candidates, || {
             report(progress::SECOND_CAUSE);
         })?;
         report(progress::VERDICT);
-        self.decide(&views, &floors, &nominal, &selection)
+        self.decide(Search { views, floors, nominal, candidates, selection })
     }
 
-    /// Accepts or rejects the selected causes, and reports everything about the bench with the
-    /// accepted ones.
-    fn decide(
-        &self,
-        views: &Views,
-        floors: &NoiseModel,
-        nominal: &Model,
-        selection: &Selection,
-    ) -> Result<PassResult, DiagnosisError> {
+    /// Accepts or rejects the selected causes.
+    fn decide(&self, search: Search) -> Result<PassResult, DiagnosisError> {
+        let Search { views, floors, nominal, selection, .. } = &search;
         let data = &views.all;
         let explanations = explanations(views, floors, nominal, selection)?;
         let (accepted, rejection) = accept(data, &explanations);
         let (calibrated, extended) = (&explanations[0], &explanations[accepted]);
-        let (gain, (share, interval)) =
-            gains(data, &extended.noise, &calibrated.residual, &extended.residual);
         let last_stage = accepted.checked_sub(1).and_then(|i| selection.stages().nth(i));
         let equivalents: Vec<&Contender> =
             last_stage.map_or_else(Vec::new, |stage| stage.equivalents().collect());
         let parameters = (&extended.model, extended.z.as_slice());
-        let checks = findings_at_bounds(data, floors, parameters, extended.held_out.as_ref())?;
-        let is_clean =
-            explanations.len() == 1 && declared_at_bound(calibrated).next().is_none() && checks.is_empty();
+        let is_within_bounds = declared_at_bound(calibrated).next().is_none()
+            && findings_at_bounds(data, floors, parameters, extended.held_out.as_ref())?.is_empty();
+        let is_clean = explanations.len() == 1 && is_within_bounds;
         let verdict = match (accepted, extended.remaining.is_some()) {
             (0, false) if is_clean => Verdict::None,
             (0, _) => Verdict::Unknown,
@@ -105,22 +130,74 @@ impl Pass<'_> {
         let is_unknown = verdict == Verdict::Unknown;
         let rejection =
             rejection.or_else(|| if is_unknown { nearest_candidate(&selection.first) } else { None });
+        let (_, (share, _)) = gains(data, &extended.noise, &calibrated.residual, &extended.residual);
         let shares = posterior_shares(data, selection, (accepted, is_unknown), extended, share);
-        let known = 1.0 - shares.unknown;
-        let experiment = match (last_stage, extended.causes.last()) {
-            (Some(stage), Some((cause, _))) if !equivalents.is_empty() => {
-                propose(self.bench, data, stage, (*cause, &extended.model, &extended.z))
-            }
-            _ => None,
-        };
+        let experiment = last_stage.and_then(|stage| self.experiment(data, stage, extended));
+        let answer = Answer { verdict, explanation: extended, equivalents, rejection, shares, experiment };
+        let diagnosis = self.report(&search, calibrated, answer)?;
         // A log without two cycles is split the same way by either rule.
         let has_two_cycles = data.logs.iter().any(|log| log.has_two_cycles());
         let is_wrong_late =
             has_two_cycles && is_confined_to_held_out(data, &calibrated.noise, &calibrated.residual);
-        let diagnosis = Diagnosis {
+        Ok(PassResult { diagnosis, is_wrong_late, search, explanations, accepted })
+    }
+
+    /// Searches for causes beside the error that remains after a pass; none if no set of causes
+    /// leaves a smaller error.
+    pub(crate) fn parts(&self, result: &PassResult) -> Result<Option<Diagnosis>, DiagnosisError> {
+        let search = &result.search;
+        let Search { views, floors, nominal, candidates, selection } = search;
+        let (described, accepted) = (&result.explanations[0], &result.explanations[result.accepted]);
+        let part_search = PartSearch { views, floors, nominal, candidates };
+        let Some(parts) = Parts::find(&part_search, selection, (described, accepted))? else {
+            return Ok(None);
+        };
+        let (data, explanation) = (&views.all, &parts.explanation);
+        let (_, (share, _)) = gains(data, &explanation.noise, &described.residual, &explanation.residual);
+        let share = share.unwrap_or_default();
+        let unknown = match parts.verdict {
+            Verdict::Partial => share_probability(share).max(EVEN),
+            _ => unknown_probability(data, explanation, share),
+        };
+        let hypotheses = parts.hypotheses(1.0 - unknown);
+        let is_named =
+            |name: &EffectName| explanation.causes.iter().any(|(c, _)| EffectName::from(c) == *name);
+        let answer = Answer {
+            verdict: parts.verdict,
+            explanation,
+            equivalents: parts.equivalents().collect(),
+            rejection: result.diagnosis.rejection.clone().filter(|r| !r.causes.iter().any(is_named)),
+            shares: Shares { none: 0.0, unknown, hypotheses },
+            experiment: parts.stages.last().and_then(|stage| self.experiment(data, stage, explanation)),
+        };
+        self.report(search, described, answer).map(Some)
+    }
+
+    /// Proposes an experiment if other candidates fit as well as the best one of the last stage.
+    fn experiment(&self, data: &Data, stage: &Stage, explanation: &Explanation) -> Option<Experiment> {
+        let (cause, _) = explanation.causes.last()?;
+        stage.equivalents().next()?;
+        propose(self.bench, data, stage, (*cause, &explanation.model, &explanation.z))
+    }
+
+    /// Everything that is reported about the bench with the causes of an answer.
+    fn report(
+        &self,
+        search: &Search,
+        calibrated: &Explanation,
+        answer: Answer<'_>,
+    ) -> Result<Diagnosis, DiagnosisError> {
+        let Answer { verdict, explanation: extended, equivalents, rejection, shares, experiment } = answer;
+        let (data, first) = (&search.views.all, &search.selection.first);
+        let parameters = (&extended.model, extended.z.as_slice());
+        let checks = findings_at_bounds(data, &search.floors, parameters, extended.held_out.as_ref())?;
+        let (gain, (share, interval)) =
+            gains(data, &extended.noise, &calibrated.residual, &extended.residual);
+        let known = 1.0 - shares.unknown;
+        Ok(Diagnosis {
             checks,
             verdict,
-            causes: causes(extended, known),
+            causes: causes(data, extended, known),
             probability_none: shares.none,
             probability_unknown: shares.unknown,
             hypotheses: shares.hypotheses,
@@ -137,12 +214,11 @@ impl Pass<'_> {
             nuisances: log_nuisances(data, extended),
             noise: noise_summary(data, &extended.noise, &calibrated.residual),
             identifiability: identifiability(data, extended),
-            ranking: ranking(&selection.first, known),
-            threshold: selection.first.threshold,
+            ranking: ranking(first, known),
+            threshold: first.threshold,
             extended: Some(extended.model.at(&extended.z).common),
             places: binned_residuals(data, &calibrated.residual, &extended.residual),
             series: series(data, &calibrated.residual, &extended.residual),
-        };
-        Ok(PassResult { diagnosis, is_wrong_late })
+        })
     }
 }

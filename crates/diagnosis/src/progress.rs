@@ -23,5 +23,7 @@ pub(crate) const VERDICT: Step = Step { share: 0.9, name: "testing the remaining
 pub(crate) const INTERLEAVED_SHARE: f64 = 0.95;
 /// Share done before every step of the pass that selects pairs of causes.
 pub(crate) const PAIR_SHARE: f64 = 0.97;
+/// Search for causes beside an error that remains.
+pub(crate) const PARTS: Step = Step { share: 0.98, name: "searching for causes beside the remaining error" };
 /// End of the diagnosis.
 pub(crate) const DONE: Step = Step { share: 1.0, name: "done" };

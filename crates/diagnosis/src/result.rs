@@ -36,10 +36,12 @@ pub enum DiagnosisError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// One or two causes explain the residual.
+    /// The causes explain the residual, or most of it.
     Named,
     /// Several causes fit equally.
     Ambiguous,
+    /// Some causes certainly help, and an error remains that no known effect explains.
+    Partial,
     /// The logs show an error of the simulation that no known effect explains.
     Unknown,
     /// The simulation agrees with the logs within the declared uncertainty.
@@ -52,6 +54,7 @@ impl Verdict {
         match self {
             Self::Named => "named",
             Self::Ambiguous => "ambiguous",
+            Self::Partial => "partial",
             Self::Unknown => "unknown",
             Self::None => "none",
         }

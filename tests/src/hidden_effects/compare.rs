@@ -41,7 +41,8 @@ pub struct Outcome {
     pub hidden: Vec<HiddenEffect>,
     /// Verdict.
     pub verdict: String,
-    /// Causes, the main one first.
+    /// Causes of a named or ambiguous answer, the main one first. A partial answer gives an unknown
+    /// cause at least half of the probability and counts as `unknown`.
     pub causes: Vec<Named>,
     /// Effects reported as fitting equally well.
     pub ambiguous_with: Vec<Named>,
@@ -105,6 +106,11 @@ impl Outcome {
     /// Returns whether the engine found anything.
     pub fn detected(&self) -> bool {
         self.verdict != Verdict::None.name()
+    }
+
+    /// Returns whether the engine reports an unknown cause, alone or beside others.
+    pub fn unknown(&self) -> bool {
+        self.detected() && self.causes.is_empty()
     }
 
     /// Returns whether the engine names causes of which none is hidden or equivalent.
@@ -201,8 +207,14 @@ mod tests {
                 ci95: [value - 2.0, value + 2.0],
             };
             let parameters = vec![estimate("cos_effort", cosine), estimate("sin_effort", sine)];
-            let cause =
-                Cause { effect: "position-ripple".into(), channel: None, probability: 1.0, parameters };
+            let cause = Cause {
+                effect: "position-ripple".into(),
+                channel: None,
+                probability: 1.0,
+                parameters,
+                gain: Vec::new(),
+                alternatives: Vec::new(),
+            };
             super::parameters(&cause, &hidden)
         };
         assert_eq!(error(3.0, 4.0), (Some(0.0), Some(true)));

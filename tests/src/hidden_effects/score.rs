@@ -24,7 +24,7 @@ pub struct Shares {
     pub in_group: f64,
     /// Mean size of the groups that are not empty.
     pub group: f64,
-    /// Share `unknown`.
+    /// Share `unknown` or `partial`.
     pub unknown: f64,
     /// Share with a cause that is equivalent under another name.
     pub equivalent: f64,
@@ -138,7 +138,7 @@ fn shares(cells: &[&Outcome]) -> Shares {
         first: of(&|o| o.first),
         in_group: of(&|o| o.in_group > 0),
         group: groups.iter().sum::<usize>() as f64 / groups.len().max(1) as f64,
-        unknown: of(&|o| o.verdict == "unknown"),
+        unknown: of(&Outcome::unknown),
         equivalent: of(&|o| o.equivalent),
         wrong: of(&Outcome::wrong),
     }

@@ -3,14 +3,14 @@
 //! `m' = (1 - m)/t_r - |v| m/d`, the ageing law of rate-and-state friction (Dieterich 1979, Ruina
 //! 1983) with its state between 0 and 1. Bearing: dry friction times `1 + excess m` (`excess`, -0.9
 //! to 5, prior 0.3). Axis: an additional effort `excess m` (`excess_effort` in N or N m, within
-//! 1e9, prior 1e3). Shapes: `rest_time_s` 1e-3 to 1e3, default 0.5; `distance_m` 1e-6 to 0.1,
-//! default 2e-4; the prior of both is a factor of 10. At the start of a log, a part at standstill
-//! has been there for a long time, and a moving part has the state of steady sliding. In a log: a
-//! peak of friction after each standstill or reversal, which is lost over the distance. Confounded
-//! with Stribeck friction (which also peaks before a reversal) and, without standstills, with
-//! pre-sliding.
+//! 1e9, prior 3 times the log's rms effort). Shapes: `rest_time_s` 1e-3 to 1e3, default 0.5;
+//! `distance_m` 1e-6 to 0.1, default 2e-4; the prior of both is a factor of 10. At the start of a
+//! log, a part at standstill has been there for a long time, and a moving part has the state of
+//! steady sliding. In a log: a peak of friction after each standstill or reversal, which is lost
+//! over the distance. Confounded with Stribeck friction (which also peaks before a reversal) and,
+//! without standstills, with pre-sliding.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Values};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure, Values};
 use crate::description::{BreakawayTerm, Plant};
 use crate::signals::Channel;
 
@@ -34,7 +34,8 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         Action {
             plants: Plant::AXES,
             parameters: &[
-                EffectParameter::size("excess_effort", "N or N m", 0.1, [-1e9, 1e9], 1e3),
+                EffectParameter::size("excess_effort", "N or N m", 1e-3, [-1e9, 1e9], 3.0)
+                    .in_log(Measure::Effort),
                 REST,
                 DISTANCE,
             ],

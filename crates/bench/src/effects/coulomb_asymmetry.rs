@@ -2,12 +2,12 @@
 //!
 //! Bearing: the coefficient times `1 + a s`, `s = tanh(v/v_r)` (`asymmetry`, -1 to 1, prior 0.1).
 //! Axis: an effort `a s^2/2` in either direction, so that friction differs by `asymmetry_effort`
-//! between forward and backward, in N or N m (within 1e9, prior 1e3). Direction-dependent Coulomb
-//! friction (Armstrong-Helouvry 1991). In a log: a force of one sign during any motion, absent at
-//! standstill. Confounded with an offset of the effort's sensor, from which only standstills and
-//! reversals distinguish it.
+//! between forward and backward, in N or N m (within 1e9, prior 3 times the log's rms effort).
+//! Direction-dependent Coulomb friction (Armstrong-Helouvry 1991). In a log: a force of one sign
+//! during any motion, absent at standstill. Confounded with an offset of the effort's sensor, from
+//! which only standstills and reversals distinguish it.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -33,7 +33,8 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         },
         Action {
             plants: Plant::AXES,
-            parameters: &[EffectParameter::size("asymmetry_effort", "N or N m", 0.1, [-1e9, 1e9], 1e3)],
+            parameters: &[EffectParameter::size("asymmetry_effort", "N or N m", 1e-3, [-1e9, 1e9], 3.0)
+                .in_log(Measure::Effort)],
             apply: Apply::Axis(|rig, parameter| rig.axis.coulomb_asymmetry += parameter("asymmetry_effort")),
         },
     ],

@@ -1,12 +1,13 @@
 //! Dry friction has another level than described.
 //!
 //! Bearing: the total coefficient times `1 + relative_change` (-0.95 to 5, prior 0.3). Axis: an
-//! additional dry effort `coulomb_effort` against the motion, in N or N m (within 1e9, prior 1e3),
-//! because a description may have no friction. Coulomb's law. In a log: friction of constant size
-//! that changes its sign with the motion. Confounded with load-dependent friction at a constant
-//! load, with the gain of the torque sensor, and with a step or a drift in a short log.
+//! additional dry effort `coulomb_effort` against the motion, in N or N m (within 1e9, prior 3
+//! times the log's rms effort), because a description may have no friction. Coulomb's law. In a
+//! log: friction of constant size that changes its sign with the motion. Confounded with
+//! load-dependent friction at a constant load, with the gain of the torque sensor, and with a step
+//! or a drift in a short log.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -35,7 +36,8 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         },
         Action {
             plants: Plant::AXES,
-            parameters: &[EffectParameter::size("coulomb_effort", "N or N m", 0.1, [-1e9, 1e9], 1e3)],
+            parameters: &[EffectParameter::size("coulomb_effort", "N or N m", 1e-3, [-1e9, 1e9], 3.0)
+                .in_log(Measure::Effort)],
             apply: Apply::Axis(|rig, parameter| rig.axis.coulomb_effort += parameter("coulomb_effort")),
         },
     ],

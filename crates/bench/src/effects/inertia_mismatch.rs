@@ -2,12 +2,12 @@
 //!
 //! Transmission bench: `J' = J (1 + relative_change)` of the shaft; -0.8 to 4, prior 0.2. Driven
 //! axis: inertia or mass `m' = m + inertia_change` in kg m2 or kg, because a description may have
-//! 0; within 1e9, prior 1e3. Newton, Euler. In a log: force or effort in proportion to the
-//! acceleration. Confounded with the gain of the force sensor if inertia dominates, and with a
-//! delay or a lag (under sinusoidal motion the acceleration is proportional to the negative
-//! position).
+//! 0; within 1e9, prior 3 times the mass that would take the log's rms effort. Newton, Euler. In a
+//! log: force or effort in proportion to the acceleration. Confounded with the gain of the force
+//! sensor if inertia dominates, and with a delay or a lag (under sinusoidal motion the acceleration
+//! is proportional to the negative position).
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -36,7 +36,8 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         },
         Action {
             plants: Plant::AXES,
-            parameters: &[EffectParameter::size("inertia_change", "kg or kg m2", 0.1, [-1e9, 1e9], 1e3)],
+            parameters: &[EffectParameter::size("inertia_change", "kg or kg m2", 1e-3, [-1e9, 1e9], 3.0)
+                .in_log(Measure::Inertia)],
             apply: Apply::Axis(|rig, parameter| rig.axis.inertia += parameter("inertia_change")),
         },
     ],

@@ -4,6 +4,24 @@
 use crate::description::{Bench, FrictionRig, Plant, TransmissionBench};
 use crate::signals::{Channel, Sensor};
 
+/// Quantity of a log in which step and prior of a parameter are given.
+///
+/// A driven axis may be a valve or a press, so its efforts and distances have no absolute order of
+/// magnitude. The same log in other units then gives the same diagnosis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// The parameter's own unit.
+    Unit,
+    /// Rms effort of the drive, N or N m.
+    Effort,
+    /// Half the range of the motion at the friction radius, m.
+    Distance,
+    /// Effort over the rms speed, N s/m or N m s/rad.
+    Drag,
+    /// Effort over the acceleration that rms speed and half range imply, kg or kg m2.
+    Inertia,
+}
+
 /// Parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectParameter {
@@ -13,6 +31,8 @@ pub struct EffectParameter {
     pub unit: &'static str,
     /// A visible but small value: the step of finite differences and the initial value of a fit.
     pub scale: f64,
+    /// Quantity in which `scale` and `prior` are given.
+    pub measure: Measure,
     /// Minimum value.
     pub min: f64,
     /// Maximum value.
@@ -38,7 +58,13 @@ impl EffectParameter {
         [min, max]: [f64; 2],
         prior: f64,
     ) -> Self {
-        Self { name, unit, scale, min, max, prior, is_factor: false, default: 0.0, is_size: true }
+        let (is_factor, default, is_size) = (false, 0.0, true);
+        Self { name, unit, scale, measure: Measure::Unit, min, max, prior, is_factor, default, is_size }
+    }
+
+    /// Gives step and prior in a quantity of the log.
+    pub(super) const fn in_log(self, measure: Measure) -> Self {
+        Self { measure, ..self }
     }
 
     /// Creates a shape: a property of the effect while its size is not 0.
@@ -49,7 +75,8 @@ impl EffectParameter {
         [min, max]: [f64; 2],
         prior: f64,
     ) -> Self {
-        Self { name, unit, scale: prior, min, max, prior, is_factor: false, default, is_size: false }
+        let (scale, is_factor, is_size) = (prior, false, false);
+        Self { name, unit, scale, measure: Measure::Unit, min, max, prior, is_factor, default, is_size }
     }
 
     /// Creates a shape of any order of magnitude; `factor` is one standard deviation, up or down.
@@ -60,7 +87,8 @@ impl EffectParameter {
         [min, max]: [f64; 2],
         factor: f64,
     ) -> Self {
-        Self { name, unit, scale: 1.0, min, max, prior: factor, is_factor: true, default, is_size: false }
+        let (scale, prior, is_factor, is_size) = (1.0, factor, true, false);
+        Self { name, unit, scale, measure: Measure::Unit, min, max, prior, is_factor, default, is_size }
     }
 }
 

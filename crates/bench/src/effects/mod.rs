@@ -39,7 +39,7 @@ mod thermal_friction_drift;
 mod viscous_asymmetry;
 mod viscous_friction;
 
-pub use kind::{Action, EffectKind, EffectParameter, Guess};
+pub use kind::{Action, EffectKind, EffectParameter, Guess, Measure};
 
 use crate::description::{Bench, Refusal, TransmissionBench, format_number};
 pub use crate::description::{Effect, Plant};

@@ -2,15 +2,16 @@
 //!
 //! Dry friction has `w` with `w' = |v| (s - w)/d_0` in place of the sign `s = tanh(v/v_r)`:
 //! bristles that bend before they slip (Dahl 1968, exponent 1; Bliman and Sorine). This is a
-//! rate-independent hysteresis over position. Parameter: `distance_m`, 0 to 5 mm at the friction
-//! radius, prior 0.1 mm. As it goes to 0, `w` becomes `s` and the effect vanishes. At standstill
-//! `w` keeps the last force, while the nominal sign goes to 0: in a log with standstills the effect
-//! does not vanish with `d_0`. Refused together with a friction law that has bristles (`dahl`,
-//! `lugre`). In a log: after each reversal friction grows over the distance; force over position
-//! shows a rounded loop. Confounded with play (which also delays friction by a distance), with a
-//! delay of the friction's sensor, and with breakaway or Stribeck friction of the opposite sign.
+//! rate-independent hysteresis over position. Parameter: `distance_m` at the friction radius, 0 to
+//! 5 mm with a prior of 0.1 mm; on an axis 0 to 1 m with a prior of a tenth of half the stroke. As
+//! it goes to 0, `w` becomes `s` and the effect vanishes. At standstill `w` keeps the last force,
+//! while the nominal sign goes to 0: in a log with standstills the effect does not vanish with
+//! `d_0`. Refused together with a friction law that has bristles (`dahl`, `lugre`). In a log: after
+//! each reversal friction grows over the distance; force over position shows a rounded loop.
+//! Confounded with play (which also delays friction by a distance), with a delay of the friction's
+//! sensor, and with breakaway or Stribeck friction of the opposite sign.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -31,7 +32,9 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         Action {
             plants: Plant::AXES,
             // An axis measures its effort together with its friction, so a micrometre is visible.
-            parameters: &[EffectParameter::size("distance_m", "m", 3e-6, [0.0, 5e-3], 1e-4)],
+            parameters: &[
+                EffectParameter::size("distance_m", "m", 2e-5, [0.0, 1.0], 0.1).in_log(Measure::Distance)
+            ],
             apply: Apply::Axis(|rig, parameter| {
                 rig.extension.presliding_distance_m += parameter("distance_m")
             }),

@@ -3,12 +3,13 @@
 //! Bearing: the coefficient increases by `rise e^(-|v|/v_s)`. Axis: the effort increases by the
 //! same with an effort for `rise`. Stribeck curve in Tustin's exponential form (Armstrong-Helouvry,
 //! Dupont, Canudas de Wit, Automatica 30, 1994). Parameters: `coefficient_rise` (-1 to 2, prior
-//! 0.1) or `effort_rise` in N or N m (within 1e9, prior 1e3); `speed_m_s` at the friction radius,
-//! 1e-4 to 1, default 0.01, prior a factor of 10. In a log: friction peaks on both sides of every
-//! reversal, narrow in speed. Confounded with breakaway (which peaks on one side only), with
-//! pre-sliding, and over a narrow range of speeds with viscous friction of negative sign.
+//! 0.1) or `effort_rise` in N or N m (within 1e9, prior 3 times the log's rms effort); `speed_m_s`
+//! at the friction radius, 1e-4 to 1, default 0.01, prior a factor of 10. In a log: friction peaks
+//! on both sides of every reversal, narrow in speed. Confounded with breakaway (which peaks on one
+//! side only), with pre-sliding, and over a narrow range of speeds with viscous friction of
+//! negative sign.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Values};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure, Values};
 use crate::description::{Plant, StribeckTerm};
 use crate::signals::Channel;
 
@@ -36,7 +37,11 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         },
         Action {
             plants: Plant::AXES,
-            parameters: &[EffectParameter::size("effort_rise", "N or N m", 0.1, [-1e9, 1e9], 1e3), SPEED],
+            parameters: &[
+                EffectParameter::size("effort_rise", "N or N m", 1e-3, [-1e9, 1e9], 3.0)
+                    .in_log(Measure::Effort),
+                SPEED,
+            ],
             apply: Apply::Axis(|rig, parameter| rig.extension.stribeck.push(term("effort_rise", parameter))),
         },
     ],

@@ -2,12 +2,13 @@
 //!
 //! Bearing: force `-c v` on the journal at the sliding speed `v`, `viscous_n_s_m` in N s/m (within
 //! 1e6, prior 1e4). Axis: effort `c` times its speed, `viscous_effort` in N s/m or N m s/rad
-//! (within 1e9, prior 1e3). Newton's law of viscosity. In a log: friction that follows the speed
-//! through zero, symmetric in both directions. Confounded with a delay or lag of a sinusoidal
-//! motion (both shift a force by a quarter of a period), with Stribeck friction of the opposite
-//! sign, and with asymmetric viscous friction if the motion is mostly in one direction.
+//! (within 1e9, prior 3 times the log's rms effort over its rms speed). Newton's law of viscosity.
+//! In a log: friction that follows the speed through zero, symmetric in both directions. Confounded
+//! with a delay or lag of a sinusoidal motion (both shift a force by a quarter of a period), with
+//! Stribeck friction of the opposite sign, and with asymmetric viscous friction if the motion is
+//! mostly in one direction.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -30,10 +31,11 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             parameters: &[EffectParameter::size(
                 "viscous_effort",
                 "N s/m or N m s/rad",
-                1.0,
+                1e-3,
                 [-1e9, 1e9],
-                1e3,
-            )],
+                3.0,
+            )
+            .in_log(Measure::Drag)],
             apply: Apply::Axis(|rig, parameter| rig.axis.viscous_effort += parameter("viscous_effort")),
         },
     ],

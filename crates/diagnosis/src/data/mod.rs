@@ -4,6 +4,7 @@
 pub(crate) mod cycles;
 pub(crate) mod features;
 pub(crate) mod logs;
+pub(crate) mod measures;
 pub(crate) mod noise;
 pub(crate) mod repeatability;
 pub(crate) mod split;

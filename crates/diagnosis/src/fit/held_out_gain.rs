@@ -91,11 +91,19 @@ pub(crate) fn lowers_held_out_error(
     before: &Fit,
     after: &Fit,
 ) -> Result<bool, RespondError> {
-    let residual = |fit: &Fit| -> Result<Columns, RespondError> {
-        Ok(data.residual(&simulate_all(data, noise, &fit.model, &fit.z)?.0.columns))
-    };
-    let (b, a) = (residual(before)?, residual(after)?);
-    let falls: Vec<f64> = held_out_blocks(data, tuning::IMPROVEMENT_BLOCKS_PER_CYCLE, &b, &a)
+    let residual = |fit: &Fit| all_residuals(data, noise, fit);
+    Ok(is_lower(data, noise, &residual(before)?, &residual(after)?))
+}
+
+/// Residual of all samples, held-out logs with nuisance parameters of their own.
+pub(crate) fn all_residuals(data: &Data, noise: &NoiseModel, fit: &Fit) -> Result<Columns, RespondError> {
+    Ok(data.residual(&simulate_all(data, noise, &fit.model, &fit.z)?.0.columns))
+}
+
+/// Returns whether residuals are significantly lower on held-out samples, as
+/// [`lowers_held_out_error`] does.
+pub(crate) fn is_lower(data: &Data, noise: &NoiseModel, before: &Columns, after: &Columns) -> bool {
+    let falls: Vec<f64> = held_out_blocks(data, tuning::IMPROVEMENT_BLOCKS_PER_CYCLE, before, after)
         .iter()
         .map(|s| {
             let fall_of = |(i, &c): (usize, &Channel)| noise.weight(c).powi(2) * (s.before[i] - s.after[i]);
@@ -104,7 +112,7 @@ pub(crate) fn lowers_held_out_error(
         .collect();
     let fall =
         bootstrap(falls.len(), tuning::IMPROVEMENT_LEVEL, |picks| picks.iter().map(|&i| falls[i]).sum());
-    Ok(fall.is_some_and(|[low, _]| low > 0.0))
+    fall.is_some_and(|[low, _]| low > 0.0)
 }
 
 /// Share of the power above the noise, and its 95 % interval.

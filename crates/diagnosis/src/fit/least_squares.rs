@@ -65,8 +65,7 @@ impl Fit {
 
     /// The objective in units of another noise.
     pub(crate) fn objective_with(&self, data: &Data, noise: &NoiseModel) -> f64 {
-        let residual = noise.stack(data, &data.residual(&self.simulation.columns));
-        dot(&residual, &residual) + prior(&self.model, &self.z)
+        objective(data, noise, &self.model, (&self.z, &self.simulation))
     }
 
     /// Remaining gradient, 0 at the optimum.
@@ -81,6 +80,17 @@ impl Fit {
         let deviation = |i: usize| inverse.as_ref().map_or(f64::INFINITY, |m| m[(i, i)].max(0.0).sqrt());
         (0..information.nrows()).map(deviation).collect()
     }
+}
+
+/// Chi-square of data and priors of a model at scaled parameters, with their simulation.
+pub(crate) fn objective(
+    data: &Data,
+    noise: &NoiseModel,
+    model: &Model,
+    (z, simulation): (&[f64], &Simulation),
+) -> f64 {
+    let residual = noise.stack(data, &data.residual(&simulation.columns));
+    dot(&residual, &residual) + prior(model, z)
 }
 
 /// Limit of the work of a fit.

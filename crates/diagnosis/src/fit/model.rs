@@ -11,9 +11,10 @@ use super::nuisance::{Nuisance, Variants};
 use super::parameter::{Parameter, Target};
 use super::tuning;
 use crate::data::logs::Data;
+use crate::data::measures::Measures;
 use crate::data::noise::NoiseModel;
 use bench::description::AxisKind;
-use bench::effects::{Effect, EffectKind, Guess};
+use bench::effects::{Effect, EffectKind, Guess, Measure};
 use bench::{Bench, Channel};
 use std::collections::BTreeMap;
 
@@ -53,6 +54,7 @@ impl PartialEq for Candidate {
 #[derive(Clone)]
 pub(crate) struct Model {
     bench: Bench,
+    measures: Measures,
     pub(crate) parameters: Vec<Parameter>,
     /// Effects that the fit adds to the described ones.
     pub(crate) effects: Vec<Candidate>,
@@ -60,10 +62,10 @@ pub(crate) struct Model {
 
 impl Model {
     /// The described bench with its declared parameters and, within the resolution, the offset of
-    /// each sensor of `channels`.
-    pub(crate) fn nominal(bench: &Bench, channels: &[Channel]) -> Self {
+    /// each sensor of the logs.
+    pub(crate) fn nominal(bench: &Bench, data: &Data) -> Self {
         let mut uncertain = bench.uncertain().clone();
-        for (channel, sensor) in bench.sensors().iter().filter(|(c, _)| channels.contains(c)) {
+        for (channel, sensor) in bench.sensors().iter().filter(|(c, _)| data.channels.contains(c)) {
             // An offset that is declared for each log replaces the common one.
             let declared = bench.nuisances().offset.get(channel).copied().unwrap_or_default();
             if sensor.resolution > 0.0 && declared < tuning::OFFSET_SHARE * sensor.resolution {
@@ -91,7 +93,8 @@ impl Model {
                 });
             }
         }
-        Self { bench: bench.clone(), parameters, effects: Vec::new() }
+        let measures = Measures::new(bench, data);
+        Self { bench: bench.clone(), measures, parameters, effects: Vec::new() }
     }
 
     /// Adds the nuisance parameters that are declared for each log.
@@ -122,7 +125,8 @@ impl Model {
     /// The fitted bench without free parameters, as the base of nuisance parameters of held-out
     /// logs.
     pub(crate) fn fixed_at(&self, z: &[f64]) -> Self {
-        Self { bench: self.at(z).common, parameters: Vec::new(), effects: Vec::new() }
+        let (bench, measures) = (self.at(z).common, self.measures);
+        Self { bench, measures, parameters: Vec::new(), effects: Vec::new() }
     }
 
     /// Returns the model with one more effect.
@@ -138,7 +142,7 @@ impl Model {
             // Offsets and drifts are scaled by the noise of their sensor.
             let unit_scale = match candidate.channel {
                 Some(channel) if p.unit.starts_with("channel") => noise.channel(channel).floor,
-                _ => 1.0,
+                _ => self.measures.value(p.measure),
             };
             let is_guessed = |g: &InitialGuess| match g.parameter {
                 Some(name) => name == p.name,
@@ -194,6 +198,24 @@ impl Model {
             }
         }
         variants
+    }
+
+    /// Returns whether a bench can be like this: mass, dry and viscous friction of an axis are not
+    /// negative, beyond a small share of the log's effort.
+    ///
+    /// The bounds of a single effect cannot exclude it, because description, calibration and
+    /// effects add up.
+    pub(crate) fn is_possible(&self, z: &[f64]) -> bool {
+        let resolved = self.at(z).common.resolved();
+        resolved.axis().is_none_or(|rig| {
+            let axis = &rig.axis;
+            let numbers = [
+                (axis.inertia, Measure::Inertia),
+                (axis.coulomb_effort, Measure::Effort),
+                (axis.viscous_effort, Measure::Drag),
+            ];
+            numbers.iter().all(|(n, measure)| *n >= -tuning::NEGATIVE_SHARE * self.measures.value(*measure))
+        })
     }
 
     /// The declared parameter that changes the same number as effect parameter `i`, with the ratio

@@ -134,3 +134,6 @@ pub(crate) const DAMPING_RATIO: f64 = 1.05;
 /// Ridges, as powers of ten of the largest diagonal element, that are tried on a singular matrix,
 /// from rounding errors on. Chosen by hand, not measured.
 pub(crate) const RIDGE_EXPONENTS: [i32; 4] = [-13, -11, -9, -7];
+/// Share of the log's effort by which mass and friction may be negative: their estimate scatters
+/// about 0 where a bench has none. Chosen by hand, not measured.
+pub(crate) const NEGATIVE_SHARE: f64 = 0.01;

@@ -43,7 +43,7 @@ pub(crate) struct Information {
 
 impl Information {
     pub(super) fn new(bench: &Bench, data: Data, noise: NoiseModel) -> Result<Self, RespondError> {
-        let model = Model::nominal(bench, &data.channels).with_nuisances(&data);
+        let model = Model::nominal(bench, &data).with_nuisances(&data);
         let max = if bench.is_axis() { tuning::MAX_AXIS_SAMPLES } else { tuning::MAX_EXPENSIVE_SAMPLES };
         let count = |data: &Data| data.logs.iter().map(|log| log.uses.len()).sum::<usize>();
         let shorter = (count(&data) > max).then(|| data.first_cycle_view()).flatten();

@@ -4,12 +4,19 @@ use super::contender::Contender;
 use bench::simulate::RespondError;
 
 /// The main effect that an effect refines: friction that grows with load refines dry friction.
-fn main_effect(name: &str) -> Option<&'static str> {
+pub(crate) fn main_effect(name: &str) -> Option<&'static str> {
     match name {
         "load-dependent-friction" | "coulomb-asymmetry" => Some("coulomb-level"),
         "viscous-asymmetry" => Some("viscous-friction"),
         _ => None,
     }
+}
+
+/// Returns whether an effect is another one with a shape beyond: friction that is lost by sliding,
+/// that falls with speed, or that changes at a time or with the temperature contains a level.
+pub(crate) fn is_generalisation(name: &str, of: &str) -> bool {
+    let level = ["breakaway", "stribeck-friction", "friction-step", "thermal-friction-drift"];
+    of == "coulomb-level" && level.contains(&name)
 }
 
 /// Moves the main effect of the best contender to the front if it is a cause by itself, as

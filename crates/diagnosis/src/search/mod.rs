@@ -3,8 +3,10 @@
 
 pub(crate) mod contender;
 mod initial_guess;
-mod marginality;
+pub(crate) mod marginality;
+pub(crate) mod parts;
 mod periodogram;
+mod plausibility;
 mod refinement;
 pub(crate) mod score;
 pub(crate) mod selection;

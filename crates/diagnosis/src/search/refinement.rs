@@ -4,6 +4,7 @@
 //! elimination needs: first a score, then a rough fit from the base's own sensitivities, and a fit
 //! to the optimum only if it is near the best.
 
+use super::plausibility::is_plausible;
 use super::score::{Score, rough_refit};
 use super::size_search::Origin;
 use super::threshold::bic_penalty;
@@ -79,7 +80,9 @@ fn refine_by_score(
     let group: Vec<&Score> = at_bound.into_iter().chain(likely).collect();
     let rough: Result<Vec<Fit>, RespondError> =
         group.par_iter().map(|s| rough_refit(data, noise, base, s)).collect();
-    converge_likely(data, noise, rough?)
+    let mut rough = rough?;
+    rough.retain(|f| is_plausible(data, f));
+    converge_likely(data, noise, rough)
 }
 
 /// Searches for every effect of the plant and the most likely ones of sensors on the first cycle,
@@ -102,6 +105,7 @@ fn search_and_refine(
     let group: Vec<&Score> = of_plant.chain(of_sensors).copied().collect();
     let first_cycle = views.first_cycle.as_ref().unwrap_or(data);
     let mut near = search_sizes(first_cycle, noise, base, &group)?;
+    near.retain(|f| is_plausible(data, f));
     let best = near.first().map_or(0.0, |f| f.objective);
     let margin = tuning::NEAR_CHI_SQUARE.max(tuning::NEAR_SHARE * best);
     let is_near = |f: &&Fit| f.objective < best + margin;
@@ -114,7 +118,7 @@ fn search_and_refine(
         near.into_par_iter().map(|f| fit_from(data, noise, f.model, f.z, None, Effort::ROUGH)).collect();
     let late: Result<Vec<Fit>, RespondError> =
         late.into_par_iter().map(|s| rough_refit(data, noise, base, s)).collect();
-    let rough = rough?.into_iter().chain(late?).collect();
+    let rough = rough?.into_iter().chain(late?).filter(|f| is_plausible(data, f)).collect();
     Ok((converge_likely(data, noise, rough)?, others))
 }
 

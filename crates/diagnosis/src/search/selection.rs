@@ -6,6 +6,7 @@ use super::threshold::bic_penalty;
 use super::tuning;
 use crate::data::noise::NoiseModel;
 use crate::data::views::Views;
+use crate::fit::least_squares::Fit;
 use crate::fit::model::{Candidate, Model};
 use bench::Channel;
 use bench::simulate::RespondError;
@@ -32,6 +33,12 @@ impl Selection {
     pub(crate) fn stages(&self) -> impl Iterator<Item = &Stage> {
         std::iter::once(&self.first).chain(&self.second)
     }
+
+    /// The fit of the selected causes; none without causes.
+    pub(crate) fn selected(&self) -> Option<&Fit> {
+        let last = self.stages().filter(|stage| stage.has_cause).last()?;
+        last.contenders.first().map(|c| &c.fit)
+    }
 }
 
 /// Selects up to two causes from `candidates` on top of the nominal model.
@@ -47,13 +54,13 @@ pub(crate) fn select_causes(
 ) -> Result<Selection, RespondError> {
     let start = vec![0.0; nominal.parameters.len()];
     let inflated = (policy == NoisePolicy::InflateByResidual).then_some(floors);
-    let mut first = run_stage(views, inflated, floors.clone(), (nominal, &start), candidates)?;
+    let mut first = run_stage(views, inflated, floors.clone(), (nominal, &start), candidates, None)?;
     let second = match (policy, first.contenders.first()) {
         (NoisePolicy::FloorOnly, _) => select_pair(views, &mut first, candidates)?,
         (NoisePolicy::InflateByResidual, Some(best)) if first.has_cause => {
             on_second_cause();
             let base = (&best.fit.model, best.fit.z.as_slice());
-            Some(run_stage(views, inflated, floors.clone(), base, candidates)?)
+            Some(run_stage(views, inflated, floors.clone(), base, candidates, None)?)
         }
         _ => None,
     };
@@ -81,7 +88,7 @@ fn select_pair(
     let mut found: Vec<(usize, Stage)> = Vec::new();
     for (index, contender) in likely.filter(|(_, c)| c.evidence > first.threshold) {
         let base = (&contender.fit.model, contender.fit.z.as_slice());
-        let stage = run_stage(views, None, first.noise.clone(), base, candidates)?;
+        let stage = run_stage(views, None, first.noise.clone(), base, candidates, None)?;
         if stage.has_cause {
             found.push((index, stage));
         }

@@ -45,7 +45,7 @@ impl<'a> Origin<'a> {
         let guessed = score.candidate.guess.filter(|_| score.candidate.guesses_size());
         let sizes: Vec<f64> = match guessed {
             Some(guess) => vec![guess.value / guess.step],
-            None => tuning::TRIAL_SIZES.iter().flat_map(|s| [*s, -s]).collect(),
+            None => trial.plausible_sizes(),
         };
         let Some((size, coarse)) = trial.best_of(&sizes) else {
             return Ok((self.z.clone(), f64::INFINITY));
@@ -93,6 +93,15 @@ impl<'a> Trial<'a> {
         let ratio = |b: &f64| if count > 1 && largest > 0.0 { b / largest } else { 1.0 };
         let direction = score.estimate.iter().map(ratio).collect();
         Self { origin, model, direction, has_unknown_ratio: count == 2 && score.candidate.guess.is_none() }
+    }
+
+    /// Trial sizes of both signs; the large ones only if the prior of every size allows them.
+    fn plausible_sizes(&self) -> Vec<f64> {
+        let sizes = self.model.parameters.iter().skip(self.origin.z.len()).filter(|p| p.is_size());
+        let precision = sizes.fold(0.0_f64, |m, p| m.max(p.precision));
+        let is_plausible =
+            |s: &&f64| **s <= tuning::LARGE_TRIAL || **s * precision.sqrt() <= tuning::PLAUSIBLE_DEVIATIONS;
+        tuning::TRIAL_SIZES.iter().filter(is_plausible).flat_map(|s| [*s, -s]).collect()
     }
 
     /// The effect at a size, with its two sizes rotated against each other; none if the plant

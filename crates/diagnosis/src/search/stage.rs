@@ -9,6 +9,7 @@
 
 use super::contender::{Contender, assign_correlations, assign_probabilities};
 use super::marginality::move_main_effect_first;
+use super::plausibility::is_plausible;
 use super::refinement::{is_far_from_noise, refine};
 use super::score::{Score, scores};
 use super::threshold::{bic_penalty, family_threshold};
@@ -17,8 +18,9 @@ use crate::data::logs::Data;
 use crate::data::noise::NoiseModel;
 use crate::data::views::Views;
 use crate::fit::held_out_gain::lowers_held_out_error;
-use crate::fit::least_squares::{Effort, Fit, fit, fit_from};
+use crate::fit::least_squares::{Effort, Fit, fit, fit_from, objective};
 use crate::fit::model::{Candidate, Model};
+use crate::fit::simulation::simulate;
 use bench::simulate::RespondError;
 
 /// Result of one stage.
@@ -33,6 +35,8 @@ pub(crate) struct Stage {
     pub(crate) noise: NoiseModel,
     /// Fall of chi-square that a cause must exceed.
     pub(crate) threshold: f64,
+    /// Part of the threshold beyond the BIC penalty.
+    pub(crate) multiplicity: f64,
     /// True if the best contender is a cause.
     pub(crate) has_cause: bool,
 }
@@ -48,6 +52,30 @@ impl Stage {
     pub(crate) fn improves_on_stuck(&self, data: &Data, fit: &Fit) -> bool {
         self.base.model.effects == fit.model.effects
             && self.base.objective < fit.objective_with(data, &self.noise) - tuning::STUCK_MARGIN
+    }
+
+    /// Drops contenders from the best one on until one is a cause that `is_kept` accepts; without
+    /// such a contender, nothing is a cause.
+    pub(crate) fn first_kept(
+        mut self,
+        views: &Views,
+        is_kept: &impl Fn(&Self) -> Result<bool, RespondError>,
+    ) -> Result<Self, RespondError> {
+        for _ in 0..tuning::MAX_FALLBACKS {
+            if self.has_cause && is_kept(&self)? {
+                return Ok(self);
+            }
+            if self.contenders.len() < 2 {
+                break;
+            }
+            self.contenders.remove(0);
+            let Some(best) = self.contenders.first_mut() else { break };
+            best.converge(&views.fitted, &self.noise)?;
+            self.has_cause = is_cause(views, &self.noise, &self.base, self.threshold, best)?;
+            assign_probabilities(&mut self.contenders, self.base.objective, self.multiplicity);
+        }
+        self.has_cause = false;
+        Ok(self)
     }
 
     /// Contenders that fit as well as the best one, except those that restate it with more
@@ -69,13 +97,15 @@ impl Stage {
 ///
 /// With `floors`, the noise is inflated by the residual that no candidate explains; without, it
 /// stays as given. A round is repeated while its result changes the noise, or provides a better
-/// start for the base.
+/// start for the base. The last effect of an `incumbent` stays the first contender unless another
+/// candidate fits better by more than chance allows the best of them.
 pub(crate) fn run_stage(
     views: &Views,
     floors: Option<&NoiseModel>,
     mut noise: NoiseModel,
     (model, start): (&Model, &[f64]),
     candidates: &[Candidate],
+    incumbent: Option<(Model, Vec<f64>)>,
 ) -> Result<Stage, RespondError> {
     let data = &views.fitted;
     let addable: Vec<Candidate> = candidates.iter().filter(|c| !model.effects.contains(c)).copied().collect();
@@ -84,7 +114,8 @@ pub(crate) fn run_stage(
     let mut is_resumed = false;
     // Model and parameters of the best candidate of the last round. With other noise other
     // candidates may be refined, and the best one must not be lost.
-    let mut best_so_far: Option<(Model, Vec<f64>)> = None;
+    let own = incumbent.as_ref().and_then(|(model, _)| model.effects.last().copied());
+    let mut best_so_far = incumbent;
     loop {
         round += 1;
         let is_last = round >= tuning::MAX_ROUNDS;
@@ -112,7 +143,7 @@ pub(crate) fn run_stage(
             start = current.base.z;
             continue;
         }
-        return current.conclude(views, noise, addable.len());
+        return current.conclude(views, noise, addable.len(), own);
     }
 }
 
@@ -138,11 +169,10 @@ impl Round {
         let base = fit(data, noise, model.clone(), start.to_vec())?;
         let scored = scores(data, noise, &base, candidates)?;
         let (mut fits, others) = refine(views, noise, &base, &scored)?;
-        if let Some((model, z)) = best_so_far
-            && !fits.iter().any(|f| f.model.effects.last() == model.effects.last())
-        {
-            fits.push(fit_from(data, noise, model, z, None, Effort::LIMITED)?);
+        if let Some((model, z)) = best_so_far {
+            keep_better(data, noise, &mut fits, (model, z))?;
         }
+        fits.retain(|f| is_plausible(data, f));
         let contender = |fit: Fit| {
             let added = fit.model.parameters.len() - base.model.parameters.len();
             let candidate = *fit.model.effects.last()?;
@@ -162,25 +192,80 @@ impl Round {
 
     /// Decides whether the best of the round's contenders, out of a `family` of candidates, is a
     /// cause.
-    fn conclude(self, views: &Views, noise: NoiseModel, family: usize) -> Result<Stage, RespondError> {
+    fn conclude(
+        self,
+        views: &Views,
+        noise: NoiseModel,
+        family: usize,
+        incumbent: Option<Candidate>,
+    ) -> Result<Stage, RespondError> {
         let Self { base, scored, mut contenders, others } = self;
         let data = &views.fitted;
         let added =
             contenders.first().map_or(1, |c| c.fit.model.parameters.len() - base.model.parameters.len());
         let penalty = bic_penalty(added, data, &noise);
         let threshold = family_threshold(added, family).max(penalty);
-        let is_cause = |c: &Contender| -> Result<bool, RespondError> {
-            let is_clear = c.evidence > threshold && c.has_significant_size(&base, threshold);
-            Ok(is_clear && lowers_held_out_error(&views.all, &noise, &base, &c.fit)?)
-        };
+        let is_cause = |c: &Contender| is_cause(views, &noise, &base, threshold, c);
         move_main_effect_first(&mut contenders, is_cause)?;
+        if let Some(incumbent) = incumbent {
+            favour(&mut contenders, incumbent, threshold - penalty);
+        }
         if let Some(first) = contenders.first_mut() {
             first.converge(data, &noise)?;
         }
         assign_probabilities(&mut contenders, base.objective, threshold - penalty);
         assign_correlations(&mut contenders, &base, &scored);
         let has_cause = contenders.first().map_or(Ok(false), is_cause)?;
-        Ok(Stage { base, contenders, others, noise, threshold, has_cause })
+        let multiplicity = threshold - penalty;
+        Ok(Stage { base, contenders, others, noise, threshold, multiplicity, has_cause })
+    }
+}
+
+/// Returns whether a contender has clear evidence, a significant size, and a lower error on
+/// held-out samples.
+fn is_cause(
+    views: &Views,
+    noise: &NoiseModel,
+    base: &Fit,
+    threshold: f64,
+    contender: &Contender,
+) -> Result<bool, RespondError> {
+    let is_clear = contender.evidence > threshold && contender.has_significant_size(base, threshold);
+    Ok(is_clear && lowers_held_out_error(&views.all, noise, base, &contender.fit)?)
+}
+
+/// Adds the fit of a model from `z`, unless a fit of its last effect is already as good as `z`.
+fn keep_better(
+    data: &Data,
+    noise: &NoiseModel,
+    fits: &mut Vec<Fit>,
+    (model, z): (Model, Vec<f64>),
+) -> Result<(), RespondError> {
+    if let Some(place) = fits.iter().position(|f| f.model.effects.last() == model.effects.last()) {
+        let simulation = simulate(data, &model.at(&z), None)?;
+        let start = objective(data, noise, &model, (&z, &simulation));
+        if fits.get(place).is_some_and(|f| f.objective <= start) {
+            return Ok(());
+        }
+        fits.remove(place);
+    }
+    fits.push(fit_from(data, noise, model, z, None, Effort::LIMITED)?);
+    Ok(())
+}
+
+/// Charges the choice among a family of candidates to the challengers of an incumbent, and moves
+/// the incumbent to the front if it then fits as well as the best one.
+///
+/// `multiplicity` is the part of the threshold beyond the BIC penalty.
+fn favour(contenders: &mut [Contender], incumbent: Candidate, multiplicity: f64) {
+    let Some(place) = contenders.iter().position(|c| c.candidate == incumbent) else { return };
+    let best = contenders.first().map_or(0.0, |c| c.bic);
+    let Some(own) = contenders.get_mut(place) else { return };
+    own.bic -= multiplicity;
+    if own.bic - best < tuning::EQUIVALENT_BIC
+        && let Some(better) = contenders.get_mut(..=place)
+    {
+        better.rotate_right(1);
     }
 }
 
@@ -205,7 +290,6 @@ fn better_start(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::simulation::simulate;
     use crate::fixtures::{calibrated, plain};
 
     #[test]
@@ -214,7 +298,7 @@ mod tests {
         let (model, z) = (base.model.clone(), base.z.clone());
         let views = Views::new(data);
         let candidates = [plain("coulomb-level"), plain("viscous-friction")];
-        let stage = run_stage(&views, None, noise, (&model, &z), &candidates).unwrap();
+        let stage = run_stage(&views, None, noise, (&model, &z), &candidates, None).unwrap();
         let best = &stage.contenders[0];
         let penalty = bic_penalty(1, &views.fitted, &stage.noise);
         assert!((best.bic - best.fit.objective - penalty).abs() < 1e-6 && penalty > 5.0, "{penalty}");
@@ -239,7 +323,8 @@ mod tests {
         };
         let stage = |base: Fit| {
             let (contenders, others) = (Vec::new(), Vec::new());
-            Stage { base, contenders, others, noise: noise.clone(), threshold: 0.0, has_cause: false }
+            let (noise, threshold, multiplicity) = (noise.clone(), 0.0, 0.0);
+            Stage { base, contenders, others, noise, threshold, multiplicity, has_cause: false }
         };
         assert!(stage(fitted("coulomb-level")).improves_on_stuck(&data, &stuck()));
         assert!(!stage(fitted("coulomb-level")).improves_on_stuck(&data, &fitted("coulomb-level")));

@@ -110,7 +110,13 @@ pub(crate) const MAX_PAIR_FIRSTS: usize = 5;
 pub(crate) const EQUIVALENT_BIC: f64 = 6.0;
 /// Trial sizes of an effect in multiples of its scale: half decades up to the largest plausible
 /// size. Chosen by hand, not measured.
-pub(crate) const TRIAL_SIZES: [f64; 6] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
+pub(crate) const TRIAL_SIZES: [f64; 10] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4];
+/// Trial size, in multiples of the scale, from which on a size must be plausible to be tried.
+/// Chosen by hand, not measured.
+pub(crate) const LARGE_TRIAL: f64 = 100.0;
+/// Standard deviations of its prior within which such a size is plausible. Chosen by hand, not
+/// measured.
+pub(crate) const PLAUSIBLE_DEVIATIONS: f64 = 2.0;
 /// Factors on the best trial size that are tried too: oscillations out of phase have many local
 /// minima. Chosen by hand, not measured.
 pub(crate) const TRIAL_FACTORS: [f64; 4] = [0.6, 0.8, 1.25, 1.6];
@@ -129,3 +135,18 @@ pub(crate) const NYQUIST_SHARE: f64 = 0.45;
 /// Step of a guessed frequency or wave number in units of its resolution. Chosen by hand, not
 /// measured.
 pub(crate) const SHAPE_STEP: f64 = 0.1;
+/// Largest number of causes that are named beside an error that remains. Chosen by hand, not
+/// measured.
+pub(crate) const MAX_PARTS: usize = 6;
+/// Largest number of stages in which causes are compared in each other's place; it bounds the work.
+/// Chosen by hand, not measured.
+pub(crate) const MAX_PART_STAGES: usize = 24;
+/// Share of a log that lies before an onset at least, if it is less than a cycle or the log has
+/// none. Chosen by hand, not measured.
+pub(crate) const ONSET_MARGIN_SHARE: f64 = 0.2;
+/// Multiples of the motion's own frequency at which a pulsation would imitate an effect of the
+/// motion. Chosen by hand, not measured.
+pub(crate) const MOTION_HARMONICS: f64 = 5.0;
+/// Largest number of contenders that are dropped for the next one; it bounds the work. Chosen by
+/// hand, not measured.
+pub(crate) const MAX_FALLBACKS: usize = 4;

@@ -119,6 +119,11 @@ pub(crate) fn accept(data: &Data, explanations: &[Explanation]) -> (usize, Optio
     (accepted, rejection)
 }
 
+/// Returns whether an explanation alone would be accepted.
+pub(crate) fn is_acceptable(data: &Data, described: &Explanation, explanation: &Explanation) -> bool {
+    bound_reason(explanation).is_none() && share_reason(data, described, explanation).is_none()
+}
+
 /// The best candidate of a first stage without a cause, if its evidence is clear, and the reason
 /// why it is not a cause.
 pub(crate) fn nearest_candidate(first: &Stage) -> Option<Rejection> {
@@ -231,7 +236,8 @@ mod tests {
             let fit = fit(&data, &noise, model, start).unwrap();
             let candidate = plain("coulomb-level");
             let best = Contender { candidate, fit, evidence, probability: 0.0, correlation: 0.0, bic: 0.0 };
-            Stage { base, contenders: vec![best], others: Vec::new(), noise, threshold: 10.0, has_cause }
+            let (contenders, others) = (vec![best], Vec::new());
+            Stage { base, contenders, others, noise, threshold: 10.0, multiplicity: 0.0, has_cause }
         };
         let reason = |stage: Stage| nearest_candidate(&stage).map(|r| (r.causes[0].effect.clone(), r.reason));
         let expected = |reason: &str| Some(("coulomb-level".to_owned(), reason.to_owned()));

@@ -1,6 +1,8 @@
 //! Causes of a diagnosis with their parameters.
 
 use super::explanation::Explanation;
+use crate::data::logs::Data;
+use crate::fit::held_out_gain::{Gain, gains};
 use crate::fit::model::Candidate;
 use crate::fit::tuning::Z_95;
 use crate::search::contender::Contender;
@@ -32,6 +34,10 @@ pub struct Cause {
     pub probability: f64,
     /// Its parameters.
     pub parameters: Vec<ParameterEstimate>,
+    /// Error without it and with it, by channel; everything else is fitted again.
+    pub gain: Vec<Gain>,
+    /// Effects that fit as well in its place, if it is one of several parts of an error.
+    pub alternatives: Vec<EffectName>,
 }
 
 /// An effect that fits as well as a named one.
@@ -77,7 +83,8 @@ impl From<&Candidate> for EffectName {
 }
 
 /// The causes of an explanation; `known` is the probability that the cause is not unknown.
-pub(crate) fn causes(explanation: &Explanation, known: f64) -> Vec<Cause> {
+pub(crate) fn causes(data: &Data, explanation: &Explanation, known: f64) -> Vec<Cause> {
+    let (noise, extended) = (&explanation.noise, &explanation.residual);
     let cause = |which: usize| {
         let (candidate, probability) = explanation.causes[which];
         let parameters = explanation.model.effect_parameters(which).into_iter().map(|i| {
@@ -94,6 +101,8 @@ pub(crate) fn causes(explanation: &Explanation, known: f64) -> Vec<Cause> {
             channel: candidate.channel,
             probability: known * probability,
             parameters: parameters.collect(),
+            gain: explanation.without.get(which).map_or_else(Vec::new, |w| gains(data, noise, w, extended).0),
+            alternatives: explanation.alternatives.get(which).cloned().unwrap_or_default(),
         }
     };
     (0..explanation.causes.len()).map(cause).collect()

@@ -1,11 +1,13 @@
 //! Explanations: the calibrated bench without a cause, with one or with two, and the tests on its
 //! residual.
 
+use super::causes::EffectName;
 use super::remaining_structure::{self, RemainingStructure};
 use super::size_consistency::{Inconsistency, inconsistency};
 use crate::data::logs::{Columns, Data};
 use crate::data::noise::NoiseModel;
 use crate::data::views::Views;
+use crate::fit::held_out_gain::all_residuals;
 use crate::fit::held_out_nuisances::simulate_all;
 use crate::fit::least_squares::{Fit, fit};
 use crate::fit::model::{Candidate, Model};
@@ -19,6 +21,11 @@ use nalgebra::DMatrix;
 pub(crate) struct Explanation {
     /// Causes with their probabilities.
     pub(crate) causes: Vec<(Candidate, f64)>,
+    /// Residual of all samples if each cause is left out in turn and everything else is fitted
+    /// again.
+    pub(crate) without: Vec<Columns>,
+    /// Effects that fit as well in the place of each cause, where each was compared.
+    pub(crate) alternatives: Vec<Vec<EffectName>>,
     pub(crate) model: Model,
     /// Scaled parameters.
     pub(crate) z: Vec<f64>,
@@ -37,11 +44,13 @@ pub(crate) struct Explanation {
 }
 
 impl Explanation {
-    fn new(
+    /// Simulates a fit for all samples and tests its residual.
+    pub(crate) fn new(
         views: &Views,
         floors: &NoiseModel,
         (fit, used): (&Fit, &NoiseModel),
         causes: Vec<(Candidate, f64)>,
+        without: Vec<Columns>,
     ) -> Result<Self, RespondError> {
         let data = &views.all;
         let (simulation, held_out) = simulate_all(data, used, &fit.model, &fit.z)?;
@@ -51,7 +60,20 @@ impl Explanation {
         let inconsistency = inconsistency(&views.fitted, floors, used, fit);
         let (deviations, fisher) = (standard_deviations(&views.fitted, used, fit), fit.fisher());
         let (model, z) = (fit.model.clone(), fit.z.clone());
-        Ok(Self { causes, model, z, deviations, fisher, residual, noise, remaining, held_out, inconsistency })
+        Ok(Self {
+            causes,
+            without,
+            alternatives: Vec::new(),
+            model,
+            z,
+            deviations,
+            fisher,
+            residual,
+            noise,
+            remaining,
+            held_out,
+            inconsistency,
+        })
     }
 }
 
@@ -67,19 +89,24 @@ pub(crate) fn explanations(
 ) -> Result<Vec<Explanation>, RespondError> {
     let data = &views.fitted;
     let first = &selection.first;
-    let mut out = vec![Explanation::new(views, floors, (&first.base, &first.noise), Vec::new())?];
+    let mut out = vec![Explanation::new(views, floors, (&first.base, &first.noise), Vec::new(), Vec::new())?];
     let mut causes = Vec::new();
+    let described = out.first().map(|e| e.residual.clone()).unwrap_or_default();
     for (k, stage) in selection.stages().enumerate().filter(|(_, stage)| stage.has_cause) {
         let Some(best) = stage.contenders.first() else { break };
         causes.push((best.candidate, best.probability));
+        let mut without: Vec<Columns> = out.last().map(|e| e.residual.clone()).into_iter().collect();
         if let [(_, first_probability), _] = causes.as_mut_slice() {
             let second_alone = fit_second_alone(data, &stage.noise, nominal, best)?;
             let loss = second_alone.objective - best.fit.objective;
             if loss <= stage.threshold {
                 causes.remove(0);
-                out.push(Explanation::new(views, floors, (&second_alone, &stage.noise), causes.clone())?);
+                let fitted = (&second_alone, &stage.noise);
+                let without = vec![described.clone()];
+                out.push(Explanation::new(views, floors, fitted, causes.clone(), without)?);
                 continue;
             }
+            without.insert(0, all_residuals(&views.all, &stage.noise, &second_alone)?);
             // Alone, the first cause may have lost to a rival. Beside the second one, the loss
             // without it counts.
             if loss.is_finite() {
@@ -90,7 +117,7 @@ pub(crate) fn explanations(
         // fit stopped.
         let next = selection.stages().nth(k + 1).filter(|next| next.improves_on_stuck(data, &best.fit));
         let fitted = next.map_or((&best.fit, &stage.noise), |next| (&next.base, &next.noise));
-        out.push(Explanation::new(views, floors, fitted, causes.clone())?);
+        out.push(Explanation::new(views, floors, fitted, causes.clone(), without)?);
     }
     Ok(out)
 }

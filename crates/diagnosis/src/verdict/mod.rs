@@ -8,6 +8,7 @@ pub(crate) mod explanation;
 pub(crate) mod identifiability;
 pub(crate) mod noise_summary;
 pub(crate) mod nuisance_bounds;
+pub(crate) mod parts;
 pub(crate) mod probability;
 pub(crate) mod ranking;
 pub(crate) mod remaining_structure;

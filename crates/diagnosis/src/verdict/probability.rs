@@ -50,14 +50,11 @@ pub(crate) fn posterior_shares(
     reported: &Explanation,
     share: Option<f64>,
 ) -> Shares {
-    let odds = if reported.remaining.is_some() || is_unknown {
-        let share = if accepted > 0 { share.unwrap_or_default() } else { 0.0 };
-        ((tuning::MAIN_SHARE - share) / tuning::SHARE_WIDTH).exp()
+    let unknown = if is_unknown {
+        share_probability(0.0)
     } else {
-        let fall = free_form_fall(data, &reported.noise, &reported.residual);
-        (0.5 * fall).exp().min(tuning::MAX_UNSEEN_ODDS)
+        unknown_probability(data, reported, if accepted > 0 { share.unwrap_or_default() } else { 0.0 })
     };
-    let unknown = odds / (1.0 + odds);
     let known = 1.0 - unknown;
     let first = &selection.first;
     let none = known * base_probability(first);
@@ -82,6 +79,23 @@ pub(crate) fn posterior_shares(
     }
     hypotheses.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     Shares { none, unknown, hypotheses }
+}
+
+/// Probability of an unknown cause beside the causes of an explanation, given the share that these
+/// explain.
+pub(crate) fn unknown_probability(data: &Data, reported: &Explanation, share: f64) -> f64 {
+    if reported.remaining.is_some() {
+        return share_probability(share);
+    }
+    let fall = free_form_fall(data, &reported.noise, &reported.residual);
+    let odds = (0.5 * fall).exp().min(tuning::MAX_UNSEEN_ODDS);
+    odds / (1.0 + odds)
+}
+
+/// Probability of an unknown cause where an error remains beside an explained share.
+pub(crate) fn share_probability(share: f64) -> f64 {
+    let odds = ((tuning::MAIN_SHARE - share) / tuning::SHARE_WIDTH).exp();
+    odds / (1.0 + odds)
 }
 
 /// Probability of the base of a stage among its candidates and itself.

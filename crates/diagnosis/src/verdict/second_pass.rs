@@ -70,7 +70,14 @@ mod tests {
     fn is_late(effect: &str, channel: Option<Channel>, name: &str, value: f64) -> bool {
         let parameter =
             ParameterEstimate { name: name.into(), value, unit: String::new(), ci95: [value, value] };
-        let cause = Cause { effect: effect.into(), channel, probability: 1.0, parameters: vec![parameter] };
+        let cause = Cause {
+            effect: effect.into(),
+            channel,
+            probability: 1.0,
+            parameters: vec![parameter],
+            gain: Vec::new(),
+            alternatives: Vec::new(),
+        };
         names_late_cause(&halves(), &[cause])
     }
 

@@ -92,3 +92,6 @@ pub(crate) const BIN_CORRELATION_TIMES: f64 = 4.0;
 pub(crate) const MIN_BIN_FILL: f64 = 0.6;
 /// Share of the fullest cycle or block that another one must have. Chosen by hand, not measured.
 pub(crate) const MIN_BLOCK_FILL: f64 = 0.8;
+/// Share by which the held-out error rises at least if one of several causes is left out; less is
+/// not worth a name. Chosen by hand, not measured.
+pub(crate) const MIN_PART_RISE: f64 = 0.05;

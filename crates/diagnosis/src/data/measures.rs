@@ -1,0 +1,67 @@
+//! Quantities of the logs of an axis in which steps and priors of effects are given.
+
+use super::logs::Data;
+use bench::Bench;
+use bench::effects::Measure;
+
+/// Effort and motion of the logs of a driven axis; 1 on other benches, whose effects have steps and
+/// priors in their own units.
+#[derive(Clone, Copy)]
+pub(crate) struct Measures {
+    /// Largest rms of a measured effort, N or N m.
+    effort: f64,
+    /// Half the range of the motion, m or rad.
+    half_range: f64,
+    /// Rms speed, m/s or rad/s.
+    speed: f64,
+    /// Distance at the friction radius for each unit of the motion, m per m or rad.
+    friction_radius: f64,
+}
+
+impl Measures {
+    /// The quantities over all samples of the logs. A quantity without a positive value is 1.
+    pub(crate) fn new(bench: &Bench, data: &Data) -> Self {
+        let Some(rig) = bench.axis() else {
+            return Self { effort: 1.0, half_range: 1.0, speed: 1.0, friction_radius: 1.0 };
+        };
+        let efforts = data.channels.iter().map(|&channel| {
+            let blocks = data.blocks.iter().filter(|b| b.channel == channel);
+            rms(blocks.flat_map(|b| b.measured.iter().copied()))
+        });
+        let positions = || data.logs.iter().flat_map(|log| log.position.iter().copied());
+        let highest = positions().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = positions().fold(f64::INFINITY, f64::min);
+        Self {
+            effort: positive(efforts.fold(0.0, f64::max)),
+            half_range: positive(0.5 * (highest - lowest)),
+            speed: positive(rms(data.logs.iter().flat_map(|log| log.speed.iter().copied()))),
+            friction_radius: positive(rig.axis.friction_radius_m),
+        }
+    }
+
+    /// The value of one unit of a measure.
+    pub(crate) fn value(&self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Unit => 1.0,
+            Measure::Effort => self.effort,
+            Measure::Distance => self.half_range * self.friction_radius,
+            Measure::Drag => self.effort / self.speed,
+            Measure::Inertia => self.effort * self.half_range / self.speed.powi(2),
+        }
+    }
+}
+
+/// Rms of finite values; 0 without values.
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0usize);
+    for value in values.filter(|v| v.is_finite()) {
+        sum += value * value;
+        count += 1;
+    }
+    (sum / count.max(1) as f64).sqrt()
+}
+
+/// A finite positive value, or 1.
+fn positive(value: f64) -> f64 {
+    if value.is_finite() && value > 0.0 { value } else { 1.0 }
+}

@@ -1,0 +1,146 @@
+//! Causes of which each helps beside all others, where no explanation is complete.
+//!
+//! A real bench differs from its description in more than one way, and some of them are in no
+//! catalogue. Causes are then added one at a time, and afterwards each is compared with all other
+//! candidates in its place:
+//!
+//! * it is dropped if it is no cause there ([`super::stage`]), or if `is_kept` refuses it;
+//! * it is replaced if another candidate fits better there.
+//!
+//! This repeats until nothing changes. Noise is always inflated by the residual of the complete
+//! set, so structure that no candidate explains makes every test harder.
+
+use super::stage::{Stage, run_stage};
+use super::tuning;
+use crate::data::noise::NoiseModel;
+use crate::data::views::Views;
+use crate::fit::model::{Candidate, Model};
+use bench::simulate::RespondError;
+
+/// Search for parts: the logs, their noise floors, the nominal model and the candidates.
+pub(crate) struct PartSearch<'a> {
+    pub(crate) views: &'a Views,
+    pub(crate) floors: &'a NoiseModel,
+    pub(crate) nominal: &'a Model,
+    pub(crate) candidates: &'a [Candidate],
+}
+
+/// A model with effects and its scaled parameters.
+pub(crate) type Set = (Model, Vec<f64>);
+
+impl PartSearch<'_> {
+    /// Searches from a set of causes. Returns one stage for each cause of the final set:
+    /// its base has all other causes, and its first contender is the cause. The last of these
+    /// contenders is the fit of the complete set.
+    ///
+    /// Returns no stage if no cause remains, or if the set does not settle.
+    pub(crate) fn run(
+        &self,
+        start: Set,
+        is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
+    ) -> Result<Vec<Stage>, RespondError> {
+        let grown = self.grow(start, is_kept)?;
+        self.settle(grown, is_kept)
+    }
+
+    /// The best pair of a contender of `first` and a cause beside it; none without such a cause.
+    ///
+    /// The best single cause may imitate two others, each of which alone explains little.
+    pub(crate) fn best_pair(
+        &self,
+        first: &Stage,
+        is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
+    ) -> Result<Option<Set>, RespondError> {
+        let mut best: Option<(f64, Set)> = None;
+        for contender in first.contenders.iter().take(tuning::MAX_PAIR_FIRSTS) {
+            let stage = self.stage(&(contender.fit.model.clone(), contender.fit.z.clone()), None, is_kept)?;
+            let Some(second) = stage.contenders.into_iter().next().filter(|_| stage.has_cause) else {
+                continue;
+            };
+            let error = second.fit.objective_with(&self.views.fitted, self.floors);
+            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                best = Some((error, (second.fit.model, second.fit.z)));
+            }
+        }
+        Ok(best.map(|(_, set)| set))
+    }
+
+    /// Adds the best candidate while it is a cause that is kept.
+    fn grow(
+        &self,
+        mut set: Set,
+        is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
+    ) -> Result<Set, RespondError> {
+        while set.0.effects.len() < tuning::MAX_PARTS {
+            let stage = self.stage(&set, None, is_kept)?;
+            let Some(best) = stage.contenders.into_iter().next().filter(|_| stage.has_cause) else { break };
+            set = (best.fit.model, best.fit.z);
+        }
+        Ok(set)
+    }
+
+    /// Compares each cause with all others in its place until nothing changes.
+    fn settle(
+        &self,
+        mut set: Set,
+        is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
+    ) -> Result<Vec<Stage>, RespondError> {
+        let mut settled: Vec<Stage> = Vec::new();
+        for _ in 0..tuning::MAX_PART_STAGES {
+            let Some(own) = set.0.effects.first().copied() else { break };
+            let others = self.without_first(&set);
+            let complete = self.with_last(&others, &set);
+            let stage = self.stage(&others, Some(complete), is_kept)?;
+            match stage.contenders.first() {
+                Some(best) if stage.has_cause => {
+                    if best.candidate != own {
+                        settled.clear();
+                    }
+                    set = (best.fit.model.clone(), best.fit.z.clone());
+                    settled.push(stage);
+                    if settled.len() == set.0.effects.len() {
+                        return Ok(settled);
+                    }
+                }
+                _ => {
+                    settled.clear();
+                    set = (stage.base.model, stage.base.z);
+                }
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    /// Compares all candidates on top of a set; the first contender is the best one that is kept.
+    fn stage(
+        &self,
+        (model, z): &Set,
+        incumbent: Option<Set>,
+        is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
+    ) -> Result<Stage, RespondError> {
+        let (floors, set) = (self.floors, (model, z.as_slice()));
+        run_stage(self.views, Some(floors), floors.clone(), set, self.candidates, incumbent)?
+            .first_kept(self.views, is_kept)
+    }
+
+    /// The other causes of a set with its first cause as the last one.
+    fn with_last(&self, others: &Set, (model, z): &Set) -> Set {
+        let (mut complete, mut values) = others.clone();
+        if let Some(first) = model.effects.first() {
+            complete = complete.with_effect(*first, self.floors);
+            values.extend(model.effect_parameters(0).iter().filter_map(|&i| z.get(i)));
+        }
+        (complete, values)
+    }
+
+    /// The set without its first cause.
+    fn without_first(&self, (model, z): &Set) -> Set {
+        let mut fewer = self.nominal.clone();
+        let mut values: Vec<f64> = z.iter().take(self.nominal.parameters.len()).copied().collect();
+        for (which, candidate) in model.effects.iter().enumerate().skip(1) {
+            values.extend(model.effect_parameters(which).iter().filter_map(|&i| z.get(i)));
+            fewer = fewer.with_effect(*candidate, self.floors);
+        }
+        (fewer, values)
+    }
+}

@@ -1,0 +1,194 @@
+//! Verdict in parts: causes that certainly help are named, and the remaining error is reported
+//! beside them.
+//!
+//! A cause must explain no fixed share of the error. It must be a cause in its place beside all
+//! others ([`crate::search::parts`]), and without it the held-out error must rise by
+//! [`tuning::MIN_PART_RISE`] or more. None of its shapes may reach the end of its range, and the
+//! interval of its size must not contain 0. The main effect of another cause is exempt from rise
+//! and interval, because the two are correlated. Its size must not differ between parts of the log
+//! ([`super::size_consistency`]) beyond the noise with all that remains: an imitation of an unknown
+//! effect leaves an error that follows the imitation.
+
+use super::acceptance::is_acceptable;
+use super::causes::EffectName;
+use super::explanation::Explanation;
+use super::probability::Hypothesis;
+use super::size_consistency::inconsistency;
+use super::tuning;
+use crate::data::logs::{Columns, Data};
+use crate::data::noise::NoiseModel;
+use crate::data::split::Use;
+use crate::data::views::Views;
+use crate::fit::held_out_gain::{all_residuals, is_lower};
+use crate::fit::least_squares::Fit;
+use crate::fit::model::Candidate;
+use crate::fit::standard_deviations::standard_deviations;
+use crate::fit::tuning::Z_95;
+use crate::result::Verdict;
+use crate::search::contender::Contender;
+use crate::search::marginality::{is_generalisation, main_effect};
+use crate::search::parts::{PartSearch, Set};
+use crate::search::selection::Selection;
+use crate::search::stage::Stage;
+use bench::simulate::RespondError;
+
+/// Causes beside an error that remains.
+pub(crate) struct Parts {
+    pub(crate) explanation: Explanation,
+    /// One stage for each cause, in their order.
+    pub(crate) stages: Vec<Stage>,
+    /// Position of the cause without which the error rises most.
+    pub(crate) main: usize,
+    pub(crate) verdict: Verdict,
+}
+
+impl Parts {
+    /// Searches from the accepted causes or, without any, from the selected ones and from the best
+    /// pair. Returns the parts that leave the smallest error, if this error is significantly
+    /// smaller on held-out samples than that of the `accepted` explanation.
+    pub(crate) fn find(
+        search: &PartSearch<'_>,
+        selection: &Selection,
+        (described, accepted): (&Explanation, &Explanation),
+    ) -> Result<Option<Self>, RespondError> {
+        let views = search.views;
+        let is_kept = |stage: &Stage| is_kept(views, stage);
+        let mut starts: Vec<Set> = Vec::new();
+        if accepted.causes.is_empty() {
+            starts.extend(selection.selected().map(|fit| (fit.model.clone(), fit.z.clone())));
+            starts.extend(search.best_pair(&selection.first, &is_kept)?);
+        } else {
+            starts.push((accepted.model.clone(), accepted.z.clone()));
+        }
+        let mut best: Option<(f64, Vec<Stage>)> = None;
+        for start in starts {
+            let stages = search.run(start, &is_kept)?;
+            let Some(fit) = complete_fit(&stages) else { continue };
+            let error = fit.objective_with(&views.fitted, search.floors);
+            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                best = Some((error, stages));
+            }
+        }
+        let Some((_, stages)) = best else { return Ok(None) };
+        let parts = Self::new(views, search.floors, stages, described, !accepted.causes.is_empty())?;
+        let data = &views.all;
+        let (noise, before) = (&parts.explanation.noise, &accepted.residual);
+        Ok(is_lower(data, noise, before, &parts.explanation.residual).then_some(parts))
+    }
+
+    fn new(
+        views: &Views,
+        floors: &NoiseModel,
+        stages: Vec<Stage>,
+        described: &Explanation,
+        was_accepted: bool,
+    ) -> Result<Self, RespondError> {
+        let causes = stages.iter().filter_map(|s| s.contenders.first()).map(|c| (c.candidate, c.probability));
+        let causes: Vec<(Candidate, f64)> = causes.collect();
+        let without: Result<Vec<Columns>, RespondError> =
+            stages.iter().map(|s| all_residuals(&views.all, &s.noise, &s.base)).collect();
+        let without = without?;
+        let error = |residual: &Columns| held_out_power(&views.all, floors, residual);
+        let main = (0..without.len()).max_by(|&a, &b| error(&without[a]).total_cmp(&error(&without[b])));
+        let last = stages.last().and_then(|s| Some((&s.contenders.first()?.fit, &s.noise)));
+        let fitted = last.unwrap_or((&stages[0].base, &stages[0].noise));
+        let mut explanation = Explanation::new(views, floors, fitted, causes, without)?;
+        let names = |stage: &Stage| rivals(stage).map(|c| EffectName::from(&c.candidate)).collect();
+        explanation.alternatives = stages.iter().map(names).collect();
+        let main = main.unwrap_or_default();
+        let is_complete = was_accepted || is_acceptable(&views.all, described, &explanation);
+        let mut parts = Self { explanation, stages, main, verdict: Verdict::Partial };
+        if is_complete {
+            let is_alone = parts.equivalents().next().is_none();
+            parts.verdict = if is_alone { Verdict::Named } else { Verdict::Ambiguous };
+        }
+        Ok(parts)
+    }
+
+    /// Contenders that fit as well as the main cause in its place.
+    pub(crate) fn equivalents(&self) -> impl Iterator<Item = &Contender> {
+        self.stages.get(self.main).into_iter().flat_map(rivals)
+    }
+
+    /// Probabilities of the set with each contender in the place of the main cause, and without
+    /// any; `known` is the probability that the main cause is not unknown.
+    pub(crate) fn hypotheses(&self, known: f64) -> Vec<Hypothesis> {
+        let Some(stage) = self.stages.get(self.main) else { return Vec::new() };
+        let others = self.explanation.causes.iter().enumerate().filter(|(i, _)| *i != self.main);
+        let others: Vec<EffectName> = others.map(|(_, (c, _))| EffectName::from(c)).collect();
+        let with = |c: &Contender| Hypothesis {
+            causes: std::iter::once(EffectName::from(&c.candidate)).chain(others.iter().cloned()).collect(),
+            probability: known * c.probability,
+        };
+        let mut hypotheses: Vec<Hypothesis> = stage.contenders.iter().map(with).collect();
+        let rest = known - hypotheses.iter().map(|h| h.probability).sum::<f64>();
+        hypotheses.push(Hypothesis { causes: others, probability: rest.max(0.0) });
+        hypotheses.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        hypotheses
+    }
+}
+
+/// Contenders that fit as well as the first one of a stage, except generalisations of it that fit
+/// no better.
+fn rivals(stage: &Stage) -> impl Iterator<Item = &Contender> {
+    let best = stage.contenders.first();
+    let is_needless = move |c: &Contender| {
+        best.is_some_and(|b| {
+            is_generalisation(c.candidate.kind.name, b.candidate.kind.name) && c.bic >= b.bic
+        })
+    };
+    stage.equivalents().filter(move |c| !is_needless(c))
+}
+
+/// The fit of the complete set of causes.
+fn complete_fit(stages: &[Stage]) -> Option<&Fit> {
+    stages.last()?.contenders.first().map(|c| &c.fit)
+}
+
+/// Returns whether the best contender of a stage may be named beside the causes of its base.
+fn is_kept(views: &Views, stage: &Stage) -> Result<bool, RespondError> {
+    let Some(best) = stage.contenders.first() else { return Ok(false) };
+    let data = &views.all;
+    let error = |fit: &Fit| -> Result<f64, RespondError> {
+        Ok(held_out_power(data, &stage.noise, &all_residuals(data, &stage.noise, fit)?).sqrt())
+    };
+    let is_material =
+        is_main_effect(&best.fit) || error(&stage.base)? >= (1.0 + tuning::MIN_PART_RISE) * error(&best.fit)?;
+    let differs = || inconsistency(&views.fitted, &stage.noise, &stage.noise, &best.fit).is_significant;
+    Ok(is_material && has_certain_parameters(views, &stage.noise, &best.fit) && !differs())
+}
+
+/// Returns whether the last effect of a fit has a size whose interval does not contain 0, or is the
+/// main effect of another one, and no shape whose interval reaches the end of its range.
+fn has_certain_parameters(views: &Views, noise: &NoiseModel, fit: &Fit) -> bool {
+    let Some((_, others)) = fit.model.effects.split_last() else { return false };
+    let deviations = standard_deviations(&views.fitted, noise, fit);
+    let own = fit.model.effect_parameters(others.len());
+    let reach = |i: usize| Z_95 * deviations[i];
+    let is_clear = |&i: &usize| fit.model.parameters[i].is_size() && fit.z[i].abs() > reach(i);
+    let is_inside = |&i: &usize| {
+        let p = &fit.model.parameters[i];
+        let (min, max) = p.bounds();
+        !(p.is_shape() && p.is_factor) || (fit.z[i] - reach(i) > min && fit.z[i] + reach(i) < max)
+    };
+    (is_main_effect(fit) || own.iter().any(is_clear)) && own.iter().all(is_inside)
+}
+
+/// Returns whether the last effect of a fit is the main effect of another one.
+fn is_main_effect(fit: &Fit) -> bool {
+    let Some((last, others)) = fit.model.effects.split_last() else { return false };
+    others.iter().any(|other| main_effect(other.kind.name) == Some(last.kind.name))
+}
+
+/// Mean square of held-out samples in units of the noise floors.
+fn held_out_power(data: &Data, noise: &NoiseModel, residual: &Columns) -> f64 {
+    let (mut sum, mut count) = (0.0, 0usize);
+    for (block, values) in data.blocks.iter().zip(residual) {
+        let floor = noise.channel(block.channel).floor;
+        for (value, _) in values.iter().zip(data.uses(block)).filter(|(_, u)| **u == Use::HeldOut) {
+            sum += (value / floor).powi(2);
+            count += 1;
+        }
+    }
+    sum / count.max(1) as f64
+}
