@@ -38,11 +38,13 @@ fn cause_words(cause: &Cause) -> String {
         .iter()
         .map(|p| format!("{} = {}", p.name, with_unit(four_digits(p.value), &p.unit)))
         .collect();
+    let others = cause.alternatives.iter().map(|a| format!("; or {}", channelled(&a.effect, a.channel)));
     format!(
-        "{} ({}: {})",
+        "{} ({}: {}{})",
         meaning(&cause.effect),
         channelled(&cause.effect, cause.channel),
-        parameters.join(", ")
+        parameters.join(", "),
+        others.collect::<String>()
     )
 }
 
@@ -68,6 +70,17 @@ fn gain_words(diagnosis: &Diagnosis) -> String {
     )
 }
 
+/// Describes the error that remains beside causes.
+fn unknown_words(diagnosis: &Diagnosis) -> String {
+    let Some(left) = &diagnosis.signature else { return String::new() };
+    let remaining = 100.0 * (1.0 - diagnosis.explained_share.unwrap_or_default());
+    format!(
+        " {remaining:.1} % of the repeatable error remains unknown: {} The named part may be an imitation of \
+         something outside the catalogue.",
+        left_words(left)
+    )
+}
+
 /// Describes the verdict in one or two sentences.
 pub(crate) fn sentence(diagnosis: &Diagnosis) -> String {
     let causes: Vec<String> = diagnosis.causes.iter().map(cause_words).collect();
@@ -88,6 +101,7 @@ pub(crate) fn sentence(diagnosis: &Diagnosis) -> String {
         Verdict::Ambiguous => {
             format!("{causes}; but {} fits these logs equally well.{gain}", others.join(" or "))
         }
+        Verdict::Partial => format!("{causes}.{gain}{}", unknown_words(diagnosis)),
         Verdict::Unknown => {
             let place = diagnosis
                 .signature

@@ -1,7 +1,7 @@
 //! Tables of a diagnosis, for the terminal and the page.
 
 use super::sentences::{channelled, interval, percent, with_unit};
-use diagnosis::{Diagnosis, Finding, Gain, Severity, four_digits};
+use diagnosis::{Cause, Diagnosis, Finding, Gain, Severity, four_digits};
 use report::text_table;
 use std::fmt::Write as _;
 
@@ -24,10 +24,22 @@ pub(crate) fn causes(diagnosis: &Diagnosis) -> Table {
                 p.name.clone(),
                 with_unit(four_digits(p.value), &p.unit),
                 format!("{} to {}", four_digits(p.ci95[0]), four_digits(p.ci95[1])),
+                error_without(cause),
             ]
         })
     });
-    Table { header: &["cause", "probability", "parameter", "value", "95 % interval"], rows: rows.collect() }
+    let header = &["cause", "probability", "parameter", "value", "95 % interval", "error without it"];
+    Table { header, rows: rows.collect() }
+}
+
+/// Held-out error without a cause, of the channel where it rises by the largest factor.
+fn error_without(cause: &Cause) -> String {
+    let factor = |gain: &&Gain| gain.baseline_rms / gain.extended_rms.max(f64::MIN_POSITIVE);
+    cause
+        .gain
+        .iter()
+        .max_by(|a, b| factor(a).total_cmp(&factor(b)))
+        .map_or_else(|| "-".into(), |gain| with_unit(four_digits(gain.baseline_rms), gain.channel.unit()))
 }
 
 /// Error before and after by channel.

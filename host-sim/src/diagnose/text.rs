@@ -13,7 +13,8 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
         push(&mut out, &table);
     }
     let is_in_verdict = diagnosis.verdict == Verdict::Unknown;
-    if let (Some(left), false) = (&diagnosis.signature, is_in_verdict) {
+    let is_place_in_verdict = is_in_verdict || diagnosis.verdict == Verdict::Partial;
+    if let (Some(left), false) = (&diagnosis.signature, is_place_in_verdict) {
         let _ = write!(out, "\nremaining error: {}\n", left_words(left));
     }
     if let (Some(rejection), false) = (&diagnosis.rejection, is_in_verdict) {
