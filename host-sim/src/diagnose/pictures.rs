@@ -6,6 +6,7 @@ use bench::Channel;
 use diagnosis::{Diagnosis, Series as Residual, four_digits};
 use report::figure::{Chart, Series, Style, lines};
 use report::page::Page;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 const WIDE: (u32, u32) = (1040, 300);
@@ -14,6 +15,8 @@ const HALF: (u32, u32) = (512, 300);
 const BINS: usize = 96;
 /// Maximum number of pictures over time; more logs than that would hide the others.
 const MAX_PICTURES: usize = 12;
+/// Channels that are also shown over the position, those with the largest error first.
+const MAX_OVER_POSITION: usize = 2;
 /// Quantities over which a channel's residual is shown.
 const MAX_PLACES: usize = 4;
 
@@ -30,35 +33,39 @@ fn channels(diagnosis: &Diagnosis) -> Vec<Channel> {
     channels
 }
 
-/// Draws the last cycle of the first log with held-out data: measured, simulated before and after.
+/// Draws a held-out cycle of each channel over time and over the position: measured, simulated
+/// before and after. It is the cycle that the causes change most or, without causes, the one with the
+/// largest error.
 pub(crate) fn measured_and_simulated(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), String> {
     let mut pictures = Vec::new();
-    for channel in channels(diagnosis) {
+    for (rank, channel) in channels(diagnosis).into_iter().enumerate() {
         let own = || diagnosis.series.iter().filter(|s| s.channel == channel);
         let Some(series) = own().find(|s| s.held_out.contains(&true)).or_else(|| own().next()) else {
             continue;
         };
-        let last = series.phase.as_ref().and_then(|phase| phase.last()).map(|last| last - 1.0);
-        let shown: Vec<usize> = (0..series.time_s.len())
-            .filter(|&i| match (&series.phase, last) {
-                (Some(phase), Some(last)) => phase[i] >= last,
-                _ => true,
-            })
-            .collect();
-        let line = |name: &str, read: &dyn Fn(usize) -> f64| {
-            Series::through(name, shown.iter().map(|&i| (series.time_s[i], read(i))).collect())
-        };
+        let shown = shown_cycle(series);
         let title = format!("{channel}, {}", short(&series.source));
-        let chart = Chart { title: &title, x: "time, s", y: channel.unit(), size: HALF };
-        let drawn = lines(
-            &chart,
-            &[
-                line("measured", &|i| series.measured[i]).styled(Style::Wide),
-                line("simulated before", &|i| series.measured[i] - series.before[i]),
-                line("after", &|i| series.measured[i] - series.after[i]),
-            ],
-        )?;
-        pictures.push((drawn, "The last cycle; of a log without cycles all of it."));
+        for (x, values, words) in [
+            ("time, s", &series.time_s, "The cycle that shows most; of a log without cycles all of it."),
+            ("position of the drive, m or rad", &series.position, "The same samples over the position."),
+        ]
+        .into_iter()
+        .take(if rank < MAX_OVER_POSITION { 2 } else { 1 })
+        {
+            let line = |name: &str, read: &dyn Fn(usize) -> f64| {
+                Series::through(name, shown.iter().map(|&i| (values[i], read(i))).collect())
+            };
+            let chart = Chart { title: &title, x, y: channel.unit(), size: HALF };
+            let drawn = lines(
+                &chart,
+                &[
+                    line("measured", &|i| series.measured[i]).styled(Style::Wide),
+                    line("simulated before", &|i| series.measured[i] - series.before[i]),
+                    line("after", &|i| series.measured[i] - series.after[i]),
+                ],
+            )?;
+            pictures.push((drawn, words));
+        }
     }
     page.figures(&pictures);
     Ok(())
@@ -119,6 +126,23 @@ pub(crate) fn residuals(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), St
         page.figures(&pair);
     }
     Ok(())
+}
+
+/// Samples of the held-out cycle that the causes change most or, without causes, of the one with the
+/// largest error; all samples of a log without cycles.
+fn shown_cycle(series: &Residual) -> Vec<usize> {
+    let Some(phase) = &series.phase else { return (0..series.time_s.len()).collect() };
+    let is_changed = series.before != series.after;
+    let mut cycles: BTreeMap<i64, (f64, Vec<usize>)> = BTreeMap::new();
+    let is_any_held_out = series.held_out.contains(&true);
+    for (i, phase) in phase.iter().enumerate().filter(|(i, _)| series.held_out[*i] || !is_any_held_out) {
+        let shown = series.before[i] - if is_changed { series.after[i] } else { 0.0 };
+        let (power, samples) = cycles.entry(phase.floor() as i64).or_default();
+        *power += shown * shown;
+        samples.push(i);
+    }
+    let most = cycles.into_values().max_by(|a, b| a.0.total_cmp(&b.0));
+    most.map_or_else(Vec::new, |(_, samples)| samples)
 }
 
 fn short(source: &str) -> &str {

@@ -28,7 +28,7 @@ pub(crate) fn causes(diagnosis: &Diagnosis) -> Table {
             ]
         })
     });
-    let header = &["cause", "probability", "parameter", "value", "95 % interval", "error without it"];
+    let header = &["cause", "probability", "parameter", "value", "95 % interval", "error without"];
     Table { header, rows: rows.collect() }
 }
 

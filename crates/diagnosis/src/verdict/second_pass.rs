@@ -59,6 +59,7 @@ mod tests {
             source: "log".into(),
             channel: Channel::DriveForce,
             phase: None,
+            position: zero.clone(),
             measured: time_s.iter().map(|t| if *t < 7.0 { 1.0 } else { 2.0 }).collect(),
             before: zero.clone(),
             after: zero,

@@ -15,6 +15,8 @@ pub struct Series {
     pub time_s: Vec<f64>,
     /// Phase in cycles, if the motion repeats.
     pub phase: Option<Vec<f64>>,
+    /// Position of the drive, m or rad.
+    pub position: Vec<f64>,
     /// Measured values.
     pub measured: Vec<f64>,
     /// Measured minus simulated values of the calibrated nominal bench.
@@ -37,6 +39,7 @@ pub(crate) fn series(data: &Data, before: &Columns, after: &Columns) -> Vec<Seri
             channel: block.channel,
             time_s: used(&log.uses, log.inputs.time_s()),
             phase: log.phase.as_ref().map(|p| used(&log.uses, p)),
+            position: used(&log.uses, &log.position),
             measured: used(&log.uses, &block.measured),
             before: used(&log.uses, before),
             after: used(&log.uses, after),
