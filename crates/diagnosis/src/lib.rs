@@ -74,8 +74,9 @@ pub struct Options<'a> {
 ///    noise floor alone, because with inflated noise each of two causes hides the other. A pair
 ///    counts if no structure remains and it may explain the complete residual.
 ///
-/// If structure remains on a driven axis, up to six causes are searched for that each help beside
-/// all others. The verdict is `partial` if they are not sufficient for `named`.
+/// If structure remains after the first pass on a driven axis, up to six causes are searched for
+/// that each help beside all others. The verdict is `partial` if they are not sufficient for
+/// `named`.
 pub fn diagnose(
     bench: &Bench,
     logs: &[MeasuredLog],

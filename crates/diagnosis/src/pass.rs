@@ -132,7 +132,9 @@ impl Pass<'_> {
             rejection.or_else(|| if is_unknown { nearest_candidate(&selection.first) } else { None });
         let (_, (share, _)) = gains(data, &extended.noise, &calibrated.residual, &extended.residual);
         let shares = posterior_shares(data, selection, (accepted, is_unknown), extended, share);
-        let experiment = last_stage.and_then(|stage| self.experiment(data, stage, extended));
+        let experiment = last_stage
+            .zip(extended.causes.last())
+            .and_then(|(stage, (cause, _))| self.experiment(data, stage, (*cause, extended)));
         let answer = Answer { verdict, explanation: extended, equivalents, rejection, shares, experiment };
         let diagnosis = self.report(&search, calibrated, answer)?;
         // A log without two cycles is split the same way by either rule.
@@ -159,25 +161,36 @@ impl Pass<'_> {
             Verdict::Partial => share_probability(share).max(EVEN),
             _ => unknown_probability(data, explanation, share),
         };
-        let hypotheses = parts.hypotheses(1.0 - unknown);
         let is_named =
             |name: &EffectName| explanation.causes.iter().any(|(c, _)| EffectName::from(c) == *name);
+        let main = parts.stages.get(parts.main).zip(explanation.causes.get(parts.main));
+        let main = main.filter(|_| parts.verdict == Verdict::Ambiguous);
         let answer = Answer {
             verdict: parts.verdict,
             explanation,
             equivalents: parts.equivalents().collect(),
             rejection: result.diagnosis.rejection.clone().filter(|r| !r.causes.iter().any(is_named)),
-            shares: Shares { none: 0.0, unknown, hypotheses },
-            experiment: parts.stages.last().and_then(|stage| self.experiment(data, stage, explanation)),
+            shares: parts.shares(unknown),
+            experiment: main
+                .and_then(|(stage, (cause, _))| self.experiment(data, stage, (*cause, explanation))),
         };
-        self.report(search, described, answer).map(Some)
+        let mut diagnosis = self.report(search, described, answer)?;
+        if let Some(front) = diagnosis.causes.get_mut(..=parts.main) {
+            front.rotate_right(1);
+        }
+        Ok(Some(diagnosis))
     }
 
-    /// Proposes an experiment if other candidates fit as well as the best one of the last stage.
-    fn experiment(&self, data: &Data, stage: &Stage, explanation: &Explanation) -> Option<Experiment> {
-        let (cause, _) = explanation.causes.last()?;
+    /// Proposes an experiment if other candidates fit as well as a cause, the best one of its
+    /// stage.
+    fn experiment(
+        &self,
+        data: &Data,
+        stage: &Stage,
+        (cause, explanation): (Candidate, &Explanation),
+    ) -> Option<Experiment> {
         stage.equivalents().next()?;
-        propose(self.bench, data, stage, (*cause, &explanation.model, &explanation.z))
+        propose(self.bench, data, stage, (cause, &explanation.model, &explanation.z))
     }
 
     /// Everything that is reported about the bench with the causes of an answer.

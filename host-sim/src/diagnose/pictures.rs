@@ -34,8 +34,8 @@ fn channels(diagnosis: &Diagnosis) -> Vec<Channel> {
 }
 
 /// Draws a held-out cycle of each channel over time and over the position: measured, simulated
-/// before and after. It is the cycle that the causes change most or, without causes, the one with the
-/// largest error.
+/// before and after. It is the cycle that the causes change most or, without causes, the one with
+/// the largest error.
 pub(crate) fn measured_and_simulated(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), String> {
     let mut pictures = Vec::new();
     for (rank, channel) in channels(diagnosis).into_iter().enumerate() {
@@ -128,8 +128,8 @@ pub(crate) fn residuals(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), St
     Ok(())
 }
 
-/// Samples of the held-out cycle that the causes change most or, without causes, of the one with the
-/// largest error; all samples of a log without cycles.
+/// Samples of the held-out cycle that the causes change most or, without causes, of the one with
+/// the largest error; all samples of a log without cycles.
 fn shown_cycle(series: &Residual) -> Vec<usize> {
     let Some(phase) = &series.phase else { return (0..series.time_s.len()).collect() };
     let is_changed = series.before != series.after;

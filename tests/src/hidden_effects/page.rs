@@ -42,8 +42,10 @@ their noise instead of a tenth; five times the noise of the load on `linear`.
 
 /// Limits of every page, after those that depend on its figures.
 const LIMITS: &str =
-    "* The row \"a third cause\" cannot fail: it counts answers with more than two causes, and the engine \
-names at most two.
+    "* The row \"a third cause\" could not fail in this run: it counts answers with more than two causes, \
+and the engine named at most two.
+* The answer `partial`, which the engine of this run did not give yet, counts as `unknown`: whether its \
+causes are right is not scored.
 * Cells with an effect have white noise, deviations of at most .8 declared deviations, and one operating \
 point. Coloured noise, other loads and deviations of up to two occur in clean logs only.
 * The generators have the engine's model class and constants: the same equations of effects, the same \

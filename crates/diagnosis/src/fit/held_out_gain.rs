@@ -18,7 +18,7 @@ use serde::Serialize;
 pub struct Gain {
     /// Channel.
     pub channel: Channel,
-    /// Rms residual of the calibrated nominal bench.
+    /// Rms residual of the calibrated nominal bench, or of the bench without one of its causes.
     pub baseline_rms: f64,
     /// Rms residual of the extended bench.
     pub extended_rms: f64,

@@ -120,7 +120,7 @@ impl PartSearch<'_> {
     ) -> Result<Stage, RespondError> {
         let (floors, set) = (self.floors, (model, z.as_slice()));
         run_stage(self.views, Some(floors), floors.clone(), set, self.candidates, incumbent)?
-            .first_kept(self.views, is_kept)
+            .first_kept(self.views, floors, is_kept)
     }
 
     /// The other causes of a set with its first cause as the last one.

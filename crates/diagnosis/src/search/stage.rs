@@ -37,6 +37,8 @@ pub(crate) struct Stage {
     pub(crate) threshold: f64,
     /// Part of the threshold beyond the BIC penalty.
     pub(crate) multiplicity: f64,
+    /// Part of the best contender's BIC that was subtracted because it is the incumbent.
+    pub(crate) discount: f64,
     /// True if the best contender is a cause.
     pub(crate) has_cause: bool,
 }
@@ -59,20 +61,30 @@ impl Stage {
     pub(crate) fn first_kept(
         mut self,
         views: &Views,
+        floors: &NoiseModel,
         is_kept: &impl Fn(&Self) -> Result<bool, RespondError>,
     ) -> Result<Self, RespondError> {
+        if self.has_cause && is_kept(&self)? {
+            return Ok(self);
+        }
         for _ in 0..tuning::MAX_FALLBACKS {
-            if self.has_cause && is_kept(&self)? {
-                return Ok(self);
-            }
             if self.contenders.len() < 2 {
                 break;
             }
             self.contenders.remove(0);
+            self.discount = 0.0;
             let Some(best) = self.contenders.first_mut() else { break };
-            best.converge(&views.fitted, &self.noise)?;
-            self.has_cause = is_cause(views, &self.noise, &self.base, self.threshold, best)?;
+            let data = &views.fitted;
+            best.converge(data, &self.noise)?;
+            // The noise contains what the dropped contender explains.
+            let noise = floors.inflated(data, &data.residual(&best.fit.simulation.columns));
+            let evidence = self.base.objective_with(data, &noise) - best.fit.objective_with(data, &noise);
+            let is_clear = evidence > self.threshold;
+            self.has_cause = is_clear && is_cause(views, &self.noise, &self.base, self.threshold, best)?;
             assign_probabilities(&mut self.contenders, self.base.objective, self.multiplicity);
+            if self.has_cause && is_kept(&self)? {
+                return Ok(self);
+            }
         }
         self.has_cause = false;
         Ok(self)
@@ -86,7 +98,7 @@ impl Stage {
     /// probability.
     pub(crate) fn equivalents(&self) -> impl Iterator<Item = &Contender> {
         let first = self.contenders.first();
-        let best = first.map_or(0.0, |c| c.bic);
+        let best = first.map_or(0.0, |c| c.bic) + self.discount;
         let restates = move |c: &Contender| first.is_some_and(|first| c.restates(first));
         let others = self.contenders.iter().skip(1);
         others.filter(move |c| c.bic - best < tuning::EQUIVALENT_BIC && !restates(c))
@@ -115,14 +127,15 @@ pub(crate) fn run_stage(
     // Model and parameters of the best candidate of the last round. With other noise other
     // candidates may be refined, and the best one must not be lost.
     let own = incumbent.as_ref().and_then(|(model, _)| model.effects.last().copied());
-    let mut best_so_far = incumbent;
+    let mut best_so_far: Option<(Model, Vec<f64>)> = None;
     loop {
         round += 1;
         let is_last = round >= tuning::MAX_ROUNDS;
         if let (Some(first_cycle), false) = (&views.first_cycle, is_resumed) {
             start = fit(first_cycle, &noise, model.clone(), start)?.z;
         }
-        let current = Round::run(views, &noise, (model, &start), &addable, best_so_far.take())?;
+        let kept = incumbent.iter().cloned().chain(best_so_far.take());
+        let current = Round::run(views, &noise, (model, &start), &addable, kept)?;
         let best = current.best();
         let has_candidate = best.model.effects.len() > model.effects.len();
         if has_candidate {
@@ -163,13 +176,13 @@ impl Round {
         noise: &NoiseModel,
         (model, start): (&Model, &[f64]),
         candidates: &[Candidate],
-        best_so_far: Option<(Model, Vec<f64>)>,
+        kept: impl Iterator<Item = (Model, Vec<f64>)>,
     ) -> Result<Self, RespondError> {
         let data = &views.fitted;
         let base = fit(data, noise, model.clone(), start.to_vec())?;
         let scored = scores(data, noise, &base, candidates)?;
         let (mut fits, others) = refine(views, noise, &base, &scored)?;
-        if let Some((model, z)) = best_so_far {
+        for (model, z) in kept {
             keep_better(data, noise, &mut fits, (model, z))?;
         }
         fits.retain(|f| is_plausible(data, f));
@@ -207,17 +220,15 @@ impl Round {
         let threshold = family_threshold(added, family).max(penalty);
         let is_cause = |c: &Contender| is_cause(views, &noise, &base, threshold, c);
         move_main_effect_first(&mut contenders, is_cause)?;
-        if let Some(incumbent) = incumbent {
-            favour(&mut contenders, incumbent, threshold - penalty);
-        }
+        let multiplicity = threshold - penalty;
+        let discount = incumbent.map_or(0.0, |own| favour(&mut contenders, own, multiplicity));
         if let Some(first) = contenders.first_mut() {
             first.converge(data, &noise)?;
         }
-        assign_probabilities(&mut contenders, base.objective, threshold - penalty);
+        assign_probabilities(&mut contenders, base.objective, multiplicity);
         assign_correlations(&mut contenders, &base, &scored);
         let has_cause = contenders.first().map_or(Ok(false), is_cause)?;
-        let multiplicity = threshold - penalty;
-        Ok(Stage { base, contenders, others, noise, threshold, multiplicity, has_cause })
+        Ok(Stage { base, contenders, others, noise, threshold, multiplicity, discount, has_cause })
     }
 }
 
@@ -256,17 +267,19 @@ fn keep_better(
 /// Charges the choice among a family of candidates to the challengers of an incumbent, and moves
 /// the incumbent to the front if it then fits as well as the best one.
 ///
-/// `multiplicity` is the part of the threshold beyond the BIC penalty.
-fn favour(contenders: &mut [Contender], incumbent: Candidate, multiplicity: f64) {
-    let Some(place) = contenders.iter().position(|c| c.candidate == incumbent) else { return };
+/// `multiplicity` is the part of the threshold beyond the BIC penalty. It is subtracted from the
+/// BIC of an incumbent that is moved, and returned; 0 without such an incumbent.
+fn favour(contenders: &mut [Contender], incumbent: Candidate, multiplicity: f64) -> f64 {
     let best = contenders.first().map_or(0.0, |c| c.bic);
-    let Some(own) = contenders.get_mut(place) else { return };
-    own.bic -= multiplicity;
-    if own.bic - best < tuning::EQUIVALENT_BIC
-        && let Some(better) = contenders.get_mut(..=place)
-    {
-        better.rotate_right(1);
+    let is_favoured =
+        |c: &Contender| c.candidate == incumbent && c.bic - multiplicity - best < tuning::EQUIVALENT_BIC;
+    let place = contenders.iter().position(is_favoured);
+    let Some(better) = place.and_then(|place| contenders.get_mut(..=place)) else { return 0.0 };
+    better.rotate_right(1);
+    if let Some(own) = better.first_mut() {
+        own.bic -= multiplicity;
     }
+    multiplicity
 }
 
 /// A better start for the base from the end of the best candidate; none if the base gains nothing
@@ -323,8 +336,8 @@ mod tests {
         };
         let stage = |base: Fit| {
             let (contenders, others) = (Vec::new(), Vec::new());
-            let (noise, threshold, multiplicity) = (noise.clone(), 0.0, 0.0);
-            Stage { base, contenders, others, noise, threshold, multiplicity, has_cause: false }
+            let (noise, threshold, multiplicity, discount) = (noise.clone(), 0.0, 0.0, 0.0);
+            Stage { base, contenders, others, noise, threshold, multiplicity, discount, has_cause: false }
         };
         assert!(stage(fitted("coulomb-level")).improves_on_stuck(&data, &stuck()));
         assert!(!stage(fitted("coulomb-level")).improves_on_stuck(&data, &fitted("coulomb-level")));

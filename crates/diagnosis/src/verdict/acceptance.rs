@@ -28,7 +28,7 @@ use serde::Serialize;
 /// Selected causes that are not accepted, or the nearest candidate if none was selected.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rejection {
-    /// One cause, or two together.
+    /// Causes that are not accepted together.
     pub causes: Vec<EffectName>,
     /// Reason: `declared-number-at-bound`, `shape-at-bound`, `no-memory`, `size-differs`,
     /// `explains-too-little`, `size-uncertain` or `held-out-uncertain`.
@@ -237,7 +237,8 @@ mod tests {
             let candidate = plain("coulomb-level");
             let best = Contender { candidate, fit, evidence, probability: 0.0, correlation: 0.0, bic: 0.0 };
             let (contenders, others) = (vec![best], Vec::new());
-            Stage { base, contenders, others, noise, threshold: 10.0, multiplicity: 0.0, has_cause }
+            let (threshold, multiplicity, discount) = (10.0, 0.0, 0.0);
+            Stage { base, contenders, others, noise, threshold, multiplicity, discount, has_cause }
         };
         let reason = |stage: Stage| nearest_candidate(&stage).map(|r| (r.causes[0].effect.clone(), r.reason));
         let expected = |reason: &str| Some(("coulomb-level".to_owned(), reason.to_owned()));

@@ -1,4 +1,4 @@
-//! Explanations: the calibrated bench without a cause, with one or with two, and the tests on its
+//! Explanations: the calibrated bench without a cause or with some, and the tests on its
 //! residual.
 
 use super::causes::EffectName;

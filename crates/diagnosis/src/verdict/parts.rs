@@ -12,8 +12,8 @@
 use super::acceptance::is_acceptable;
 use super::causes::EffectName;
 use super::explanation::Explanation;
-use super::probability::Hypothesis;
-use super::size_consistency::inconsistency;
+use super::probability::{Hypothesis, Shares};
+use super::size_consistency::last_inconsistency;
 use super::tuning;
 use crate::data::logs::{Columns, Data};
 use crate::data::noise::NoiseModel;
@@ -70,18 +70,20 @@ impl Parts {
             }
         }
         let Some((_, stages)) = best else { return Ok(None) };
-        let parts = Self::new(views, search.floors, stages, described, !accepted.causes.is_empty())?;
+        let parts = Self::new(views, search.floors, stages, (described, accepted))?;
         let data = &views.all;
         let (noise, before) = (&parts.explanation.noise, &accepted.residual);
-        Ok(is_lower(data, noise, before, &parts.explanation.residual).then_some(parts))
+        // A set that is not accepted replaces no accepted one, and says that an error remains.
+        let is_answer = parts.verdict != Verdict::Partial
+            || (accepted.causes.is_empty() && parts.explanation.remaining.is_some());
+        Ok((is_answer && is_lower(data, noise, before, &parts.explanation.residual)).then_some(parts))
     }
 
     fn new(
         views: &Views,
         floors: &NoiseModel,
         stages: Vec<Stage>,
-        described: &Explanation,
-        was_accepted: bool,
+        (described, accepted): (&Explanation, &Explanation),
     ) -> Result<Self, RespondError> {
         let causes = stages.iter().filter_map(|s| s.contenders.first()).map(|c| (c.candidate, c.probability));
         let causes: Vec<(Candidate, f64)> = causes.collect();
@@ -96,7 +98,9 @@ impl Parts {
         let names = |stage: &Stage| rivals(stage).map(|c| EffectName::from(&c.candidate)).collect();
         explanation.alternatives = stages.iter().map(names).collect();
         let main = main.unwrap_or_default();
-        let is_complete = was_accepted || is_acceptable(&views.all, described, &explanation);
+        let is_in_set = |(own, _): &(Candidate, f64)| explanation.causes.iter().any(|(c, _)| c == own);
+        let contains_accepted = !accepted.causes.is_empty() && accepted.causes.iter().all(is_in_set);
+        let is_complete = contains_accepted || is_acceptable(&views.all, described, &explanation);
         let mut parts = Self { explanation, stages, main, verdict: Verdict::Partial };
         if is_complete {
             let is_alone = parts.equivalents().next().is_none();
@@ -111,9 +115,12 @@ impl Parts {
     }
 
     /// Probabilities of the set with each contender in the place of the main cause, and without
-    /// any; `known` is the probability that the main cause is not unknown.
-    pub(crate) fn hypotheses(&self, known: f64) -> Vec<Hypothesis> {
-        let Some(stage) = self.stages.get(self.main) else { return Vec::new() };
+    /// any; `unknown` is the probability of an unknown cause.
+    pub(crate) fn shares(&self, unknown: f64) -> Shares {
+        let known = 1.0 - unknown;
+        let Some(stage) = self.stages.get(self.main) else {
+            return Shares { none: known, unknown, hypotheses: Vec::new() };
+        };
         let others = self.explanation.causes.iter().enumerate().filter(|(i, _)| *i != self.main);
         let others: Vec<EffectName> = others.map(|(_, (c, _))| EffectName::from(c)).collect();
         let with = |c: &Contender| Hypothesis {
@@ -121,10 +128,13 @@ impl Parts {
             probability: known * c.probability,
         };
         let mut hypotheses: Vec<Hypothesis> = stage.contenders.iter().map(with).collect();
-        let rest = known - hypotheses.iter().map(|h| h.probability).sum::<f64>();
-        hypotheses.push(Hypothesis { causes: others, probability: rest.max(0.0) });
+        let rest = (known - hypotheses.iter().map(|h| h.probability).sum::<f64>()).max(0.0);
+        let none = if others.is_empty() { rest } else { 0.0 };
+        if !others.is_empty() {
+            hypotheses.push(Hypothesis { causes: others, probability: rest });
+        }
         hypotheses.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        hypotheses
+        Shares { none, unknown, hypotheses }
     }
 }
 
@@ -154,7 +164,7 @@ fn is_kept(views: &Views, stage: &Stage) -> Result<bool, RespondError> {
     };
     let is_material =
         is_main_effect(&best.fit) || error(&stage.base)? >= (1.0 + tuning::MIN_PART_RISE) * error(&best.fit)?;
-    let differs = || inconsistency(&views.fitted, &stage.noise, &stage.noise, &best.fit).is_significant;
+    let differs = || last_inconsistency(&views.fitted, &stage.noise, &best.fit).is_significant;
     Ok(is_material && has_certain_parameters(views, &stage.noise, &best.fit) && !differs())
 }
 

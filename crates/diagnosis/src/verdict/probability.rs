@@ -9,6 +9,7 @@
 //!   held-out residual that these explain: even odds at [`tuning::MAIN_SHARE`], where the verdict
 //!   changes, and a factor of e for every [`tuning::SHARE_WIDTH`] of difference.
 //! * If the verdict is `unknown`, the same rule applies with a share of 0.
+//! * If it is `partial`, the same rule applies with odds of at least 1.
 //! * Otherwise they are the odds of a free-form model, at most [`tuning::MAX_UNSEEN_ODDS`]. That
 //!   model consists of the means over bins of the cycle's phase, or of time, in any of the
 //!   channels, with the BIC penalty for every bin.
@@ -28,7 +29,7 @@ use serde::Serialize;
 /// A fitted set of causes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Hypothesis {
-    /// One cause, or two together.
+    /// Causes that act together.
     pub causes: Vec<EffectName>,
     /// Posterior share.
     pub probability: f64,

@@ -49,12 +49,28 @@ pub(crate) fn inconsistency(
     noise: &NoiseModel,
     fit: &Fit,
 ) -> Inconsistency {
+    inconsistency_from(0, data, (floors, noise), fit)
+}
+
+/// Tests the last cause of a fit, in units of the noise with all that remains. The
+/// correlation counts twice, so that only a clear difference speaks against a cause.
+pub(crate) fn last_inconsistency(data: &Data, noise: &NoiseModel, fit: &Fit) -> Inconsistency {
+    inconsistency_from(fit.model.effects.len().saturating_sub(1), data, (noise, noise), fit)
+}
+
+/// Tests the causes from the one at `start` on.
+fn inconsistency_from(
+    start: usize,
+    data: &Data,
+    (floors, noise): (&NoiseModel, &NoiseModel),
+    fit: &Fit,
+) -> Inconsistency {
     let Some(test) = SizeTest::new(data, floors, noise, fit) else { return Inconsistency::default() };
     let model = &fit.model;
     let count = ((FEATURES.len() + 1) * model.effects.len()).max(1) as f64;
     let max_chance = tuning::INCONSISTENCY_FAMILY_ERROR / count;
     let mut found = Inconsistency::default();
-    for (which, candidate) in model.effects.iter().enumerate() {
+    for (which, candidate) in model.effects.iter().enumerate().skip(start) {
         let (sizes, shapes): (Vec<usize>, Vec<usize>) =
             model.effect_parameters(which).into_iter().partition(|&i| model.parameters[i].is_size());
         let features = if shapes.is_empty() { FEATURES } else { &[] };
