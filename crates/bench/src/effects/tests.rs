@@ -43,6 +43,7 @@ fn plant(plant: Plant) -> Bench {
 }
 
 /// Effect with shapes that suit a short record, and with sizes where the prior is unsuitable.
+/// Priors in quantities of a log count in SI units here.
 fn effect(kind: &EffectKind, bench: &Bench, share: f64) -> Effect {
     let mut parameters = BTreeMap::new();
     for p in kind.parameters(bench) {
@@ -55,6 +56,7 @@ fn effect(kind: &EffectKind, bench: &Bench, share: f64) -> Effect {
                 1.0 / (LARGEST[bench.effect_plant().unwrap() as usize] * (1.01 - 0.5 * share))
             }
             ("inertia-mismatch", "inertia_change") => 10.0 * share,
+            ("presliding-hysteresis", _) => 1e-4 * share,
             _ if p.is_size => p.prior * share,
             _ => p.default,
         };
