@@ -71,6 +71,9 @@ fn causes_beside_an_unknown_error_are_named_with_their_own_gain() {
     let bench = cylinder();
     let d = diagnosed(&bench, log(&bench, &effects, cubic(10.0)));
     assert!(d.signature.is_some());
+    let sum =
+        d.probability_none + d.probability_unknown + d.hypotheses.iter().map(|h| h.probability).sum::<f64>();
+    assert!((sum - 1.0).abs() < 1e-9 && d.hypotheses.iter().all(|h| !h.causes.is_empty()), "{sum}");
     for (name, _, value) in effects {
         let cause = cause(&d, name);
         let found = &cause.parameters[0];

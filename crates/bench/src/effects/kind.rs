@@ -7,7 +7,7 @@ use crate::signals::{Channel, Sensor};
 /// Quantity of a log in which step and prior of a parameter are given.
 ///
 /// A driven axis may be a valve or a press, so its efforts and distances have no absolute order of
-/// magnitude. The same log in other units then gives the same diagnosis.
+/// magnitude. A parameter that is given in such a quantity is found alike in a log in other units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// The parameter's own unit.

@@ -172,6 +172,24 @@ impl Model {
         model
     }
 
+    /// This model, the nominal one, with some effects of a fitted model in the given order, and
+    /// with their fitted values.
+    pub(crate) fn with_effects_of(
+        &self,
+        (fitted, z): (&Self, &[f64]),
+        order: impl IntoIterator<Item = usize>,
+        noise: &NoiseModel,
+    ) -> (Self, Vec<f64>) {
+        let mut model = self.clone();
+        let mut values: Vec<f64> = z.iter().take(self.parameters.len()).copied().collect();
+        for which in order {
+            let Some(candidate) = fitted.effects.get(which) else { continue };
+            values.extend(fitted.effect_parameters(which).iter().filter_map(|&i| z.get(i)));
+            model = model.with_effect(*candidate, noise);
+        }
+        (model, values)
+    }
+
     /// The bench at scaled parameters, with a variant for each log that differs.
     pub(crate) fn at(&self, z: &[f64]) -> Variants {
         let mut bench = self.bench.clone();

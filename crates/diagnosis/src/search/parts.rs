@@ -88,8 +88,10 @@ impl PartSearch<'_> {
         let mut settled: Vec<Stage> = Vec::new();
         for _ in 0..tuning::MAX_PART_STAGES {
             let Some(own) = set.0.effects.first().copied() else { break };
-            let others = self.without_first(&set);
-            let complete = self.with_last(&others, &set);
+            let fitted = (&set.0, set.1.as_slice());
+            let later = 1..set.0.effects.len();
+            let others = self.nominal.with_effects_of(fitted, later.clone(), self.floors);
+            let complete = self.nominal.with_effects_of(fitted, later.chain([0]), self.floors);
             let stage = self.stage(&others, Some(complete), is_kept)?;
             match stage.contenders.first() {
                 Some(best) if stage.has_cause => {
@@ -121,26 +123,5 @@ impl PartSearch<'_> {
         let (floors, set) = (self.floors, (model, z.as_slice()));
         run_stage(self.views, Some(floors), floors.clone(), set, self.candidates, incumbent)?
             .first_kept(self.views, floors, is_kept)
-    }
-
-    /// The other causes of a set with its first cause as the last one.
-    fn with_last(&self, others: &Set, (model, z): &Set) -> Set {
-        let (mut complete, mut values) = others.clone();
-        if let Some(first) = model.effects.first() {
-            complete = complete.with_effect(*first, self.floors);
-            values.extend(model.effect_parameters(0).iter().filter_map(|&i| z.get(i)));
-        }
-        (complete, values)
-    }
-
-    /// The set without its first cause.
-    fn without_first(&self, (model, z): &Set) -> Set {
-        let mut fewer = self.nominal.clone();
-        let mut values: Vec<f64> = z.iter().take(self.nominal.parameters.len()).copied().collect();
-        for (which, candidate) in model.effects.iter().enumerate().skip(1) {
-            values.extend(model.effect_parameters(which).iter().filter_map(|&i| z.get(i)));
-            fewer = fewer.with_effect(*candidate, self.floors);
-        }
-        (fewer, values)
     }
 }

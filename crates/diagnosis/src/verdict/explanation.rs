@@ -129,9 +129,8 @@ fn fit_second_alone(
     nominal: &Model,
     second: &Contender,
 ) -> Result<Fit, RespondError> {
-    let pair = &second.fit;
-    let own = pair.model.effect_parameters(pair.model.effects.len() - 1);
-    let mut z: Vec<f64> = pair.z.iter().take(nominal.parameters.len()).copied().collect();
-    z.extend(own.iter().filter_map(|&i| pair.z.get(i)));
-    fit(data, noise, nominal.with_effect(second.candidate, noise), z)
+    let pair = (&second.fit.model, second.fit.z.as_slice());
+    let last = pair.0.effects.len().checked_sub(1);
+    let (model, z) = nominal.with_effects_of(pair, last, noise);
+    fit(data, noise, model, z)
 }

@@ -70,7 +70,9 @@ impl Parts {
             }
         }
         let Some((_, stages)) = best else { return Ok(None) };
-        let parts = Self::new(views, search.floors, stages, (described, accepted))?;
+        let Some(parts) = Self::new(views, search.floors, stages, (described, accepted))? else {
+            return Ok(None);
+        };
         let data = &views.all;
         let (noise, before) = (&parts.explanation.noise, &accepted.residual);
         // A set that is not accepted replaces no accepted one, and says that an error remains.
@@ -84,20 +86,23 @@ impl Parts {
         floors: &NoiseModel,
         stages: Vec<Stage>,
         (described, accepted): (&Explanation, &Explanation),
-    ) -> Result<Self, RespondError> {
+    ) -> Result<Option<Self>, RespondError> {
         let causes = stages.iter().filter_map(|s| s.contenders.first()).map(|c| (c.candidate, c.probability));
         let causes: Vec<(Candidate, f64)> = causes.collect();
         let without: Result<Vec<Columns>, RespondError> =
             stages.iter().map(|s| all_residuals(&views.all, &s.noise, &s.base)).collect();
         let without = without?;
         let error = |residual: &Columns| held_out_power(&views.all, floors, residual);
-        let main = (0..without.len()).max_by(|&a, &b| error(&without[a]).total_cmp(&error(&without[b])));
-        let last = stages.last().and_then(|s| Some((&s.contenders.first()?.fit, &s.noise)));
-        let fitted = last.unwrap_or((&stages[0].base, &stages[0].noise));
+        let errors: Vec<f64> = without.iter().map(error).collect();
+        let Some(main) = (0..errors.len()).max_by(|&a, &b| errors[a].total_cmp(&errors[b])) else {
+            return Ok(None);
+        };
+        let Some(fitted) = stages.last().zip(complete_fit(&stages)).map(|(s, fit)| (fit, &s.noise)) else {
+            return Ok(None);
+        };
         let mut explanation = Explanation::new(views, floors, fitted, causes, without)?;
         let names = |stage: &Stage| rivals(stage).map(|c| EffectName::from(&c.candidate)).collect();
         explanation.alternatives = stages.iter().map(names).collect();
-        let main = main.unwrap_or_default();
         let is_in_set = |(own, _): &(Candidate, f64)| explanation.causes.iter().any(|(c, _)| c == own);
         let contains_accepted = !accepted.causes.is_empty() && accepted.causes.iter().all(is_in_set);
         let is_complete = contains_accepted || is_acceptable(&views.all, described, &explanation);
@@ -106,7 +111,7 @@ impl Parts {
             let is_alone = parts.equivalents().next().is_none();
             parts.verdict = if is_alone { Verdict::Named } else { Verdict::Ambiguous };
         }
-        Ok(parts)
+        Ok(Some(parts))
     }
 
     /// Contenders that fit as well as the main cause in its place.
