@@ -1,7 +1,7 @@
 //! Sizes of the firmware image, compared with budgets and with golden figures.
 //!
-//! Flash may differ by the length of the build name, which is part of the image. All other figures
-//! must be equal. With a compiler other than the pinned one, only the budgets are compared.
+//! All figures must be equal. With a compiler other than the pinned one, only the budgets are
+//! compared.
 
 use crate::document::Block;
 use crate::firmware::{DEFAULT, OTHER_CORE};
@@ -19,8 +19,6 @@ const TABLE: Block = Block { file: "docs/figures.md", name: "sizes" };
 const MAX_FLASH: u64 = 512 * 1024;
 /// RAM budget in bytes: static memory beside the stack's reserve.
 const MAX_RAM: u64 = 80 * 1024;
-/// Maximum length of a build name with padding, in bytes.
-const MAX_NAME_LENGTH: u64 = 40;
 
 fn path() -> PathBuf {
     root().join(FILE)
@@ -36,12 +34,6 @@ fn within_budgets(board: &str, sizes: &Sizes) -> Result<(), ChoreError> {
         found: serde_json::to_string_pretty(sizes).unwrap_or_default(),
         expected: format!("at most {MAX_FLASH} bytes of flash, {MAX_RAM} bytes of RAM, no reachable panic"),
     })
-}
-
-fn is_equal(found: &Figures, golden: &Figures) -> bool {
-    let flash = found.sizes.flash_bytes.abs_diff(golden.sizes.flash_bytes) <= MAX_NAME_LENGTH;
-    let sizes = Sizes { flash_bytes: golden.sizes.flash_bytes, ..found.sizes.clone() };
-    flash && *golden == Figures { sizes, ..found.clone() }
 }
 
 /// Measures the image and writes the golden figures.
@@ -81,7 +73,7 @@ pub(crate) fn check() -> Result<Comparison, ChoreError> {
     };
     let golden = std::fs::read_to_string(path()).map_err(|error| wrong(error.to_string()))?;
     let golden: Figures = serde_json::from_str(&golden).map_err(|error| wrong(error.to_string()))?;
-    if is_equal(&found, &golden) {
+    if found == golden {
         return Ok(Comparison::Complete);
     }
     Err(ChoreError::Differs {
@@ -100,18 +92,6 @@ mod tests {
         stack_bound_bytes: 10_000,
         stack_painted_bytes: 8_000,
     };
-
-    #[test]
-    fn only_the_build_name_may_change_the_flash_size() {
-        let with = |flash_bytes| Figures { sizes: Sizes { flash_bytes, ..FIGURES.sizes.clone() }, ..FIGURES };
-        assert!(is_equal(&with(90_040), &FIGURES) && is_equal(&with(89_960), &FIGURES));
-        assert!(!is_equal(&with(90_041), &FIGURES));
-        assert!(!is_equal(&Figures { stack_bound_bytes: 10_001, ..FIGURES }, &FIGURES));
-        assert!(!is_equal(
-            &Figures { sizes: Sizes { ram_bytes: 8_999, ..FIGURES.sizes.clone() }, ..FIGURES },
-            &FIGURES
-        ));
-    }
 
     #[test]
     fn a_reachable_panic_or_an_exceeded_budget_is_rejected() {

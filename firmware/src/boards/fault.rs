@@ -13,7 +13,7 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SCB;
 use link::start::{FaultKind, ResetReason, StartReport};
 
-use super::{BUILD_ID, memory};
+use super::{build_id, memory};
 use controller::supervisor::record::build_hash;
 use controller::supervisor::start::{Status, given_up, report};
 
@@ -94,7 +94,7 @@ extern "C" fn record_fault(msp: u32) -> ! {
         status.pushed = Some(pushed);
     }
     let previous = memory::stored_fault().map(|(fault, _)| fault);
-    memory::store_fault(&status.record(memory::guard_end(), build_hash(BUILD_ID), previous), true);
+    memory::store_fault(&status.record(memory::guard_end(), build_hash(&build_id()), previous), true);
     SCB::sys_reset()
 }
 
@@ -103,7 +103,7 @@ pub fn give_up(kind: FaultKind) -> ! {
     cortex_m::interrupt::disable();
     let previous = memory::stored_fault().map(|(fault, _)| fault);
     memory::store_fault(
-        &given_up(kind, cortex_m::register::msp::read(), build_hash(BUILD_ID), previous),
+        &given_up(kind, cortex_m::register::msp::read(), build_hash(&build_id()), previous),
         true,
     );
     SCB::sys_reset()

@@ -9,9 +9,9 @@
 use controller::boards::LINK_BAUD;
 use cortex_m_rt as _;
 use link::start::ResetReason;
-use link::{BuildId, ClockSource, LineErrors, Target};
+use link::{ClockSource, LineErrors, Target};
 
-use super::{BUILD_ID, Board, Files, Link, Probe, ReceiveEvent, Storage, Timer, fault, guard, timer};
+use super::{Board, Files, Link, Probe, ReceiveEvent, Storage, Timer, build_id, fault, guard, timer};
 use controller::session::Identity;
 use controller::store::controller::FlashError;
 
@@ -225,7 +225,7 @@ pub fn start(core: cortex_m::Peripherals, _device: device::Peripherals) -> Board
     let paced = files.is_none();
     let (timer, pacer) = Timer::start(core.SYST, core.DCB, core.DWT, CORE_HZ, Target::Emulator, paced);
     let identity = Identity {
-        build_id: BuildId::new(BUILD_ID),
+        build_id: build_id(),
         target: Target::Emulator,
         clock: ClockSource::Internal,
         core_hz: CORE_HZ,

@@ -13,7 +13,6 @@ use core::sync::atomic::{AtomicPtr, AtomicU8, AtomicU32};
 
 use link::{BUILD_ID_LEN, MAX_FRAME};
 
-use super::BUILD_ID;
 use controller::buffers::rtt_channel::Positions;
 use controller::service::{Purpose, Received, Transport};
 
@@ -31,7 +30,10 @@ static LINK_NAME: [u8; 5] = *b"link\0";
 #[expect(unsafe_code, reason = "probes find it by this name")]
 #[unsafe(no_mangle)]
 #[used]
-static PINTLE_BUILD_ID: [u8; BUILD_ID_LEN] = padded(BUILD_ID);
+pub(super) static PINTLE_BUILD_ID: [u8; BUILD_ID_LEN] = padded(match option_env!("PINTLE_BUILD_ID") {
+    Some(id) => id,
+    None => env!("CARGO_PKG_VERSION"),
+});
 
 /// A channel.
 #[repr(C)]

@@ -38,7 +38,7 @@ fn record(provocation: &str) -> FaultRecord {
         _ => ResetReason::Fault,
     };
     assert_eq!(hello.start.reason, reason, "{provocation}");
-    assert_eq!((record.count, record.build), (1, build_hash(hello.build_id.as_str())), "{provocation}");
+    assert_eq!((record.count, record.build), (1, build_hash(&hello.build_id)), "{provocation}");
     record
 }
 

@@ -14,6 +14,7 @@
 //! bits make it invalid and never another record: CRC-32 detects every error of up to 5 bits in
 //! this length.
 
+use link::BuildId;
 use link::crc32::{INITIAL, crc32, update_word};
 use link::start::{FaultKind, FaultRecord};
 
@@ -35,8 +36,8 @@ fn checksum(words: &[u32]) -> u32 {
 
 /// Returns the number that identifies a build's name in a record.
 #[must_use]
-pub fn build_hash(name: &str) -> u32 {
-    crc32(name.as_bytes())
+pub fn build_hash(build: &BuildId) -> u32 {
+    crc32(build.0.split(|&byte| byte == 0).next().unwrap_or_default())
 }
 
 /// Encodes a record as words.
@@ -125,6 +126,6 @@ mod tests {
 
     #[test]
     fn a_build_is_known_by_its_name() {
-        assert_eq!(build_hash("123456789"), 0xCBF4_3926, "the check value of CRC-32/ISO-HDLC");
+        assert_eq!(build_hash(&BuildId::new("123456789")), 0xCBF4_3926, "the check value of CRC-32/ISO-HDLC");
     }
 }

@@ -8,7 +8,7 @@ mod serial;
 mod spi;
 mod watchdog;
 
-use link::{BuildId, ClockSource, Target};
+use link::{ClockSource, Target};
 use stm32f4xx_hal::gpio::{GpioExt, PinState, Speed};
 use stm32f4xx_hal::rcc::RccExt;
 
@@ -17,7 +17,7 @@ pub use sensors::Sensors;
 pub use serial::{Inbox, Receiver, Transmitter};
 pub use watchdog::Watchdog;
 
-use super::{BOARD, BUILD_ID, Board, Files, Link, Probe, Storage, Timer, fault, guard, timer};
+use super::{BOARD, Board, Files, Link, Probe, Storage, Timer, build_id, fault, guard, timer};
 use clock_tree::ClockTree;
 use controller::clock::{Clocks, INTERNAL_HZ, bring_up};
 use controller::session::Identity;
@@ -101,8 +101,7 @@ pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board 
 
     let paced = files.is_none();
     let (timer, pacer) = Timer::start(core.SYST, core.DCB, core.DWT, clocks.core_hz, target, paced);
-    let identity =
-        Identity { build_id: BuildId::new(BUILD_ID), target, clock: clocks.source, core_hz: clocks.core_hz };
+    let identity = Identity { build_id: build_id(), target, clock: clocks.source, core_hz: clocks.core_hz };
     let link = files.map_or(Link::Serial(transmitter, Probe::new()), Link::Files);
     // The emulator ignores stores to flash.
     let storage =
