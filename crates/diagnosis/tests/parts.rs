@@ -129,7 +129,7 @@ fn in_units(length: f64, force: f64) -> (Verdict, [f64; 2]) {
 #[test]
 fn the_same_log_in_other_units_gives_the_same_verdict_and_values() {
     let (verdict, values) = in_units(1.0, 1.0);
-    assert!((values[0] / 5000.0 - 1.0).abs() < 0.05 && (values[1] / 4e-3 - 1.0).abs() < 0.15, "{values:?}");
+    assert!((values[0] / 5000.0 - 1.0).abs() < 0.05 && (values[1] / 4e-3 - 1.0).abs() < 0.2, "{values:?}");
     for (length, force) in [(1.0 / 40.0, 1e-3), (100.0, 1.0), (1.0, 1e3)] {
         let (other, found) = in_units(length, force);
         assert_eq!(other, verdict, "{length}, {force}: {found:?}");
