@@ -28,8 +28,8 @@ delay_s = 4e-4
   benches; it is wide and matters only where a log contains no information. A size is 0 by default,
   and at 0 the effect changes no bit of the result. A shape has a default. Offset and drift of a
   sensor are in the unit of its channel, their priors in multiples of its noise. On an axis, many
-  priors are multiples of what the log shows: its rms effort, half its stroke at the friction
-  radius, its drag (rms effort over rms speed) and its inertia (rms effort over the acceleration
+  priors are multiples of what the log shows: its rms effort, half its stroke and its rms speed
+  at the friction radius, its drag (rms effort over rms speed) and its inertia (rms effort over the acceleration
   that rms speed and half stroke imply). Such a parameter is found alike in a log in other units.
 * **Plants**: planar (transmission bench), two-plane (the same with `[two_plane]`), rotary (friction
   rig), linear (axis). On other plants the effect is refused.
@@ -58,15 +58,20 @@ fn parameter(p: &EffectParameter) -> String {
     let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
     let default = if p.is_size { String::new() } else { format!(", default {}", number(p.default)) };
     let (min, max, prior) = (number(p.min), number(p.max), number(p.prior));
-    let factor = if p.is_factor { "a factor of " } else { "" };
     let measure = match p.measure {
         Measure::Unit => "",
         Measure::Effort => " efforts",
         Measure::Distance => " half strokes",
+        Measure::Speed => " rms speeds",
         Measure::Drag => " drags",
         Measure::Inertia => " inertias",
     };
-    format!("`{}`{unit}: {min} to {max}{default}, prior {factor}{prior}{measure}", p.name)
+    let prior = match (p.is_factor, measure) {
+        (true, "") => format!("a factor of {prior}"),
+        (true, _) => format!("a factor of {prior} around {}{measure}", number(p.centre)),
+        (false, _) => format!("{prior}{measure}"),
+    };
+    format!("`{}`{unit}: {min} to {max}{default}, prior {prior}", p.name)
 }
 
 fn row(kind: &EffectKind) -> String {

@@ -16,6 +16,8 @@ pub enum Measure {
     Effort,
     /// Half the range of the motion at the friction radius, m.
     Distance,
+    /// Rms speed at the friction radius, m/s.
+    Speed,
     /// Effort over the rms speed, N s/m or N m s/rad.
     Drag,
     /// Effort over the acceleration that rms speed and half range imply, kg or kg m2.
@@ -31,14 +33,16 @@ pub struct EffectParameter {
     pub unit: &'static str,
     /// A visible but small value: the step of finite differences and the initial value of a fit.
     pub scale: f64,
-    /// Quantity in which `scale` and `prior` are given.
+    /// Quantity in which `scale`, `centre` and a `prior` that is no factor are given.
     pub measure: Measure,
     /// Minimum value.
     pub min: f64,
     /// Maximum value.
     pub max: f64,
-    /// Standard deviation over real benches, around the default. It is wide and matters only where
-    /// a log contains no information.
+    /// Expected value over real benches: the default unless it is given in a quantity of the log.
+    pub centre: f64,
+    /// Standard deviation over real benches, around `centre`. It is wide and matters only where a
+    /// log contains no information.
     pub prior: f64,
     /// True if the prior is a factor: the parameter is positive and may have any order of
     /// magnitude.
@@ -58,13 +62,18 @@ impl EffectParameter {
         [min, max]: [f64; 2],
         prior: f64,
     ) -> Self {
-        let (is_factor, default, is_size) = (false, 0.0, true);
-        Self { name, unit, scale, measure: Measure::Unit, min, max, prior, is_factor, default, is_size }
+        let (measure, is_factor, default, is_size) = (Measure::Unit, false, 0.0, true);
+        Self { name, unit, scale, measure, min, max, centre: 0.0, prior, is_factor, default, is_size }
     }
 
-    /// Gives step and prior in a quantity of the log.
+    /// Gives step and prior of a size in a quantity of the log.
     pub(super) const fn in_log(self, measure: Measure) -> Self {
         Self { measure, ..self }
+    }
+
+    /// Gives the centre of a shape's prior in a quantity of the log.
+    pub(super) const fn around(self, centre: f64, measure: Measure) -> Self {
+        Self { centre, measure, ..self }
     }
 
     /// Creates a shape: a property of the effect while its size is not 0.
@@ -75,8 +84,8 @@ impl EffectParameter {
         [min, max]: [f64; 2],
         prior: f64,
     ) -> Self {
-        let (scale, is_factor, is_size) = (prior, false, false);
-        Self { name, unit, scale, measure: Measure::Unit, min, max, prior, is_factor, default, is_size }
+        let (scale, measure, is_factor, is_size) = (prior, Measure::Unit, false, false);
+        Self { name, unit, scale, measure, min, max, centre: default, prior, is_factor, default, is_size }
     }
 
     /// Creates a shape of any order of magnitude; `factor` is one standard deviation, up or down.
@@ -87,8 +96,8 @@ impl EffectParameter {
         [min, max]: [f64; 2],
         factor: f64,
     ) -> Self {
-        let (scale, prior, is_factor, is_size) = (1.0, factor, true, false);
-        Self { name, unit, scale, measure: Measure::Unit, min, max, prior, is_factor, default, is_size }
+        let (scale, measure, prior, is_factor, is_size) = (1.0, Measure::Unit, factor, true, false);
+        Self { name, unit, scale, measure, min, max, centre: default, prior, is_factor, default, is_size }
     }
 }
 

@@ -45,6 +45,7 @@ impl Measures {
             Measure::Unit => 1.0,
             Measure::Effort => self.effort,
             Measure::Distance => self.half_range * self.friction_radius,
+            Measure::Speed => self.speed * self.friction_radius,
             Measure::Drag => self.effort / self.speed,
             Measure::Inertia => self.effort * self.half_range / self.speed.powi(2),
         }

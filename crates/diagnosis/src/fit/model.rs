@@ -14,7 +14,7 @@ use crate::data::logs::Data;
 use crate::data::measures::Measures;
 use crate::data::noise::NoiseModel;
 use bench::description::AxisKind;
-use bench::effects::{Effect, EffectKind, Guess, Measure};
+use bench::effects::{Effect, EffectKind, EffectParameter, Guess, Measure};
 use bench::{Bench, Channel};
 use std::collections::BTreeMap;
 
@@ -149,13 +149,13 @@ impl Model {
                 None => candidate.guesses_size() == p.is_size,
             };
             let (centre, scale, precision) = match candidate.guess.filter(is_guessed) {
-                // The prior is centred on the start, which is one deviation from the default at
+                // The prior is centred on the start, which is one deviation from the centre at
                 // most.
                 Some(g) if p.is_factor => (g.value, 1.0, p.prior.ln().powi(-2)),
                 Some(g) if p.is_size => (0.0, g.step, 0.0),
                 Some(g) => (g.value, g.step, tuning::GUESS_PRECISION),
-                None if p.is_factor => (p.default, 1.0, p.prior.ln().powi(-2)),
-                None => (p.default, p.scale * unit_scale, (p.scale / p.prior).powi(2)),
+                None if p.is_factor => (self.centre(p), 1.0, p.prior.ln().powi(-2)),
+                None => (self.centre(p), p.scale * unit_scale, (p.scale / p.prior).powi(2)),
             };
             model.parameters.push(Parameter {
                 target: Target::Effect { index, name: p.name, is_size: p.is_size },
@@ -163,13 +163,30 @@ impl Model {
                 centre,
                 scale,
                 min: p.min,
-                max: p.max,
+                max: self.max(p),
                 is_factor: p.is_factor,
                 precision,
             });
         }
         model.effects.push(candidate);
         model
+    }
+
+    /// Centre of the prior of an effect's parameter.
+    pub(crate) fn centre(&self, p: &EffectParameter) -> f64 {
+        (p.centre * self.measures.value(p.measure)).clamp(p.min, p.max)
+    }
+
+    /// Maximum of an effect's parameter.
+    ///
+    /// A shape in a quantity of the log is at most that quantity: a log shows no fall of friction
+    /// with a speed beyond its own.
+    pub(crate) fn max(&self, p: &EffectParameter) -> f64 {
+        if p.is_size || p.measure == Measure::Unit {
+            p.max
+        } else {
+            p.max.min(self.measures.value(p.measure))
+        }
     }
 
     /// This model, the nominal one, with some effects of a fitted model in the given order, and

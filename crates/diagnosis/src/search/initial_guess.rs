@@ -43,15 +43,15 @@ pub(crate) fn with_guesses(
 }
 
 /// Guesses of shapes of unknown order of magnitude: each shape a prior standard deviation above and
-/// below its default, the others at theirs.
+/// below the centre of its prior, the others at theirs.
 ///
 /// A fit from a distant start would end in a local minimum.
 fn magnitudes(base: &Fit, candidate: &Candidate) -> Vec<InitialGuess> {
     let bench = base.model.at(&base.z).common;
     let shapes = candidate.kind.parameters(&bench).iter().filter(|p| p.is_factor);
     let above_and_below = |p: &EffectParameter| {
-        let (name, min, max) = (p.name, p.min, p.max);
-        [p.default / p.prior, p.default * p.prior].map(|value| InitialGuess {
+        let (name, min, max, centre) = (p.name, p.min, base.model.max(p), base.model.centre(p));
+        [centre / p.prior, centre * p.prior].map(|value| InitialGuess {
             value: value.clamp(min, max),
             step: 1.0,
             parameter: Some(name),
