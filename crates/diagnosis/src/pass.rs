@@ -3,15 +3,17 @@
 //!
 //! 1. The selection finds a first cause, and a second one on top of it. The first one is dropped if
 //!    the second makes it unnecessary.
-//! 2. If the selection finds no cause, the verdict is `none` if no structure remains in the
-//!    residual and calibration stays within its bounds, else `unknown`.
+//! 2. If the selection finds no cause, a declared number that is out of tolerance is one
+//!    ([`crate::verdict::tolerance`]). Without such a number the verdict is `none` if no structure
+//!    remains in the residual and calibration stays within its bounds, else `unknown`.
 //! 3. If [`crate::verdict::acceptance`] accepts the selected causes, the verdict is `named`, or
 //!    `ambiguous` if another candidate fits equally well. If it accepts none, the verdict is
-//!    `unknown`.
+//!    `unknown`. An accepted cause that changes no channel beyond a small share of its noise is a
+//!    note instead ([`crate::verdict::materiality`]).
 //!
 //! [`Pass::parts`] then searches for causes beside an error that remains.
 
-use crate::check::Checked;
+use crate::check::{Checked, Finding};
 use crate::data::logs::Data;
 use crate::data::noise::NoiseModel;
 use crate::data::split::Split;
@@ -33,6 +35,7 @@ use crate::verdict::causes::{EffectName, EquivalentEffect, causes};
 use crate::verdict::estimates::{calibrated_parameters, log_nuisances};
 use crate::verdict::explanation::{Explanation, explanations};
 use crate::verdict::identifiability::identifiability;
+use crate::verdict::materiality::{is_immaterial, note};
 use crate::verdict::noise_summary::noise_summary;
 use crate::verdict::nuisance_bounds::findings_at_bounds;
 use crate::verdict::parts::Parts;
@@ -41,6 +44,7 @@ use crate::verdict::ranking::ranking;
 use crate::verdict::remaining_structure::is_confined_to_held_out;
 use crate::verdict::residual_bins::binned_residuals;
 use crate::verdict::series::series;
+use crate::verdict::tolerance::{OutOfTolerance, findings_out_of_tolerance};
 use bench::Bench;
 
 /// Probability of an unknown cause, at least, where the rules of acceptance reject the causes.
@@ -112,7 +116,20 @@ impl Pass<'_> {
         let Search { views, floors, nominal, selection, .. } = &search;
         let data = &views.all;
         let explanations = explanations(views, floors, nominal, selection)?;
-        let (accepted, rejection) = accept(data, &explanations);
+        let (mut accepted, rejection) = accept(data, &explanations);
+        let mut notes: Vec<Finding> = Vec::new();
+        while let Some(last) = explanations[accepted].causes.len().checked_sub(1) {
+            if !is_immaterial(data, floors, &explanations[accepted], last) {
+                break;
+            }
+            notes.extend(note(data, floors, &explanations[accepted], last));
+            accepted -= 1;
+        }
+        if explanations.len() == 1
+            && let Some(diagnosis) = self.number_out_of_tolerance(&search, &explanations[0])?
+        {
+            return Ok(PassResult { diagnosis, is_wrong_late: false, search, explanations, accepted });
+        }
         let (calibrated, extended) = (&explanations[0], &explanations[accepted]);
         let last_stage = accepted.checked_sub(1).and_then(|i| selection.stages().nth(i));
         let equivalents: Vec<&Contender> =
@@ -120,7 +137,8 @@ impl Pass<'_> {
         let parameters = (&extended.model, extended.z.as_slice());
         let is_within_bounds = declared_at_bound(calibrated).next().is_none()
             && findings_at_bounds(data, floors, parameters, extended.held_out.as_ref())?.is_empty();
-        let is_clean = explanations.len() == 1 && is_within_bounds;
+        let has_no_cause = explanations.len() == 1 || (accepted == 0 && !notes.is_empty());
+        let is_clean = has_no_cause && is_within_bounds && findings_out_of_tolerance(calibrated).is_empty();
         let verdict = match (accepted, extended.remaining.is_some()) {
             (0, false) if is_clean => Verdict::None,
             (0, _) => Verdict::Unknown,
@@ -131,17 +149,51 @@ impl Pass<'_> {
         let rejection =
             rejection.or_else(|| if is_unknown { nearest_candidate(&selection.first) } else { None });
         let (_, (share, _)) = gains(data, &extended.noise, &calibrated.residual, &extended.residual);
-        let shares = posterior_shares(data, selection, (accepted, is_unknown), extended, share);
+        let mut shares = posterior_shares(data, selection, (accepted, is_unknown), extended, share);
+        if verdict == Verdict::None && !notes.is_empty() {
+            shares = Shares { none: 1.0 - shares.unknown, unknown: shares.unknown, hypotheses: Vec::new() };
+        }
         let experiment = last_stage
             .zip(extended.causes.last())
             .and_then(|(stage, (cause, _))| self.experiment(data, stage, (*cause, extended)));
         let answer = Answer { verdict, explanation: extended, equivalents, rejection, shares, experiment };
-        let diagnosis = self.report(&search, calibrated, answer)?;
+        let mut diagnosis = self.report(&search, calibrated, answer)?;
+        diagnosis.checks.extend(notes);
         // A log without two cycles is split the same way by either rule.
         let has_two_cycles = data.logs.iter().any(|log| log.has_two_cycles());
         let is_wrong_late =
             has_two_cycles && is_confined_to_held_out(data, &calibrated.noise, &calibrated.residual);
         Ok(PassResult { diagnosis, is_wrong_late, search, explanations, accepted })
+    }
+
+    /// The answer if no cause is selected, no structure remains, and a declared number that an
+    /// effect changes is out of tolerance; none otherwise.
+    fn number_out_of_tolerance(
+        &self,
+        search: &Search,
+        calibrated: &Explanation,
+    ) -> Result<Option<Diagnosis>, DiagnosisError> {
+        let Search { views, floors, candidates, selection, .. } = search;
+        if calibrated.remaining.is_some() {
+            return Ok(None);
+        }
+        let first = &selection.first;
+        let found = OutOfTolerance::find(views, floors, candidates, (calibrated, &first.noise))?;
+        let Some(found) = found.filter(|found| found.explanation.remaining.is_none()) else {
+            return Ok(None);
+        };
+        let equivalents: Vec<&Contender> = found.equivalents(first).collect();
+        let (data, explanation) = (&views.all, &found.explanation);
+        let unknown = unknown_probability(data, explanation, 1.0);
+        let answer = Answer {
+            verdict: if equivalents.is_empty() { Verdict::Named } else { Verdict::Ambiguous },
+            explanation,
+            shares: found.shares(unknown, &equivalents),
+            equivalents,
+            rejection: None,
+            experiment: None,
+        };
+        Ok(Some(self.report(search, &found.described, answer)?))
     }
 
     /// Searches for causes beside the error that remains after a pass; none if no set of causes
@@ -203,7 +255,8 @@ impl Pass<'_> {
         let Answer { verdict, explanation: extended, equivalents, rejection, shares, experiment } = answer;
         let (data, first) = (&search.views.all, &search.selection.first);
         let parameters = (&extended.model, extended.z.as_slice());
-        let checks = findings_at_bounds(data, &search.floors, parameters, extended.held_out.as_ref())?;
+        let mut checks = findings_at_bounds(data, &search.floors, parameters, extended.held_out.as_ref())?;
+        checks.extend(findings_out_of_tolerance(extended));
         let (gain, (share, interval)) =
             gains(data, &extended.noise, &calibrated.residual, &extended.residual);
         let known = 1.0 - shares.unknown;

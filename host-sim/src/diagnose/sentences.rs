@@ -110,6 +110,11 @@ pub(crate) fn sentence(diagnosis: &Diagnosis) -> String {
             let rejection =
                 diagnosis.rejection.as_ref().map_or_else(String::new, |r| format!(" {}", rejection_words(r)));
             let bounds = bounds_words(&diagnosis.identifiability, &diagnosis.calibrated);
+            let numbers = diagnosis.checks.iter().filter(|f| f.kind == "out-of-tolerance");
+            let numbers: Vec<&str> = numbers.map(|f| f.found.as_str()).collect();
+            if diagnosis.signature.is_none() && rejection.is_empty() && !numbers.is_empty() {
+                return format!("Described numbers are out of tolerance: {}.", numbers.join("; "));
+            }
             format!("The logs show a fault that no known effect explains.{place}{bounds}{rejection}")
         }
     }

@@ -207,6 +207,30 @@ impl Model {
         (model, values)
     }
 
+    /// This model without its effects.
+    pub(crate) fn without_effects(&self) -> Self {
+        let mut model = self.clone();
+        let described = model.bench.effects().len() - model.effects.len();
+        model.bench.effects_mut().truncate(described);
+        model.effects.clear();
+        model.parameters.retain(Parameter::is_declared);
+        model
+    }
+
+    /// This model with the declared number `index` as described, and the values of the other
+    /// parameters.
+    pub(crate) fn without_number(&self, index: usize, mut z: Vec<f64>) -> (Self, Vec<f64>) {
+        let mut model = self.clone();
+        model.parameters.remove(index);
+        z.remove(index);
+        (model, z)
+    }
+
+    /// Returns whether a parameter is a number that the description itself declares uncertain.
+    pub(crate) fn declares(&self, parameter: &Parameter) -> bool {
+        parameter.is_nominal() && self.bench.uncertain().contains_key(parameter.name())
+    }
+
     /// The bench at scaled parameters, with a variant for each log that differs.
     pub(crate) fn at(&self, z: &[f64]) -> Variants {
         let mut bench = self.bench.clone();

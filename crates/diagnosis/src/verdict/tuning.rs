@@ -33,6 +33,12 @@ pub(crate) const MIN_EIGENVALUE: f64 = 1e-6;
 /// Largest correlation of neighbouring samples that counts as noise; it limits the inflation to 19.
 /// Chosen by hand, not measured.
 pub(crate) const MAX_NEIGHBOUR_CORRELATION: f64 = 0.9;
+/// Declared deviations beyond which a declared number is out of tolerance. Chosen by hand, not
+/// measured: one correct declaration in 370 is exceeded.
+pub(crate) const MAX_TOLERATED: f64 = 3.0;
+/// Share of the noise floor up to which the change of a channel is immaterial. Chosen by hand, not
+/// measured.
+pub(crate) const MATERIAL_SHARE: f64 = 0.05;
 /// Change of the explained share that changes the odds of an unknown cause by a factor of e. With
 /// .9 explained, unknown has a probability of .05. Chosen by hand, not measured.
 pub(crate) const SHARE_WIDTH: f64 = 0.05;
