@@ -5,8 +5,8 @@
 //! to 5, prior 0.3). Axis: an additional effort `excess m` (`excess_effort` in N or N m, within
 //! 1e9, prior 3 times the log's rms effort). Shapes: `rest_time_s` 1e-3 to 1e3, default 0.5;
 //! `distance_m` 1e-6 to 0.1, default 2e-4; the prior of both is a factor of 10. On an axis the
-//! distance is within 1e-9 to 1e6, its prior around a hundredth of half the stroke. At the start of a
-//! log, a part at standstill has been there for a long time, and a moving part has the state of
+//! distance is within 1e-9 to 1e6, its prior around a hundredth of half the stroke. At the start of
+//! a log, a part at standstill has been there for a long time, and a moving part has the state of
 //! steady sliding. In a log: a peak of friction after each standstill or reversal, which is lost
 //! over the distance. Confounded with Stribeck friction (which also peaks before a reversal) and,
 //! without standstills, with pre-sliding.
