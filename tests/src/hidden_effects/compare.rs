@@ -44,6 +44,12 @@ pub struct Outcome {
     /// Causes of a named or ambiguous answer, the main one first. A partial answer gives an unknown
     /// cause at least half of the probability and counts as `unknown`.
     pub causes: Vec<Named>,
+    /// Number of causes of a partial answer.
+    #[serde(default)]
+    pub partial_names: usize,
+    /// Number of these that are hidden; all if together they are equivalent to what is hidden.
+    #[serde(default)]
+    pub partial_right: usize,
     /// Effects reported as fitting equally well.
     pub ambiguous_with: Vec<Named>,
     /// True if the first cause is the (first) hidden effect.
@@ -82,6 +88,8 @@ impl Outcome {
             hidden: Vec::new(),
             verdict: String::new(),
             causes: Vec::new(),
+            partial_names: 0,
+            partial_right: 0,
             ambiguous_with: Vec::new(),
             first: false,
             in_group: 0,
@@ -133,13 +141,18 @@ impl Outcome {
     pub fn score(&mut self, answer: &Diagnosis, hidden: &[HiddenEffect]) {
         self.verdict = answer.verdict.name().into();
         self.hidden = hidden.to_vec();
-        if matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous) {
-            let named = |effect: &String, channel: Option<bench::Channel>, probability: f64| Named {
-                effect: effect.clone(),
-                channel: channel.map(|c| c.name().to_owned()),
-                probability,
-            };
-            self.causes = answer.causes.iter().map(|c| named(&c.effect, c.channel, c.probability)).collect();
+        let named = |effect: &String, channel: Option<bench::Channel>, probability: f64| Named {
+            effect: effect.clone(),
+            channel: channel.map(|c| c.name().to_owned()),
+            probability,
+        };
+        let causes: Vec<Named> =
+            answer.causes.iter().map(|c| named(&c.effect, c.channel, c.probability)).collect();
+        if answer.verdict == Verdict::Partial {
+            self.partial_names = causes.len();
+            self.partial_right = causes.iter().filter(|n| hidden.iter().any(|h| n.is(h))).count();
+        } else if matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous) {
+            self.causes = causes;
             let others = answer.ambiguous_with.iter();
             self.ambiguous_with = others.map(|c| named(&c.effect, c.channel, c.probability)).collect();
         }
@@ -158,13 +171,18 @@ impl Outcome {
 
     /// Decides whether the causes are the hidden effects under other names.
     pub fn score_equivalence(&mut self, scale: &Scale<'_>, answer: &Diagnosis) {
-        if self.causes.is_empty() || self.in_group > 0 || self.hidden.is_empty() {
+        if answer.causes.is_empty() || self.in_group + self.partial_right > 0 || self.hidden.is_empty() {
             return;
         }
         let named: Vec<HiddenEffect> = answer.causes.iter().map(as_hidden).collect();
         // An empty answer leaves the effect's full size, so a small effect needs a smaller
         // remainder.
-        self.equivalent = scale.distance(&self.hidden, &named) < ALIKE.min(0.5 * scale.size(&self.hidden));
+        let is_alike = scale.distance(&self.hidden, &named) < ALIKE.min(0.5 * scale.size(&self.hidden));
+        if answer.verdict == Verdict::Partial {
+            self.partial_right = if is_alike { self.partial_names } else { 0 };
+        } else {
+            self.equivalent = is_alike;
+        }
     }
 }
 

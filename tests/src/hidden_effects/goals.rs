@@ -51,6 +51,7 @@ impl Figures {
             at_most("mean group size at size 1", 2.0, at("1", |s| s.group)),
             at_least("deleted cause unknown or equivalent", 0.90, deleted(known)),
             at_most("deleted cause wrongly named", 0.05, deleted(self.deleted.wrong)),
+            at_most("wrong among the named deleted causes", 0.10, of(&self.deleted_named)),
             at_least("two effects, both in the group", 0.85, of(&self.both)),
             at_least("inseparable pair, both named", 0.95, of(&self.pair_named)),
             at_least("pair settled by the proposed experiment", 0.90, of(&self.pair_settled)),
@@ -149,6 +150,26 @@ mod tests {
         assert_eq!((singles.cells, singles.detected), (19, 1.0));
         assert!((singles.first - 8.0 / 19.0).abs() < 1e-12);
         assert_eq!(found.deleted.unknown, 1.0);
+    }
+
+    #[test]
+    fn names_of_partial_answers_and_of_deleted_causes_are_scored() {
+        let mut outcomes = answers(|arm| arm == Arm::Single);
+        let deleted = outcomes.iter_mut().filter(|o| o.cell.arm == Arm::Deleted);
+        for (i, outcome) in deleted.enumerate() {
+            if i < 4 {
+                (outcome.verdict, outcome.causes) = ("partial".into(), Vec::new());
+                (outcome.partial_names, outcome.partial_right) = (2, usize::from(i == 0));
+            }
+            outcome.equivalent = i == 4;
+        }
+        let found = figures("2026-01-01", &campaign(), &outcomes);
+        assert_eq!(found.partial_names, Share { cells: 8, share: 1.0 / 8.0 });
+        assert_eq!(found.deleted_named, Share { cells: 15, share: 14.0 / 15.0 });
+        let goal = |f: &Figures| {
+            f.goals().into_iter().find(|g| g.name == "wrong among the named deleted causes").unwrap()
+        };
+        assert!(goal(&found).missed_by().unwrap() > 0.8 && !found.worse_than(&Figures::default()).is_empty());
     }
 
     #[test]

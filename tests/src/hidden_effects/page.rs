@@ -44,8 +44,8 @@ their noise instead of a tenth; five times the noise of the load on `linear`.
 const LIMITS: &str =
     "* The row \"a third cause\" could not fail in this run: it counts answers with more than two causes, \
 and the engine named at most two.
-* The answer `partial`, which the engine of this run did not give yet, counts as `unknown`: whether its \
-causes are right is not scored.
+* The answer `partial` counts as `unknown`; its causes have a row of their own. Runs before \
+2026-11-24 are of an engine that did not give it.
 * Cells with an effect have white noise, deviations of at most .8 declared deviations, and one operating \
 point. Coloured noise, other loads and deviations of up to two occur in clean logs only.
 * The generators have the engine's model class and constants: the same equations of effects, the same \
@@ -204,6 +204,8 @@ fn questions(page: &mut String, figures: &Figures) {
         ("clean log: a cause named", &figures.false_names),
         ("clean log under hard conditions: any answer but none", &figures.hard_false_alarms),
         ("clean log under hard conditions: a cause named", &figures.hard_false_names),
+        ("deleted cause: wrong, where a cause is named", &figures.deleted_named),
+        ("causes in partial answers: hidden, or equivalent to what is hidden", &figures.partial_names),
         ("two effects: both in the group", &figures.both),
         ("two effects: a third cause (cannot fail, see the limits)", &figures.third),
         ("inseparable pair: both named", &figures.pair_named),

@@ -68,6 +68,12 @@ pub struct Figures {
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
     /// Deleted causes.
     pub deleted: Shares,
+    /// Deleted causes for which a cause is named: share with a wrong name.
+    #[serde(default)]
+    pub deleted_named: Share,
+    /// Causes in partial answers of all arms: share that is hidden or equivalent.
+    #[serde(default)]
+    pub partial_names: Share,
     /// Two effects: both in the group.
     pub both: Share,
     /// Two effects: share with a third cause.
@@ -197,6 +203,10 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
     let gain = |o: &Outcome| (o.realised.unwrap_or(0.0) / o.predicted.unwrap_or(1.0) - 1.0).abs();
     let parameter_errors: Vec<f64> =
         single.iter().filter(|o| size(o) == 1.0).filter_map(|o| o.parameter_error).collect();
+    let deleted = arm(Arm::Deleted);
+    let deleted_named: Vec<&Outcome> = deleted.iter().filter(|o| !o.causes.is_empty()).copied().collect();
+    let count = |read: fn(&Outcome) -> usize| shown.iter().map(|o| read(o)).sum::<usize>();
+    let (partial, right) = (count(|o| o.partial_names), count(|o| o.partial_right));
     let named: Vec<&Outcome> = pair.iter().filter(|o| o.in_group == 2).copied().collect();
     let hopeless = |o: &Outcome| o.hopeless;
     let mut times: Vec<f64> = shown.iter().map(|o| o.engine_s).collect();
@@ -224,7 +234,9 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
             .map(|(k, v)| (k.clone(), shares(v)))
             .collect(),
         confusion: confusion(&clear),
-        deleted: shares(&arm(Arm::Deleted)),
+        deleted: shares(&deleted),
+        deleted_named: share(&deleted_named, Outcome::wrong),
+        partial_names: Share { cells: partial, share: right as f64 / partial.max(1) as f64 },
         both: share(&two, |o| o.in_group == 2),
         third: share(&two, |o| o.causes.len() > 2),
         pair_named: share(&pair, |o| o.in_group == 2),

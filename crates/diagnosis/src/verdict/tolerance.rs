@@ -21,7 +21,6 @@ use crate::digits::four_digits;
 use crate::fit::held_out_gain::all_residuals;
 use crate::fit::least_squares::fit;
 use crate::fit::model::{Candidate, Model};
-use crate::fit::tuning::Z_95;
 use crate::search::contender::Contender;
 use crate::search::stage::Stage;
 use crate::search::threshold::bic_penalty;
@@ -29,7 +28,7 @@ use crate::search::tuning::EQUIVALENT_BIC;
 use bench::simulate::RespondError;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// A declared number that certainly lies beyond its tolerance.
+/// A declared number that probably lies beyond its tolerance.
 struct Number {
     /// Position among the model's parameters.
     index: usize,
@@ -124,14 +123,14 @@ impl OutOfTolerance {
     }
 }
 
-/// Declared numbers of the bench that certainly lie beyond their tolerance.
+/// Declared numbers of the bench that probably lie beyond their tolerance.
 fn numbers(explanation: &Explanation) -> Vec<Number> {
     let Explanation { model, z, deviations, .. } = explanation;
     let number = |index: usize| {
-        let (p, off, deviation) = (&model.parameters[index], z[index].abs(), deviations[index]);
-        let is_beyond = model.declares(p) && off - Z_95 * deviation >= tuning::MAX_TOLERATED;
-        let margin = (off - tuning::MAX_TOLERATED) / deviation.max(f64::MIN_POSITIVE);
-        is_beyond.then(|| Number { index, probability: Normal::standard().cdf(margin) })
+        let margin = (z[index].abs() - tuning::MAX_TOLERATED) / deviations[index].max(f64::MIN_POSITIVE);
+        let probability = Normal::standard().cdf(margin);
+        let is_beyond = probability >= tuning::MIN_BEYOND && model.declares(&model.parameters[index]);
+        is_beyond.then_some(Number { index, probability })
     };
     (0..model.parameters.len()).filter_map(number).collect()
 }

@@ -36,6 +36,9 @@ pub(crate) const MAX_NEIGHBOUR_CORRELATION: f64 = 0.9;
 /// Declared deviations beyond which a declared number is out of tolerance. Chosen by hand, not
 /// measured: one correct declaration in 370 is exceeded.
 pub(crate) const MAX_TOLERATED: f64 = 3.0;
+/// Least posterior probability of a declared number that is out of tolerance. Chosen by hand, not
+/// measured.
+pub(crate) const MIN_BEYOND: f64 = 0.8;
 /// Share of the noise floor up to which the change of a channel is immaterial. Chosen by hand, not
 /// measured.
 pub(crate) const MATERIAL_SHARE: f64 = 0.05;
