@@ -70,7 +70,7 @@ fn a_number_of_a_linear_axis_is_named() {
     is_named(Plant::Linear, 0, "inertia-mismatch", 1.0);
     is_named(Plant::Linear, 1, "coulomb-level", 1.0);
     is_named(Plant::Linear, 2, "viscous-friction", 1.0);
-    // Number 3, the load coefficient, cannot be told from dry friction and the load's gain.
+    // Number 3, the load coefficient, cannot be separated from dry friction and the load's gain.
     is_listed(Plant::Linear, 4, "axis.load_gain");
 }
 

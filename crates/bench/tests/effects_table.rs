@@ -28,10 +28,10 @@ delay_s = 4e-4
   benches; it is wide and matters only where a log contains no information. A size is 0 by default,
   and at 0 the effect changes no bit of the result. A shape has a default. Offset and drift of a
   sensor are in the unit of its channel, their priors in multiples of its noise. On an axis, many
-  priors are multiples of what the log shows: its rms effort, half its stroke and its rms speed at
-  the friction radius, its drag (rms effort over rms speed) and its inertia (rms effort over the
-  acceleration that rms speed and half stroke imply). Such a parameter is found alike in a log in
-  other units.
+  priors are multiples of what the log shows: its rms effort, the load with this effort, half its
+  stroke and its rms speed at the friction radius, its drag (rms effort over rms speed) and its
+  inertia (rms effort over the acceleration that rms speed and half stroke imply). Such a parameter
+  is found alike in a log in other units.
 * **Plants**: planar (transmission bench), two-plane (the same with `[two_plane]`), rotary (friction
   rig), linear (axis). On other plants the effect is refused.
 * **Shows in**: the channel of the transmission bench that shows it best. On an axis that is the
@@ -64,6 +64,7 @@ fn parameter(p: &EffectParameter) -> String {
         Measure::Effort => " efforts",
         Measure::Distance => " half strokes",
         Measure::Speed => " rms speeds",
+        Measure::Load => " loads",
         Measure::Drag => " drags",
         Measure::Inertia => " inertias",
     };

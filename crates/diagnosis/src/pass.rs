@@ -35,7 +35,7 @@ use crate::verdict::causes::{EffectName, EquivalentEffect, causes};
 use crate::verdict::estimates::{calibrated_parameters, log_nuisances};
 use crate::verdict::explanation::{Explanation, explanations};
 use crate::verdict::identifiability::identifiability;
-use crate::verdict::materiality::{is_immaterial, note};
+use crate::verdict::materiality::without_immaterial;
 use crate::verdict::noise_summary::noise_summary;
 use crate::verdict::nuisance_bounds::findings_at_bounds;
 use crate::verdict::parts::Parts;
@@ -44,7 +44,7 @@ use crate::verdict::ranking::ranking;
 use crate::verdict::remaining_structure::is_confined_to_held_out;
 use crate::verdict::residual_bins::binned_residuals;
 use crate::verdict::series::series;
-use crate::verdict::tolerance::{OutOfTolerance, findings_out_of_tolerance};
+use crate::verdict::tolerance::{Numbers, OutOfTolerance};
 use bench::Bench;
 
 /// Probability of an unknown cause, at least, where the rules of acceptance reject the causes.
@@ -86,10 +86,12 @@ struct Search {
 struct Answer<'a> {
     verdict: Verdict,
     explanation: &'a Explanation,
-    equivalents: Vec<&'a Contender>,
+    equivalents: Vec<EquivalentEffect>,
     rejection: Option<Rejection>,
     shares: Shares,
     experiment: Option<Experiment>,
+    /// Findings about the description.
+    findings: Vec<Finding>,
 }
 
 impl Pass<'_> {
@@ -116,18 +118,15 @@ impl Pass<'_> {
         let Search { views, floors, nominal, selection, .. } = &search;
         let data = &views.all;
         let explanations = explanations(views, floors, nominal, selection)?;
-        let (mut accepted, rejection) = accept(data, &explanations);
-        let mut notes: Vec<Finding> = Vec::new();
-        while let Some(last) = explanations[accepted].causes.len().checked_sub(1) {
-            if !is_immaterial(data, floors, &explanations[accepted], last) {
-                break;
-            }
-            notes.extend(note(data, floors, &explanations[accepted], last));
-            accepted -= 1;
-        }
-        if explanations.len() == 1
-            && let Some(diagnosis) = self.number_out_of_tolerance(&search, &explanations[0])?
+        let (accepted, rejection) = accept(data, &explanations);
+        let (accepted, notes) = without_immaterial(data, floors, &explanations, accepted);
+        let numbers = Numbers::new(views, floors, &explanations[accepted])?;
+        let is_selected = explanations.len() > 1 && notes.is_empty();
+        let has_no_cause = accepted == 0 && !is_selected && rejection.is_none();
+        if has_no_cause
+            && let Some(mut diagnosis) = self.number_out_of_tolerance(&search, &numbers, &explanations[0])?
         {
+            diagnosis.checks.extend(notes);
             return Ok(PassResult { diagnosis, is_wrong_late: false, search, explanations, accepted });
         }
         let (calibrated, extended) = (&explanations[0], &explanations[accepted]);
@@ -137,8 +136,7 @@ impl Pass<'_> {
         let parameters = (&extended.model, extended.z.as_slice());
         let is_within_bounds = declared_at_bound(calibrated).next().is_none()
             && findings_at_bounds(data, floors, parameters, extended.held_out.as_ref())?.is_empty();
-        let has_no_cause = explanations.len() == 1 || (accepted == 0 && !notes.is_empty());
-        let is_clean = has_no_cause && is_within_bounds && findings_out_of_tolerance(calibrated).is_empty();
+        let is_clean = has_no_cause && is_within_bounds && numbers.are_within();
         let verdict = match (accepted, extended.remaining.is_some()) {
             (0, false) if is_clean => Verdict::None,
             (0, _) => Verdict::Unknown,
@@ -156,9 +154,12 @@ impl Pass<'_> {
         let experiment = last_stage
             .zip(extended.causes.last())
             .and_then(|(stage, (cause, _))| self.experiment(data, stage, (*cause, extended)));
-        let answer = Answer { verdict, explanation: extended, equivalents, rejection, shares, experiment };
-        let mut diagnosis = self.report(&search, calibrated, answer)?;
-        diagnosis.checks.extend(notes);
+        let known = 1.0 - shares.unknown;
+        let equivalents = equivalents.iter().map(|c| EquivalentEffect::new(c, known)).collect();
+        let findings = numbers.findings(&[]).into_iter().chain(notes).collect();
+        let explanation = extended;
+        let answer = Answer { verdict, explanation, equivalents, rejection, shares, experiment, findings };
+        let diagnosis = self.report(&search, calibrated, answer)?;
         // A log without two cycles is split the same way by either rule.
         let has_two_cycles = data.logs.iter().any(|log| log.has_two_cycles());
         let is_wrong_late =
@@ -166,32 +167,28 @@ impl Pass<'_> {
         Ok(PassResult { diagnosis, is_wrong_late, search, explanations, accepted })
     }
 
-    /// The answer if no cause is selected, no structure remains, and a declared number that an
-    /// effect changes is out of tolerance; none otherwise.
+    /// The answer if no cause is accepted and effects explain declared numbers that are out of
+    /// tolerance; none otherwise.
     fn number_out_of_tolerance(
         &self,
         search: &Search,
+        numbers: &Numbers,
         calibrated: &Explanation,
     ) -> Result<Option<Diagnosis>, DiagnosisError> {
         let Search { views, floors, candidates, selection, .. } = search;
-        if calibrated.remaining.is_some() {
-            return Ok(None);
-        }
-        let first = &selection.first;
-        let found = OutOfTolerance::find(views, floors, candidates, (calibrated, &first.noise))?;
-        let Some(found) = found.filter(|found| found.explanation.remaining.is_none()) else {
-            return Ok(None);
-        };
-        let equivalents: Vec<&Contender> = found.equivalents(first).collect();
-        let (data, explanation) = (&views.all, &found.explanation);
-        let unknown = unknown_probability(data, explanation, 1.0);
+        let (data, first) = (&views.all, &selection.first);
+        let found = OutOfTolerance::find(views, floors, candidates, (numbers, calibrated, first))?;
+        let Some(mut found) = found else { return Ok(None) };
+        let unknown = unknown_probability(data, &found.explanation, 1.0);
+        let (equivalents, shares) = found.compare(data, first, unknown)?;
         let answer = Answer {
             verdict: if equivalents.is_empty() { Verdict::Named } else { Verdict::Ambiguous },
-            explanation,
-            shares: found.shares(unknown, &equivalents),
+            explanation: &found.explanation,
             equivalents,
             rejection: None,
+            shares,
             experiment: None,
+            findings: numbers.findings(&found.numbers),
         };
         Ok(Some(self.report(search, &found.described, answer)?))
     }
@@ -220,11 +217,12 @@ impl Pass<'_> {
         let answer = Answer {
             verdict: parts.verdict,
             explanation,
-            equivalents: parts.equivalents().collect(),
+            equivalents: parts.equivalents().map(|c| EquivalentEffect::new(c, 1.0 - unknown)).collect(),
             rejection: result.diagnosis.rejection.clone().filter(|r| !r.causes.iter().any(is_named)),
             shares: parts.shares(unknown),
             experiment: main
                 .and_then(|(stage, (cause, _))| self.experiment(data, stage, (*cause, explanation))),
+            findings: result.diagnosis.checks.iter().filter(|f| f.kind == "immaterial").cloned().collect(),
         };
         let mut diagnosis = self.report(search, described, answer)?;
         if let Some(front) = diagnosis.causes.get_mut(..=parts.main) {
@@ -252,11 +250,12 @@ impl Pass<'_> {
         calibrated: &Explanation,
         answer: Answer<'_>,
     ) -> Result<Diagnosis, DiagnosisError> {
-        let Answer { verdict, explanation: extended, equivalents, rejection, shares, experiment } = answer;
+        let Answer { verdict, explanation: extended, equivalents, rejection, shares, experiment, findings } =
+            answer;
         let (data, first) = (&search.views.all, &search.selection.first);
         let parameters = (&extended.model, extended.z.as_slice());
         let mut checks = findings_at_bounds(data, &search.floors, parameters, extended.held_out.as_ref())?;
-        checks.extend(findings_out_of_tolerance(extended));
+        checks.extend(findings);
         let (gain, (share, interval)) =
             gains(data, &extended.noise, &calibrated.residual, &extended.residual);
         let known = 1.0 - shares.unknown;
@@ -267,7 +266,7 @@ impl Pass<'_> {
             probability_none: shares.none,
             probability_unknown: shares.unknown,
             hypotheses: shares.hypotheses,
-            ambiguous_with: equivalents.iter().map(|c| EquivalentEffect::new(c, known)).collect(),
+            ambiguous_with: equivalents,
             rejection,
             signature: extended.remaining.clone(),
             gain,

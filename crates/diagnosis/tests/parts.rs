@@ -108,6 +108,7 @@ fn in_units(length: f64, force: f64) -> (Verdict, [f64; 2]) {
         rig.axis.coulomb_effort = 0.0;
         rig.axis.viscous_effort = 0.0;
         rig.axis.load_gain = 0.0;
+        rig.load.force_n *= force;
         rig.axis.amplitude = 0.05 * length;
         rig.axis.regularisation_m_s = 2e-3 * length;
         rig.common.sensors.get_mut(&Channel::DriveForce).unwrap().noise = 20.0 * force;
@@ -116,9 +117,12 @@ fn in_units(length: f64, force: f64) -> (Verdict, [f64; 2]) {
     let effects =
         [("coulomb-level", "coulomb_effort", 5000.0), ("presliding-hysteresis", "distance_m", 4e-3)];
     let mut log = log(&bench(1.0, 1.0), &effects, cubic(500.0));
-    for (channel, unit) in
-        [(Channel::Position, length), (Channel::Velocity, length), (Channel::DriveForce, force)]
-    {
+    for (channel, unit) in [
+        (Channel::Position, length),
+        (Channel::Velocity, length),
+        (Channel::DriveForce, force),
+        (Channel::LoadForce, force),
+    ] {
         log.channels.get_mut(&channel).unwrap().iter_mut().for_each(|v| *v *= unit);
     }
     let d = diagnosed(&bench(length, force), log);

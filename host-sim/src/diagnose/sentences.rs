@@ -95,7 +95,11 @@ pub(crate) fn sentence(diagnosis: &Diagnosis) -> String {
         diagnosis.ambiguous_with.iter().map(|a| channelled(&a.effect, a.channel)).collect();
     match diagnosis.verdict {
         Verdict::None => {
-            "No fault found: the simulation agrees with the logs within the declared uncertainty.".into()
+            let notes = diagnosis.checks.iter().filter(|f| f.kind == "immaterial");
+            let notes: String = notes.map(|f| format!(" Too small to matter: {}.", f.found)).collect();
+            format!(
+                "No fault found: the simulation agrees with the logs within the declared uncertainty.{notes}"
+            )
         }
         Verdict::Named => format!("{causes}.{gain}"),
         Verdict::Ambiguous => {
@@ -113,7 +117,7 @@ pub(crate) fn sentence(diagnosis: &Diagnosis) -> String {
             let numbers = diagnosis.checks.iter().filter(|f| f.kind == "out-of-tolerance");
             let numbers: Vec<&str> = numbers.map(|f| f.found.as_str()).collect();
             if diagnosis.signature.is_none() && rejection.is_empty() && !numbers.is_empty() {
-                return format!("Described numbers are out of tolerance: {}.", numbers.join("; "));
+                return format!("Described numbers are out of tolerance: {}.{bounds}", numbers.join("; "));
             }
             format!("The logs show a fault that no known effect explains.{place}{bounds}{rejection}")
         }

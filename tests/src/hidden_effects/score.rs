@@ -205,8 +205,6 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         single.iter().filter(|o| size(o) == 1.0).filter_map(|o| o.parameter_error).collect();
     let deleted = arm(Arm::Deleted);
     let deleted_named: Vec<&Outcome> = deleted.iter().filter(|o| !o.causes.is_empty()).copied().collect();
-    let count = |read: fn(&Outcome) -> usize| shown.iter().map(|o| read(o)).sum::<usize>();
-    let (partial, right) = (count(|o| o.partial_names), count(|o| o.partial_right));
     let named: Vec<&Outcome> = pair.iter().filter(|o| o.in_group == 2).copied().collect();
     let hopeless = |o: &Outcome| o.hopeless;
     let mut times: Vec<f64> = shown.iter().map(|o| o.engine_s).collect();
@@ -236,7 +234,7 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         confusion: confusion(&clear),
         deleted: shares(&deleted),
         deleted_named: share(&deleted_named, Outcome::wrong),
-        partial_names: Share { cells: partial, share: right as f64 / partial.max(1) as f64 },
+        partial_names: partial_names(&shown),
         both: share(&two, |o| o.in_group == 2),
         third: share(&two, |o| o.causes.len() > 2),
         pair_named: share(&pair, |o| o.in_group == 2),
@@ -267,6 +265,13 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
         gain_within: share(&gains, |o| gain(o) <= 0.2),
         engine_s: (times.last().copied().unwrap_or_default(), median(times).unwrap_or_default()),
     }
+}
+
+/// Counts the causes in partial answers, and the share that is right.
+fn partial_names(cells: &[&Outcome]) -> Share {
+    let count = |read: fn(&Outcome) -> usize| cells.iter().map(|o| read(o)).sum::<usize>();
+    let (names, right) = (count(|o| o.partial_names), count(|o| o.partial_right));
+    Share { cells: names, share: right as f64 / names.max(1) as f64 }
 }
 
 /// Returns bins of the stated probability of the first cause with the rate at which it is right.

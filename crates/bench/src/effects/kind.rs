@@ -20,6 +20,8 @@ pub enum Measure {
     Speed,
     /// Effort over the rms speed, N s/m or N m s/rad.
     Drag,
+    /// Load with this effort, by the described gain and load-dependent friction, N.
+    Load,
     /// Effort over the acceleration that rms speed and half range imply, kg or kg m2.
     Inertia,
 }

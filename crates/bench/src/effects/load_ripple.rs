@@ -2,11 +2,11 @@
 //! the sensor's bandwidth.
 //!
 //! `F' = F + A cos(2 pi f t) + B sin(2 pi f t)` in the log's own time. Parameters: `cos_force_n`,
-//! `sin_force_n` (within 1e6 N, prior 200 N; on an axis within 1e9 N, prior 3 times the log's rms
-//! effort), shape `frequency_hz` (1e-3 to 1e4, default 10, prior 50). A phenomenon, not a law. In a
-//! log: a line in the periodogram of bearing and drive force (bench) or effort (an axis that
-//! carries its load), at a frequency that does not depend on the motion. Confounded with a ripple
-//! over position at constant speed.
+//! `sin_force_n` (within 1e6 N, prior 200 N; on an axis within 1e9 N, prior 3 times the load that
+//! has the log's rms effort), shape `frequency_hz` (1e-3 to 1e4, default 10, prior 50). A
+//! phenomenon, not a law. In a log: a line in the periodogram of bearing and drive force (bench) or
+//! effort (an axis that carries its load), at a frequency that does not depend on the motion.
+//! Confounded with a ripple over position at constant speed.
 
 use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure, Values};
 use crate::description::{Plant, RippleTerm};
@@ -17,7 +17,7 @@ const FREQUENCY: EffectParameter =
 
 /// A component of the force on an axis.
 const fn on_axis(name: &'static str) -> EffectParameter {
-    EffectParameter::size(name, "N", 1e-3, [-1e9, 1e9], 3.0).in_log(Measure::Effort)
+    EffectParameter::size(name, "N", 1e-3, [-1e9, 1e9], 3.0).in_log(Measure::Load)
 }
 
 pub(super) const EFFECT: EffectKind = EffectKind {

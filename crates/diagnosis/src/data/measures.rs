@@ -14,6 +14,10 @@ pub(crate) struct Measures {
     half_range: f64,
     /// Rms speed, m/s or rad/s.
     speed: f64,
+    /// Rms speed of the fastest log, m/s or rad/s.
+    largest_speed: f64,
+    /// Effort for each newton of the load, by gain and friction.
+    effort_per_load: f64,
     /// Distance at the friction radius for each unit of the motion, m per m or rad.
     friction_radius: f64,
 }
@@ -22,7 +26,14 @@ impl Measures {
     /// The quantities over all samples of the logs. A quantity without a positive value is 1.
     pub(crate) fn new(bench: &Bench, data: &Data) -> Self {
         let Some(rig) = bench.axis() else {
-            return Self { effort: 1.0, half_range: 1.0, speed: 1.0, friction_radius: 1.0 };
+            return Self {
+                effort: 1.0,
+                half_range: 1.0,
+                speed: 1.0,
+                largest_speed: 1.0,
+                effort_per_load: 1.0,
+                friction_radius: 1.0,
+            };
         };
         let efforts = data.channels.iter().map(|&channel| {
             let blocks = data.blocks.iter().filter(|b| b.channel == channel);
@@ -35,6 +46,12 @@ impl Measures {
             effort: positive(efforts.fold(0.0, f64::max)),
             half_range: positive(0.5 * (highest - lowest)),
             speed: positive(rms(data.logs.iter().flat_map(|log| log.speed.iter().copied()))),
+            largest_speed: positive(
+                data.logs.iter().map(|log| rms(log.speed.iter().copied())).fold(0.0, f64::max),
+            ),
+            effort_per_load: positive(
+                rig.axis.load_gain.abs() + rig.axis.load_coefficient.abs() * rig.axis.friction_radius_m,
+            ),
             friction_radius: positive(rig.axis.friction_radius_m),
         }
     }
@@ -48,6 +65,16 @@ impl Measures {
             Measure::Speed => self.speed * self.friction_radius,
             Measure::Drag => self.effort / self.speed,
             Measure::Inertia => self.effort * self.half_range / self.speed.powi(2),
+            Measure::Load => self.effort / self.effort_per_load,
+        }
+    }
+
+    /// The largest value of a measure in any log; no limit for parameters in their own unit.
+    pub(crate) fn largest(&self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Unit => f64::INFINITY,
+            Measure::Speed => self.largest_speed * self.friction_radius,
+            _ => self.value(measure),
         }
     }
 }

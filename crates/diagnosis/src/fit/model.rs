@@ -174,19 +174,15 @@ impl Model {
 
     /// Centre of the prior of an effect's parameter.
     pub(crate) fn centre(&self, p: &EffectParameter) -> f64 {
-        (p.centre * self.measures.value(p.measure)).clamp(p.min, p.max)
+        (p.centre * self.measures.value(p.measure)).clamp(p.min, self.max(p))
     }
 
     /// Maximum of an effect's parameter.
     ///
-    /// A shape in a quantity of the log is at most that quantity: a log shows no fall of friction
-    /// with a speed beyond its own.
+    /// A shape in a quantity of the log is at most that quantity: friction that falls with a speed
+    /// beyond the fastest log's rms can hardly be separated from a level.
     pub(crate) fn max(&self, p: &EffectParameter) -> f64 {
-        if p.is_size || p.measure == Measure::Unit {
-            p.max
-        } else {
-            p.max.min(self.measures.value(p.measure))
-        }
+        if p.is_size { p.max } else { p.max.min(self.measures.largest(p.measure)).max(p.min) }
     }
 
     /// This model, the nominal one, with some effects of a fitted model in the given order, and

@@ -28,7 +28,7 @@ pub(crate) struct Contender {
 impl Contender {
     /// Returns whether it has more parameters than another contender and the same response, within
     /// what counts as equal.
-    pub(super) fn restates(&self, other: &Self) -> bool {
+    pub(crate) fn restates(&self, other: &Self) -> bool {
         let differences = self.fit.residual.iter().zip(&other.fit.residual).map(|(a, b)| (a - b).powi(2));
         self.fit.model.parameters.len() > other.fit.model.parameters.len()
             && differences.sum::<f64>() < tuning::EQUIVALENT_BIC

@@ -9,18 +9,22 @@
 //! With other declared numbers near their descriptions, another effect may fit as well. It is then
 //! reported beside the cause.
 
-use super::causes::EffectName;
+use super::acceptance::is_acceptable;
+use super::causes::{EffectName, EquivalentEffect};
 use super::explanation::Explanation;
-use super::materiality::is_immaterial;
+use super::materiality::{largest_change, note};
 use super::probability::{Hypothesis, Shares};
 use super::tuning;
 use crate::check::{Finding, Severity};
+use crate::data::logs::{Columns, Data};
 use crate::data::noise::NoiseModel;
 use crate::data::views::Views;
 use crate::digits::four_digits;
-use crate::fit::held_out_gain::all_residuals;
-use crate::fit::least_squares::fit;
+use crate::fit::held_out_gain::{all_residuals, is_lower};
+use crate::fit::least_squares::{Fit, fit};
+use crate::fit::linear::dot;
 use crate::fit::model::{Candidate, Model};
+use crate::fit::tuning::{BOUND_TOLERANCE, MAX_DEVIATIONS};
 use crate::search::contender::Contender;
 use crate::search::stage::Stage;
 use crate::search::threshold::bic_penalty;
@@ -28,12 +32,74 @@ use crate::search::tuning::EQUIVALENT_BIC;
 use bench::simulate::RespondError;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// A declared number that probably lies beyond its tolerance.
-struct Number {
-    /// Position among the model's parameters.
-    index: usize,
-    /// Posterior probability that it lies beyond the tolerance.
-    probability: f64,
+/// Declared numbers of an explanation that are probably out of tolerance.
+#[derive(Default)]
+pub(crate) struct Numbers {
+    /// Name and posterior probability of each that matters.
+    material: Vec<(String, f64)>,
+    /// Findings about these, in their order.
+    findings: Vec<Finding>,
+    /// Notes about the others.
+    pub(crate) notes: Vec<Finding>,
+}
+
+impl Numbers {
+    /// Examines the numbers that the description declares uncertain; none if structure remains,
+    /// which they may imitate.
+    pub(crate) fn new(
+        views: &Views,
+        floors: &NoiseModel,
+        explanation: &Explanation,
+    ) -> Result<Self, RespondError> {
+        let mut out = Self::default();
+        if explanation.remaining.is_some() {
+            return Ok(out);
+        }
+        let Explanation { model, z, deviations, noise, .. } = explanation;
+        for (index, p) in model.parameters.iter().enumerate().filter(|(_, p)| model.declares(p)) {
+            let off = z[index].abs();
+            let margin = (off - tuning::MAX_TOLERATED) / deviations[index].max(f64::MIN_POSITIVE);
+            let probability = Normal::standard().cdf(margin);
+            if probability < tuning::MIN_BEYOND {
+                continue;
+            }
+            let (value, described) = (four_digits(p.value(z[index])), four_digits(p.centre));
+            let at_least = if off >= MAX_DEVIATIONS - BOUND_TOLERANCE { "at least " } else { "" };
+            let found = format!(
+                "{} is {value} in place of {described}, {at_least}{off:.1} of its declared standard \
+                 deviations",
+                p.name()
+            );
+            let (without, start) = model.without_number(index, z.clone());
+            let without = fit(&views.fitted, noise, without, start)?;
+            let without = all_residuals(&views.all, noise, &without)?;
+            let change = largest_change(&views.all, floors, &without, &explanation.residual);
+            if let Some(note) = note(&format!("{found}, which"), change) {
+                out.notes.push(note);
+                continue;
+            }
+            out.material.push((p.name().to_owned(), probability));
+            out.findings.push(
+                Finding::new(Severity::Doubtful, "description", p.name(), "out-of-tolerance", found)
+                    .cause("the description is wrong, or the bench has changed")
+                    .evidence("value", p.value(z[index]))
+                    .evidence("described", p.centre)
+                    .evidence("declared_deviation", p.scale),
+            );
+        }
+        Ok(out)
+    }
+
+    /// Returns whether no number that matters is out of tolerance.
+    pub(crate) fn are_within(&self) -> bool {
+        self.material.is_empty()
+    }
+
+    /// Findings about all numbers, except those that an effect explains.
+    pub(crate) fn findings(&self, explained: &[String]) -> Vec<Finding> {
+        let is_open = |f: &&Finding| !explained.contains(&f.channel);
+        self.findings.iter().filter(is_open).chain(&self.notes).cloned().collect()
+    }
 }
 
 /// Causes that are changes of declared numbers.
@@ -42,101 +108,123 @@ pub(crate) struct OutOfTolerance {
     pub(crate) described: Explanation,
     /// The bench with the effects that change them.
     pub(crate) explanation: Explanation,
-    /// Probability that all of the numbers are out of tolerance.
-    pub(crate) probability: f64,
     /// Names of the numbers.
-    numbers: Vec<String>,
-    bic: f64,
+    pub(crate) numbers: Vec<String>,
+    /// Probability that none of them is out of tolerance.
+    none: f64,
+    own: Contender,
 }
 
 impl OutOfTolerance {
-    /// Explains the numbers of a calibrated bench that are out of tolerance by the effects that
-    /// change them; none without such a number, or if one of the effects is immaterial.
+    /// Explains numbers of a calibrated bench by the effects that change them. Returns none if no
+    /// effect changes any of them, or if the rules of acceptance reject these effects.
     pub(crate) fn find(
         views: &Views,
         floors: &NoiseModel,
         candidates: &[Candidate],
-        (calibrated, noise): (&Explanation, &NoiseModel),
+        (numbers, calibrated, first): (&Numbers, &Explanation, &Stage),
     ) -> Result<Option<Self>, RespondError> {
-        let data = &views.fitted;
+        let (data, noise) = (&views.fitted, &first.noise);
         let (mut model, mut z) = (calibrated.model.clone(), calibrated.z.clone());
         let (mut causes, mut names) = (Vec::new(), Vec::new());
-        for number in numbers(calibrated) {
-            let name = calibrated.model.parameters[number.index].name();
-            let Some((extended, values, candidate)) = with_change_of(&model, &z, name, candidates, floors)
-            else {
-                continue;
-            };
+        for (name, probability) in &numbers.material {
+            let changed = with_change_of(&model, &z, name, candidates, floors);
+            let Some((extended, values, candidate)) = changed else { continue };
             (model, z) = (extended, values);
-            causes.push((candidate, number.probability));
-            names.push(name.to_owned());
+            causes.push((candidate, *probability));
+            names.push(name.clone());
         }
-        if causes.is_empty() {
-            return Ok(None);
-        }
-        let without = |dropped: Option<usize>| -> Result<_, RespondError> {
+        let Some(&(candidate, _)) = causes.last() else { return Ok(None) };
+        let without = |dropped: Option<usize>| -> Result<Fit, RespondError> {
             let kept = (0..causes.len()).filter(|i| dropped.is_some_and(|d| d != *i));
             let (model, z) = model.without_effects().with_effects_of((&model, &z), kept, floors);
             fit(data, noise, model, z)
         };
-        let described = without(None)?;
-        let columns: Result<Vec<_>, RespondError> =
-            (0..causes.len()).map(|i| all_residuals(&views.all, noise, &without(Some(i))?)).collect();
-        let described = Explanation::new(views, floors, (&described, noise), Vec::new(), Vec::new())?;
-        let fitted = fit(data, noise, model, z)?;
-        let bic = fitted.objective + bic_penalty(causes.len(), data, noise);
-        let probability = causes.iter().map(|(_, p)| p).product();
-        let explanation = Explanation::new(views, floors, (&fitted, noise), causes, columns?)?;
-        let is_material =
-            (0..explanation.causes.len()).all(|i| !is_immaterial(&views.all, floors, &explanation, i));
-        Ok(is_material.then_some(Self { described, explanation, probability, numbers: names, bic }))
+        let described = Explanation::new(views, floors, (&without(None)?, noise), Vec::new(), Vec::new())?;
+        let columns: Result<Vec<Columns>, RespondError> = match causes.len() {
+            1 => Ok(vec![described.residual.clone()]),
+            count => (0..count).map(|i| all_residuals(&views.all, noise, &without(Some(i))?)).collect(),
+        };
+        let fit = fit(data, noise, model, z)?;
+        let bic = fit.objective + bic_penalty(causes.len(), data, noise);
+        let none = causes.iter().map(|(_, p)| 1.0 - p).product();
+        let explanation = Explanation::new(views, floors, (&fit, noise), causes, columns?)?;
+        let is_accepted = explanation.remaining.is_none()
+            && is_acceptable(&views.all, &described, &explanation)
+            && is_lower(&views.all, noise, &described.residual, &explanation.residual);
+        let evidence = first.base.objective - fit.objective;
+        let own = Contender { candidate, fit, evidence, probability: 1.0, correlation: 1.0, bic };
+        Ok(is_accepted.then_some(Self { described, explanation, numbers: names, none, own }))
     }
 
-    /// Probabilities of these causes, of each of the `equivalents` in their place, and of declared
-    /// numbers within their tolerance; `unknown` is the probability of an unknown cause.
-    pub(crate) fn shares(&self, unknown: f64, equivalents: &[&Contender]) -> Shares {
+    /// Probabilities of these causes, of each rival in their place, and of numbers within their
+    /// tolerance; `unknown` is the probability of an unknown cause.
+    ///
+    /// Rivals are contenders of the stage without a cause that fit as well and leave the numbers
+    /// within their tolerance.
+    pub(crate) fn compare(
+        &mut self,
+        data: &Data,
+        first: &Stage,
+        unknown: f64,
+    ) -> Result<(Vec<EquivalentEffect>, Shares), RespondError> {
+        let rivals: Vec<&Contender> = first.contenders.iter().filter(|c| self.is_rival(c)).collect();
+        let odds = |c: &Contender| (0.5 * (self.own.bic - c.bic)).exp();
+        let own_share = 1.0 / (1.0 + rivals.iter().map(|c| odds(c)).sum::<f64>());
         let known = 1.0 - unknown;
-        let beyond = known * self.probability;
-        let other = |c: &&Contender| Hypothesis {
-            causes: vec![EffectName::from(&c.candidate)],
-            probability: beyond * c.probability,
+        let beyond = known * (1.0 - self.none);
+        let report = |c: &&Contender| {
+            Ok(EquivalentEffect {
+                effect: c.candidate.kind.name.into(),
+                channel: c.candidate.channel,
+                probability: beyond * own_share * odds(c),
+                correlation: self.correlation(data, &c.fit)?,
+            })
         };
-        let mut hypotheses: Vec<Hypothesis> = equivalents.iter().map(other).collect();
-        let own = beyond - hypotheses.iter().map(|h| h.probability).sum::<f64>();
+        let equivalents: Vec<EquivalentEffect> =
+            rivals.iter().map(report).collect::<Result<_, RespondError>>()?;
+        let name = |e: &EquivalentEffect| EffectName { effect: e.effect.clone(), channel: e.channel };
+        let mut hypotheses: Vec<Hypothesis> = equivalents
+            .iter()
+            .map(|e| Hypothesis { causes: vec![name(e)], probability: e.probability })
+            .collect();
         let causes = self.explanation.causes.iter().map(|(c, _)| EffectName::from(c)).collect();
-        hypotheses.push(Hypothesis { causes, probability: own });
+        hypotheses.push(Hypothesis { causes, probability: beyond * own_share });
         hypotheses.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        Shares { none: known - beyond, unknown, hypotheses }
+        for (_, probability) in &mut self.explanation.causes {
+            *probability *= own_share;
+        }
+        Ok((equivalents, Shares { none: known * self.none, unknown, hypotheses }))
     }
 
-    /// Contenders of a stage without a cause that fit as well as these causes, and leave the
-    /// numbers within their tolerance.
-    pub(crate) fn equivalents<'a>(&'a self, first: &'a Stage) -> impl Iterator<Item = &'a Contender> {
-        let is_other = |c: &Contender| self.explanation.causes.iter().all(|(own, _)| *own != c.candidate);
-        let is_within = |c: &Contender| {
-            let own = c.fit.model.parameters.iter().zip(&c.fit.z);
-            let mut own = own.filter(|(p, _)| p.is_nominal() && self.numbers.iter().any(|n| n == p.name()));
-            own.all(|(_, z)| z.abs() < tuning::MAX_TOLERATED)
+    fn is_rival(&self, c: &Contender) -> bool {
+        let numbers = c.fit.model.parameters.iter().zip(&c.fit.z);
+        let mut own = numbers.filter(|(p, _)| p.is_nominal() && self.numbers.iter().any(|n| n == p.name()));
+        let is_within = own.all(|(_, z)| z.abs() < tuning::MAX_TOLERATED);
+        let is_other = self.explanation.causes.iter().all(|(own, _)| *own != c.candidate);
+        is_within && is_other && c.bic - self.own.bic < EQUIVALENT_BIC && !c.restates(&self.own)
+    }
+
+    /// Correlation of the changes of the residual from the described bench, in units of the noise,
+    /// by a rival's fit and by these causes.
+    fn correlation(&self, data: &Data, rival: &Fit) -> Result<f64, RespondError> {
+        let noise = &self.explanation.noise;
+        let signature = |columns: &Columns| {
+            let mut out = Vec::new();
+            for ((block, before), after) in data.blocks.iter().zip(&self.described.residual).zip(columns) {
+                let weight = noise.weight(block.channel);
+                out.extend(before.iter().zip(after).map(|(b, a)| weight * (b - a)));
+            }
+            out
         };
-        let fits = move |c: &Contender| c.bic - self.bic < EQUIVALENT_BIC;
-        first.contenders.iter().filter(move |c| is_other(c) && is_within(c) && fits(c))
+        let own = signature(&self.explanation.residual);
+        let other = signature(&all_residuals(data, noise, rival)?);
+        Ok(dot(&own, &other) / (dot(&own, &own) * dot(&other, &other)).sqrt())
     }
-}
-
-/// Declared numbers of the bench that probably lie beyond their tolerance.
-fn numbers(explanation: &Explanation) -> Vec<Number> {
-    let Explanation { model, z, deviations, .. } = explanation;
-    let number = |index: usize| {
-        let margin = (z[index].abs() - tuning::MAX_TOLERATED) / deviations[index].max(f64::MIN_POSITIVE);
-        let probability = Normal::standard().cdf(margin);
-        let is_beyond = probability >= tuning::MIN_BEYOND && model.declares(&model.parameters[index]);
-        is_beyond.then_some(Number { index, probability })
-    };
-    (0..model.parameters.len()).filter_map(number).collect()
 }
 
 /// The model with the effect that changes a declared number, and without the number's own
-/// deviation; none if no effect changes this number alone.
+/// deviation; none if no effect changes this number alone, or none as far.
 fn with_change_of(
     model: &Model,
     z: &[f64],
@@ -152,27 +240,10 @@ fn with_change_of(
         start.resize(extended.parameters.len(), 0.0);
         extended.alias(&start, own).filter(|(declared, _)| *declared == number)?;
         let values = extended.unaliased(&start);
+        if values[number] != 0.0 {
+            return None;
+        }
         let (without, values) = extended.without_number(number, values);
         Some((without, values, candidate))
     })
-}
-
-/// Findings about declared numbers of the bench that are out of tolerance and are no cause.
-pub(crate) fn findings_out_of_tolerance(explanation: &Explanation) -> Vec<Finding> {
-    let finding = |number: Number| {
-        let p = &explanation.model.parameters[number.index];
-        let (value, off) = (p.value(explanation.z[number.index]), explanation.z[number.index].abs());
-        let found = format!(
-            "{} is {} in place of {}, {off:.1} of its declared standard deviations",
-            p.name(),
-            four_digits(value),
-            four_digits(p.centre)
-        );
-        Finding::new(Severity::Doubtful, "description", p.name(), "out-of-tolerance", found)
-            .cause("the description is wrong, or the bench has changed")
-            .evidence("value", value)
-            .evidence("described", p.centre)
-            .evidence("declared_deviation", p.scale)
-    };
-    numbers(explanation).into_iter().map(finding).collect()
 }
