@@ -62,8 +62,8 @@ fn add_errors(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), String> {
     section(page, "Gain", &gains(diagnosis));
     page.note(
         "Root mean square of measured minus simulated on held-out samples, in the channel's unit. Before: \
-         with the calibrated nominal bench. After: with the extended bench. Explained: share of the power \
-         above the noise.",
+         with the calibrated nominal bench; a number out of tolerance has its described value. After: with \
+         the extended bench. Explained: share of the power above the noise.",
     );
     if !diagnosis.places.is_empty() {
         page.section("Distribution of the error");

@@ -51,7 +51,7 @@ impl Figures {
             at_most("mean group size at size 1", 2.0, at("1", |s| s.group)),
             at_least("deleted cause unknown or equivalent", 0.90, deleted(known)),
             at_most("deleted cause wrongly named", 0.05, deleted(self.deleted.wrong)),
-            at_most("wrong among the named deleted causes", 0.10, of(&self.deleted_named)),
+            at_most("wrong among the named deleted causes", 0.10, of(&self.wrong_among_named())),
             at_least("two effects, both in the group", 0.85, of(&self.both)),
             at_least("inseparable pair, both named", 0.95, of(&self.pair_named)),
             at_least("pair settled by the proposed experiment", 0.90, of(&self.pair_settled)),
@@ -165,7 +165,7 @@ mod tests {
         }
         let found = figures("2026-01-01", &campaign(), &outcomes);
         assert_eq!(found.partial_names, Share { cells: 8, share: 1.0 / 8.0 });
-        assert_eq!(found.deleted_named, Share { cells: 15, share: 14.0 / 15.0 });
+        assert_eq!(found.wrong_among_named(), Share { cells: 15, share: 14.0 / 15.0 });
         let goal = |f: &Figures| {
             f.goals().into_iter().find(|g| g.name == "wrong among the named deleted causes").unwrap()
         };

@@ -177,16 +177,15 @@ fn run(page: &mut String, figures: &Figures) {
 /// Writes the limits of the page.
 fn limits(page: &mut String, figures: &Figures) {
     page.push_str("\n## Limits of this page\n\n");
-    let deleted = &figures.deleted;
-    let count = |share: f64| (share * deleted.cells as f64).round();
-    let named = count(deleted.wrong) + count(deleted.equivalent);
-    if named > 0.0 {
+    let named = figures.wrong_among_named();
+    if named.cells > 0 {
         page.push_str(&wrap(&format!(
-            "* With the true cause deleted from the library, the engine names a cause in {named} of {} \
-             cells. Of these names {} are wrong ({:.0} %); the others are equivalent.\n",
-            deleted.cells,
-            count(deleted.wrong),
-            100.0 * count(deleted.wrong) / named
+            "* With the true cause deleted from the library, the engine names a cause in {} of {} \
+             cells. Of these names {:.0} are wrong ({:.0} %); the others are equivalent.\n",
+            named.cells,
+            figures.deleted.cells,
+            named.share * named.cells as f64,
+            100.0 * named.share
         )));
     }
     page.push_str(&wrap(LIMITS));
@@ -204,7 +203,7 @@ fn questions(page: &mut String, figures: &Figures) {
         ("clean log: a cause named", &figures.false_names),
         ("clean log under hard conditions: any answer but none", &figures.hard_false_alarms),
         ("clean log under hard conditions: a cause named", &figures.hard_false_names),
-        ("deleted cause: wrong, where a cause is named", &figures.deleted_named),
+        ("deleted cause: wrong, where a cause is named", &figures.wrong_among_named()),
         ("causes in partial answers: hidden, or equivalent to what is hidden", &figures.partial_names),
         ("two effects: both in the group", &figures.both),
         ("two effects: a third cause (cannot fail, see the limits)", &figures.third),

@@ -68,9 +68,6 @@ pub struct Figures {
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
     /// Deleted causes.
     pub deleted: Shares,
-    /// Deleted causes for which a cause is named: share with a wrong name.
-    #[serde(default)]
-    pub deleted_named: Share,
     /// Causes in partial answers of all arms: share that is hidden or equivalent.
     #[serde(default)]
     pub partial_names: Share,
@@ -124,6 +121,16 @@ pub struct Figures {
     pub gain_within: Share,
     /// Longest and median wall time of the engine in s.
     pub engine_s: (f64, f64),
+}
+
+impl Figures {
+    /// Deleted causes for which a cause is named: share with a wrong name.
+    pub fn wrong_among_named(&self) -> Share {
+        let count = |share: f64| (share * self.deleted.cells as f64).round();
+        let (wrong, equivalent) = (count(self.deleted.wrong), count(self.deleted.equivalent));
+        let named = wrong + equivalent;
+        Share { cells: named as usize, share: wrong / named.max(1.0) }
+    }
 }
 
 fn share(cells: &[&Outcome], hit: impl Fn(&Outcome) -> bool) -> Share {
@@ -203,8 +210,6 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
     let gain = |o: &Outcome| (o.realised.unwrap_or(0.0) / o.predicted.unwrap_or(1.0) - 1.0).abs();
     let parameter_errors: Vec<f64> =
         single.iter().filter(|o| size(o) == 1.0).filter_map(|o| o.parameter_error).collect();
-    let deleted = arm(Arm::Deleted);
-    let deleted_named: Vec<&Outcome> = deleted.iter().filter(|o| !o.causes.is_empty()).copied().collect();
     let named: Vec<&Outcome> = pair.iter().filter(|o| o.in_group == 2).copied().collect();
     let hopeless = |o: &Outcome| o.hopeless;
     let mut times: Vec<f64> = shown.iter().map(|o| o.engine_s).collect();
@@ -232,8 +237,7 @@ pub fn figures(date: &str, campaign: &Campaign, outcomes: &[Outcome]) -> Figures
             .map(|(k, v)| (k.clone(), shares(v)))
             .collect(),
         confusion: confusion(&clear),
-        deleted: shares(&deleted),
-        deleted_named: share(&deleted_named, Outcome::wrong),
+        deleted: shares(&arm(Arm::Deleted)),
         partial_names: partial_names(&shown),
         both: share(&two, |o| o.in_group == 2),
         third: share(&two, |o| o.causes.len() > 2),
