@@ -74,7 +74,7 @@ fn a_number_of_a_linear_axis_is_named() {
     is_named(Plant::Linear, 0, "inertia-mismatch", 1.0);
     is_named(Plant::Linear, 1, "coulomb-level", 1.0);
     is_named(Plant::Linear, 2, "viscous-friction", 1.0);
-    // Number 3, the load coefficient, is found in 17 of 20 records only: other friction resembles it.
+    // Number 3, the load coefficient, is found in 17 of 20 records: other friction resembles it.
     is_listed(Plant::Linear, 4, "axis.load_gain");
 }
 
@@ -88,7 +88,7 @@ fn a_clearance_a_friction_level_and_a_lever_of_the_transmission_bench_are_found(
 /// Prints how often the effect of each number is the first cause, how often the answer is `none`,
 /// and how often another effect is the first cause, over drawn records.
 #[test]
-#[ignore = "some minutes: cargo test --release -p system-tests --test out_of_tolerance -- --ignored --nocapture"]
+#[ignore = "some minutes: cargo test --release -p system-tests --test out_of_tolerance -- --ignored"]
 fn rates_over_drawn_records() {
     const EFFECTS: [&str; 4] =
         ["inertia-mismatch", "coulomb-level", "viscous-friction", "load-dependent-friction"];
