@@ -29,7 +29,8 @@ delay_s = 4e-4
   and at 0 the effect changes no bit of the result. A shape has a default. Offset and drift of a
   sensor are in the unit of its channel, their priors in multiples of its noise. On an axis, many
   priors are multiples of what the log shows: its rms effort, the load with this effort, half its
-  stroke and its rms speed at the friction radius, its drag (rms effort over rms speed) and its
+  stroke and its rms speed at the friction radius, its drag (rms effort over rms speed), its
+  stiffness (rms effort over half the stroke), its load gain (rms effort over rms load), and its
   inertia (rms effort over the acceleration that rms speed and half stroke imply). Such a parameter
   is found alike in a log in other units.
 * **Plants**: planar (transmission bench), two-plane (the same with `[two_plane]`), rotary (friction
@@ -66,6 +67,8 @@ fn parameter(p: &EffectParameter) -> String {
         Measure::Speed => " rms speeds",
         Measure::Load => " loads",
         Measure::Drag => " drags",
+        Measure::Stiffness => " stiffnesses",
+        Measure::LoadGain => " load gains",
         Measure::Inertia => " inertias",
     };
     let prior = match (p.is_factor, measure) {

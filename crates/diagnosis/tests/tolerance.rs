@@ -33,7 +33,7 @@ drive_torque_nm = {{ noise = 0.05 }}
 [uncertain]
 \"axis.inertia\" = 0.04
 \"axis.coulomb_effort\" = 0.2
-\"axis.load_gain\" = 5e-4
+\"axis.constant_effort\" = 0.05
 "
     );
     Bench::parse("shaft.toml", &text).unwrap()
@@ -90,11 +90,11 @@ fn a_declared_number_within_two_and_a_half_deviations_is_no_fault() {
 
 #[test]
 fn a_number_that_no_effect_changes_is_a_finding_and_the_verdict_is_not_none() {
-    let d = with_number("axis.load_gain", 0.05 + 3.8 * 5e-4);
+    let d = with_number("axis.constant_effort", 3.8 * 0.05);
     assert_eq!(d.verdict, Verdict::Unknown, "{:?}", d.causes);
     let finding = d.checks.iter().find(|f| f.kind == "out-of-tolerance").unwrap();
-    assert!(finding.severity == Severity::Doubtful && finding.channel == "axis.load_gain");
-    assert!((finding.evidence["value"] / 0.0519 - 1.0).abs() < 0.01, "{finding:?}");
+    assert!(finding.severity == Severity::Doubtful && finding.channel == "axis.constant_effort");
+    assert!((finding.evidence["value"] / 0.19 - 1.0).abs() < 0.01, "{finding:?}");
 }
 
 #[test]

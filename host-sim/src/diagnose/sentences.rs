@@ -27,9 +27,15 @@ pub(crate) fn interval(share: Option<[f64; 2]>) -> String {
     share.map_or_else(|| "-".into(), |[a, b]| format!("{:.1} to {:.1} %", 100.0 * a, 100.0 * b))
 }
 
-/// Meaning of an effect as a clause: the catalogue's sentence without its full stop.
-fn meaning(effect: &str) -> &str {
-    kind(effect).map_or(effect, |known| known.summary.trim_end_matches('.'))
+/// Meaning of an effect as a clause: the catalogue's sentence without its full stop. A constant
+/// effort of the drive reads the same as an offset of its sensor.
+fn meaning(effect: &str, channel: Option<Channel>) -> &str {
+    match (effect, channel) {
+        ("sensor-offset", Some(Channel::DriveForce | Channel::DriveTorque)) => {
+            "A sensor has a constant offset, or a constant effort such as gravity is missing"
+        }
+        _ => kind(effect).map_or(effect, |known| known.summary.trim_end_matches('.')),
+    }
 }
 
 fn cause_words(cause: &Cause) -> String {
@@ -41,7 +47,7 @@ fn cause_words(cause: &Cause) -> String {
     let others = cause.alternatives.iter().map(|a| format!("; or {}", channelled(&a.effect, a.channel)));
     format!(
         "{} ({}: {}{})",
-        meaning(&cause.effect),
+        meaning(&cause.effect, cause.channel),
         channelled(&cause.effect, cause.channel),
         parameters.join(", "),
         others.collect::<String>()
@@ -167,7 +173,7 @@ mod tests {
     #[test]
     fn every_effect_has_a_meaning_that_reads_as_a_clause() {
         for known in bench::effects::CATALOGUE {
-            let words = meaning(known.name);
+            let words = meaning(known.name, None);
             assert!(words != known.name && !words.ends_with('.') && words.contains(' '), "{words}");
         }
     }

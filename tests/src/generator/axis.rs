@@ -1,7 +1,7 @@
 //! Driven axis, independent of the engine: the effort of a given motion, rotary or linear.
 //!
-//! The effort follows from the balance of an axis, `effort = gain F + m a + friction + ripple`, and
-//! from the documented meaning of each effect (`docs/effects.md`). The states of friction (its
+//! The effort follows from the balance of an axis, `effort = gain F + m a + k x + friction + ripple`,
+//! and from the documented meaning of each effect (`docs/effects.md`). The states of friction (its
 //! delayed sign, the time at standstill, a temperature) obey linear equations. An implicit
 //! second-order rule steps them by a quarter of a millisecond. The sign of the speed is a logistic
 //! function; a step of friction is a ramp of 10 ms. Sensors are in `sensing`. Units: SI, efforts in
@@ -83,6 +83,8 @@ struct Added {
     lag_s: f64,
     coulomb_asymmetry: f64,
     viscous_asymmetry: f64,
+    spring: f64,
+    friction_slope: f64,
 }
 
 impl Added {
@@ -100,6 +102,8 @@ impl Added {
             lag_s: total(hidden, "drive-lag", "lag_s"),
             coulomb_asymmetry: total(hidden, "coulomb-asymmetry", "asymmetry_effort"),
             viscous_asymmetry: total(hidden, "viscous-asymmetry", "asymmetry_effort"),
+            spring: total(hidden, "spring-effort", "stiffness"),
+            friction_slope: total(hidden, "position-friction", "friction_slope"),
         }
     }
 }
@@ -121,6 +125,7 @@ impl RealAxis {
             viscous: self.viscous + total(hidden, "viscous-friction", "viscous_effort"),
             load_coefficient: self.load_coefficient
                 + total(hidden, "load-dependent-friction", "load_coefficient"),
+            load_gain: self.load_gain + total(hidden, "load-gain", "gain_change"),
             ..*self
         };
         let added = Added::new(hidden);
@@ -174,6 +179,7 @@ impl RealAxis {
         let sign = 2.0 / (1.0 + (-2.0 * slide / self.sign_width_m_s).exp()) - 1.0;
         let load = load_n + added.load_ripple.map_or(0.0, |(c, s, f)| wave((c, s, 1.0 / f), time_s));
         let mut dry = self.coulomb + self.load_coefficient * load.abs() * self.radius_m;
+        dry += added.friction_slope * driven.place;
         if let Some((rise, speed)) = added.stribeck {
             dry += rise / (slide.abs() / speed).exp();
         }
@@ -200,8 +206,9 @@ impl RealAxis {
         if let Some((_, resistance, time)) = added.thermal {
             warmth.step(1.0 / time, resistance * (friction * driven.speed).max(0.0));
         }
-        let ripple = added.position_ripple.map_or(0.0, |r| wave(r, driven.place));
-        (self.load_gain * load + self.inertia * driven.acceleration + friction + ripple, friction)
+        let over_place =
+            added.spring * driven.place + added.position_ripple.map_or(0.0, |r| wave(r, driven.place));
+        (self.load_gain * load + self.inertia * driven.acceleration + friction + over_place, friction)
     }
 }
 

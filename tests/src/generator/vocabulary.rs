@@ -31,6 +31,9 @@ pub fn size_parameters(effect: &str) -> &'static [&'static str] {
         "position-ripple" => &["cos_effort", "sin_effort", "cos_torque_nm", "sin_torque_nm"],
         "hydraulic-compliance" => &["compliance_m_n"],
         "drive-lag" => &["lag_s"],
+        "load-gain" => &["gain_change"],
+        "spring-effort" => &["stiffness"],
+        "position-friction" => &["friction_slope"],
         "load-ripple" => &["cos_force_n", "sin_force_n"],
         "fork-backlash" => &["backlash_m"],
         "squeeze-film" => &["viscosity_pa_s"],
@@ -45,7 +48,7 @@ pub fn size_parameters(effect: &str) -> &'static [&'static str] {
 
 const SENSOR: [&str; 5] =
     ["sensor-offset", "sensor-gain", "sensor-delay", "sensor-drift", "sensor-saturation"];
-const ROTARY: [&str; 13] = [
+const ROTARY: [&str; 15] = [
     "inertia-mismatch",
     "stribeck-friction",
     "coulomb-level",
@@ -53,10 +56,12 @@ const ROTARY: [&str; 13] = [
     "viscous-asymmetry",
     "coulomb-asymmetry",
     "load-dependent-friction",
+    "position-friction",
     "breakaway",
     "presliding-hysteresis",
     "thermal-friction-drift",
     "friction-step",
+    "spring-effort",
     "position-ripple",
     "drive-lag",
 ];
@@ -65,7 +70,7 @@ const ROTARY: [&str; 13] = [
 pub fn effects(plant: Plant) -> Vec<&'static str> {
     match plant {
         Plant::Rotary => [&ROTARY[..], &SENSOR].concat(),
-        Plant::Linear => [&ROTARY[..], &["load-ripple"], &SENSOR].concat(),
+        Plant::Linear => [&ROTARY[..], &["load-gain", "load-ripple"], &SENSOR].concat(),
         Plant::Bench => [super::bench_vocabulary::EFFECTS, &SENSOR].concat(),
         Plant::TwoPlane => [super::bench_vocabulary::TILTING, &SENSOR].concat(),
     }
@@ -145,6 +150,9 @@ fn of_axis(effect: &str, record: &Record, sign: f64, phase: f64, noise: &mut Noi
             1e4,
             vec![("period", stroke * between(0.06, 0.35))],
         ),
+        "load-gain" => (vec![("gain_change", sign)], 3e-3, 1.0, vec![]),
+        "spring-effort" => (vec![("stiffness", sign)], 2.0 * floor / stroke, 1e6, vec![]),
+        "position-friction" => (vec![("friction_slope", sign)], 2.0 * floor / stroke, 1e6, vec![]),
         "load-ripple" => (
             vec![("cos_force_n", phase.cos()), ("sin_force_n", phase.sin())],
             2.0 * floor,

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 pub const PAIRS: &[(Plant, &str, &str)] = &[
     (Plant::Linear, "coulomb-level", "load-dependent-friction"),
     (Plant::Linear, "drive-lag", "sensor-delay"),
+    (Plant::Linear, "inertia-mismatch", "spring-effort"),
     (Plant::Rotary, "coulomb-level", "load-dependent-friction"),
 ];
 /// Changes, in the order of a cell's variants.

@@ -158,6 +158,8 @@ pub struct Extension {
 pub struct AxisExtension {
     /// Viscous effort per speed that reverses its sign in backward motion.
     pub viscous_asymmetry: f64,
+    /// Dry friction per displacement from the neutral position.
+    pub friction_slope: f64,
     /// Effort that falls with speed.
     pub stribeck: Vec<StribeckTerm>,
     /// Changes of dry friction.

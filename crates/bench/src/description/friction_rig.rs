@@ -31,6 +31,17 @@ section! {
         /// Difference of the dry effort between the directions, half of it each way.
         #[serde(default)]
         coulomb_asymmetry: f64 [-HUGE, HUGE, "N or N m"],
+        /// Effort that acts always: gravity, preload, bias of the drive.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        constant_effort: f64 [-HUGE, HUGE, "N or N m"],
+        /// Effort per displacement from the neutral position, positive for a spring that pulls
+        /// back.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        spring_stiffness: f64 [-HUGE, HUGE, "N/m or N m/rad"],
+        /// Position at which a spring has no effort and friction its described level: the middle of
+        /// the stroke, if nothing else is known.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        neutral_position: f64 [-1e6, 1e6, "m or rad"],
         /// Period of the sinusoidal motion, for records.
         period_s: f64 [1e-3, 1e6],
         /// Amplitude of the motion (half the stroke), for records.
@@ -191,6 +202,8 @@ impl PlantDescription for FrictionRig {
             "axis.coulomb_effort" => Some(&mut self.axis.coulomb_effort),
             "axis.viscous_effort" => Some(&mut self.axis.viscous_effort),
             "axis.load_coefficient" => Some(&mut self.axis.load_coefficient),
+            "axis.constant_effort" => Some(&mut self.axis.constant_effort),
+            "axis.spring_stiffness" => Some(&mut self.axis.spring_stiffness),
             _ => None,
         }
     }

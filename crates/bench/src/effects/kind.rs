@@ -20,6 +20,10 @@ pub enum Measure {
     Speed,
     /// Effort over the rms speed, N s/m or N m s/rad.
     Drag,
+    /// Effort over half the range of the motion, N/m or N m/rad.
+    Stiffness,
+    /// Effort over the rms load, N/N or N m/N; 1 without a load.
+    LoadGain,
     /// Load with this effort, by the described gain and load-dependent friction, N.
     Load,
     /// Effort over the acceleration that rms speed and half range imply, kg or kg m2.

@@ -19,8 +19,10 @@ mod journal_out_of_round;
 mod kind;
 mod lever_ratio;
 mod load_dependent_friction;
+mod load_gain;
 mod load_ripple;
 mod misalignment;
+mod position_friction;
 mod position_ripple;
 mod presliding_hysteresis;
 mod restitution;
@@ -31,6 +33,7 @@ mod sensor_gain;
 mod sensor_offset;
 mod sensor_saturation;
 mod shaft_flexibility;
+mod spring_effort;
 mod squeeze_film;
 mod stribeck_friction;
 #[cfg(test)]
@@ -60,14 +63,17 @@ pub const CATALOGUE: &[EffectKind] = &[
     viscous_asymmetry::EFFECT,
     coulomb_asymmetry::EFFECT,
     load_dependent_friction::EFFECT,
+    position_friction::EFFECT,
     breakaway::EFFECT,
     presliding_hysteresis::EFFECT,
     thermal_friction_drift::EFFECT,
     friction_step::EFFECT,
     seal_friction::EFFECT,
+    spring_effort::EFFECT,
     position_ripple::EFFECT,
     hydraulic_compliance::EFFECT,
     drive_lag::EFFECT,
+    load_gain::EFFECT,
     load_ripple::EFFECT,
     fork_backlash::EFFECT,
     squeeze_film::EFFECT,

@@ -1,10 +1,10 @@
 //! A single driven axis with given motion and a measured effort: the friction rig, or a linear
 //! axis.
 //!
-//! `effort = load_gain * load + inertia * acceleration + friction`, where friction opposes the
-//! motion: `(coulomb_effort +- asymmetry/2 + (load_coefficient + mu) |load| radius) tanh(v/v_r) +
-//! viscous_effort * speed`. The effort is the drive's, so friction adds to it while the axis moves
-//! forward.
+//! `effort = load_gain * load + inertia * acceleration + constant_effort + spring_stiffness *
+//! (position - neutral_position) + friction`, where friction opposes the motion: `(coulomb_effort
+//! +- asymmetry/2 + (load_coefficient + mu) |load| radius) tanh(v/v_r) + viscous_effort * speed`.
+//! The effort is the drive's, so friction adds to it while the axis moves forward.
 //!
 //! `mu` is the coefficient of the dry rubbing pair of `[surface]`, with the sliding speed `v` in
 //! m/s, the load `N` in N, and the mean pressure `p` in MPa on 140 mm x 140 mm:
@@ -92,7 +92,8 @@ fn friction_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> f64 {
     let sign = sign(rig, speed);
     let load_dependent =
         (axis.load_coefficient + now.coefficient) * now.load_n.abs() * axis.friction_radius_m;
-    let mut dry = axis.coulomb_effort + load_dependent;
+    let displacement = now.motion.value - axis.neutral_position;
+    let mut dry = axis.coulomb_effort + load_dependent + extension.friction_slope * displacement;
     for term in &extension.stribeck {
         dry += term.rise * (-speed.abs() / term.speed_m_s).exp();
     }
@@ -117,10 +118,10 @@ fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
     let axis = &rig.axis;
     let friction = friction_at(rig, now, memory);
     let ripple = ripples(&rig.extension.position_ripples, now.motion.value);
-    Effort {
-        effort: axis.load_gain * now.load_n + axis.inertia * now.motion.acceleration + friction + ripple,
-        friction,
-    }
+    let spring = axis.spring_stiffness * (now.motion.value - axis.neutral_position);
+    let load = axis.load_gain * now.load_n;
+    let inertial = axis.inertia * now.motion.acceleration;
+    Effort { effort: load + inertial + friction + ripple + axis.constant_effort + spring, friction }
 }
 
 /// Returns the memory after a step, with the motion at one moment taken for the step.
@@ -445,6 +446,24 @@ mod tests {
                 let expected = 100.0 * share * sign(&plain, speed);
                 assert!((rise - expected).abs() < 1e-6, "{speed} m/s: {rise} for {expected}");
             }
+        }
+    }
+
+    #[test]
+    fn spring_and_sloping_friction_act_from_the_neutral_position() {
+        let effort = |rig: &FrictionRig, value: f64, rate: f64| {
+            efforts(rig, &[0.0], |_| Motion { value, rate, acceleration: 0.0 }, |_| 1e5)[0]
+        };
+        let plain = rig("friction-rig");
+        let mut with = plain.clone();
+        (with.axis.constant_effort, with.axis.spring_stiffness) = (7.0, 50.0);
+        (with.axis.neutral_position, with.extension.friction_slope) = (0.2, 30.0);
+        for (value, rate) in [(0.5, 0.4), (0.5, -0.4), (-0.1, 0.4)] {
+            let (with, without) = (effort(&with, value, rate), effort(&plain, value, rate));
+            let friction = with.friction - without.friction;
+            assert!((friction - 30.0 * (value - 0.2) * rate.signum()).abs() < 1e-9, "{friction}");
+            let more = with.effort - without.effort - friction;
+            assert!((more - 7.0 - 50.0 * (value - 0.2)).abs() < 1e-9, "{more}");
         }
     }
 

@@ -79,7 +79,11 @@ pub(super) fn values(signals: &[Signal<'_>], plant: TemplatePlant) -> Values {
     let period_s = time_s.as_deref().zip(motion.as_deref()).and_then(|(t, x)| period_s(t, x));
     let stroke = chosen(position.name()).and_then(|p| p.range()).map(|(min, max)| max - min);
     match plant {
-        TemplatePlant::Axis(kind) => set_axis(&mut values, kind, period_s, stroke),
+        TemplatePlant::Axis(kind) => {
+            set_axis(&mut values, kind, period_s, stroke);
+            let middle = chosen(position.name()).and_then(|p| p.range()).map(|(min, max)| 0.5 * (min + max));
+            values.set_number("axis.neutral_position", middle, "middle of the logged motion");
+        }
         TemplatePlant::Transmission => {
             values.set_number("drive.period_s", period_s, "from the log");
             values.set_number("drive.stroke_m", stroke, "from the log");

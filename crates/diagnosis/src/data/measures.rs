@@ -18,6 +18,8 @@ pub(crate) struct Measures {
     largest_speed: f64,
     /// Effort for each newton of the load, by gain and friction.
     effort_per_load: f64,
+    /// Rms effort over rms load, N/N or N m/N.
+    load_gain: f64,
     /// Distance at the friction radius for each unit of the motion, m per m or rad.
     friction_radius: f64,
 }
@@ -32,6 +34,7 @@ impl Measures {
                 speed: 1.0,
                 largest_speed: 1.0,
                 effort_per_load: 1.0,
+                load_gain: 1.0,
                 friction_radius: 1.0,
             };
         };
@@ -42,8 +45,10 @@ impl Measures {
         let positions = || data.logs.iter().flat_map(|log| log.position.iter().copied());
         let highest = positions().fold(f64::NEG_INFINITY, f64::max);
         let lowest = positions().fold(f64::INFINITY, f64::min);
+        let effort = positive(efforts.fold(0.0, f64::max));
+        let load = rms(data.logs.iter().flat_map(|log| log.load.iter().copied()));
         Self {
-            effort: positive(efforts.fold(0.0, f64::max)),
+            effort,
             half_range: positive(0.5 * (highest - lowest)),
             speed: positive(rms(data.logs.iter().flat_map(|log| log.speed.iter().copied()))),
             largest_speed: positive(
@@ -52,6 +57,7 @@ impl Measures {
             effort_per_load: positive(
                 rig.axis.load_gain.abs() + rig.axis.load_coefficient.abs() * rig.axis.friction_radius_m,
             ),
+            load_gain: positive(effort / load),
             friction_radius: positive(rig.axis.friction_radius_m),
         }
     }
@@ -64,6 +70,8 @@ impl Measures {
             Measure::Distance => self.half_range * self.friction_radius,
             Measure::Speed => self.speed * self.friction_radius,
             Measure::Drag => self.effort / self.speed,
+            Measure::Stiffness => self.effort / self.half_range,
+            Measure::LoadGain => self.load_gain,
             Measure::Inertia => self.effort * self.half_range / self.speed.powi(2),
             Measure::Load => self.effort / self.effort_per_load,
         }

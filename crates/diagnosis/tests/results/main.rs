@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 mod ambiguous;
+mod axis_terms;
 mod coverage;
 mod identifiability;
 mod imitation;

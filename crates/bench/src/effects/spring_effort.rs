@@ -1,0 +1,27 @@
+//! A spring, or another effort proportional to the position, is missing.
+//!
+//! Effort `k (x - x_0)` of an axis at position `x`, with `x_0` the described `neutral_position`.
+//! Springs, hoses, cables and the weight of an arm near its lower equilibrium have this form. A
+//! spring at another neutral position also has a constant part, which a diagnosis finds as the
+//! offset of the effort. Parameter: `stiffness` in N/m or N m/rad (within 1e12, prior 3 times the
+//! log's rms effort over half the stroke). In a log: force over position is inclined. Confounded
+//! with inertia under one sine (the acceleration is proportional to the negative position), until
+//! the frequency changes.
+
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use crate::description::Plant;
+use crate::signals::Channel;
+
+pub(super) const EFFECT: EffectKind = EffectKind {
+    name: "spring-effort",
+    summary: "A spring, or another effort proportional to the position, is missing.",
+    shows_in: Some(Channel::DriveForce),
+    confounded_with: &["inertia-mismatch", "position-ripple", "load-gain"],
+    guess: Guess::Defaults,
+    actions: &[Action {
+        plants: Plant::AXES,
+        parameters: &[EffectParameter::size("stiffness", "N/m or N m/rad", 1e-3, [-1e12, 1e12], 3.0)
+            .in_log(Measure::Stiffness)],
+        apply: Apply::Axis(|rig, parameter| rig.axis.spring_stiffness += parameter("stiffness")),
+    }],
+};
