@@ -11,6 +11,8 @@ pub struct RawColumn {
     pub index: usize,
     /// Name; empty in a text without a header.
     pub name: String,
+    /// Unit from a line under the header; empty without one.
+    pub unit: String,
     /// Readings, NaN where missing.
     pub values: Vec<f64>,
 }
@@ -44,10 +46,8 @@ impl RawLog {
 
     /// Reads the content of a file, which messages call `file`.
     pub fn from_bytes(file: &str, bytes: Vec<u8>) -> Result<Self, LogError> {
-        let text = String::from_utf8_lossy(&bytes);
-        let format = super::detect::detect(&text);
-        let is_text = Source::is_text(&bytes);
-        let Some(format) = format.filter(|_| is_text).or((!is_text).then(TextFormat::default)) else {
+        let source = Source::open(file, bytes, None)?;
+        let Some(format) = source.detected() else {
             return Err(LogError::content(
                 file,
                 "no columns of numbers with one separator",
@@ -55,13 +55,12 @@ impl RawLog {
                  tabs or blanks",
             ));
         };
-        drop(text);
-        let source = Source::open(file, bytes, &format)?;
         let count = if source.names().is_empty() { source.width() } else { source.names().len() };
         let column = |index: usize| {
             let values = source.values(file, index, "a column", false).ok()?;
             let name = source.names().get(index).cloned().unwrap_or_default();
-            values.iter().any(|value| value.is_finite()).then_some(RawColumn { index, name, values })
+            let unit = source.unit(index).to_owned();
+            values.iter().any(|value| value.is_finite()).then_some(RawColumn { index, name, unit, values })
         };
         let columns: Vec<RawColumn> = (0..count).filter_map(column).collect();
         if columns.iter().all(|column| column.values.len() < 2) {

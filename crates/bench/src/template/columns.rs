@@ -16,7 +16,7 @@ pub(super) struct Candidate<'a> {
 /// Returns the columns of a log with their meanings.
 pub(super) fn candidates(log: &RawLog) -> Vec<Candidate<'_>> {
     let mut all: Vec<Candidate<'_>> =
-        log.columns.iter().map(|column| Candidate { column, meaning: meaning(&column.name) }).collect();
+        log.columns.iter().map(|column| Candidate { column, meaning: meaning(&named(column)) }).collect();
     let is_time =
         |c: &Candidate<'_>| c.meaning.own == Some(TIME) || c.meaning.quantity == Some(Quantity::Time);
     // Without names the first column that always rises is the time.
@@ -27,6 +27,12 @@ pub(super) fn candidates(log: &RawLog) -> Vec<Candidate<'_>> {
         time.meaning.quantity = Some(Quantity::Time);
     }
     all
+}
+
+/// Name of a column with the unit of the line under it.
+fn named(column: &RawColumn) -> String {
+    let unit = column.unit.trim_matches(['[', ']', '(', ')']);
+    if unit.is_empty() { column.name.clone() } else { format!("{} [{unit}]", column.name) }
 }
 
 fn is_ascending(values: &[f64]) -> bool {

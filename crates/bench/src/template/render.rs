@@ -141,7 +141,10 @@ impl Writer {
             return;
         }
         self.text.push('\n');
-        self.comment("Columns of the log: signal = scale * column + offset, in SI units.");
+        self.comment(
+            "Columns of the log: signal = scale * column + offset, in SI units. A text is the name of a \
+             column or an expression: drive_force_n = \"(p_a - p_b) * 4.9e-4\".",
+        );
         self.text.push_str("[columns]\n");
         for signal in signals.iter().filter(is_listed) {
             let name = signal.name;
