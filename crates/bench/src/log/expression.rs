@@ -384,6 +384,7 @@ mod tests {
                 "an operator, or one of the functions abs, sqrt, sin, cos, tan, atan2, column",
             ),
             ("`a", "a backtick without a second one", 1, OPERAND),
+            // Deep nesting does not overflow the stack.
             (&nested, "more than 64 nested parentheses, signs or powers", 65, "a simpler expression"),
         ] {
             let error = SyntaxError { found: found.into(), position, expected };
@@ -414,7 +415,9 @@ mod tests {
         }
 
         #[test]
-        fn any_text_is_parsed_or_refused(text in "[-+*/^(),.`a-e0-9 \u{e4}]{0,80}|(\\(|-|2\\^|sin\\(){0,300}") {
+        fn any_text_is_parsed_or_refused(
+            text in "[-+*/^(),.`a-e0-9 \u{e4}]{0,80}|(\\(|-|2\\^|sin\\(){0,300}"
+        ) {
             if let Ok(expression) = parsed(&text) {
                 let readings = vec![1.0; expression.columns.len()];
                 let mut stack = Vec::new();

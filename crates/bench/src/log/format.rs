@@ -94,7 +94,8 @@ named_field!(Separator {
 });
 
 section! {
-    /// One foreign column: `value = scale * field + offset`. A text in place of the table is `from`.
+    /// One foreign column: `value = scale * field + offset`. A text in place of the table is its
+    /// `from`.
     Column {
         /// Header name, expression of columns, or index from 0.
         from: ColumnId,

@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decimal_signs_and_thousands_are_told_apart() {
+    fn decimal_signs_and_thousands_are_distinguished() {
         for (field, decimal_comma, value, thousands) in [
             ("1.5", false, Some(1.5), false),
             ("1,5", true, Some(1.5), false),

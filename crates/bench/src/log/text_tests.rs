@@ -149,7 +149,7 @@ fn wrong_columns_are_refused_together_with_their_entries() {
 }
 
 #[test]
-fn texts_that_cannot_be_read_for_certain_are_refused() {
+fn texts_of_doubtful_meaning_are_refused() {
     for (text, expected) in [
         (
             "t_s;position_m\n0,5;1.234,5\n1,5;2.345,6\n",

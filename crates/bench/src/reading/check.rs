@@ -253,7 +253,7 @@ size = 1.0
             "line 21: uncertain.axis.mass is no such parameter",
             "line 23: nuisances.offset.position_m is of an input",
             "line 25: log.separator is `pipe`; expected one of comma, semicolon, tab, whitespace",
-            "line 27: columns.position_m.from is -1; expected the name of a column, an expression of columns, or an index",
+            "line 27: columns.position_m.from is -1; expected the name of a column, an expression of",
             "line 28: columns.velocity_m_s.from is missing; expected the name of a column",
             "line 30: effects.0.name is `gremlins`, which is not a known effect; expected one of",
             "line 33: effects.1.effort is `much`; expected a number",
