@@ -3,6 +3,9 @@
 /// Entries that loggers write in place of a missing reading.
 const MISSING: [&str; 8] = ["", "nan", "na", "n/a", "null", "none", "inf", "-inf"];
 
+/// Content expected in place of a number with separators of thousands.
+pub(super) const NO_THOUSANDS: &str = "a number without separators of thousands";
+
 /// Parses a finite number. With `decimal_comma` the comma is the decimal sign, and a point is
 /// refused: it could only separate thousands.
 pub(super) fn parse(field: &str, decimal_comma: bool) -> Option<f64> {

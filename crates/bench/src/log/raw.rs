@@ -1,5 +1,6 @@
 //! A log as it was found: all columns that contain numbers, without a description.
 
+use super::number::NO_THOUSANDS;
 use super::source::Source;
 use super::{LogError, TextFormat};
 use std::path::Path;
@@ -57,12 +58,16 @@ impl RawLog {
         };
         let count = if source.names().is_empty() { source.width() } else { source.names().len() };
         let column = |index: usize| {
-            let values = source.values(file, index, "a column", false).ok()?;
+            let values = match source.values(file, index, "a column", false) {
+                Err(e @ LogError::Field { expected: NO_THOUSANDS, .. }) => return Some(Err(e)),
+                values => values.ok()?,
+            };
             let name = source.names().get(index).cloned().unwrap_or_default();
             let unit = source.unit(index).to_owned();
-            values.iter().any(|value| value.is_finite()).then_some(RawColumn { index, name, unit, values })
+            let column = RawColumn { index, name, unit, values };
+            column.values.iter().any(|value| value.is_finite()).then_some(Ok(column))
         };
-        let columns: Vec<RawColumn> = (0..count).filter_map(column).collect();
+        let columns: Vec<RawColumn> = (0..count).filter_map(column).collect::<Result<_, _>>()?;
         if columns.iter().all(|column| column.values.len() < 2) {
             return Err(LogError::content(file, "fewer than 2 rows of numbers", "at least 2"));
         }
@@ -88,5 +93,9 @@ mod tests {
         assert_eq!(log.columns[1].name, "Weg [mm]");
         assert_eq!(log.columns[1].range(), Some((1.5, 2.5)));
         assert!(log.columns[1].values[1].is_nan());
+        let thousands = b"t;x\n0;1.234,5\n1;2.345,5\n".to_vec();
+        let refused = RawLog::from_bytes("a.csv", thousands).unwrap_err().to_string();
+        let expected = "line 2, a column: found `1.234,5`; expected a number without separators of thousands";
+        assert_eq!(refused, format!("a.csv: {expected}"));
     }
 }

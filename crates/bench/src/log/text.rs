@@ -3,7 +3,7 @@
 
 use super::LogError;
 use super::detect::detect;
-use super::number::{has_thousands, is_missing, is_units, parse};
+use super::number::{NO_THOUSANDS, has_thousands, is_missing, is_units, parse};
 use crate::log::{Separator, TextFormat};
 use std::borrow::Cow;
 
@@ -159,7 +159,7 @@ impl Cell<'_> {
     /// Content expected in place of a field that is no number.
     fn expected(&self, field: &str) -> &'static str {
         if has_thousands(field, self.decimal_comma) {
-            "a number without separators of thousands"
+            NO_THOUSANDS
         } else if self.decimal_comma && parse(field, false).is_some() {
             "a number with a decimal comma and without separators of thousands"
         } else if !self.decimal_comma && parse(field, true).is_some() {

@@ -1,6 +1,6 @@
 //! Choice of the column of each signal.
 
-use super::names::{Meaning, MotionKind, Quantity, meaning};
+use super::names::{Meaning, MotionKind, Quantity, is_pressure, meaning};
 use crate::log::{RawColumn, RawLog, TIME};
 use crate::signals::Channel;
 
@@ -92,6 +92,13 @@ pub(super) fn choose<'a>(
         scale = Some(1.0);
     }
     Some(Chosen { column: first.column, scale, is_own: false })
+}
+
+/// Names of the first two pressures: those of a cylinder's chambers.
+pub(super) fn chambers<'a>(candidates: &[Candidate<'a>]) -> Option<[&'a str; 2]> {
+    let names = candidates.iter().map(|candidate| candidate.column.name.as_str());
+    let mut pressures = names.filter(|name| is_pressure(name));
+    Some([pressures.next()?, pressures.next()?])
 }
 
 /// Kind of the driven motion that the columns indicate.
