@@ -34,6 +34,13 @@ pub struct Heat<'a> {
 /// Space in pixels left of, above, right of and below the cells.
 const MARGINS: [i32; 4] = [74, 34, 14, 44];
 
+/// Ink of a pale cell. It is not the black that a page replaces in a dark scheme, because cells keep
+/// their colours.
+const DARK: RGBColor = RGBColor(17, 17, 17);
+
+/// Strongest colour of a cell. It is not quite a colour of a series, which a page replaces too.
+const STRONGEST: f64 = 0.99;
+
 /// Draws a table. The error describes a failure to draw.
 pub fn draw(heat: &Heat) -> Result<String, String> {
     let mut svg = String::new();
@@ -86,9 +93,9 @@ fn colours(share: f64) -> (RGBColor, RGBColor) {
     let (full, strength) =
         if share <= 1.0 { (within, 0.75 * share) } else { (beyond, 0.4 + 0.6 * (share - 1.0)) };
     // A value that is not finite has the strongest colour.
-    let strength = if strength.is_finite() { strength.min(1.0) } else { 1.0 };
+    let strength = if strength.is_finite() { strength.min(STRONGEST) } else { STRONGEST };
     let mix = |channel: u8| (255.0 + (f64::from(channel) - 255.0) * strength).round() as u8;
-    let ink = if strength > 0.55 { WHITE } else { BLACK };
+    let ink = if strength > 0.55 { WHITE } else { DARK };
     (RGBColor(mix(full.0), mix(full.1), mix(full.2)), ink)
 }
 
@@ -117,7 +124,7 @@ mod tests {
     #[test]
     fn values_beyond_the_limit_have_another_colour() {
         let (at, ink) = colours(0.0);
-        assert_eq!((at, ink), (RGBColor(255, 255, 255), BLACK));
+        assert_eq!((at, ink), (RGBColor(255, 255, 255), DARK));
         let ((inside, _), (outside, _)) = (colours(1.0), colours(1.001));
         assert!(inside.2 > inside.0 && outside.0 > outside.2, "{inside:?} {outside:?}");
         assert_eq!(colours(9.0), colours(f64::NAN));
