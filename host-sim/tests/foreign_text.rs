@@ -1,5 +1,5 @@
-//! A log of a hydraulic cylinder as a German logger writes it: semicolons, decimal commas, a line of
-//! units, and two pressures in place of a force.
+//! A log of a hydraulic cylinder as a German logger writes it: semicolons, decimal commas, a line
+//! of units, and two pressures in place of a force.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use serde_json::Value;

@@ -34,8 +34,8 @@ pub struct Heat<'a> {
 /// Space in pixels left of, above, right of and below the cells.
 const MARGINS: [i32; 4] = [74, 34, 14, 44];
 
-/// Ink of a pale cell. It is not the black that a page replaces in a dark scheme, because cells keep
-/// their colours.
+/// Ink of a pale cell. It is not the black that a page replaces in a dark scheme, because cells
+/// keep their colours.
 const DARK: RGBColor = RGBColor(17, 17, 17);
 
 /// Strongest colour of a cell. It is not quite a colour of a series, which a page replaces too.

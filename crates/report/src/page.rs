@@ -11,14 +11,17 @@ pub struct Page {
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;\
 padding:0 1rem;color:var(--text);background:var(--paper)}\
-h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid var(--rule)}\
+h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;\
+border-bottom:1px solid var(--rule)}\
 p.lead{font-size:1.1rem}p.note{color:var(--quiet);font-size:.92rem}\
 .table{overflow-x:auto}table{border-collapse:collapse;margin:.8rem 0}\
 th,td{padding:.25rem .8rem;border-bottom:1px solid var(--rule);text-align:left}\
 td{vertical-align:top}td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
 th{background:var(--head)}\
-figure{margin:1rem 0;overflow-x:auto}figcaption{color:var(--quiet);font-size:.9rem}svg{max-width:100%;height:auto}\
-.pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}";
+figure{margin:1rem 0;overflow-x:auto}figcaption{color:var(--quiet);font-size:.9rem}\
+svg{max-width:100%;height:auto}\
+.pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}\
+@media screen and (max-width:700px){figure>svg{min-width:720px}.pair svg{min-width:0}}";
 
 /// Maximum number of words in a cell that counts as a number: `1.5 to 2.5 N m`.
 const NUMBER_WORDS: usize = 5;
