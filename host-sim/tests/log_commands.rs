@@ -121,7 +121,7 @@ fn bad_input_exits_with_2_and_says_what_was_expected() {
         (&["describe", "words.csv"], "no columns of numbers with one separator"),
         (&["describe", "log.csv", "--out", "log.csv"], "log.csv exists; expected a new file"),
         (&["describe", "log.csv", "--plant", "boat"], "possible values"),
-        (&["check", "log.csv", "--bench", "friction-rig"], "separator = \"semicolon\", decimal_comma = true"),
+        (&["check", "log.csv", "--bench", "friction-rig"], "no column `t_s` among `Zeit [ms]`,"),
         (&["check", "nothing.csv"], "nothing.csv: "),
         (&["check"], "<LOG>"),
         (&["evaluate", "inputs.csv", "--bench", "slider-crank"], "found plant `slider-crank`"),

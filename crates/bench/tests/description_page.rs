@@ -80,7 +80,7 @@ fn write_section(page: &mut String, section: &SectionEntry, level: &str) {
     let heading = match section.shape {
         Shape::Table => format!("`[{name}]`"),
         Shape::PerChannel => format!("`[{name}]`, `<channel> = {{ ... }}`"),
-        Shape::PerSignal => format!("`[{name}]`, `t_s = {{ ... }}`, `<channel> = {{ ... }}`"),
+        Shape::PerSignal => format!("`[{name}]`, `t_s = {{ ... }}`, `<channel> = \"expression\"`"),
         Shape::PerParameter => format!("`[{name}]`, `\"section.field\" = number`"),
         Shape::Effects => format!("`[[{name}]]`"),
     };

@@ -34,6 +34,13 @@ pub struct Heat<'a> {
 /// Space in pixels left of, above, right of and below the cells.
 const MARGINS: [i32; 4] = [74, 34, 14, 44];
 
+/// Ink of a cell: on every colour it contrasts more than white. It is not the black that a page
+/// replaces in a dark scheme, because cells keep their colours.
+const DARK: RGBColor = RGBColor(17, 17, 17);
+
+/// Strongest colour of a cell. It is not quite a colour of a series, which a page replaces too.
+const STRONGEST: f64 = 0.99;
+
 /// Draws a table. The error describes a failure to draw.
 pub fn draw(heat: &Heat) -> Result<String, String> {
     let mut svg = String::new();
@@ -69,10 +76,10 @@ pub fn draw(heat: &Heat) -> Result<String, String> {
             for (column, value) in values.iter().enumerate() {
                 let Some(value) = value else { continue };
                 let corners = [(x(column) + 1, y(row) + 1), (x(column + 1) - 1, y(row + 1) - 1)];
-                let (colour, ink) = colours(value.abs() / heat.limit);
+                let colour = colour(value.abs() / heat.limit);
                 area.draw(&Rectangle::new(corners, colour.filled())).map_err(|e| failed(&e))?;
                 let middle = ((x(column) + x(column + 1)) / 2, (y(row) + y(row + 1)) / 2);
-                text(&format!("{value:.*}", heat.decimals), middle, 13, HPos::Center, &ink)?;
+                text(&format!("{value:.*}", heat.decimals), middle, 13, HPos::Center, &DARK)?;
             }
         }
         area.present().map_err(|e| failed(&e))?;
@@ -80,16 +87,15 @@ pub fn draw(heat: &Heat) -> Result<String, String> {
     Ok(svg)
 }
 
-/// Returns the colours of a cell and of its number for a value relative to the limit.
-fn colours(share: f64) -> (RGBColor, RGBColor) {
+/// Returns the colour of a cell for a value relative to the limit.
+fn colour(share: f64) -> RGBColor {
     let [within, beyond, ..] = COLOURS;
     let (full, strength) =
         if share <= 1.0 { (within, 0.75 * share) } else { (beyond, 0.4 + 0.6 * (share - 1.0)) };
     // A value that is not finite has the strongest colour.
-    let strength = if strength.is_finite() { strength.min(1.0) } else { 1.0 };
+    let strength = if strength.is_finite() { strength.min(STRONGEST) } else { STRONGEST };
     let mix = |channel: u8| (255.0 + (f64::from(channel) - 255.0) * strength).round() as u8;
-    let ink = if strength > 0.55 { WHITE } else { BLACK };
-    (RGBColor(mix(full.0), mix(full.1), mix(full.2)), ink)
+    RGBColor(mix(full.0), mix(full.1), mix(full.2))
 }
 
 #[cfg(test)]
@@ -116,10 +122,9 @@ mod tests {
 
     #[test]
     fn values_beyond_the_limit_have_another_colour() {
-        let (at, ink) = colours(0.0);
-        assert_eq!((at, ink), (RGBColor(255, 255, 255), BLACK));
-        let ((inside, _), (outside, _)) = (colours(1.0), colours(1.001));
+        assert_eq!(colour(0.0), RGBColor(255, 255, 255));
+        let (inside, outside) = (colour(1.0), colour(1.001));
         assert!(inside.2 > inside.0 && outside.0 > outside.2, "{inside:?} {outside:?}");
-        assert_eq!(colours(9.0), colours(f64::NAN));
+        assert_eq!(colour(9.0), colour(f64::NAN));
     }
 }

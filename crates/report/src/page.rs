@@ -1,5 +1,7 @@
 //! Self-contained HTML page: text, tables and inline pictures; nothing is fetched from elsewhere.
 
+use crate::scheme;
+
 /// Page under construction. Text is escaped; figures are SVG and are inserted unchanged.
 #[derive(Clone, Debug)]
 pub struct Page {
@@ -8,15 +10,18 @@ pub struct Page {
 }
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;\
-padding:0 1rem;color:#1c2733}\
-h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid #d5dce3}\
-p.lead{font-size:1.1rem}p.note{color:#56636f;font-size:.92rem}\
+padding:0 1rem;color:var(--text);background:var(--paper)}\
+h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;\
+border-bottom:1px solid var(--rule)}\
+p.lead{font-size:1.1rem}p.note{color:var(--quiet);font-size:.92rem}\
 .table{overflow-x:auto}table{border-collapse:collapse;margin:.8rem 0}\
-th,td{padding:.25rem .8rem;border-bottom:1px solid #e3e8ec;text-align:left}\
+th,td{padding:.25rem .8rem;border-bottom:1px solid var(--rule);text-align:left}\
 td{vertical-align:top}td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
-th{background:#f2f5f7}\
-figure{margin:1rem 0;overflow-x:auto}figcaption{color:#56636f;font-size:.9rem}svg{max-width:100%;height:auto}\
-.pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}";
+th{background:var(--head)}\
+figure{margin:1rem 0;overflow-x:auto}figcaption{color:var(--quiet);font-size:.9rem}\
+svg{max-width:100%;height:auto}\
+.pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}\
+@media screen and (max-width:700px){figure>svg{min-width:720px}.pair svg{min-width:0}}";
 
 /// Maximum number of words in a cell that counts as a number: `1.5 to 2.5 N m`.
 const NUMBER_WORDS: usize = 5;
@@ -97,9 +102,10 @@ impl Page {
     pub fn render(&self) -> String {
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-             content=\"width=device-width\"><title>{}</title>\n<style>{STYLE}</style></head>\n<body>\n\
+             content=\"width=device-width\"><title>{}</title>\n<style>{}{STYLE}</style></head>\n<body>\n\
              {}</body></html>\n",
             escape(&self.title),
+            scheme::style(),
             self.body
         )
     }

@@ -254,7 +254,7 @@ pub(crate) fn ranking(diagnosis: &Diagnosis) -> String {
     let left = left(&rows);
     let (at, height) = (left + (WIDTH - left - RIGHT) * share(diagnosis.threshold), ROW * rows.len() as f64);
     let line = format!(
-        "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"0\" y2=\"{height:.1}\" stroke=\"#333\" \
+        "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"0\" y2=\"{height:.1}\" stroke=\"#000000\" \
          stroke-dasharray=\"4 3\"/><text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.1}</text>",
         height + 17.0,
         diagnosis.threshold,

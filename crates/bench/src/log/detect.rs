@@ -1,55 +1,82 @@
 //! Detection of the format of a text log: separator, header, decimal comma.
+//!
+//! The first lines are divided with each separator, as reading does. The format with the largest
+//! share of numbers counts; of equally good ones the first in the order comma, semicolon, tab,
+//! whitespace, and a decimal point before a decimal comma. So `1,2,3` is separated by commas, and
+//! `1,5;2,5` has decimal commas.
 
-use super::text::{MISSING, fields_of};
+use super::number::{has_thousands, is_missing, is_units, parse};
+use super::text::{Row, split};
 use crate::log::{Separator, TextFormat};
 
 /// Lines that are examined.
-const EXAMINED_LINES: usize = 40;
-/// Share of the fields after the first line that must be numbers.
+pub(super) const EXAMINED_LINES: usize = 1000;
+/// Share of the fields after the header that must be numbers.
 const MIN_NUMBER_SHARE: f64 = 0.8;
 
 /// Detects the format of a text; `None` if no separator divides it into columns of numbers.
 pub(super) fn detect(text: &str) -> Option<TextFormat> {
+    let end = text.match_indices('\n').nth(EXAMINED_LINES).map_or(text.len(), |(end, _)| end);
+    let examined = text.get(..end)?;
     let separators = [Separator::Comma, Separator::Semicolon, Separator::Tab, Separator::Whitespace];
     let candidates = separators.into_iter().flat_map(|separator| {
+        let rows = split(examined, separator).unwrap_or_default();
         let commas = if separator == Separator::Comma { &[false][..] } else { &[false, true] };
-        commas.iter().filter_map(move |&decimal_comma| {
-            let format = TextFormat { separator, header: false, decimal_comma };
-            let share = number_share(text, &format)?;
-            (share > MIN_NUMBER_SHARE).then_some((share, format))
-        })
+        let candidate = move |&decimal_comma: &bool| {
+            let (share, header) = Body::new(&rows, decimal_comma)?.quality()?;
+            (share > MIN_NUMBER_SHARE).then_some((share, TextFormat { separator, header, decimal_comma }))
+        };
+        commas.iter().filter_map(candidate).collect::<Vec<_>>()
     });
-    // Of equally good formats the first one counts: the project's own, if it is among them.
     let better = |best: (f64, TextFormat), next: (f64, TextFormat)| if next.0 > best.0 { next } else { best };
-    let (_, format) = candidates.reduce(better)?;
-    let first = lines(text).next()?;
-    let is_header = fields_of(first, format.separator).any(|field| !is_value(field, format.decimal_comma));
-    Some(TextFormat { header: is_header, ..format })
+    Some(candidates.reduce(better)?.1)
 }
 
-/// Share of numbers among the fields after the first line; `None` unless all lines have the same
-/// number of fields, at least two.
-fn number_share(text: &str, format: &TextFormat) -> Option<f64> {
-    let rows: Vec<Vec<&str>> = lines(text).map(|line| fields_of(line, format.separator).collect()).collect();
-    let count = rows.first()?.len();
-    if count < 2 || rows.iter().any(|row| row.len() != count) {
-        return None;
+/// Rows as a format divides them.
+struct Body<'a> {
+    first: &'a [String],
+    /// Rows after the first one and after the units.
+    rows: &'a [Row],
+    decimal_comma: bool,
+}
+
+impl<'a> Body<'a> {
+    fn new(rows: &'a [Row], decimal_comma: bool) -> Option<Self> {
+        let ((_, first), mut rows) = rows.split_first()?;
+        if let Some(((_, units), after)) = rows.split_first()
+            && is_units(units, decimal_comma)
+        {
+            rows = after;
+        }
+        Some(Self { first, rows, decimal_comma })
     }
-    let fields = || rows.iter().skip(1).flatten();
-    let numbers = fields().filter(|field| is_value(field, format.decimal_comma)).count();
-    Some(numbers as f64 / fields().count().max(1) as f64)
-}
 
-/// Lines with content. The last one may be incomplete.
-fn lines(text: &str) -> impl Iterator<Item = &str> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    text.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#')).take(EXAMINED_LINES)
-}
+    /// Share of numbers among the fields, and presence of a header: a first row with text in a
+    /// column of numbers. `None` with fewer than two columns.
+    fn quality(&self) -> Option<(f64, bool)> {
+        let count = self.first.len();
+        if count < 2 || self.rows.is_empty() {
+            return None;
+        }
+        // A row of another length has no number in its place.
+        let is_fit = |row: &&Row| row.1.len() == count;
+        let numbers_of = |column: usize| {
+            let fields = self.rows.iter().filter(is_fit).filter_map(|(_, row)| row.get(column));
+            fields.filter(|field| self.is_value(field)).count()
+        };
+        let numbers: Vec<usize> = (0..count).map(numbers_of).collect();
+        let is_text = |(field, numbers): (&String, &usize)| !self.is_value(field) && *numbers > 0;
+        let header = self.first.iter().zip(&numbers).any(is_text);
+        let total = numbers.iter().sum::<usize>() as f64;
+        Some((total / (count * self.rows.len()) as f64, header))
+    }
 
-/// Returns whether a field is a number or a missing value.
-fn is_value(field: &str, decimal_comma: bool) -> bool {
-    let is_missing = MISSING.iter().any(|missing| field.eq_ignore_ascii_case(missing));
-    is_missing || super::text::parse(field, decimal_comma).is_some()
+    /// Returns whether a field is a number or a missing value. Thousands are refused when they are
+    /// read, with a message.
+    fn is_value(&self, field: &str) -> bool {
+        let comma = self.decimal_comma;
+        parse(field, comma).is_some() || is_missing(field) || has_thousands(field, comma)
+    }
 }
 
 #[cfg(test)]
@@ -66,12 +93,31 @@ mod tests {
             ("t\tx\n0,5\t1,25\n1,0\t2,0\n", Separator::Tab, true, true),
             ("0.000\t3.416\t0.498\n10.000\t3.416\t0.499\n", Separator::Tab, false, false),
             ("  0.0  1.0\n  1.0   2.0\n", Separator::Whitespace, false, false),
+            ("0,0 1,5\n1,0 2,5\n", Separator::Whitespace, false, true),
             ("# made by a logger\ntime (s),x\n0,1\n,2\n", Separator::Comma, true, false),
+            ("% made by a logger\r\n\r\nt;x\r\n0,5;1\r\n1,5;2\r\n", Separator::Semicolon, true, true),
+            ("t;x;F\ns;mm;N\n0,5;1;2\n1,5;2;3\n", Separator::Semicolon, true, true),
+            ("\"t; s\";\"x\"\n\"0,5\";\"1,5\"\n1;2\n", Separator::Semicolon, true, true),
+            // Integers separated by commas are no decimal commas.
+            ("1,2,3\n4,5,6\n", Separator::Comma, false, false),
+            ("1,2\n4,5\n", Separator::Comma, false, false),
+            // Thousands are read, and refused, with decimal commas.
+            ("t;x\n0,5;1.234,5\n1,5;2.345,6\n", Separator::Semicolon, true, true),
+            // The first row is no header because of its text in a column of text.
+            ("0,1,2,3,4,ok\n1,2,3,4,5,ok\n", Separator::Comma, false, false),
+            ("sep=;\nt;x\n0;1\n1;2\n", Separator::Semicolon, true, false),
         ] {
             assert_eq!(detect(text), Some(TextFormat { separator, header, decimal_comma }), "{text}");
         }
-        for text in ["", "one column\n1\n2\n", "a b\nfree text here\n"] {
+        for text in ["", "one column\n1\n2\n", "a b\nfree text here\n", "t;x\n0,5;1.5\n1,5;2.5\n"] {
             assert_eq!(detect(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn a_log_that_was_cut_off_is_detected() {
+        let rows: String = (0..30).map(|i| format!("{i},5;{i};3\n")).collect();
+        let format = TextFormat { separator: Separator::Semicolon, header: true, decimal_comma: true };
+        assert_eq!(detect(&format!("t;x;y\n{rows}30,5;3")), Some(format));
     }
 }

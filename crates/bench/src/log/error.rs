@@ -25,6 +25,15 @@ pub enum LogError {
         /// Content expected.
         expected: &'static str,
     },
+    /// Columns that the description names are missing, or their expressions are wrong; all of them
+    /// are listed.
+    #[error("{}", list(file, flaws))]
+    Columns {
+        /// Path.
+        file: String,
+        /// Entry of `[columns]`, content found and content expected.
+        flaws: Vec<String>,
+    },
     /// The log lacks a required part.
     #[error("{file}: {found}; expected {expected}")]
     Content {
@@ -35,6 +44,14 @@ pub enum LogError {
         /// Content expected.
         expected: String,
     },
+}
+
+/// Formats one flaw on the line of the file, several on a line each.
+fn list(file: &str, flaws: &[String]) -> String {
+    match flaws {
+        [flaw] => format!("{file}: {flaw}"),
+        flaws => format!("{file}: {} columns cannot be read\n  {}", flaws.len(), flaws.join("\n  ")),
+    }
 }
 
 impl LogError {

@@ -2,7 +2,7 @@
 
 use crate::schema::{FieldKind, FieldType, named_field, section};
 use crate::signals::Channel;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
 /// Name of the time column, and its key in `[columns]`.
@@ -12,7 +12,8 @@ pub const TIME: &str = "t_s";
 /// with its own name.
 pub type Columns = BTreeMap<String, Column>;
 
-/// Format of a log. The default is the project's own CSV.
+/// Format of a log. By default the text format is detected, and the columns have the names of
+/// channels.
 ///
 /// ```toml
 /// [log]
@@ -22,11 +23,12 @@ pub type Columns = BTreeMap<String, Column>;
 /// [columns]
 /// t_s = { from = 0, scale = 1e-3 }
 /// spindle_angle_rad = { from = "qm", scale = 0.0174533 }
+/// drive_torque_nm = "(p_a - p_b) * 4.9e-4"
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogFormat {
-    /// The `[log]` table.
-    pub text: TextFormat,
+    /// The `[log]` table; the format is detected without one.
+    pub text: Option<TextFormat>,
     /// The `[columns]` table.
     pub columns: Columns,
 }
@@ -38,7 +40,7 @@ section! {
         /// Separator between two fields.
         #[serde(default)]
         separator: Separator,
-        /// True if the first line names the columns.
+        /// True if the first line names the columns; a line of units may follow.
         #[serde(default = "yes")]
         header: bool,
         /// True if numbers are written with a decimal comma; the separator is another one then.
@@ -92,9 +94,10 @@ named_field!(Separator {
 });
 
 section! {
-    /// One foreign column: `value = scale * field + offset`.
+    /// One foreign column: `value = scale * field + offset`. A text in place of the table is its
+    /// `from`.
     Column {
-        /// Header name, or index from 0 without a header.
+        /// Header name, expression of columns, or index from 0.
         from: ColumnId,
         /// Factor to SI.
         #[serde(default = "one")]
@@ -105,13 +108,37 @@ section! {
     }
 }
 
-/// A foreign column by name or by index.
+impl From<String> for Column {
+    fn from(text: String) -> Self {
+        Self { from: ColumnId::Name(text), scale: 1.0, offset: 0.0 }
+    }
+}
+
+/// An entry of `[columns]` as written.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum ColumnEntry {
+    Text(String),
+    Table(Column),
+}
+
+/// Reads the `[columns]` table, in which a text stands for a table with `from`.
+pub(crate) fn columns<'de, D: Deserializer<'de>>(table: D) -> Result<Columns, D::Error> {
+    let entries = BTreeMap::<String, ColumnEntry>::deserialize(table)?;
+    let column = |entry| match entry {
+        ColumnEntry::Text(text) => Column::from(text),
+        ColumnEntry::Table(column) => column,
+    };
+    Ok(entries.into_iter().map(|(name, entry)| (name, column(entry))).collect())
+}
+
+/// A foreign column by name or by index, or an expression of columns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ColumnId {
     /// Index from 0.
     Index(usize),
-    /// Header name.
+    /// Header name; any other text is an expression.
     Name(String),
 }
 

@@ -3,9 +3,11 @@
 
 mod detect;
 mod error;
+mod expression;
 mod format;
 mod mat;
 mod mat_write;
+mod number;
 mod parquet;
 mod raw;
 mod reader;
@@ -13,6 +15,7 @@ mod source;
 mod text;
 
 pub use error::LogError;
+pub(crate) use format::columns;
 pub use format::{Column, ColumnId, Columns, LogFormat, Separator, TIME, TextFormat, is_signal};
 
 pub use raw::{RawColumn, RawLog};
@@ -124,3 +127,5 @@ impl MeasuredLog {
 mod binary_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod text_tests;

@@ -1,5 +1,6 @@
 //! A log as it was found: all columns that contain numbers, without a description.
 
+use super::number::NO_THOUSANDS;
 use super::source::Source;
 use super::{LogError, TextFormat};
 use std::path::Path;
@@ -11,6 +12,8 @@ pub struct RawColumn {
     pub index: usize,
     /// Name; empty in a text without a header.
     pub name: String,
+    /// Unit from a line under the header; empty without one.
+    pub unit: String,
     /// Readings, NaN where missing.
     pub values: Vec<f64>,
 }
@@ -44,10 +47,8 @@ impl RawLog {
 
     /// Reads the content of a file, which messages call `file`.
     pub fn from_bytes(file: &str, bytes: Vec<u8>) -> Result<Self, LogError> {
-        let text = String::from_utf8_lossy(&bytes);
-        let format = super::detect::detect(&text);
-        let is_text = Source::is_text(&bytes);
-        let Some(format) = format.filter(|_| is_text).or((!is_text).then(TextFormat::default)) else {
+        let source = Source::open(file, bytes, None)?;
+        let Some(format) = source.detected() else {
             return Err(LogError::content(
                 file,
                 "no columns of numbers with one separator",
@@ -55,15 +56,18 @@ impl RawLog {
                  tabs or blanks",
             ));
         };
-        drop(text);
-        let source = Source::open(file, bytes, &format)?;
         let count = if source.names().is_empty() { source.width() } else { source.names().len() };
         let column = |index: usize| {
-            let values = source.values(file, index, "a column", false).ok()?;
+            let values = match source.values(file, index, "a column", false) {
+                Err(e @ LogError::Field { expected: NO_THOUSANDS, .. }) => return Some(Err(e)),
+                values => values.ok()?,
+            };
             let name = source.names().get(index).cloned().unwrap_or_default();
-            values.iter().any(|value| value.is_finite()).then_some(RawColumn { index, name, values })
+            let unit = source.unit(index).to_owned();
+            let column = RawColumn { index, name, unit, values };
+            column.values.iter().any(|value| value.is_finite()).then_some(Ok(column))
         };
-        let columns: Vec<RawColumn> = (0..count).filter_map(column).collect();
+        let columns: Vec<RawColumn> = (0..count).filter_map(column).collect::<Result<_, _>>()?;
         if columns.iter().all(|column| column.values.len() < 2) {
             return Err(LogError::content(file, "fewer than 2 rows of numbers", "at least 2"));
         }
@@ -89,5 +93,9 @@ mod tests {
         assert_eq!(log.columns[1].name, "Weg [mm]");
         assert_eq!(log.columns[1].range(), Some((1.5, 2.5)));
         assert!(log.columns[1].values[1].is_nan());
+        let thousands = b"t;x\n0;1.234,5\n1;2.345,5\n".to_vec();
+        let refused = RawLog::from_bytes("a.csv", thousands).unwrap_err().to_string();
+        let expected = "line 2, a column: found `1.234,5`; expected a number without separators of thousands";
+        assert_eq!(refused, format!("a.csv: {expected}"));
     }
 }

@@ -1,5 +1,6 @@
 //! Reading of a log: selection of the columns, conversion to SI, checks of the values.
 
+use super::expression::{Expression, SyntaxError};
 use super::source::Source;
 use super::{Column, ColumnId, LogError, LogFormat, MAX_ROWS, MeasuredLog, TIME};
 use crate::signals::Channel;
@@ -12,21 +13,15 @@ pub(super) fn from_bytes(
     format: &LogFormat,
     strict: bool,
 ) -> Result<MeasuredLog, LogError> {
-    let reader = Reader { file, source: Source::open(file, bytes, &format.text)?, strict };
-    let own_time = Column { from: ColumnId::Name(TIME.into()), scale: 1.0, offset: 0.0 };
-    let time_column = format.columns.get(TIME).unwrap_or(&own_time);
-    let time_index = reader.source.locate(file, time_column)?;
-    let selected = reader.select(format)?;
-    let mut log = MeasuredLog {
-        source: file.into(),
-        time_s: reader.values(TIME, time_index, time_column)?,
-        ..MeasuredLog::default()
-    };
+    let reader = Reader { file, source: Source::open(file, bytes, format.text.as_ref())?, strict };
+    let (time, selected) = reader.select(format)?;
+    let mut log =
+        MeasuredLog { source: file.into(), time_s: reader.values(&time, None)?, ..MeasuredLog::default() };
     if strict {
         reader.check_ascending(&log.time_s)?;
     }
-    for column in &selected {
-        log.channels.insert(column.channel, reader.channel(column, log.time_s.len())?);
+    for (channel, signal) in &selected {
+        log.channels.insert(*channel, reader.values(signal, Some(log.time_s.len()))?);
     }
     if log.time_s.len() < 2 {
         return Err(reader.content(format!("{} data rows", log.time_s.len()), "at least 2"));
@@ -34,11 +29,14 @@ pub(super) fn from_bytes(
     Ok(log)
 }
 
-/// A channel with its column.
-struct Selected {
-    channel: Channel,
-    index: usize,
-    column: Column,
+/// The time or a channel with its source.
+struct Signal {
+    name: &'static str,
+    /// Expression as written.
+    text: String,
+    expression: Expression,
+    scale: f64,
+    offset: f64,
 }
 
 /// A file that is being read.
@@ -49,70 +47,139 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Selects the columns of channels: those that the format maps, then those with the name of a
-    /// channel.
-    fn select(&self, format: &LogFormat) -> Result<Vec<Selected>, LogError> {
-        let mut selected: Vec<Selected> = Vec::new();
+    /// Selects the time and the channels: those that the format maps, then those whose name a
+    /// column has. All wrong entries of `[columns]` are refused together.
+    fn select(&self, format: &LogFormat) -> Result<(Signal, Vec<(Channel, Signal)>), LogError> {
+        let mut flaws = Vec::new();
+        let mut selected: Vec<(Channel, Signal)> = Vec::new();
+        let own_time = Column::from(TIME.to_owned());
+        let time = match format.columns.get(TIME) {
+            Some(column) => self.signal(TIME, column).map_err(|flaw| format!("columns.{TIME}: {flaw}")),
+            None => self.signal(TIME, &own_time),
+        };
+        let time = time.map_err(|flaw| flaws.push(flaw)).ok();
         for (name, column) in &format.columns {
             if let Some(channel) = Channel::from_name(name) {
-                let index = self.source.locate(self.file, column)?;
-                selected.push(Selected { channel, index, column: column.clone() });
+                match self.signal(channel.name(), column) {
+                    Ok(signal) => selected.push((channel, signal)),
+                    Err(flaw) => flaws.push(format!("columns.{name}: {flaw}")),
+                }
             }
         }
+        let Some(time) = time.filter(|_| flaws.is_empty()) else {
+            return Err(LogError::Columns { file: self.file.into(), flaws });
+        };
         for (index, name) in self.source.names().iter().enumerate() {
             if let Some(channel) = Channel::from_name(name)
                 && !format.columns.contains_key(channel.name())
             {
-                if selected.iter().any(|known| known.channel == channel) {
+                if selected.iter().any(|(known, _)| *known == channel) {
                     return Err(self.content(format!("the column `{name}` twice"), "every channel once"));
                 }
-                let column = Column { from: ColumnId::Index(index), scale: 1.0, offset: 0.0 };
-                selected.push(Selected { channel, index, column });
+                let (text, expression) = (name.clone(), Expression::column(index));
+                let signal = Signal { name: channel.name(), text, expression, scale: 1.0, offset: 0.0 };
+                selected.push((channel, signal));
             }
         }
         if selected.is_empty() {
             let names = Channel::ALL.iter().map(|c| c.name()).collect::<Vec<_>>().join(", ");
             return Err(self.content(
-                format!("no known channel among the columns `{}`", self.source.names().join("`, `")),
+                format!("no known channel among the columns {}", self.source.list()),
                 &format!(
                     "some of {names}, or a [columns] table that maps foreign names{}",
                     self.source.hint()
                 ),
             ));
         }
-        Ok(selected)
+        Ok((time, selected))
     }
 
-    /// Values of a column in SI; in strict mode all finite.
-    fn values(&self, name: &str, index: usize, column: &Column) -> Result<Vec<f64>, LogError> {
-        let mut values = self.source.values(self.file, index, name, self.strict)?;
-        if values.len() > MAX_ROWS {
-            return Err(self.content(format!("more than {MAX_ROWS} rows"), "a log divided into several"));
+    /// Looks up the columns of a signal; the error is what was found and what was expected.
+    fn signal(&self, name: &'static str, column: &Column) -> Result<Signal, String> {
+        let (text, expression) = match &column.from {
+            ColumnId::Index(index) => (index.to_string(), Expression::column(*index)),
+            ColumnId::Name(text) => (text.clone(), self.expression(text)?),
+        };
+        Ok(Signal { name, text, expression, scale: column.scale, offset: column.offset })
+    }
+
+    /// Reads a text as the name of a column, else as an expression.
+    fn expression(&self, text: &str) -> Result<Expression, String> {
+        let locate = |name: &str| self.source.names().iter().position(|known| known == name);
+        if let Some(index) = locate(text) {
+            return Ok(Expression::column(index));
         }
-        for value in &mut values {
-            *value = column.scale * *value + column.offset;
+        let (list, hint) = (self.source.list(), self.source.hint());
+        match Expression::parse(text, &locate) {
+            Err(SyntaxError { found, position, expected }) => Err(format!(
+                "found `{text}`, which is no column and has, as an expression, {found} at character \
+                 {position}; expected {expected}, or a column among {list}{hint}"
+            )),
+            Ok(expression) if expression.unknown.iter().any(|name| name == text) => Err(format!(
+                "no column `{text}` among {list}; expected {}{hint}",
+                self.source.expected_name(text)
+            )),
+            Ok(expression) if !expression.unknown.is_empty() => Err(format!(
+                "found `{text}`, but no column is `{}`; expected columns among {list}{hint}",
+                expression.unknown.join("` or `")
+            )),
+            Ok(expression) if expression.columns.is_empty() => Err(format!(
+                "found `{text}`, an expression without a column; expected a column among {list}; an index \
+                 is `from = 0`, or `column(0)` in an expression"
+            )),
+            Ok(expression) => Ok(expression),
         }
-        match values.iter().position(|v| !v.is_finite()) {
-            Some(row) if self.strict => {
-                let found = values.get(row).map_or_else(String::new, f64::to_string);
-                Err(self.field(row, name, found, "a finite number"))
+    }
+
+    /// Values of a signal in SI, `count` if it is given; in strict mode all finite.
+    fn values(&self, signal: &Signal, count: Option<usize>) -> Result<Vec<f64>, LogError> {
+        let mut inputs: Vec<Vec<f64>> = Vec::new();
+        for &index in &signal.expression.columns {
+            let values = self.source.values(self.file, index, signal.name, self.strict)?;
+            if values.len() > MAX_ROWS {
+                return Err(self.content(format!("more than {MAX_ROWS} rows"), "a log divided into several"));
             }
-            _ => Ok(values),
+            let count = count.or(inputs.first().map(Vec::len)).unwrap_or(values.len());
+            if values.len() != count {
+                let found = format!("`{}` for {} has {} values", self.name(index), signal.name, values.len());
+                let expected = if signal.name == TIME { "the others" } else { "times" };
+                return Err(self.content(found, &format!("{count}, as many as {expected}")));
+            }
+            inputs.push(values);
         }
+        let rows = inputs.first().map_or(0, Vec::len);
+        let (mut readings, mut stack) = (vec![f64::NAN; inputs.len()], Vec::new());
+        let mut out = Vec::with_capacity(rows);
+        for row in 0..rows {
+            for (reading, input) in readings.iter_mut().zip(&inputs) {
+                *reading = input.get(row).copied().unwrap_or(f64::NAN);
+            }
+            let found = signal.expression.value(&readings, &mut stack);
+            if !found.is_finite() && readings.iter().all(|reading| reading.is_finite()) {
+                return Err(self.not_finite(signal, row, found, &readings));
+            }
+            let value = signal.scale * found + signal.offset;
+            if self.strict && !value.is_finite() {
+                return Err(self.field(row, signal.name, value.to_string(), "a finite number"));
+            }
+            out.push(value);
+        }
+        Ok(out)
     }
 
-    /// Values of a channel, as many as times.
-    fn channel(&self, selected: &Selected, times: usize) -> Result<Vec<f64>, LogError> {
-        let Selected { channel, index, column } = selected;
-        let values = self.values(channel.name(), *index, column)?;
-        if values.len() != times {
-            let name = self.source.names().get(*index).map_or_else(|| index.to_string(), Clone::clone);
-            return Err(self.content(
-                format!("`{name}` for {channel} has {} values", values.len()),
-                &format!("{times}, as many as times"),
-            ));
-        }
-        Ok(values)
+    /// Returns the error of an expression without a finite value: a division by zero, a root of a
+    /// negative number.
+    fn not_finite(&self, signal: &Signal, row: usize, found: f64, readings: &[f64]) -> LogError {
+        let columns = signal.expression.columns.iter().zip(readings);
+        let columns = columns.map(|(index, value)| format!("{} = {value}", self.name(*index)));
+        let columns = columns.collect::<Vec<_>>().join(", ");
+        let found = format!("{found} from `{}` with {columns}", signal.text);
+        self.field(row, signal.name, found, "a finite number")
+    }
+
+    /// Name of a column, or its index without a name.
+    fn name(&self, index: usize) -> String {
+        self.source.names().get(index).map_or_else(|| format!("column({index})"), Clone::clone)
     }
 
     fn check_ascending(&self, time_s: &[f64]) -> Result<(), LogError> {

@@ -5,7 +5,7 @@ use super::LogError;
 use super::mat::Variables;
 use super::parquet::Table;
 use super::text::Text;
-use crate::log::{Column, ColumnId, TextFormat};
+use crate::log::TextFormat;
 
 /// First bytes of a Parquet file.
 const PARQUET: &[u8] = b"PAR1";
@@ -25,8 +25,8 @@ pub(super) enum Source {
 }
 
 impl Source {
-    /// Opens a file and splits it into columns.
-    pub(super) fn open(file: &str, bytes: Vec<u8>, format: &TextFormat) -> Result<Self, LogError> {
+    /// Opens a file and splits it into columns; a text in the described format or a detected one.
+    pub(super) fn open(file: &str, bytes: Vec<u8>, described: Option<&TextFormat>) -> Result<Self, LogError> {
         if bytes.starts_with(PARQUET) {
             return Table::open(file, bytes).map(Self::Parquet);
         }
@@ -42,30 +42,24 @@ impl Source {
         if marked || bytes.starts_with(MAT_5) {
             return Variables::open(file, &bytes).map(Self::Mat);
         }
-        if bytes.iter().take(SEARCHED_BYTES).any(|&b| b == 0) {
+        let Some(text) = decoded(bytes) else {
             return Err(LogError::content(
                 file,
                 "an unknown binary file",
                 "CSV text in UTF-8, Parquet, or a MAT-file of version 5 to 7",
             ));
-        }
-        Text::open(file, &String::from_utf8_lossy(&bytes), format).map(Self::Text)
+        };
+        Text::open(file, &text, described).map(Self::Text)
     }
 
-    /// Returns whether the content of a file is read as text.
-    pub(super) fn is_text(bytes: &[u8]) -> bool {
-        let is_binary = [PARQUET, MAT_5, MAT_73, HDF5].iter().any(|start| bytes.starts_with(start));
-        !is_binary && !bytes.iter().take(SEARCHED_BYTES).any(|&b| b == 0)
+    /// Text format as detected; the default for a binary file, whose columns have names.
+    pub(super) fn detected(&self) -> Option<TextFormat> {
+        if let Self::Text(text) = self { text.detected } else { Some(TextFormat::default()) }
     }
 
-    /// Clause about the text format that the file seems to have, if another one is described.
+    /// Clause about the text format that the file seems to have, if it is read in another one.
     pub(super) fn hint(&self) -> String {
-        match self {
-            Self::Text(Text { other_format: Some(format), .. }) => {
-                format!("; the file looks like `[log]` with {}", format.lines().join(", "))
-            }
-            _ => String::new(),
-        }
+        if let Self::Text(text) = self { text.hint() } else { String::new() }
     }
 
     /// Number of columns of a text without a header; else 0.
@@ -82,26 +76,30 @@ impl Source {
         }
     }
 
-    /// Index of a column.
-    pub(super) fn locate(&self, file: &str, column: &Column) -> Result<usize, LogError> {
-        match &column.from {
-            ColumnId::Index(index) => Ok(*index),
-            ColumnId::Name(name) => self.names().iter().position(|n| n == name).ok_or_else(|| {
-                LogError::content(
-                    file,
-                    format!("no column `{name}` among `{}`", self.names().join("`, `")),
-                    match self {
-                        Self::Text(_) => format!("a header with `{name}`{}", self.hint()),
-                        Self::Parquet(_) => format!("a column `{name}`"),
-                        Self::Mat(_) => {
-                            format!(
-                                "a variable `{name}` (a field of a struct is `data.{name}`, \
-                                 a column `{name}(:,1)`)"
-                            )
-                        }
-                    },
-                )
-            }),
+    /// Unit of a column; empty without a line of units.
+    pub(super) fn unit(&self, index: usize) -> &str {
+        match self {
+            Self::Text(text) => text.units.get(index).map_or("", String::as_str),
+            Self::Parquet(_) | Self::Mat(_) => "",
+        }
+    }
+
+    /// Names of the columns for a message.
+    pub(super) fn list(&self) -> String {
+        if self.names().is_empty() {
+            return format!("{} columns without a header", self.width());
+        }
+        format!("`{}`", self.names().join("`, `"))
+    }
+
+    /// Place where a name of a column is expected.
+    pub(super) fn expected_name(&self, name: &str) -> String {
+        match self {
+            Self::Text(_) => format!("a header with `{name}`"),
+            Self::Parquet(_) => format!("a column `{name}`"),
+            Self::Mat(_) => {
+                format!("a variable `{name}` (a field of a struct is `data.{name}`, a column `{name}(:,1)`)")
+            }
         }
     }
 
@@ -128,4 +126,20 @@ impl Source {
             Self::Mat(_) => format!("element {}", row + 1),
         }
     }
+}
+
+/// Decodes a text: UTF-16 with a byte order mark, UTF-8, else Latin-1. `None` if it contains zeros.
+fn decoded(bytes: Vec<u8>) -> Option<String> {
+    let utf_16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units = bytes.chunks_exact(2).filter_map(|pair| pair.try_into().ok()).map(unit);
+        char::decode_utf16(units).map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+    };
+    match bytes.as_slice() {
+        [0xff, 0xfe, rest @ ..] => return Some(utf_16(rest, u16::from_le_bytes)),
+        [0xfe, 0xff, rest @ ..] => return Some(utf_16(rest, u16::from_be_bytes)),
+        _ if bytes.iter().take(SEARCHED_BYTES).any(|&b| b == 0) => return None,
+        _ => {}
+    }
+    let latin_1 = |e: std::string::FromUtf8Error| e.as_bytes().iter().copied().map(char::from).collect();
+    Some(String::from_utf8(bytes).unwrap_or_else(latin_1))
 }

@@ -20,16 +20,26 @@ fn refusals_name_file_line_and_column() {
         ("t_s,journal_y_m\n0,1\n1\n", "only 1 fields"),
         ("time,journal_y_m\n0,1\n1,2\n", "no column `t_s`"),
         ("t_s,apples\n0,1\n1,2\n", "no known channel"),
-        (
-            "t_s;journal_y_m\n0,5;1,5\n1;2\n",
-            "the file looks like `[log]` with separator = \"semicolon\", decimal_comma = true",
-        ),
-        ("t_s\tjournal_y_m\n0\t1\n1\t2\n", "looks like `[log]` with separator = \"tab\""),
         ("t_s,journal_y_m\n0,\"1,5\"\n1,2\n", "set `decimal_comma = true`"),
         ("t_s,journal_y_m,journal_y_m\n0,1,1\n1,2,2\n", "twice"),
     ] {
         let error = MeasuredLog::parse("a.csv", text, &own()).unwrap_err().to_string();
         assert!(error.starts_with("a.csv") && error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn a_text_in_another_format_than_described_is_refused_with_its_own() {
+    let format = LogFormat { text: Some(TextFormat::default()), ..own() };
+    for (text, expected) in [
+        (
+            "t_s;journal_y_m\n0,5;1,5\n1;2\n",
+            "the file looks like `[log]` with separator = \"semicolon\", decimal_comma = true",
+        ),
+        ("t_s\tjournal_y_m\n0\t1\n1\t2\n", "looks like `[log]` with separator = \"tab\""),
+    ] {
+        let error = MeasuredLog::parse("a.csv", text, &format).unwrap_err().to_string();
+        assert!(error.starts_with("a.csv: no column `t_s`") && error.contains(expected), "{error}");
     }
 }
 
@@ -40,7 +50,7 @@ fn a_foreign_log_is_mapped_scaled_and_shifted() {
     )
     .unwrap();
     let text = TextFormat { separator: Separator::Whitespace, header: false, decimal_comma: false };
-    let format = LogFormat { text, columns };
+    let format = LogFormat { text: Some(text), columns };
     let log = MeasuredLog::parse("x", "0.0\t7 5.0\r\n10.0  7 6.0\r\n", &format).unwrap();
     assert_eq!(log.time_s, [0.0, 0.01]);
     assert_eq!(log.channels[&Channel::Position], [1.005, 1.006]);
@@ -49,7 +59,7 @@ fn a_foreign_log_is_mapped_scaled_and_shifted() {
 #[test]
 fn decimal_commas_are_read_where_the_description_says_so() {
     let text = TextFormat { separator: Separator::Semicolon, header: true, decimal_comma: true };
-    let format = LogFormat { text, ..own() };
+    let format = LogFormat { text: Some(text), ..own() };
     let log = MeasuredLog::parse("x", "t_s;journal_y_m\n0;1,5e-3\n0,01;-2\n", &format).unwrap();
     assert_eq!(log.time_s, [0.0, 0.01]);
     assert_eq!(log.channels[&Channel::JournalY], [1.5e-3, -2.0]);

@@ -1,34 +1,59 @@
-//! Text logs: one line per sample, fields with a separator, comments from `#`, an optional header
-//! line with names.
+//! Text logs: one line per sample, fields with a separator, comments from `#` or `%`, an optional
+//! header line with names, and an optional line with units under it.
 
 use super::LogError;
 use super::detect::detect;
+use super::number::{NO_THOUSANDS, has_thousands, is_missing, is_units, parse};
 use crate::log::{Separator, TextFormat};
+use std::borrow::Cow;
 
-/// Entries that loggers write in place of a missing reading.
-pub(super) const MISSING: [&str; 8] = ["", "nan", "na", "n/a", "null", "none", "inf", "-inf"];
+/// Line from 1, and fields.
+pub(super) type Row = (u64, Vec<String>);
 
 /// Text split into fields.
 pub(super) struct Text {
     pub(super) header: Vec<String>,
-    rows: Vec<(u64, Vec<String>)>,
-    decimal_comma: bool,
-    /// The `[log]` table that the text looks like, if another one is described.
-    pub(super) other_format: Option<TextFormat>,
+    /// Fields of the line of units; empty without one.
+    pub(super) units: Vec<String>,
+    rows: Vec<Row>,
+    format: TextFormat,
+    is_described: bool,
+    /// The `[log]` table that the text looks like.
+    pub(super) detected: Option<TextFormat>,
 }
 
 impl Text {
-    pub(super) fn open(file: &str, text: &str, format: &TextFormat) -> Result<Self, LogError> {
-        let (mut rows, decimal_comma) = (rows(file, text, format.separator)?, format.decimal_comma);
-        let other_format = detect(text).filter(|detected| detected != format);
-        if !format.header {
-            return Ok(Self { header: Vec::new(), rows, decimal_comma, other_format });
+    /// Splits a text in the described format, else in the detected one, else as the project's own
+    /// CSV.
+    pub(super) fn open(file: &str, text: &str, described: Option<&TextFormat>) -> Result<Self, LogError> {
+        let detected = detect(text);
+        let format = described.copied().or(detected).unwrap_or_default();
+        let readable = |e: csv::Error| LogError::content(file, e.to_string(), "readable CSV");
+        let mut rows = split(text, format.separator).map_err(readable)?;
+        let (mut header, mut units) = (Vec::new(), Vec::new());
+        if format.header {
+            if rows.is_empty() {
+                return Err(LogError::content(file, "an empty file", "a header line with channel names"));
+            }
+            header = rows.remove(0).1;
+            if rows.first().is_some_and(|(_, row)| is_units(row, format.decimal_comma)) {
+                units = rows.remove(0).1;
+            }
         }
-        if rows.is_empty() {
-            return Err(LogError::content(file, "an empty file", "a header line with channel names"));
+        Ok(Self { header, units, rows, format, is_described: described.is_some(), detected })
+    }
+
+    /// Clause about the format that the file seems to have, if it is read in another one.
+    pub(super) fn hint(&self) -> String {
+        match self.detected {
+            Some(format) if format != self.format => {
+                format!("; the file looks like `[log]` with {}", format.lines().join(", "))
+            }
+            None if !self.is_described => {
+                "; no separator divides the text into columns of numbers, so commas were assumed".into()
+            }
+            _ => String::new(),
         }
-        let header = rows.remove(0).1;
-        Ok(Self { header, rows, decimal_comma, other_format })
     }
 
     /// Number of fields of the first row.
@@ -47,44 +72,19 @@ impl Text {
         wanted: &str,
         strict: bool,
     ) -> Result<Vec<f64>, LogError> {
-        let cell = Cell { file, index, column: wanted, strict, decimal_comma: self.decimal_comma };
+        let cell = Cell { file, index, column: wanted, strict, decimal_comma: self.format.decimal_comma };
         self.rows.iter().map(|(line, row)| cell.number(*line, row)).collect()
     }
 }
 
-/// Fields of one line without quotes.
-pub(super) fn fields_of(line: &str, separator: Separator) -> impl Iterator<Item = &str> {
-    let delimiter = match separator {
-        Separator::Whitespace => None,
-        Separator::Comma => Some(','),
-        Separator::Semicolon => Some(';'),
-        Separator::Tab => Some('\t'),
-    };
-    let blanks = delimiter.is_none().then(|| line.split_whitespace());
-    let fields = delimiter.map(|delimiter| line.split(delimiter).map(str::trim));
-    blanks.into_iter().flatten().chain(fields.into_iter().flatten())
-}
-
-/// Parses a finite number; with `decimal_comma` the comma is the decimal sign.
-pub(super) fn parse(field: &str, decimal_comma: bool) -> Option<f64> {
-    let number = if decimal_comma && field.contains(',') {
-        field.replacen(',', ".", 1).parse::<f64>()
-    } else {
-        field.parse()
-    };
-    number.ok().filter(|value| value.is_finite())
-}
-
-fn rows(file: &str, text: &str, separator: Separator) -> Result<Vec<(u64, Vec<String>)>, LogError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+/// Splits a text into rows of trimmed fields.
+pub(super) fn split(text: &str, separator: Separator) -> Result<Vec<Row>, csv::Error> {
+    let text = without_comments(text.strip_prefix('\u{feff}').unwrap_or(text));
     let delimiter = match separator {
         Separator::Whitespace => {
-            return Ok(text
-                .lines()
-                .enumerate()
-                .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
-                .map(|(i, line)| (i as u64 + 1, line.split_whitespace().map(str::to_owned).collect()))
-                .collect());
+            let rows = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+            let fields = |line: &str| line.split_whitespace().map(str::to_owned).collect();
+            return Ok(rows.map(|(i, line)| (i as u64 + 1, fields(line))).collect());
         }
         Separator::Comma => b',',
         Separator::Semicolon => b';',
@@ -93,17 +93,34 @@ fn rows(file: &str, text: &str, separator: Separator) -> Result<Vec<(u64, Vec<St
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .delimiter(delimiter)
-        .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .flexible(true)
         .from_reader(text.as_bytes());
     let mut out = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(|e| LogError::content(file, e.to_string(), "readable CSV"))?;
+        let record = record?;
         let line = record.position().map_or(0, csv::Position::line);
         out.push((line, record.iter().map(str::to_owned).collect()));
     }
     Ok(out)
+}
+
+/// Replaces comments by empty lines, so that the other lines keep their numbers. The separator that
+/// a spreadsheet states in the first line counts as a comment too.
+fn without_comments(text: &str) -> Cow<'_, str> {
+    let is_comment = |line: &str| line.starts_with(['#', '%']);
+    let is_separator = text.starts_with("sep=") && text.lines().next().is_some_and(|line| line.len() == 5);
+    if !is_separator && !text.lines().any(is_comment) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len());
+    for (index, line) in text.lines().enumerate() {
+        if !(is_comment(line) || is_separator && index == 0) {
+            out.push_str(line);
+        }
+        out.push('\n');
+    }
+    Cow::Owned(out)
 }
 
 /// Place and form of a number in each row.
@@ -134,12 +151,21 @@ impl Cell<'_> {
         };
         match parse(field, self.decimal_comma) {
             Some(value) => Ok(value),
-            None if !self.strict && MISSING.iter().any(|m| field.eq_ignore_ascii_case(m)) => Ok(f64::NAN),
-            None if parse(field, true).is_some() => Err(refuse(
-                format!("`{field}`"),
-                "a number with a decimal point; for decimal commas set `decimal_comma = true` in `[log]`",
-            )),
-            None => Err(refuse(format!("`{field}`"), "a finite number")),
+            None if !self.strict && is_missing(field) => Ok(f64::NAN),
+            None => Err(refuse(format!("`{field}`"), self.expected(field))),
+        }
+    }
+
+    /// Content expected in place of a field that is no number.
+    fn expected(&self, field: &str) -> &'static str {
+        if has_thousands(field, self.decimal_comma) {
+            NO_THOUSANDS
+        } else if self.decimal_comma && parse(field, false).is_some() {
+            "a number with a decimal comma and without separators of thousands"
+        } else if !self.decimal_comma && parse(field, true).is_some() {
+            "a number with a decimal point; for decimal commas set `decimal_comma = true` in `[log]`"
+        } else {
+            "a finite number"
         }
     }
 }

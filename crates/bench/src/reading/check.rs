@@ -253,7 +253,7 @@ size = 1.0
             "line 21: uncertain.axis.mass is no such parameter",
             "line 23: nuisances.offset.position_m is of an input",
             "line 25: log.separator is `pipe`; expected one of comma, semicolon, tab, whitespace",
-            "line 27: columns.position_m.from is -1; expected the name of a column, or its index from 0",
+            "line 27: columns.position_m.from is -1; expected the name of a column, an expression of",
             "line 28: columns.velocity_m_s.from is missing; expected the name of a column",
             "line 30: effects.0.name is `gremlins`, which is not a known effect; expected one of",
             "line 33: effects.1.effort is `much`; expected a number",
@@ -272,6 +272,11 @@ size = 1.0
             ("[sensors]\nposition_m = 3", "sensors.position_m is 3; expected a table"),
             ("[effects]\nname = 3", "effects is a table; expected entries `[[effects]]`"),
             ("[[effects]]\n[[effects]]\nname = 3", "effects.1.name is 3; expected one of"),
+            (
+                "[columns]\nposition_m = \"?\"",
+                "columns.position_m is not filled in; expected a column or an expression of columns as text, \
+                 or a table, { ... }, with some of from, scale, offset",
+            ),
             ("[uncertain]\n\"axis.inertia\" = []", "uncertain.axis.inertia is an array; expected"),
             ("[nuisances]\noffset = 1979-05-27", "nuisances.offset is 1979-05-27; expected a number for"),
             ("[columns.t_s]\nfrom = 1e3", "columns.t_s.from is 1e3; expected the name of a column"),

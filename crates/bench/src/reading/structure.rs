@@ -127,14 +127,22 @@ impl<'a> Structure<'a> {
                 for (key, value) in table {
                     let path = [name, key.get_ref()];
                     self.note_line(&path, key.span().start);
+                    let is_text = value.get_ref().as_str().is_some_and(|text| text != FILL_IN);
                     match value.get_ref().as_table() {
                         _ if !is_known(path[1]) => {
                             self.refuse_unknown(&path, "an unknown channel", &channels())
                         }
                         Some(table) => self.check_fields(&path, section.fields, table),
+                        None if is_text && section.shape == Shape::PerSignal => {}
                         None => {
                             let names: Vec<&str> = section.fields.iter().map(|field| field.name).collect();
-                            let expected = format!("a table, {{ ... }}, with some of {}", names.join(", "));
+                            let text = if section.shape == Shape::PerSignal {
+                                "a column or an expression of columns as text, or "
+                            } else {
+                                ""
+                            };
+                            let names = names.join(", ");
+                            let expected = format!("{text}a table, {{ ... }}, with some of {names}");
                             self.refuse(&path, &found(value.get_ref()), expected, Replacement::Nothing);
                         }
                     }

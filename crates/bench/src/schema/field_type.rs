@@ -14,7 +14,7 @@ pub enum FieldKind {
     Switch,
     /// One of the names.
     Name(fn() -> Vec<&'static str>),
-    /// Name of a column of a log, or its index from 0.
+    /// Name of a column of a log, its index from 0, or an expression of columns.
     Column,
     /// Table with a number for each channel.
     NumberPerChannel,
@@ -28,7 +28,7 @@ impl FieldKind {
             Self::Integer => "an integer".into(),
             Self::Switch => "true or false".into(),
             Self::Name(names) => format!("one of {}", names().join(", ")),
-            Self::Column => "the name of a column, or its index from 0".into(),
+            Self::Column => "the name of a column, an expression of columns, or an index from 0".into(),
             Self::NumberPerChannel => "a number for each channel".into(),
         }
     }

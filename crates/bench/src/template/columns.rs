@@ -1,6 +1,6 @@
 //! Choice of the column of each signal.
 
-use super::names::{Meaning, MotionKind, Quantity, meaning};
+use super::names::{Meaning, MotionKind, Quantity, is_pressure, meaning};
 use crate::log::{RawColumn, RawLog, TIME};
 use crate::signals::Channel;
 
@@ -16,7 +16,7 @@ pub(super) struct Candidate<'a> {
 /// Returns the columns of a log with their meanings.
 pub(super) fn candidates(log: &RawLog) -> Vec<Candidate<'_>> {
     let mut all: Vec<Candidate<'_>> =
-        log.columns.iter().map(|column| Candidate { column, meaning: meaning(&column.name) }).collect();
+        log.columns.iter().map(|column| Candidate { column, meaning: meaning(&named(column)) }).collect();
     let is_time =
         |c: &Candidate<'_>| c.meaning.own == Some(TIME) || c.meaning.quantity == Some(Quantity::Time);
     // Without names the first column that always rises is the time.
@@ -27,6 +27,12 @@ pub(super) fn candidates(log: &RawLog) -> Vec<Candidate<'_>> {
         time.meaning.quantity = Some(Quantity::Time);
     }
     all
+}
+
+/// Name of a column with the unit of the line under it.
+fn named(column: &RawColumn) -> String {
+    let unit = column.unit.trim_matches(['[', ']', '(', ')']);
+    if unit.is_empty() { column.name.clone() } else { format!("{} [{unit}]", column.name) }
 }
 
 fn is_ascending(values: &[f64]) -> bool {
@@ -86,6 +92,13 @@ pub(super) fn choose<'a>(
         scale = Some(1.0);
     }
     Some(Chosen { column: first.column, scale, is_own: false })
+}
+
+/// Names of the first two pressures: those of a cylinder's chambers.
+pub(super) fn chambers<'a>(candidates: &[Candidate<'a>]) -> Option<[&'a str; 2]> {
+    let names = candidates.iter().map(|candidate| candidate.column.name.as_str());
+    let mut pressures = names.filter(|name| is_pressure(name));
+    Some([pressures.next()?, pressures.next()?])
 }
 
 /// Kind of the driven motion that the columns indicate.

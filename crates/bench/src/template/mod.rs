@@ -13,7 +13,7 @@ use crate::description::{AxisKind, FrictionRig, TransmissionBench};
 use crate::log::{LogError, RawLog, TIME};
 use crate::reading::FILL_IN;
 use crate::signals::Channel;
-use columns::{Chosen, candidates, choose, motion_kind};
+use columns::{Chosen, candidates, chambers, choose, motion_kind};
 use names::{MotionKind, Quantity};
 use serde::Serialize;
 
@@ -95,9 +95,19 @@ pub fn template(log: &RawLog, plant: Option<TemplatePlant>) -> Result<Template, 
             MotionKind::Linear => AxisKind::Linear,
         })
     });
-    let signals = signals(&candidates, plant);
+    let mut signals = signals(&candidates, plant);
+    // Two pressures of an axis without a force are those of its cylinder, and no load.
+    let chambers = chambers(&candidates).filter(|_| {
+        let is_effort = |s: &&Signal<'_>| s.name == Channel::DriveForce.name();
+        matches!(plant, TemplatePlant::Axis(AxisKind::Linear))
+            && signals.iter().find(is_effort).is_some_and(|effort| effort.chosen.is_none())
+    });
+    if chambers.is_some() {
+        let loads = signals.iter_mut().filter(|s| s.name == Channel::LoadForce.name());
+        loads.for_each(|load| load.chosen = None);
+    }
     let values = values::values(&signals, plant);
-    let (toml, to_fill_in) = render::render(log, plant, &signals, &values)?;
+    let (toml, to_fill_in) = render::render(log, plant, (&signals, chambers), &values)?;
     let column = |column: &crate::log::RawColumn| {
         let taken = |s: &&Signal<'_>| s.chosen.as_ref().is_some_and(|c| c.column.index == column.index);
         let (min, max) = column.range().unwrap_or_default();

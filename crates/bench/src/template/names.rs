@@ -131,6 +131,13 @@ pub(super) fn meaning(name: &str) -> Meaning {
     Meaning { own: None, quantity, kind: found.and_then(|unit| unit.3), scale: found.map(|unit| unit.1) }
 }
 
+/// Returns whether a name is that of a pressure.
+pub(super) fn is_pressure(name: &str) -> bool {
+    let lower = name.to_lowercase();
+    let mut words = lower.split(|letter: char| !letter.is_alphabetic());
+    words.any(|word| matches!(word, "p" | "pa" | "pb" | "pressure" | "druck"))
+}
+
 /// Splits a name in lower case into its words and its unit: `disp_in`, `weg [mm]`, `time (s)`.
 fn split_unit(name: &str) -> (&str, Option<String>) {
     for (open, close) in [('[', ']'), ('(', ')')] {

@@ -5,6 +5,7 @@ use super::{FILL_IN, Signal, TemplatePlant};
 use crate::description::{AxisKind, Bench};
 use crate::log::{LogError, RawColumn, RawLog};
 use crate::schema::{FieldEntry, SectionEntry, Shape};
+use crate::signals::Channel;
 use std::fmt::Write as _;
 
 /// Maximum width of a comment.
@@ -14,7 +15,7 @@ const WIDTH: usize = 100;
 pub(super) fn render(
     log: &RawLog,
     plant: TemplatePlant,
-    signals: &[Signal<'_>],
+    (signals, chambers): (&[Signal<'_>], Option<[&str; 2]>),
     values: &Values,
 ) -> Result<(String, Vec<String>), LogError> {
     let sections = Bench::sections(plant.plant()).unwrap_or_default();
@@ -27,7 +28,7 @@ pub(super) fn render(
     writer.write_optional(&sections);
     writer.write_sensors(values);
     writer.write_uncertain(plant);
-    writer.write_columns(log, signals);
+    writer.write_columns(log, signals, chambers);
     Ok((writer.text, writer.to_fill_in))
 }
 
@@ -129,7 +130,7 @@ impl Writer {
         }
     }
 
-    fn write_columns(&mut self, log: &RawLog, signals: &[Signal<'_>]) {
+    fn write_columns(&mut self, log: &RawLog, signals: &[Signal<'_>], chambers: Option<[&str; 2]>) {
         if !log.format.is_default() {
             let _ = writeln!(self.text, "\n[log]\n{}", log.format.lines().join("\n"));
         }
@@ -141,7 +142,16 @@ impl Writer {
             return;
         }
         self.text.push('\n');
-        self.comment("Columns of the log: signal = scale * column + offset, in SI units.");
+        self.comment(
+            "Columns of the log: signal = scale * column + offset, in SI units. A text is the name of a \
+             column or an expression: drive_force_n = \"(p_a - p_b) * 4.9e-4\".",
+        );
+        if let Some([a, b]) = chambers {
+            self.comment(&format!(
+                "Two pressures: {} = \"(`{a}` - `{b}`) * AREA\" with the piston area in SI units.",
+                Channel::DriveForce
+            ));
+        }
         self.text.push_str("[columns]\n");
         for signal in signals.iter().filter(is_listed) {
             let name = signal.name;
