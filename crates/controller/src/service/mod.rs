@@ -117,6 +117,7 @@ impl<M: SlotMemory> LinkService<M> {
         self.receive(ports, shared, platform, parties)?;
         self.replace_corrupted_models(shared);
         send_estimates(ports, shared);
+        send_impacts(ports, shared);
         shared.lock(|shared| shared.session.set_line_report(ports.line()));
         self.send_telemetry(ports, shared, platform, parties);
         self.background.step(self.pacing, shared, platform)
@@ -147,6 +148,8 @@ impl<M: SlotMemory> LinkService<M> {
                 }
                 message => Some(self.serve(message, shared, platform, parties)),
             };
+            // The impacts of a run that has just ended come before the answer.
+            send_impacts(ports, shared);
             if let Some(reply) = reply
                 && !send(&reply, |frame| ports.send(port, frame, Purpose::Reply))
             {
@@ -283,6 +286,18 @@ fn send_estimates<A: Transport, B: Transport, S: SampleSource>(
     while let Some(estimate) = shared.lock(SharedSession::next_estimate) {
         if !ports.send_to_host(&estimate) {
             shared.lock(|shared| shared.session.count_dropped_estimate());
+        }
+    }
+}
+
+/// Sends the impacts that have ended.
+fn send_impacts<A: Transport, B: Transport, S: SampleSource>(
+    ports: &mut Ports<A, B>,
+    shared: &mut impl Mutex<T = SharedSession<S>>,
+) {
+    while let Some(impact) = shared.lock(|shared| shared.session.take_impact()) {
+        if !send(&impact, |frame| ports.send_to_host(frame)) {
+            shared.lock(|shared| shared.session.count_dropped_impact());
         }
     }
 }

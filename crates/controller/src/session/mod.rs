@@ -29,11 +29,13 @@ use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRefusal};
 use link::{
     ControllerConfiguration, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello, NumberedEstimate, Refusal,
-    ReportKind, SensorFrame, SlowFrame, SlowReport, State, Target, ToController, ToHost, encode_estimate,
+    ReportKind, SensorFrame, SlowFrame, SlowReport, State, Target, ToController, ToHost, VALUES,
+    encode_estimate,
 };
 
 use crate::configuration::wiring;
-use crate::integrity::WordSum;
+use crate::impacts::{Found, Queue};
+use crate::integrity::{WordSum, Words};
 use crate::sensors::Wiring;
 use crate::store::Models;
 use conversation::Conversation;
@@ -62,6 +64,8 @@ pub struct Session {
     /// True until the wiring of the configuration has been taken.
     has_new_wiring: bool,
     run: Option<Run>,
+    /// Impacts that have not been sent.
+    impacts: Queue,
 }
 
 impl Session {
@@ -78,6 +82,7 @@ impl Session {
             shortest_period_us: None,
             has_new_wiring: false,
             run: None,
+            impacts: Queue::default(),
         }
     }
 
@@ -195,6 +200,7 @@ impl Session {
                 let start = ticks.start();
                 match self.estimate(frame, *status, start, ticks) {
                     Some((estimate, elapsed)) => {
+                        self.restart_block();
                         self.finish(elapsed, ticks.since(start));
                         ToHost::Estimate(estimate)
                     }
@@ -219,7 +225,9 @@ impl Session {
         ticks: &mut impl TickSource,
     ) -> Result<[u8; ESTIMATE_FRAME], ToHost> {
         let start = ticks.start();
-        self.timed_tick(frame, status, start, ticks).ok_or_else(|| not_configured(frame))
+        let bytes = self.timed_tick(frame, status, start, ticks).ok_or_else(|| not_configured(frame))?;
+        self.restart_block();
+        Ok(bytes)
     }
 
     /// Runs a complete tick with the controller's own sample; taking the sample counts towards the
@@ -258,6 +266,17 @@ impl Session {
         Some(ToHost::Slow(SlowFrame { number, sequence, state, report }))
     }
 
+    /// Takes the oldest impact that has not been sent. A record that was corrupted is counted as
+    /// dropped.
+    pub fn take_impact(&mut self) -> Option<ToHost> {
+        loop {
+            match self.impacts.pop()? {
+                Ok(record) => return Some(ToHost::Impact(record)),
+                Err(()) => self.count_dropped_impact(),
+            }
+        }
+    }
+
     /// Returns a report as of now; `None` for a report of a run without a run.
     fn report(&self, kind: ReportKind) -> Option<SlowReport> {
         let monitor = self.run.as_ref().map(|run| &run.monitor);
@@ -274,7 +293,7 @@ impl Session {
             ReportKind::Models => SlowReport::Models(status.models),
             ReportKind::Estimate => {
                 let estimate = *self.run.as_ref()?.last();
-                SlowReport::Estimate(NumberedEstimate { number: 0, dropped: 0, estimate }.into())
+                SlowReport::Estimate(NumberedEstimate { estimate, ..NumberedEstimate::default() }.into())
             }
             ReportKind::Sample => SlowReport::Sample(status.sample?),
         })
@@ -295,6 +314,11 @@ impl Session {
     /// Counts an estimate without room in the queue or that the transport did not take.
     pub fn count_dropped_estimate(&mut self) {
         count(&mut self.telemetry.counters.dropped_estimates, true);
+    }
+
+    /// Counts a record of an impact that the transport did not take.
+    pub fn count_dropped_impact(&mut self) {
+        count(&mut self.telemetry.counters.dropped_impacts, true);
     }
 
     /// Counts another reply that the transport did not take.
@@ -339,14 +363,41 @@ impl Session {
         let mut timed = run.finish_estimate(estimate, elapsed);
         timed.estimate.dropped = self.telemetry.counters.dropped_estimates as u8;
         self.telemetry.count_sample(&timed, frame.sequence, run.configuration.limits.slow_every);
+        self.store_impact(&timed.found);
         Some((timed.estimate, elapsed))
     }
 
-    /// Encodes an estimate. The CRC of the frame is wrong if a bit of the values has flipped since
-    /// they were computed.
+    /// Counts and queues an impact that has ended.
+    fn store_impact(&mut self, found: &Found) {
+        let is_dropped = found.record.is_some_and(|record| !self.impacts.push(record));
+        count(&mut self.telemetry.counters.impacts, found.record.is_some());
+        count(&mut self.telemetry.counters.dropped_impacts, is_dropped | found.is_corrupted);
+    }
+
+    /// Ends an open impact with its run. The next run numbers its impacts from 0.
+    fn finish_impacts(&mut self) {
+        if let Some(found) = self.run.as_mut().map(Run::finish_impacts) {
+            self.store_impact(&found);
+        }
+        self.impacts.restart_numbers();
+    }
+
+    fn restart_block(&mut self) {
+        if let Some(run) = &mut self.run {
+            run.restart_block();
+        }
+    }
+
+    /// Encodes an estimate. The CRC of the frame is wrong if a bit of the values or of the block has
+    /// flipped since they were computed.
     fn encode(&self, estimate: &NumberedEstimate, bytes: &mut [u8; ESTIMATE_FRAME]) {
         let computed = self.run.as_ref().map_or_else(WordSum::default, Run::value_sum);
-        encode_estimate(estimate, |values| WordSum::from_words(values).difference(computed), bytes);
+        let block_sum = estimate.block.word_sum();
+        let difference = |values: &[u32; VALUES], block: &[u32; 4]| {
+            let block = WordSum::from_words(block).difference(block_sum);
+            WordSum::from_words(values).difference(computed) | block
+        };
+        encode_estimate(estimate, difference, bytes);
     }
 
     fn finish(&mut self, elapsed: u32, total: u32) {

@@ -4,8 +4,8 @@ use inference::{BearingMaterial, Flags, ImageError, WINDOW};
 use link::crc32::Digest;
 use link::track::SensorStatus;
 use link::{
-    Configured, ControllerConfiguration, ESTIMATE_FRAME, EstimateFrame, Field, NumberedEstimate, OutOfRange,
-    Reasons, Refusal, SensorFrame,
+    Configured, ControllerConfiguration, ESTIMATE_FRAME, EstimateFrame, Field, NumberedEstimate,
+    OutOfRange, Reasons, Refusal, SensorFrame,
 };
 
 use super::deadline::Deadline;
@@ -14,15 +14,17 @@ use crate::boards::LINK_BAUD;
 use crate::configuration::{Calibrator, checksum};
 use crate::estimator::SAMPLE_PERIOD_RANGE_US;
 use crate::flags::{OVER_FORCE, STALE, TRIPPED};
+use crate::impacts::{Block, Found, ImpactTracker};
 use crate::integrity::{WordSum, Words};
 use crate::store::{Loaded, Models, Scrubber};
 
-/// Shortest time between two sent estimates of own samples, us: half of what the serial line
+/// Shortest time between two sent estimates of own samples, us: 61 % of what the serial line
 /// carries.
 const OWN_ESTIMATE_PERIOD_US: u32 = 4_000;
 
-/// A byte takes ten bits on the serial line.
-const _: () = assert!(1_000_000 / OWN_ESTIMATE_PERIOD_US * ESTIMATE_FRAME as u32 <= LINK_BAUD / 10 * 6 / 10);
+/// A byte takes ten bits on the serial line. A third of the line is left for impacts, telemetry and
+/// answers.
+const _: () = assert!(1_000_000 / OWN_ESTIMATE_PERIOD_US * ESTIMATE_FRAME as u32 <= LINK_BAUD / 10 * 2 / 3);
 
 /// Returns the number of own samples per sent estimate at a sample period in us; 1 or more.
 #[must_use]
@@ -57,6 +59,8 @@ pub(super) struct Run {
     last_in_time_sum: WordSum,
     /// Word sum of the values of the next estimate to be sent.
     value_sum: WordSum,
+    block: Block,
+    impacts: ImpactTracker,
     /// CRC-32 of everything that the configuration sets.
     config_crc: u32,
 }
@@ -104,6 +108,8 @@ impl Run {
             last_in_time: EstimateFrame::UNKNOWN,
             last_in_time_sum: WordSum::from_words(&EstimateFrame::UNKNOWN.value_bits()),
             value_sum: WordSum::default(),
+            block: Block::default(),
+            impacts: ImpactTracker::default(),
             config_crc: 0,
         };
         run.config_crc = run.compute_config_crc();
@@ -188,6 +194,7 @@ impl Run {
         let sends = self.withheld >= own_estimate_interval(self.configuration.bench.sample_period_us);
         if sends {
             self.withheld = 0;
+            self.block.restart();
         } else {
             self.next_number = self.next_number.wrapping_sub(1);
         }
@@ -241,13 +248,27 @@ impl Run {
         }
         let number = self.next_number;
         self.next_number = number.wrapping_add(1);
-        TimedEstimate { estimate: NumberedEstimate { number, dropped: 0, estimate }, is_late, trips, is_held }
+        let found = self.impacts.step(&estimate, self.monitor.deformation_rate_m_s());
+        let block = self.block.add(&estimate);
+        let estimate = NumberedEstimate { number, dropped: 0, estimate, block };
+        TimedEstimate { estimate, found, is_late, trips, is_held }
+    }
+
+    /// Begins the next block: the estimate of the last one is sent.
+    pub(super) fn restart_block(&mut self) {
+        self.block.restart();
+    }
+
+    /// Ends an open impact with the run.
+    pub(super) fn finish_impacts(&mut self) -> Found {
+        self.impacts.finish()
     }
 }
 
 /// A numbered estimate with what telemetry counts.
 pub(super) struct TimedEstimate {
     pub(super) estimate: NumberedEstimate,
+    pub(super) found: Found,
     pub(super) is_late: bool,
     pub(super) trips: bool,
     pub(super) is_held: bool,

@@ -8,8 +8,8 @@ use link::update::{
 };
 use link::{
     Acknowledgement, Answer, BadFrames, BenchConfiguration, Calibration, Command, Configured, ContactSource,
-    ControllerConfiguration, Counters, Decoder, EstimateLayout, Fault, Field, FrameError, Limits, LineErrors,
-    MAX_REASONS, ModelId, NumberedCommand, OutOfRange, PROTOCOL_VERSION, Reasons, Refusal, SensorFrame,
+    ControllerConfiguration, Counters, Decoder, EstimateLayout, Fault, Field, FrameError, ImpactEnd,
+    ImpactRecord, Limits, LineErrors, MAX_REASONS, ModelId, NumberedCommand, OutOfRange, PROTOCOL_VERSION, Reasons, Refusal, SensorFrame,
     SlowFrame, SlowReport, State, ToController, ToHost, Wiring,
 };
 
@@ -28,6 +28,8 @@ fn counters() -> Counters {
         idle_ticks: ALL,
         dropped_samples: ALL,
         dropped_estimates: ALL,
+        impacts: ALL,
+        dropped_impacts: ALL,
         dropped_answers: ALL,
         repeated_commands: ALL,
         refused_commands: ALL,
@@ -146,6 +148,23 @@ fn models() -> UpdateStatus {
     }
 }
 
+fn impact() -> ImpactRecord {
+    ImpactRecord {
+        number: ALL,
+        onset_sequence: ALL,
+        onset_us: ALL,
+        peak_us: ALL,
+        duration_us: ALL,
+        peak_force_n: f32::MAX,
+        peak_force_sd_n: f32::INFINITY,
+        approach_speed_m_s: f32::MIN,
+        separation_speed_m_s: f32::MAX,
+        energy_lost_j: f32::MAX,
+        flags: ALL,
+        end: ImpactEnd::Interrupted,
+    }
+}
+
 fn outcomes() -> [Result<Answer, Refusal>; 7] {
     let model = ModelId { crc: ALL, training_id: u64::MAX };
     [
@@ -165,7 +184,7 @@ fn slow_reports() -> [SlowReport; 6] {
         SlowReport::Sensors(health()),
         SlowReport::Supervisor(supervisor()),
         SlowReport::Models(models()),
-        SlowReport::Estimate(EstimateLayout([255; 3], [[255; 4]; 24])),
+        SlowReport::Estimate(EstimateLayout([255; 3], [[255; 4]; 28])),
         SlowReport::Sample(SensorFrame { sequence: ALL, journal_y_nm: i32::MIN, ..SensorFrame::default() }),
     ]
 }
@@ -177,6 +196,7 @@ fn the_longest_answers_fit_into_a_frame() {
     let others = [
         ToHost::Hello(hello(PROTOCOL_VERSION)),
         ToHost::Update(UpdateAnswer::Status(models())),
+        ToHost::Impact(impact()),
         ToHost::Fault(Fault::BadFrame(FrameError::OtherVersion { found: 255 })),
     ];
     let answers = outcomes().into_iter().map(acknowledge).chain(slow_reports().into_iter().map(slow));

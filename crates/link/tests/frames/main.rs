@@ -6,7 +6,7 @@ mod longest;
 use link::start::{FaultKind, FaultRecord, ResetReason, StackReport, StartReport};
 use link::track::{MonitorConfiguration, SensorStatus};
 use link::{
-    BenchConfiguration, BuildId, Calibration, ClockSource, Command, ContactSource, ControllerConfiguration,
+    BenchConfiguration, BlockSummary, BuildId, Calibration, ClockSource, Command, ContactSource, ControllerConfiguration,
     Decoder, EstimateFrame, FrameError, Hello, InputRange, Limits, MAGIC, MAX_FRAME, ModelId,
     NumberedCommand, NumberedEstimate, PROTOCOL_VERSION, ReportKind, SensorFrame, State, Target,
     ToController, ToHost, VALUES, Wiring, encode,
@@ -171,12 +171,15 @@ proptest! {
         sent in estimate(),
         number in any::<u32>(),
         dropped in any::<u8>(),
+        (max_force_n, min_force_n, flags, samples, max_age) in any::<(f32, f32, u32, u16, u16)>(),
     ) {
-        let message = ToHost::Estimate(NumberedEstimate { number, dropped, estimate: sent });
+        let block = BlockSummary { max_force_n, min_force_n, flags, samples, max_age };
+        let message = ToHost::Estimate(NumberedEstimate { number, dropped, estimate: sent, block });
         let back = decode_all::<ToHost>(&mut Decoder::new(), &frame(&message));
         let [Ok(ToHost::Estimate(back))] = back[..] else { panic!("expected one estimate, found {back:?}") };
         prop_assert!(back.estimate.same_bits(&sent));
         prop_assert_eq!((back.number, back.dropped), (number, dropped));
+        prop_assert_eq!(back.block, block);
         prop_assert_eq!(back.estimate.instruction_ticks, sent.instruction_ticks);
     }
 
