@@ -1,9 +1,10 @@
 //! The report page of a run.
 
 use super::estimator_summary::EstimatorSummary;
+use super::impacts::TABLE_HEADER;
 use super::report::{
     EQUIVALENCE_HEADER, PEAK_HEADER, counted_rows, energy_rows, equivalence_rows, impact_header, impact_rows,
-    peak_rows, rows,
+    peak_rows, recorded_rows, rows,
 };
 use super::{Finished, tilt};
 use crate::cli::limits;
@@ -44,6 +45,7 @@ pub(crate) fn page(finished: &Finished) -> Result<Page, String> {
     }
     if let Some(estimator) = &summary.estimator {
         controller_section(&mut page, estimator);
+        impacts_section(&mut page, finished);
     }
     audit_sections(&mut page, finished);
     limits::section(&mut page, &finished.bench);
@@ -164,6 +166,22 @@ fn controller_section(page: &mut Page, estimator: &EstimatorSummary) {
     );
     page.table(&["counted", "times"], &counted_rows(estimator));
     page.note("Counters at zero are omitted.");
+}
+
+/// Impacts that the controller recorded, beside the true contacts.
+fn impacts_section(page: &mut Page, finished: &Finished) {
+    page.section("Impacts that the controller recorded");
+    let rows = recorded_rows(finished);
+    if rows.is_empty() {
+        page.note("None: the journal did not separate from the bearing, or not after the start.");
+        return;
+    }
+    page.table(&TABLE_HEADER, &rows);
+    page.note(
+        "The first 30; estimated_impacts.csv contains all. An impact is a contact that begins after a \
+         separation. A record settles after 50 ms in contact; true peaks are those up to that time, true \
+         losses those of the complete contact.",
+    );
 }
 
 /// Peaks with error bars, energy balance and contacts.

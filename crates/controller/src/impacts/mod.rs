@@ -203,8 +203,7 @@ impl State {
         self.refine_peak(sample);
         let (last, contact) = (&self.last, &mut self.contact);
         contact.flags |= estimate.flags;
-        contact.work_j +=
-            0.5 * (sample.force_n + last.force_n) * (sample.deformation_m - last.deformation_m);
+        contact.work_j += 0.5 * (sample.force_n + last.force_n) * (sample.deformation_m - last.deformation_m);
         contact.is_rising = sample.force_n > contact.peak_force_n;
         if contact.is_rising {
             contact.before_peak_n = last.force_n;

@@ -70,7 +70,8 @@ mod tests {
         assert_eq!(taken, LENGTH);
         assert_eq!(queue.pop().unwrap().unwrap().number, 0);
         assert!(queue.push(ImpactRecord::default()));
-        let numbers: Vec<_> = core::iter::from_fn(|| queue.pop()).map(|record| record.unwrap().number).collect();
+        let numbers: Vec<_> =
+            core::iter::from_fn(|| queue.pop()).map(|record| record.unwrap().number).collect();
         assert_eq!(numbers, [1, 2, 3, 4, 5, 6, 7, 10]);
     }
 

@@ -4,8 +4,8 @@ use inference::{BearingMaterial, Flags, ImageError, WINDOW};
 use link::crc32::Digest;
 use link::track::SensorStatus;
 use link::{
-    Configured, ControllerConfiguration, ESTIMATE_FRAME, EstimateFrame, Field, NumberedEstimate,
-    OutOfRange, Reasons, Refusal, SensorFrame,
+    Configured, ControllerConfiguration, ESTIMATE_FRAME, EstimateFrame, Field, NumberedEstimate, OutOfRange,
+    Reasons, Refusal, SensorFrame,
 };
 
 use super::deadline::Deadline;

@@ -9,8 +9,8 @@ use link::update::{
 use link::{
     Acknowledgement, Answer, BadFrames, BenchConfiguration, Calibration, Command, Configured, ContactSource,
     ControllerConfiguration, Counters, Decoder, EstimateLayout, Fault, Field, FrameError, ImpactEnd,
-    ImpactRecord, Limits, LineErrors, MAX_REASONS, ModelId, NumberedCommand, OutOfRange, PROTOCOL_VERSION, Reasons, Refusal, SensorFrame,
-    SlowFrame, SlowReport, State, ToController, ToHost, Wiring,
+    ImpactRecord, Limits, LineErrors, MAX_REASONS, ModelId, NumberedCommand, OutOfRange, PROTOCOL_VERSION,
+    Reasons, Refusal, SensorFrame, SlowFrame, SlowReport, State, ToController, ToHost, Wiring,
 };
 
 const ALL: u32 = u32::MAX;

@@ -6,9 +6,9 @@ mod longest;
 use link::start::{FaultKind, FaultRecord, ResetReason, StackReport, StartReport};
 use link::track::{MonitorConfiguration, SensorStatus};
 use link::{
-    BenchConfiguration, BlockSummary, BuildId, Calibration, ClockSource, Command, ContactSource, ControllerConfiguration,
-    Decoder, EstimateFrame, FrameError, Hello, InputRange, Limits, MAGIC, MAX_FRAME, ModelId,
-    NumberedCommand, NumberedEstimate, PROTOCOL_VERSION, ReportKind, SensorFrame, State, Target,
+    BenchConfiguration, BlockSummary, BuildId, Calibration, ClockSource, Command, ContactSource,
+    ControllerConfiguration, Decoder, EstimateFrame, FrameError, Hello, InputRange, Limits, MAGIC, MAX_FRAME,
+    ModelId, NumberedCommand, NumberedEstimate, PROTOCOL_VERSION, ReportKind, SensorFrame, State, Target,
     ToController, ToHost, VALUES, Wiring, encode,
 };
 use proptest::prelude::*;
