@@ -192,7 +192,10 @@ pub fn soak(elf: &Path, plan: &Plan, mut done: impl FnMut(u64)) -> Result<SoakRe
             last = *frame;
         }
         let others = emulator.received.iter().find(|received| {
-            !matches!(received, Ok(ToHost::Estimate(_) | ToHost::Slow(_) | ToHost::Impact(_)))
+            !matches!(
+                received,
+                Ok(ToHost::Estimate(_) | ToHost::Slow(_) | ToHost::Impact(_) | ToHost::Block(_))
+            )
         });
         if end != PumpEnd::Arrived || count != batch.len() || others.is_some() {
             return Err(CampaignError::Unexpected {

@@ -11,7 +11,6 @@ use core::hint::black_box;
 use serde::Serialize;
 
 use crate::crc32::{INITIAL, update_word};
-use crate::impact::BLOCK_WORDS;
 use crate::sample::VALUES;
 use crate::{DELIMITER, EstimateLayout, MAX_FRAME, MAX_PAYLOAD, NumberedEstimate, crc32};
 
@@ -47,7 +46,7 @@ pub fn encode<'a, M: Serialize>(
 }
 
 /// Length of an estimate's message with its CRC, in bytes.
-const ESTIMATE_PAYLOAD: usize = 4 * (VALUES + BLOCK_WORDS + 7);
+const ESTIMATE_PAYLOAD: usize = 4 * (VALUES + 7);
 /// Length of an estimate on the wire, in bytes.
 pub const ESTIMATE_FRAME: usize = ESTIMATE_PAYLOAD + 2;
 /// Index of [`crate::ToHost::Estimate`] among the variants.
@@ -56,14 +55,14 @@ const ESTIMATE_KIND: u8 = 2;
 /// Encodes an estimate: the bytes that [`encode`] gives for [`crate::ToHost::Estimate`], word by
 /// word and without a branch on data.
 ///
-/// `difference` gets the bits of the floats ([`crate::EstimateFrame::value_bits`]) and the words of
-/// the block ([`crate::BlockSummary::words`]). It returns 0 if they are those that were computed.
-/// If not, the CRC of the frame is made wrong, so the host rejects it. They are checked after the
-/// CRC was computed, so that a later flip is detected too.
+/// `difference` gets the bits of the floats ([`crate::EstimateFrame::value_bits`]). It returns
+/// 0 if they are those that were computed. If not, the CRC of the frame is made wrong, so the host
+/// rejects it. The floats are checked after the CRC was computed, so that a later flip is detected
+/// too.
 #[inline]
 pub fn encode_estimate(
     estimate: &NumberedEstimate,
-    difference: impl FnOnce(&[u32; VALUES], &[u32; BLOCK_WORDS]) -> u32,
+    difference: impl FnOnce(&[u32; VALUES]) -> u32,
     frame: &mut [u8; ESTIMATE_FRAME],
 ) {
     let EstimateLayout([dropped, low, high], fields) = (*estimate).into();
@@ -73,8 +72,8 @@ pub fn encode_estimate(
     *content = fields.map(u32::from_le_bytes);
     let [message @ .., sum] = &mut words;
     *sum = !message.iter().fold(INITIAL, |sum, word| update_word(sum, *word));
-    let [_, _, _, _, values @ .., max, min, any_flags, counts, _, _] = &*black_box(message);
-    *sum ^= difference(values, &[*max, *min, *any_flags, *counts]);
+    let [_, _, _, _, values @ .., _, _] = &*black_box(message);
+    *sum ^= difference(values);
 
     // Backwards: a zero becomes the distance to the next one; the delimiter is the last zero.
     let mut distance = 1_u32;
@@ -184,13 +183,13 @@ mod tests {
             dropped in any::<u8>(),
             low in any::<u8>(),
             high in prop_oneof![Just(0_u8), any::<u8>()],
-            words in prop::array::uniform28(prop_oneof![Just(0_u32), 0..300_u32, any::<u32>()]),
+            words in prop::array::uniform24(prop_oneof![Just(0_u32), 0..300_u32, any::<u32>()]),
         ) {
             let layout = EstimateLayout([dropped, low, high], words.map(u32::to_le_bytes));
             let estimate = NumberedEstimate::from(layout);
             let mut frame = [0; MAX_FRAME];
             let mut own = [0xAA; ESTIMATE_FRAME];
-            encode_estimate(&estimate, |_, _| 0, &mut own);
+            encode_estimate(&estimate, |_| 0, &mut own);
             prop_assert_eq!(encode(&ToHost::Estimate(estimate), &mut frame).unwrap(), &own);
         }
     }
@@ -202,7 +201,7 @@ mod tests {
             let mut frame = [0; ESTIMATE_FRAME];
             encode_estimate(
                 &NumberedEstimate { estimate, ..NumberedEstimate::default() },
-                |values, _| values.iter().zip(computed).fold(0, |found, (now, then)| found | (now ^ then)),
+                |values| values.iter().zip(computed).fold(0, |found, (now, then)| found | (now ^ then)),
                 &mut frame,
             );
             let mut decoder = Decoder::new();

@@ -56,44 +56,21 @@ impl ImpactRecord {
     }
 }
 
-/// Number of words of a [`BlockSummary`].
-pub(crate) const BLOCK_WORDS: usize = 4;
-
-/// Summary of all estimates after the last sent one, the sent one included.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Summary of all estimates of own samples after the last sent one, the sent one included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BlockSummary {
+    /// Number of the sent estimate that ends the block.
+    pub number: u32,
     /// Largest normal force, N.
     pub max_force_n: f32,
     /// Smallest normal force, N.
     pub min_force_n: f32,
     /// Flags of all estimates, combined by OR.
     pub flags: u32,
-    /// Number of estimates; 1 where every estimate is sent.
+    /// Number of estimates.
     pub samples: u16,
     /// Number of samples from the largest force to the sent estimate.
     pub max_age: u16,
-}
-
-impl BlockSummary {
-    /// Returns the content as words, in the order of the wire.
-    #[must_use]
-    #[inline]
-    pub fn words(&self) -> [u32; BLOCK_WORDS] {
-        let counts = u32::from(self.samples) | u32::from(self.max_age) << 16;
-        [self.max_force_n.to_bits(), self.min_force_n.to_bits(), self.flags, counts]
-    }
-
-    /// Reads the content from words.
-    #[must_use]
-    pub(crate) const fn from_words([max, min, flags, counts]: [u32; BLOCK_WORDS]) -> Self {
-        Self {
-            max_force_n: f32::from_bits(max),
-            min_force_n: f32::from_bits(min),
-            flags,
-            samples: counts as u16,
-            max_age: (counts >> 16) as u16,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -109,17 +86,5 @@ mod tests {
             assert_eq!(ImpactRecord { end, ..record }.restitution(), None);
         }
         assert_eq!(ImpactRecord { approach_speed_m_s: 0.0, ..record }.restitution(), None);
-    }
-
-    #[test]
-    fn a_summary_reads_back_from_its_words() {
-        let block = BlockSummary {
-            max_force_n: 12.5,
-            min_force_n: -0.0,
-            flags: 1 << 31 | 5,
-            samples: 80,
-            max_age: 65_535,
-        };
-        assert_eq!(BlockSummary::from_words(block.words()), block);
     }
 }

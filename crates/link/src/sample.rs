@@ -5,9 +5,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::BlockSummary;
-use crate::impact::BLOCK_WORDS;
-
 /// One sample of the sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SensorFrame {
@@ -189,16 +186,13 @@ pub struct NumberedEstimate {
     pub dropped: u8,
     /// Estimate.
     pub estimate: EstimateFrame,
-    /// Summary of the estimates since the last sent one.
-    pub block: BlockSummary,
 }
 
 /// Number of words of an [`EstimateLayout`].
-const WORDS: usize = VALUES + 5 + BLOCK_WORDS;
+const WORDS: usize = VALUES + 5;
 
 /// Bytes of an estimate after the byte of its kind: `dropped` and `saturated`, then little-endian
-/// words: number, sequence, time, the floats in order, the block's largest and smallest force,
-/// flags and counts, flags, ticks.
+/// words: number, sequence, time, the floats in order, flags, ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EstimateLayout(pub [u8; 3], pub [[u8; 4]; WORDS]);
 
@@ -208,10 +202,9 @@ impl From<NumberedEstimate> for EstimateLayout {
         let estimate = numbered.estimate;
         let [low, high] = estimate.saturated.to_le_bytes();
         let mut words = [0; WORDS];
-        let [number, sequence, time_us, values @ .., max, min, any_flags, counts, flags, ticks] = &mut words;
+        let [number, sequence, time_us, values @ .., flags, ticks] = &mut words;
         (*number, *sequence, *time_us) = (numbered.number, estimate.sequence, estimate.time_us);
         *values = estimate.value_bits();
-        [*max, *min, *any_flags, *counts] = numbered.block.words();
         (*flags, *ticks) = (estimate.flags, estimate.instruction_ticks);
         Self([numbered.dropped, low, high], words.map(u32::to_le_bytes))
     }
@@ -219,7 +212,7 @@ impl From<NumberedEstimate> for EstimateLayout {
 
 impl From<EstimateLayout> for NumberedEstimate {
     fn from(EstimateLayout([dropped, low, high], words): EstimateLayout) -> Self {
-        let [number, sequence, time_us, values @ .., max, min, any_flags, counts, flags, instruction_ticks] =
+        let [number, sequence, time_us, values @ .., flags, instruction_ticks] =
             words.map(u32::from_le_bytes);
         let mut estimate = EstimateFrame {
             sequence,
@@ -230,6 +223,6 @@ impl From<EstimateLayout> for NumberedEstimate {
             ..EstimateFrame::default()
         };
         estimate.set_values(values.map(f32::from_bits));
-        Self { number, dropped, estimate, block: BlockSummary::from_words([max, min, any_flags, counts]) }
+        Self { number, dropped, estimate }
     }
 }

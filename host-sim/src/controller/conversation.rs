@@ -7,8 +7,8 @@
 
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
-    Acknowledgement, Answer, Command, EstimateFrame, Hello, ImpactRecord, NumberedCommand, NumberedEstimate,
-    Refusal, SlowFrame, State, ToController, ToHost,
+    Acknowledgement, Answer, BlockSummary, Command, EstimateFrame, Hello, ImpactRecord, NumberedCommand,
+    NumberedEstimate, Refusal, SlowFrame, State, ToController, ToHost,
 };
 
 /// Losses on the line and on the controller, as the host sees them.
@@ -45,6 +45,8 @@ pub enum Received {
     Slow(SlowFrame),
     /// A recorded impact.
     Impact(ImpactRecord),
+    /// The summary of the estimates up to a sent one.
+    Block(BlockSummary),
     /// An answer about models.
     Update(UpdateAnswer),
     /// The controller could not serve a frame.
@@ -130,7 +132,7 @@ impl Conversation {
                 }
                 _ => self.stray(),
             },
-            ToHost::Estimate(NumberedEstimate { number, dropped, estimate, .. }) => {
+            ToHost::Estimate(NumberedEstimate { number, dropped, estimate }) => {
                 self.losses.estimates_dropped = dropped;
                 let missed = missed(&mut self.estimate, number);
                 self.losses.estimates_missed = self.losses.estimates_missed.saturating_add(missed);
@@ -146,6 +148,7 @@ impl Conversation {
                 self.losses.impacts_missed = self.losses.impacts_missed.saturating_add(missed);
                 Received::Impact(impact)
             }
+            ToHost::Block(block) => Received::Block(block),
             ToHost::Update(answer) => {
                 self.pending.take_if(|pending| matches!(pending, ToController::Update(_)));
                 Received::Update(answer)

@@ -12,8 +12,8 @@ use super::{Controller, ControllerError, Conversation, Losses, Received, Recorde
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
-    Answer, Command, ControllerConfiguration, Counters, EstimateFrame, Hello, ImpactRecord, NumberedEstimate,
-    Refusal, SensorFrame, SlowFrame, State, ToController, ToHost,
+    Answer, Command, ControllerConfiguration, Counters, EstimateFrame, Hello, ImpactRecord, Refusal,
+    SensorFrame, SlowFrame, State, ToController, ToHost,
 };
 use std::time::{Duration, Instant};
 
@@ -112,7 +112,7 @@ impl RemoteController {
             Wait::new("disturbed bytes", self.line.timeouts.answer, "The bytes may hold no end of a frame.");
         loop {
             match self.line.answer(&wait)? {
-                other @ (ToHost::Slow(_) | ToHost::Impact(_)) => drop(self.take(other)?),
+                other @ (ToHost::Slow(_) | ToHost::Impact(_) | ToHost::Block(_)) => drop(self.take(other)?),
                 answer => return Ok(answer),
             }
         }
@@ -158,20 +158,21 @@ impl RemoteController {
     }
 
     /// Takes the largest force in N and the flags of all estimates since the last call, those that
-    /// were not sent included; none if no estimate has arrived.
+    /// were not sent included; none if no block has arrived.
     pub(crate) const fn take_blocks(&mut self) -> Option<(f32, u32)> {
         self.blocks.take()
     }
 
     /// Classifies a message and stores slow telemetry, impacts and blocks.
     fn take(&mut self, message: ToHost) -> Result<Option<Received>, ControllerError> {
-        if let ToHost::Estimate(NumberedEstimate { block, .. }) = message {
-            let (largest_n, flags) = self.blocks.unwrap_or_default();
-            self.blocks = Some((largest_n.max(block.max_force_n), flags | block.flags));
-        }
         match self.conversation.receive(message) {
             Received::Slow(slow) => {
                 self.slow = Some(slow);
+                Ok(None)
+            }
+            Received::Block(block) => {
+                let (largest_n, flags) = self.blocks.unwrap_or_default();
+                self.blocks = Some((largest_n.max(block.max_force_n), flags | block.flags));
                 Ok(None)
             }
             Received::Impact(impact) => {

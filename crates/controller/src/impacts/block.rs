@@ -2,25 +2,20 @@
 
 use link::{BlockSummary, EstimateFrame};
 
-use crate::integrity::{Checksum, Guarded, Words};
+use crate::integrity::{Guarded, words};
 use inference::Flags;
 
-impl Words for BlockSummary {
-    #[inline]
-    fn add_to(&self, sum: &mut impl Checksum) {
-        self.words().iter().for_each(|&word| sum.add_word(word));
-    }
-}
+words!(BlockSummary { number, max_force_n, min_force_n, flags, samples, max_age });
 
 /// Block of estimates that is being summarised; empty with 0 samples.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block(Guarded<BlockSummary>);
 
 impl Block {
-    /// Adds an estimate and returns the summary so far. A corrupted summary starts anew, and its
+    /// Adds an estimate. A corrupted summary starts anew, and its
     /// flags contain `CORRUPTED`.
     #[inline]
-    pub(crate) fn add(&mut self, estimate: &EstimateFrame) -> BlockSummary {
+    pub(crate) fn add(&mut self, estimate: &EstimateFrame) {
         let is_corrupted = self.0.is_corrupted();
         let block = self.0.value_mut();
         if is_corrupted {
@@ -34,15 +29,17 @@ impl Block {
         block.min_force_n = if is_min { force_n } else { block.min_force_n };
         block.flags |= estimate.flags;
         block.samples = block.samples.saturating_add(1);
-        let summary = *block;
         self.0.seal(false);
-        summary
     }
 
-    /// Begins the next block.
-    #[inline]
-    pub(crate) fn restart(&mut self) {
-        self.0 = Guarded::default();
+    /// Ends the block at the sent estimate with this number and begins the next one. The summary
+    /// stays guarded until it is sent.
+    pub(crate) fn take(&mut self, number: u32) -> Guarded<BlockSummary> {
+        let mut ended = core::mem::take(&mut self.0);
+        let is_corrupted = ended.is_corrupted();
+        ended.value_mut().number = number;
+        ended.seal(is_corrupted);
+        ended
     }
 }
 
@@ -61,8 +58,9 @@ mod tests {
             samples in prop::collection::vec((0.0_f32..1e4, any::<u32>()), 1..200),
         ) {
             let mut block = Block::default();
-            let summaries = samples.iter().map(|&(force, flags)| block.add(&estimate(force, flags)));
-            let last = summaries.last().unwrap();
+            samples.iter().for_each(|&(force, flags)| block.add(&estimate(force, flags)));
+            let (last, is_corrupted) = block.take(7).load();
+            prop_assert!(!is_corrupted && last.number == 7);
             let forces = || samples.iter().map(|(force, _)| *force);
             prop_assert_eq!(last.max_force_n, forces().fold(0.0, f32::max));
             prop_assert_eq!(last.min_force_n, forces().fold(f32::INFINITY, f32::min));
@@ -77,10 +75,12 @@ mod tests {
     fn the_next_block_does_not_contain_the_last_one() {
         let mut block = Block::default();
         block.add(&estimate(5.0, 1));
-        block.restart();
-        let summary = block.add(&estimate(3.0, 2));
-        let expected = BlockSummary { max_force_n: 3.0, min_force_n: 3.0, flags: 2, samples: 1, max_age: 0 };
-        assert_eq!(summary, expected);
+        block.take(0);
+        block.add(&estimate(3.0, 2));
+        let (number, samples, max_age) = (1, 1, 0);
+        let expected =
+            BlockSummary { number, max_force_n: 3.0, min_force_n: 3.0, flags: 2, samples, max_age };
+        assert_eq!(block.take(1).load(), (expected, false));
     }
 
     #[test]
@@ -90,7 +90,9 @@ mod tests {
             block.add(&estimate(5.0, 0));
             let value = block.0.value_mut();
             value.max_force_n = f32::from_bits(value.max_force_n.to_bits() ^ 1 << bit);
-            let summary = block.add(&estimate(3.0, 2));
+            assert!(block.clone().take(0).load().1, "a block that is sent corrupted");
+            block.add(&estimate(3.0, 2));
+            let (summary, _) = block.take(0).load();
             assert_eq!((summary.max_force_n, summary.samples), (3.0, 1));
             assert!(Flags::from_bits(summary.flags).contains(Flags::CORRUPTED));
         }

@@ -117,19 +117,19 @@ pub struct ImpactTracker {
     state: Guarded<State>,
 }
 
-/// Result of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Found {
-    /// The impact whose record ends with this estimate; its number is 0.
-    pub record: Option<ImpactRecord>,
-    /// True if the state was corrupted: an open impact is lost.
-    pub is_corrupted: bool,
+/// Event of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Found {
+    /// An impact whose record ends with this estimate; its number is 0.
+    Impact(ImpactRecord),
+    /// The state was corrupted: an open impact is lost.
+    Corruption,
 }
 
 impl ImpactTracker {
     /// Takes an estimate with the rate of its deformation in m/s.
     #[inline(never)]
-    pub fn step(&mut self, estimate: &EstimateFrame, rate_m_s: f32) -> Found {
+    pub fn step(&mut self, estimate: &EstimateFrame, rate_m_s: f32) -> Option<Found> {
         let is_corrupted = self.state.is_corrupted();
         let state = self.state.value_mut();
         if is_corrupted {
@@ -163,17 +163,17 @@ impl ImpactTracker {
         };
         state.last = sample;
         self.state.seal(false);
-        Found { record, is_corrupted }
+        if is_corrupted { Some(Found::Corruption) } else { record.map(Found::Impact) }
     }
 
     /// Ends an open impact with its run.
-    pub fn finish(&mut self) -> Found {
+    pub fn finish(&mut self) -> Option<Found> {
         let is_corrupted = self.state.is_corrupted();
         let state = self.state.value_mut();
         let is_open = state.phase == Phase::Contact;
         let record = if is_open & !is_corrupted { state.interrupt(0) } else { None };
         self.state = Guarded::default();
-        Found { record, is_corrupted }
+        if is_corrupted { Some(Found::Corruption) } else { record.map(Found::Impact) }
     }
 }
 

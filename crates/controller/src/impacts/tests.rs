@@ -15,6 +15,13 @@ fn estimate(index: u32, force_n: f32, deformation_m: f32) -> EstimateFrame {
     }
 }
 
+fn record_of(found: Option<Found>) -> Option<ImpactRecord> {
+    match found? {
+        Found::Impact(record) => Some(record),
+        Found::Corruption => None,
+    }
+}
+
 /// Steps a tracker through forces; a force of 0 is a gap of 2 um, the stiffness 1 N/nm.
 fn records(forces: &[f32]) -> (ImpactTracker, Vec<ImpactRecord>) {
     let mut tracker = ImpactTracker::default();
@@ -25,7 +32,7 @@ fn records(forces: &[f32]) -> (ImpactTracker, Vec<ImpactRecord>) {
             (false, true) => 0.02,
             (false, false) => -0.01,
         };
-        tracker.step(&estimate(index, force_n, deformation_m), rate_m_s).record
+        record_of(tracker.step(&estimate(index, force_n, deformation_m), rate_m_s))
     });
     let records = records.collect();
     (tracker, records)
@@ -71,14 +78,14 @@ fn an_untrusted_estimate_ends_the_record_and_so_does_the_run() {
         assert!(found.is_empty());
         let mut held = estimate(3, 600.0, 6e-7);
         held.flags = flag.bits();
-        let record = tracker.step(&held, 0.0).record.unwrap();
+        let record = record_of(tracker.step(&held, 0.0)).unwrap();
         assert_eq!((record.end, record.flags), (ImpactEnd::Interrupted, flag.bits()));
-        assert!(tracker.step(&estimate(4, 900.0, 9e-7), 0.0).record.is_none());
-        assert!(tracker.step(&estimate(5, 0.0, -1e-6), 0.0).record.is_none(), "not seen to begin");
+        assert!(tracker.step(&estimate(4, 900.0, 9e-7), 0.0).is_none());
+        assert!(tracker.step(&estimate(5, 0.0, -1e-6), 0.0).is_none(), "not seen to begin");
     }
     let (mut tracker, _) = records(&[0.0, 500.0, 600.0]);
-    assert_eq!(tracker.finish().record.map(|record| record.end), Some(ImpactEnd::Interrupted));
-    assert_eq!(tracker.finish(), Found::default());
+    assert_eq!(record_of(tracker.finish()).map(|record| record.end), Some(ImpactEnd::Interrupted));
+    assert_eq!(tracker.finish(), None);
 }
 
 #[test]
@@ -87,7 +94,7 @@ fn the_flags_of_a_contact_are_combined() {
     tracker.step(&EstimateFrame { flags: 8, ..estimate(0, 0.0, -1e-6) }, 0.01);
     tracker.step(&EstimateFrame { flags: 1, ..estimate(1, 500.0, 1e-6) }, 0.0);
     tracker.step(&EstimateFrame { flags: 2, ..estimate(2, 400.0, 1e-6) }, 0.0);
-    let record = tracker.step(&estimate(3, 0.0, -1e-6), -0.01).record.unwrap();
+    let record = record_of(tracker.step(&estimate(3, 0.0, -1e-6), -0.01)).unwrap();
     assert_eq!(record.flags, 3);
 }
 
@@ -96,12 +103,12 @@ fn a_flipped_bit_of_the_state_loses_the_open_impact_and_nothing_else() {
     let (mut tracker, _) = records(&[0.0, 500.0, 600.0]);
     tracker.state.value_mut().contact.peak_us ^= 1 << 30;
     let found = tracker.step(&estimate(3, 500.0, 5e-7), 0.0);
-    assert_eq!(found, Found { record: None, is_corrupted: true });
+    assert_eq!(found, Some(Found::Corruption));
     let next = [0.0, 800.0, 0.0].into_iter().zip(4..).filter_map(|(force, index)| {
         let deformation_m = if force > 0.0 { 1e-6 } else { -1e-6 };
         let found = tracker.step(&estimate(index, force, deformation_m), 0.0);
-        assert!(!found.is_corrupted);
-        found.record
+        assert_ne!(found, Some(Found::Corruption));
+        found
     });
     assert_eq!(next.count(), 1);
 }
@@ -122,9 +129,9 @@ proptest! {
     ) {
         let mut tracker = ImpactTracker::default();
         let (mut passed_us, mut last_end_us, mut largest_n) = (0_u32, 0_u32, 0.0_f32);
-        let mut check = |found: Found, passed_us: u32, largest_n: f32| {
-            prop_assert!(!found.is_corrupted);
-            let Some(record) = found.record else { return Ok(()) };
+        let mut check = |found: Option<Found>, passed_us: u32, largest_n: f32| {
+            prop_assert_ne!(found, Some(Found::Corruption));
+            let Some(record) = record_of(found) else { return Ok(()) };
             let onset_us = record.onset_us.wrapping_sub(start_us);
             prop_assert!(onset_us >= last_end_us.saturating_sub(1), "{record:?} after {last_end_us}");
             last_end_us = onset_us + record.duration_us;
@@ -148,6 +155,6 @@ proptest! {
             check(tracker.step(&estimate, rate), passed_us, largest_n)?;
         }
         check(tracker.finish(), passed_us, largest_n)?;
-        prop_assert_eq!(tracker.finish(), Found::default());
+        prop_assert_eq!(tracker.finish(), None);
     }
 }

@@ -278,14 +278,19 @@ fn estimate_now<A: Transport, B: Transport, S: SampleSource>(
     }
 }
 
-/// Sends the estimates that the tick has queued.
+/// Sends the estimates that the tick has queued, with their blocks.
 fn send_estimates<A: Transport, B: Transport, S: SampleSource>(
     ports: &mut Ports<A, B>,
     shared: &mut impl Mutex<T = SharedSession<S>>,
 ) {
     while let Some(estimate) = shared.lock(SharedSession::next_estimate) {
-        if !ports.send_to_host(&estimate) {
+        if !ports.send_to_host(&estimate.frame) {
             shared.lock(|shared| shared.session.count_dropped_estimate());
+        }
+        let Some(mut block) = estimate.block else { continue };
+        let (block, is_corrupted) = block.load();
+        if is_corrupted || !send(&ToHost::Block(block), |frame| ports.send_to_host(frame)) {
+            shared.lock(|shared| shared.session.count_dropped_answer());
         }
     }
 }

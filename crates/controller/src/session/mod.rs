@@ -28,14 +28,14 @@ use link::start::{StackReport, StartReport, SupervisorReport};
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRefusal};
 use link::{
-    ControllerConfiguration, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello, NumberedEstimate, Refusal,
-    ReportKind, SensorFrame, SlowFrame, SlowReport, State, Target, ToController, ToHost, VALUES,
-    encode_estimate,
+    BlockSummary, ControllerConfiguration, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello,
+    NumberedEstimate, Refusal, ReportKind, SensorFrame, SlowFrame, SlowReport, State, Target, ToController,
+    ToHost, encode_estimate,
 };
 
 use crate::configuration::wiring;
 use crate::impacts::{Found, Queue};
-use crate::integrity::{WordSum, Words};
+use crate::integrity::{Guarded, WordSum};
 use crate::sensors::Wiring;
 use crate::store::Models;
 use conversation::Conversation;
@@ -48,6 +48,14 @@ pub use ticks::{NoTicks, TickSource};
 
 /// Period of the timer without a run, us.
 pub const IDLE_PERIOD_US: u32 = 100;
+
+/// A frame of an estimate that waits for the link service, with the block that it ends.
+#[derive(Clone, Debug)]
+pub(crate) struct SentEstimate {
+    pub(crate) frame: [u8; ESTIMATE_FRAME],
+    /// Only with own samples.
+    pub(crate) block: Option<Guarded<BlockSummary>>,
+}
 
 /// One link session.
 #[derive(Debug)]
@@ -200,7 +208,6 @@ impl Session {
                 let start = ticks.start();
                 match self.estimate(frame, *status, start, ticks) {
                     Some((estimate, elapsed)) => {
-                        self.restart_block();
                         self.finish(elapsed, ticks.since(start));
                         ToHost::Estimate(estimate)
                     }
@@ -225,22 +232,21 @@ impl Session {
         ticks: &mut impl TickSource,
     ) -> Result<[u8; ESTIMATE_FRAME], ToHost> {
         let start = ticks.start();
-        let bytes = self.timed_tick(frame, status, start, ticks).ok_or_else(|| not_configured(frame))?;
-        self.restart_block();
-        Ok(bytes)
+        self.timed_tick(frame, status, start, ticks).ok_or_else(|| not_configured(frame))
     }
 
     /// Runs a complete tick with the controller's own sample; taking the sample counts towards the
-    /// deadline. Returns the frame of the estimate if it is one of those that are sent.
-    pub fn tick_own_sample(
+    /// deadline. Returns the estimate with its block if it is one of those that are sent.
+    pub(crate) fn tick_own_sample(
         &mut self,
         sample: impl FnOnce() -> (SensorFrame, SensorStatus),
         ticks: &mut impl TickSource,
-    ) -> Option<[u8; ESTIMATE_FRAME]> {
+    ) -> Option<SentEstimate> {
         let start = ticks.start();
         let (frame, status) = sample();
-        let bytes = self.timed_tick(&frame, status, start, ticks)?;
-        self.run.as_mut().is_some_and(Run::take_turn).then_some(bytes)
+        let frame = self.timed_tick(&frame, status, start, ticks)?;
+        let run = self.run.as_mut()?;
+        run.take_turn().then(|| SentEstimate { frame, block: Some(run.take_block()) })
     }
 
     /// Counts a frame that could not be decoded and returns the reply for a waiting host.
@@ -293,7 +299,7 @@ impl Session {
             ReportKind::Models => SlowReport::Models(status.models),
             ReportKind::Estimate => {
                 let estimate = *self.run.as_ref()?.last();
-                SlowReport::Estimate(NumberedEstimate { estimate, ..NumberedEstimate::default() }.into())
+                SlowReport::Estimate(NumberedEstimate { number: 0, dropped: 0, estimate }.into())
             }
             ReportKind::Sample => SlowReport::Sample(status.sample?),
         })
@@ -363,41 +369,39 @@ impl Session {
         let mut timed = run.finish_estimate(estimate, elapsed);
         timed.estimate.dropped = self.telemetry.counters.dropped_estimates as u8;
         self.telemetry.count_sample(&timed, frame.sequence, run.configuration.limits.slow_every);
-        self.store_impact(&timed.found);
+        let found = run.follow_impacts(&timed.estimate.estimate);
+        if let Some(found) = &found {
+            self.store_impact(found);
+        }
         Some((timed.estimate, elapsed))
     }
 
     /// Counts and queues an impact that has ended.
+    #[cold]
     fn store_impact(&mut self, found: &Found) {
-        let is_dropped = found.record.is_some_and(|record| !self.impacts.push(record));
-        count(&mut self.telemetry.counters.impacts, found.record.is_some());
-        count(&mut self.telemetry.counters.dropped_impacts, is_dropped | found.is_corrupted);
+        let is_dropped = match found {
+            Found::Impact(record) => {
+                count(&mut self.telemetry.counters.impacts, true);
+                !self.impacts.push(*record)
+            }
+            Found::Corruption => true,
+        };
+        count(&mut self.telemetry.counters.dropped_impacts, is_dropped);
     }
 
     /// Ends an open impact with its run. The next run numbers its impacts from 0.
     fn finish_impacts(&mut self) {
-        if let Some(found) = self.run.as_mut().map(Run::finish_impacts) {
+        if let Some(found) = self.run.as_mut().and_then(Run::finish_impacts) {
             self.store_impact(&found);
         }
         self.impacts.restart_numbers();
     }
 
-    fn restart_block(&mut self) {
-        if let Some(run) = &mut self.run {
-            run.restart_block();
-        }
-    }
-
-    /// Encodes an estimate. The CRC of the frame is wrong if a bit of the values or of the block has
-    /// flipped since they were computed.
+    /// Encodes an estimate. The CRC of the frame is wrong if a bit of the values has flipped since
+    /// they were computed.
     fn encode(&self, estimate: &NumberedEstimate, bytes: &mut [u8; ESTIMATE_FRAME]) {
         let computed = self.run.as_ref().map_or_else(WordSum::default, Run::value_sum);
-        let block_sum = estimate.block.word_sum();
-        let difference = |values: &[u32; VALUES], block: &[u32; 4]| {
-            let block = WordSum::from_words(block).difference(block_sum);
-            WordSum::from_words(values).difference(computed) | block
-        };
-        encode_estimate(estimate, difference, bytes);
+        encode_estimate(estimate, |values| WordSum::from_words(values).difference(computed), bytes);
     }
 
     fn finish(&mut self, elapsed: u32, total: u32) {

@@ -7,10 +7,11 @@ use link::update::{
     ModelMemory, ModelSource, Receiving, RefusedPackage, SlotState, UpdateAnswer, UpdateRefusal, UpdateStatus,
 };
 use link::{
-    Acknowledgement, Answer, BadFrames, BenchConfiguration, Calibration, Command, Configured, ContactSource,
-    ControllerConfiguration, Counters, Decoder, EstimateLayout, Fault, Field, FrameError, ImpactEnd,
-    ImpactRecord, Limits, LineErrors, MAX_REASONS, ModelId, NumberedCommand, OutOfRange, PROTOCOL_VERSION,
-    Reasons, Refusal, SensorFrame, SlowFrame, SlowReport, State, ToController, ToHost, Wiring,
+    Acknowledgement, Answer, BadFrames, BenchConfiguration, BlockSummary, Calibration, Command, Configured,
+    ContactSource, ControllerConfiguration, Counters, Decoder, EstimateLayout, Fault, Field, FrameError,
+    ImpactEnd, ImpactRecord, Limits, LineErrors, MAX_REASONS, ModelId, NumberedCommand, OutOfRange,
+    PROTOCOL_VERSION, Reasons, Refusal, SensorFrame, SlowFrame, SlowReport, State, ToController, ToHost,
+    Wiring,
 };
 
 const ALL: u32 = u32::MAX;
@@ -184,7 +185,7 @@ fn slow_reports() -> [SlowReport; 6] {
         SlowReport::Sensors(health()),
         SlowReport::Supervisor(supervisor()),
         SlowReport::Models(models()),
-        SlowReport::Estimate(EstimateLayout([255; 3], [[255; 4]; 28])),
+        SlowReport::Estimate(EstimateLayout([255; 3], [[255; 4]; 24])),
         SlowReport::Sample(SensorFrame { sequence: ALL, journal_y_nm: i32::MIN, ..SensorFrame::default() }),
     ]
 }
@@ -197,6 +198,14 @@ fn the_longest_answers_fit_into_a_frame() {
         ToHost::Hello(hello(PROTOCOL_VERSION)),
         ToHost::Update(UpdateAnswer::Status(models())),
         ToHost::Impact(impact()),
+        ToHost::Block(BlockSummary {
+            number: ALL,
+            max_force_n: f32::MAX,
+            min_force_n: f32::MIN,
+            flags: ALL,
+            samples: u16::MAX,
+            max_age: u16::MAX,
+        }),
         ToHost::Fault(Fault::BadFrame(FrameError::OtherVersion { found: 255 })),
     ];
     let answers = outcomes().into_iter().map(acknowledge).chain(slow_reports().into_iter().map(slow));

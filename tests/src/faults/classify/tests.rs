@@ -38,11 +38,7 @@ fn fault() -> Fault {
 fn received(change: impl Fn(&mut EstimateFrame)) -> Vec<Received> {
     let estimates = scenario().reference.into_iter().map(|mut estimate| {
         change(&mut estimate);
-        Ok(ToHost::Estimate(NumberedEstimate {
-            number: estimate.sequence,
-            estimate,
-            ..NumberedEstimate::default()
-        }))
+        Ok(ToHost::Estimate(NumberedEstimate { number: estimate.sequence, dropped: 0, estimate }))
     });
     estimates.collect()
 }
