@@ -52,8 +52,8 @@ pub struct ReplayArgs {
     /// The bench of a log; a recording contains its configuration.
     #[command(flatten)]
     pub bench: BenchOptions,
-    /// Folder for estimates.csv and estimated_impacts.csv; for a recording they are written only with
-    /// this option.
+    /// Folder for estimates.csv and estimated_impacts.csv; for a recording they are written only
+    /// with this option.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the outcome as JSON.

@@ -1,8 +1,9 @@
 //! Replays a recorded link session on another controller and compares the answers.
 //!
-//! Compared to the bit: every estimate, every outcome of a command, the counters of the run, impacts
-//! of the same onset, slow telemetry about the same sample. Not compared, because they depend on the transport and not on
-//! the run: hellos, durations of ticks, numbers of frames and commands, losses on the line.
+//! Compared to the bit: every estimate, every outcome of a command, the counters of the run,
+//! impacts of the same onset, slow telemetry about the same sample. Not compared, because they
+//! depend on the transport and not on the run: hellos, durations of ticks, numbers of frames and
+//! commands, losses on the line.
 
 use crate::controller::{Controller, ControllerError, Direction, RecordedFrame, Recorder, Recording};
 use link::track::SensorStatus;
@@ -193,7 +194,7 @@ impl Answers {
         differ(None, "number of estimates", count(self.estimates.len()), count(now.estimates.len()));
         differ(None, "number of outcomes", count(self.outcomes.len()), count(now.outcomes.len()));
         for (sequence, a) in &self.impacts {
-            // A record that only one of the lines lost is in the counters, if the controller made it.
+            // A record that one of the lines lost is still in the counters.
             if let Some(b) = now.impacts.get(sequence) {
                 differ(Some(*sequence), "impact", format!("{a:?}"), format!("{b:?}"));
             }

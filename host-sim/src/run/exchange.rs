@@ -49,8 +49,8 @@ pub fn exchange<S: Copy + Into<Sampled>>(
     run.finish(controller)
 }
 
-/// Callback with every sample, its estimate and the impacts that have ended since. Its time does not count as time of the exchange.
-/// `Break` ends the run.
+/// Callback with every sample, its estimate and the impacts that have ended since. Its time does
+/// not count as time of the exchange. `Break` ends the run.
 pub type Observer<'a> = dyn FnMut(&SensorFrame, &EstimateFrame, &[ImpactRecord]) -> ControlFlow<()> + 'a;
 
 /// As [`exchange`], with a choice about restarts and an observer. `configuration` is the

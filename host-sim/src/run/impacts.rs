@@ -1,8 +1,8 @@
 //! Impacts that the controller recorded: their table, and their comparison with those of the bench.
 //!
-//! A record belongs to the nearest true contact whose onset is at most [`MATCHED_S`] away. Peaks are
-//! compared up to the time at which a record settles, energies and restitutions are not: they are in
-//! the tables.
+//! A record belongs to the nearest true contact whose onset is at most [`MATCHED_S`] away. Peaks
+//! are compared up to the time at which a record settles, energies and restitutions are not: they
+//! are in the tables.
 
 use crate::run::exchange::ExchangeResult;
 use bench::integrate::Impact;

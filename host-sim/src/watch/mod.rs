@@ -46,8 +46,8 @@ impl Watch {
         Ok(Self { terminal: Some(terminal), scene, speed, started: Instant::now(), drawn: None })
     }
 
-    /// Takes a sample, its estimate and the impacts that have ended, waits for the sample's time, and draws from time to time.
-    /// `Break` ends the run.
+    /// Takes a sample, its estimate and the impacts that have ended, waits for the sample's time,
+    /// and draws from time to time. `Break` ends the run.
     pub fn observe(
         &mut self,
         sample: &SensorFrame,

@@ -1,8 +1,8 @@
 //! Impacts of the journal, found in the estimates sample by sample.
 //!
 //! An impact is a contact that begins after a separation and whose force exceeds
-//! [`SIGNIFICANT_SDS`] of its own standard deviations. Contact is a deformation above 0. The record
-//! of an impact ends
+//! [`SIGNIFICANT_SDS`] of the standard deviations that the estimate reports. Contact is a
+//! deformation above 0. The record of an impact ends
 //!
 //! * with the separation,
 //! * after [`SETTLED_US`] in contact: the impact has become sustained contact, whose later forces
@@ -17,8 +17,8 @@
 //! of the last sample before the onset, the speed of separation that of the first one after the
 //! end.
 //!
-//! Limits: an impact shorter than a sample period is found only if a sample lies in it. A rebound
-//! that stays below one deviation of the deformation is part of the same contact.
+//! Limits: an impact shorter than a sample period is found only if a sample lies in it. Two
+//! contacts without a free sample between them are one impact.
 //!
 //! The state is checked before it is used ([`crate::integrity`]). A corrupted state starts anew,
 //! and an impact that was open is counted as lost.

@@ -224,9 +224,9 @@ impl Score {
 
     fn print(&self, name: &str) {
         println!(
-            "{name}: {} of {} found, {} unfounded, {} interrupted; peak {:.2} % ({:.2} at most, {:.0} % within \
-             3 %, {:.0} % within two deviations); onset {:.2} samples ({:.2} at most, {:.0} % within one); \
-             restitution {:.3} ({:.3}); loss {:.1} % ({:.1})",
+            "{name}: {} of {} found, {} unfounded, {} interrupted; peak {:.2} % ({:.2} at most, {:.0} % \
+             within 3 %, {:.0} % within two deviations); onset {:.2} samples ({:.2} at most, {:.0} % \
+             within one); restitution {:.3} ({:.3}); loss {:.1} % ({:.1})",
             self.found,
             self.strong,
             self.unfounded,
