@@ -1,6 +1,7 @@
 //! The report page of a run.
 
 use super::estimator_summary::EstimatorSummary;
+use super::exchange::ExchangeResult;
 use super::impacts::TABLE_HEADER;
 use super::report::{
     EQUIVALENCE_HEADER, PEAK_HEADER, counted_rows, energy_rows, equivalence_rows, impact_header, impact_rows,
@@ -10,7 +11,7 @@ use super::{Finished, tilt};
 use crate::cli::limits;
 use crate::run::summary::after_start;
 use bench::plants::transmission::Snapshot;
-use link::EstimateFrame;
+use link::{EstimateFrame, ImpactRecord};
 use report::figure::{Chart, Series, Style, lines, map};
 use report::page::Page;
 
@@ -105,6 +106,7 @@ fn estimate_figures(page: &mut Page, finished: &Finished) -> Result<(), String> 
     let force = [
         Series::through("estimate", over(|_, e| e.normal_force_n.into())),
         Series::through("bench", over(|s, _| s.forces.normal_n)),
+        Series::through("recorded peaks", recorded_peaks(exchange)).styled(Style::Points),
     ];
     let error = [
         Series::through("two standard deviations", band).styled(Style::Area),
@@ -120,6 +122,12 @@ fn estimate_figures(page: &mut Page, finished: &Finished) -> Result<(), String> 
          also covers what is declared uncertain, such as the mass.",
     );
     Ok(())
+}
+
+/// Peaks of the recorded impacts, s and N.
+fn recorded_peaks(exchange: &ExchangeResult) -> Vec<(f64, f64)> {
+    let peak = |record: &ImpactRecord| (f64::from(record.peak_us) * 1e-6, f64::from(record.peak_force_n));
+    exchange.impacts.iter().map(peak).collect()
 }
 
 /// Orbit and deformation.
