@@ -191,10 +191,12 @@ pub fn soak(elf: &Path, plan: &Plan, mut done: impl FnMut(u64)) -> Result<SoakRe
             result.time_wraps += u32::from(frame.time_us < last.time_us);
             last = *frame;
         }
-        let others = emulator
-            .received
-            .iter()
-            .find(|received| !matches!(received, Ok(ToHost::Estimate(_) | ToHost::Slow(_))));
+        let others = emulator.received.iter().find(|received| {
+            !matches!(
+                received,
+                Ok(ToHost::Estimate(_) | ToHost::Slow(_) | ToHost::Impact(_) | ToHost::Block(_))
+            )
+        });
         if end != PumpEnd::Arrived || count != batch.len() || others.is_some() {
             return Err(CampaignError::Unexpected {
                 found: format!(

@@ -9,6 +9,7 @@
 //! * **Estimate of the filter**: [`Guarded`] while the networks work.
 //! * **Numbers of an estimate until they are encoded**: word sum, checked by the monitor and when
 //!   the frame is encoded.
+//! * **Open impact, block of estimates, records that wait**: [`Guarded`] ([`crate::impacts`]).
 //! * **Configuration and everything derived from it**: CRC-32, formed when it is set and checked in
 //!   the idle loop.
 //! * **Code in flash**: CRC-32, in the idle loop ([`crate::supervisor::code`]).

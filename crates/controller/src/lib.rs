@@ -26,6 +26,7 @@ pub mod estimator;
 #[allow(clippy::indexing_slicing)]
 pub mod filter;
 pub mod flags;
+pub mod impacts;
 mod integrity;
 pub mod monitor;
 pub mod sensors;

@@ -27,6 +27,11 @@ pub struct Counters {
     pub dropped_samples: u32,
     /// Estimates dropped because the queue was full or the line accepted none.
     pub dropped_estimates: u32,
+    /// Impacts that were recorded.
+    pub impacts: u32,
+    /// Records of impacts dropped because the queue was full, the line accepted none, or memory was
+    /// corrupted.
+    pub dropped_impacts: u32,
     /// Other answers that were dropped.
     pub dropped_answers: u32,
     /// Commands that were repeated and answered again.

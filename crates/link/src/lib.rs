@@ -22,6 +22,7 @@ pub mod crc32;
 mod decode;
 mod encode;
 mod hello;
+mod impact;
 mod message;
 mod sample;
 pub mod start;
@@ -40,6 +41,7 @@ pub use encode::{ESTIMATE_FRAME, EncodeError, encode, encode_estimate};
 pub use hello::{
     BUILD_ID_LEN, BuildId, ClockSource, Hello, MAGIC, MODELS, ModelId, PROTOCOL_VERSION, State, Target,
 };
+pub use impact::{BlockSummary, ImpactEnd, ImpactRecord};
 pub use message::{
     Acknowledgement, Answer, Command, Fault, NumberedCommand, Refusal, ReportKind, SlowFrame, SlowReport,
     ToController, ToHost,

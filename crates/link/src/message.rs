@@ -15,8 +15,8 @@ use crate::start::SupervisorReport;
 use crate::track::{SensorHealth, SensorStatus, TrackReport};
 use crate::update::{UpdateAnswer, UpdateRequest, UpdateStatus};
 use crate::{
-    Configured, ControllerConfiguration, Counters, EstimateLayout, Hello, NumberedEstimate, Reasons,
-    SensorFrame, State,
+    BlockSummary, Configured, ControllerConfiguration, Counters, EstimateLayout, Hello, ImpactRecord,
+    NumberedEstimate, Reasons, SensorFrame, State,
 };
 
 /// Message from the host.
@@ -83,6 +83,10 @@ pub enum ToHost {
     Fault(Fault),
     /// Result of a request about models.
     Update(UpdateAnswer),
+    /// Impact that has ended. It is sent once, after the estimate of its last sample.
+    Impact(ImpactRecord),
+    /// Summary of the estimates of own samples up to a sent one. It follows that estimate.
+    Block(BlockSummary),
 }
 
 /// Result of a command.

@@ -10,6 +10,7 @@ use crate::replay::{Difference, Replayed, log, replay};
 use crate::run::configuration::lockstep_configuration;
 use crate::run::estimates;
 use crate::run::exchange::{ExchangeResult, exchange};
+use crate::run::impacts::{self, ImpactTotals};
 use bench::MeasuredLog;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Transmission;
@@ -20,7 +21,7 @@ use link::{Command, ContactSource};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Maximum number of differences on the terminal; --json prints all.
+/// Maximum number of differences or impacts on the terminal; --json prints all differences.
 const SHOWN: usize = 20;
 
 /// Arguments of `host-sim replay`.
@@ -51,7 +52,8 @@ pub struct ReplayArgs {
     /// The bench of a log; a recording contains its configuration.
     #[command(flatten)]
     pub bench: BenchOptions,
-    /// Folder for estimates.csv; for a recording it is written only with this option.
+    /// Folder for estimates.csv and estimated_impacts.csv; for a recording they are written only
+    /// with this option.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the outcome as JSON.
@@ -74,6 +76,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     let replayed = replay(&recording, &mut *controller)?;
     if let Some(out) = &args.out {
         output::write(out, estimates::FILE_NAME, &estimates::to_csv(&replayed.estimates))?;
+        output::write(out, impacts::FILE_NAME, &impacts::to_csv(&replayed.impacts))?;
     }
     print_recording(args, name, &recording, &replayed)?;
     match replayed.differences.len() {
@@ -102,16 +105,18 @@ fn print_recording(
                 "frames": recording.frames.len(),
                 "samples": replayed.samples,
                 "commands": replayed.commands,
+                "impacts": replayed.impacts.len(),
                 "differences": differences,
             }))?
         );
         return Ok(());
     }
     print_line!(
-        "{}: {} samples and {} commands on the {name} controller, {} differences",
+        "{}: {} samples, {} commands and {} impacts on the {name} controller, {} differences",
         args.file.display(),
         replayed.samples,
         replayed.commands,
+        replayed.impacts.len(),
         differences.len()
     );
     for Difference { sequence, field, recorded, replayed } in differences.iter().take(SHOWN) {
@@ -142,6 +147,7 @@ fn run_log(args: &ReplayArgs) -> Result<(), CliError> {
     let exchanged = exchange(controller, &frames)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(OUT));
     output::write(&out, estimates::FILE_NAME, &estimates::to_csv(&exchanged.estimates))?;
+    output::write(&out, impacts::FILE_NAME, &impacts::to_csv(&exchanged.impacts))?;
     print_log(args, &exchanged, rate_hz, &out.join(estimates::FILE_NAME))
 }
 
@@ -167,6 +173,7 @@ fn print_log(
                 "peak_normal_force_n": peak,
                 "outside_training": outside,
                 "suspect": suspect,
+                "impacts": ImpactTotals::new(exchanged),
                 "counters": exchanged.counters,
                 "estimates": table.display().to_string(),
             }))?
@@ -182,6 +189,14 @@ fn print_log(
     print_line!(
         "largest normal force {peak:.0} N; outside the training range {outside}, suspect {suspect} samples"
     );
+    let totals = ImpactTotals::new(exchanged);
+    print_line!("impacts: {}; lost records {}", totals.records, totals.lost);
+    for record in exchanged.impacts.iter().take(SHOWN) {
+        print_line!("  {}", impacts::line(record));
+    }
+    if exchanged.impacts.len() > SHOWN {
+        print_line!("  and {} more in {}", exchanged.impacts.len() - SHOWN, impacts::FILE_NAME);
+    }
     print_line!("estimates: {}", table.display());
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use crate::cli::error::CliError;
 use crate::cli::output;
-use crate::run::{ControllerChoice, RunArgs, estimates, execute, page, report, slider_crank, tilt};
+use crate::run::{ControllerChoice, RunArgs, estimates, execute, impacts, page, report, slider_crank, tilt};
 use bench::Bench;
 use bench::simulate::impact_table;
 
@@ -25,10 +25,10 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     }
     let finished = execute(args)?;
     let json = output::json(&finished.summary)?;
-    let impacts = impact_table::to_csv(&finished.forced.run.impacts, finished.bench.contact.latch_floor_m_s);
+    let contacts = impact_table::to_csv(&finished.forced.run.impacts, finished.bench.contact.latch_floor_m_s);
     let page = page::page(&finished).map_err(CliError::Work)?;
     output::write(&args.out, "log.csv", &finished.log(args.seed).to_csv())?;
-    output::write(&args.out, impact_table::FILE_NAME, &impacts)?;
+    output::write(&args.out, impact_table::FILE_NAME, &contacts)?;
     if !finished.forced.tilting.is_empty() {
         let table = tilt::to_csv(&finished.forced.tilting, finished.log_interval());
         output::write(&args.out, tilt::FILE_NAME, &table)?;
@@ -39,6 +39,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(exchange) = &finished.exchange {
         let table = estimates::to_csv(&exchange.estimates);
         output::write(&args.out, estimates::FILE_NAME, &table)?;
+        output::write(&args.out, impacts::FILE_NAME, &impacts::to_csv(&exchange.impacts))?;
     }
     output::write(&args.out, "run.json", &format!("{json}\n"))?;
     output::write(&args.out, "report.html", &page.render())?;

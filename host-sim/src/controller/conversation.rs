@@ -7,8 +7,8 @@
 
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
-    Acknowledgement, Answer, Command, EstimateFrame, Hello, NumberedCommand, NumberedEstimate, Refusal,
-    SlowFrame, State, ToController, ToHost,
+    Acknowledgement, Answer, BlockSummary, Command, EstimateFrame, Hello, ImpactRecord, NumberedCommand,
+    NumberedEstimate, Refusal, SlowFrame, State, ToController, ToHost,
 };
 
 /// Losses on the line and on the controller, as the host sees them.
@@ -20,6 +20,8 @@ pub struct Losses {
     pub estimates_dropped: u8,
     /// Frames of slow telemetry that the host did not receive.
     pub slow_missed: u32,
+    /// Records of impacts that the controller made and the host did not receive.
+    pub impacts_missed: u32,
     /// Answers to earlier sendings of a command or request.
     pub strays: u32,
     /// Commands, requests and samples that the host repeated.
@@ -41,6 +43,10 @@ pub enum Received {
     Estimate(EstimateFrame),
     /// Slow telemetry.
     Slow(SlowFrame),
+    /// A recorded impact.
+    Impact(ImpactRecord),
+    /// The summary of the estimates up to a sent one.
+    Block(BlockSummary),
     /// An answer about models.
     Update(UpdateAnswer),
     /// The controller could not serve a frame.
@@ -55,9 +61,10 @@ pub struct Conversation {
     token: u32,
     last_command: u32,
     pending: Option<ToController>,
-    /// Numbers of the last estimate and of the last slow frame.
+    /// Numbers of the last estimate, the last slow frame and the last impact.
     estimate: Option<u32>,
     slow: Option<u32>,
+    impact: Option<u32>,
     losses: Losses,
 }
 
@@ -117,9 +124,9 @@ impl Conversation {
                     if !matches!(outcome, Err(Refusal::OutOfOrder { .. } | Refusal::NumberTaken)) {
                         self.last_command = id;
                     }
-                    // A new run numbers its estimates from the start.
+                    // A new run numbers its estimates and impacts from the start.
                     if matches!(outcome, Ok(Answer::Configured(_) | Answer::Stopped(_))) {
-                        self.estimate = None;
+                        (self.estimate, self.impact) = (None, None);
                     }
                     Received::Outcome(outcome)
                 }
@@ -136,6 +143,12 @@ impl Conversation {
                 self.losses.slow_missed = self.losses.slow_missed.saturating_add(missed);
                 Received::Slow(slow)
             }
+            ToHost::Impact(impact) => {
+                let missed = missed(&mut self.impact, impact.number);
+                self.losses.impacts_missed = self.losses.impacts_missed.saturating_add(missed);
+                Received::Impact(impact)
+            }
+            ToHost::Block(block) => Received::Block(block),
             ToHost::Update(answer) => {
                 self.pending.take_if(|pending| matches!(pending, ToController::Update(_)));
                 Received::Update(answer)
@@ -156,7 +169,7 @@ impl Conversation {
             self.pending = None;
         }
         if hello.state == State::Waiting || started {
-            (self.estimate, self.slow) = (None, None);
+            (self.estimate, self.slow, self.impact) = (None, None, None);
         }
         if started { Received::Started(hello) } else { Received::Identified(hello) }
     }

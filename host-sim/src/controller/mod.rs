@@ -34,7 +34,9 @@ pub use recording::Recording;
 pub use remote::RemoteController;
 
 use link::track::SensorStatus;
-use link::{Answer, Command, Counters, EstimateFrame, Hello, MAX_FRAME, SensorFrame, SlowFrame, encode};
+use link::{
+    Answer, Command, Counters, EstimateFrame, Hello, ImpactRecord, MAX_FRAME, SensorFrame, SlowFrame, encode,
+};
 
 /// A configured controller.
 pub trait Controller {
@@ -55,12 +57,14 @@ pub trait Controller {
     fn finish(self: Box<Self>) -> Result<Counters, ControllerError>;
     /// Sends a command and returns the answer.
     fn order(&mut self, command: Command) -> Result<Answer, ControllerError>;
+    /// Takes the impacts that have been received since the last call.
+    fn take_impacts(&mut self) -> Vec<ImpactRecord>;
     /// Last frame of slow telemetry, and the losses on the link.
     fn link_state(&self) -> (Option<SlowFrame>, Losses);
 }
 
 /// Extracts the counters from the answer to a stop command.
-fn stopped(answer: Answer) -> Result<Counters, ControllerError> {
+pub(crate) fn stopped(answer: Answer) -> Result<Counters, ControllerError> {
     match answer {
         Answer::Stopped(counters) => Ok(counters),
         other => Err(unexpected(&other, "the counters")),

@@ -6,7 +6,7 @@ use controller::{Identity, NoTicks, Session};
 use link::track::SensorStatus;
 use link::{
     Answer, BuildId, ClockSource, Command, ControllerConfiguration, Counters, EstimateFrame, Hello,
-    SensorFrame, SlowFrame, Target, ToController, ToHost,
+    ImpactRecord, SensorFrame, SlowFrame, Target, ToController, ToHost,
 };
 
 /// The firmware's session, called directly.
@@ -16,6 +16,7 @@ pub struct NativeController {
     conversation: Conversation,
     hello: Hello,
     slow: Option<SlowFrame>,
+    impacts: Vec<ImpactRecord>,
     recorder: Option<Recorder>,
 }
 
@@ -35,7 +36,7 @@ impl NativeController {
         let hello = check_hello(session.hello(0))?;
         let mut conversation = Conversation::default();
         conversation.receive(ToHost::Hello(hello));
-        Ok(Self { session, conversation, hello, slow: None, recorder: None })
+        Ok(Self { session, conversation, hello, slow: None, impacts: Vec::new(), recorder: None })
     }
 
     fn exchange_message(&mut self, message: &ToController) -> Result<Received, ControllerError> {
@@ -44,7 +45,21 @@ impl NativeController {
             recorder.sent(message)?;
             recorder.received(&answer)?;
         }
-        Ok(self.conversation.receive(answer))
+        let received = self.conversation.receive(answer);
+        self.receive_impacts()?;
+        Ok(received)
+    }
+
+    fn receive_impacts(&mut self) -> Result<(), ControllerError> {
+        while let Some(message) = self.session.take_impact() {
+            if let Some(recorder) = &self.recorder {
+                recorder.received(&message)?;
+            }
+            if let Received::Impact(impact) = self.conversation.receive(message) {
+                self.impacts.push(impact);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -90,6 +105,10 @@ impl Controller for NativeController {
             Received::Outcome(outcome) => outcome.map_err(ControllerError::Refused),
             other => Err(unexpected(&other, "the answer to a command")),
         }
+    }
+
+    fn take_impacts(&mut self) -> Vec<ImpactRecord> {
+        std::mem::take(&mut self.impacts)
     }
 
     fn link_state(&self) -> (Option<SlowFrame>, Losses) {

@@ -12,8 +12,8 @@ use super::{Controller, ControllerError, Conversation, Losses, Received, Recorde
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRequest};
 use link::{
-    Answer, Command, ControllerConfiguration, Counters, EstimateFrame, Hello, Refusal, SensorFrame,
-    SlowFrame, State, ToController, ToHost,
+    Answer, Command, ControllerConfiguration, Counters, EstimateFrame, Hello, ImpactRecord, Refusal,
+    SensorFrame, SlowFrame, State, ToController, ToHost,
 };
 use std::time::{Duration, Instant};
 
@@ -29,11 +29,24 @@ pub struct RemoteController {
     answered: u32,
     /// An estimate that arrived while the host waited for another answer.
     late: Option<EstimateFrame>,
+    impacts: Vec<ImpactRecord>,
+    /// Largest force of all blocks since it was taken, N, and the flags of all their estimates.
+    blocks: Option<(f32, u32)>,
 }
 
 impl RemoteController {
     fn new(name: &'static str, line: Line, conversation: Conversation, hello: Hello) -> Self {
-        Self { name, line, conversation, hello, slow: None, answered: 0, late: None }
+        Self {
+            name,
+            line,
+            conversation,
+            hello,
+            slow: None,
+            answered: 0,
+            late: None,
+            impacts: Vec::new(),
+            blocks: None,
+        }
     }
 
     /// Waits for the hello that the controller sends when it starts. `timeout` applies to this wait
@@ -99,7 +112,7 @@ impl RemoteController {
             Wait::new("disturbed bytes", self.line.timeouts.answer, "The bytes may hold no end of a frame.");
         loop {
             match self.line.answer(&wait)? {
-                slow @ ToHost::Slow(_) => drop(self.take(slow)?),
+                other @ (ToHost::Slow(_) | ToHost::Impact(_) | ToHost::Block(_)) => drop(self.take(other)?),
                 answer => return Ok(answer),
             }
         }
@@ -144,11 +157,26 @@ impl RemoteController {
         (Instant::now() + self.line.timeouts.retry).min(deadline.until)
     }
 
-    /// Classifies a message and stores slow telemetry.
+    /// Takes the largest force in N and the flags of all estimates since the last call, those that
+    /// were not sent included; none if no block has arrived.
+    pub(crate) const fn take_blocks(&mut self) -> Option<(f32, u32)> {
+        self.blocks.take()
+    }
+
+    /// Classifies a message and stores slow telemetry, impacts and blocks.
     fn take(&mut self, message: ToHost) -> Result<Option<Received>, ControllerError> {
         match self.conversation.receive(message) {
             Received::Slow(slow) => {
                 self.slow = Some(slow);
+                Ok(None)
+            }
+            Received::Block(block) => {
+                let (largest_n, flags) = self.blocks.unwrap_or_default();
+                self.blocks = Some((largest_n.max(block.max_force_n), flags | block.flags));
+                Ok(None)
+            }
+            Received::Impact(impact) => {
+                self.impacts.push(impact);
                 Ok(None)
             }
             Received::Started(hello) if self.hello.core_hz != 0 => Err(self.restarted(hello)),
@@ -287,6 +315,10 @@ impl Controller for RemoteController {
             }
         }
         Err(ControllerError::Refused(Refusal::NumberTaken))
+    }
+
+    fn take_impacts(&mut self) -> Vec<ImpactRecord> {
+        std::mem::take(&mut self.impacts)
     }
 
     fn link_state(&self) -> (Option<SlowFrame>, Losses) {

@@ -210,7 +210,12 @@ pub(crate) fn track(track: &TrackReport) -> Vec<(&'static str, String)> {
 
 /// Names of an estimate's flags.
 pub(crate) fn flags(estimate: &EstimateFrame) -> Vec<&'static str> {
-    let flags = Flags::from_bits(estimate.flags);
+    names(estimate.flags)
+}
+
+/// Names of flags.
+pub(crate) fn names(flags: u32) -> Vec<&'static str> {
+    let flags = Flags::from_bits(flags);
     controller::flags::NAMES.iter().filter(|(flag, _)| flags.contains(*flag)).map(|(_, name)| *name).collect()
 }
 
@@ -261,7 +266,7 @@ pub(crate) fn configuration(configuration: Option<&ControllerConfiguration>) -> 
 }
 
 /// Every counter with its meaning.
-pub(crate) fn counters(counters: &Counters) -> [(&'static str, u32); 22] {
+pub(crate) fn counters(counters: &Counters) -> [(&'static str, u32); 24] {
     let (bad, line) = (counters.bad_frames, counters.line_errors);
     [
         ("samples served", counters.samples),
@@ -275,6 +280,8 @@ pub(crate) fn counters(counters: &Counters) -> [(&'static str, u32); 22] {
         ("timer ticks without a sample", counters.idle_ticks),
         ("samples dropped, queue full", counters.dropped_samples),
         ("estimates dropped", counters.dropped_estimates),
+        ("impacts recorded", counters.impacts),
+        ("records of impacts dropped", counters.dropped_impacts),
         ("other answers dropped", counters.dropped_answers),
         ("received bytes dropped, buffer full", counters.dropped_bytes),
         ("received bytes lost by the port", line.overruns),

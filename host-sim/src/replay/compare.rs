@@ -1,14 +1,15 @@
 //! Replays a recorded link session on another controller and compares the answers.
 //!
-//! Compared to the bit: every estimate, every outcome of a command, the counters of the run, slow
-//! telemetry about the same sample. Not compared, because they depend on the transport and not on
-//! the run: hellos, durations of ticks, numbers of frames and commands, losses on the line.
+//! Compared to the bit: every estimate, every outcome of a command, the counters of the run,
+//! impacts of the same onset, slow telemetry about the same sample. Not compared, because they
+//! depend on the transport and not on the run: hellos, durations of ticks, numbers of frames and
+//! commands, losses on the line.
 
 use crate::controller::{Controller, ControllerError, Direction, RecordedFrame, Recorder, Recording};
 use link::track::SensorStatus;
 use link::{
-    Acknowledgement, Answer, Command, Counters, Decoder, EstimateFrame, NumberedCommand, Refusal,
-    SensorFrame, SlowReport, ToController, ToHost,
+    Acknowledgement, Answer, Command, Counters, Decoder, EstimateFrame, ImpactRecord, NumberedCommand,
+    Refusal, SensorFrame, SlowReport, ToController, ToHost,
 };
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeMap;
@@ -35,6 +36,8 @@ pub struct Replayed {
     pub commands: usize,
     /// Replayed estimates.
     pub estimates: Vec<EstimateFrame>,
+    /// Replayed impacts.
+    pub impacts: Vec<ImpactRecord>,
     /// Differences from the recording.
     pub differences: Vec<Difference>,
 }
@@ -72,12 +75,13 @@ pub fn replay(recording: &Recording, controller: &mut dyn Controller) -> Result<
             }
         }
     }
+    let impacts = controller.take_impacts();
     let recorded = Answers::from_frames(&recording.frames)?;
     // Only the outcomes of the recorded commands: after a lost or late sample the host also asks
     // for the counters, and these commands are not part of the recording.
     let replayed = Answers { outcomes, ..Answers::from_frames(&recorder.take())? };
     let differences = recorded.differences(&replayed);
-    Ok(Replayed { samples: messages.len() - commands, commands, estimates, differences })
+    Ok(Replayed { samples: messages.len() - commands, commands, estimates, impacts, differences })
 }
 
 /// Extracts the host's messages, without repetitions, and the number of commands.
@@ -132,6 +136,8 @@ struct Answers {
     estimates: Vec<EstimateFrame>,
     outcomes: Vec<(Option<u32>, String)>,
     slow: BTreeMap<(u32, &'static str), String>,
+    /// By the sample of the onset.
+    impacts: BTreeMap<u32, ImpactRecord>,
 }
 
 impl Answers {
@@ -147,6 +153,7 @@ impl Answers {
                     last_id = Some(id);
                     answers.outcomes.push((frame.sequence, describe_outcome(outcome)));
                 }
+                ToHost::Impact(impact) => drop(answers.impacts.insert(impact.onset_sequence, impact)),
                 ToHost::Slow(slow) => {
                     let (kind, report) = match slow.report {
                         SlowReport::Track(report) => ("track", format!("{report:?}")),
@@ -186,6 +193,12 @@ impl Answers {
         let count = |list: usize| list.to_string();
         differ(None, "number of estimates", count(self.estimates.len()), count(now.estimates.len()));
         differ(None, "number of outcomes", count(self.outcomes.len()), count(now.outcomes.len()));
+        for (sequence, a) in &self.impacts {
+            // A record that one of the lines lost is still in the counters.
+            if let Some(b) = now.impacts.get(sequence) {
+                differ(Some(*sequence), "impact", format!("{a:?}"), format!("{b:?}"));
+            }
+        }
         for ((sequence, kind), a) in &self.slow {
             // The order of the reports continues from run to run. Where the other controller sent
             // another report, there is nothing to compare.
@@ -218,6 +231,7 @@ fn run_counters(counters: Counters) -> Counters {
         deadline_overruns,
         trips,
         held,
+        impacts,
         ..
     } = counters;
     Counters {
@@ -229,6 +243,7 @@ fn run_counters(counters: Counters) -> Counters {
         deadline_overruns,
         trips,
         held,
+        impacts,
         ..Counters::default()
     }
 }

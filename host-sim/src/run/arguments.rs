@@ -105,8 +105,8 @@ pub struct RunArgs {
         allow_negative_numbers = true
     )]
     pub watch_speed: f64,
-    /// Folder for log.csv, estimates.csv, impacts.csv, run.json and report.html; on a bench in two
-    /// planes also tilt.csv.
+    /// Folder for log.csv, estimates.csv, impacts.csv, estimated_impacts.csv, run.json and
+    /// report.html; on a bench in two planes also tilt.csv.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
     pub out: PathBuf,
     /// Print the figures as JSON.

@@ -2,9 +2,11 @@
 
 use crate::controller::Losses;
 use crate::run::exchange::ExchangeResult;
+use crate::run::impacts::ImpactSummary;
 use crate::run::same_signals::{Forces, OnSignals};
 use crate::run::summary::{after_start, peak, rms};
 use bench::description::TransmissionBench;
+use bench::integrate::Impact;
 use bench::plants::transmission::Snapshot;
 use controller::emulator::TICKS_PER_INSTRUCTION;
 use controller::flags::{MODEL_MISFIT, SENSOR_FAULT};
@@ -55,6 +57,8 @@ pub struct EstimatorSummary {
     /// Differences from the described law at the estimated contact, after the start: the effect of
     /// the networks and of what the filter has learnt.
     pub against_law: Differences,
+    /// Impacts that the controller recorded.
+    pub impacts: ImpactSummary,
     /// Counters of the controller.
     pub counters: Counters,
     /// Losses on the line.
@@ -158,7 +162,7 @@ impl EstimatorSummary {
     /// Compares the estimates with the true forces and with the alternatives on the same signals.
     pub fn from_exchange(
         bench: &TransmissionBench,
-        truth: &[Snapshot],
+        (truth, impacts): (&[Snapshot], &[Impact]),
         exchange: &ExchangeResult,
         same_signals: &[OnSignals],
         differences: Option<u64>,
@@ -205,6 +209,7 @@ impl EstimatorSummary {
                 estimates.clone().zip(on_signals.clone()).map(|(e, on)| [e, on.float_network]),
             ),
             against_law: Differences::from_pairs(estimates.zip(on_signals).map(|(e, on)| [e, on.law])),
+            impacts: ImpactSummary::new(exchange, impacts, truth),
             counters: exchange.counters,
             losses: exchange.losses,
         }

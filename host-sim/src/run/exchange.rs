@@ -1,18 +1,20 @@
 //! Exchange of a run's frames with a controller, in lockstep: one estimate for every frame.
 
-use crate::controller::{Controller, ControllerError, Losses};
+use crate::controller::{Controller, ControllerError, Losses, stopped};
 use crate::run::sensing::Sampled;
-use link::{Command, ControllerConfiguration, Counters, EstimateFrame, SensorFrame};
+use link::{Command, ControllerConfiguration, Counters, EstimateFrame, ImpactRecord, SensorFrame};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// Result of an exchange.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ExchangeResult {
     /// Transport: `native`, `emulated` or `attached`.
     pub controller: &'static str,
     /// One estimate per frame.
     pub estimates: Vec<EstimateFrame>,
+    /// Recorded impacts, in the order of their onsets.
+    pub impacts: Vec<ImpactRecord>,
     /// The controller's counters at the end.
     pub counters: Counters,
     /// Losses on the line.
@@ -47,9 +49,9 @@ pub fn exchange<S: Copy + Into<Sampled>>(
     run.finish(controller)
 }
 
-/// Callback with every sample and its estimate. Its time does not count as time of the exchange.
-/// `Break` ends the run.
-pub type Observer<'a> = dyn FnMut(&SensorFrame, &EstimateFrame) -> ControlFlow<()> + 'a;
+/// Callback with every sample, its estimate and the impacts that have ended since. Its time does
+/// not count as time of the exchange. `Break` ends the run.
+pub type Observer<'a> = dyn FnMut(&SensorFrame, &EstimateFrame, &[ImpactRecord]) -> ControlFlow<()> + 'a;
 
 /// As [`exchange`], with a choice about restarts and an observer. `configuration` is the
 /// controller's current one.
@@ -100,6 +102,7 @@ struct Exchange<'a, 'b, S> {
     see: Option<&'a mut Observer<'b>>,
     seen: Duration,
     estimates: Vec<EstimateFrame>,
+    impacts: Vec<ImpactRecord>,
     restarts: Vec<usize>,
     started: Instant,
 }
@@ -108,7 +111,7 @@ impl<'a, S: Copy + Into<Sampled>> Exchange<'a, '_, S> {
     fn new(frames: &'a [S]) -> Self {
         let estimates = Vec::with_capacity(frames.len());
         let (restarts, started) = (Vec::new(), Instant::now());
-        Self { frames, see: None, seen: Duration::ZERO, estimates, restarts, started }
+        Self { frames, see: None, seen: Duration::ZERO, estimates, impacts: Vec::new(), restarts, started }
     }
 
     fn run_all(&mut self, controller: &mut dyn Controller) -> Result<(), ControllerError> {
@@ -122,13 +125,15 @@ impl<'a, S: Copy + Into<Sampled>> Exchange<'a, '_, S> {
             let Sampled { frame, status } = (*frame).into();
             let estimate = controller.sample(&frame, status).map_err(|error| error.after(last))?;
             self.estimates.push(estimate);
+            let ended = controller.take_impacts();
             if let Some(see) = &mut self.see {
                 let began = Instant::now();
-                if see(&frame, &estimate).is_break() {
+                if see(&frame, &estimate, &ended).is_break() {
                     return Err(ControllerError::Interrupted { last_sequence: frame.sequence });
                 }
                 self.seen += began.elapsed();
             }
+            self.impacts.extend(ended);
         }
         Ok(())
     }
@@ -147,21 +152,27 @@ impl<'a, S: Copy + Into<Sampled>> Exchange<'a, '_, S> {
         }
     }
 
-    fn finish(self, controller: Box<dyn Controller>) -> Result<ExchangeResult, ControllerError> {
+    fn finish(mut self, mut controller: Box<dyn Controller>) -> Result<ExchangeResult, ControllerError> {
         let wall_s = self.started.elapsed().saturating_sub(self.seen).as_secs_f64();
         let last = self.estimates.last().map(|estimate| estimate.sequence);
         let name = controller.name();
         let (_, losses) = controller.link_state();
-        let counters = controller.finish().map_err(|error| error.after(last))?;
-        let (estimates, restarts) = (self.estimates, self.restarts);
-        Ok(ExchangeResult { controller: name, estimates, counters, losses, wall_s, restarts })
+        let stop = controller.order(Command::Stop).and_then(stopped);
+        let counters = stop.map_err(|error| error.after(last))?;
+        // An impact that was open ended with the run.
+        self.impacts.extend(controller.take_impacts());
+        let (estimates, impacts, restarts) = (self.estimates, self.impacts, self.restarts);
+        Ok(ExchangeResult { controller: name, estimates, impacts, counters, losses, wall_s, restarts })
     }
 }
 
-/// Counts the estimates that differ in any bit of any field except the tick count.
+/// Counts the estimates that differ in any bit of any field except the tick count, and the impacts
+/// that differ.
 pub fn bit_differences(a: &ExchangeResult, b: &ExchangeResult) -> u64 {
-    let pairs = a.estimates.iter().zip(&b.estimates).filter(|(a, b)| !a.same_bits(b)).count();
-    (pairs + a.estimates.len().abs_diff(b.estimates.len())) as u64
+    let estimates = a.estimates.iter().zip(&b.estimates).filter(|(a, b)| !a.same_bits(b)).count();
+    let impacts = a.impacts.iter().zip(&b.impacts).filter(|(a, b)| a != b).count();
+    let missing = a.estimates.len().abs_diff(b.estimates.len()) + a.impacts.len().abs_diff(b.impacts.len());
+    (estimates + impacts + missing) as u64
 }
 
 #[cfg(test)]
@@ -184,7 +195,7 @@ mod tests {
     fn an_observer_gets_every_sample_and_can_end_the_run() {
         let start = || Box::new(NativeController::start(BENCH_B).unwrap());
         let mut seen = Vec::new();
-        let mut see = |sample: &SensorFrame, estimate: &EstimateFrame| {
+        let mut see = |sample: &SensorFrame, estimate: &EstimateFrame, _: &[ImpactRecord]| {
             seen.push((sample.sequence, estimate.sequence));
             if sample.sequence == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };

@@ -9,6 +9,7 @@ mod estimator;
 pub mod estimator_summary;
 pub mod exchange;
 pub mod force;
+pub mod impacts;
 pub(crate) mod page;
 pub(crate) mod report;
 pub mod same_signals;
@@ -110,7 +111,9 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     } else {
         None
     };
-    let mut see = watch.as_mut().map(|watch| |sample: &_, estimate: &_| watch.observe(sample, estimate));
+    let mut see = watch
+        .as_mut()
+        .map(|watch| |sample: &_, estimate: &_, ended: &[_]| watch.observe(sample, estimate, ended));
     let see = see.as_mut().map(|see| see as &mut Observer<'_>);
     let estimated = estimator::estimate(args, configuration, &frames, see)?;
     drop(watch);
@@ -118,7 +121,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         let seen = frames.iter().map(|sampled| sampled.frame);
         summary.estimator = Some(EstimatorSummary::from_exchange(
             &resolved,
-            &forced.run.samples,
+            (&forced.run.samples, &forced.run.impacts),
             &estimated.exchange,
             &same_signals::follow(&resolved, &configuration, seen)?,
             estimated.differences,

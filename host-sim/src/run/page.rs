@@ -1,15 +1,17 @@
 //! The report page of a run.
 
 use super::estimator_summary::EstimatorSummary;
+use super::exchange::ExchangeResult;
+use super::impacts::TABLE_HEADER;
 use super::report::{
     EQUIVALENCE_HEADER, PEAK_HEADER, counted_rows, energy_rows, equivalence_rows, impact_header, impact_rows,
-    peak_rows, rows,
+    peak_rows, recorded_rows, rows,
 };
 use super::{Finished, tilt};
 use crate::cli::limits;
 use crate::run::summary::after_start;
 use bench::plants::transmission::Snapshot;
-use link::EstimateFrame;
+use link::{EstimateFrame, ImpactRecord};
 use report::figure::{Chart, Series, Style, lines, map};
 use report::page::Page;
 
@@ -44,6 +46,7 @@ pub(crate) fn page(finished: &Finished) -> Result<Page, String> {
     }
     if let Some(estimator) = &summary.estimator {
         controller_section(&mut page, estimator);
+        impacts_section(&mut page, finished);
     }
     audit_sections(&mut page, finished);
     limits::section(&mut page, &finished.bench);
@@ -103,6 +106,7 @@ fn estimate_figures(page: &mut Page, finished: &Finished) -> Result<(), String> 
     let force = [
         Series::through("estimate", over(|_, e| e.normal_force_n.into())),
         Series::through("bench", over(|s, _| s.forces.normal_n)),
+        Series::through("recorded peaks", recorded_peaks(exchange)).styled(Style::Points),
     ];
     let error = [
         Series::through("two standard deviations", band).styled(Style::Area),
@@ -118,6 +122,12 @@ fn estimate_figures(page: &mut Page, finished: &Finished) -> Result<(), String> 
          also covers what is declared uncertain, such as the mass.",
     );
     Ok(())
+}
+
+/// Peaks of the recorded impacts, s and N.
+fn recorded_peaks(exchange: &ExchangeResult) -> Vec<(f64, f64)> {
+    let peak = |record: &ImpactRecord| (f64::from(record.peak_us) * 1e-6, f64::from(record.peak_force_n));
+    exchange.impacts.iter().map(peak).collect()
 }
 
 /// Orbit and deformation.
@@ -164,6 +174,22 @@ fn controller_section(page: &mut Page, estimator: &EstimatorSummary) {
     );
     page.table(&["counted", "times"], &counted_rows(estimator));
     page.note("Counters at zero are omitted.");
+}
+
+/// Impacts that the controller recorded, beside the true contacts.
+fn impacts_section(page: &mut Page, finished: &Finished) {
+    page.section("Impacts that the controller recorded");
+    let rows = recorded_rows(finished);
+    if rows.is_empty() {
+        page.note("None: the journal did not separate from the bearing, or not after the start.");
+        return;
+    }
+    page.table(&TABLE_HEADER, &rows);
+    page.note(
+        "The first 30; estimated_impacts.csv contains all. An impact is a contact that begins after a \
+         separation. A record settles after 50 ms in contact; true peaks are those up to that time, true \
+         losses those of the complete contact.",
+    );
 }
 
 /// Peaks with error bars, energy balance and contacts.

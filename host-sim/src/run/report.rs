@@ -2,6 +2,7 @@
 
 use super::Finished;
 use crate::run::estimator_summary::{Differences, EstimatorSummary, Tracked};
+use crate::run::impacts::{TABLE_HEADER, pairs, table_rows};
 use crate::run::summary::{PeakRow, Summary};
 use bench::integrate::Impact;
 use report::text_table;
@@ -68,6 +69,13 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         }
         if let Some(differences) = e.native_attached_bit_differences {
             rows.push(row("estimates that differ, native and attached", differences.to_string()));
+        }
+        rows.push(row("impacts recorded", e.impacts.totals.records.to_string()));
+        if e.impacts.totals.records > 0 {
+            rows.push(row("impacts, largest peak", format!("{:.0} N", e.impacts.totals.largest_peak_n)));
+        }
+        if e.impacts.totals.lost > 0 {
+            rows.push(row("impacts, lost records", e.impacts.totals.lost.to_string()));
         }
         if e.restarts > 0 {
             rows.push(row("restarts of the controller", e.restarts.to_string()));
@@ -185,6 +193,15 @@ pub(super) fn impact_rows(finished: &Finished) -> Vec<Vec<String>> {
     finished.forced.run.impacts.iter().take(LISTED).map(row).collect()
 }
 
+/// Rows of the first recorded impacts beside their true contacts.
+pub(super) fn recorded_rows(finished: &Finished) -> Vec<Vec<String>> {
+    let Some(exchange) = &finished.exchange else { return Vec::new() };
+    let run = &finished.forced.run;
+    let mut rows = table_rows(&pairs(&exchange.impacts, &run.impacts, &run.samples));
+    rows.truncate(LISTED);
+    rows
+}
+
 pub(super) fn energy_rows(finished: &Finished) -> Vec<Vec<String>> {
     finished
         .forced
@@ -215,6 +232,15 @@ pub(crate) fn print_audit(finished: &Finished) {
         table("counted", &["what", "count"], counted_rows(estimator), 1);
     }
     table("energy", &["term", "value"], energy_rows(finished), 1);
+    let recorded = recorded_rows(finished);
+    if !recorded.is_empty() {
+        table(
+            "impacts that the controller recorded (all in estimated_impacts.csv)",
+            &TABLE_HEADER,
+            recorded,
+            0,
+        );
+    }
     table("contacts (all in impacts.csv)", &impact_header(finished), impact_rows(finished), 0);
     table("peaks", &PEAK_HEADER, peak_rows(&finished.summary), 2);
 }

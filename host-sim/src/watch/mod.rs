@@ -8,7 +8,7 @@
 pub mod scene;
 
 use crate::cli::error::CliError;
-use link::{EstimateFrame, SensorFrame};
+use link::{EstimateFrame, ImpactRecord, SensorFrame};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
 use scene::Scene;
@@ -46,10 +46,16 @@ impl Watch {
         Ok(Self { terminal: Some(terminal), scene, speed, started: Instant::now(), drawn: None })
     }
 
-    /// Takes a sample and its estimate, waits for the sample's time, and draws from time to time.
-    /// `Break` ends the run.
-    pub fn observe(&mut self, sample: &SensorFrame, estimate: &EstimateFrame) -> ControlFlow<()> {
+    /// Takes a sample, its estimate and the impacts that have ended, waits for the sample's time,
+    /// and draws from time to time. `Break` ends the run.
+    pub fn observe(
+        &mut self,
+        sample: &SensorFrame,
+        estimate: &EstimateFrame,
+        ended: &[ImpactRecord],
+    ) -> ControlFlow<()> {
         self.scene.observe(sample, estimate);
+        self.scene.add_impacts(ended);
         let Some(terminal) = &mut self.terminal else { return ControlFlow::Continue(()) };
         let due = self.started + Duration::from_secs_f64(self.scene.time_s() / self.speed);
         loop {

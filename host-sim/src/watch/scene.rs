@@ -1,9 +1,10 @@
 //! Content of the live view: contact force over time, the journal's orbit in its clearance, the
 //! flags.
 
+use crate::run::impacts;
 use controller::flags::NAMES;
 use inference::Flags;
-use link::{EstimateFrame, SensorFrame};
+use link::{EstimateFrame, ImpactRecord, SensorFrame};
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Style, Stylize};
@@ -33,6 +34,9 @@ pub struct Scene {
     peak_kn: f64,
     /// Number of samples with each flag, in the order of their names.
     flagged: [u32; NAMES.len()],
+    /// Peaks of the recorded impacts, s and kN.
+    impacts: Vec<(f64, f64)>,
+    last_impact: Option<ImpactRecord>,
 }
 
 impl Scene {
@@ -58,6 +62,16 @@ impl Scene {
             last: EstimateFrame::default(),
             time_s: 0.0,
             flagged: [0; NAMES.len()],
+            impacts: Vec::new(),
+            last_impact: None,
+        }
+    }
+
+    /// Takes the impacts that have ended.
+    pub fn add_impacts(&mut self, ended: &[ImpactRecord]) {
+        for impact in ended {
+            self.impacts.push((f64::from(impact.peak_us) * 1e-6, f64::from(impact.peak_force_n) * 1e-3));
+            self.last_impact = Some(*impact);
         }
     }
 
@@ -89,9 +103,9 @@ impl Scene {
 
     /// Draws the view.
     pub fn draw(&self, frame: &mut Frame<'_>) {
-        let [head, body, footer] =
-            Layout::vertical([Constraint::Length(1), Constraint::Min(8), Constraint::Length(4)])
-                .areas(frame.area());
+        let heights =
+            [Constraint::Length(1), Constraint::Min(8), Constraint::Length(3), Constraint::Length(4)];
+        let [head, body, impacts, footer] = Layout::vertical(heights).areas(frame.area());
         // A terminal cell is twice as high as wide, so this area is square.
         let square = (2 * body.height).min(body.width / 2);
         let [force, orbit] =
@@ -99,7 +113,19 @@ impl Scene {
         frame.render_widget(self.head(), head);
         self.force(frame, force);
         self.orbit(frame, orbit);
+        frame.render_widget(self.impacts(), impacts);
         frame.render_widget(self.footer(), footer);
+    }
+
+    /// Number of impacts, the largest peak and the last impact.
+    fn impacts(&self) -> Paragraph<'_> {
+        let largest_n = self.impacts.iter().fold(0.0_f64, |largest, (_, peak)| largest.max(1e3 * peak));
+        let text = self.last_impact.as_ref().map_or_else(|| "none so far".into(), impacts::line);
+        let title = match self.impacts.len() {
+            0 => "impacts".into(),
+            count => format!("{count} impacts, largest peak {largest_n:.0} N; the last one"),
+        };
+        Paragraph::new(text).block(Block::bordered().title(title))
     }
 
     fn head(&self) -> Line<'_> {
@@ -123,6 +149,7 @@ impl Scene {
         let chart = Chart::new(vec![
             curve("bench", Color::DarkGray, &self.truth),
             curve("estimate", Color::Cyan, &self.estimate),
+            curve("impacts", Color::Yellow, &self.impacts).marker(Marker::Dot).graph_type(GraphType::Scatter),
         ])
         .block(Block::bordered().title("contact force, kN, over time, s"))
         .x_axis(Axis::default().bounds([0.0, self.duration_s]).labels(labels(self.duration_s)))
@@ -214,6 +241,21 @@ mod tests {
         let dots = |text: &str| text.chars().filter(|c| ('\u{2801}'..='\u{28ff}').contains(c)).count();
         assert!(dots(&full) > dots(&empty) + 50, "the estimate and the orbit have left a trail:\n{full}");
         assert!(scene.estimate.len() <= POINTS + 1 && scene.trail.len() <= TRAIL);
+    }
+
+    #[test]
+    fn impacts_are_counted_and_the_last_one_is_described() {
+        let mut scene = scene();
+        assert!(shown(&scene, (120, 40)).contains("none so far"));
+        let impact = |number, peak_force_n| ImpactRecord {
+            number,
+            peak_us: 300_000,
+            peak_force_n,
+            ..ImpactRecord::default()
+        };
+        scene.add_impacts(&[impact(0, 5_000.0), impact(1, 700.0)]);
+        let text = shown(&scene, (120, 40));
+        assert!(text.contains("2 impacts, largest peak 5000 N") && text.contains("impact 1 at"), "{text}");
     }
 
     #[test]

@@ -247,6 +247,9 @@ impl Served {
         }
         let is_identify = matches!(message, ToController::Identify { .. });
         let answer = frame(&self.session.handle(message, &mut NoTicks));
+        while let Some(impact) = self.session.take_impact() {
+            self.write(&frame(&impact));
+        }
         let Some(plan) = plan else {
             for _ in 0..if is_identify { self.hello_count } else { 1 } {
                 self.write(&answer);

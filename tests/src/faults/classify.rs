@@ -120,7 +120,9 @@ impl Observation {
                     self.report(format!("restart: {:?}", hello.start.reason).to_lowercase());
                 }
             }
-            Ok(ToHost::Hello(_) | ToHost::Slow(_) | ToHost::Update(_)) => {}
+            Ok(
+                ToHost::Hello(_) | ToHost::Slow(_) | ToHost::Update(_) | ToHost::Impact(_) | ToHost::Block(_),
+            ) => {}
             Ok(ToHost::Fault(_)) => self.report("fault answer"),
             Err(_) => self.report("damaged frame"),
             Ok(ToHost::Acknowledged(acknowledgement)) => match acknowledgement.outcome {

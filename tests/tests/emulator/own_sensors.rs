@@ -33,9 +33,11 @@ fn follow(sample_period_us: u32) {
     assert_eq!(board.order(Command::SampleYourself), Ok(Answer::Sampling { every }));
     let mut health: Option<SensorHealth> = None;
     let mut estimates = std::mem::take(&mut board.estimates);
+    let mut blocks = Vec::new();
     while estimates.len() < 250 || health.is_none() {
         match board.next() {
             ToHost::Estimate(estimate) => estimates.push(estimate),
+            ToHost::Block(block) => blocks.push(block),
             ToHost::Slow(slow) => {
                 if let SlowReport::Sensors(report) = slow.report {
                     health = Some(report);
@@ -44,6 +46,9 @@ fn follow(sample_period_us: u32) {
             other => panic!("{other:?}"),
         }
     }
+    assert!(blocks.len() + 2 > estimates.len(), "a block after every estimate");
+    assert!(blocks.iter().all(|block| block.samples == every && block.max_age < every));
+    assert!(blocks.windows(2).all(|pair| pair[1].number == pair[0].number + 1));
     let period = u32::from(every);
     for pair in estimates.windows(2) {
         let [NumberedEstimate { number, estimate, .. }, next] = pair else { unreachable!() };

@@ -60,6 +60,10 @@ pub struct World {
     pub load_n: f64,
     /// Duration of the raised-cosine ramp of the load.
     pub load_ramp_s: f64,
+    /// Amplitude of a sine that is added to the load. No described bench has it.
+    pub load_swing_n: f64,
+    /// Period of that sine.
+    pub load_swing_period_s: f64,
     /// Stroke of the drive.
     pub stroke_m: f64,
     /// Period of the drive.
@@ -103,6 +107,8 @@ impl World {
             },
             load_n,
             load_ramp_s: 0.05,
+            load_swing_n: 0.0,
+            load_swing_period_s: 1.0,
             stroke_m: 0.172,
             period_s: 1.0,
             stribeck_rise: 0.0,
@@ -132,7 +138,11 @@ impl World {
     /// Returns the load along +Y in N.
     pub fn load_at(&self, time_s: f64) -> f64 {
         let share = time_s / self.load_ramp_s;
-        if share < 1.0 { 0.5 * self.load_n * (1.0 - (PI * share).cos()) } else { self.load_n }
+        let load_n = if share < 1.0 { 0.5 * self.load_n * (1.0 - (PI * share).cos()) } else { self.load_n };
+        if self.load_swing_n == 0.0 {
+            return load_n;
+        }
+        load_n + self.load_swing_n * (2.0 * PI * time_s / self.load_swing_period_s).sin()
     }
 
     /// Returns displacement, velocity and acceleration of the drive in m and s.

@@ -197,6 +197,12 @@ impl Monitor {
         self.value_sum
     }
 
+    /// Returns the rate of the deformation at the last sample, m/s.
+    #[inline]
+    pub(crate) const fn deformation_rate_m_s(&self) -> f32 {
+        self.estimator.sample().deformation_rate_nm_s as f32 * 1e-9
+    }
+
     /// Estimator, to read its contact.
     #[must_use]
     pub const fn estimator(&self) -> &Estimator {

@@ -117,6 +117,7 @@ impl<M: SlotMemory> LinkService<M> {
         self.receive(ports, shared, platform, parties)?;
         self.replace_corrupted_models(shared);
         send_estimates(ports, shared);
+        send_impacts(ports, shared);
         shared.lock(|shared| shared.session.set_line_report(ports.line()));
         self.send_telemetry(ports, shared, platform, parties);
         self.background.step(self.pacing, shared, platform)
@@ -147,6 +148,8 @@ impl<M: SlotMemory> LinkService<M> {
                 }
                 message => Some(self.serve(message, shared, platform, parties)),
             };
+            // The impacts of a run that has just ended come before the answer.
+            send_impacts(ports, shared);
             if let Some(reply) = reply
                 && !send(&reply, |frame| ports.send(port, frame, Purpose::Reply))
             {
@@ -275,14 +278,31 @@ fn estimate_now<A: Transport, B: Transport, S: SampleSource>(
     }
 }
 
-/// Sends the estimates that the tick has queued.
+/// Sends the estimates that the tick has queued, with their blocks.
 fn send_estimates<A: Transport, B: Transport, S: SampleSource>(
     ports: &mut Ports<A, B>,
     shared: &mut impl Mutex<T = SharedSession<S>>,
 ) {
     while let Some(estimate) = shared.lock(SharedSession::next_estimate) {
-        if !ports.send_to_host(&estimate) {
+        if !ports.send_to_host(&estimate.frame) {
             shared.lock(|shared| shared.session.count_dropped_estimate());
+        }
+        let Some(mut block) = estimate.block else { continue };
+        let (block, is_corrupted) = block.load();
+        if is_corrupted || !send(&ToHost::Block(block), |frame| ports.send_to_host(frame)) {
+            shared.lock(|shared| shared.session.count_dropped_answer());
+        }
+    }
+}
+
+/// Sends the impacts that have ended.
+fn send_impacts<A: Transport, B: Transport, S: SampleSource>(
+    ports: &mut Ports<A, B>,
+    shared: &mut impl Mutex<T = SharedSession<S>>,
+) {
+    while let Some(impact) = shared.lock(|shared| shared.session.take_impact()) {
+        if !send(&impact, |frame| ports.send_to_host(frame)) {
+            shared.lock(|shared| shared.session.count_dropped_impact());
         }
     }
 }

@@ -5,10 +5,10 @@ use core::convert::Infallible;
 use embedded_hal::spi::SpiDevice;
 use heapless::Deque;
 use link::track::SensorStatus;
-use link::{ESTIMATE_FRAME, SensorFrame, State};
+use link::{SensorFrame, State};
 
 use crate::sensors::{AngleSensor, Sampler, Wiring};
-use crate::session::{Session, TickSource};
+use crate::session::{SentEstimate, Session, TickSource};
 
 /// Length of the queues of samples and estimates. A host in lockstep has one sample on the way.
 const QUEUE: usize = 8;
@@ -66,7 +66,7 @@ pub struct SharedSession<S> {
     /// The session.
     pub session: Session,
     samples: Deque<(SensorFrame, SensorStatus), QUEUE>,
-    estimates: Deque<[u8; ESTIMATE_FRAME], QUEUE>,
+    estimates: Deque<SentEstimate, QUEUE>,
     sensors: Option<S>,
 }
 
@@ -100,7 +100,10 @@ impl<S: SampleSource> SharedSession<S> {
                 self.session.tick_own_sample(|| sensors.sample(now_us), ticks)
             }
             // A sample before any configuration has no answer: the state is in every hello frame.
-            (_, Some((frame, status))) => self.session.tick(&frame, status, ticks).ok(),
+            (_, Some((frame, status))) => {
+                let frame = self.session.tick(&frame, status, ticks).ok();
+                frame.map(|frame| SentEstimate { frame, block: None })
+            }
             (_, None) => {
                 self.session.count_idle_tick();
                 return Tick::Idle;
@@ -128,7 +131,7 @@ impl<S: SampleSource> SharedSession<S> {
     }
 
     /// Takes the oldest queued estimate.
-    pub(super) fn next_estimate(&mut self) -> Option<[u8; ESTIMATE_FRAME]> {
+    pub(super) fn next_estimate(&mut self) -> Option<SentEstimate> {
         self.estimates.pop_front()
     }
 

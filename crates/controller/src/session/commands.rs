@@ -53,6 +53,7 @@ impl Session {
                 Ok(Answer::Cleared)
             }
             Command::Stop => {
+                self.finish_impacts();
                 let counters = self.telemetry.counters;
                 self.run = None;
                 self.telemetry.reset_run();
@@ -76,6 +77,7 @@ impl Session {
         validate(configuration).map_err(Refusal::Configuration)?;
         let run = Run::new(*configuration, &self.models, self.conversation.timed_hz())?;
         let configured = run.configured;
+        self.finish_impacts();
         self.telemetry.schedule.restart(configuration.limits.slow_every);
         self.configuration = Some(*configuration);
         self.has_new_wiring = true;

@@ -28,12 +28,14 @@ use link::start::{StackReport, StartReport, SupervisorReport};
 use link::track::SensorStatus;
 use link::update::{UpdateAnswer, UpdateRefusal};
 use link::{
-    ControllerConfiguration, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello, NumberedEstimate, Refusal,
-    ReportKind, SensorFrame, SlowFrame, SlowReport, State, Target, ToController, ToHost, encode_estimate,
+    BlockSummary, ControllerConfiguration, Counters, ESTIMATE_FRAME, Fault, FrameError, Hello,
+    NumberedEstimate, Refusal, ReportKind, SensorFrame, SlowFrame, SlowReport, State, Target, ToController,
+    ToHost, encode_estimate,
 };
 
 use crate::configuration::wiring;
-use crate::integrity::WordSum;
+use crate::impacts::{Found, Queue};
+use crate::integrity::{Guarded, WordSum};
 use crate::sensors::Wiring;
 use crate::store::Models;
 use conversation::Conversation;
@@ -46,6 +48,14 @@ pub use ticks::{NoTicks, TickSource};
 
 /// Period of the timer without a run, us.
 pub const IDLE_PERIOD_US: u32 = 100;
+
+/// A frame of an estimate that waits for the link service, with the block that it ends.
+#[derive(Clone, Debug)]
+pub(crate) struct SentEstimate {
+    pub(crate) frame: [u8; ESTIMATE_FRAME],
+    /// Only with own samples.
+    pub(crate) block: Option<Guarded<BlockSummary>>,
+}
 
 /// One link session.
 #[derive(Debug)]
@@ -62,6 +72,8 @@ pub struct Session {
     /// True until the wiring of the configuration has been taken.
     has_new_wiring: bool,
     run: Option<Run>,
+    /// Impacts that have not been sent.
+    impacts: Queue,
 }
 
 impl Session {
@@ -78,6 +90,7 @@ impl Session {
             shortest_period_us: None,
             has_new_wiring: false,
             run: None,
+            impacts: Queue::default(),
         }
     }
 
@@ -223,16 +236,17 @@ impl Session {
     }
 
     /// Runs a complete tick with the controller's own sample; taking the sample counts towards the
-    /// deadline. Returns the frame of the estimate if it is one of those that are sent.
-    pub fn tick_own_sample(
+    /// deadline. Returns the estimate with its block if it is one of those that are sent.
+    pub(crate) fn tick_own_sample(
         &mut self,
         sample: impl FnOnce() -> (SensorFrame, SensorStatus),
         ticks: &mut impl TickSource,
-    ) -> Option<[u8; ESTIMATE_FRAME]> {
+    ) -> Option<SentEstimate> {
         let start = ticks.start();
         let (frame, status) = sample();
-        let bytes = self.timed_tick(&frame, status, start, ticks)?;
-        self.run.as_mut().is_some_and(Run::take_turn).then_some(bytes)
+        let frame = self.timed_tick(&frame, status, start, ticks)?;
+        let run = self.run.as_mut()?;
+        run.take_turn().then(|| SentEstimate { frame, block: Some(run.take_block()) })
     }
 
     /// Counts a frame that could not be decoded and returns the reply for a waiting host.
@@ -256,6 +270,17 @@ impl Session {
         let (number, report) = frame?;
         let (sequence, state) = (self.telemetry.schedule.sequence, self.state());
         Some(ToHost::Slow(SlowFrame { number, sequence, state, report }))
+    }
+
+    /// Takes the oldest impact that has not been sent. A record that was corrupted is counted as
+    /// dropped.
+    pub fn take_impact(&mut self) -> Option<ToHost> {
+        loop {
+            match self.impacts.pop()? {
+                Ok(record) => return Some(ToHost::Impact(record)),
+                Err(()) => self.count_dropped_impact(),
+            }
+        }
     }
 
     /// Returns a report as of now; `None` for a report of a run without a run.
@@ -295,6 +320,11 @@ impl Session {
     /// Counts an estimate without room in the queue or that the transport did not take.
     pub fn count_dropped_estimate(&mut self) {
         count(&mut self.telemetry.counters.dropped_estimates, true);
+    }
+
+    /// Counts a record of an impact that the transport did not take.
+    pub fn count_dropped_impact(&mut self) {
+        count(&mut self.telemetry.counters.dropped_impacts, true);
     }
 
     /// Counts another reply that the transport did not take.
@@ -339,7 +369,32 @@ impl Session {
         let mut timed = run.finish_estimate(estimate, elapsed);
         timed.estimate.dropped = self.telemetry.counters.dropped_estimates as u8;
         self.telemetry.count_sample(&timed, frame.sequence, run.configuration.limits.slow_every);
+        let found = run.follow_impacts(&timed.estimate.estimate);
+        if let Some(found) = &found {
+            self.store_impact(found);
+        }
         Some((timed.estimate, elapsed))
+    }
+
+    /// Counts and queues an impact that has ended.
+    #[cold]
+    fn store_impact(&mut self, found: &Found) {
+        let is_dropped = match found {
+            Found::Impact(record) => {
+                count(&mut self.telemetry.counters.impacts, true);
+                !self.impacts.push(*record)
+            }
+            Found::Corruption => true,
+        };
+        count(&mut self.telemetry.counters.dropped_impacts, is_dropped);
+    }
+
+    /// Ends an open impact with its run. The next run numbers its impacts from 0.
+    fn finish_impacts(&mut self) {
+        if let Some(found) = self.run.as_mut().and_then(Run::finish_impacts) {
+            self.store_impact(&found);
+        }
+        self.impacts.restart_numbers();
     }
 
     /// Encodes an estimate. The CRC of the frame is wrong if a bit of the values has flipped since

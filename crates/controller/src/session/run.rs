@@ -4,8 +4,8 @@ use inference::{BearingMaterial, Flags, ImageError, WINDOW};
 use link::crc32::Digest;
 use link::track::SensorStatus;
 use link::{
-    Configured, ControllerConfiguration, ESTIMATE_FRAME, EstimateFrame, Field, NumberedEstimate, OutOfRange,
-    Reasons, Refusal, SensorFrame,
+    BlockSummary, Configured, ControllerConfiguration, ESTIMATE_FRAME, EstimateFrame, Field,
+    NumberedEstimate, OutOfRange, Reasons, Refusal, SensorFrame,
 };
 
 use super::deadline::Deadline;
@@ -14,15 +14,21 @@ use crate::boards::LINK_BAUD;
 use crate::configuration::{Calibrator, checksum};
 use crate::estimator::SAMPLE_PERIOD_RANGE_US;
 use crate::flags::{OVER_FORCE, STALE, TRIPPED};
-use crate::integrity::{WordSum, Words};
+use crate::impacts::{Block, Found, ImpactTracker};
+use crate::integrity::{Guarded, WordSum, Words};
 use crate::store::{Loaded, Models, Scrubber};
 
-/// Shortest time between two sent estimates of own samples, us: half of what the serial line
-/// carries.
+/// Shortest time between two sent estimates of own samples, us: with its block at most 69 % of
+/// what the serial line carries.
 const OWN_ESTIMATE_PERIOD_US: u32 = 4_000;
 
-/// A byte takes ten bits on the serial line.
-const _: () = assert!(1_000_000 / OWN_ESTIMATE_PERIOD_US * ESTIMATE_FRAME as u32 <= LINK_BAUD / 10 * 6 / 10);
+/// Longest frame of a block on the wire, bytes.
+const BLOCK_FRAME: usize = 1 + 5 + 4 + 4 + 5 + 3 + 3 + 4 + 2;
+/// A byte takes ten bits on the serial line. Three tenths of the line are left for impacts,
+/// telemetry and answers.
+const _: () = assert!(
+    1_000_000 / OWN_ESTIMATE_PERIOD_US * (ESTIMATE_FRAME + BLOCK_FRAME) as u32 <= LINK_BAUD / 10 * 7 / 10
+);
 
 /// Returns the number of own samples per sent estimate at a sample period in us; 1 or more.
 #[must_use]
@@ -57,6 +63,8 @@ pub(super) struct Run {
     last_in_time_sum: WordSum,
     /// Word sum of the values of the next estimate to be sent.
     value_sum: WordSum,
+    block: Block,
+    impacts: ImpactTracker,
     /// CRC-32 of everything that the configuration sets.
     config_crc: u32,
 }
@@ -104,6 +112,8 @@ impl Run {
             last_in_time: EstimateFrame::UNKNOWN,
             last_in_time_sum: WordSum::from_words(&EstimateFrame::UNKNOWN.value_bits()),
             value_sum: WordSum::default(),
+            block: Block::default(),
+            impacts: ImpactTracker::default(),
             config_crc: 0,
         };
         run.config_crc = run.compute_config_crc();
@@ -173,6 +183,7 @@ impl Run {
             return Err(OutOfRange { field: Field::SamplePeriod, found, min, max }.into());
         }
         self.change_configuration(|run| run.is_sampling = true);
+        self.block = Block::default();
         Ok(own_estimate_interval(period_us))
     }
 
@@ -242,6 +253,23 @@ impl Run {
         let number = self.next_number;
         self.next_number = number.wrapping_add(1);
         TimedEstimate { estimate: NumberedEstimate { number, dropped: 0, estimate }, is_late, trips, is_held }
+    }
+
+    /// Adds the last estimate to the block of own samples and looks for impacts.
+    #[inline]
+    pub(super) fn follow_impacts(&mut self, estimate: &EstimateFrame) -> Option<Found> {
+        self.block.add(estimate);
+        self.impacts.step(estimate, self.monitor.deformation_rate_m_s())
+    }
+
+    /// Ends the block at the estimate that is sent.
+    pub(super) fn take_block(&mut self) -> Guarded<BlockSummary> {
+        self.block.take(self.next_number.wrapping_sub(1))
+    }
+
+    /// Ends an open impact with the run.
+    pub(super) fn finish_impacts(&mut self) -> Option<Found> {
+        self.impacts.finish()
     }
 }
 

@@ -4,4 +4,5 @@
 mod accuracy;
 mod anything;
 mod flags;
+mod impacts;
 mod run;

@@ -5,7 +5,7 @@ use controller::configuration::BENCH_B;
 use inference::{BearingMaterial, shipped};
 use link::track::MonitorConfiguration;
 use link::{BenchConfiguration, ContactSource, EstimateFrame, SensorFrame};
-use worlds::{Bearing, Row, Sensors, World};
+use worlds::{Bearing, Reading, Row, Sensors, World};
 
 /// Samples of the start that do not count: 50 ms.
 pub(crate) const START: usize = 500;
@@ -101,8 +101,13 @@ impl Point {
     /// Runs a world for a time and returns the truth and the frames of bench B's sensors.
     pub(crate) fn read(&self, world: &World, seed: u64, time_s: f64) -> (Vec<Row>, Vec<SensorFrame>) {
         let rows = world.run(time_s, 1e6 / f64::from(self.period_us));
+        let frames = self.frames(&Sensors::BENCH_B.read(&rows, seed));
+        (rows, frames)
+    }
+
+    /// Returns the frames of some readings.
+    pub(crate) fn frames(&self, readings: &[Reading]) -> Vec<SensorFrame> {
         let counts = |value: f64, unit: f64| (value / unit).round() as i32;
-        let readings = Sensors::BENCH_B.read(&rows, seed);
         let frames = readings.iter().zip(0_u32..).map(|(r, sequence)| SensorFrame {
             sequence,
             time_us: sequence * self.period_us,
@@ -111,8 +116,7 @@ impl Point {
             shaft_angle_nrad: counts(r.shaft_angle_rad, 1e-9),
             load_force_mn: counts(r.load_force_n, 1e-3),
         });
-        let frames = frames.collect();
-        (rows, frames)
+        frames.collect()
     }
 }
 

@@ -7,10 +7,11 @@ use link::update::{
     ModelMemory, ModelSource, Receiving, RefusedPackage, SlotState, UpdateAnswer, UpdateRefusal, UpdateStatus,
 };
 use link::{
-    Acknowledgement, Answer, BadFrames, BenchConfiguration, Calibration, Command, Configured, ContactSource,
-    ControllerConfiguration, Counters, Decoder, EstimateLayout, Fault, Field, FrameError, Limits, LineErrors,
-    MAX_REASONS, ModelId, NumberedCommand, OutOfRange, PROTOCOL_VERSION, Reasons, Refusal, SensorFrame,
-    SlowFrame, SlowReport, State, ToController, ToHost, Wiring,
+    Acknowledgement, Answer, BadFrames, BenchConfiguration, BlockSummary, Calibration, Command, Configured,
+    ContactSource, ControllerConfiguration, Counters, Decoder, EstimateLayout, Fault, Field, FrameError,
+    ImpactEnd, ImpactRecord, Limits, LineErrors, MAX_REASONS, ModelId, NumberedCommand, OutOfRange,
+    PROTOCOL_VERSION, Reasons, Refusal, SensorFrame, SlowFrame, SlowReport, State, ToController, ToHost,
+    Wiring,
 };
 
 const ALL: u32 = u32::MAX;
@@ -28,6 +29,8 @@ fn counters() -> Counters {
         idle_ticks: ALL,
         dropped_samples: ALL,
         dropped_estimates: ALL,
+        impacts: ALL,
+        dropped_impacts: ALL,
         dropped_answers: ALL,
         repeated_commands: ALL,
         refused_commands: ALL,
@@ -146,6 +149,23 @@ fn models() -> UpdateStatus {
     }
 }
 
+fn impact() -> ImpactRecord {
+    ImpactRecord {
+        number: ALL,
+        onset_sequence: ALL,
+        onset_us: ALL,
+        peak_us: ALL,
+        duration_us: ALL,
+        peak_force_n: f32::MAX,
+        peak_force_sd_n: f32::INFINITY,
+        approach_speed_m_s: f32::MIN,
+        separation_speed_m_s: f32::MAX,
+        energy_lost_j: f32::MAX,
+        flags: ALL,
+        end: ImpactEnd::Interrupted,
+    }
+}
+
 fn outcomes() -> [Result<Answer, Refusal>; 7] {
     let model = ModelId { crc: ALL, training_id: u64::MAX };
     [
@@ -177,6 +197,15 @@ fn the_longest_answers_fit_into_a_frame() {
     let others = [
         ToHost::Hello(hello(PROTOCOL_VERSION)),
         ToHost::Update(UpdateAnswer::Status(models())),
+        ToHost::Impact(impact()),
+        ToHost::Block(BlockSummary {
+            number: ALL,
+            max_force_n: f32::MAX,
+            min_force_n: f32::MIN,
+            flags: ALL,
+            samples: u16::MAX,
+            max_age: u16::MAX,
+        }),
         ToHost::Fault(Fault::BadFrame(FrameError::OtherVersion { found: 255 })),
     ];
     let answers = outcomes().into_iter().map(acknowledge).chain(slow_reports().into_iter().map(slow));

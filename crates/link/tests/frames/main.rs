@@ -6,10 +6,10 @@ mod longest;
 use link::start::{FaultKind, FaultRecord, ResetReason, StackReport, StartReport};
 use link::track::{MonitorConfiguration, SensorStatus};
 use link::{
-    BenchConfiguration, BuildId, Calibration, ClockSource, Command, ContactSource, ControllerConfiguration,
-    Decoder, EstimateFrame, FrameError, Hello, InputRange, Limits, MAGIC, MAX_FRAME, ModelId,
-    NumberedCommand, NumberedEstimate, PROTOCOL_VERSION, ReportKind, SensorFrame, State, Target,
-    ToController, ToHost, VALUES, Wiring, encode,
+    BenchConfiguration, BlockSummary, BuildId, Calibration, ClockSource, Command, ContactSource,
+    ControllerConfiguration, Decoder, EstimateFrame, FrameError, Hello, ImpactEnd, ImpactRecord, InputRange,
+    Limits, MAGIC, MAX_FRAME, ModelId, NumberedCommand, NumberedEstimate, PROTOCOL_VERSION, ReportKind,
+    SensorFrame, State, Target, ToController, ToHost, VALUES, Wiring, encode,
 };
 use proptest::prelude::*;
 
@@ -178,6 +178,36 @@ proptest! {
         prop_assert!(back.estimate.same_bits(&sent));
         prop_assert_eq!((back.number, back.dropped), (number, dropped));
         prop_assert_eq!(back.estimate.instruction_ticks, sent.instruction_ticks);
+    }
+
+    #[test]
+    fn impacts_and_blocks_survive_the_link_bit_for_bit(
+        words in any::<[u32; 6]>(),
+        forces in any::<[f32; 5]>(),
+        end in prop::sample::select(vec![ImpactEnd::Separation, ImpactEnd::Settled, ImpactEnd::Interrupted]),
+    ) {
+        let [number, onset_sequence, onset_us, peak_us, duration_us, flags] = words;
+        let [peak_force_n, peak_force_sd_n, approach_speed_m_s, separation_speed_m_s, energy_lost_j] = forces;
+        let impact = ImpactRecord {
+            number,
+            onset_sequence,
+            onset_us,
+            peak_us,
+            duration_us,
+            peak_force_n,
+            peak_force_sd_n,
+            approach_speed_m_s,
+            separation_speed_m_s,
+            energy_lost_j,
+            flags,
+            end,
+        };
+        let (samples, max_age) = (onset_us as u16, peak_us as u16);
+        let (max_force_n, min_force_n) = (peak_force_n, energy_lost_j);
+        let block = BlockSummary { number, max_force_n, min_force_n, flags, samples, max_age };
+        for message in [ToHost::Impact(impact), ToHost::Block(block)] {
+            prop_assert_eq!(decode_all::<ToHost>(&mut Decoder::new(), &frame(&message)), vec![Ok(message)]);
+        }
     }
 
     #[test]

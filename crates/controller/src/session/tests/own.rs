@@ -37,7 +37,7 @@ fn one_estimate_in_so_many_is_sent_and_their_numbers_have_no_gaps() {
     let mut session = sampling();
     let sent: Vec<_> = (0..200)
         .filter_map(|sequence| session.tick_own_sample(|| sample(sequence), &mut NoTicks))
-        .map(|bytes| decoded(&bytes))
+        .map(|sent| decoded(&sent.frame))
         .collect();
     let every = u32::from(EVERY);
     assert_eq!(sent.len() as u32, 200 / every);
@@ -46,6 +46,22 @@ fn one_estimate_in_so_many_is_sent_and_their_numbers_have_no_gaps() {
         assert!(Flags::from_bits(estimate.estimate.flags).contains(SENSOR_MISSING));
     }
     assert_eq!((session.counters().samples, session.counters().flagged), (200, 200));
+}
+
+#[test]
+fn every_sent_estimate_has_the_block_of_the_estimates_before_it() {
+    let mut session = sampling();
+    let blocks: Vec<_> = (0..200)
+        .filter_map(|sequence| session.tick_own_sample(|| sample(sequence), &mut NoTicks))
+        .map(|sent| sent.block.unwrap().load())
+        .collect();
+    assert_eq!(blocks.len(), 5);
+    for ((block, is_corrupted), number) in blocks.into_iter().zip(0..) {
+        assert!(!is_corrupted);
+        assert_eq!((block.number, block.samples), (number, EVERY));
+        assert!(Flags::from_bits(block.flags).contains(SENSOR_MISSING));
+        assert!(block.max_force_n >= block.min_force_n && block.max_age < EVERY);
+    }
 }
 
 #[test]
@@ -93,7 +109,7 @@ fn a_stop_a_new_configuration_and_a_period_shorter_than_the_tick_end_it() {
     assert!(order(&mut session, Command::SampleYourself).is_ok() && session.is_sampling());
     stopped(&mut session);
     assert!(!session.is_sampling());
-    assert_eq!(session.tick_own_sample(|| sample(0), &mut NoTicks), None);
+    assert!(session.tick_own_sample(|| sample(0), &mut NoTicks).is_none());
     assert_eq!(order(&mut session, Command::SampleYourself), Err(Refusal::NotConfigured));
     assert!(matches!(order(&mut session, Command::Configure(BENCH_B)), Ok(Answer::Configured(_))));
     session.set_shortest_period(Some(101));
