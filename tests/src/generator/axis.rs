@@ -1,11 +1,11 @@
 //! Driven axis, independent of the engine: the effort of a given motion, rotary or linear.
 //!
-//! The effort follows from the balance of an axis, `effort = gain F + m a + k x + friction + ripple`,
-//! and from the documented meaning of each effect (`docs/effects.md`). The states of friction (its
-//! delayed sign, the time at standstill, a temperature) obey linear equations. An implicit
-//! second-order rule steps them by a quarter of a millisecond. The sign of the speed is a logistic
-//! function; a step of friction is a ramp of 10 ms. Sensors are in `sensing`. Units: SI, efforts in
-//! N or N m.
+//! The effort follows from the balance of an axis, `effort = gain F + m a + k x + friction +
+//! ripple`, and from the documented meaning of each effect (`docs/effects.md`). The states of
+//! friction (its delayed sign, the time at standstill, a temperature) obey linear equations. An
+//! implicit second-order rule steps them by a quarter of a millisecond. The sign of the speed is a
+//! logistic function; a step of friction is a ramp of 10 ms. Sensors are in `sensing`. Units: SI,
+//! efforts in N or N m.
 
 use super::hidden::{HiddenEffect, total};
 use super::motion::{Load, Motion, Moved};

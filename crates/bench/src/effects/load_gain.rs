@@ -1,11 +1,11 @@
 //! The effort contains another share of the load than described.
 //!
-//! Effort `g F` of an axis in addition to the described `load_gain` under the load `F`. The cause is
-//! an area of a piston, a lever, or the gain of the load's sensor. Parameter: `gain_change` in N/N
-//! or N m/N (within 1e3, prior 3 times the log's rms effort over its rms load). In a log: the error
-//! follows the load in either direction of motion. Visible only if the load varies; confounded with
-//! an offset of the effort under a constant load, and with dry friction that depends on the load if
-//! the axis moves in one direction only.
+//! Effort `g F` of an axis in addition to the described `load_gain` under the load `F`. The cause
+//! is an area of a piston, a lever, or the gain of the load's sensor. Parameter: `gain_change` in
+//! N/N or N m/N (within 1e3, prior 3 times the log's rms effort over its rms load). In a log: the
+//! error follows the load in either direction of motion. Visible only if the load varies;
+//! confounded with an offset of the effort under a constant load, and with dry friction that
+//! depends on the load if the axis moves in one direction only.
 
 use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
 use crate::description::Plant;
