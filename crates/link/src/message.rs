@@ -83,7 +83,7 @@ pub enum ToHost {
     Fault(Fault),
     /// Result of a request about models.
     Update(UpdateAnswer),
-    /// Impact that has ended. It is sent once, after the estimate of its last sample.
+    /// Impact that has ended. It is sent once; in lockstep, after the estimate of its last sample.
     Impact(ImpactRecord),
     /// Summary of the estimates of own samples up to a sent one. It follows that estimate.
     Block(BlockSummary),

@@ -94,10 +94,12 @@ impl ImpactTotals {
     /// Counts the records of an exchange.
     pub(crate) fn new(exchange: &ExchangeResult) -> Self {
         let largest = exchange.impacts.iter().max_by(|a, b| a.peak_force_n.total_cmp(&b.peak_force_n));
-        let lost = u64::from(exchange.counters.dropped_impacts) + u64::from(exchange.losses.impacts_missed);
+        let records = exchange.impacts.len() as u64;
+        let missing = u64::from(exchange.counters.impacts).saturating_sub(records);
         Self {
-            records: exchange.impacts.len() as u64,
-            lost,
+            records,
+            // A dropped record is missing, too, unless its state was corrupted before its end.
+            lost: missing.max(exchange.counters.dropped_impacts.into()),
             largest_peak_n: largest.map_or(0.0, |record| record.peak_force_n.into()),
             largest_peak_s: largest.map(|record| seconds(record.peak_us)),
         }
@@ -261,8 +263,7 @@ mod tests {
         let records =
             [record(100_000, 990.0, ImpactEnd::Separation), record(200_000, 10.0, ImpactEnd::Interrupted)];
         let mut exchange = ExchangeResult { impacts: records.to_vec(), ..ExchangeResult::default() };
-        exchange.counters.dropped_impacts = 2;
-        exchange.losses.impacts_missed = 1;
+        (exchange.counters.impacts, exchange.counters.dropped_impacts) = (5, 2);
         let found = ImpactSummary::new(&exchange, &[truth(0.1, 1_000.0), truth(0.2003, 100.0)], &[]);
         assert_eq!((found.totals.records, found.totals.lost, found.matched), (2, 3, 2));
         assert_eq!((found.totals.largest_peak_n, found.totals.largest_peak_s), (990.0, Some(0.101)));

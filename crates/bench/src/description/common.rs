@@ -41,7 +41,7 @@ pub(super) fn sections() -> Vec<SectionEntry> {
                equally good ones the first counts, in the order comma, semicolon, tab, whitespace, and a \
                decimal point before a decimal comma: `1,2,3` is separated by commas. A first line with text \
                in a column of numbers is a header. If nothing fits, commas and a header are assumed. With or \
-               without this section, lines that begin with `#` or `%` are comments, a line under the header \
+               without this section, lines that begin with `#` or `% ` are comments, a line under the header \
                with text and no number contains units, a text that is not UTF-8 is read as UTF-16 if it has \
                a byte order mark, else as Latin-1, and separators of thousands are refused.";
     let effects =

@@ -24,7 +24,7 @@ pub(super) fn detect(text: &str) -> Option<TextFormat> {
         let commas = if separator == Separator::Comma { &[false][..] } else { &[false, true] };
         let candidate = move |&decimal_comma: &bool| {
             let (share, header) = Body::new(&rows, decimal_comma)?.quality()?;
-            (share > MIN_NUMBER_SHARE).then_some((share, TextFormat { separator, header, decimal_comma }))
+            (share >= MIN_NUMBER_SHARE).then_some((share, TextFormat { separator, header, decimal_comma }))
         };
         commas.iter().filter_map(candidate).collect::<Vec<_>>()
     });
@@ -66,9 +66,17 @@ impl<'a> Body<'a> {
         };
         let numbers: Vec<usize> = (0..count).map(numbers_of).collect();
         let is_text = |(field, numbers): (&String, &usize)| !self.is_value(field) && *numbers > 0;
-        let header = self.first.iter().zip(&numbers).any(is_text);
+        let header = self.first.iter().zip(&numbers).any(is_text) || self.counts_columns();
         let total = numbers.iter().sum::<usize>() as f64;
         Some((total / (count * self.rows.len()) as f64, header))
+    }
+
+    /// Returns whether the first row numbers the columns from 0, as data frames without names are
+    /// written: `0,1,2` or `,0,1`. A first sample of this form counts as a header too.
+    fn counts_columns(&self) -> bool {
+        let named = self.first.strip_prefix(&[String::new()]).unwrap_or(self.first);
+        let least = if named.len() == self.first.len() { 3 } else { 1 };
+        named.len() >= least && named.iter().enumerate().all(|(column, field)| *field == column.to_string())
     }
 
     /// Returns whether a field is a number or a missing value. Thousands are refused when they are
@@ -104,7 +112,12 @@ mod tests {
             // Thousands are read, and refused, with decimal commas.
             ("t;x\n0,5;1.234,5\n1,5;2.345,6\n", Separator::Semicolon, true, true),
             // The first row is no header because of its text in a column of text.
-            ("0,1,2,3,4,ok\n1,2,3,4,5,ok\n", Separator::Comma, false, false),
+            ("1,1,2,3,4,ok\n2,2,3,4,5,ok\n", Separator::Comma, false, false),
+            // Numbers of columns are names.
+            ("0,1,2\n0.01,0.5,20\n", Separator::Comma, true, false),
+            (",0,1\n0,0.5,20\n", Separator::Comma, true, false),
+            // A comma at the end of every line.
+            ("t_s, x\n0.0 , 1\n", Separator::Comma, true, false),
             ("sep=;\nt;x\n0;1\n1;2\n", Separator::Semicolon, true, false),
         ] {
             assert_eq!(detect(text), Some(TextFormat { separator, header, decimal_comma }), "{text}");

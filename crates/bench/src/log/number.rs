@@ -10,7 +10,8 @@ pub(super) const NO_THOUSANDS: &str = "a number without separators of thousands"
 /// refused: it could only separate thousands.
 pub(super) fn parse(field: &str, decimal_comma: bool) -> Option<f64> {
     let number = match decimal_comma {
-        true if field.contains('.') => return None,
+        // A comma at the end separates columns of another format.
+        true if field.contains('.') || field.ends_with(',') => return None,
         true => field.replacen(',', ".", 1).parse::<f64>(),
         false => field.parse(),
     };
@@ -44,9 +45,13 @@ pub(super) fn has_thousands(field: &str, decimal_comma: bool) -> bool {
 /// Returns whether a line under the header contains units: text in some fields, a number in none.
 pub(super) fn is_units(row: &[String], decimal_comma: bool) -> bool {
     let is_number = |field: &String| parse(field, decimal_comma).is_some();
-    // A number in another form is no unit: `1.234,5`.
-    let is_text = |field: &String| !is_missing(field) && !field.starts_with(|c: char| c.is_ascii_digit());
-    !row.iter().any(is_number) && row.iter().any(is_text)
+    // A number in another form is no unit: `-1.234,5`.
+    let is_other_number = |field: &String| {
+        let digits = field.trim_start_matches(['+', '-', '.', ',']);
+        digits.starts_with(|c: char| c.is_ascii_digit()) && !field.contains(|c: char| c.is_alphabetic())
+    };
+    let is_text = |field: &String| !is_missing(field) && !is_other_number(field);
+    !row.iter().any(|field| is_number(field) || is_other_number(field)) && row.iter().any(is_text)
 }
 
 #[cfg(test)]
@@ -60,7 +65,7 @@ mod tests {
             ("1,5", true, Some(1.5), false),
             ("-1,5e-3", true, Some(-1.5e-3), false),
             ("12", true, Some(12.0), false),
-            ("1,", true, Some(1.0), false),
+            ("1,", true, None, false),
             ("1.234", true, None, false),
             ("1.234,5", true, None, true),
             ("-12.345.678", true, None, true),
@@ -81,7 +86,9 @@ mod tests {
         for units in [&["s", "N", "mm"][..], &["[s]", "", "1/min"], &["ms", "-"]] {
             assert!(is_units(&row(units), true), "{units:?}");
         }
-        for other in [&["0", "N"][..], &["", "nan"], &["1.234,5", "2.000"], &["1,5", "x"]] {
+        for other in
+            [&["0", "N"][..], &["", "nan"], &["1.234,5", "2.000"], &["1,5", "x"], &["-1.234,5", "mm"]]
+        {
             assert!(!is_units(&row(other), true), "{other:?}");
         }
     }

@@ -56,7 +56,7 @@ impl RawLog {
                  tabs or blanks",
             ));
         };
-        let count = if source.names().is_empty() { source.width() } else { source.names().len() };
+        let count = source.width();
         let column = |index: usize| {
             let values = match source.values(file, index, "a column", false) {
                 Err(e @ LogError::Field { expected: NO_THOUSANDS, .. }) => return Some(Err(e)),

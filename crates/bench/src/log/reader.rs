@@ -112,8 +112,8 @@ impl Reader<'_> {
         let (list, hint) = (self.source.list(), self.source.hint());
         match Expression::parse(text, &locate) {
             Err(SyntaxError { found, position, expected }) => Err(format!(
-                "found `{text}`, which is no column and has, as an expression, {found} at character \
-                 {position}; expected {expected}, or a column among {list}{hint}"
+                "`{text}` is neither a column nor an expression: at character {position} found {found}; \
+                 expected {expected}, or a column among {list}{hint}"
             )),
             Ok(expression) if expression.unknown.iter().any(|name| name == text) => Err(format!(
                 "no column `{text}` among {list}; expected {}{hint}",
@@ -127,7 +127,12 @@ impl Reader<'_> {
                 "found `{text}`, an expression without a column; expected a column among {list}; an index \
                  is `from = 0`, or `column(0)` in an expression"
             )),
-            Ok(expression) => Ok(expression),
+            Ok(expression) => match expression.columns.iter().max() {
+                Some(last) if *last >= self.source.width() => Err(format!(
+                    "found `{text}`, but there is no column({last}); expected columns among {list}{hint}"
+                )),
+                _ => Ok(expression),
+            },
         }
     }
 

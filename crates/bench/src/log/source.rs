@@ -62,9 +62,12 @@ impl Source {
         if let Self::Text(text) = self { text.hint() } else { String::new() }
     }
 
-    /// Number of columns of a text without a header; else 0.
+    /// Number of columns.
     pub(super) fn width(&self) -> usize {
-        if let Self::Text(text) = self { text.width() } else { 0 }
+        match (self.names().len(), self) {
+            (0, Self::Text(text)) => text.width(),
+            (count, _) => count,
+        }
     }
 
     /// Names of the columns; empty for a text without a header.
@@ -140,6 +143,14 @@ fn decoded(bytes: Vec<u8>) -> Option<String> {
         _ if bytes.iter().take(SEARCHED_BYTES).any(|&b| b == 0) => return None,
         _ => {}
     }
-    let latin_1 = |e: std::string::FromUtf8Error| e.as_bytes().iter().copied().map(char::from).collect();
-    Some(String::from_utf8(bytes).unwrap_or_else(latin_1))
+    let other = |e: std::string::FromUtf8Error| {
+        let bytes = e.as_bytes();
+        // A byte order mark, or a last character that is cut off: UTF-8 with a damaged place.
+        let is_utf_8 = bytes.starts_with(b"\xef\xbb\xbf") || e.utf8_error().error_len().is_none();
+        match is_utf_8 {
+            true => String::from_utf8_lossy(bytes).into_owned(),
+            false => bytes.iter().copied().map(char::from).collect(),
+        }
+    };
+    Some(String::from_utf8(bytes).unwrap_or_else(other))
 }

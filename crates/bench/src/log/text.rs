@@ -49,7 +49,7 @@ impl Text {
             Some(format) if format != self.format => {
                 format!("; the file looks like `[log]` with {}", format.lines().join(", "))
             }
-            None if !self.is_described => {
+            None if !self.is_described && self.header.len() < 2 => {
                 "; no separator divides the text into columns of numbers, so commas were assumed".into()
             }
             _ => String::new(),
@@ -108,7 +108,12 @@ pub(super) fn split(text: &str, separator: Separator) -> Result<Vec<Row>, csv::E
 /// Replaces comments by empty lines, so that the other lines keep their numbers. The separator that
 /// a spreadsheet states in the first line counts as a comment too.
 fn without_comments(text: &str) -> Cow<'_, str> {
-    let is_comment = |line: &str| line.starts_with(['#', '%']);
+    // `%name` may be the name of a column.
+    let is_comment = |line: &str| {
+        let after = |sign| line.strip_prefix(sign);
+        after('#').is_some()
+            || after('%').is_some_and(|rest| !rest.starts_with(|c: char| c.is_alphanumeric()))
+    };
     let is_separator = text.starts_with("sep=") && text.lines().next().is_some_and(|line| line.len() == 5);
     if !is_separator && !text.lines().any(is_comment) {
         return Cow::Borrowed(text);

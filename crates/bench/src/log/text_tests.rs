@@ -116,14 +116,19 @@ fn wrong_columns_are_refused_together_with_their_entries() {
          `p_a`, `p B`\n  \
          columns.drive_force_n: found `p_a - p_b * q`, but no column is `p_b` or `q`; expected \
          columns among `t`, `p_a`, `p B`\n  \
-         columns.load_force_n: found `Druck [bar]`, which is no column and has, as an expression, `[` at \
-         character 7; expected an operator or the end, or a column among `t`, `p_a`, `p B`\n  \
-         columns.position_m: found `(p_a - 1`, which is no column and has, as an expression, the end at \
-         character 9; expected `)` or an operator, or a column among `t`, `p_a`, `p B`\n  \
+         columns.load_force_n: `Druck [bar]` is neither a column nor an expression: at character 7 found \
+         `[`; expected an operator or the end, or a column among `t`, `p_a`, `p B`\n  \
+         columns.position_m: `(p_a - 1` is neither a column nor an expression: at character 9 found \
+         the end; expected `)` or an operator, or a column among `t`, `p_a`, `p B`\n  \
          columns.velocity_m_s: no column `x` among `t`, `p_a`, `p B`; expected a header with `x`"
     );
     let time = "t_s = \"t\"\n";
     for (columns, expected) in [
+        (
+            "position_m = \"p_a - column(9)\"",
+            "columns.position_m: found `p_a - column(9)`, but there is no column(9); expected columns among `t`, \
+             `p_a`, `p B`",
+        ),
         (
             "position_m = \"5\"",
             "columns.position_m: found `5`, an expression without a column; expected a column among `t`, \
@@ -139,7 +144,8 @@ fn wrong_columns_are_refused_together_with_their_entries() {
         ),
         (
             "position_m = \"column(3)\"",
-            "line 2, position_m: found only 3 fields; expected a field in every column",
+            "columns.position_m: found `column(3)`, but there is no column(3); expected columns among `t`, \
+             `p_a`, `p B`",
         ),
     ] {
         let format = LogFormat { columns: parsed(&format!("{time}{columns}")), ..own() };

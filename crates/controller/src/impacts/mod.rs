@@ -32,7 +32,7 @@ pub(crate) use queue::Queue;
 use inference::Flags;
 use link::{EstimateFrame, ImpactEnd, ImpactRecord};
 
-use crate::flags::{HELD, NOT_STARTED, TRIPPED};
+use crate::flags::{HELD, IMPLAUSIBLE_POSITION, NOT_STARTED, TIME_FAULT, TRIPPED};
 use crate::integrity::{Checksum, Guarded, Words, words};
 
 /// Number of standard deviations that the peak of an impact exceeds.
@@ -41,7 +41,9 @@ pub const SIGNIFICANT_SDS: f32 = 3.0;
 pub const SETTLED_US: u32 = 50_000;
 
 /// Flags of estimates that do not show the contact of their sample.
-const UNTRUSTED: Flags = Flags::from_bits(HELD.bits() | TRIPPED.bits() | NOT_STARTED.bits());
+const UNTRUSTED: Flags = Flags::from_bits(
+    HELD.bits() | TRIPPED.bits() | NOT_STARTED.bits() | TIME_FAULT.bits() | IMPLAUSIBLE_POSITION.bits(),
+);
 
 /// Phase between impacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

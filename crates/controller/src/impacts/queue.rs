@@ -5,7 +5,7 @@ use link::{ImpactEnd, ImpactRecord};
 
 use crate::integrity::{Checksum, Guarded, Words, words};
 
-/// Largest number of records that wait: a line that is blocked for 50 ms loses none.
+/// Largest number of records that wait for the service between two ticks.
 const LENGTH: usize = 8;
 
 impl Words for ImpactEnd {

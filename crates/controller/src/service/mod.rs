@@ -35,6 +35,8 @@ pub use shared_session::{SampleSource, SharedSession, Tick};
 use transport::Event;
 pub use transport::{Ports, Purpose, Received, Transport, Unconnected};
 
+/// Maximum number of impacts that one pass sends: all that can wait.
+const MAX_IMPACTS_PER_PASS: usize = 8;
 /// Maximum number of received bytes that one pass reads.
 const MAX_BYTES_PER_PASS: usize = 256;
 
@@ -149,6 +151,7 @@ impl<M: SlotMemory> LinkService<M> {
                 message => Some(self.serve(message, shared, platform, parties)),
             };
             // The impacts of a run that has just ended come before the answer.
+            send_estimates(ports, shared);
             send_impacts(ports, shared);
             if let Some(reply) = reply
                 && !send(&reply, |frame| ports.send(port, frame, Purpose::Reply))
@@ -295,12 +298,13 @@ fn send_estimates<A: Transport, B: Transport, S: SampleSource>(
     }
 }
 
-/// Sends the impacts that have ended.
+/// Sends the impacts that have ended, a limited number in a pass.
 fn send_impacts<A: Transport, B: Transport, S: SampleSource>(
     ports: &mut Ports<A, B>,
     shared: &mut impl Mutex<T = SharedSession<S>>,
 ) {
-    while let Some(impact) = shared.lock(|shared| shared.session.take_impact()) {
+    for _ in 0..MAX_IMPACTS_PER_PASS {
+        let Some(impact) = shared.lock(|shared| shared.session.take_impact()) else { break };
         if !send(&impact, |frame| ports.send_to_host(frame)) {
             shared.lock(|shared| shared.session.count_dropped_impact());
         }

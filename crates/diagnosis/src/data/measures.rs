@@ -2,6 +2,7 @@
 
 use super::logs::Data;
 use bench::Bench;
+use bench::description::FrictionRig;
 use bench::effects::Measure;
 
 /// Effort and motion of the logs of a driven axis; 1 on other benches, whose effects have steps and
@@ -10,12 +11,16 @@ use bench::effects::Measure;
 pub(crate) struct Measures {
     /// Largest rms of a measured effort, N or N m.
     effort: f64,
+    /// Lowest and highest position, m or rad.
+    travel: [f64; 2],
     /// Half the range of the motion, m or rad.
     half_range: f64,
     /// Rms speed, m/s or rad/s.
     speed: f64,
     /// Rms speed of the fastest log, m/s or rad/s.
     largest_speed: f64,
+    /// Largest load, N.
+    largest_load: f64,
     /// Effort for each newton of the load, by gain and friction.
     effort_per_load: f64,
     /// Rms effort over rms load, N/N or N m/N.
@@ -30,9 +35,11 @@ impl Measures {
         let Some(rig) = bench.axis() else {
             return Self {
                 effort: 1.0,
+                travel: [0.0; 2],
                 half_range: 1.0,
                 speed: 1.0,
                 largest_speed: 1.0,
+                largest_load: 0.0,
                 effort_per_load: 1.0,
                 load_gain: 1.0,
                 friction_radius: 1.0,
@@ -49,6 +56,7 @@ impl Measures {
         let load = rms(data.logs.iter().flat_map(|log| log.load.iter().copied()));
         Self {
             effort,
+            travel: [lowest, highest],
             half_range: positive(0.5 * (highest - lowest)),
             speed: positive(rms(data.logs.iter().flat_map(|log| log.speed.iter().copied()))),
             largest_speed: positive(
@@ -57,6 +65,7 @@ impl Measures {
             effort_per_load: positive(
                 rig.axis.load_gain.abs() + rig.axis.load_coefficient.abs() * rig.axis.friction_radius_m,
             ),
+            largest_load: data.logs.iter().flat_map(|log| &log.load).fold(0.0, |most, f| most.max(f.abs())),
             load_gain: positive(effort / load),
             friction_radius: positive(rig.axis.friction_radius_m),
         }
@@ -75,6 +84,15 @@ impl Measures {
             Measure::Inertia => self.effort * self.half_range / self.speed.powi(2),
             Measure::Load => self.effort / self.effort_per_load,
         }
+    }
+
+    /// Dry friction of an axis where friction that changes along the stroke is lowest, under the
+    /// largest load, N or N m.
+    pub(crate) fn lowest_friction(&self, rig: &FrictionRig) -> f64 {
+        let (axis, slope) = (&rig.axis, rig.extension.friction_slope);
+        let [change, other] = self.travel.map(|position| slope * (position - axis.neutral_position));
+        let of_load = axis.load_coefficient * self.largest_load * axis.friction_radius_m;
+        axis.coulomb_effort + of_load + change.min(other)
     }
 
     /// The largest value of a measure in any log; no limit for parameters in their own unit.

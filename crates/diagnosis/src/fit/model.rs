@@ -13,7 +13,7 @@ use super::tuning;
 use crate::data::logs::Data;
 use crate::data::measures::Measures;
 use crate::data::noise::NoiseModel;
-use bench::description::AxisKind;
+use bench::description::{AxisKind, FrictionRig};
 use bench::effects::{Effect, EffectKind, EffectParameter, Guess, Measure};
 use bench::{Bench, Channel};
 use std::collections::BTreeMap;
@@ -267,10 +267,16 @@ impl Model {
             let numbers = [
                 (axis.inertia, Measure::Inertia),
                 (axis.coulomb_effort, Measure::Effort),
+                (self.lowest_friction(rig), Measure::Effort),
                 (axis.viscous_effort, Measure::Drag),
             ];
             numbers.iter().all(|(n, measure)| *n >= -tuning::NEGATIVE_SHARE * self.measures.value(*measure))
         })
+    }
+
+    /// Dry friction where it is lowest along the stroke; 0 without friction that changes there.
+    fn lowest_friction(&self, rig: &FrictionRig) -> f64 {
+        if rig.extension.friction_slope == 0.0 { 0.0 } else { self.measures.lowest_friction(rig) }
     }
 
     /// The declared parameter that changes the same number as effect parameter `i`, with the ratio
