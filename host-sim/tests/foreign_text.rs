@@ -123,7 +123,7 @@ fn wrong_expressions_exit_with_2_and_are_listed_together() {
             "log.csv: columns.drive_force_n: found `(`p A` - p_b) * 1e5 * 4.9e-4`, but no column is `p_b`; \
              expected columns among `Zeit`, `Weg`, `p A`, `p B`",
         ),
-        ("`p B`)", "`p B`", "at character 30; expected `)` or an operator, or a column among `Zeit`,"),
+        ("`p B`)", "`p B`", "at character 30 found the end; expected `)` or an operator, or a column"),
         (
             "* 1e5",
             "/ (Zeit - Zeit)",

@@ -91,6 +91,8 @@ pub fn exchange_with_restarts<S: Copy + Into<Sampled>>(
     for &index in restarts {
         run.run_to(&mut *controller, index)?;
         run.reconfigure(&mut *controller, configuration)?;
+        // A restart loses the impact that was open.
+        drop(controller.take_impacts());
     }
     run.run_all(&mut *controller)?;
     run.finish(controller)

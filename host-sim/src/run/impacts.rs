@@ -266,7 +266,8 @@ mod tests {
         (exchange.counters.impacts, exchange.counters.dropped_impacts) = (5, 2);
         let found = ImpactSummary::new(&exchange, &[truth(0.1, 1_000.0), truth(0.2003, 100.0)], &[]);
         assert_eq!((found.totals.records, found.totals.lost, found.matched), (2, 3, 2));
-        assert_eq!((found.totals.largest_peak_n, found.totals.largest_peak_s), (990.0, Some(0.101)));
+        let largest = (found.totals.largest_peak_n, found.totals.largest_peak_s);
+        assert_eq!(largest, (990.0, Some(seconds(101_000))));
         assert!((found.peak_error_max.unwrap() - 0.01).abs() < 1e-9, "{found:?}");
         assert!((found.onset_error_max_s.unwrap() - 3e-4).abs() < 1e-9, "{found:?}");
     }
