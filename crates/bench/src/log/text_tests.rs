@@ -126,8 +126,8 @@ fn wrong_columns_are_refused_together_with_their_entries() {
     for (columns, expected) in [
         (
             "position_m = \"p_a - column(9)\"",
-            "columns.position_m: found `p_a - column(9)`, but there is no column(9); expected columns among `t`, \
-             `p_a`, `p B`",
+            "columns.position_m: found `p_a - column(9)`, but there is no column(9); expected columns \
+             among `t`, `p_a`, `p B`",
         ),
         (
             "position_m = \"5\"",
