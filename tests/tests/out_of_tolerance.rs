@@ -75,7 +75,7 @@ fn a_number_of_a_linear_axis_is_named() {
     is_named(Plant::Linear, 1, "coulomb-level", 1.0);
     is_named(Plant::Linear, 2, "viscous-friction", 1.0);
     // Number 3, the load coefficient, is found in 17 of 20 records: other friction resembles it.
-    is_listed(Plant::Linear, 4, "axis.load_gain");
+    is_named(Plant::Linear, 4, "load-gain", 1.0);
 }
 
 #[test]

@@ -22,6 +22,8 @@ pub const TIMEOUT: Duration = Duration::from_secs(5);
 /// Replies before the one at which the core is stopped: its hello frame and the reply to the
 /// configuration.
 const ANSWERS_BEFORE: u32 = 2;
+/// Maximum number of messages before it; impacts may come between the samples.
+const MAX_STOPS: u32 = 20;
 /// Identifier of the last command.
 const LAST_COMMAND: u32 = 4;
 
@@ -52,10 +54,20 @@ impl Prepared {
         emulator.send(&bytes(&ToController::Identify { token: 1 })?);
         emulator.send(after.concat().as_slice());
         emulator.send(&ending(scenario)?);
-        for answer in 0..=ANSWERS_BEFORE {
+        let mut stops = 0;
+        loop {
             match emulator.pump(2 * TIMEOUT, |_| false)? {
-                PumpEnd::Stopped if answer < ANSWERS_BEFORE => resume_past(emulator.gdb()?)?,
-                PumpEnd::Stopped => emulator.gdb()?.clear_breakpoint(image.answering)?,
+                PumpEnd::Stopped
+                    if stops < ANSWERS_BEFORE
+                        || stops < MAX_STOPS && estimates(&emulator.received) < sample =>
+                {
+                    stops += 1;
+                    resume_past(emulator.gdb()?)?;
+                }
+                PumpEnd::Stopped => {
+                    emulator.gdb()?.clear_breakpoint(image.answering)?;
+                    break;
+                }
                 other => {
                     return Err(CampaignError::Unexpected {
                         found: format!("{other:?} after {} messages", emulator.received.len()),
@@ -66,6 +78,11 @@ impl Prepared {
         }
         Ok(Self { emulator })
     }
+}
+
+/// Number of received estimates.
+fn estimates(received: &[Received]) -> usize {
+    received.iter().filter(|message| matches!(message, Ok(ToHost::Estimate(_)))).count()
 }
 
 /// Injects a fault and classifies it.

@@ -13,7 +13,7 @@ use link::ToHost;
 use std::path::Path;
 
 /// Maximum number of instructions in one pass of the link's loop.
-const MAX_STEPS: usize = 60_000;
+const MAX_STEPS: usize = 40_000;
 /// Steps between two reads of the link.
 const STEPS_PER_PUMP: usize = 64;
 
