@@ -169,11 +169,18 @@ impl<'a, S: Copy + Into<Sampled>> Exchange<'a, '_, S> {
 }
 
 /// Counts the estimates that differ in any bit of any field except the tick count, and the impacts
-/// that differ.
+/// that differ. A restart may lose an impact, so that a missing one is no difference then.
 pub fn bit_differences(a: &ExchangeResult, b: &ExchangeResult) -> u64 {
     let estimates = a.estimates.iter().zip(&b.estimates).filter(|(a, b)| !a.same_bits(b)).count();
-    let impacts = a.impacts.iter().zip(&b.impacts).filter(|(a, b)| a != b).count();
-    let missing = a.estimates.len().abs_diff(b.estimates.len()) + a.impacts.len().abs_diff(b.impacts.len());
+    let missing = a.estimates.len().abs_diff(b.estimates.len());
+    let impacts = if a.restarts.is_empty() && b.restarts.is_empty() {
+        let different = a.impacts.iter().zip(&b.impacts).filter(|(a, b)| a != b).count();
+        different + a.impacts.len().abs_diff(b.impacts.len())
+    } else {
+        let is_fewer = a.impacts.len() <= b.impacts.len();
+        let (few, many) = if is_fewer { (&a.impacts, &b.impacts) } else { (&b.impacts, &a.impacts) };
+        few.iter().filter(|impact| !many.contains(impact)).count()
+    };
     (estimates + impacts + missing) as u64
 }
 
