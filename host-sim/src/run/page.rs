@@ -103,11 +103,15 @@ fn estimate_figures(page: &mut Page, finished: &Finished) -> Result<(), String> 
     };
     let mut band = over(|_, e| 2.0 * f64::from(e.normal_force_sd_n));
     band.extend(over(|_, e| -2.0 * f64::from(e.normal_force_sd_n)).into_iter().rev());
-    let force = [
+    let mut force = vec![
         Series::through("estimate", over(|_, e| e.normal_force_n.into())),
         Series::through("bench", over(|s, _| s.forces.normal_n)),
-        Series::through("recorded peaks", recorded_peaks(exchange)).styled(Style::Points),
     ];
+    let start_s = pairs.first().map_or(0.0, |(sample, _)| sample.time_s);
+    let peaks = recorded_peaks(exchange, start_s);
+    if !peaks.is_empty() {
+        force.push(Series::through("recorded peaks", peaks).styled(Style::Points));
+    }
     let error = [
         Series::through("two standard deviations", band).styled(Style::Area),
         Series::through("error", over(|s, e| f64::from(e.normal_force_n) - s.forces.normal_n)),
@@ -124,10 +128,10 @@ fn estimate_figures(page: &mut Page, finished: &Finished) -> Result<(), String> 
     Ok(())
 }
 
-/// Peaks of the recorded impacts, s and N.
-fn recorded_peaks(exchange: &ExchangeResult) -> Vec<(f64, f64)> {
+/// Peaks of the recorded impacts from a time on, s and N.
+fn recorded_peaks(exchange: &ExchangeResult, start_s: f64) -> Vec<(f64, f64)> {
     let peak = |record: &ImpactRecord| (f64::from(record.peak_us) * 1e-6, f64::from(record.peak_force_n));
-    exchange.impacts.iter().map(peak).collect()
+    exchange.impacts.iter().map(peak).filter(|(time_s, _)| *time_s >= start_s).collect()
 }
 
 /// Orbit and deformation.

@@ -116,13 +116,19 @@ mod tests {
             // Numbers of columns are names.
             ("0,1,2\n0.01,0.5,20\n", Separator::Comma, true, false),
             (",0,1\n0,0.5,20\n", Separator::Comma, true, false),
-            // A comma at the end of every line.
-            ("t_s, x\n0.0 , 1\n", Separator::Comma, true, false),
+            // A name may begin with a sign of comments.
+            ("%time,x\n0,1\n1,2\n", Separator::Comma, true, false),
             ("sep=;\nt;x\n0;1\n1;2\n", Separator::Semicolon, true, false),
         ] {
             assert_eq!(detect(text), Some(TextFormat { separator, header, decimal_comma }), "{text}");
         }
-        for text in ["", "one column\n1\n2\n", "a b\nfree text here\n", "t;x\n0,5;1.5\n1,5;2.5\n"] {
+        for text in [
+            "",
+            "one column\n1\n2\n",
+            "a b\nfree text here\n",
+            "t;x\n0,5;1.5\n1,5;2.5\n",
+            "t_s, x\n0, 1,\n1, 2,\n",
+        ] {
             assert_eq!(detect(text), None, "{text}");
         }
     }

@@ -6,8 +6,7 @@
 //! from the right, then a sign, then `*` and `/`.
 //!
 //! Parsing compiles to operations on a stack. So evaluation does not recurse, and the depth of
-//! parsing is bounded. This is own code because the published evaluators do not quote names of
-//! columns or give the position of an error.
+//! parsing is bounded.
 
 /// Maximum depth of nested parentheses, signs and powers.
 const MAX_DEPTH: usize = 64;
@@ -63,11 +62,11 @@ impl Expression {
 
     /// Parses a text; `locate` returns the index of a column by name.
     pub(super) fn parse(text: &str, locate: &dyn Fn(&str) -> Option<usize>) -> Result<Self, SyntaxError> {
-        let mut parser = Parser { text, at: 0, locate, depth: 0, out: Self::default() };
         if text.len() > MAX_LENGTH {
-            let (found, expected) = (format!("{} bytes", text.len()), "at most 4096 bytes");
-            return Err(SyntaxError { found, position: 1, expected });
+            let found = format!("more than {MAX_LENGTH} bytes");
+            return Err(SyntaxError { found, position: 1, expected: "a shorter expression" });
         }
+        let mut parser = Parser { text, at: 0, locate, depth: 0, out: Self::default() };
         parser.sum()?;
         match parser.token() {
             (Token::End, _) => Ok(parser.out),

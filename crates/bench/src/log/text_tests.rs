@@ -76,6 +76,24 @@ fn a_text_of_any_detected_format_is_the_same_record_to_the_bit() {
 }
 
 #[test]
+fn damaged_texts_and_commas_at_the_end_of_lines_keep_their_names() {
+    let text = b"\xef\xbb\xbft_s,position_m\n0,1\n1,2\n# \xb5m\n";
+    assert_eq!(read(text, "").unwrap().channels[&Channel::Position], [1.0, 2.0]);
+    let cut = "t_s;Kraft_\u{e4}\n0;1\n1;2\n# \u{b0}".as_bytes();
+    let log = read(&cut[..cut.len() - 1], "position_m = \"Kraft_\u{e4}\"").unwrap();
+    assert_eq!(log.channels[&Channel::Position], [1.0, 2.0]);
+    let log = read(b"t_s, position_m\n0, 1,\n1, 2,\n", "").unwrap();
+    assert_eq!(log.channels[&Channel::Position], [1.0, 2.0]);
+}
+
+#[test]
+fn a_negative_number_in_another_form_is_no_unit() {
+    let log = "t;x\n-1.000,0;-1.234,5\n-999,0;0,5\n-998,0;1,5\n";
+    let message = refused(log, "t_s = \"t\"\nposition_m = \"x\"");
+    assert!(message.contains("line 2") && message.contains("thousands"), "{message}");
+}
+
+#[test]
 fn expressions_are_the_same_in_every_file_format() {
     let log = MeasuredLog {
         source: "x".into(),

@@ -12,8 +12,7 @@ words!(BlockSummary { number, max_force_n, min_force_n, flags, samples, max_age 
 pub(crate) struct Block(Guarded<BlockSummary>);
 
 impl Block {
-    /// Adds an estimate. A corrupted summary starts anew, and its
-    /// flags contain `CORRUPTED`.
+    /// Adds an estimate. A corrupted summary starts anew, and its flags contain `CORRUPTED`.
     #[inline]
     pub(crate) fn add(&mut self, estimate: &EstimateFrame) {
         let is_corrupted = self.0.is_corrupted();

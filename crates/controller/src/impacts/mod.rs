@@ -27,7 +27,7 @@ mod block;
 mod queue;
 
 pub(crate) use block::Block;
-pub(crate) use queue::Queue;
+pub(crate) use queue::{LENGTH as MAX_WAITING, Queue};
 
 use inference::Flags;
 use link::{EstimateFrame, ImpactEnd, ImpactRecord};
@@ -139,7 +139,8 @@ impl ImpactTracker {
         }
         let sample = Sample {
             time_us: estimate.time_us,
-            force_n: estimate.normal_force_n,
+            // Also for a force that is not a number.
+            force_n: estimate.normal_force_n.max(0.0),
             deformation_m: estimate.deformation_m,
             rate_m_s,
         };
@@ -244,7 +245,7 @@ impl State {
     #[inline]
     fn refine_peak(&mut self, sample: &Sample) {
         let (last, contact) = (&self.last, &mut self.contact);
-        let (before, after) = (contact.before_peak_n, sample.force_n.max(0.0));
+        let (before, after) = (contact.before_peak_n, sample.force_n);
         let curvature = 2.0 * last.force_n - before - after;
         if !(contact.is_rising & (after <= last.force_n) & (curvature > 0.0)) {
             return;

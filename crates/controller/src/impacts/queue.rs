@@ -6,7 +6,7 @@ use link::{ImpactEnd, ImpactRecord};
 use crate::integrity::{Checksum, Guarded, Words, words};
 
 /// Largest number of records that wait for the service between two ticks.
-const LENGTH: usize = 8;
+pub(crate) const LENGTH: usize = 8;
 
 impl Words for ImpactEnd {
     #[inline]

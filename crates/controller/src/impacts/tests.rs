@@ -1,3 +1,5 @@
+//! Tests of the records of impacts.
+
 use super::*;
 use proptest::prelude::*;
 
@@ -73,7 +75,7 @@ fn a_contact_that_lasts_ends_as_settled_and_the_next_impact_needs_a_separation()
 
 #[test]
 fn an_untrusted_estimate_ends_the_record_and_so_does_the_run() {
-    for flag in [HELD, TRIPPED, NOT_STARTED] {
+    for flag in [HELD, TRIPPED, NOT_STARTED, TIME_FAULT, IMPLAUSIBLE_POSITION] {
         let (mut tracker, found) = records(&[0.0, 500.0, 600.0]);
         assert!(found.is_empty());
         let mut held = estimate(3, 600.0, 6e-7);
@@ -86,6 +88,19 @@ fn an_untrusted_estimate_ends_the_record_and_so_does_the_run() {
     let (mut tracker, _) = records(&[0.0, 500.0, 600.0]);
     assert_eq!(record_of(tracker.finish()).map(|record| record.end), Some(ImpactEnd::Interrupted));
     assert_eq!(tracker.finish(), None);
+}
+
+#[test]
+fn a_force_that_no_bearing_has_does_not_raise_the_peak() {
+    for impossible in [-4e4, f32::NEG_INFINITY, f32::NAN] {
+        let mut tracker = ImpactTracker::default();
+        let forces = [(0.0, -1e-6), (impossible, 1e-6), (600.0, 1e-6), (500.0, 1e-6), (0.0, -1e-6)];
+        let found = forces.into_iter().zip(0..);
+        let found =
+            found.filter_map(|((force, depth), i)| record_of(tracker.step(&estimate(i, force, depth), 0.0)));
+        let peaks: Vec<f32> = found.map(|record| record.peak_force_n).collect();
+        assert!(peaks.len() == 1 && (600.0..=675.0).contains(&peaks[0]), "{peaks:?}");
+    }
 }
 
 #[test]

@@ -25,6 +25,7 @@ use link::{
 };
 use rtic_core::Mutex;
 
+use crate::impacts::MAX_WAITING;
 pub use crate::session::LineReport;
 use crate::session::{NoTicks, Status};
 use crate::store::{Keeper, SlotMemory, Store};
@@ -35,8 +36,6 @@ pub use shared_session::{SampleSource, SharedSession, Tick};
 use transport::Event;
 pub use transport::{Ports, Purpose, Received, Transport, Unconnected};
 
-/// Maximum number of impacts that one pass sends: all that can wait.
-const MAX_IMPACTS_PER_PASS: usize = 8;
 /// Maximum number of received bytes that one pass reads.
 const MAX_BYTES_PER_PASS: usize = 256;
 
@@ -298,12 +297,12 @@ fn send_estimates<A: Transport, B: Transport, S: SampleSource>(
     }
 }
 
-/// Sends the impacts that have ended, a limited number in a pass.
+/// Sends the impacts that have ended, at most as many as can wait.
 fn send_impacts<A: Transport, B: Transport, S: SampleSource>(
     ports: &mut Ports<A, B>,
     shared: &mut impl Mutex<T = SharedSession<S>>,
 ) {
-    for _ in 0..MAX_IMPACTS_PER_PASS {
+    for _ in 0..MAX_WAITING {
         let Some(impact) = shared.lock(|shared| shared.session.take_impact()) else { break };
         if !send(&impact, |frame| ports.send_to_host(frame)) {
             shared.lock(|shared| shared.session.count_dropped_impact());

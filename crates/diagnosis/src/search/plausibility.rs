@@ -51,3 +51,22 @@ fn is_harmonic(log: &Log, frequency_hz: f64) -> bool {
     let multiple = in_cycles.round();
     (1.0..=tuning::MOTION_HARMONICS).contains(&multiple) && (in_cycles - multiple).abs() < 0.5 / cycles
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::fixtures::{calibrated, plain};
+
+    #[test]
+    fn friction_that_drives_the_axis_at_an_end_of_the_stroke_is_impossible() {
+        // A level of 980 N m at the neutral position, 1.333 rad from the other end of the stroke.
+        let (_, noise, base) = calibrated(0.0);
+        let model = base.model.with_effect(plain("position-friction"), &noise);
+        let is_possible = |slope: f64| {
+            let mut z = base.z.clone();
+            z.push(slope / model.parameters[z.len()].value(1.0));
+            model.is_possible(&z)
+        };
+        assert!(is_possible(-700.0) && is_possible(5000.0));
+        assert!(!is_possible(-800.0));
+    }
+}
