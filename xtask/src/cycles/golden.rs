@@ -25,7 +25,7 @@ const BUDGETS: [(Work, Placement, u64); 8] = [
     (Work::Tick, Placement::WeightsInFlash, 35_500),
     (Work::DisturbedTick, Placement::WeightsInFlash, 39_500),
     (Work::Handler, Placement::WeightsInFlash, 26_000),
-    (Work::Tick, Placement::WeightsInRam, 32_800),
+    (Work::Tick, Placement::WeightsInRam, 32_500),
     (Work::DisturbedTick, Placement::WeightsInRam, 36_500),
     (Work::Handler, Placement::WeightsInRam, 23_000),
     (Work::ReferenceWindow, Placement::NoWaitStates, 310_000),
