@@ -199,7 +199,7 @@ impl Pass<'_> {
         let search = &result.search;
         let Search { views, floors, nominal, candidates, selection } = search;
         let (described, accepted) = (&result.explanations[0], &result.explanations[result.accepted]);
-        let part_search = PartSearch { views, floors, nominal, candidates };
+        let part_search = PartSearch { views, floors, nominal, candidates, held: &[] };
         let Some(parts) = Parts::find(&part_search, selection, (described, accepted))? else {
             return Ok(None);
         };

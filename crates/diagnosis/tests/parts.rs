@@ -163,3 +163,23 @@ fn an_unknown_start_is_no_change_of_friction() {
     assert!(d.causes.iter().all(|c| c.effect != "friction-step"), "{:?} {:?}", d.verdict, d.causes);
     assert!((cause(&d, "coulomb-level").parameters[0].value / 30.0 - 1.0).abs() < 0.1);
 }
+
+/// As on a servo axis of a public benchmark: four cycles, described without friction.
+#[test]
+fn causes_that_hide_each_other_are_found_together() {
+    let mut bench = cylinder();
+    let Bench::FrictionRig(rig) = &mut bench else { panic!("an axis") };
+    (rig.axis.coulomb_effort, rig.axis.viscous_effort) = (0.0, 0.0);
+    (rig.axis.period_s, rig.axis.cycles) = (6.0, 4);
+    let effects = [
+        ("coulomb-level", "coulomb_effort", 20.0),
+        ("viscous-friction", "viscous_effort", 200.0),
+        ("viscous-asymmetry", "asymmetry_effort", -37.0),
+    ];
+    let d = diagnosed(&bench, log(&bench, &effects, |_, _, _| 0.0));
+    assert_eq!((d.verdict, d.causes.len()), (Verdict::Named, 3), "{:?}", d.causes);
+    for (name, _, value) in effects {
+        let found = &cause(&d, name).parameters[0];
+        assert!((found.value / value - 1.0).abs() < 0.1, "{name}: {}", found.value);
+    }
+}

@@ -346,6 +346,11 @@ impl Model {
         out
     }
 
+    /// Returns whether a candidate has a parameter that is no size.
+    pub(crate) fn has_shape(&self, candidate: &Candidate) -> bool {
+        candidate.kind.parameters(&self.bench).iter().any(|p| !p.is_size)
+    }
+
     /// Indices of the parameters of added effect `which`.
     pub(crate) fn effect_parameters(&self, which: usize) -> Vec<usize> {
         let index = self.bench.effects().len() - self.effects.len() + which;

@@ -1,15 +1,18 @@
 //! Causes of which each helps beside all others, where no explanation is complete.
 //!
 //! A real bench differs from its description in more than one way, and some of them are in no
-//! catalogue. Causes are then added one at a time, and afterwards each is compared with all other
-//! candidates in its place:
+//! catalogue. Causes are then added one at a time, or two where only both are clear, and afterwards
+//! each is compared with all other candidates in its place:
 //!
 //! * it is dropped if it is no cause there ([`super::stage`]), or if `is_kept` refuses it;
 //! * it is replaced if another candidate fits better there.
 //!
+//! A held cause may be dropped, but no other candidate takes its place.
+//!
 //! This repeats until nothing changes. Noise is always inflated by the residual of the complete
 //! set, so structure that no candidate explains makes every test harder.
 
+use super::contender::Contender;
 use super::stage::{Stage, run_stage};
 use super::tuning;
 use crate::data::noise::NoiseModel;
@@ -23,6 +26,8 @@ pub(crate) struct PartSearch<'a> {
     pub(crate) floors: &'a NoiseModel,
     pub(crate) nominal: &'a Model,
     pub(crate) candidates: &'a [Candidate],
+    /// Causes that no other candidate replaces.
+    pub(crate) held: &'a [Candidate],
 }
 
 /// A model with effects and its scaled parameters.
@@ -44,16 +49,25 @@ impl PartSearch<'_> {
     }
 
     /// The best pair of a contender of `first` and a cause beside it; none without such a cause.
-    ///
-    /// The best single cause may imitate two others, each of which alone explains little.
     pub(crate) fn best_pair(
         &self,
         first: &Stage,
         is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
     ) -> Result<Option<Set>, RespondError> {
+        self.best_second(likely_sets(first.contenders.iter()), self.candidates, is_kept)
+    }
+
+    /// The best cause on top of one of several sets, with that set; none without such a cause.
+    fn best_second(
+        &self,
+        firsts: Vec<Set>,
+        candidates: &[Candidate],
+        is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
+    ) -> Result<Option<Set>, RespondError> {
         let mut best: Option<(f64, Set)> = None;
-        for contender in first.contenders.iter().take(tuning::MAX_PAIR_FIRSTS) {
-            let stage = self.stage(&(contender.fit.model.clone(), contender.fit.z.clone()), None, is_kept)?;
+        for set in firsts {
+            let compared = self.compare(&set, None, candidates)?;
+            let stage = compared.first_kept(self.views, self.floors, is_kept)?;
             let Some(second) = stage.contenders.into_iter().next().filter(|_| stage.has_cause) else {
                 continue;
             };
@@ -65,16 +79,31 @@ impl PartSearch<'_> {
         Ok(best.map(|(_, set)| set))
     }
 
-    /// Adds the best candidate while it is a cause that is kept.
+    /// Adds the best candidate while it is a cause that is kept. If no single candidate is one at
+    /// the start, adds the best two without shapes.
+    ///
+    /// Of two missing causes the error of each hides the other, so that only both are clear. Two
+    /// causes with shapes could imitate almost any unknown effect.
     fn grow(
         &self,
         mut set: Set,
         is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
     ) -> Result<Set, RespondError> {
+        let start = set.0.effects.len();
+        let plain: Vec<Candidate> =
+            self.candidates.iter().filter(|c| !self.nominal.has_shape(c)).copied().collect();
         while set.0.effects.len() < tuning::MAX_PARTS {
-            let stage = self.stage(&set, None, is_kept)?;
-            let Some(best) = stage.contenders.into_iter().next().filter(|_| stage.has_cause) else { break };
-            set = (best.fit.model, best.fit.z);
+            let compared = self.compare(&set, None, self.candidates)?;
+            let firsts = likely_sets(compared.contenders.iter().filter(|c| plain.contains(&c.candidate)));
+            let stage = compared.first_kept(self.views, self.floors, is_kept)?;
+            let best = stage.contenders.into_iter().next().filter(|_| stage.has_cause);
+            let next = match best {
+                Some(best) => Some((best.fit.model, best.fit.z)),
+                None if set.0.effects.len() == start => self.best_second(firsts, &plain, is_kept)?,
+                None => None,
+            };
+            let Some(next) = next else { break };
+            set = next;
         }
         Ok(set)
     }
@@ -92,7 +121,10 @@ impl PartSearch<'_> {
             let later = 1..set.0.effects.len();
             let others = self.nominal.with_effects_of(fitted, later.clone(), self.floors);
             let complete = self.nominal.with_effects_of(fitted, later.chain([0]), self.floors);
-            let stage = self.stage(&others, Some(complete), is_kept)?;
+            let only = [own];
+            let candidates = if self.held.contains(&own) { &only } else { self.candidates };
+            let compared = self.compare(&others, Some(complete), candidates)?;
+            let stage = compared.first_kept(self.views, self.floors, is_kept)?;
             match stage.contenders.first() {
                 Some(best) if stage.has_cause => {
                     if best.candidate != own {
@@ -113,15 +145,19 @@ impl PartSearch<'_> {
         Ok(Vec::new())
     }
 
-    /// Compares all candidates on top of a set; the first contender is the best one that is kept.
-    fn stage(
+    /// Compares candidates on top of a set.
+    fn compare(
         &self,
         (model, z): &Set,
         incumbent: Option<Set>,
-        is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
+        candidates: &[Candidate],
     ) -> Result<Stage, RespondError> {
-        let (floors, set) = (self.floors, (model, z.as_slice()));
-        run_stage(self.views, Some(floors), floors.clone(), set, self.candidates, incumbent)?
-            .first_kept(self.views, floors, is_kept)
+        let floors = self.floors;
+        run_stage(self.views, Some(floors), floors.clone(), (model, z.as_slice()), candidates, incumbent)
     }
+}
+
+/// The sets of the most likely ones of some contenders.
+fn likely_sets<'a>(contenders: impl Iterator<Item = &'a Contender>) -> Vec<Set> {
+    contenders.take(tuning::MAX_PAIR_FIRSTS).map(|c| (c.fit.model.clone(), c.fit.z.clone())).collect()
 }

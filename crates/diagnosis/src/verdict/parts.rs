@@ -8,6 +8,9 @@
 //! and interval, because the two are correlated. Its size must not differ between parts of the log
 //! ([`super::size_consistency`]) beyond the noise with all that remains: an imitation of an unknown
 //! effect leaves an error that follows the imitation.
+//!
+//! Causes that were accepted before are only given up for a set that is accepted, too. Otherwise
+//! the parts are what helps beside them and leaves their sizes clear.
 
 use super::acceptance::is_acceptable;
 use super::causes::EffectName;
@@ -21,7 +24,7 @@ use crate::data::split::Use;
 use crate::data::views::Views;
 use crate::fit::held_out_gain::{all_residuals, is_lower};
 use crate::fit::least_squares::Fit;
-use crate::fit::model::Candidate;
+use crate::fit::model::{Candidate, Model};
 use crate::fit::standard_deviations::standard_deviations;
 use crate::fit::tuning::Z_95;
 use crate::result::Verdict;
@@ -46,6 +49,9 @@ impl Parts {
     /// Searches from the accepted causes or, without any, from the selected ones and from the best
     /// pair. Returns the parts that leave the smallest error, if this error is significantly
     /// smaller on held-out samples than that of the `accepted` explanation.
+    ///
+    /// If the parts replace an accepted cause and do not explain enough to be accepted themselves,
+    /// they are searched for again beside the accepted causes.
     pub(crate) fn find(
         search: &PartSearch<'_>,
         selection: &Selection,
@@ -53,32 +59,64 @@ impl Parts {
     ) -> Result<Option<Self>, RespondError> {
         let views = search.views;
         let is_kept = |stage: &Stage| is_kept(views, stage);
-        let mut starts: Vec<Set> = Vec::new();
-        if accepted.causes.is_empty() {
+        let found = if accepted.causes.is_empty() {
+            let mut starts: Vec<Set> = Vec::new();
             starts.extend(selection.selected().map(|fit| (fit.model.clone(), fit.z.clone())));
             starts.extend(search.best_pair(&selection.first, &is_kept)?);
+            Self::best(search, starts, (described, accepted), &is_kept)?
         } else {
-            starts.push((accepted.model.clone(), accepted.z.clone()));
-        }
-        let mut best: Option<(f64, Vec<Stage>)> = None;
-        for start in starts {
-            let stages = search.run(start, &is_kept)?;
-            let Some(fit) = complete_fit(&stages) else { continue };
-            let error = fit.objective_with(&views.fitted, search.floors);
-            if best.as_ref().is_none_or(|(least, _)| error < *least) {
-                best = Some((error, stages));
-            }
-        }
-        let Some((_, stages)) = best else { return Ok(None) };
-        let Some(parts) = Self::new(views, search.floors, stages, (described, accepted))? else {
-            return Ok(None);
+            Self::beside(search, (described, accepted), &is_kept)?
         };
-        let data = &views.all;
+        let Some(parts) = found else { return Ok(None) };
         let (noise, before) = (&parts.explanation.noise, &accepted.residual);
         // A set that is not accepted replaces no accepted one, and says that an error remains.
         let is_answer = parts.verdict != Verdict::Partial
             || (accepted.causes.is_empty() && parts.explanation.remaining.is_some());
-        Ok((is_answer && is_lower(data, noise, before, &parts.explanation.residual)).then_some(parts))
+        Ok((is_answer && is_lower(&views.all, noise, before, &parts.explanation.residual)).then_some(parts))
+    }
+
+    /// Parts from the accepted causes on, which keep these causes if the parts are not accepted
+    /// otherwise.
+    fn beside(
+        search: &PartSearch<'_>,
+        (described, accepted): (&Explanation, &Explanation),
+        is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
+    ) -> Result<Option<Self>, RespondError> {
+        let start = || vec![(accepted.model.clone(), accepted.z.clone())];
+        let free = Self::best(search, start(), (described, accepted), is_kept)?;
+        if free.as_ref().is_none_or(|parts| parts.verdict != Verdict::Partial) {
+            return Ok(free);
+        }
+        let held: Vec<Candidate> = accepted.causes.iter().map(|(cause, _)| *cause).collect();
+        let is_clear = |i: &usize| has_clear_size(&accepted.model, &accepted.z, &accepted.deviations, *i);
+        let clear: Vec<Candidate> =
+            (0..held.len()).filter(is_clear).map(|i| accepted.model.effects[i]).collect();
+        let is_kept_beside = |stage: &Stage| Ok(is_kept(stage)? && are_clear(search.views, stage, &clear));
+        let search = PartSearch { held: &held, ..*search };
+        Self::best(&search, start(), (described, accepted), &is_kept_beside)
+    }
+
+    /// The parts from the start that leads to the smallest error.
+    fn best(
+        search: &PartSearch<'_>,
+        starts: Vec<Set>,
+        (described, accepted): (&Explanation, &Explanation),
+        is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
+    ) -> Result<Option<Self>, RespondError> {
+        let (views, floors) = (search.views, search.floors);
+        let mut best: Option<(f64, Vec<Stage>)> = None;
+        for start in starts {
+            let stages = search.run(start, is_kept)?;
+            let Some(fit) = complete_fit(&stages) else { continue };
+            let error = fit.objective_with(&views.fitted, floors);
+            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                best = Some((error, stages));
+            }
+        }
+        match best {
+            Some((_, stages)) => Self::new(views, floors, stages, (described, accepted)),
+            None => Ok(None),
+        }
     }
 
     fn new(
@@ -178,15 +216,28 @@ fn is_kept(views: &Views, stage: &Stage) -> Result<bool, RespondError> {
 fn has_certain_parameters(views: &Views, noise: &NoiseModel, fit: &Fit) -> bool {
     let Some((_, others)) = fit.model.effects.split_last() else { return false };
     let deviations = standard_deviations(&views.fitted, noise, fit);
-    let own = fit.model.effect_parameters(others.len());
     let reach = |i: usize| Z_95 * deviations[i];
-    let is_clear = |&i: &usize| fit.model.parameters[i].is_size() && fit.z[i].abs() > reach(i);
-    let is_inside = |&i: &usize| {
+    let is_inside = |i: usize| {
         let p = &fit.model.parameters[i];
         let (min, max) = p.bounds();
         !(p.is_shape() && p.is_factor) || (fit.z[i] - reach(i) > min && fit.z[i] + reach(i) < max)
     };
-    (is_main_effect(fit) || own.iter().any(is_clear)) && own.iter().all(is_inside)
+    (is_main_effect(fit) || has_clear_size(&fit.model, &fit.z, &deviations, others.len()))
+        && fit.model.effect_parameters(others.len()).into_iter().all(is_inside)
+}
+
+/// Returns whether the interval of a size of an effect does not contain 0.
+fn has_clear_size(model: &Model, z: &[f64], deviations: &[f64], effect: usize) -> bool {
+    let mut own = model.effect_parameters(effect).into_iter();
+    own.any(|i| model.parameters[i].is_size() && z[i].abs() > Z_95 * deviations[i])
+}
+
+/// Returns whether the sizes of given causes are clear beside the best contender of a stage.
+fn are_clear(views: &Views, stage: &Stage, causes: &[Candidate]) -> bool {
+    let Some(fit) = stage.contenders.first().map(|c| &c.fit) else { return false };
+    let deviations = standard_deviations(&views.fitted, &stage.noise, fit);
+    let mut effects = fit.model.effects.iter().enumerate().filter(|(_, effect)| causes.contains(effect));
+    effects.all(|(i, _)| has_clear_size(&fit.model, &fit.z, &deviations, i))
 }
 
 /// Returns whether the last effect of a fit is the main effect of another one.
