@@ -84,6 +84,8 @@ struct Added {
     coulomb_asymmetry: f64,
     viscous_asymmetry: f64,
     spring: f64,
+    /// Unbalanced moments at the angles 0 and a quarter of a turn, N m.
+    gravity: [f64; 2],
     friction_slope: f64,
 }
 
@@ -103,6 +105,7 @@ impl Added {
             coulomb_asymmetry: total(hidden, "coulomb-asymmetry", "asymmetry_effort"),
             viscous_asymmetry: total(hidden, "viscous-asymmetry", "asymmetry_effort"),
             spring: total(hidden, "spring-effort", "stiffness"),
+            gravity: ["cos_effort", "sin_effort"].map(|p| total(hidden, "gravity-moment", p)),
             friction_slope: total(hidden, "position-friction", "friction_slope"),
         }
     }
@@ -208,6 +211,9 @@ impl RealAxis {
         }
         let over_place =
             added.spring * driven.place + added.position_ripple.map_or(0.0, |r| wave(r, driven.place));
+        // A weight on an arm, as a harmonic of one turn.
+        let weight = wave((added.gravity[0], added.gravity[1], TAU), driven.place);
+        let over_place = over_place + weight;
         (self.load_gain * load + self.inertia * driven.acceleration + friction + over_place, friction)
     }
 }

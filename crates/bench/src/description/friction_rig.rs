@@ -38,6 +38,13 @@ section! {
         /// back.
         #[serde(default, skip_serializing_if = "is_zero")]
         spring_stiffness: f64 [-HUGE, HUGE, "N/m or N m/rad"],
+        /// Moment of gravity at the angle 0 (`rotary` only): that of an unbalanced mass at the height
+        /// of the axis.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        gravity_cos: f64 [-HUGE, HUGE, "N m"],
+        /// Moment of gravity at a quarter of a turn (`rotary` only).
+        #[serde(default, skip_serializing_if = "is_zero")]
+        gravity_sin: f64 [-HUGE, HUGE, "N m"],
         /// Position at which a spring has no effort and friction its described level: the middle of
         /// the stroke, if nothing else is known.
         #[serde(default, skip_serializing_if = "is_zero")]
@@ -184,7 +191,10 @@ impl PlantDescription for FrictionRig {
         // A sweep has no standstill.
         let longest_dwell_s = if axis.last_period_s > 0.0 { 0.0 } else { 1e6 };
         let shortest_last_period_s = if axis.last_period_s == 0.0 { 0.0 } else { 1e-3 };
+        let largest_moment = if axis.kind == AxisKind::Rotary { HUGE } else { 0.0 };
         vec![
+            ("axis.gravity_cos", axis.gravity_cos, -largest_moment, largest_moment),
+            ("axis.gravity_sin", axis.gravity_sin, -largest_moment, largest_moment),
             ("axis.dwell_s", axis.dwell_s, 0.0, longest_dwell_s),
             ("axis.last_period_s", axis.last_period_s, shortest_last_period_s, 1e6),
             log_rate(&self.logging, self.duration_s()),
@@ -203,6 +213,8 @@ impl PlantDescription for FrictionRig {
             "axis.viscous_effort" => Some(&mut self.axis.viscous_effort),
             "axis.load_coefficient" => Some(&mut self.axis.load_coefficient),
             "axis.constant_effort" => Some(&mut self.axis.constant_effort),
+            "axis.gravity_cos" => Some(&mut self.axis.gravity_cos),
+            "axis.gravity_sin" => Some(&mut self.axis.gravity_sin),
             "axis.spring_stiffness" => Some(&mut self.axis.spring_stiffness),
             _ => None,
         }

@@ -13,6 +13,7 @@ mod coulomb_level;
 mod drive_lag;
 mod fork_backlash;
 mod friction_step;
+mod gravity_moment;
 mod hydraulic_compliance;
 mod inertia_mismatch;
 mod journal_out_of_round;
@@ -70,6 +71,7 @@ pub const CATALOGUE: &[EffectKind] = &[
     friction_step::EFFECT,
     seal_friction::EFFECT,
     spring_effort::EFFECT,
+    gravity_moment::EFFECT,
     position_ripple::EFFECT,
     hydraulic_compliance::EFFECT,
     drive_lag::EFFECT,

@@ -2,8 +2,8 @@
 //! axis.
 //!
 //! `effort = load_gain * load + inertia * acceleration + constant_effort + spring_stiffness *
-//! (position - neutral_position) + friction`, where friction opposes the motion: `(coulomb_effort
-//! +- asymmetry/2 + (load_coefficient + mu) |load| radius) tanh(v/v_r) + viscous_effort * speed`.
+//! (position - neutral_position) + gravity_cos * cos(angle) + gravity_sin * sin(angle) + friction`,
+//! where friction opposes the motion: `(coulomb_effort +- asymmetry/2 + (load_coefficient + mu) |load| radius) tanh(v/v_r) + viscous_effort * speed`.
 //! The effort is the drive's, so friction adds to it while the axis moves forward.
 //!
 //! `mu` is the coefficient of the dry rubbing pair of `[surface]`, with the sliding speed `v` in
@@ -113,6 +113,15 @@ fn friction_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> f64 {
         + extension.viscous_asymmetry * now.motion.rate * sign
 }
 
+/// Moment of gravity on a rotary axis at an angle in rad.
+fn gravity_moment(axis: &crate::description::Axis, angle_rad: f64) -> f64 {
+    if axis.gravity_cos == 0.0 && axis.gravity_sin == 0.0 {
+        return 0.0;
+    }
+    let (sin, cos) = angle_rad.sin_cos();
+    axis.gravity_cos * cos + axis.gravity_sin * sin
+}
+
 /// Effort at a moment.
 fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
     let axis = &rig.axis;
@@ -121,7 +130,8 @@ fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
     let spring = axis.spring_stiffness * (now.motion.value - axis.neutral_position);
     let load = axis.load_gain * now.load_n;
     let inertial = axis.inertia * now.motion.acceleration;
-    Effort { effort: load + inertial + friction + ripple + axis.constant_effort + spring, friction }
+    let given = axis.constant_effort + gravity_moment(axis, now.motion.value);
+    Effort { effort: load + inertial + friction + ripple + given + spring, friction }
 }
 
 /// Returns the memory after a step, with the motion at one moment taken for the step.
@@ -464,6 +474,20 @@ mod tests {
             assert!((friction - 30.0 * (value - 0.2) * rate.signum()).abs() < 1e-9, "{friction}");
             let more = with.effort - without.effort - friction;
             assert!((more - 7.0 - 50.0 * (value - 0.2)).abs() < 1e-9, "{more}");
+        }
+    }
+
+    #[test]
+    fn gravity_acts_with_the_cosine_and_the_sine_of_the_angle() {
+        let effort = |rig: &FrictionRig, value: f64| {
+            efforts(rig, &[0.0], |_| Motion { value, ..Motion::default() }, |_| 1e5)[0].effort
+        };
+        let plain = rig("friction-rig");
+        let mut with = plain.clone();
+        (with.axis.gravity_cos, with.axis.gravity_sin) = (-111.5, 0.8);
+        for (angle, moment) in [(0.0, -111.5), (std::f64::consts::FRAC_PI_2, 0.8), (1e3_f64, -62.04)] {
+            let more = effort(&with, angle) - effort(&plain, angle);
+            assert!((more - moment).abs() < 0.01, "{angle}: {more}");
         }
     }
 
