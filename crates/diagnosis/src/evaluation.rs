@@ -100,7 +100,7 @@ pub fn evaluate(bench: &Bench, logs: &[MeasuredLog]) -> Result<Evaluation, Diagn
         // The corrections belong to a diagnosis. Rows are left out by their own count below.
         finding.applied = None;
     }
-    let data = Data::new(bench, &clean(logs)?, &[], Split::Halves)?;
+    let data = Data::new(bench, &clean(bench, logs)?, &[], Split::Halves)?;
     let simulation = simulate(&data, bench, None)?;
     let residual = data.residual(&simulation.columns);
     let noise = NoiseModel::from_nominal_residual(bench, &data, &residual);

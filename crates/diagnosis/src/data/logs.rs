@@ -60,9 +60,9 @@ impl Data {
             let inputs = Inputs::new(bench, measured)?;
             let log = Log::new(bench, index, measured, inputs, is_fitted, split);
             let simulated = simulated_outputs(bench, measured);
-            let outputs = measured.outputs().filter(|(c, _)| simulated.contains(c));
+            let outputs = simulated.into_iter().filter_map(|c| Some((c, measured.channels.get(&c)?)));
             let own: Vec<Block> = outputs
-                .map(|(channel, values)| Block { log: index, channel, measured: values.to_vec() })
+                .map(|(channel, values)| Block { log: index, channel, measured: values.clone() })
                 .collect();
             if own.is_empty() {
                 return Err(LogError::Content {
@@ -189,7 +189,7 @@ impl Data {
 
 /// Outputs that the plant simulates under the log's inputs.
 pub(crate) fn simulated_outputs(bench: &Bench, log: &MeasuredLog) -> Vec<Channel> {
-    log.outputs().map(|(channel, _)| channel).filter(|channel| bench.simulates(*channel)).collect()
+    bench.outputs(log).into_iter().filter(|channel| bench.simulates(*channel)).collect()
 }
 
 impl Log {

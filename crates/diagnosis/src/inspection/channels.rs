@@ -45,12 +45,12 @@ pub(super) fn channel_qualities(
         let mut squares: Vec<f64> =
             readings().flat_map(|(time_s, values)| white_noise::squares(time_s, values)).collect();
         let white = white_noise::deviation(&mut squares);
-        let is_compared = channel.role() == Role::Output && bench.simulates(channel);
+        let is_compared = bench.role(channel) == Role::Output && bench.simulates(channel);
         let floor = noise.channel(channel);
         let declared = bench.sensors().get(&channel).map_or(0.0, bench::signals::Sensor::floor);
         ChannelQuality {
             channel,
-            role: if channel.role() == Role::Input { "input" } else { "output" },
+            role: if bench.role(channel) == Role::Input { "input" } else { "output" },
             unit: channel.unit(),
             min,
             max,
