@@ -14,6 +14,9 @@ use crate::schema::{HUGE, TINY, named_field, section};
 use crate::signals::{Channel, Role};
 use serde::{Deserialize, Serialize};
 
+/// Number of time constants after which a start is forgotten.
+const SETTLING_TIMES: f64 = 8.0;
+
 section! {
     /// Direction of the simulation, with the drive and the controller of a simulated motion.
     Drive {
@@ -148,6 +151,18 @@ impl Drive {
             }
         }
         all
+    }
+
+    /// Time in which a controller forgets its start, s; 0 in open loop. The integrals at the start
+    /// of a log are hardly known.
+    pub(super) fn settling_s(&self) -> f64 {
+        if self.input != DriveInput::Order {
+            return 0.0;
+        }
+        let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
+        let position_s = if self.speed_gain > 0.0 { ratio(1.0, self.kp) } else { ratio(self.kd, self.kp) };
+        let integral_s = ratio(self.kp, self.ki) + ratio(self.speed_gain, self.speed_ki);
+        SETTLING_TIMES * (position_s + integral_s + self.time_constant_s)
     }
 
     /// A number that may be declared uncertain, by its name.

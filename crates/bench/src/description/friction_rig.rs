@@ -167,6 +167,9 @@ impl FrictionRig {
     }
 }
 
+/// Largest share of a log that is left out until the controller has settled.
+const MAX_SETTLING_SHARE: f64 = 0.25;
+
 /// Omissions of the model.
 const LIMITS: &[&str] = &[
     "The motion is given: the axis cannot stick, slip or vibrate.",
@@ -291,6 +294,11 @@ impl PlantDescription for FrictionRig {
 
     fn is_open_loop(&self) -> bool {
         self.forward().is_some_and(|drive| drive.input != DriveInput::Order)
+    }
+
+    fn steady_span_s(&self, (start_s, end_s): (f64, f64), _margins_s: (f64, f64)) -> (f64, f64) {
+        let settling_s = self.forward().map_or(0.0, Drive::settling_s);
+        (start_s + settling_s.min(MAX_SETTLING_SHARE * (end_s - start_s)), end_s)
     }
 
     fn simulates(&self, channel: Channel) -> bool {

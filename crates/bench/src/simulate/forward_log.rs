@@ -12,13 +12,25 @@ use crate::description::{Drive, DriveInput, FrictionRig};
 use crate::log::{LogError, MeasuredLog};
 use crate::plants::forward_axis::{Moved, Start, motions_along};
 use crate::plants::friction_rig::{Given, efforts_along};
-use crate::signals::{Channel, Motion, Profile};
+use crate::signals::{Channel, Motion, Profile, Sensor, white_noise};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Number of disturbed starts from which the error of the start is estimated.
+const DISTURBED_STARTS: u64 = 16;
+/// Samples of a log from which its start is smoothed, at most.
+const START_SAMPLES: usize = 64;
 
 /// Input of a simulated motion, and the motion at the start.
 #[derive(Clone, Debug)]
 pub(crate) struct Command {
     profile: Profile,
+    /// Noise of a sample of the input.
+    noise: f64,
     start: Start,
+    /// Standard deviations of position and speed at the start.
+    start_noise: [f64; 2],
 }
 
 /// Takes the inputs of a simulated motion from a log. Its measured motion serves the comparison
@@ -27,7 +39,8 @@ pub(super) fn inputs(rig: &FrictionRig, drive: &Drive, log: &MeasuredLog) -> Res
     let time_s = &log.time_s;
     let (position, speed, effort) = rig.channels();
     let channel = rig.input_channel().unwrap_or(effort);
-    let profile = interpolated(time_s, log.need(channel)?);
+    let values = log.need(channel)?;
+    let profile = interpolated(time_s, values);
     let first_s = time_s.first().copied().unwrap_or_default();
     let motion = match measured_motion(rig, log) {
         Some(motion) => motion,
@@ -44,11 +57,79 @@ pub(super) fn inputs(rig: &FrictionRig, drive: &Drive, log: &MeasuredLog) -> Res
     let mut inputs = Inputs::from_profiles(log, outputs(rig, log), (motion, axis_load(rig, log)), FINENESS);
     let given = |&t: &f64| Given { time_s: t, motion: profile.at(t), load_n: inputs.load_n(t) };
     inputs.course = inputs.fine_s.iter().map(given).collect();
-    inputs.command = Some(Command { profile, start });
+    inputs.command = Some(Command {
+        profile,
+        noise: noise_of(rig, channel, (time_s, values)),
+        start,
+        start_noise: start_noise(rig, log),
+    });
     Ok(inputs)
 }
 
+/// Noise of a channel: as declared, else that between neighbouring samples.
+fn noise_of(rig: &FrictionRig, channel: Channel, (time_s, values): (&[f64], &[f64])) -> f64 {
+    let declared = rig.common.sensors.get(&channel).map_or(0.0, Sensor::floor);
+    if declared > 0.0 { declared } else { white_noise::deviation(&mut white_noise::squares(time_s, values)) }
+}
+
+/// Standard deviations of the smoothed position and speed at the first sample of a log.
+fn start_noise(rig: &FrictionRig, log: &MeasuredLog) -> [f64; 2] {
+    let mut short = log.clone();
+    let count = log.time_s.len().min(START_SAMPLES);
+    short.time_s.truncate(count);
+    short.channels.values_mut().for_each(|values| values.truncate(count));
+    let Some(first_s) = short.time_s.first().copied() else { return [0.0; 2] };
+    let start = |log: &MeasuredLog| {
+        measured_motion(rig, log).map_or([0.0; 2], |m| [m.at(first_s).value, m.at(first_s).rate])
+    };
+    let here = start(&short);
+    let mut squares = [0.0; 2];
+    for seed in 0..DISTURBED_STARTS {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut disturbed = short.clone();
+        for channel in [rig.channels().0, rig.channels().1] {
+            let Some(values) = log.channels.get(&channel) else { continue };
+            let noise = noise_of(rig, channel, (&log.time_s, values));
+            disturbed
+                .channels
+                .entry(channel)
+                .or_default()
+                .iter_mut()
+                .for_each(|v| *v += noise * draw(&mut rng));
+        }
+        let there = start(&disturbed);
+        squares = std::array::from_fn(|i| squares[i] + (there[i] - here[i]).powi(2));
+    }
+    squares.map(|sum: f64| (sum / DISTURBED_STARTS as f64).sqrt())
+}
+
+fn draw(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}
+
 impl Inputs {
+    /// The same inputs of a simulated motion with another realisation of their noise and of that
+    /// of the start; none if a motion is the input.
+    pub fn disturbed(&self, seed: u64) -> Option<Self> {
+        let command = self.command.as_ref()?;
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let values =
+            self.time_s.iter().map(|&t| command.profile.at(t).value + command.noise * draw(&mut rng));
+        let profile = interpolated(&self.time_s, &values.collect::<Vec<f64>>());
+        let [position, speed] = command.start_noise;
+        let start = Start {
+            position: command.start.position + position * draw(&mut rng),
+            speed: command.start.speed + speed * draw(&mut rng),
+            effort: command.start.effort,
+        };
+        let mut inputs = self.clone();
+        for given in &mut inputs.course {
+            given.motion = profile.at(given.time_s);
+        }
+        inputs.command = Some(Command { profile, start, ..command.clone() });
+        Some(inputs)
+    }
+
     /// Efforts at the simulated times: those of the input, or in closed loop those that the
     /// measured motion needs.
     pub fn driving_efforts(&self, rig: &FrictionRig, drive: &Drive) -> Vec<f64> {

@@ -24,7 +24,7 @@ pub struct ChannelQuality {
     pub resolution: Option<f64>,
     /// Noise: of an output as an evaluation uses it, of an input from neighbouring samples.
     pub noise: f64,
-    /// Origin of the noise: `declared`, `repeats` or `differences`.
+    /// Origin of the noise: `declared`, `repeats`, `differences` or `input`.
     pub noise_source: &'static str,
     /// White noise between neighbouring samples.
     pub white_noise: f64,
