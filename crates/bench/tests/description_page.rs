@@ -142,7 +142,7 @@ fn page() -> String {
     }
     page.push_str(
         "\nWith `drive.simulates = \"motion\"`, position and speed of an axis are outputs. Its effort or \
-         voltage is\nthe input, or an output beside an input that comes before it: order, voltage, \
+         voltage\nis the input, or an output beside an input that comes before it: order, voltage, \
          effort.\n",
     );
     page

@@ -348,12 +348,19 @@ proptest! {
         ];
         let text = match input {
             0 => format!("effort_amplitude = {amplitude:?}"),
-            1 => format!("input = \"voltage\"\ngain = {:?}\ntime_constant_s = {:?}\neffort_amplitude = {amplitude:?}", drive.2, drive.1),
-            _ => format!(
-                "input = \"order\"\ngain = {:?}\ntime_constant_s = {:?}\nkp = {:?}\nki = {:?}\nkd = {:?}\nspeed_gain = {:?}\nspeed_ki = {:?}\neffort_limit = {amplitude:?}\nsample_period_s = {:?}",
-                drive.2, drive.1, gains.0.max(1e-6), gains.1, gains.2, gains.3,
-                if gains.3 > 0.0 { gains.4 } else { 0.0 }, drive.0,
+            1 => format!(
+                "input = \"voltage\"\ngain = {:?}\ntime_constant_s = {:?}\neffort_amplitude = {amplitude:?}",
+                drive.2, drive.1
             ),
+            _ => {
+                let (kp, speed_ki) = (gains.0.max(1e-6), if gains.3 > 0.0 { gains.4 } else { 0.0 });
+                format!(
+                    "input = \"order\"\ngain = {:?}\ntime_constant_s = {:?}\nkp = {kp:?}\nki = {:?}\n\
+                     kd = {:?}\nspeed_gain = {:?}\nspeed_ki = {speed_ki:?}\n\
+                     effort_limit = {amplitude:?}\nsample_period_s = {:?}",
+                    drive.2, drive.1, gains.1, gains.2, gains.3, drive.0,
+                )
+            }
         };
         let effects = [
             "", "name = \"presliding-hysteresis\"\ndistance_m = 1e-9",

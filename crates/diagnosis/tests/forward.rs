@@ -103,7 +103,8 @@ impl World {
              [load]\nforce_n = 0.0\nramp_s = 0.05\n[logging]\nsample_rate_hz = 250.0\n[drive]\n{drive}\n\
              [sensors]\nposition_m = {{ noise = 5e-6 }}\nvelocity_m_s = {{ noise = 5e-4 }}\n\
              drive_force_n = {{ noise = 0.5 }}\n\
-             [uncertain]\n\"axis.inertia\" = 0.4\n\"axis.viscous_effort\" = 1.5\n\"axis.coulomb_effort\" = 0.2\n",
+             [uncertain]\n\"axis.inertia\" = 0.4\n\"axis.viscous_effort\" = 1.5\n\
+             \"axis.coulomb_effort\" = 0.2\n",
             self.mass_kg, self.coulomb_n, self.viscous_n_s_m
         );
         Bench::parse("axis", &text).unwrap()

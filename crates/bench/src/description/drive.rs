@@ -7,7 +7,7 @@
 //! `gain u` within `effort_limit`. The derivative acts on the speed and not on the error, so a step
 //! of the order gives no impulse; `speed_feedforward = kd` is the textbook PID.
 //!
-//! While the effort is limited, an integral whose input would raise it further stands still.
+//! While the effort is limited, an integral whose input would raise it further is held.
 
 use super::{AxisKind, FrictionRig, Range, Refusal, is_one, is_zero, one};
 use crate::schema::{HUGE, TINY, named_field, section};

@@ -114,7 +114,7 @@ plant_description! {
         /// speed`. So `kp` with `speed_gain` and `speed_ki` is the cascade of servo axes, and
         /// `speed_feedforward = kd` the PID with the derivative of the error. The effort is `gain`
         /// times the output within `effort_limit`; an integral that would raise a limited effort
-        /// further stands still. `[uncertain]` accepts `gain`, `time_constant_s`, `kp`, `ki`, `kd`,
+        /// further is held. `[uncertain]` accepts `gain`, `time_constant_s`, `kp`, `ki`, `kd`,
         /// `speed_gain` and `speed_ki`, as in `"drive.gain" = 0.5`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         drive: Option<Drive>,

@@ -140,7 +140,7 @@ enum Source {
     Effort(f64),
     /// Voltage, or the held output of a controller with a sample period.
     Output(f64),
-    /// Continuous controller, with the direction in which its integrals stand still.
+    /// Continuous controller, with the direction in which its integrals are held.
     Controller(f64),
 }
 

@@ -46,7 +46,8 @@ pub(crate) struct Data {
 pub(crate) type Columns = Vec<Vec<f64>>;
 
 impl Data {
-    /// Prepares logs for a diagnosis. Without `held_out` logs, `split` holds out a part of each log.
+    /// Prepares logs for a diagnosis. Without `held_out` logs, `split` holds out a part of each
+    /// log.
     pub(crate) fn new(
         bench: &Bench,
         fitted: &[MeasuredLog],
