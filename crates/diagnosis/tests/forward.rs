@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use bench::{Bench, Channel, MeasuredLog};
-use diagnosis::{Diagnosis, Options, Verdict, diagnose, evaluate, inspect};
+use diagnosis::{DeclaredParameter, Diagnosis, Options, Verdict, diagnose, evaluate, inspect};
 
 /// Width of the sign, m/s.
 const WIDTH_M_S: f64 = 2e-3;
@@ -189,8 +189,8 @@ fn an_inspection_says_what_is_not_judged_and_which_parameters_are_shown() {
         let inspection = inspect(&world.description(), &[world.log(1)]).unwrap();
         let is_noted = inspection.checks.iter().any(|finding| finding.kind == "open-loop");
         assert_eq!(is_noted, !closed);
-        // A declared deviation changes the outputs by more than half their noise.
-        let is_shown = inspection.parameters.iter().all(|p| p.change_over_noise > 0.5);
+        let is_shown = |p: &DeclaredParameter| p.remaining_deviation < 0.25 * p.declared_deviation;
+        let is_shown = inspection.parameters.iter().all(is_shown);
         assert!(is_shown && inspection.parameters.len() == 3, "{:?}", inspection.parameters);
     }
 }
