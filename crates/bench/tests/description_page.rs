@@ -140,6 +140,11 @@ fn page() -> String {
         let role = if channel.role() == Role::Input { "input" } else { "output" };
         let _ = writeln!(page, "| `{channel}` | {} | {role} | {} |", channel.unit(), channel.meaning());
     }
+    page.push_str(
+        "\nWith `drive.simulates = \"motion\"`, position and speed of an axis are outputs. Its effort or \
+         voltage\nis the input, or an output beside an input that comes before it: order, voltage, \
+         effort.\n",
+    );
     page
 }
 

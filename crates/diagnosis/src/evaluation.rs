@@ -5,7 +5,7 @@
 //! transmission bench is not compared.
 
 use crate::check::{Finding, check, clean};
-use crate::data::logs::{Columns, Data};
+use crate::data::logs::{Columns, Data, simulated_outputs};
 use crate::data::noise::NoiseModel;
 use crate::data::split::{Split, Use};
 use crate::fit::simulation::simulate;
@@ -25,7 +25,7 @@ pub struct ChannelComparison {
     pub rms: f64,
     /// Rms of the sensor's noise.
     pub noise_rms: f64,
-    /// Origin of the noise: `declared`, `repeats` or `differences`.
+    /// Origin of the noise: `declared`, `repeats`, `differences` or `input`.
     pub noise_source: &'static str,
     /// Mean of measured minus simulated values.
     pub mean: f64,
@@ -100,7 +100,8 @@ pub fn evaluate(bench: &Bench, logs: &[MeasuredLog]) -> Result<Evaluation, Diagn
         // The corrections belong to a diagnosis. Rows are left out by their own count below.
         finding.applied = None;
     }
-    let data = Data::new(bench, &clean(logs)?, &[], Split::Halves)?;
+    let clean = clean(bench, logs)?;
+    let data = Data::with_outputs(bench, (&clean, &[]), Split::Halves, simulated_outputs)?;
     let simulation = simulate(&data, bench, None)?;
     let residual = data.residual(&simulation.columns);
     let noise = NoiseModel::from_nominal_residual(bench, &data, &residual);

@@ -2,9 +2,12 @@
 
 use super::common::plant_description;
 use super::plant::log_rate;
-use super::{AxisExtension, DriveChannels, Field, Load, Logging, Plant, PlantDescription, Range, is_zero};
+use super::{
+    AxisExtension, Drive, DriveChannels, DriveInput, Field, Load, Logging, Plant, PlantDescription, Range,
+    Refusal, is_zero,
+};
 use crate::schema::{HUGE, TINY, named_field, section};
-use crate::signals::{Channel, Profile, sweep_s};
+use crate::signals::{Channel, Profile, Role, sweep_s};
 use contact::BearingMaterial;
 use serde::{Deserialize, Serialize};
 
@@ -108,6 +111,20 @@ plant_description! {
         /// Rubbing pair; without one only the axis' own friction acts.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         surface: Option<Surface>,
+        /// Direction of the simulation. With `simulates = "effort"`, or without the section, the
+        /// measured motion is the input and the effort is compared. With `simulates = "motion"` an
+        /// effort, a voltage or an order is the input, and position and speed are compared. The
+        /// simulation begins with the smoothed position and speed of the log's first sample. In
+        /// closed loop the error `e = order - position` gives `y = kp e + ki integral(e) - kd speed
+        /// + speed_feedforward d(order)/dt`, the controller's output. With a `speed_gain` it is an
+        /// ordered speed, and the output is `speed_gain s + speed_ki integral(s)` with `s = y -
+        /// speed`. So `kp` with `speed_gain` and `speed_ki` is the cascade of servo axes, and
+        /// `speed_feedforward = kd` the PID with the derivative of the error. The effort is `gain`
+        /// times the output within `effort_limit`; an integral that would raise a limited effort
+        /// further is held. `[uncertain]` accepts `gain`, `time_constant_s`, `kp`, `ki`, `kd`,
+        /// `speed_gain` and `speed_ki`, as in `"drive.gain" = 0.5`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        drive: Option<Drive>,
         /// Load.
         load: Load,
         /// Log.
@@ -157,12 +174,23 @@ impl FrictionRig {
     }
 }
 
+/// Largest share of a log that is left out until the controller has settled.
+const MAX_SETTLING_SHARE: f64 = 0.25;
+
 /// Omissions of the model.
 const LIMITS: &[&str] = &[
     "The motion is given: the axis cannot stick, slip or vibrate.",
     "The friction of the surfaces is an assumption in the shape of published curves.",
     "The load is the same over the whole surface; wear and temperature are not modelled.",
     "Below the width of the regularised sign, friction rises with speed, not displacement.",
+];
+
+/// Omissions of the model with a simulated motion.
+const FORWARD_LIMITS: &[&str] = &[
+    "At standstill the axis creeps within the width of the regularised sign.",
+    "The friction of the surfaces is an assumption in the shape of published curves.",
+    "The load is the same over the whole surface; wear and temperature are not modelled.",
+    "Drive and controller are linear but for the limit of the effort; their sensors are exact.",
 ];
 
 impl PlantDescription for FrictionRig {
@@ -197,12 +225,17 @@ impl PlantDescription for FrictionRig {
             ("axis.gravity_sin", axis.gravity_sin, -largest_moment, largest_moment),
             ("axis.dwell_s", axis.dwell_s, 0.0, longest_dwell_s),
             ("axis.last_period_s", axis.last_period_s, shortest_last_period_s, 1e6),
+            self.inertia_range(),
             log_rate(&self.logging, self.duration_s()),
         ]
     }
 
     fn limits(&self) -> &'static [&'static str] {
-        LIMITS
+        if self.forward().is_some() { FORWARD_LIMITS } else { LIMITS }
+    }
+
+    fn refusals(&self) -> Vec<Refusal> {
+        self.drive.as_ref().map(Drive::refusals).unwrap_or_default()
     }
 
     fn plant_parameter_mut(&mut self, name: &str) -> Option<&mut f64> {
@@ -216,7 +249,10 @@ impl PlantDescription for FrictionRig {
             "axis.gravity_cos" => Some(&mut self.axis.gravity_cos),
             "axis.gravity_sin" => Some(&mut self.axis.gravity_sin),
             "axis.spring_stiffness" => Some(&mut self.axis.spring_stiffness),
-            _ => None,
+            _ => {
+                let name = name.strip_prefix("drive.").filter(|_| self.forward().is_some())?;
+                self.drive.as_mut()?.parameter_mut(name)
+            }
         }
     }
 
@@ -225,6 +261,10 @@ impl PlantDescription for FrictionRig {
     }
 
     fn stroke_mut(&mut self) -> Option<Field<'_>> {
+        // The stroke of an open loop follows from the effort.
+        if self.forward().is_some_and(|drive| drive.input != DriveInput::Order) {
+            return None;
+        }
         Some(("axis.amplitude", &mut self.axis.amplitude))
     }
 
@@ -260,7 +300,23 @@ impl PlantDescription for FrictionRig {
         Some(DriveChannels { position, speed })
     }
 
+    fn role(&self, channel: Channel) -> Role {
+        self.role_of(channel)
+    }
+
+    fn is_open_loop(&self) -> bool {
+        self.forward().is_some_and(|drive| drive.input != DriveInput::Order)
+    }
+
+    fn steady_span_s(&self, (start_s, end_s): (f64, f64), _margins_s: (f64, f64)) -> (f64, f64) {
+        let settling_s = self.forward().map_or(0.0, Drive::settling_s);
+        (start_s + settling_s.min(MAX_SETTLING_SHARE * (end_s - start_s)), end_s)
+    }
+
     fn simulates(&self, channel: Channel) -> bool {
+        if self.forward().is_some() {
+            return self.simulates_forward(channel);
+        }
         channel == self.channels().2 || channel == Channel::FrictionTorque
     }
 }

@@ -3,6 +3,7 @@
 
 mod bench;
 mod common;
+mod drive;
 mod effect;
 mod error;
 mod extension;
@@ -16,6 +17,7 @@ mod transmission;
 pub(crate) use crate::schema::format_number;
 pub use bench::Bench;
 pub use common::Common;
+pub use drive::{Drive, DriveInput, Simulated};
 pub use effect::{Effect, Plant};
 pub use error::{DescriptionError, Flaw};
 pub use extension::*;

@@ -48,13 +48,13 @@ impl Nuisances {
     }
 
     /// Returns the declarations of inputs, which are not allowed.
-    pub(crate) fn refusals(&self) -> Vec<Refusal> {
+    pub(crate) fn refusals(&self, role: impl Fn(Channel) -> Role) -> Vec<Refusal> {
         let tables = [("offset", &self.offset), ("delay_s", &self.delay_s)];
         let of_channels =
             tables.into_iter().flat_map(|(table, values)| values.keys().map(move |c| (table, c)));
         let expected = "an output, which is compared with the simulation, such as drive_force_n";
         of_channels
-            .filter(|(_, channel)| channel.role() == Role::Input)
+            .filter(|(_, channel)| role(**channel) == Role::Input)
             .map(|(table, c)| (format!("nuisances.{table}.{c}"), "of an input".into(), expected.into()))
             .collect()
     }

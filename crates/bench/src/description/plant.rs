@@ -1,7 +1,8 @@
 //! Interface of a plant's description: facts that its readers need, whatever the plant.
 
 use super::{Common, Load, Logging, Plant};
-use crate::signals::Channel;
+use crate::log::MeasuredLog;
+use crate::signals::{Channel, Role};
 
 /// Dotted name of a number of a description, and the number.
 pub type Field<'a> = (&'static str, &'a mut f64);
@@ -100,6 +101,18 @@ pub trait PlantDescription: CommonSections {
     /// Channels of the driven motion; none where the plant has no log.
     fn drive_channels(&self) -> Option<DriveChannels> {
         None
+    }
+    /// Role of a channel on this bench.
+    fn role(&self, channel: Channel) -> Role {
+        channel.role()
+    }
+    /// Output channels of a log on this bench.
+    fn outputs(&self, log: &MeasuredLog) -> Vec<Channel> {
+        log.channels.keys().copied().filter(|c| self.role(*c) == Role::Output).collect()
+    }
+    /// Returns whether the motion is simulated without feedback, so that errors add up over time.
+    fn is_open_loop(&self) -> bool {
+        false
     }
     /// Returns whether the plant simulates an output channel under a log's inputs.
     fn simulates(&self, _channel: Channel) -> bool {

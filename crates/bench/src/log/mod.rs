@@ -21,7 +21,7 @@ pub use format::{Column, ColumnId, Columns, LogFormat, Separator, TIME, TextForm
 pub use raw::{RawColumn, RawLog};
 
 use crate::atomic;
-use crate::signals::{Channel, Role};
+use crate::signals::Channel;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -115,11 +115,6 @@ impl MeasuredLog {
     /// Returns the error of a plant that has no log.
     pub(crate) fn plant_without_log(&self, plant: &str) -> LogError {
         LogError::content(&self.source, format!("plant `{plant}`, which has no log"), "a plant with a log")
-    }
-
-    /// Output channels of the log.
-    pub fn outputs(&self) -> impl Iterator<Item = (Channel, &[f64])> {
-        self.channels.iter().filter(|(c, _)| c.role() == Role::Output).map(|(c, v)| (*c, v.as_slice()))
     }
 }
 

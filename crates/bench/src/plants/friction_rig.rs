@@ -37,13 +37,13 @@ const MIN_PRESSURE_MPA: f64 = 0.01;
 /// Maximum step of the standstill memory, s.
 const MEMORY_STEP_S: f64 = 1e-3;
 /// Maximum step while bristles bend over micrometres, near a reversal, s.
-const BRISTLE_STEP_S: f64 = 2.5e-4;
+pub(super) const BRISTLE_STEP_S: f64 = 2.5e-4;
 /// Number of widths beyond which the sign is 1 within rounding.
 const SATURATION_WIDTHS: f64 = 20.0;
 /// Number of bending lengths beyond which the initial state of the bristles has no influence.
 const MAX_BENDS: f64 = 40.0;
 /// Rounding error allowed in a count of steps.
-const STEP_ROUNDING: f64 = 1e-6;
+pub(super) const STEP_ROUNDING: f64 = 1e-6;
 
 /// Effort of the drive and its friction share, in N or N m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,30 +56,44 @@ pub struct Effort {
 
 /// Memory of an axis' friction.
 #[derive(Clone, Copy, Debug, Default)]
-struct AxisMemory {
+pub(super) struct AxisMemory {
     /// Excess of the rubbing pair's static friction.
-    excess: f64,
+    pub(super) excess: f64,
     /// Pre-sliding sign, from -1 to 1.
-    turned: f64,
+    pub(super) turned: f64,
     /// Share of the excess that a standstill has built up.
     breakaway: f64,
     /// Temperature rise in K.
     rise_k: f64,
 }
 
+impl AxisMemory {
+    /// Memory at the start. An axis that moves has its bristles bent that way, with the memory of
+    /// this speed in steady sliding. An axis at standstill has been there for a long time.
+    pub(super) fn of_steady_sliding(rig: &FrictionRig, slides: &Sliding) -> Self {
+        let extension = &rig.extension;
+        Self {
+            turned: slides.sign,
+            breakaway: extension.breakaway.as_ref().map_or(0.0, |term| term.steady(slides.speed_m_s).0),
+            rise_k: extension.temperature_start_k,
+            ..Self::default()
+        }
+    }
+}
+
 /// State of the axis at one time: motion, load with its ripples, coefficient of the rubbing pair.
-struct Moment {
-    time_s: f64,
-    motion: Motion,
-    load_n: f64,
-    coefficient: f64,
+pub(super) struct Moment {
+    pub(super) time_s: f64,
+    pub(super) motion: Motion,
+    pub(super) load_n: f64,
+    pub(super) coefficient: f64,
 }
 
 /// Regularised sign of a sliding speed with the described width.
 ///
 /// `tanh` through one exponential: exact to the rounding of 1, which is enough for friction. The
 /// library's function is also exact for tiny results, and slower.
-fn sign(rig: &FrictionRig, sliding_m_s: f64) -> f64 {
+pub(super) fn sign(rig: &FrictionRig, sliding_m_s: f64) -> f64 {
     let widths = sliding_m_s / rig.axis.regularisation_m_s;
     let fallen = (-2.0 * widths.abs().min(SATURATION_WIDTHS)).exp();
     ((1.0 - fallen) / (1.0 + fallen)).copysign(widths)
@@ -123,7 +137,7 @@ fn gravity_moment(axis: &crate::description::Axis, angle_rad: f64) -> f64 {
 }
 
 /// Effort at a moment.
-fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
+pub(super) fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
     let axis = &rig.axis;
     let friction = friction_at(rig, now, memory);
     let ripple = ripples(&rig.extension.position_ripples, now.motion.value);
@@ -135,7 +149,7 @@ fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
 }
 
 /// Returns the memory after a step, with the motion at one moment taken for the step.
-fn memory_after(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) -> AxisMemory {
+pub(super) fn memory_after(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) -> AxisMemory {
     let (axis, extension) = (&rig.axis, &rig.extension);
     let speed = now.motion.rate * axis.friction_radius_m;
     let sliding = speed.abs();
@@ -157,14 +171,14 @@ fn memory_after(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) 
 
 /// Sliding speed with its sign.
 #[derive(Clone, Copy)]
-struct Sliding {
-    speed_m_s: f64,
-    sign: f64,
+pub(super) struct Sliding {
+    pub(super) speed_m_s: f64,
+    pub(super) sign: f64,
 }
 
 /// Pre-sliding sign after a step from one sliding state to another, over which the sign changes
 /// linearly. As the distance goes to 0 the result becomes the sign at the end of the step.
-fn presliding_sign(distance_m: f64, last: f64, [begin, end]: [Sliding; 2], step_s: f64) -> f64 {
+pub(super) fn presliding_sign(distance_m: f64, last: f64, [begin, end]: [Sliding; 2], step_s: f64) -> f64 {
     let (from, to) = (begin.speed_m_s, end.speed_m_s);
     // Mean of the magnitude of a speed that changes linearly.
     let mean = if from * to < 0.0 {
@@ -188,7 +202,7 @@ pub(crate) struct Given {
 
 impl Given {
     /// Interpolates towards later inputs, at a share of the way.
-    fn towards(&self, later: &Self, share: f64) -> Self {
+    pub(super) fn towards(&self, later: &Self, share: f64) -> Self {
         let step_s = later.time_s - self.time_s;
         Self {
             time_s: self.time_s + share * step_s,
@@ -247,14 +261,7 @@ pub(crate) fn efforts_along(
     let remembers = rig.surface.is_some() || extension.breakaway.is_some() || extension.thermal.is_some();
     let mut last = lagged(first);
     let mut slides = sliding(&last.motion);
-    // An axis that moves at the start has its bristles bent that way, with the memory of this speed
-    // in steady sliding. An axis at standstill has been there for a long time.
-    let mut memory = AxisMemory {
-        turned: slides.sign,
-        breakaway: extension.breakaway.as_ref().map_or(0.0, |term| term.steady(slides.speed_m_s).0),
-        rise_k: extension.temperature_start_k,
-        ..AxisMemory::default()
-    };
+    let mut memory = AxisMemory::of_steady_sliding(rig, &slides);
     let mut efforts = Vec::with_capacity(course.len().div_ceil(every));
     for (place, given) in course.iter().enumerate() {
         let is_output = place % every == 0;

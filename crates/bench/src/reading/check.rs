@@ -29,7 +29,7 @@ impl Bench {
         all.extend(self.deref_refusals());
         all.extend(laws::refusals(self));
         all.extend(self.log_refusal());
-        all.extend(self.nuisances().refusals());
+        all.extend(self.nuisances().refusals(|channel| self.role(channel)));
         all.extend(self.uncertainty_refusals());
         let effects = self.effects().iter().enumerate().flat_map(|(index, effect)| {
             effect.errors(self).into_iter().map(move |error| {

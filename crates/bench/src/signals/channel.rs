@@ -40,6 +40,9 @@ channels! {
     SpindleSpeed "spindle_speed_rad_s" "rad/s" Input "Speed of the friction rig's spindle.";
     Position "position_m" "m" Input "Position of a linear axis.";
     Velocity "velocity_m_s" "m/s" Input "Velocity of a linear axis.";
+    OrderedAngle "ordered_angle_rad" "rad" Input "Ordered angle of a spindle in closed loop.";
+    OrderedPosition "ordered_position_m" "m" Input "Ordered position of a linear axis in closed loop.";
+    DriveVoltage "drive_voltage_v" "V" Input "Voltage at the amplifier of an axis' drive.";
     LoadForce "load_force_n" "N" Input "Force of the load cylinder.";
     ShaftAngle "shaft_angle_rad" "rad" Output "Angle of the shaft.";
     ShaftSpeed "shaft_speed_rad_s" "rad/s" Output "Speed of the shaft.";

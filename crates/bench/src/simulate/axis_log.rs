@@ -1,29 +1,25 @@
-//! Logs of a driven axis: recording, and simulation under the inputs of a log.
+//! Logs of a driven axis with a given motion: recording, and simulation under the inputs of a log.
+//! [`super::forward_log`] is the other direction.
 
+use super::forward_log;
 use super::respond::{Inputs, LoggedPlant, Response, Truth, refined, smooth_load};
-use crate::description::FrictionRig;
+use crate::description::{FrictionRig, PlantDescription};
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
 use crate::plants::friction_rig::{Given, efforts, efforts_along};
 use crate::signals::{Channel, Motion, Profile, follow, smoothed};
 
 /// Number of simulated intervals per sample.
-const FINENESS: usize = 4;
+pub(super) const FINENESS: usize = 4;
 
 impl LoggedPlant for FrictionRig {
     fn inputs(&self, log: &MeasuredLog) -> Result<Inputs, LogError> {
-        let time_s = &log.time_s;
-        let (position, speed, _) = self.channels();
-        let drive = match (log.channels.get(&position), log.channels.get(&speed)) {
-            (Some(x), v) => follow(time_s, x, v.map(Vec::as_slice)),
-            (None, Some(v)) => integrated(time_s, v),
-            (None, None) => return Err(log.missing(position)),
-        };
-        let load = match log.channels.get(&Channel::LoadForce) {
-            Some(values) => smooth_load(time_s, values),
-            None => Profile::Ramp { level: self.load.force_n, ramp_s: f64::MIN_POSITIVE },
-        };
-        let mut inputs = Inputs::from_profiles(log, (drive, load), FINENESS);
+        if let Some(drive) = self.forward() {
+            return forward_log::inputs(self, drive, log);
+        }
+        let drive = measured_motion(self, log).ok_or_else(|| log.missing(self.channels().0))?;
+        let load = axis_load(self, log);
+        let mut inputs = Inputs::from_profiles(log, self.outputs(log), (drive, load), FINENESS);
         let given = |&t: &f64| Given { time_s: t, motion: inputs.drive(t), load_n: inputs.load_n(t) };
         inputs.course = inputs.fine_s.iter().map(given).collect();
         Ok(inputs)
@@ -31,10 +27,17 @@ impl LoggedPlant for FrictionRig {
 
     fn respond(&self, inputs: &Inputs, is_prompt: bool) -> Result<Truth, IntegrationError> {
         let fineness = if is_prompt { 1 } else { inputs.fineness };
+        if let Some(drive) = self.forward() {
+            let outputs = forward_log::respond(self, drive, inputs, inputs.fineness / fineness);
+            return Ok(Truth { outputs, fineness });
+        }
         Ok(Truth { outputs: axis_outputs(self, inputs, inputs.fineness / fineness), fineness })
     }
 
     fn run(&self) -> Result<(Vec<f64>, Truth), IntegrationError> {
+        if let Some(drive) = self.forward() {
+            return Ok(forward_log::run(self, drive));
+        }
         let drive = self.axis.motion();
         let load = Profile::Ramp { level: self.load.force_n, ramp_s: self.load.ramp_s };
         let count = (self.axis.duration_s() * self.logging.sample_rate_hz).round() as usize;
@@ -53,6 +56,24 @@ impl LoggedPlant for FrictionRig {
             outputs.insert(Channel::FrictionTorque, efforts.iter().map(|e| -e.friction).collect());
         }
         Ok((fine_s, Truth { outputs, fineness: FINENESS }))
+    }
+}
+
+/// Smoothed motion of a log; none if it has neither position nor speed.
+pub(super) fn measured_motion(rig: &FrictionRig, log: &MeasuredLog) -> Option<Profile> {
+    let (position, speed, _) = rig.channels();
+    match (log.channels.get(&position), log.channels.get(&speed)) {
+        (Some(x), v) => Some(follow(&log.time_s, x, v.map(Vec::as_slice))),
+        (None, Some(v)) => Some(integrated(&log.time_s, v)),
+        (None, None) => None,
+    }
+}
+
+/// Smoothed load of a log; the described one if none is logged.
+pub(super) fn axis_load(rig: &FrictionRig, log: &MeasuredLog) -> Profile {
+    match log.channels.get(&Channel::LoadForce) {
+        Some(values) => smooth_load(&log.time_s, values),
+        None => Profile::Ramp { level: rig.load.force_n, ramp_s: f64::MIN_POSITIVE },
     }
 }
 

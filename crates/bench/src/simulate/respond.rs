@@ -5,6 +5,7 @@ use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
 use crate::plants::friction_rig::Given;
 use crate::signals::{Channel, Motion, Profile, Sensor};
+use crate::simulate::forward_log::Command;
 use std::collections::BTreeMap;
 
 /// Simulated outputs by channel, one value per sample of the log.
@@ -70,6 +71,8 @@ pub struct Inputs {
     /// Drive and load of an axis at the simulated times. They are the same for all simulations and
     /// take half the time of one.
     pub(crate) course: Vec<Given>,
+    /// Input of a simulated motion.
+    pub(crate) command: Option<Command>,
     pub(crate) outputs: Vec<Channel>,
 }
 
@@ -95,6 +98,7 @@ impl Inputs {
     /// Inputs with a motion and a load, simulated at `fineness` times per sample of the log.
     pub(crate) fn from_profiles(
         log: &MeasuredLog,
+        outputs: Vec<Channel>,
         (drive, load): (Profile, Profile),
         fineness: usize,
     ) -> Self {
@@ -105,7 +109,8 @@ impl Inputs {
             drive,
             load,
             course: Vec::new(),
-            outputs: log.outputs().map(|(channel, _)| channel).collect(),
+            command: None,
+            outputs,
         }
     }
 

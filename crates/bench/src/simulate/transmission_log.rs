@@ -2,7 +2,7 @@
 
 use super::respond::{Inputs, LoggedPlant, Response, Truth, mean_step_s, refined, smooth_load};
 use super::{DEFAULT_TOLERANCE, snapshots};
-use crate::description::TransmissionBench;
+use crate::description::{PlantDescription, TransmissionBench};
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
 use crate::plants::transmission::Snapshot;
@@ -36,7 +36,7 @@ impl LoggedPlant for TransmissionBench {
         let load = smooth_load(&log.time_s, log.need(Channel::LoadForce)?);
         let half_s = DRIVE_HALF_WINDOW_S.max(4.0 * mean_step_s(&log.time_s));
         let drive = Profile::through(&log.time_s, displacement, velocity, half_s, 4);
-        Ok(Inputs::from_profiles(log, (drive, load), FINENESS))
+        Ok(Inputs::from_profiles(log, self.outputs(log), (drive, load), FINENESS))
     }
 
     fn respond(&self, inputs: &Inputs, _: bool) -> Result<Truth, IntegrationError> {

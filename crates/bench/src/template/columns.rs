@@ -104,8 +104,10 @@ pub(super) fn chambers<'a>(candidates: &[Candidate<'a>]) -> Option<[&'a str; 2]>
 /// Kind of the driven motion that the columns indicate.
 pub(super) fn motion_kind(candidates: &[Candidate<'_>]) -> MotionKind {
     let own = |c: &Candidate<'_>| match c.meaning.own.and_then(Channel::from_name)? {
-        Channel::SpindleAngle | Channel::SpindleSpeed | Channel::DriveTorque => Some(MotionKind::Rotary),
-        Channel::Position | Channel::Velocity => Some(MotionKind::Linear),
+        Channel::SpindleAngle | Channel::SpindleSpeed | Channel::OrderedAngle | Channel::DriveTorque => {
+            Some(MotionKind::Rotary)
+        }
+        Channel::Position | Channel::Velocity | Channel::OrderedPosition => Some(MotionKind::Linear),
         _ => None,
     };
     let kinds: Vec<MotionKind> = candidates.iter().filter_map(|c| own(c).or(c.meaning.kind)).collect();

@@ -142,11 +142,20 @@ fn signals<'a>(candidates: &[columns::Candidate<'a>], plant: TemplatePlant) -> V
         TemplatePlant::Transmission => {
             let is_of_axis = |c: &&Channel| {
                 use Channel::{
-                    BearingTemperature, DriveTorque, Position, SpindleAngle, SpindleSpeed, Velocity,
+                    BearingTemperature, DriveTorque, DriveVoltage, OrderedAngle, OrderedPosition, Position,
+                    SpindleAngle, SpindleSpeed, Velocity,
                 };
                 matches!(
                     c,
-                    SpindleAngle | SpindleSpeed | Position | Velocity | DriveTorque | BearingTemperature
+                    SpindleAngle
+                        | SpindleSpeed
+                        | Position
+                        | Velocity
+                        | OrderedAngle
+                        | OrderedPosition
+                        | DriveVoltage
+                        | DriveTorque
+                        | BearingTemperature
                 )
             };
             let is_needed = |c: &Channel| matches!(c, Channel::DriveDisplacement | Channel::LoadForce);

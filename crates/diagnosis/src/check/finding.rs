@@ -39,7 +39,7 @@ pub struct Finding {
     /// Kind, from a stable vocabulary: `sampling`, `gap`, `jitter`, `duplicate-time`,
     /// `backward-time`, `clock-unit`, `missing-values`, `outliers`, `stuck`, `constant`,
     /// `saturated`, `quantised`, `unit`, `sign`, `swapped-axes`, `gain`, `contradiction`, `delay`,
-    /// `copy`, `nuisance-at-bound`, `out-of-tolerance`, `immaterial`.
+    /// `copy`, `nuisance-at-bound`, `out-of-tolerance`, `immaterial`, `open-loop`.
     pub kind: &'static str,
     /// The finding as a clause.
     pub found: String,

@@ -19,7 +19,7 @@ pub(super) fn check(
     findings: &mut Vec<Finding>,
 ) {
     let gains: Vec<(Channel, f64)> =
-        log.outputs().filter_map(|(c, _)| Some((c, simulated.gain(log, c)?))).collect();
+        bench.outputs(log).into_iter().filter_map(|c| Some((c, simulated.gain(log, c)?))).collect();
     for &(channel, gain) in &gains {
         // The gain relative to related channels does not depend on friction, inertia or clearance;
         // the gain relative to the simulation does.

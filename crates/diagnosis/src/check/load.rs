@@ -20,7 +20,8 @@ pub(super) fn check(bench: &Bench, log: &mut MeasuredLog, findings: &mut Vec<Fin
         || described_n.abs() < tuning::MIN_LOAD_N
         || load_n.abs() < described_n.abs();
     let own = if is_possible { Simulated::new(bench, log) } else { None };
-    let (before, wrong, all) = own.as_ref().map_or((tuning::MAX_MISMATCH_COUNTED, 2, 2), |s| s.overall(log));
+    let (before, wrong, all) =
+        own.as_ref().map_or((tuning::MAX_MISMATCH_COUNTED, 2, 2), |s| s.overall(bench, log));
     // The load acts on all outputs, so a single wrong one of several is not due to it.
     let is_suspect = before > tuning::LOAD_MISMATCH && (wrong >= 2 || (all == 1 && wrong == 1));
     if !is_suspect || !log.channels.contains_key(&Channel::LoadForce) {
@@ -30,7 +31,7 @@ pub(super) fn check(bench: &Bench, log: &mut MeasuredLog, findings: &mut Vec<Fin
     let tried = plausible_factors(bench, log, load_n).into_iter().filter_map(|(factor, cause)| {
         let mut other = short.clone();
         multiply(&mut other, Channel::LoadForce, 1.0 / factor);
-        let (after, ..) = Simulated::new(bench, &other)?.overall(&other);
+        let (after, ..) = Simulated::new(bench, &other)?.overall(bench, &other);
         Some((after, factor, cause))
     });
     let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));

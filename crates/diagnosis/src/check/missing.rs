@@ -4,7 +4,7 @@ use super::finding::{Finding, Severity};
 use super::rows::keep_rows;
 use super::tuning;
 use bench::log::LogError;
-use bench::{MeasuredLog, Role};
+use bench::{Bench, MeasuredLog, Role};
 
 /// Returns whether a number is a reading: neither missing nor a filler.
 fn is_reading(value: f64) -> bool {
@@ -13,7 +13,11 @@ fn is_reading(value: f64) -> bool {
 
 /// Removes rows with missing readings, and outputs of which many readings are missing; an error if
 /// more than half of the rows would be removed.
-pub(super) fn leave_out_missing(log: &mut MeasuredLog, findings: &mut Vec<Finding>) -> Result<(), LogError> {
+pub(super) fn leave_out_missing(
+    bench: &Bench,
+    log: &mut MeasuredLog,
+    findings: &mut Vec<Finding>,
+) -> Result<(), LogError> {
     let rows = log.time_s.len();
     let mut keep = vec![true; rows];
     let (mut left_out, mut missing) = (Vec::new(), Vec::new());
@@ -23,7 +27,7 @@ pub(super) fn leave_out_missing(log: &mut MeasuredLog, findings: &mut Vec<Findin
             continue;
         }
         let is_left_out =
-            count as f64 > tuning::MAX_MISSING_SHARE * rows as f64 && channel.role() == Role::Output;
+            count as f64 > tuning::MAX_MISSING_SHARE * rows as f64 && bench.role(channel) == Role::Output;
         let severity = if is_left_out { Severity::Wrong } else { Severity::Doubtful };
         let found = format!("{count} of {rows} readings are missing");
         let finding = Finding::new(severity, &log.source, channel.name(), "missing-values", found)

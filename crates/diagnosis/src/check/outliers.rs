@@ -20,7 +20,7 @@ pub(super) fn find_outliers<'a>(
     findings: &mut Vec<Finding>,
 ) -> Vec<bool> {
     let mut keep = vec![true; log.time_s.len()];
-    let of_role = log.channels.iter().filter(|(c, _)| c.role() == role);
+    let of_role = log.channels.iter().filter(|(c, _)| bench.role(**c) == role);
     let channels: Vec<(Channel, Neighbours<'_>)> = of_role
         .filter_map(|(&channel, values)| {
             let declared = bench.sensors().get(&channel).map_or(0.0, bench::signals::Sensor::floor);

@@ -82,8 +82,9 @@ impl Simulated {
 
     /// Mean mismatch of all outputs, number of outputs with a large mismatch, and number of
     /// outputs.
-    pub(super) fn overall(&self, log: &MeasuredLog) -> (f64, usize, usize) {
-        let all: Vec<f64> = log.outputs().filter_map(|(c, _)| self.mismatch(log, c, c, 1.0)).collect();
+    pub(super) fn overall(&self, bench: &Bench, log: &MeasuredLog) -> (f64, usize, usize) {
+        let outputs = bench.outputs(log).into_iter();
+        let all: Vec<f64> = outputs.filter_map(|c| self.mismatch(log, c, c, 1.0)).collect();
         let wrong = all.iter().filter(|r| **r > tuning::LOAD_MISMATCH).count();
         (mean(all.iter().map(|r| r.min(tuning::MAX_MISMATCH_COUNTED))), wrong, all.len())
     }

@@ -19,8 +19,10 @@ pub(super) fn check(
 ) -> Vec<bool> {
     let mut keep = vec![true; log.time_s.len()];
     let mut left_out = Vec::new();
-    for (channel, values) in log.outputs() {
-        let Some(expected) = simulated.channel(channel) else { continue };
+    for channel in bench.outputs(log) {
+        let (Some(values), Some(expected)) = (log.channels.get(&channel), simulated.channel(channel)) else {
+            continue;
+        };
         let declared = bench.sensors().get(&channel).map_or(0.0, bench::signals::Sensor::floor);
         let steps = tuning::MOVED_STEPS * step(values).unwrap_or_default();
         let share = tuning::MIN_MOVED_SHARE * range(expected);

@@ -15,7 +15,7 @@ pub(super) fn check(
     simulated: &Simulated,
     findings: &mut Vec<Finding>,
 ) {
-    let channels: Vec<Channel> = log.outputs().map(|(c, _)| c).collect();
+    let channels: Vec<Channel> = bench.outputs(log);
     for channel in channels {
         let Some(own) = simulated.mismatch(log, channel, channel, 1.0).filter(|r| *r > tuning::MAX_MISMATCH)
         else {

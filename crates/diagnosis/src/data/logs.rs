@@ -46,12 +46,23 @@ pub(crate) struct Data {
 pub(crate) type Columns = Vec<Vec<f64>>;
 
 impl Data {
-    /// Prepares logs. Without `held_out` logs, `split` holds out a part of each log.
+    /// Prepares logs for a diagnosis. Without `held_out` logs, `split` holds out a part of each
+    /// log.
     pub(crate) fn new(
         bench: &Bench,
         fitted: &[MeasuredLog],
         held_out: &[MeasuredLog],
         split: Split,
+    ) -> Result<Self, LogError> {
+        Self::with_outputs(bench, (fitted, held_out), split, diagnosed_outputs)
+    }
+
+    /// Prepares logs for a comparison of the outputs that `outputs_of` returns.
+    pub(crate) fn with_outputs(
+        bench: &Bench,
+        (fitted, held_out): (&[MeasuredLog], &[MeasuredLog]),
+        split: Split,
+        outputs_of: impl Fn(&Bench, &MeasuredLog) -> Vec<Channel>,
     ) -> Result<Self, LogError> {
         let (mut logs, mut blocks) = (Vec::new(), Vec::new());
         let split = held_out.is_empty().then_some(split);
@@ -59,10 +70,10 @@ impl Data {
         for (index, (measured, is_fitted)) in all.enumerate() {
             let inputs = Inputs::new(bench, measured)?;
             let log = Log::new(bench, index, measured, inputs, is_fitted, split);
-            let simulated = simulated_outputs(bench, measured);
-            let outputs = measured.outputs().filter(|(c, _)| simulated.contains(c));
+            let simulated = outputs_of(bench, measured);
+            let outputs = simulated.into_iter().filter_map(|c| Some((c, measured.channels.get(&c)?)));
             let own: Vec<Block> = outputs
-                .map(|(channel, values)| Block { log: index, channel, measured: values.to_vec() })
+                .map(|(channel, values)| Block { log: index, channel, measured: values.clone() })
                 .collect();
             if own.is_empty() {
                 return Err(LogError::Content {
@@ -189,7 +200,19 @@ impl Data {
 
 /// Outputs that the plant simulates under the log's inputs.
 pub(crate) fn simulated_outputs(bench: &Bench, log: &MeasuredLog) -> Vec<Channel> {
-    log.outputs().map(|(channel, _)| channel).filter(|channel| bench.simulates(*channel)).collect()
+    bench.outputs(log).into_iter().filter(|channel| bench.simulates(*channel)).collect()
+}
+
+/// Outputs that a diagnosis compares. In open loop a position adds up the errors of the input over
+/// the complete log, so it is left out where a speed is measured.
+fn diagnosed_outputs(bench: &Bench, log: &MeasuredLog) -> Vec<Channel> {
+    let mut outputs = simulated_outputs(bench, log);
+    if let Some(drive) = bench.drive_channels().filter(|_| bench.is_open_loop())
+        && outputs.contains(&drive.speed)
+    {
+        outputs.retain(|channel| *channel != drive.position);
+    }
+    outputs
 }
 
 impl Log {

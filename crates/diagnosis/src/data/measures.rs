@@ -1,9 +1,9 @@
 //! Quantities of the logs of an axis in which steps and priors of effects are given.
 
 use super::logs::Data;
-use bench::Bench;
 use bench::description::FrictionRig;
 use bench::effects::Measure;
+use bench::{Bench, Channel};
 
 /// Effort and motion of the logs of a driven axis; 1 on other benches, whose effects have steps and
 /// priors in their own units.
@@ -45,14 +45,21 @@ impl Measures {
                 friction_radius: 1.0,
             };
         };
-        let efforts = data.channels.iter().map(|&channel| {
+        let is_effort = |channel: Channel| {
+            rig.forward().is_none() || channel == rig.channels().2 || channel == Channel::FrictionTorque
+        };
+        let efforts = data.channels.iter().filter(|c| is_effort(**c)).map(|&channel| {
             let blocks = data.blocks.iter().filter(|b| b.channel == channel);
             rms(blocks.flat_map(|b| b.measured.iter().copied()))
         });
+        let given = rig
+            .forward()
+            .map(|drive| rms(data.logs.iter().flat_map(|log| log.inputs.driving_efforts(rig, drive))));
         let positions = || data.logs.iter().flat_map(|log| log.position.iter().copied());
         let highest = positions().fold(f64::NEG_INFINITY, f64::max);
         let lowest = positions().fold(f64::INFINITY, f64::min);
-        let effort = positive(efforts.fold(0.0, f64::max));
+        let measured = efforts.fold(0.0, f64::max);
+        let effort = positive(if measured > 0.0 { measured } else { given.unwrap_or_default() });
         let load = rms(data.logs.iter().flat_map(|log| log.load.iter().copied()));
         Self {
             effort,

@@ -17,6 +17,7 @@ use super::split::Use;
 use super::tuning;
 use crate::digits::four_digits;
 use bench::signals::white_noise;
+use bench::simulate::respond;
 use bench::{Bench, Channel};
 use std::collections::BTreeMap;
 
@@ -29,6 +30,8 @@ pub(crate) enum FloorSource {
     RepeatedCycles,
     /// Fourth differences of neighbouring samples.
     Differences,
+    /// Noise of the input, which a simulated motion integrates.
+    Input,
 }
 
 impl FloorSource {
@@ -38,6 +41,7 @@ impl FloorSource {
             Self::Declared => "declared",
             Self::RepeatedCycles => "repeats",
             Self::Differences => "differences",
+            Self::Input => "input",
         }
     }
 }
@@ -76,6 +80,7 @@ impl ChannelNoise {
     pub(crate) fn declaration_mismatch(&self, channel: Channel) -> Option<String> {
         let ratio = self.observed_floor / self.declared_floor;
         if self.declared_floor <= 0.0
+            || self.source == FloorSource::Input
             || (tuning::MIN_OBSERVED_OVER_DECLARED..=tuning::MAX_OBSERVED_OVER_DECLARED).contains(&ratio)
         {
             return None;
@@ -100,6 +105,7 @@ pub(crate) struct NoiseModel(BTreeMap<Channel, ChannelNoise>);
 impl NoiseModel {
     /// Floors from the description and from the residual of the nominal bench.
     pub(crate) fn from_nominal_residual(bench: &Bench, data: &Data, residual: &Columns) -> Self {
+        let of_input = input_noise(bench, data);
         let floor_of = |&channel: &Channel| {
             let declared = bench.sensors().get(&channel).map_or(0.0, bench::signals::Sensor::floor);
             let white = white_deviation(data, residual, channel);
@@ -112,6 +118,10 @@ impl NoiseModel {
                 Some(deviation) => (deviation, FloorSource::RepeatedCycles),
                 None => (white, FloorSource::Differences),
             };
+            let by_input = of_input.get(&channel).copied().unwrap_or_default();
+            let is_of_input = by_input > tuning::MIN_INPUT_SHARE * floor;
+            let source = if is_of_input { FloorSource::Input } else { source };
+            let floor = floor.hypot(by_input);
             let min = tuning::MIN_FLOOR_SHARE * largest_reading(data, channel).max(f64::MIN_POSITIVE);
             let noise = ChannelNoise {
                 floor: floor.max(min),
@@ -193,6 +203,31 @@ impl NoiseModel {
         }
         out
     }
+}
+
+/// Rms change of each channel by the noise of the input and of the start, where a motion is
+/// simulated. Without feedback it adds up over time, beyond any sensor's noise.
+fn input_noise(bench: &Bench, data: &Data) -> BTreeMap<Channel, f64> {
+    let mut sums: BTreeMap<Channel, (f64, usize)> = BTreeMap::new();
+    if bench.axis().is_none_or(|rig| rig.forward().is_none()) {
+        return BTreeMap::new();
+    }
+    for log in &data.logs {
+        let Ok(plain) = respond(bench, &log.inputs) else { continue };
+        let disturbed = (0..tuning::INPUT_NOISES).filter_map(|seed| log.inputs.disturbed(seed));
+        for response in disturbed.filter_map(|inputs| respond(bench, &inputs).ok()) {
+            for (channel, values) in response {
+                let Some(plain) = plain.get(&channel) else { continue };
+                let (sum, count) = sums.entry(channel).or_default();
+                let used = values.iter().zip(plain).zip(&log.uses).filter(|(_, used)| **used != Use::Skip);
+                for ((there, here), _) in used {
+                    *sum += (there - here).powi(2);
+                    *count += 1;
+                }
+            }
+        }
+    }
+    sums.into_iter().map(|(channel, (sum, count))| (channel, (sum / count.max(1) as f64).sqrt())).collect()
 }
 
 /// Largest magnitude of a channel's readings.

@@ -29,6 +29,12 @@ pub(crate) const MIN_OBSERVED_OVER_DECLARED: f64 = 0.5;
 /// Observed over declared noise above which the report mentions the declaration. Chosen by hand,
 /// not measured.
 pub(crate) const MAX_OBSERVED_OVER_DECLARED: f64 = 1.5;
+/// Realisations of the input's noise from which its share of an output is computed. Chosen by hand,
+/// not measured.
+pub(crate) const INPUT_NOISES: u64 = 6;
+/// Noise that an output has from the input, as a share of its sensor's, above which its noise
+/// counts as correlated. Chosen by hand, not measured.
+pub(crate) const MIN_INPUT_SHARE: f64 = 0.1;
 /// Smallest noise floor as a share of the largest reading; it only excludes a floor of 0. Chosen by
 /// hand, not measured.
 pub(crate) const MIN_FLOOR_SHARE: f64 = 1e-9;

@@ -142,7 +142,7 @@ fn separations(
     let evidence = stage.contenders.first().map_or(0.0, |c| c.evidence);
     let log = |p: &Planned| {
         let mut log: MeasuredLog = p.log.clone();
-        log.channels.retain(|c, _| c.role() == Role::Input || data.channels.contains(c));
+        log.channels.retain(|c, _| bench.role(*c) == Role::Input || data.channels.contains(c));
         log
     };
     let logs: Vec<MeasuredLog> = plan.iter().map(log).collect();

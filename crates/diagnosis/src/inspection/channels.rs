@@ -24,7 +24,7 @@ pub struct ChannelQuality {
     pub resolution: Option<f64>,
     /// Noise: of an output as an evaluation uses it, of an input from neighbouring samples.
     pub noise: f64,
-    /// Origin of the noise: `declared`, `repeats` or `differences`.
+    /// Origin of the noise: `declared`, `repeats`, `differences` or `input`.
     pub noise_source: &'static str,
     /// White noise between neighbouring samples.
     pub white_noise: f64,
@@ -45,12 +45,12 @@ pub(super) fn channel_qualities(
         let mut squares: Vec<f64> =
             readings().flat_map(|(time_s, values)| white_noise::squares(time_s, values)).collect();
         let white = white_noise::deviation(&mut squares);
-        let is_compared = channel.role() == Role::Output && bench.simulates(channel);
+        let is_compared = bench.role(channel) == Role::Output && bench.simulates(channel);
         let floor = noise.channel(channel);
         let declared = bench.sensors().get(&channel).map_or(0.0, bench::signals::Sensor::floor);
         ChannelQuality {
             channel,
-            role: if channel.role() == Role::Input { "input" } else { "output" },
+            role: if bench.role(channel) == Role::Input { "input" } else { "output" },
             unit: channel.unit(),
             min,
             max,

@@ -96,7 +96,7 @@ fn try_entry(bench: &Bench, information: &Information, entry: &'static MenuEntry
     let channels = &information.data.channels;
     let measured = |log: &MeasuredLog| {
         let mut log = log.clone();
-        log.channels.retain(|channel, _| channel.role() == Role::Input || channels.contains(channel));
+        log.channels.retain(|channel, _| bench.role(*channel) == Role::Input || channels.contains(channel));
         log
     };
     let logs: Vec<MeasuredLog> = plan.iter().map(|recording| measured(&recording.log)).collect();
