@@ -42,6 +42,13 @@ section! {
         /// the stroke, if nothing else is known.
         #[serde(default, skip_serializing_if = "is_zero")]
         neutral_position: f64 [-1e6, 1e6, "m or rad"],
+        /// Play between the drive and the rubbing part, at the friction radius: after a reversal
+        /// friction is absent until the drive has crossed it.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        play: f64 [0.0, 1e3, "m"],
+        /// Deflection of the coupling between the drive and the rubbing part per friction effort.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        coupling_compliance: f64 [0.0, 1e6, "m/N or rad/(N m)"],
         /// Period of the sinusoidal motion, for records.
         period_s: f64 [1e-3, 1e6],
         /// Amplitude of the motion (half the stroke), for records.
@@ -153,6 +160,7 @@ impl FrictionRig {
 /// Omissions of the model.
 const LIMITS: &[&str] = &[
     "The motion is given: the axis cannot stick, slip or vibrate.",
+    "The rubbing part behind play and coupling has no mass, and starts in the middle of its play.",
     "The friction of the surfaces is an assumption in the shape of published curves.",
     "The load is the same over the whole surface; wear and temperature are not modelled.",
     "Below the width of the regularised sign, friction rises with speed, not displacement.",
@@ -204,6 +212,8 @@ impl PlantDescription for FrictionRig {
             "axis.load_coefficient" => Some(&mut self.axis.load_coefficient),
             "axis.constant_effort" => Some(&mut self.axis.constant_effort),
             "axis.spring_stiffness" => Some(&mut self.axis.spring_stiffness),
+            "axis.play" => Some(&mut self.axis.play),
+            "axis.coupling_compliance" => Some(&mut self.axis.coupling_compliance),
             _ => None,
         }
     }

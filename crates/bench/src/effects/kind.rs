@@ -22,6 +22,8 @@ pub enum Measure {
     Drag,
     /// Effort over half the range of the motion, N/m or N m/rad.
     Stiffness,
+    /// Half the range of the motion over the effort, m/N or rad/(N m).
+    Compliance,
     /// Effort over the rms load, N/N or N m/N; 1 without a load.
     LoadGain,
     /// Load with this effort, by the described gain and load-dependent friction, N.

@@ -11,6 +11,8 @@ mod contact_stiffness;
 mod coulomb_asymmetry;
 mod coulomb_level;
 mod drive_lag;
+mod drive_play;
+mod elastic_coupling;
 mod fork_backlash;
 mod friction_step;
 mod hydraulic_compliance;
@@ -73,6 +75,8 @@ pub const CATALOGUE: &[EffectKind] = &[
     position_ripple::EFFECT,
     hydraulic_compliance::EFFECT,
     drive_lag::EFFECT,
+    drive_play::EFFECT,
+    elastic_coupling::EFFECT,
     load_gain::EFFECT,
     load_ripple::EFFECT,
     fork_backlash::EFFECT,
