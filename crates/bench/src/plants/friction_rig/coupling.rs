@@ -9,8 +9,9 @@
 //!
 //! A step of `h` takes the speed `V` of the drive in its middle and is implicit: `u_1 = u_0 + h (V -
 //! v)` and `F(v) = f(u_1)`. One equation with one unknown `v` remains. It has one solution if `F`
-//! rises with `v`. Otherwise (friction that falls with speed, negative friction) the result is
-//! finite and within the bracket below, but may be one of several. As `g` and `c` go to 0, `v`
+//! rises with `v`. Friction that falls with speed may have several, of which one results. A part
+//! with friction does not overshoot the play, and its bristles move it by their length at most:
+//! these limits keep the result finite where friction is negative. As `g` and `c` go to 0, `v`
 //! becomes `V`. Units: those of the motion (m or rad) and of the effort (N or N m).
 
 use crate::description::Axis;
@@ -39,6 +40,8 @@ pub(super) struct DriveStep {
     pub(super) rate: f64,
     /// Length, s; positive.
     pub(super) step_s: f64,
+    /// Distance by which bristles move the part against the coupling, m or rad.
+    pub(super) bristles: f64,
 }
 
 impl Coupling {
@@ -56,7 +59,7 @@ impl Coupling {
 
     /// Deflection that the coupling can have: a rigid one has no more than its play.
     pub(super) fn limited(&self, deflection: f64) -> f64 {
-        if self.compliance > 0.0 { deflection } else { deflection.clamp(-self.half_play, self.half_play) }
+        if self.compliance > 0.0 { deflection } else { deflection.max(-self.half_play).min(self.half_play) }
     }
 
     /// Speed of the rubbing part over a step of the drive, under its friction at a speed.
@@ -73,7 +76,9 @@ impl Coupling {
         let free = drive.deflection / step_s + drive.rate;
         let (slow, fast) = (free - self.half_play / step_s, free + self.half_play / step_s);
         let (at_slow, at_fast) = (friction(slow), friction(fast));
-        let still = 0.0_f64.clamp(slow, fast);
+        let still = slow.max(0.0).min(fast);
+        let (lowest, highest) =
+            (slow.min(0.0) - drive.bristles / step_s, fast.max(0.0) + drive.bristles / step_s);
         let search = Search { guess, probe, tolerance: TOLERANCE * at_slow.abs().max(at_fast.abs()) };
         // Deflected beyond an end, the coupling has at most the friction that it has at this end.
         let (edge, at_edge) = if at_slow > 0.0 {
@@ -85,7 +90,7 @@ impl Coupling {
         } else {
             return search.root([slow, fast], friction);
         };
-        let far = edge - at_edge * self.compliance / step_s;
+        let far = (edge - at_edge * self.compliance / step_s).max(lowest).min(highest);
         if far == edge {
             return edge;
         }
@@ -124,7 +129,7 @@ impl Search {
             before = Some((next, value));
             next -= value * (next - x) / (value - y);
         }
-        next.clamp(low, high)
+        next.max(low).min(high)
     }
 }
 
@@ -326,6 +331,7 @@ mod tests {
         fn efforts_are_finite(
             (play, compliance) in (-12.0..3.0_f64, -15.0..6.0_f64),
             (level, slope, rise) in (-1e3..1e4_f64, -1e5..1e5_f64, -1e3..1e4_f64),
+            (viscous, asymmetry) in (-1e6..1e6_f64, -1e6..1e6_f64),
             (width, radius, interval) in (-9.0..0.0_f64, -6.0..3.0_f64, -6.0..-1.0_f64),
             which in 0..8_u8,
         ) {
@@ -340,6 +346,8 @@ mod tests {
                 rig.extension.presliding_distance_m = 0.0;
             }
             rig.axis.coulomb_effort = level;
+            rig.axis.viscous_effort = viscous;
+            rig.extension.viscous_asymmetry = asymmetry;
             rig.extension.friction_slope = slope;
             rig.extension.stribeck.push(StribeckTerm { rise, speed_m_s: 0.02 });
             rig.axis.regularisation_m_s = 10_f64.powf(width);

@@ -172,7 +172,8 @@ impl<'a, M: Fn(f64) -> Motion> Stepping<'a, M> {
             friction_at(self.rig, &now, &rubbing, &memory)
         };
         let probe = PROBE_WIDTHS * self.rig.axis.regularisation_m_s / self.rig.axis.friction_radius_m;
-        let step = DriveStep { deflection: before.deflection, rate: drive_rate, step_s };
+        let bristles = self.rig.extension.presliding_distance_m / self.rig.axis.friction_radius_m;
+        let step = DriveStep { deflection: before.deflection, rate: drive_rate, step_s, bristles };
         let rate = coupling.speed(&step, [before.rate, probe], friction);
         let deflection = coupling.limited(before.deflection + step_s * (drive_rate - rate));
         self.following = Following { rate, drive_rate, deflection };
