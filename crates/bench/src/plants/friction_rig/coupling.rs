@@ -20,8 +20,8 @@ use crate::description::Axis;
 const MAX_TRIALS: usize = 80;
 /// Number of trial speeds after which every second one bisects the bracket.
 const MAX_SECANTS: usize = 8;
-/// Error of the effort, as a share of the friction at the end of the bracket.
-const TOLERANCE: f64 = 1e-11;
+/// Error of the effort, as a share of the largest effort in the bracket.
+const TOLERANCE: f64 = 1e-10;
 
 /// Coupling of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,27 +75,30 @@ impl Coupling {
         // Speeds that leave the coupling at the ends of its play.
         let free = drive.deflection / step_s + drive.rate;
         let (slow, fast) = (free - self.half_play / step_s, free + self.half_play / step_s);
-        let (at_slow, at_fast) = (friction(slow), friction(fast));
-        let still = slow.max(0.0).min(fast);
-        let (lowest, highest) =
-            (slow.min(0.0) - drive.bristles / step_s, fast.max(0.0) + drive.bristles / step_s);
-        let search = Search { guess, probe, tolerance: TOLERANCE * at_slow.abs().max(at_fast.abs()) };
-        // Deflected beyond an end, the coupling has at most the friction that it has at this end.
-        let (edge, at_edge) = if at_slow > 0.0 {
-            (slow, at_slow)
-        } else if at_fast < 0.0 {
-            (fast, at_fast)
-        } else if friction(still) == 0.0 {
-            return still;
+        let search = |tolerance: f64| Search { guess, probe, tolerance };
+        // Without bristles a part within its play stands still, without friction.
+        let (forwards, backwards) = if drive.bristles == 0.0 {
+            (slow > 0.0, fast < 0.0)
         } else {
-            return search.root([slow, fast], friction);
+            let (at_slow, at_fast) = (friction(slow), friction(fast));
+            if at_slow <= 0.0 && at_fast >= 0.0 {
+                return search(TOLERANCE * at_slow.abs().max(at_fast)).root([slow, fast], friction);
+            }
+            (at_slow > 0.0, at_fast < 0.0)
         };
-        let far = (edge - at_edge * self.compliance / step_s).max(lowest).min(highest);
-        if far == edge {
+        let edge = match (forwards, backwards) {
+            (true, _) => slow,
+            (_, true) => fast,
+            _ => return slow.max(0.0).min(fast),
+        };
+        if self.compliance == 0.0 {
             return edge;
         }
         let stiffness = step_s / self.compliance;
-        search.root([far.min(edge), far.max(edge)], |speed| friction(speed) - stiffness * (edge - speed))
+        let back = drive.bristles / step_s;
+        let bracket = if forwards { [slow.min(0.0) - back, slow] } else { [fast, fast.max(0.0) + back] };
+        let scale = stiffness * edge.abs().max(back);
+        search(TOLERANCE * scale).root(bracket, |speed| friction(speed) - stiffness * (edge - speed))
     }
 }
 
@@ -112,6 +115,14 @@ impl Search {
         let mut next = self.guess;
         let mut before: Option<(f64, f64)> = None;
         for trial in 0..MAX_TRIALS {
+            if trial == MAX_SECANTS {
+                if function(high) <= 0.0 {
+                    return high;
+                }
+                if function(low) >= 0.0 {
+                    return low;
+                }
+            }
             let bisects = trial >= MAX_SECANTS && trial % 2 == 0;
             if bisects || !(low < next && next < high) {
                 next = 0.5 * (low + high);
@@ -207,7 +218,11 @@ mod tests {
         for (distance, expected) in
             [(1e-3, -50.0), (2.1e-3, 0.0), (3.5e-3, 0.0), (4.9e-3, 0.0), (6e-3, 50.0), (7.1e-3, LEVEL)]
         {
-            assert!((friction(distance) - expected).abs() < 0.01 * LEVEL, "{distance}: {}", friction(distance));
+            assert!(
+                (friction(distance) - expected).abs() < 0.01 * LEVEL,
+                "{distance}: {}",
+                friction(distance)
+            );
         }
     }
 

@@ -174,7 +174,8 @@ impl<'a, M: Fn(f64) -> Motion> Stepping<'a, M> {
         let probe = PROBE_WIDTHS * self.rig.axis.regularisation_m_s / self.rig.axis.friction_radius_m;
         let bristles = self.rig.extension.presliding_distance_m / self.rig.axis.friction_radius_m;
         let step = DriveStep { deflection: before.deflection, rate: drive_rate, step_s, bristles };
-        let rate = coupling.speed(&step, [before.rate, probe], friction);
+        let guess = before.motion(&middle.motion).rate;
+        let rate = coupling.speed(&step, [guess, probe], friction);
         let deflection = coupling.limited(before.deflection + step_s * (drive_rate - rate));
         self.following = Following { rate, drive_rate, deflection };
     }
