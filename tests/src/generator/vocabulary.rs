@@ -32,6 +32,8 @@ pub fn size_parameters(effect: &str) -> &'static [&'static str] {
         "hydraulic-compliance" => &["compliance_m_n"],
         "drive-lag" => &["lag_s"],
         "load-gain" => &["gain_change"],
+        "drive-play" => &["play"],
+        "elastic-coupling" => &["compliance"],
         "spring-effort" => &["stiffness"],
         "position-friction" => &["friction_slope"],
         "load-ripple" => &["cos_force_n", "sin_force_n"],
@@ -48,7 +50,7 @@ pub fn size_parameters(effect: &str) -> &'static [&'static str] {
 
 const SENSOR: [&str; 5] =
     ["sensor-offset", "sensor-gain", "sensor-delay", "sensor-drift", "sensor-saturation"];
-const ROTARY: [&str; 15] = [
+const ROTARY: [&str; 17] = [
     "inertia-mismatch",
     "stribeck-friction",
     "coulomb-level",
@@ -64,6 +66,8 @@ const ROTARY: [&str; 15] = [
     "spring-effort",
     "position-ripple",
     "drive-lag",
+    "drive-play",
+    "elastic-coupling",
 ];
 
 /// Returns the effects that a plant can show.
@@ -135,6 +139,12 @@ fn of_axis(effect: &str, record: &Record, sign: f64, phase: f64, noise: &mut Noi
             (vec![("excess_effort", 1.0)], 10.0 * floor, 1e4, shapes)
         }
         "presliding-hysteresis" => (vec![("distance_m", 1.0)], 1e-4, 5e-3, vec![]),
+        "drive-play" => (vec![("play", 1.0)], 1e-4, 1e-2, vec![]),
+        "elastic-coupling" => {
+            // 0.1 mm at the friction radius under the usual friction.
+            let guess = 1e-4 / radius / if rotary { 142.0 } else { 170.0 };
+            (vec![("compliance", 1.0)], guess, 100.0 * guess, vec![])
+        }
         "thermal-friction-drift" => {
             let shapes = vec![("resistance_k_w", 0.1), ("time_constant_s", between(4.0, 20.0))];
             (vec![("level_per_k", sign)], 0.005, 0.4, shapes)

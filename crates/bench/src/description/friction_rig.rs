@@ -52,6 +52,13 @@ section! {
         /// the stroke, if nothing else is known.
         #[serde(default, skip_serializing_if = "is_zero")]
         neutral_position: f64 [-1e6, 1e6, "m or rad"],
+        /// Play between the drive and the rubbing part, at the friction radius: after a reversal
+        /// friction is absent until the drive has crossed it.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        play: f64 [0.0, 1e3, "m"],
+        /// Deflection of the coupling between the drive and the rubbing part per friction effort.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        coupling_compliance: f64 [0.0, 1e6, "m/N or rad/(N m)"],
         /// Period of the sinusoidal motion, for records.
         period_s: f64 [1e-3, 1e6],
         /// Amplitude of the motion (half the stroke), for records.
@@ -180,6 +187,7 @@ const MAX_SETTLING_SHARE: f64 = 0.25;
 /// Omissions of the model.
 const LIMITS: &[&str] = &[
     "The motion is given: the axis cannot stick, slip or vibrate.",
+    "The rubbing part behind play and coupling has no mass, and starts in the middle of its play.",
     "The friction of the surfaces is an assumption in the shape of published curves.",
     "The load is the same over the whole surface; wear and temperature are not modelled.",
     "Below the width of the regularised sign, friction rises with speed, not displacement.",
@@ -219,8 +227,12 @@ impl PlantDescription for FrictionRig {
         // A sweep has no standstill.
         let longest_dwell_s = if axis.last_period_s > 0.0 { 0.0 } else { 1e6 };
         let shortest_last_period_s = if axis.last_period_s == 0.0 { 0.0 } else { 1e-3 };
+        // A simulated motion has a rigid drive.
+        let largest_play = if self.forward().is_some() { 0.0 } else { HUGE };
         let largest_moment = if axis.kind == AxisKind::Rotary { HUGE } else { 0.0 };
         vec![
+            ("axis.play", axis.play, 0.0, largest_play),
+            ("axis.coupling_compliance", axis.coupling_compliance, 0.0, largest_play),
             ("axis.gravity_cos", axis.gravity_cos, -largest_moment, largest_moment),
             ("axis.gravity_sin", axis.gravity_sin, -largest_moment, largest_moment),
             ("axis.dwell_s", axis.dwell_s, 0.0, longest_dwell_s),
@@ -249,6 +261,8 @@ impl PlantDescription for FrictionRig {
             "axis.gravity_cos" => Some(&mut self.axis.gravity_cos),
             "axis.gravity_sin" => Some(&mut self.axis.gravity_sin),
             "axis.spring_stiffness" => Some(&mut self.axis.spring_stiffness),
+            "axis.play" => Some(&mut self.axis.play),
+            "axis.coupling_compliance" => Some(&mut self.axis.coupling_compliance),
             _ => {
                 let name = name.strip_prefix("drive.").filter(|_| self.forward().is_some())?;
                 self.drive.as_mut()?.parameter_mut(name)

@@ -15,7 +15,7 @@
 //! Memories of friction are advanced after a step with the motion in its middle, as for a given
 //! motion. Only the pre-sliding sign is part of a stage, because it is stiff too.
 //!
-//! Limits: a position beyond 1e12 and a speed beyond 1e9 stay there, so that a runaway remains
+//! Limits: play and coupling of the axis have no part. A position beyond 1e12 and a speed beyond 1e9 stay there, so that a runaway remains
 //! finite. An inertia below 1e-12, which a fit may try, counts as 1e-12. Where friction falls with
 //! speed so steeply that a step has several solutions, the one found first counts.
 
@@ -213,7 +213,7 @@ impl Stage<'_> {
             load_n: self.load_n,
             coefficient: rubbing(self.rig, then_m_s, self.load_n) * (1.0 + memory.excess),
         };
-        let needed = effort_at(self.rig, &now, &memory);
+        let needed = effort_at(self.rig, &now, &now.motion, &memory);
         (needed.effort - state.effort, needed.friction)
     }
 
@@ -326,7 +326,7 @@ impl<'a> Axis<'a> {
             coefficient: 0.0,
         };
         let holding = || {
-            let still = effort_at(rig, &balance, &memory);
+            let still = effort_at(rig, &balance, &balance.motion, &memory);
             still.effort - still.friction
         };
         state.effort = match drive.input {
@@ -459,7 +459,7 @@ impl<'a> Axis<'a> {
             self.earlier_m_s(middle.time_s).unwrap_or(motion.rate * self.rig.axis.friction_radius_m).abs();
         let coefficient = rubbing(self.rig, then_m_s, load_n) * (1.0 + self.memory.excess);
         let now = Moment { time_s: middle.time_s, motion, load_n, coefficient };
-        memory_after(self.rig, &now, self.memory, to.time_s - from.time_s)
+        memory_after(self.rig, &now, &now.motion, self.memory, to.time_s - from.time_s)
     }
 
     /// The axis under its inputs now.
@@ -473,7 +473,7 @@ impl<'a> Axis<'a> {
             load_n,
             coefficient: rubbing(self.rig, then_m_s, load_n) * (1.0 + self.memory.excess),
         };
-        let needed = effort_at(self.rig, &now, &self.memory);
+        let needed = effort_at(self.rig, &now, &now.motion, &self.memory);
         let acceleration = (state.effort - needed.effort) / self.rig.axis.inertia;
         let output = match self.drive.input {
             DriveInput::Effort => 0.0,

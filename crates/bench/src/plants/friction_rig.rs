@@ -20,8 +20,18 @@
 //! curves; the published values lie within a factor of two of them. Without `[surface]` the effort
 //! is a function of motion and load alone, unless an effect has a memory. Additional terms:
 //! [`crate::effects`]; sliding speeds are taken at the friction radius.
+//!
+//! With `play` or `coupling_compliance` friction acts on a rubbing part that the drive moves
+//! through a coupling ([`coupling`]). Speed and position in every friction term are then those of
+//! this part. Only the lag of a surface's coefficient is taken on the drive's speed. Load, inertia,
+//! spring and ripples act on the drive.
 
-use crate::description::{FrictionRig, Surface, ripples};
+mod coupling;
+mod stepping;
+
+use self::stepping::Stepping;
+pub(super) use self::stepping::{BRISTLE_STEP_S, STEP_ROUNDING};
+use crate::description::{Axis, FrictionRig, Surface, ripples};
 use crate::plants::extended_friction::smooth_step;
 use crate::signals::Motion;
 use contact::BearingMaterial;
@@ -34,16 +44,10 @@ const RIG_SPEED_M_S: f64 = 0.0074;
 const REST_M_S: f64 = 1e-5;
 /// Minimum pressure in MPa at which the power law of the pressure is evaluated.
 const MIN_PRESSURE_MPA: f64 = 0.01;
-/// Maximum step of the standstill memory, s.
-const MEMORY_STEP_S: f64 = 1e-3;
-/// Maximum step while bristles bend over micrometres, near a reversal, s.
-pub(super) const BRISTLE_STEP_S: f64 = 2.5e-4;
 /// Number of widths beyond which the sign is 1 within rounding.
 const SATURATION_WIDTHS: f64 = 20.0;
 /// Number of bending lengths beyond which the initial state of the bristles has no influence.
 const MAX_BENDS: f64 = 40.0;
-/// Rounding error allowed in a count of steps.
-pub(super) const STEP_ROUNDING: f64 = 1e-6;
 
 /// Effort of the drive and its friction share, in N or N m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,14 +103,14 @@ pub(super) fn sign(rig: &FrictionRig, sliding_m_s: f64) -> f64 {
     ((1.0 - fallen) / (1.0 + fallen)).copysign(widths)
 }
 
-/// Friction at a moment.
-fn friction_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> f64 {
+/// Friction at a moment, under the motion of the rubbing part.
+fn friction_at(rig: &FrictionRig, now: &Moment, rubbing: &Motion, memory: &AxisMemory) -> f64 {
     let (axis, extension) = (&rig.axis, &rig.extension);
-    let speed = now.motion.rate * axis.friction_radius_m;
+    let speed = rubbing.rate * axis.friction_radius_m;
     let sign = sign(rig, speed);
     let load_dependent =
         (axis.load_coefficient + now.coefficient) * now.load_n.abs() * axis.friction_radius_m;
-    let displacement = now.motion.value - axis.neutral_position;
+    let displacement = rubbing.value - axis.neutral_position;
     let mut dry = axis.coulomb_effort + load_dependent + extension.friction_slope * displacement;
     for term in &extension.stribeck {
         dry += term.rise * (-speed.abs() / term.speed_m_s).exp();
@@ -123,12 +127,12 @@ fn friction_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> f64 {
     let turned = if extension.presliding_distance_m > 0.0 { memory.turned } else { sign };
     dry * turned
         + 0.5 * axis.coulomb_asymmetry * sign * sign
-        + axis.viscous_effort * now.motion.rate
-        + extension.viscous_asymmetry * now.motion.rate * sign
+        + axis.viscous_effort * rubbing.rate
+        + extension.viscous_asymmetry * rubbing.rate * sign
 }
 
 /// Moment of gravity on a rotary axis at an angle in rad.
-fn gravity_moment(axis: &crate::description::Axis, angle_rad: f64) -> f64 {
+fn gravity_moment(axis: &Axis, angle_rad: f64) -> f64 {
     if axis.gravity_cos == 0.0 && axis.gravity_sin == 0.0 {
         return 0.0;
     }
@@ -136,10 +140,10 @@ fn gravity_moment(axis: &crate::description::Axis, angle_rad: f64) -> f64 {
     axis.gravity_cos * cos + axis.gravity_sin * sin
 }
 
-/// Effort at a moment.
-pub(super) fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) -> Effort {
+/// Effort at a moment, under the motion of the rubbing part.
+pub(super) fn effort_at(rig: &FrictionRig, now: &Moment, rubbing: &Motion, memory: &AxisMemory) -> Effort {
     let axis = &rig.axis;
-    let friction = friction_at(rig, now, memory);
+    let friction = friction_at(rig, now, rubbing, memory);
     let ripple = ripples(&rig.extension.position_ripples, now.motion.value);
     let spring = axis.spring_stiffness * (now.motion.value - axis.neutral_position);
     let load = axis.load_gain * now.load_n;
@@ -149,10 +153,15 @@ pub(super) fn effort_at(rig: &FrictionRig, now: &Moment, memory: &AxisMemory) ->
 }
 
 /// Returns the memory after a step, with the motion at one moment taken for the step.
-pub(super) fn memory_after(rig: &FrictionRig, now: &Moment, last: AxisMemory, step_s: f64) -> AxisMemory {
-    let (axis, extension) = (&rig.axis, &rig.extension);
-    let speed = now.motion.rate * axis.friction_radius_m;
-    let sliding = speed.abs();
+pub(super) fn memory_after(
+    rig: &FrictionRig,
+    now: &Moment,
+    rubbing: &Motion,
+    last: AxisMemory,
+    step_s: f64,
+) -> AxisMemory {
+    let extension = &rig.extension;
+    let sliding = (rubbing.rate * rig.axis.friction_radius_m).abs();
     let mut next = last;
     if let Some(surface) = &rig.surface {
         next.excess = surface.excess_after(last.excess, sliding, step_s);
@@ -162,7 +171,7 @@ pub(super) fn memory_after(rig: &FrictionRig, now: &Moment, last: AxisMemory, st
         next.breakaway = steady + (last.breakaway - steady) * (-rate * step_s).exp();
     }
     if let Some(term) = &extension.thermal {
-        let heat = (friction_at(rig, now, &last) * now.motion.rate).max(0.0);
+        let heat = (friction_at(rig, now, rubbing, &last) * rubbing.rate).max(0.0);
         let steady = term.resistance_k_w * heat;
         next.rise_k = steady + (last.rise_k - steady) * (-step_s / term.time_constant_s).exp();
     }
@@ -174,6 +183,13 @@ pub(super) fn memory_after(rig: &FrictionRig, now: &Moment, last: AxisMemory, st
 pub(super) struct Sliding {
     pub(super) speed_m_s: f64,
     pub(super) sign: f64,
+}
+
+impl Sliding {
+    fn new(rig: &FrictionRig, motion: &Motion) -> Self {
+        let speed_m_s = motion.rate * rig.axis.friction_radius_m;
+        Self { speed_m_s, sign: sign(rig, speed_m_s) }
+    }
 }
 
 /// Pre-sliding sign after a step from one sliding state to another, over which the sign changes
@@ -236,62 +252,25 @@ pub(crate) fn efforts_along(
     motion: impl Fn(f64) -> Motion,
 ) -> Vec<Effort> {
     let Some(first) = course.first() else { return Vec::new() };
-    let extension = &rig.extension;
-    let lag_s = extension.drive_lag_s;
+    let lag_s = rig.extension.drive_lag_s;
     let motion = |t: f64| motion(t - lag_s);
     let lagged = |given: &Given| match lag_s {
         0.0 => *given,
         _ => Given { motion: motion(given.time_s), ..*given },
     };
-    let moment = |given: &Given| {
-        let load_n = given.load_n + ripples(&extension.load_ripples, given.time_s);
-        let slid = |s: &Surface| {
-            let then = motion((given.time_s - s.lag_s).max(first.time_s));
-            coefficient(s.material, (then.rate * rig.axis.friction_radius_m).abs(), load_n)
-        };
-        let coefficient = rig.surface.as_ref().map_or(0.0, slid);
-        Moment { time_s: given.time_s, motion: given.motion, load_n, coefficient }
-    };
-    let sliding = |motion: &Motion| {
-        let speed_m_s = motion.rate * rig.axis.friction_radius_m;
-        Sliding { speed_m_s, sign: sign(rig, speed_m_s) }
-    };
-    let distance_m = extension.presliding_distance_m;
-    let bends = distance_m > 0.0;
-    let remembers = rig.surface.is_some() || extension.breakaway.is_some() || extension.thermal.is_some();
-    let mut last = lagged(first);
-    let mut slides = sliding(&last.motion);
-    let mut memory = AxisMemory::of_steady_sliding(rig, &slides);
+    let mut stepping = Stepping::new(rig, first.time_s, lagged(first), motion);
     let mut efforts = Vec::with_capacity(course.len().div_ceil(every));
     for (place, given) in course.iter().enumerate() {
         let is_output = place % every == 0;
-        if !is_output && !remembers && !bends {
+        if !is_output && !stepping.has_state() {
             continue;
         }
         let given = lagged(given);
-        if remembers || bends {
-            // The step of the memory depends on the speed.
-            let longest = if bends { BRISTLE_STEP_S } else { MEMORY_STEP_S };
-            let steps = ((given.time_s - last.time_s) / longest - STEP_ROUNDING).ceil().max(1.0);
-            let step = (given.time_s - last.time_s) / steps;
-            for k in 0..steps as usize {
-                if remembers {
-                    let mut middle = moment(&last.towards(&given, (k as f64 + 0.5) / steps));
-                    middle.coefficient *= 1.0 + memory.excess;
-                    memory = memory_after(rig, &middle, memory, step);
-                }
-                if bends {
-                    let there = sliding(&last.towards(&given, (k as f64 + 1.0) / steps).motion);
-                    memory.turned = presliding_sign(distance_m, memory.turned, [slides, there], step);
-                    slides = there;
-                }
-            }
-            last = given;
+        if stepping.has_state() {
+            stepping.advance(&given);
         }
         if is_output {
-            let mut now = moment(&given);
-            now.coefficient *= 1.0 + memory.excess;
-            efforts.push(effort_at(rig, &now, &memory));
+            efforts.push(stepping.effort(&given));
         }
     }
     efforts
