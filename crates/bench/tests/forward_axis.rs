@@ -383,7 +383,10 @@ proptest! {
 fn a_simulated_motion_refuses_play_and_an_elastic_coupling() {
     let text = |more: &str| {
         let servo = include_str!("../../../examples/servo-loop.toml");
-        format!("{}{more}", servo.replace("cycles = 4", "cycles = 4\nplay = 1e-3\ncoupling_compliance = 1e-6"))
+        format!(
+            "{}{more}",
+            servo.replace("cycles = 4", "cycles = 4\nplay = 1e-3\ncoupling_compliance = 1e-6")
+        )
     };
     let refusal = Bench::parse("a.toml", &text("")).unwrap_err().to_string();
     for field in ["axis.play", "axis.coupling_compliance"] {

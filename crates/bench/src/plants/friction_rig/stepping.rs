@@ -1,7 +1,8 @@
 //! Integration of an axis' friction along its motion: memories, bristles and coupling.
 //!
 //! A step has at most 1 ms with a memory, and at most 0.25 ms with bristles or a coupling, whatever
-//! the sampling of the log. Without any of them nothing is integrated.
+//! the sampling of the log. While a coupling is loaded and slides along with the drive, 5 ms are
+//! enough. Without any of them nothing is integrated.
 
 use super::coupling::{Coupling, DriveStep};
 use super::{
@@ -15,6 +16,12 @@ use crate::signals::Motion;
 const MEMORY_STEP_S: f64 = 1e-3;
 /// Maximum step while bristles bend or a coupling turns round over micrometres, near a reversal, s.
 pub(in crate::plants) const BRISTLE_STEP_S: f64 = 2.5e-4;
+/// Maximum step while a loaded coupling slides along, s.
+const SLIDING_STEP_S: f64 = 5e-3;
+/// Speed from which the sign is that of sliding, in widths.
+const SLIDING_WIDTHS: f64 = 3.0;
+/// Largest difference between the speeds of a part that slides along and of the drive, as a share.
+const SLIDING_DIFFERENCE: f64 = 0.01;
 /// Rounding error allowed in a count of steps.
 pub(in crate::plants) const STEP_ROUNDING: f64 = 1e-6;
 /// Difference of speeds for a slope of the friction, in widths of the regularised sign.
@@ -118,9 +125,13 @@ impl<'a, M: Fn(f64) -> Motion> Stepping<'a, M> {
     /// Integrates to later inputs.
     pub(super) fn advance(&mut self, given: &Given) {
         // The step depends on the speed.
-        let is_fine = self.bends || self.coupling.is_some();
-        let longest = if is_fine { BRISTLE_STEP_S } else { MEMORY_STEP_S };
         let last = self.last;
+        let is_loose = self.coupling.is_some() && !self.slides_along([&last.motion, &given.motion]);
+        let longest = match (self.bends || is_loose, self.remembers) {
+            (true, _) => BRISTLE_STEP_S,
+            (false, true) => MEMORY_STEP_S,
+            (false, false) => SLIDING_STEP_S,
+        };
         let steps = ((given.time_s - last.time_s) / longest - STEP_ROUNDING).ceil().max(1.0);
         let step_s = (given.time_s - last.time_s) / steps;
         for k in 0..steps as usize {
@@ -140,6 +151,14 @@ impl<'a, M: Fn(f64) -> Motion> Stepping<'a, M> {
             }
         }
         self.last = *given;
+    }
+
+    /// Returns whether the rubbing part slides along with the drive between two motions of it.
+    fn slides_along(&self, drive: [&Motion; 2]) -> bool {
+        let Following { rate, drive_rate, .. } = self.following;
+        let least = SLIDING_WIDTHS * self.rig.axis.regularisation_m_s / self.rig.axis.friction_radius_m;
+        let slides = |motion: &Motion| motion.rate.abs() > least && motion.rate * rate > 0.0;
+        drive.into_iter().all(slides) && (rate - drive_rate).abs() < SLIDING_DIFFERENCE * drive_rate.abs()
     }
 
     /// Pre-sliding sign after a step from one sliding state to another.
