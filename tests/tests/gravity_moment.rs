@@ -1,6 +1,6 @@
-//! A log of the independent generator hides a moment of gravity. In a wide swing the diagnosis names
-//! it with its size; in a narrow one, where an offset and a spring have the same course, it names
-//! none but these.
+//! A log of the independent generator hides a moment of gravity. In a wide swing the diagnosis
+//! names it with its size; in a narrow one, where an offset and a spring have the same course, it
+//! names none but these.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use bench::{Bench, MeasuredLog};

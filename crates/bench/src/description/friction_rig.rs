@@ -41,8 +41,8 @@ section! {
         /// back.
         #[serde(default, skip_serializing_if = "is_zero")]
         spring_stiffness: f64 [-HUGE, HUGE, "N/m or N m/rad"],
-        /// Moment of gravity at the angle 0 (`rotary` only): that of an unbalanced mass at the height
-        /// of the axis.
+        /// Moment of gravity at the angle 0 (`rotary` only): that of an unbalanced mass at the
+        /// height of the axis.
         #[serde(default, skip_serializing_if = "is_zero")]
         gravity_cos: f64 [-HUGE, HUGE, "N m"],
         /// Moment of gravity at a quarter of a turn (`rotary` only).
@@ -187,7 +187,7 @@ const MAX_SETTLING_SHARE: f64 = 0.25;
 /// Omissions of the model.
 const LIMITS: &[&str] = &[
     "The motion is given: the axis cannot stick, slip or vibrate.",
-    "The rubbing part behind play and coupling has no mass, and starts in the middle of its play.",
+    "The rubbing part beyond play and coupling has no mass, and starts in the middle of its play.",
     "The friction of the surfaces is an assumption in the shape of published curves.",
     "The load is the same over the whole surface; wear and temperature are not modelled.",
     "Below the width of the regularised sign, friction rises with speed, not displacement.",

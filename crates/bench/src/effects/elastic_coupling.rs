@@ -2,10 +2,10 @@
 //!
 //! The drive deflects the coupling by `c F` before the friction `F` slips, and releases it after
 //! each reversal (`plants::friction_rig::coupling`). Inertia, load and springs stay at the drive.
-//! Parameter: `compliance` in m/N or rad/(N m), 0 to 1e6, with a prior of a tenth of half the stroke
-//! over the log's rms effort. In a log: after each reversal the effort changes in proportion to the
-//! motion, with slope `1/c`, until the friction is reached. Confounded with pre-sliding and play
-//! (which also delay friction by a distance), and with a delay of the drive or of the effort's
+//! Parameter: `compliance` in m/N or rad/(N m), 0 to 1e6, with a prior of a tenth of half the
+//! stroke over the log's rms effort. In a log: after each reversal the effort changes in proportion
+//! to the motion, with slope `1/c`, until the friction is reached. Confounded with pre-sliding and
+//! play (which also delay friction by a distance), and with a delay of the drive or of the effort's
 //! sensor at one speed.
 
 use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};

@@ -1,11 +1,11 @@
 //! A moment of gravity on a rotary axis, such as that of an unbalanced mass, is missing.
 //!
 //! Moment `C cos(q) + S sin(q)` at the angle `q`: a mass `m` at the distance `r` from a horizontal
-//! axis has `C^2 + S^2 = (m g r)^2`, with the ratio of `C` and `S` given by where the angle is zero.
-//! Arms, unbalanced rudders and pendulums have this form. Parameters: `cos_effort`, `sin_effort` in
-//! N m (within 1e12, prior 3 times the log's rms effort). In a log: the effort depends on the angle,
-//! with the period of a turn. Confounded with a spring and an offset over a small range of angles,
-//! with inertia under one sine, and with a ripple over a turn.
+//! axis has `C^2 + S^2 = (m g r)^2`, with the ratio of `C` and `S` given by where the angle is
+//! zero. Arms, unbalanced rudders and pendulums have this form. Parameters: `cos_effort`,
+//! `sin_effort` in N m (within 1e12, prior 3 times the log's rms effort). In a log: the effort
+//! depends on the angle, with the period of a turn. Confounded with a spring and an offset over a
+//! small range of angles, with inertia under one sine, and with a ripple over a turn.
 
 use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
 use crate::description::Plant;

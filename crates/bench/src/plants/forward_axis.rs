@@ -15,9 +15,10 @@
 //! Memories of friction are advanced after a step with the motion in its middle, as for a given
 //! motion. Only the pre-sliding sign is part of a stage, because it is stiff too.
 //!
-//! Limits: play and coupling of the axis have no part. A position beyond 1e12 and a speed beyond 1e9 stay there, so that a runaway remains
-//! finite. An inertia below 1e-12, which a fit may try, counts as 1e-12. Where friction falls with
-//! speed so steeply that a step has several solutions, the one found first counts.
+//! Limits: play and coupling of the axis have no part. A position beyond 1e12 and a speed beyond
+//! 1e9 stay there, so that a runaway remains finite. An inertia below 1e-12, which a fit may try,
+//! counts as 1e-12. Where friction falls with speed so steeply that a step has several solutions,
+//! the one found first counts.
 
 use super::friction_rig::{
     AxisMemory, BRISTLE_STEP_S, Given, Moment, STEP_ROUNDING, Sliding, coefficient, effort_at, memory_after,

@@ -3,8 +3,9 @@
 //!
 //! `effort = load_gain * load + inertia * acceleration + constant_effort + spring_stiffness *
 //! (position - neutral_position) + gravity_cos * cos(angle) + gravity_sin * sin(angle) + friction`,
-//! where friction opposes the motion: `(coulomb_effort +- asymmetry/2 + (load_coefficient + mu) |load| radius) tanh(v/v_r) + viscous_effort * speed`.
-//! The effort is the drive's, so friction adds to it while the axis moves forward.
+//! where friction opposes the motion: `(coulomb_effort +- asymmetry/2 + (load_coefficient + mu)
+//! |load| radius) tanh(v/v_r) + viscous_effort * speed`. The effort is the drive's, so friction
+//! adds to it while the axis moves forward.
 //!
 //! `mu` is the coefficient of the dry rubbing pair of `[surface]`, with the sliding speed `v` in
 //! m/s, the load `N` in N, and the mean pressure `p` in MPa on 140 mm x 140 mm:

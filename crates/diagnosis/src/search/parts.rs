@@ -82,7 +82,7 @@ impl PartSearch<'_> {
     /// Adds the best candidate while it is a cause that is kept. If no single candidate is one at
     /// the start, adds the best two without shapes.
     ///
-    /// Of two missing causes the error of each hides the other, so that only both are clear. Two
+    /// The error of one of two missing causes hides the other, so that only both are clear. Two
     /// causes with shapes could imitate almost any unknown effect.
     fn grow(
         &self,

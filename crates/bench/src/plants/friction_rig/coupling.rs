@@ -4,11 +4,11 @@
 //! effort `f(u)` is 0 while `|u| <= g/2`, and `(|u| - g/2)/c` in the direction of `u` beyond; `g`
 //! is the play and `c` the compliance. With `c = 0` the effort at the ends of the play is any
 //! effort in that direction. The rubbing part has no inertia, so `F(y') = f(u)` with its friction
-//! `F`. This is a play operator (Visintin, Differential Models of Hysteresis, 1994, III.2) in series
-//! with a spring.
+//! `F`. This is a play operator (Visintin, Differential Models of Hysteresis, 1994, III.2) in
+//! series with a spring.
 //!
-//! A step of `h` takes the speed `V` of the drive in its middle and is implicit: `u_1 = u_0 + h (V -
-//! v)` and `F(v) = f(u_1)`. One equation with one unknown `v` remains. It has one solution if `F`
+//! A step of `h` takes the speed `V` of the drive in its middle and is implicit: `u_1 = u_0 + h (V
+//! - v)` and `F(v) = f(u_1)`. One equation with one unknown `v` remains. It has one solution if `F`
 //! rises with `v`. Friction that falls with speed may have several, of which one results. A part
 //! with friction does not overshoot the play, and its bristles move it by their length at most:
 //! these limits keep the result finite where friction is negative. As `g` and `c` go to 0, `v`
@@ -76,7 +76,7 @@ impl Coupling {
         let free = drive.deflection / step_s + drive.rate;
         let (slow, fast) = (free - self.half_play / step_s, free + self.half_play / step_s);
         let search = |tolerance: f64| Search { guess, probe, tolerance };
-        // Without bristles a part within its play stands still, without friction.
+        // Without bristles a part within its play is at standstill, without friction.
         let (forwards, backwards) = if drive.bristles == 0.0 {
             (slow > 0.0, fast < 0.0)
         } else {
@@ -176,7 +176,7 @@ mod tests {
         Motion { value, rate: if forwards { SPEED } else { -SPEED }, acceleration: 0.0 }
     }
 
-    /// Friction over the distance since the second reversal of the triangle, a value for each 0.1 ms.
+    /// Friction over the distance since the second reversal of the triangle, one value each 0.1 ms.
     fn after_reversal(rig: &FrictionRig) -> impl Fn(f64) -> f64 + use<> {
         // The reversal lies between two places.
         let times: Vec<f64> = (0..12_000).map(|i| 1e-4 * (f64::from(i) + 0.5)).collect();
