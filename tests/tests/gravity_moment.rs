@@ -52,7 +52,7 @@ fn a_narrow_swing_names_only_what_looks_like_gravity() {
     for seed in 11..=14 {
         let (moments, d) = diagnosed(seed, 1.0);
         let answer = format!("{seed}: {moments:?} {:?} {:?}", d.verdict, d.causes);
-        assert!(d.verdict != Verdict::None, "{answer}");
+        assert!(!d.causes.is_empty(), "{answer}");
         assert!(d.causes.iter().all(|c| alike.contains(&c.effect.as_str())), "{answer}");
     }
 }

@@ -154,6 +154,8 @@ fn the_effort_of_a_given_motion_moves_the_axis_along_that_motion() {
         (&[("spring_stiffness", 30.0), ("constant_effort", 3.0)], "", 2e-4),
         (&[], "[[effects]]\nname = \"stribeck-friction\"\neffort_rise = 2.0\nspeed_m_s = 0.02", 4e-4),
         (&[], "[[effects]]\nname = \"presliding-hysteresis\"\ndistance_m = 1e-4", 1e-3),
+        // With the other sign the error would be some 6e-3.
+        (&[], "[[effects]]\nname = \"drive-lag\"\nlag_s = 2e-3", 1e-3),
         (&[], "[[effects]]\nname = \"viscous-asymmetry\"\nasymmetry_effort = 5.0", 2e-4),
     ] {
         let error = round_trip(extra, effect);

@@ -258,11 +258,13 @@ impl PlantDescription for FrictionRig {
             "axis.viscous_effort" => Some(&mut self.axis.viscous_effort),
             "axis.load_coefficient" => Some(&mut self.axis.load_coefficient),
             "axis.constant_effort" => Some(&mut self.axis.constant_effort),
-            "axis.gravity_cos" => Some(&mut self.axis.gravity_cos),
-            "axis.gravity_sin" => Some(&mut self.axis.gravity_sin),
+            "axis.gravity_cos" if self.axis.kind == AxisKind::Rotary => Some(&mut self.axis.gravity_cos),
+            "axis.gravity_sin" if self.axis.kind == AxisKind::Rotary => Some(&mut self.axis.gravity_sin),
             "axis.spring_stiffness" => Some(&mut self.axis.spring_stiffness),
-            "axis.play" => Some(&mut self.axis.play),
-            "axis.coupling_compliance" => Some(&mut self.axis.coupling_compliance),
+            "axis.play" if self.forward().is_none() => Some(&mut self.axis.play),
+            "axis.coupling_compliance" if self.forward().is_none() => {
+                Some(&mut self.axis.coupling_compliance)
+            }
             _ => {
                 let name = name.strip_prefix("drive.").filter(|_| self.forward().is_some())?;
                 self.drive.as_mut()?.parameter_mut(name)

@@ -109,6 +109,8 @@ impl State {
 /// Output of the controller, in volts or its own unit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Output {
+    /// Without the limit of the effort.
+    unlimited: f64,
     /// With the limit of the effort.
     limited: f64,
     /// 1 or -1 if the limit acts, else 0.
@@ -131,7 +133,7 @@ fn controller(drive: &Drive, order: &Motion, state: &State) -> Output {
     let max = if drive.effort_limit > 0.0 { drive.effort_limit / drive.gain } else { f64::INFINITY };
     let limited = output.clamp(-max, max);
     let saturation = if limited == output { 0.0 } else { output.signum() };
-    Output { limited, saturation, position_error, speed_error }
+    Output { unlimited: output, limited, saturation, position_error, speed_error }
 }
 
 /// Input of a stage's effort.
@@ -311,6 +313,8 @@ struct Axis<'a> {
     past: Past,
     /// Held output of a controller with a sample period, and the time of the next one.
     held: f64,
+    /// True if the last step had the held output.
+    is_held: bool,
     next_output_s: f64,
     saturation: f64,
 }
@@ -336,7 +340,7 @@ impl<'a> Axis<'a> {
             DriveInput::Order => start.effort.unwrap_or_else(holding),
         };
         if drive.input == DriveInput::Order {
-            let missing = state.effort / drive.gain - controller(drive, &given.motion, &state).limited;
+            let missing = state.effort / drive.gain - controller(drive, &given.motion, &state).unlimited;
             if drive.speed_ki > 0.0 {
                 state.speed_integral = missing / drive.speed_ki;
             } else if drive.ki > 0.0 {
@@ -357,6 +361,7 @@ impl<'a> Axis<'a> {
             slides,
             past: Past::default(),
             held: 0.0,
+            is_held: false,
             next_output_s,
             saturation: 0.0,
         };
@@ -387,7 +392,10 @@ impl<'a> Axis<'a> {
         let period_s = self.drive.sample_period_s;
         let output = controller(self.drive, &given.motion, &self.state);
         self.saturation = output.saturation;
-        if period_s <= step_s * (1.0 + STEP_ROUNDING) {
+        self.is_held = period_s > step_s * (1.0 + STEP_ROUNDING);
+        if !self.is_held {
+            // After a gap of a log the next output is due at once, and no earlier one.
+            self.next_output_s = given.time_s + step_s;
             return None;
         }
         if given.time_s >= self.next_output_s - STEP_ROUNDING * period_s {
@@ -479,7 +487,7 @@ impl<'a> Axis<'a> {
         let output = match self.drive.input {
             DriveInput::Effort => 0.0,
             DriveInput::Voltage => given.motion.value,
-            DriveInput::Order if self.next_output_s > given.time_s + MAX_STEP_S => self.held,
+            DriveInput::Order if self.is_held => self.held,
             DriveInput::Order => controller(self.drive, &given.motion, state).limited,
         };
         Moved {
@@ -504,7 +512,8 @@ pub(crate) fn motions_along(
     let Some(first) = course.first() else { return Vec::new() };
     let mut rig = rig.clone();
     rig.axis.inertia = rig.axis.inertia.max(MIN_INERTIA);
-    let lag_s = rig.extension.drive_lag_s;
+    // Motion that lags an order, or that an effort follows with a lag.
+    let lag_s = rig.extension.drive_lag_s * if drive.input == DriveInput::Order { 1.0 } else { -1.0 };
     let lagged = |given: &Given| match lag_s {
         0.0 => *given,
         _ => Given { motion: input(given.time_s - lag_s), ..*given },

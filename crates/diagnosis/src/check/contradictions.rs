@@ -167,6 +167,10 @@ fn check_stroke(
     channels: &[Channel],
     findings: &mut Vec<Finding>,
 ) {
+    // In open loop the stroke follows from the effort, not from the description.
+    if bench.is_open_loop() {
+        return;
+    }
     let Some(stroke) = log.channels.get(&value).map(|x| range(x)).filter(|r| *r > 0.0) else { return };
     let described = bench.stroke();
     let log_ratio = |factor: f64| (stroke / factor / described).ln().abs();
