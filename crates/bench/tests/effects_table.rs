@@ -68,7 +68,6 @@ fn parameter(p: &EffectParameter) -> String {
         Measure::Load => " loads",
         Measure::Drag => " drags",
         Measure::Stiffness => " stiffnesses",
-        Measure::Compliance => " compliances",
         Measure::LoadGain => " load gains",
         Measure::Inertia => " inertias",
     };

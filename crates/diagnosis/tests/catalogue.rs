@@ -155,8 +155,6 @@ hidden! {
     rig_breakaway: rig(), "breakaway", None,
         [("excess_effort", 200.0), ("rest_time_s", 0.1), ("distance_m", 2e-3)];
     rig_presliding: rig(), "presliding-hysteresis", None, [("distance_m", 2e-3)];
-    rig_play: rig(), "drive-play", None, [("play", 2e-3)];
-    rig_elastic: rig(), "elastic-coupling", None, [("compliance", 5e-5)];
     rig_stribeck: rig(), "stribeck-friction", None, [("effort_rise", 80.0), ("speed_m_s", 0.02)];
     rig_viscous_asymmetry: rig(), "viscous-asymmetry", None, [("asymmetry_effort", 30.0)];
     rig_thermal: rig(), "thermal-friction-drift", None, [("level_per_k", -0.005), ("time_constant_s", 8.0)];

@@ -6,10 +6,6 @@
 //! implicit second-order rule steps them by a quarter of a millisecond. The sign of the speed is a
 //! logistic function; a step of friction is a ramp of 10 ms. Sensors are in `sensing`. Units: SI,
 //! efforts in N or N m.
-//!
-//! With play or an elastic coupling the rubbing part has its own position. A rigid drive pushes it
-//! along at one end of the play. An elastic one balances its friction at the end of a step, which
-//! bisection of the position finds.
 
 use super::hidden::{HiddenEffect, total};
 use super::motion::{Load, Motion, Moved};
@@ -22,8 +18,6 @@ const STEP_S: f64 = 2.5e-4;
 const RAMP_S: f64 = 0.01;
 /// Motion before the log begins, s.
 const BEFORE_S: f64 = 0.2;
-/// Bisections of the distance between rubbing part and drive.
-const BISECTIONS: usize = 50;
 
 /// An axis with its true parameters.
 #[derive(Clone, Copy, Debug)]
@@ -77,38 +71,8 @@ impl Memory {
     }
 }
 
-/// Memories of the friction of an axis.
-#[derive(Clone, Copy, Default)]
-struct Memories {
-    turned: Memory,
-    adhesion: Memory,
-    warmth: Memory,
-}
-
-/// Time in the log, and load of the axis then.
-struct Moment {
-    time_s: f64,
-    load_n: f64,
-}
-
-impl Moment {
-    /// Load with its ripple.
-    fn load(&self, added: &Added) -> f64 {
-        self.load_n + added.load_ripple.map_or(0.0, |(c, s, f)| wave((c, s, 1.0 / f), self.time_s))
-    }
-}
-
-/// Motion of the rubbing part.
-#[derive(Clone, Copy)]
-struct Rubbing {
-    place: f64,
-    speed: f64,
-}
-
 /// Parameters of the added effects.
 struct Added {
-    play: f64,
-    compliance: f64,
     stribeck: Option<(f64, f64)>,
     breakaway: Option<(f64, f64, f64)>,
     presliding_m: f64,
@@ -130,8 +94,6 @@ impl Added {
         let of = |name: &str| hidden.iter().find(|h| h.effect == name);
         let three = |name, [a, b, c]: [&str; 3]| of(name).map(|h| (h.get(a), h.get(b), h.get(c)));
         Self {
-            play: total(hidden, "drive-play", "play"),
-            compliance: total(hidden, "elastic-coupling", "compliance"),
             stribeck: of("stribeck-friction").map(|h| (h.get("effort_rise"), h.get("speed_m_s"))),
             breakaway: three("breakaway", ["excess_effort", "rest_time_s", "distance_m"]),
             presliding_m: total(hidden, "presliding-hysteresis", "distance_m"),
@@ -182,22 +144,18 @@ impl RealAxis {
         };
         let mut inputs = names.0.map(|n| (n, Vec::with_capacity(count)));
         let mut outputs = names.1.map(|n| (n, Vec::with_capacity(count)));
-        let mut memories = Memories::default();
-        memories.warmth.state =
+        let (mut turned, mut adhesion, mut warmth) =
+            (Memory::default(), Memory::default(), Memory::default());
+        warmth.state =
             self.warm * added.thermal.map_or(0.0, |t| t.1 * self.coulomb * run.motion.amplitude / t.2);
-        let mut last: Option<(Moved, Rubbing)> = None;
         for i in 0..before + count {
             let t = (i as f64 - before as f64) * STEP_S;
             let logged = run.motion.at(run.phase_s + t);
             let driven =
                 if added.lag_s == 0.0 { logged } else { run.motion.at(run.phase_s + t - added.lag_s) };
             let load = run.load.at(t);
-            let moment = Moment { time_s: run.start_s + t, load_n: load };
-            let rubbing = axis.rubbing(&added, &moment, last, driven, memories);
-            last = Some((driven, rubbing));
-            let friction;
-            (friction, memories) = axis.friction(&added, &moment, rubbing, memories);
-            let effort = axis.effort(&added, &moment, driven, friction);
+            let (effort, friction) =
+                axis.effort(&added, run.start_s + t, driven, load, (&mut turned, &mut adhesion, &mut warmth));
             if i < before {
                 continue;
             }
@@ -212,60 +170,19 @@ impl RealAxis {
         Signals { step_s: STEP_S, inputs: inputs.into(), outputs }
     }
 
-    /// Motion of the rubbing part after a step of the drive.
-    fn rubbing(
+    fn effort(
         &self,
         added: &Added,
-        moment: &Moment,
-        last: Option<(Moved, Rubbing)>,
+        time_s: f64,
         driven: Moved,
-        memories: Memories,
-    ) -> Rubbing {
-        let along = Rubbing { place: driven.place, speed: driven.speed };
-        let Some((drive, part)) = last.filter(|_| added.play > 0.0 || added.compliance > 0.0) else {
-            return along;
-        };
-        let half = 0.5 * added.play / self.radius_m;
-        let place = if added.compliance > 0.0 {
-            // The part moves towards the drive, at most up to it.
-            let (mut begin, mut end) = (part.place, driven.place);
-            for _ in 0..BISECTIONS {
-                let middle = 0.5 * (begin + end);
-                let apart = driven.place - middle;
-                let pull = (apart.abs() - half).max(0.0).copysign(apart) / added.compliance;
-                let trial = Rubbing { place: middle, speed: (middle - part.place) / STEP_S };
-                let rest = pull - self.friction(added, moment, trial, memories).0;
-                // Friction that is lower than the pull lets the part move farther.
-                if rest * (driven.place - part.place) > 0.0 {
-                    begin = middle;
-                } else {
-                    end = middle;
-                }
-            }
-            0.5 * (begin + end)
-        } else {
-            part.place.clamp(driven.place - half, driven.place + half)
-        };
-        let (moved, driven_by) = (place - part.place, driven.place - drive.place);
-        // A part that moves along has the speed of the drive at the end of the step, not its mean.
-        let along = if driven_by == 0.0 { 0.0 } else { (moved / driven_by).clamp(0.0, 1.0) };
-        Rubbing { place, speed: (moved - along * driven_by) / STEP_S + along * driven.speed }
-    }
-
-    /// Friction of the rubbing part, and its memories after the step.
-    fn friction(
-        &self,
-        added: &Added,
-        moment: &Moment,
-        rubbing: Rubbing,
-        memories: Memories,
-    ) -> (f64, Memories) {
-        let Memories { mut turned, mut adhesion, mut warmth } = memories;
-        let slide = rubbing.speed * self.radius_m;
+        load_n: f64,
+        (turned, adhesion, warmth): (&mut Memory, &mut Memory, &mut Memory),
+    ) -> (f64, f64) {
+        let slide = driven.speed * self.radius_m;
         let sign = 2.0 / (1.0 + (-2.0 * slide / self.sign_width_m_s).exp()) - 1.0;
-        let load = moment.load(added);
+        let load = load_n + added.load_ripple.map_or(0.0, |(c, s, f)| wave((c, s, 1.0 / f), time_s));
         let mut dry = self.coulomb + self.load_coefficient * load.abs() * self.radius_m;
-        dry += added.friction_slope * rubbing.place;
+        dry += added.friction_slope * driven.place;
         if let Some((rise, speed)) = added.stribeck {
             dry += rise / (slide.abs() / speed).exp();
         }
@@ -275,7 +192,7 @@ impl RealAxis {
             dry += excess * adhesion.state;
         }
         if let Some((change, at)) = added.step {
-            dry += change * ((moment.time_s - at) / RAMP_S + 0.5).clamp(0.0, 1.0);
+            dry += change * ((time_s - at) / RAMP_S + 0.5).clamp(0.0, 1.0);
         }
         if let Some((level, _, _)) = added.thermal {
             dry *= (1.0 + level * warmth.state).clamp(0.0, 3.0);
@@ -287,22 +204,17 @@ impl RealAxis {
         }
         let friction = dry * direction
             + 0.5 * added.coulomb_asymmetry * sign * sign
-            + self.viscous * rubbing.speed
-            + added.viscous_asymmetry * rubbing.speed * sign;
+            + self.viscous * driven.speed
+            + added.viscous_asymmetry * driven.speed * sign;
         if let Some((_, resistance, time)) = added.thermal {
-            warmth.step(1.0 / time, resistance * (friction * rubbing.speed).max(0.0));
+            warmth.step(1.0 / time, resistance * (friction * driven.speed).max(0.0));
         }
-        (friction, Memories { turned, adhesion, warmth })
-    }
-
-    /// Effort of the drive.
-    fn effort(&self, added: &Added, moment: &Moment, driven: Moved, friction: f64) -> f64 {
         let over_place =
             added.spring * driven.place + added.position_ripple.map_or(0.0, |r| wave(r, driven.place));
         // A weight on an arm, as a harmonic of one turn.
         let weight = wave((added.gravity[0], added.gravity[1], TAU), driven.place);
         let over_place = over_place + weight;
-        self.load_gain * moment.load(added) + self.inertia * driven.acceleration + friction + over_place
+        (self.load_gain * load + self.inertia * driven.acceleration + friction + over_place, friction)
     }
 }
 
@@ -324,13 +236,9 @@ mod tests {
     };
 
     fn run(hidden: &[HiddenEffect]) -> Signals {
-        on(&AXIS, Course::Strokes, hidden)
-    }
-
-    fn on(axis: &RealAxis, course: Course, hidden: &[HiddenEffect]) -> Signals {
-        let motion = Motion { amplitude: 0.4, cycle_s: 4.5, course };
+        let motion = Motion { amplitude: 0.4, cycle_s: 4.5, course: Course::Strokes };
         let load = Load { mean_n: 20e3, swing: 0.0, period_s: 7.0, phase_rad: 0.0, ramp_s: 0.0 };
-        axis.run(&Run { motion, load, phase_s: 0.0, length_s: 9.0, start_s: 0.0 }, hidden)
+        AXIS.run(&Run { motion, load, phase_s: 0.0, length_s: 9.0, start_s: 0.0 }, hidden)
     }
 
     #[test]
@@ -356,36 +264,5 @@ mod tests {
         let share = (with[i] + 20.0 * signals.inputs[1].1[i])
             / (plain.outputs[1].1[i] + 20.0 * signals.inputs[1].1[i]);
         assert!((share - (1.0 - (-2.0_f64).exp())).abs() < 0.01, "{share}");
-    }
-    /// Friction over the distance at the friction radius since a reversal at -0.4 rad, without
-    /// standstill, viscous friction or a wide sign.
-    fn after_reversal(hidden: &HiddenEffect) -> impl Fn(f64) -> f64 + use<> {
-        let axis = RealAxis { viscous: 0.0, sign_width_m_s: 1e-5, ..AXIS };
-        let signals = on(&axis, Course::Plain, std::slice::from_ref(hidden));
-        move |distance| {
-            let (angle, friction) = (&signals.inputs[0].1, &signals.outputs[1].1);
-            let begin = (0.75 * 4.5 / STEP_S) as usize;
-            let i = begin + angle[begin..].iter().position(|x| (x + 0.4) * 0.07 > distance).unwrap();
-            -friction[i]
-        }
-    }
-
-    #[test]
-    fn friction_returns_after_the_play() {
-        let friction = after_reversal(&HiddenEffect::new("drive-play", &[("play", 2e-3)]));
-        assert_eq!((friction(1e-5), friction(1.99e-3)), (0.0, 0.0));
-        assert!((friction(2.01e-3) - 142.0).abs() < 1e-6, "{}", friction(2.01e-3));
-    }
-
-    #[test]
-    fn an_elastic_coupling_is_deflected_in_proportion_to_its_effort() {
-        // 142 N m deflect it by 0.02 rad, 1.4 mm at the friction radius, on either side.
-        let compliance = 0.02 / 142.0;
-        let elastic = after_reversal(&HiddenEffect::new("elastic-coupling", &[("compliance", compliance)]));
-        for share in [0.2, 0.75, 1.5, 1.9] {
-            let (friction, expected) = (elastic(share * 1.4e-3), (share - 1.0) * 142.0);
-            assert!((friction - expected).abs() < 0.03 * 142.0, "{friction} for {expected}");
-        }
-        assert!((elastic(2.2 * 1.4e-3) - 142.0).abs() < 1e-3);
     }
 }

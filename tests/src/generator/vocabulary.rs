@@ -32,8 +32,6 @@ pub fn size_parameters(effect: &str) -> &'static [&'static str] {
         "hydraulic-compliance" => &["compliance_m_n"],
         "drive-lag" => &["lag_s"],
         "load-gain" => &["gain_change"],
-        "drive-play" => &["play"],
-        "elastic-coupling" => &["compliance"],
         "spring-effort" => &["stiffness"],
         "position-friction" => &["friction_slope"],
         "load-ripple" => &["cos_force_n", "sin_force_n"],
@@ -50,7 +48,7 @@ pub fn size_parameters(effect: &str) -> &'static [&'static str] {
 
 const SENSOR: [&str; 5] =
     ["sensor-offset", "sensor-gain", "sensor-delay", "sensor-drift", "sensor-saturation"];
-const ROTARY: [&str; 17] = [
+const ROTARY: [&str; 15] = [
     "inertia-mismatch",
     "stribeck-friction",
     "coulomb-level",
@@ -66,8 +64,6 @@ const ROTARY: [&str; 17] = [
     "spring-effort",
     "position-ripple",
     "drive-lag",
-    "drive-play",
-    "elastic-coupling",
 ];
 
 /// Returns the effects that a plant can show.
@@ -113,15 +109,6 @@ fn sensor(effect: &str, record: &Record, channel: &str, base: &[f64], sign: f64)
     Drawn { effect, sizes: vec![(parameter, share)], guess, most }
 }
 
-/// Play or compliance of 0.1 mm at the friction radius, under the usual friction.
-fn coupling(effect: &str, radius: f64, rotary: bool) -> Draw {
-    if effect == "drive-play" {
-        return (vec![("play", 1.0)], 1e-4, 1e-2, vec![]);
-    }
-    let guess = 1e-4 / radius / if rotary { 142.0 } else { 170.0 };
-    (vec![("compliance", 1.0)], guess, 100.0 * guess, vec![])
-}
-
 fn of_axis(effect: &str, record: &Record, sign: f64, phase: f64, noise: &mut Noise) -> Drawn {
     let rotary = record.plant == Plant::Rotary;
     // Noise floor of the effort, radius of friction, stroke, usual speed.
@@ -148,7 +135,6 @@ fn of_axis(effect: &str, record: &Record, sign: f64, phase: f64, noise: &mut Noi
             (vec![("excess_effort", 1.0)], 10.0 * floor, 1e4, shapes)
         }
         "presliding-hysteresis" => (vec![("distance_m", 1.0)], 1e-4, 5e-3, vec![]),
-        "drive-play" | "elastic-coupling" => coupling(effect, radius, rotary),
         "thermal-friction-drift" => {
             let shapes = vec![("resistance_k_w", 0.1), ("time_constant_s", between(4.0, 20.0))];
             (vec![("level_per_k", sign)], 0.005, 0.4, shapes)

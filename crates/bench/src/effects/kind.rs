@@ -22,8 +22,6 @@ pub enum Measure {
     Drag,
     /// Effort over half the range of the motion, N/m or N m/rad.
     Stiffness,
-    /// Half the range of the motion over the effort, m/N or rad/(N m).
-    Compliance,
     /// Effort over the rms load, N/N or N m/N; 1 without a load.
     LoadGain,
     /// Load with this effort, by the described gain and load-dependent friction, N.
@@ -138,9 +136,6 @@ pub(super) enum Apply {
     Transmission(fn(&mut TransmissionBench, &Values<'_>)),
     /// Action on a driven axis.
     Axis(fn(&mut FrictionRig, &Values<'_>)),
-    /// Action between the drive and the friction of an axis, which a simulated motion does not
-    /// have.
-    Coupling(fn(&mut FrictionRig, &Values<'_>)),
 }
 
 impl Apply {
@@ -156,7 +151,7 @@ impl Apply {
                     change(bench, values);
                 }
             }
-            Self::Axis(change) | Self::Coupling(change) => {
+            Self::Axis(change) => {
                 if let Some(rig) = bench.axis_mut() {
                     change(rig, values);
                 }
@@ -214,9 +209,6 @@ impl EffectKind {
 
     /// Parameters for a bench; none if the effect does not act there.
     pub fn parameters(&self, bench: &Bench) -> &'static [EffectParameter] {
-        let action = bench.effect_plant().and_then(|plant| self.action(plant));
-        let is_forward = bench.axis().is_some_and(|rig| rig.forward().is_some());
-        let acts = |action: &&Action| !(is_forward && matches!(action.apply, Apply::Coupling(_)));
-        action.filter(acts).map_or(&[], |action| action.parameters)
+        bench.effect_plant().and_then(|plant| self.action(plant)).map_or(&[], |action| action.parameters)
     }
 }

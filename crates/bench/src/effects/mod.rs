@@ -11,8 +11,6 @@ mod contact_stiffness;
 mod coulomb_asymmetry;
 mod coulomb_level;
 mod drive_lag;
-mod drive_play;
-mod elastic_coupling;
 mod fork_backlash;
 mod friction_step;
 mod gravity_moment;
@@ -77,8 +75,6 @@ pub const CATALOGUE: &[EffectKind] = &[
     position_ripple::EFFECT,
     hydraulic_compliance::EFFECT,
     drive_lag::EFFECT,
-    drive_play::EFFECT,
-    elastic_coupling::EFFECT,
     load_gain::EFFECT,
     load_ripple::EFFECT,
     fork_backlash::EFFECT,
@@ -205,11 +201,7 @@ impl Effect {
         if known.is_empty() {
             return vec![EffectError::Elsewhere {
                 effect: self.name.clone(),
-                found: match bench.effect_plant() {
-                    Some(plant) if kind.action(plant).is_some() => "simulated motion of an axis",
-                    Some(plant) => plant.description(),
-                    None => bench.plant_name(),
-                },
+                found: bench.effect_plant().map_or_else(|| bench.plant_name(), Plant::description),
                 expected: kind.plants().map(Plant::description).collect::<Vec<_>>().join(" or "),
             }];
         }

@@ -8,8 +8,8 @@
 //! while the nominal sign goes to 0: in a log with standstills the effect does not vanish with
 //! `d_0`. Refused together with a friction law that has bristles (`dahl`, `lugre`). In a log: after
 //! each reversal friction grows over the distance; force over position shows a rounded loop.
-//! Confounded with play and an elastic coupling (which also delay friction by a distance), with a
-//! delay of the friction's sensor, and with breakaway or Stribeck friction of the opposite sign.
+//! Confounded with play (which also delays friction by a distance), with a delay of the friction's
+//! sensor, and with breakaway or Stribeck friction of the opposite sign.
 
 use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
 use crate::description::Plant;

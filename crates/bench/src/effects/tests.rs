@@ -56,8 +56,7 @@ fn effect(kind: &EffectKind, bench: &Bench, share: f64) -> Effect {
                 1.0 / (LARGEST[bench.effect_plant().unwrap() as usize] * (1.01 - 0.5 * share))
             }
             ("inertia-mismatch", "inertia_change") => 10.0 * share,
-            ("presliding-hysteresis" | "drive-play", _) => 1e-4 * share,
-            ("elastic-coupling", _) => 1e-5 * share,
+            ("presliding-hysteresis", _) => 1e-4 * share,
             _ if p.is_size => p.prior * share,
             _ => p.default,
         };

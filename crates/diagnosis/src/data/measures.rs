@@ -87,7 +87,6 @@ impl Measures {
             Measure::Speed => self.speed * self.friction_radius,
             Measure::Drag => self.effort / self.speed,
             Measure::Stiffness => self.effort / self.half_range,
-            Measure::Compliance => self.half_range / self.effort,
             Measure::LoadGain => self.load_gain,
             Measure::Inertia => self.effort * self.half_range / self.speed.powi(2),
             Measure::Load => self.effort / self.effort_per_load,

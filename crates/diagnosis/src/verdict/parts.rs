@@ -84,7 +84,7 @@ impl Parts {
     ) -> Result<Option<Self>, RespondError> {
         let start = || vec![(accepted.model.clone(), accepted.z.clone())];
         let free = Self::best(search, start(), (described, accepted), is_kept)?;
-        if free.as_ref().is_some_and(|parts| parts.verdict != Verdict::Partial) {
+        if free.as_ref().is_none_or(|parts| parts.verdict != Verdict::Partial) {
             return Ok(free);
         }
         let held: Vec<Candidate> = accepted.causes.iter().map(|(cause, _)| *cause).collect();
