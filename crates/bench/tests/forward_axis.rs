@@ -224,6 +224,78 @@ fn the_effort_stays_within_its_limit_and_the_integral_does_not_wind_up() {
     assert!((x.last().unwrap() - 0.5).abs() < 1e-3, "{:?}", x.last());
 }
 
+/// Response of a closed loop to an order, from a position and an effort at the start.
+fn followed(bench: &Bench, log: &mut MeasuredLog, start: [f64; 2]) -> Response {
+    let count = log.time_s.len();
+    log.channels.insert(Channel::Position, vec![start[0]; count]);
+    log.channels.insert(Channel::DriveForce, vec![start[1]; count]);
+    log.channels.insert(Channel::DriveVoltage, vec![0.0; count]);
+    respond(bench, &Inputs::new(bench, log).unwrap()).unwrap()
+}
+
+#[test]
+fn a_sampled_controller_reports_the_voltage_that_it_applies() {
+    for period_s in [0.0012, 0.002, 0.003] {
+        let drive = format!(
+            "simulates = \"motion\"\ninput = \"order\"\ngain = 5.0\nkp = 400.0\nkd = 20.0\nsample_period_s = {period_s}"
+        );
+        let bench = bench(&[("viscous_effort", 20.0)], &drive).unwrap();
+        let swing = |t: f64| 0.1 * (3.0 * t).sin();
+        let response = followed(&bench, &mut log(1.0, &[(Channel::OrderedPosition, &swing)]), [0.0, 0.0]);
+        let pairs = response[&Channel::DriveForce].iter().zip(&response[&Channel::DriveVoltage]);
+        let largest = pairs.skip(1).map(|(effort, volts)| (effort - 5.0 * volts).abs()).fold(0.0, f64::max);
+        assert!(largest < 1e-9, "{period_s}: {largest}");
+    }
+}
+
+#[test]
+fn a_loop_beyond_its_limit_begins_with_the_measured_effort() {
+    // The position error alone asks for 40 N, the limit is 10 N, and 3 N were measured.
+    let drive =
+        "simulates = \"motion\"\ninput = \"order\"\nkp = 400.0\nki = 50.0\nkd = 20.0\neffort_limit = 10.0";
+    let bench = bench(&[("viscous_effort", 20.0)], drive).unwrap();
+    let response = followed(&bench, &mut log(0.1, &[(Channel::OrderedPosition, &|_| 0.1)]), [0.0, 3.0]);
+    let effort = response[&Channel::DriveForce][0];
+    assert!((effort - 3.0).abs() < 1e-9, "{effort}");
+}
+
+#[test]
+fn a_gap_at_standstill_does_not_change_what_a_sampled_loop_does_afterwards() {
+    let drive = "simulates = \"motion\"\ninput = \"order\"\nkp = 400.0\nki = 2000.0\nkd = 20.0\nsample_period_s = 0.001";
+    let bench = bench(&[("viscous_effort", 20.0)], drive).unwrap();
+    let order = |t: f64| if t < 3.0 { 0.0 } else { 0.05 * (1.0 - (4.0 * (t - 3.0)).cos()) };
+    let mut whole = log(4.0, &[(Channel::OrderedPosition, &order)]);
+    let mut short = whole.clone();
+    let kept: Vec<usize> = (0..whole.time_s.len()).filter(|i| !(500..2900).contains(i)).collect();
+    short.time_s = kept.iter().map(|&i| whole.time_s[i]).collect();
+    for values in short.channels.values_mut() {
+        *values = kept.iter().map(|&i| values[i]).collect();
+    }
+    let [whole, short] =
+        [&mut whole, &mut short].map(|log| followed(&bench, log, [0.0, 0.0])[&Channel::Position].clone());
+    let ends = |values: &[f64]| values[values.len() - 1000..].to_vec();
+    let largest = ends(&whole).iter().zip(ends(&short)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(largest < 1e-4, "{largest}");
+}
+
+#[test]
+fn a_number_that_the_input_does_not_use_cannot_be_uncertain() {
+    let refused = |drive: &str, name: &str| {
+        let uncertain = format!("simulates = \"motion\"\n{drive}\n[uncertain]\n\"{name}\" = 0.1");
+        bench(&[], &uncertain).is_err_and(|error| error.contains(name))
+    };
+    assert!(!refused("input = \"voltage\"", "drive.gain"));
+    for (drive, name) in [
+        ("", "drive.gain"),
+        ("input = \"voltage\"", "drive.kp"),
+        ("input = \"order\"\nkp = 3.0", "drive.speed_ki"),
+        ("", "axis.play"),
+        ("", "axis.gravity_cos"),
+    ] {
+        assert!(refused(drive, name), "{drive} {name}");
+    }
+}
+
 #[test]
 fn contradictory_entries_are_refused_together() {
     let error = bench(

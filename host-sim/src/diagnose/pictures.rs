@@ -33,6 +33,11 @@ fn channels(diagnosis: &Diagnosis) -> Vec<Channel> {
     channels
 }
 
+/// Returns whether a channel is a position itself, which over the position is a straight line.
+fn is_position(channel: Channel) -> bool {
+    matches!(channel, Channel::Position | Channel::SpindleAngle)
+}
+
 /// Draws a held-out cycle of each channel over time and over the position: measured, simulated
 /// before and after. It is the cycle that the causes change most or, without causes, the one with
 /// the largest error.
@@ -50,7 +55,7 @@ pub(crate) fn measured_and_simulated(page: &mut Page, diagnosis: &Diagnosis) -> 
             ("position of the drive, m or rad", &series.position, "The same samples over the position."),
         ]
         .into_iter()
-        .take(if rank < MAX_OVER_POSITION { 2 } else { 1 })
+        .take(if rank < MAX_OVER_POSITION && !is_position(channel) { 2 } else { 1 })
         {
             let line = |name: &str, read: &dyn Fn(usize) -> f64| {
                 Series::through(name, shown.iter().map(|&i| (values[i], read(i))).collect())

@@ -36,7 +36,8 @@ section! {
         #[serde(default, skip_serializing_if = "is_zero")]
         time_constant_s: f64 [0.0, 1e3],
         /// Amplitude of the effort in records of an open loop. The effort has the shape of the
-        /// described motion's speed, in addition to what load and constant effort need.
+        /// described motion's speed, in addition to what load and constant effort need; 0: nothing
+        /// more.
         #[serde(default, skip_serializing_if = "is_zero")]
         effort_amplitude: f64 [0.0, HUGE, "N or N m"],
         /// Controller's output per position error; with `speed_gain` the ordered speed per error.
@@ -165,8 +166,14 @@ impl Drive {
         SETTLING_TIMES * (position_s + integral_s + self.time_constant_s)
     }
 
-    /// A number that may be declared uncertain, by its name.
+    /// A number that may be declared uncertain, by its name; none if the input does not use it.
     pub(super) fn parameter_mut(&mut self, name: &str) -> Option<&mut f64> {
+        let uses = |(other, _, _, inputs): &(&str, f64, f64, &[DriveInput])| {
+            *other == name && inputs.contains(&self.input)
+        };
+        if !self.conditional().iter().any(uses) {
+            return None;
+        }
         match name {
             "gain" => Some(&mut self.gain),
             "time_constant_s" => Some(&mut self.time_constant_s),
@@ -174,7 +181,7 @@ impl Drive {
             "ki" => Some(&mut self.ki),
             "kd" => Some(&mut self.kd),
             "speed_gain" => Some(&mut self.speed_gain),
-            "speed_ki" => Some(&mut self.speed_ki),
+            "speed_ki" if self.speed_gain > 0.0 => Some(&mut self.speed_ki),
             _ => None,
         }
     }

@@ -273,12 +273,15 @@ impl PlantDescription for FrictionRig {
     }
 
     fn period_mut(&mut self) -> Option<Field<'_>> {
+        // The speed of an open loop follows from the effort, and so does the stroke.
+        if self.is_open_loop() {
+            return None;
+        }
         Some(("axis.period_s", &mut self.axis.period_s))
     }
 
     fn stroke_mut(&mut self) -> Option<Field<'_>> {
-        // The stroke of an open loop follows from the effort.
-        if self.forward().is_some_and(|drive| drive.input != DriveInput::Order) {
+        if self.is_open_loop() {
             return None;
         }
         Some(("axis.amplitude", &mut self.axis.amplitude))

@@ -20,6 +20,11 @@
 //! counts as 1e-12. Where friction falls with speed so steeply that a step has several solutions,
 //! the one found first counts.
 
+mod controller;
+mod root;
+
+use self::controller::{State, controller};
+use self::root::root;
 use super::friction_rig::{
     AxisMemory, BRISTLE_STEP_S, Given, Moment, STEP_ROUNDING, Sliding, coefficient, effort_at, memory_after,
     presliding_sign, sign,
@@ -34,18 +39,10 @@ const DIAGONAL: f64 = 1.0 - FRAC_1_SQRT_2;
 const MAX_STEP_S: f64 = 5e-4;
 /// Maximum number of steps between two places of a course.
 const MAX_STEPS: f64 = 200.0;
-/// Maximum number of steps of a root search.
-const MAX_SEARCH: usize = 300;
-/// A bisection takes the place of every third secant.
-const BISECTION_EVERY: usize = 3;
 /// Tolerance of a speed, in widths of the regularised sign.
 const SPEED_TOLERANCE: f64 = 1e-9;
 /// Minimum inertia, kg or kg m2.
 const MIN_INERTIA: f64 = 1e-12;
-/// Maximum speed, m/s or rad/s.
-const MAX_SPEED: f64 = 1e9;
-/// Maximum position, and maximum of an integral.
-const MAX_POSITION: f64 = 1e12;
 
 /// Motion at the start.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,73 +64,6 @@ pub(crate) struct Moved {
     pub(crate) friction: f64,
     /// Voltage, or output of the controller, V or in its own unit.
     pub(crate) output: f64,
-}
-
-/// Quantities that are integrated.
-#[derive(Clone, Copy, Debug, Default)]
-struct State {
-    position: f64,
-    speed: f64,
-    effort: f64,
-    /// Integral of the position error.
-    integral: f64,
-    /// Integral of the speed error.
-    speed_integral: f64,
-}
-
-impl State {
-    /// Extrapolates from an earlier state through this one.
-    fn beyond(&self, earlier: &Self, share: f64) -> Self {
-        let on = |from: f64, to: f64| from + share * (to - from);
-        Self {
-            position: on(earlier.position, self.position),
-            speed: on(earlier.speed, self.speed),
-            effort: on(earlier.effort, self.effort),
-            integral: on(earlier.integral, self.integral),
-            speed_integral: on(earlier.speed_integral, self.speed_integral),
-        }
-    }
-
-    fn limited(self) -> Self {
-        let within = |value: f64, max: f64| value.clamp(-max, max);
-        Self {
-            position: within(self.position, MAX_POSITION),
-            speed: within(self.speed, MAX_SPEED),
-            effort: self.effort,
-            integral: within(self.integral, MAX_POSITION),
-            speed_integral: within(self.speed_integral, MAX_POSITION),
-        }
-    }
-}
-
-/// Output of the controller, in volts or its own unit.
-#[derive(Clone, Copy, Debug, Default)]
-struct Output {
-    /// Without the limit of the effort.
-    unlimited: f64,
-    /// With the limit of the effort.
-    limited: f64,
-    /// 1 or -1 if the limit acts, else 0.
-    saturation: f64,
-    position_error: f64,
-    speed_error: f64,
-}
-
-/// Output of the controller for an order and a state.
-fn controller(drive: &Drive, order: &Motion, state: &State) -> Output {
-    let position_error = order.value - state.position;
-    let outer = drive.kp * position_error + drive.ki * state.integral - drive.kd * state.speed
-        + drive.speed_feedforward * order.rate;
-    let speed_error = outer - state.speed;
-    let output = if drive.speed_gain > 0.0 {
-        drive.speed_gain * speed_error + drive.speed_ki * state.speed_integral
-    } else {
-        outer
-    };
-    let max = if drive.effort_limit > 0.0 { drive.effort_limit / drive.gain } else { f64::INFINITY };
-    let limited = output.clamp(-max, max);
-    let saturation = if limited == output { 0.0 } else { output.signum() };
-    Output { unlimited: output, limited, saturation, position_error, speed_error }
 }
 
 /// Input of a stage's effort.
@@ -226,47 +156,6 @@ impl Stage<'_> {
         let slope = self.rig.axis.inertia / self.weight_s;
         root(|speed| self.balance(speed).0, guess, slope, tolerance)
     }
-}
-
-/// Root of a function near a guess. The inertia's `slope` is the smallest one if friction does not
-/// fall with speed, so the first step reaches or passes the root.
-fn root(f: impl Fn(f64) -> f64, guess: f64, slope: f64, tolerance: f64) -> f64 {
-    let (mut a, mut fa) = (guess, f(guess));
-    let mut step = (-fa / slope).clamp(-MAX_SPEED, MAX_SPEED);
-    if fa == 0.0 || step.abs() <= tolerance {
-        return guess + step;
-    }
-    let (mut b, mut fb) = (a + step, f(a + step));
-    while fa * fb > 0.0 && b.abs() < MAX_SPEED {
-        (a, fa) = (b, fb);
-        step *= 2.0;
-        b = (a + step).clamp(-MAX_SPEED, MAX_SPEED);
-        fb = f(b);
-    }
-    if fa * fb > 0.0 {
-        return b;
-    }
-    // The Illinois form of the secant; a bisection now and then bounds the number of steps.
-    for count in 1..=MAX_SEARCH {
-        let width = (b - a).abs();
-        if fb.abs() <= slope * tolerance || fb == 0.0 {
-            return b;
-        }
-        if width <= tolerance.max(4.0 * f64::EPSILON * a.abs().max(b.abs())) {
-            return 0.5 * (a + b);
-        }
-        let secant = b - fb * ((b - a) / (fb - fa));
-        let is_inside = (secant - a) * (secant - b) < 0.0;
-        let c = if count % BISECTION_EVERY == 0 || !is_inside { 0.5 * (a + b) } else { secant };
-        let fc = f(c);
-        if fc * fb <= 0.0 {
-            (a, fa) = (b, fb);
-        } else {
-            fa *= 0.5;
-        }
-        (b, fb) = (c, fc);
-    }
-    b
 }
 
 /// Sliding of the axis at a speed.

@@ -172,6 +172,10 @@ impl Change {
                 set(&mut lines, ("axis.dwell_s", &mut axis.dwell_s), share * axis.period_s);
             }
             Sweep(factor) => {
+                // The speed of an open loop follows from the effort.
+                if bench.is_open_loop() {
+                    return None;
+                }
                 let axis = &mut bench.axis_mut()?.axis;
                 // A sweep has no standstill.
                 if axis.dwell_s != 0.0 {

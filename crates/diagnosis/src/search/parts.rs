@@ -49,6 +49,8 @@ impl PartSearch<'_> {
     }
 
     /// The best pair of a contender of `first` and a cause beside it; none without such a cause.
+    ///
+    /// The best single cause may imitate two others, each of which alone explains little.
     pub(crate) fn best_pair(
         &self,
         first: &Stage,

@@ -88,9 +88,10 @@ impl Parts {
             return Ok(free);
         }
         let held: Vec<Candidate> = accepted.causes.iter().map(|(cause, _)| *cause).collect();
-        let is_clear = |i: &usize| has_clear_size(&accepted.model, &accepted.z, &accepted.deviations, *i);
-        let clear: Vec<Candidate> =
-            (0..held.len()).filter(is_clear).map(|i| accepted.model.effects[i]).collect();
+        let (model, z, deviations) = (&accepted.model, &accepted.z, &accepted.deviations);
+        let sizes = model.effects.iter().enumerate();
+        let clear = sizes.filter(|(i, _)| has_clear_size(model, z, deviations, *i));
+        let clear: Vec<Candidate> = clear.map(|(_, cause)| *cause).collect();
         let is_kept_beside = |stage: &Stage| Ok(is_kept(stage)? && are_clear(search.views, stage, &clear));
         let search = PartSearch { held: &held, ..*search };
         Self::best(&search, start(), (described, accepted), &is_kept_beside)
