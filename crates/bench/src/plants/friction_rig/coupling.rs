@@ -304,6 +304,17 @@ mod tests {
     }
 
     #[test]
+    fn long_steps_while_sliding_do_not_change_the_friction() {
+        for (play, compliance) in [(2e-3, 0.0), (0.0, 2e-5), (2e-3, 2e-5)] {
+            let mut rig = axis(play, compliance);
+            (rig.axis.regularisation_m_s, rig.axis.viscous_effort) = (2e-3, 200.0);
+            let fine = run(&rig, 2.5e-4).into_iter().step_by(40);
+            let (largest, mean) = difference(fine, &run(&rig, 1e-2));
+            assert!(largest < 1e-2 && mean < 2e-4, "{play} {compliance}: {largest} {mean}");
+        }
+    }
+
+    #[test]
     fn efforts_do_not_depend_on_the_places_that_are_read() {
         let given = |i: i32| {
             let time_s = 1e-3 * f64::from(i);

@@ -18,8 +18,6 @@ const MEMORY_STEP_S: f64 = 1e-3;
 pub(in crate::plants) const BRISTLE_STEP_S: f64 = 2.5e-4;
 /// Maximum step while a loaded coupling slides along, s.
 const SLIDING_STEP_S: f64 = 5e-3;
-/// Speed from which the sign is that of sliding, in widths.
-const SLIDING_WIDTHS: f64 = 3.0;
 /// Largest difference between the speeds of a part that slides along and of the drive, as a share.
 const SLIDING_DIFFERENCE: f64 = 0.01;
 /// Rounding error allowed in a count of steps.
@@ -156,8 +154,7 @@ impl<'a, M: Fn(f64) -> Motion> Stepping<'a, M> {
     /// Returns whether the rubbing part slides along with the drive between two motions of it.
     fn slides_along(&self, drive: [&Motion; 2]) -> bool {
         let Following { rate, drive_rate, .. } = self.following;
-        let least = SLIDING_WIDTHS * self.rig.axis.regularisation_m_s / self.rig.axis.friction_radius_m;
-        let slides = |motion: &Motion| motion.rate.abs() > least && motion.rate * rate > 0.0;
+        let slides = |motion: &Motion| motion.rate * rate > 0.0;
         drive.into_iter().all(slides) && (rate - drive_rate).abs() < SLIDING_DIFFERENCE * drive_rate.abs()
     }
 
