@@ -237,7 +237,8 @@ fn followed(bench: &Bench, log: &mut MeasuredLog, start: [f64; 2]) -> Response {
 fn a_sampled_controller_reports_the_voltage_that_it_applies() {
     for period_s in [0.0012, 0.002, 0.003] {
         let drive = format!(
-            "simulates = \"motion\"\ninput = \"order\"\ngain = 5.0\nkp = 400.0\nkd = 20.0\nsample_period_s = {period_s}"
+            "simulates = \"motion\"\ninput = \"order\"\ngain = 5.0\nkp = 400.0\nkd = 20.0\n\
+             sample_period_s = {period_s}"
         );
         let bench = bench(&[("viscous_effort", 20.0)], &drive).unwrap();
         let swing = |t: f64| 0.1 * (3.0 * t).sin();
@@ -261,7 +262,8 @@ fn a_loop_beyond_its_limit_begins_with_the_measured_effort() {
 
 #[test]
 fn a_gap_at_standstill_does_not_change_what_a_sampled_loop_does_afterwards() {
-    let drive = "simulates = \"motion\"\ninput = \"order\"\nkp = 400.0\nki = 2000.0\nkd = 20.0\nsample_period_s = 0.001";
+    let drive = "simulates = \"motion\"\ninput = \"order\"\nkp = 400.0\nki = 2000.0\nkd = 20.0\n\
+                 sample_period_s = 0.001";
     let bench = bench(&[("viscous_effort", 20.0)], drive).unwrap();
     let order = |t: f64| if t < 3.0 { 0.0 } else { 0.05 * (1.0 - (4.0 * (t - 3.0)).cos()) };
     let mut whole = log(4.0, &[(Channel::OrderedPosition, &order)]);
