@@ -102,6 +102,43 @@ fn laws_with_their_own_damping_keep_the_balance() {
     }
 }
 
+/// The friction of every sample is the dry curve plus `c v`, whatever the normal force is.
+#[test]
+fn the_viscous_part_of_brown_and_mcphee_is_in_newtons_per_speed() {
+    const SLOPE: &str = "viscous_slope_s_m = 0.0";
+    let law = "law = \"brown-mcphee\"\ntransition_force_n = 100.0\nviscous_damping_n_s_m = 2500.0";
+    let run = run(&[(SLOPE, &format!("{SLOPE}\n{law}"))]).unwrap();
+    assert!(run.energy.residual_rel < 1e-6, "{:?}", run.energy);
+    let loaded = run.samples.iter().filter(|s| s.forces.normal_n > 1e3);
+    assert!(loaded.clone().count() > 200);
+    for s in loaded {
+        let (v, normal_n) = (s.contact.sliding_speed_m_s, s.forces.normal_n);
+        let r = v / 1e-3;
+        let dry = 0.14 * (4.0 * r).tanh() + 0.08 * r / (0.25 * r * r + 0.75).powi(2);
+        let viscous_n = -s.forces.friction_n - normal_n * dry;
+        assert!((viscous_n - 2500.0 * v).abs() < 1e-9 * normal_n, "{viscous_n} N at {v} m/s");
+    }
+    let refused = |text: &str, expected: &str| {
+        let error = parse(&[(SLOPE, text)]).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    };
+    refused(
+        "viscous_slope_s_m = 0.25\nlaw = \"brown-mcphee\"",
+        "friction.viscous_slope_s_m is 0.25; expected 0: `brown-mcphee` uses viscous_damping_n_s_m",
+    );
+    refused(
+        "viscous_slope_s_m = 0.0\nviscous_damping_n_s_m = 2500.0",
+        "friction.viscous_damping_n_s_m is 2500; expected 0: only `brown-mcphee` uses it",
+    );
+    let Bench::Transmission(mut bench) =
+        parse(&[(SLOPE, "viscous_slope_s_m = 0.0\nlaw = \"brown-mcphee\"")]).unwrap()
+    else {
+        panic!("bench-b")
+    };
+    bench.set_material(contact::BearingMaterial::Plastic);
+    assert_eq!(bench.friction.viscous_slope_s_m, 0.0, "the description can still be read");
+}
+
 #[test]
 fn every_integrable_friction_law_keeps_the_balance() {
     let nominal = run(&[]).unwrap().energy.friction_heat_j;

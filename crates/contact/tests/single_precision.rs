@@ -37,6 +37,7 @@ fn friction_force<T: Real>(kind: FrictionKind, v: f64) -> f64 {
         full_speed_m_s: of(1e-3),
         stribeck_speed_m_s: of(0.01),
         viscous_slope_s_m: of(0.1),
+        viscous_damping_n_s_m: of(250.0),
         transition_force_n: of(100.0),
     };
     SlidingLaw::new(kind, parameters).unwrap().force_n(of(1000.0), of(v)).to_f64()

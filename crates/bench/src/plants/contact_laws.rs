@@ -151,6 +151,7 @@ impl BearingFriction {
                     full_speed_m_s: section.regularisation_m_s,
                     stribeck_speed_m_s: section.stribeck_speed_m_s,
                     viscous_slope_s_m: section.viscous_slope_s_m,
+                    viscous_damping_n_s_m: section.viscous_damping_n_s_m,
                     transition_force_n: section.transition_force_n,
                 };
                 Self::Sliding(SlidingLaw::new(kind, parameters)?)

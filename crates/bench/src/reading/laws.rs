@@ -53,7 +53,23 @@ fn bearing_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
         let error = BearingFriction::from_section(&bench.friction).err();
         all.extend(error.and_then(|error| wrong("friction", error)));
     }
+    all.extend(viscous_refusal(bench));
     all
+}
+
+/// Refuses the viscous parameter that the friction law does not use. Brown and McPhee's viscous
+/// part is a force over a speed, that of the other laws a coefficient over a speed.
+fn viscous_refusal(bench: &TransmissionBench) -> Option<Refusal> {
+    let friction = &bench.friction;
+    let is_brown_mcphee = friction.law.is_some_and(|law| law.0 == FrictionKind::BrownMcPhee);
+    let (unused, value, expected) = if is_brown_mcphee {
+        let expected = "0: `brown-mcphee` uses viscous_damping_n_s_m, a force over the speed";
+        ("friction.viscous_slope_s_m", friction.viscous_slope_s_m, expected)
+    } else {
+        let expected = "0: only `brown-mcphee` uses it; other laws use viscous_slope_s_m";
+        ("friction.viscous_damping_n_s_m", friction.viscous_damping_n_s_m, expected)
+    };
+    (value != 0.0).then(|| (unused.into(), format_number(value), expected.into()))
 }
 
 fn wrong(section: &str, error: LawError) -> Option<Refusal> {

@@ -9,8 +9,10 @@
 //!   confirmed.
 //! * **Bengisu-Akay**: `mu_s (1 - (v/v_1 - 1)^2)` up to `v_1`, then
 //!   `mu_c + (mu_s - mu_c) exp(-(v - v_1)/v_s)`. Not confirmed.
-//! * **Brown-McPhee**: `mu_c tanh(4 r) + (mu_s - mu_c) r/(r^2/4 + 3/4)^2` with `r = v/v_1`, plus
-//!   `k v tanh(4 N/N_t)`. Public sources; the static part peaks at `v_1`, as its authors meant.
+//! * **Brown-McPhee**: `mu_c tanh(4 r) + (mu_s - mu_c) r/(r^2/4 + 3/4)^2` with `r = v/v_1`. The
+//!   force has a further part `c v tanh(4 N/N_t)`, `c` in N s/m: beyond `N_t` it does not depend on
+//!   the normal force. Public sources and code. The static part peaks at `v_1`, as its authors
+//!   meant.
 //! * **Stribeck**: [`FrictionLaw`]. The paper and public code.
 //!
 //! Ambrosio (2003), Threlfall (1978) and Bengisu and Akay (1994) are quoted from memory of later
@@ -60,8 +62,10 @@ pub struct SlidingParameters<T = f64> {
     pub full_speed_m_s: T,
     /// `v_s`, over which the static coefficient decays, above 0.
     pub stribeck_speed_m_s: T,
-    /// `k` in s/m, 0 or more.
+    /// `k` of Stribeck's law in s/m, 0 or more: slope of the coefficient over the speed.
     pub viscous_slope_s_m: T,
+    /// `c` of Brown and McPhee in N s/m, 0 or more: slope of the force over the speed.
+    pub viscous_damping_n_s_m: T,
     /// `N_t` of Brown and McPhee in N, above 0.
     pub transition_force_n: T,
 }
@@ -76,6 +80,7 @@ impl<T: Real> SlidingParameters<T> {
         expect("full speed (m/s)", self.full_speed_m_s, holds, "above the still speed")?;
         above_zero("Stribeck speed (m/s)", self.stribeck_speed_m_s)?;
         at_least_zero("viscous slope (s/m)", self.viscous_slope_s_m)?;
+        at_least_zero("viscous damping (N s/m)", self.viscous_damping_n_s_m)?;
         above_zero("transition force (N)", self.transition_force_n)?;
         Ok(())
     }
@@ -156,7 +161,7 @@ impl<T: Real> SlidingLaw<T> {
         };
         let viscous = match self {
             Self::BrownMcPhee(_) => {
-                p.viscous_slope_s_m * speed * (of(4.0) * normal_force_n / p.transition_force_n).tanh()
+                p.viscous_damping_n_s_m * speed * (of(4.0) * normal_force_n / p.transition_force_n).tanh()
             }
             _ => T::ZERO,
         };
@@ -187,6 +192,7 @@ mod tests {
         full_speed_m_s: 1e-3,
         stribeck_speed_m_s: 0.01,
         viscous_slope_s_m: 0.1,
+        viscous_damping_n_s_m: 250.0,
         transition_force_n: 100.0,
     };
 
@@ -206,10 +212,27 @@ mod tests {
         assert!((at(FrictionKind::BengisuAkay, 1.000_001e-3) - 250.0).abs() < 1e-3);
         assert!((at(FrictionKind::BengisuAkay, 0.011) - (150.0 + 100.0 * (-1.0_f64).exp())).abs() < 1e-9);
         // At v = v_1 Brown and McPhee's width is 1, so both coefficients appear in full.
-        let expected = 150.0 * 4.0_f64.tanh() + 100.0 + 0.1 * 1e-3 * 40.0_f64.tanh();
+        let expected = 150.0 * 4.0_f64.tanh() + 100.0 + 250.0 * 1e-3 * 40.0_f64.tanh();
         assert!((at(FrictionKind::BrownMcPhee, 1e-3) - expected).abs() < 1e-9);
-        let expected = 150.0 * 8.0_f64.tanh() + 100.0 * 2.0 / (1.75 * 1.75) + 0.1 * 2e-3 * 40.0_f64.tanh();
+        let expected = 150.0 * 8.0_f64.tanh() + 100.0 * 2.0 / (1.75 * 1.75) + 250.0 * 2e-3 * 40.0_f64.tanh();
         assert!((at(FrictionKind::BrownMcPhee, 2e-3) - expected).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_viscous_part_of_brown_and_mcphee_is_a_force_that_develops_over_the_transition_force() {
+        let parameters = SlidingParameters { transition_force_n: 400.0, ..PARAMETERS };
+        let law = |viscous_damping_n_s_m| {
+            let parameters = SlidingParameters { viscous_damping_n_s_m, ..parameters };
+            SlidingLaw::new(FrictionKind::BrownMcPhee, parameters).unwrap()
+        };
+        let viscous_n = |n| law(0.0).force_n(n, 0.5) - law(250.0).force_n(n, 0.5);
+        // 250 N s/m at .5 m/s: 125 N, whatever the normal force is beyond the transition.
+        assert!((viscous_n(100.0) - 125.0 * 1.0_f64.tanh()).abs() < 1e-9);
+        assert!((viscous_n(1e4) - 125.0).abs() < 1e-9 && (viscous_n(1e5) - 125.0).abs() < 1e-9);
+        // The slope of the other laws is not part of it.
+        let steep = SlidingParameters { viscous_slope_s_m: 10.0, viscous_damping_n_s_m: 250.0, ..parameters };
+        let steep = SlidingLaw::new(FrictionKind::BrownMcPhee, steep).unwrap();
+        assert_eq!(steep.force_n(1e4, 0.5), law(250.0).force_n(1e4, 0.5));
     }
 
     #[test]
@@ -220,6 +243,7 @@ mod tests {
             SlidingParameters { still_speed_m_s: 1e-3, ..PARAMETERS },
             SlidingParameters { full_speed_m_s: f64::NAN, ..PARAMETERS },
             SlidingParameters { stribeck_speed_m_s: 0.0, ..PARAMETERS },
+            SlidingParameters { viscous_damping_n_s_m: -1.0, ..PARAMETERS },
         ];
         for parameters in bad {
             assert!(SlidingLaw::new(FrictionKind::Ambrosio, parameters).is_err());
@@ -247,6 +271,7 @@ mod tests {
                 full_speed_m_s: 1e-8,
                 stribeck_speed_m_s: 1e-6,
                 viscous_slope_s_m: 0.0,
+                viscous_damping_n_s_m: 0.0,
                 ..PARAMETERS
             };
             for kind in KINDS {

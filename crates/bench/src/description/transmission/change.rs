@@ -1,11 +1,11 @@
 //! Changes of a transmission bench's description: bearing material and clearance.
 
 use super::{ShapeName, TransmissionBench};
-use contact::{BearingMaterial, StribeckShape};
+use contact::{BearingMaterial, FrictionKind, StribeckShape};
 
 impl TransmissionBench {
     /// Replaces bearing material and friction by those of a trained bearing. Clearance and geometry
-    /// do not change.
+    /// do not change. Brown and McPhee's law keeps its own viscous part.
     pub fn set_material(&mut self, material: BearingMaterial) {
         let (elastic, friction) = (material.elastic(), material.friction_law());
         let old_modulus = self.bearing.youngs_modulus_pa;
@@ -20,7 +20,9 @@ impl TransmissionBench {
             StribeckShape::Tustin => ShapeName::Tustin,
             StribeckShape::Gauss => ShapeName::Gauss,
         };
-        self.friction.viscous_slope_s_m = friction.viscous_slope_s_m;
+        if self.friction.law.is_none_or(|law| law.0 != FrictionKind::BrownMcPhee) {
+            self.friction.viscous_slope_s_m = friction.viscous_slope_s_m;
+        }
         self.friction.viscous_onset_m_s = friction.viscous_onset_m_s;
         self.friction.regularisation_m_s = friction.regularisation_m_s;
         // The relative uncertainty of the modulus does not change.

@@ -94,7 +94,7 @@ section! {
         stribeck_speed_m_s: f64 [1e-9, HUGE],
         /// Stribeck exponent by name.
         shape: ShapeName,
-        /// Slope over speed.
+        /// Slope of the coefficient over the speed; 0 for `brown-mcphee`.
         viscous_slope_s_m: f64 [-1e3, 1e3],
         /// Speed where the slope begins.
         viscous_onset_m_s: f64 [0.0, HUGE],
@@ -103,6 +103,9 @@ section! {
         /// Speed up to which Ambrosio's law gives no friction.
         #[serde(default, skip_serializing_if = "is_zero")]
         still_speed_m_s: f64 [0.0, 1e3],
+        /// Slope of the friction force over the speed, for `brown-mcphee`.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        viscous_damping_n_s_m: f64 [0.0, 1e9],
         /// Force over which the viscous part of Brown and McPhee's law develops.
         #[serde(default = "one", skip_serializing_if = "is_one")]
         transition_force_n: f64 [1e-9, HUGE],
