@@ -60,7 +60,7 @@ pub fn run(args: &AccuracyArgs) -> Result<(), CliError> {
         let settings = worlds::Settings { draws, seed: args.seed, threads: args.threads };
         return worlds::run(args.bearing, settings, &args.out, args.json);
     }
-    // The step is doubled for the comparison, and again for the error bar of the doubled step.
+    // The step is doubled for the comparison, and twice more for the error bars.
     let settings =
         Settings { step_s: communication_step_s(args.step_us)?, seed: args.seed, threads: args.threads };
     output::prepare_folder(&args.out)?;

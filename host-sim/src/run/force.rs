@@ -58,9 +58,9 @@ pub struct ForcedRun {
     pub run: Run,
     /// Wall time of the run alone, s.
     pub wall_s: f64,
-    /// Peaks from the end of the load's ramp on. With the law they are read at a tighter tolerance,
-    /// and the error bar is the distance from the run's own. With networks it is the distance from
-    /// a run at twice the communication step.
+    /// Peaks from the end of the load's ramp on. With the law they are read at a tighter tolerance
+    /// than the run's, and the error bars come from that run and one at a wider tolerance. With
+    /// networks they come from runs at twice and four times the communication step.
     pub peaks: Vec<Peak>,
     /// Share of the contact samples outside the networks' training range.
     pub outside_training_share: f64,
@@ -127,16 +127,19 @@ pub fn run_bench(
     let wall_s = started.elapsed().as_secs_f64();
     let peaks = match &forced.run.extremes {
         Some(extremes) => {
-            // A step too coarse for the contact gives no peaks, and the error bar is unknown.
-            let coarser = run_planar(bench, source, 2.0 * step_s, || {}).ok();
-            extremes.to_peaks(coarser.and_then(|c| c.run.extremes).as_ref())
+            // A step too coarse for the contact gives no peaks: the error bar is wide or unknown.
+            let coarser = [2.0, 4.0].map(|factor| {
+                let forced = run_planar(bench, source, factor * step_s, || {}).ok();
+                forced.and_then(|forced| forced.run.extremes)
+            });
+            extremes.to_peaks(coarser.each_ref().map(Option::as_ref))
         }
         None => law_peaks(bench)?,
     };
     Ok(ForcedRun { wall_s, peaks, ..forced })
 }
 
-/// Peaks of the analytic law: error bars from the run's tolerance, values from a tighter one.
+/// Peaks of the analytic law, read at a tighter tolerance than the run's, with their error bars.
 pub fn law_peaks(bench: &TransmissionBench) -> Result<Vec<Peak>, CliError> {
     let profiles = || (bench.drive_profile(), bench.load_profile());
     let span = (bench.load.ramp_s, bench.duration_s());

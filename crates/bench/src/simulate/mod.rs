@@ -2,6 +2,7 @@
 //! responses to a measured log.
 
 mod axis_log;
+mod error_bars;
 mod forward_log;
 pub mod impact_table;
 pub mod peaks;

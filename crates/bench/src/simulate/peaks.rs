@@ -1,15 +1,16 @@
-//! Peaks with their numerical error bars: the same run twice, at two accuracies.
+//! Peaks with their numerical error bars: the same run three times, at three accuracies.
 //!
-//! The value is that of the finer run. The bar is the distance between the two runs. To first order
-//! it is the error of the coarser run, and so an upper estimate for the value's own error. The runs
-//! differ in tolerance or, with a held force, in the communication step. A bar says nothing about
-//! the model. In a run whose trajectories decorrelate (a slider-crank beyond two revolutions) bars
-//! become as large as the peaks; then only statistics can be compared.
+//! The value is that of the finest run. The bar follows from the differences between the runs
+//! ([`super::error_bars`]). The runs differ in tolerance or, with a held force, in the
+//! communication step. A bar says nothing about the model. In a run whose trajectories decorrelate
+//! (a slider-crank beyond two revolutions) bars become as large as the peaks; then only statistics
+//! can be compared.
 
 use crate::integrate::{ContactPlant, Impact, IntegrationError, Tolerances, integrate};
 use crate::plants::transmission::Snapshot;
+use crate::simulate::error_bars::error_bars;
 
-/// Tolerance of the finer run relative to that of the coarser one.
+/// Tolerance of a run relative to that of the next coarser one.
 pub const TIGHTER: f64 = 0.03;
 /// Interval of the search for peaks, s.
 const COARSE_S: f64 = 1e-4;
@@ -25,7 +26,7 @@ pub struct Peak {
     pub name: &'static str,
     /// Largest magnitude.
     pub value: f64,
-    /// Distance from the coarser run; infinite if that run gave no result.
+    /// Error bar from the coarser runs; infinite if they gave no result.
     pub error_bar: f64,
     /// Time of the peak in s.
     pub time_s: f64,
@@ -56,12 +57,12 @@ impl Extremes {
         }
     }
 
-    /// Returns the extremes as peaks, with their distance from those of a coarser run.
-    pub fn to_peaks(&self, coarser: Option<&Self>) -> Vec<Peak> {
-        let bars = self.0.iter().enumerate().map(|(i, (value, _))| {
-            let other = coarser.and_then(|c| c.0.get(i));
-            other.map_or(f64::INFINITY, |(other, _)| (value - other).abs())
-        });
+    /// Returns the extremes as peaks, with their error bars from a coarser run and one that is
+    /// coarser still.
+    pub fn to_peaks(&self, [middle, coarse]: [Option<&Self>; 2]) -> Vec<Peak> {
+        let of = |run: Option<&Self>, i: usize| run.and_then(|run| run.0.get(i)).map(|(value, _)| *value);
+        let values = self.0.iter().enumerate().map(|(i, (value, _))| (*value, of(middle, i), of(coarse, i)));
+        let bars = error_bars(&values.collect::<Vec<_>>());
         let rows = QUANTITIES.iter().zip(&self.0).zip(bars);
         rows.map(|(((name, _), &(value, time_s)), error_bar)| Peak { name, value, error_bar, time_s })
             .collect()
@@ -69,15 +70,16 @@ impl Extremes {
 }
 
 /// Returns the peaks from `from_s` to `end_s` with their bars. `run` simulates the bench at
-/// ascending times, the first of them 0, at a relative tolerance; it is called with `tolerance` and
-/// with a tighter one.
+/// ascending times, the first of them 0, at a relative tolerance; it is called with `tolerance`,
+/// with a tighter one and with a wider one, which may fail.
 pub fn peaks_with_bars<E>(
     (from_s, end_s): (f64, f64),
     tolerance: f64,
     run: impl Fn(f64, &[f64]) -> Result<Vec<Snapshot>, E>,
 ) -> Result<Vec<Peak>, E> {
     let at = |tolerance| located((from_s, end_s), |times: &[f64]| run(tolerance, times));
-    Ok(at(tolerance * TIGHTER)?.to_peaks(Some(&at(tolerance)?)))
+    let (fine, middle, coarse) = (at(tolerance * TIGHTER)?, at(tolerance)?, at(tolerance / TIGHTER).ok());
+    Ok(fine.to_peaks([Some(&middle), coarse.as_ref()]))
 }
 
 /// Extremes of a repeatable run: searched at the coarse interval, then read finely near the highest
@@ -114,25 +116,30 @@ fn highest(samples: &[Snapshot], read: fn(&Snapshot) -> f64) -> Vec<f64> {
     tops.iter().take(PLACES).filter_map(|&i| samples.get(i)).map(|s| s.time_s).collect()
 }
 
-/// Returns every impact of a plant with the error bar of its peak force. A contact that only one of
-/// the runs has gets an infinite bar.
+/// Returns every impact of a plant with the error bar of its peak force. The runs have the given
+/// tolerances, tighter ones and wider ones, and the tighter ones give the impacts. A contact that
+/// the middle run does not have gets an infinite bar.
 pub fn impacts_with_bars<P: ContactPlant<N>, const N: usize>(
     plant: &P,
     span_s: (f64, f64),
     initial: [f64; N],
     tolerances: &Tolerances<N>,
 ) -> Result<Vec<(Impact, f64)>, IntegrationError> {
-    let tighter = Tolerances {
-        relative: tolerances.relative * TIGHTER,
-        absolute: tolerances.absolute.map(|a| a * TIGHTER),
-        largest_step_s: tolerances.largest_step_s,
+    let run = |factor: f64| {
+        let tolerances = Tolerances {
+            relative: tolerances.relative * factor,
+            absolute: tolerances.absolute.map(|a| a * factor),
+            largest_step_s: tolerances.largest_step_s,
+        };
+        let run = integrate(plant, span_s, initial, false, &[], &tolerances, |_, _, _| {});
+        run.map(|run| run.impacts)
     };
-    let run = |tolerances| integrate(plant, span_s, initial, false, &[], tolerances, |_, _, _| {});
-    let (coarse, fine) = (run(tolerances)?, run(&tighter)?);
-    let bar = |i: usize, impact: &Impact| {
-        coarse.impacts.get(i).map_or(f64::INFINITY, |c| (c.peak_force_n - impact.peak_force_n).abs())
-    };
-    Ok(fine.impacts.iter().enumerate().map(|(i, impact)| (*impact, bar(i, impact))).collect())
+    let (fine, middle, coarse) = (run(TIGHTER)?, run(1.0)?, run(1.0 / TIGHTER).unwrap_or_default());
+    let peak = |impacts: &[Impact], i: usize| impacts.get(i).map(|impact| impact.peak_force_n);
+    let peaks =
+        fine.iter().enumerate().map(|(i, impact)| (impact.peak_force_n, peak(&middle, i), peak(&coarse, i)));
+    let bars = error_bars(&peaks.collect::<Vec<_>>());
+    Ok(fine.into_iter().zip(bars).collect())
 }
 
 #[cfg(test)]
