@@ -48,9 +48,10 @@ pub struct ImpactRecord {
 }
 
 impl ImpactRecord {
-    /// Returns separation speed over approach speed; `None` without a separation.
+    /// Returns separation speed over approach speed; `None` without a separation. It is the
+    /// restitution of free bodies. A driven body may separate faster than it approached.
     #[must_use]
-    pub fn restitution(&self) -> Option<f32> {
+    pub fn speed_ratio(&self) -> Option<f32> {
         let is_known = self.end == ImpactEnd::Separation && self.approach_speed_m_s > 0.0;
         is_known.then(|| self.separation_speed_m_s / self.approach_speed_m_s)
     }
@@ -78,13 +79,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_a_separation_after_an_approach_has_a_restitution() {
+    fn only_a_separation_after_an_approach_has_a_speed_ratio() {
         let record =
             ImpactRecord { approach_speed_m_s: 0.2, separation_speed_m_s: 0.1, ..ImpactRecord::default() };
-        assert_eq!(record.restitution(), Some(0.5));
+        assert_eq!(record.speed_ratio(), Some(0.5));
         for end in [ImpactEnd::Settled, ImpactEnd::Interrupted] {
-            assert_eq!(ImpactRecord { end, ..record }.restitution(), None);
+            assert_eq!(ImpactRecord { end, ..record }.speed_ratio(), None);
         }
-        assert_eq!(ImpactRecord { approach_speed_m_s: 0.0, ..record }.restitution(), None);
+        assert_eq!(ImpactRecord { approach_speed_m_s: 0.0, ..record }.speed_ratio(), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Impacts that the controller recorded: their table, and their comparison with those of the bench.
 //!
 //! A record belongs to the nearest true contact whose onset is at most [`MATCHED_S`] away. Peaks
-//! are compared up to the time at which a record settles, energies and restitutions are not: they
+//! are compared up to the time at which a record settles, energies and speed ratios are not: they
 //! are in the tables.
 
 use crate::run::exchange::ExchangeResult;
@@ -20,9 +20,9 @@ const MATCHED_S: f64 = 1e-3;
 
 /// Header of the table.
 const HEADER: &str = "number,onset_sequence,onset_s,peak_s,duration_s,peak_force_n,peak_force_sd_n,\
-approach_speed_m_s,separation_speed_m_s,energy_lost_j,restitution,flags,end";
+approach_speed_m_s,separation_speed_m_s,energy_lost_j,speed_ratio,flags,end";
 
-/// Formats records as CSV with the shortest numbers that read back exactly. The restitution of a
+/// Formats records as CSV with the shortest numbers that read back exactly. The speed ratio of a
 /// contact that did not separate is empty.
 pub(crate) fn to_csv(records: &[ImpactRecord]) -> String {
     let mut text = format!("{HEADER}\n");
@@ -41,7 +41,7 @@ pub(crate) fn to_csv(records: &[ImpactRecord]) -> String {
             r.approach_speed_m_s,
             r.separation_speed_m_s,
             r.energy_lost_j,
-            r.restitution().map(|value| format!("{value:e}")).unwrap_or_default(),
+            r.speed_ratio().map(|value| format!("{value:e}")).unwrap_or_default(),
             r.flags,
             end(r.end)
         );
@@ -64,9 +64,9 @@ pub(crate) const fn end(end: ImpactEnd) -> &'static str {
 
 /// Describes a record in one line.
 pub(crate) fn line(r: &ImpactRecord) -> String {
-    let restitution = r.restitution().map(|value| format!(", restitution {value:.2}")).unwrap_or_default();
+    let ratio = r.speed_ratio().map(|value| format!(", speed ratio {value:.2}")).unwrap_or_default();
     format!(
-        "impact {} at {:.4} s: peak {:.0} +- {:.0} N, {:.2} ms, {:.3} J{restitution}, {}",
+        "impact {} at {:.4} s: peak {:.0} +- {:.0} N, {:.2} ms, {:.3} J{ratio}, {}",
         r.number,
         seconds(r.onset_us),
         r.peak_force_n,
@@ -189,7 +189,7 @@ pub(super) const TABLE_HEADER: [&str; 10] = [
     "true",
     "loss, J",
     "true",
-    "restitution, true; end",
+    "speed ratio, true; end",
 ];
 
 /// Rows of the table: estimate beside truth.
@@ -199,7 +199,7 @@ pub(super) fn table_rows(pairs: &[Pair<'_>]) -> Vec<Vec<String>> {
         let truth = pair.truth.map(|(impact, _)| impact);
         let of_truth =
             |value: &dyn Fn(&Impact) -> Option<String>| truth.and_then(value).unwrap_or("-".into());
-        let restitution = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.2}"));
+        let ratio = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.2}"));
         vec![
             format!("{:.6}", seconds(r.onset_us)),
             of_truth(&|i| Some(format!("{:.6}", i.onset_s))),
@@ -212,8 +212,8 @@ pub(super) fn table_rows(pairs: &[Pair<'_>]) -> Vec<Vec<String>> {
             of_truth(&|i| Some(format!("{:.3}", i.energy_lost_j))),
             format!(
                 "{}, {}; {}",
-                restitution(r.restitution().map(f64::from)),
-                restitution(truth.and_then(Impact::restitution)),
+                ratio(r.speed_ratio().map(f64::from)),
+                ratio(truth.and_then(Impact::speed_ratio)),
                 end(r.end)
             ),
         ]
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_have_the_fields_of_the_header_and_an_unknown_restitution_is_empty() {
+    fn rows_have_the_fields_of_the_header_and_an_unknown_speed_ratio_is_empty() {
         let closed = ImpactRecord {
             approach_speed_m_s: 0.5,
             separation_speed_m_s: 0.25,
@@ -244,8 +244,8 @@ mod tests {
         let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
         assert!(rows.len() == 3 && rows.iter().all(|row| row.len() == rows[0].len()));
         let field = |row: usize, name: &str| rows[row][rows[0].iter().position(|h| *h == name).unwrap()];
-        assert_eq!((field(1, "onset_s"), field(1, "restitution")), ("1.500000", "5e-1"));
-        assert_eq!((field(2, "restitution"), field(2, "end")), ("", "settled"));
+        assert_eq!((field(1, "onset_s"), field(1, "speed_ratio")), ("1.500000", "5e-1"));
+        assert_eq!((field(2, "speed_ratio"), field(2, "end")), ("", "settled"));
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Peak force, depth and work of a contact within a step, from the dense output.
 //!
 //! Force, depth and power are read at start, middle and end of the span. The work is Simpson's rule
-//! over them, which has the order of the dense output. A maximum inside the span is located by
+//! over them, which has the order of the dense output. The work of compression ends where the rate
+//! of the deformation changes its sign. A maximum inside the span is located by
 //! golden section, so that it does not depend on the positions of steps and samples.
 
 use super::{ContactReading, Impact, IntegrationError};
@@ -11,6 +12,8 @@ const LAST: usize = POINTS - 1;
 /// Golden sections of a search: they reduce the bracket to 1e-6, and the error of a flat top to the
 /// square of that.
 const SECTIONS: usize = 28;
+/// Bisections of the search for the end of a compression, where the power is 0.
+const BISECTIONS: usize = 30;
 
 /// A span in contact with the readings at its ends.
 pub(super) struct Span {
@@ -31,8 +34,21 @@ impl Span {
         let middle_s = 0.5 * (self.from + self.to);
         let times_s = [self.from, middle_s, self.to];
         let readings = [self.start, read(middle_s)?, self.end];
-        let [a, b, c] = readings.map(|r| r.force_n * r.rate_m_s);
-        impact.energy_lost_j += (a + 4.0 * b + c) * (self.to - self.from) / 6.0;
+        let power_w = |r: &ContactReading| r.force_n * r.rate_m_s;
+        let [a, b, c] = readings.each_ref().map(power_w);
+        let work_j = (a + 4.0 * b + c) * (self.to - self.from) / 6.0;
+        impact.energy_lost_j += work_j;
+        impact.compression_work_j += match (self.start.rate_m_s > 0.0, self.end.rate_m_s > 0.0) {
+            (true, true) => work_j,
+            (false, false) => 0.0,
+            (compresses_first, _) => {
+                let turn_s = self.turn_s(compresses_first, read)?;
+                let (from, to) = if compresses_first { (self.from, turn_s) } else { (turn_s, self.to) };
+                let middle = power_w(&read(0.5 * (from + to))?);
+                // The power at the turn is 0.
+                (if compresses_first { a } else { c } + 4.0 * middle) * (to - from) / 6.0
+            }
+        };
         let mut force = |t: f64| read(t).map_or(f64::NAN, |r| r.force_n);
         let forces = readings.map(|r| r.force_n);
         if let Some((time_s, value)) = highest(&times_s, &forces, impact.peak_force_n, &mut force) {
@@ -44,6 +60,26 @@ impl Span {
             impact.max_deformation_m = value;
         }
         Ok(())
+    }
+}
+
+impl Span {
+    /// Time at which the rate of the deformation changes its sign.
+    fn turn_s(
+        &self,
+        compresses_first: bool,
+        read: &mut impl FnMut(f64) -> Result<ContactReading, IntegrationError>,
+    ) -> Result<f64, IntegrationError> {
+        let (mut low, mut high) = (self.from, self.to);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if (read(middle)?.rate_m_s > 0.0) == compresses_first {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Ok(0.5 * (low + high))
     }
 }
 

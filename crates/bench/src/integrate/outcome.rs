@@ -22,6 +22,8 @@ pub struct Impact {
     pub max_deformation_m: f64,
     /// Work of the normal force so far, J; the loss of a contact that has ended.
     pub energy_lost_j: f64,
+    /// Work of the normal force while the deformation grew, J.
+    pub compression_work_j: f64,
     /// Time of separation in s; `None` while still in contact at the end.
     pub separation_s: Option<f64>,
     /// Speed of separation in m/s; 0 until then.
@@ -34,10 +36,19 @@ impl Impact {
         self.separation_s.map(|end| end - self.onset_s)
     }
 
-    /// Separation speed over approach speed, once the contact has ended.
-    pub fn restitution(&self) -> Option<f64> {
+    /// Separation speed over approach speed, once the contact has ended. Forces other than that of
+    /// the contact act on it, too: a driven body may separate faster than it approached.
+    pub fn speed_ratio(&self) -> Option<f64> {
         (self.separation_s.is_some() && self.approach_speed_m_s > 0.0)
             .then(|| self.separation_speed_m_s / self.approach_speed_m_s)
+    }
+
+    /// Coefficient of restitution of the contact, once it has ended: the square root of the work
+    /// that the normal force returned over the work that it took up (Stronge, "Impact mechanics",
+    /// 2000). It equals the speed ratio of free bodies and does not exceed 1 for driven ones.
+    pub fn restitution(&self) -> Option<f64> {
+        let is_known = self.separation_s.is_some() && self.compression_work_j > 0.0;
+        is_known.then(|| (1.0 - self.energy_lost_j / self.compression_work_j).clamp(0.0, 1.0).sqrt())
     }
 }
 

@@ -65,7 +65,9 @@ mod tests {
         let [impact] = result.impacts[..] else { panic!("{:?}", result.impacts) };
         let e = produced_restitution(Dissipation::ZhiyingQishao.factor(0.6));
         assert!((impact.onset_s - 1e-3).abs() < 1e-12);
-        assert!((impact.restitution().unwrap() - e).abs() < 1e-7, "{impact:?}");
+        assert!((impact.speed_ratio().unwrap() - e).abs() < 1e-7, "{impact:?}");
+        // Of a free body the energetic restitution is the ratio of the speeds.
+        assert!((impact.restitution().unwrap() - e).abs() < 1e-6, "{impact:?}");
         // Work of the force and change of the kinetic energy, computed independently.
         assert!((impact.energy_lost_j - 0.5 * (1.0 - e * e)).abs() < 1e-6, "{impact:?}");
         assert!((result.state[1] - e).abs() < 1e-7);
@@ -82,6 +84,45 @@ mod tests {
         // The floor carries the ball's weight.
         let force = plant.contact(3.0, &result.state, last.approach_speed_m_s).force_n;
         assert!((force - GRAVITY_M_S2).abs() < 1e-3, "{force}");
+    }
+
+    /// Ball that a growing force pulls away from the floor.
+    struct Pulled(FallingBall);
+
+    impl ContactPlant<2> for Pulled {
+        fn derivative(&self, t: f64, state: &[f64; 2], latched_m_s: Option<f64>, out: &mut [f64; 2]) {
+            self.0.derivative(t, state, latched_m_s, out);
+            out[1] += 1e6 * t;
+        }
+
+        fn deformation(&self, t: f64, state: &[f64; 2]) -> (f64, f64) {
+            self.0.deformation(t, state)
+        }
+
+        fn contact(&self, t: f64, state: &[f64; 2], latched_m_s: f64) -> ContactReading {
+            self.0.contact(t, state, latched_m_s)
+        }
+
+        fn angles(&self, _: f64, _: &[f64; 2]) -> ContactAngles {
+            ContactAngles::default()
+        }
+    }
+
+    /// A driven body may separate faster than it approached. Its contact returns no more than it
+    /// took up: all of it without damping.
+    #[test]
+    fn the_restitution_of_a_driven_body_is_that_of_its_contact() {
+        let run = |dissipation| {
+            let plant = Pulled(ball(1e9, dissipation, 0.8, 0.0));
+            let tolerances = plant.0.tolerances(1e-10);
+            let run = integrate(&plant, (0.0, 2e-3), [1e-6, -1.0], false, &[], &tolerances, |_, _, _| {});
+            let impact = run.unwrap().impacts[0];
+            (impact.speed_ratio().unwrap(), impact.restitution().unwrap())
+        };
+        let (elastic_ratio, elastic) = run(Dissipation::None);
+        assert!(elastic_ratio > 1.1 && (elastic - 1.0).abs() < 1e-4, "{elastic_ratio} {elastic}");
+        let (ratio, restitution) = run(Dissipation::ZhiyingQishao);
+        assert!(ratio > 1.0 && (0.7..0.9).contains(&restitution), "{ratio} {restitution}");
     }
 
     /// Floor that vibrates too fast for separate impacts.

@@ -12,18 +12,19 @@ pub const FILE_NAME: &str = "impacts.csv";
 
 /// Header of the table.
 pub const HEADER: &str = "contact,onset_s,crank_angle_rad,contact_angle_rad,approach_speed_m_s,\
-latched_speed_m_s,peak_force_n,peak_s,max_deformation_m,duration_s,energy_lost_j,restitution";
+latched_speed_m_s,peak_force_n,peak_s,max_deformation_m,duration_s,energy_lost_j,restitution,speed_ratio";
 
 /// Returns the table as CSV. `latch_floor_m_s` is the floor of the contact law: the latched speed
 /// is the larger of floor and approach speed. The loss is the work of the normal force; for an open
-/// contact it includes the stored energy.
+/// contact it includes the stored energy. `restitution` is that of the contact, from the works of
+/// its force; `speed_ratio` is that of the bodies, which other forces may drive.
 pub fn to_csv(impacts: &[Impact], latch_floor_m_s: f64) -> String {
     let mut text = String::from(HEADER);
     text.push('\n');
     let optional = |value: Option<f64>| value.map(|v| format!("{v:e}")).unwrap_or_default();
     for i in impacts {
         text.push_str(&format!(
-            "{},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{},{:e},{}\n",
+            "{},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{},{:e},{},{}\n",
             i.contact,
             i.onset_s,
             i.angles.crank_rad,
@@ -36,6 +37,7 @@ pub fn to_csv(impacts: &[Impact], latch_floor_m_s: f64) -> String {
             optional(i.duration_s()),
             i.energy_lost_j,
             optional(i.restitution()),
+            optional(i.speed_ratio()),
         ));
     }
     text
@@ -57,6 +59,8 @@ mod tests {
             approach_speed_m_s: 0.5,
             separation_s: Some(1.25),
             separation_speed_m_s: 0.2,
+            compression_work_j: 1.0,
+            energy_lost_j: 0.75,
             ..Impact::default()
         };
         let open = Impact { onset_s: 2.0, ..Impact::default() };
@@ -65,7 +69,8 @@ mod tests {
         assert_eq!(rows.len(), 3);
         assert!(rows.iter().all(|r| r.len() == rows[0].len()));
         let field = |row: usize, name: &str| rows[row][rows[0].iter().position(|h| *h == name).unwrap()];
-        assert_eq!((field(1, "duration_s"), field(1, "restitution")), ("2.5e-1", "4e-1"));
+        assert_eq!((field(1, "duration_s"), field(1, "restitution")), ("2.5e-1", "5e-1"));
+        assert_eq!((field(1, "speed_ratio"), field(2, "speed_ratio")), ("4e-1", ""));
         assert_eq!((field(2, "duration_s"), field(2, "restitution")), ("", ""));
         assert_eq!(field(2, "latched_speed_m_s"), "1e-3");
     }

@@ -51,7 +51,7 @@ fn a_contact_between_two_separations_is_an_impact() {
     assert!((record.peak_force_n - 3_041.67).abs() < 0.01, "{record:?}");
     assert_eq!((record.peak_us, record.peak_force_sd_n), (316, 10.0));
     assert_eq!((record.approach_speed_m_s, record.separation_speed_m_s), (0.02, 0.01));
-    assert_eq!(record.restitution(), Some(0.5));
+    assert_eq!(record.speed_ratio(), Some(0.5));
     // An elastic contact returns its energy.
     assert!(record.energy_lost_j.abs() < 1e-9, "{record:?}");
 }
@@ -70,7 +70,7 @@ fn a_contact_that_lasts_ends_as_settled_and_the_next_impact_needs_a_separation()
     let ends: Vec<_> = found.iter().map(|record| (record.end, record.peak_force_n)).collect();
     assert_eq!(ends, [(ImpactEnd::Settled, 500.0), (ImpactEnd::Separation, 700.0)]);
     assert!((SETTLED_US..SETTLED_US + PERIOD_US).contains(&found[0].duration_us), "{found:?}");
-    assert_eq!(found[0].restitution(), None);
+    assert_eq!(found[0].speed_ratio(), None);
 }
 
 #[test]

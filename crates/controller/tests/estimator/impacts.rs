@@ -169,7 +169,7 @@ struct Score {
     peaks: Vec<f64>,
     /// Errors of the onset, samples.
     onsets: Vec<f64>,
-    restitutions: Vec<f64>,
+    speed_ratios: Vec<f64>,
     /// Relative errors of the dissipated energy.
     losses: Vec<f64>,
     /// Number of peaks whose error is within two deviations.
@@ -204,8 +204,8 @@ impl Score {
         self.peaks.push(error_n / truth.peak_n);
         self.inside += usize::from(error_n.abs() <= 2.0 * f64::from(record.peak_force_sd_n));
         self.onsets.push((onset_s(record) - truth.onset_s) / 1e-4);
-        if let (Some(restitution), true) = (record.restitution(), truth.end_s.is_finite()) {
-            self.restitutions.push(f64::from(restitution) - truth.separation_m_s / truth.approach_m_s);
+        if let (Some(ratio), true) = (record.speed_ratio(), truth.end_s.is_finite()) {
+            self.speed_ratios.push(f64::from(ratio) - truth.separation_m_s / truth.approach_m_s);
             self.losses.push(f64::from(record.energy_lost_j) / truth.lost_j - 1.0);
         }
     }
@@ -218,7 +218,7 @@ impl Score {
         self.inside += other.inside;
         self.peaks.extend(other.peaks);
         self.onsets.extend(other.onsets);
-        self.restitutions.extend(other.restitutions);
+        self.speed_ratios.extend(other.speed_ratios);
         self.losses.extend(other.losses);
     }
 
@@ -238,8 +238,8 @@ impl Score {
             median(&self.onsets),
             largest(&self.onsets),
             100.0 * share_within(&self.onsets, 1.0),
-            median(&self.restitutions),
-            largest(&self.restitutions),
+            median(&self.speed_ratios),
+            largest(&self.speed_ratios),
             100.0 * median(&self.losses),
             100.0 * largest(&self.losses),
         );
@@ -287,7 +287,7 @@ fn impacts_of_the_described_bench_are_recorded_with_peak_and_onset() {
     // One is off by 20 %: its estimates carry `model-misfit`.
     assert!(largest(&all.peaks) < 0.22, "{}", largest(&all.peaks));
     assert!(largest(&all.onsets) < 1.0, "{}", largest(&all.onsets));
-    assert!(median(&all.restitutions) < 0.006 && median(&all.losses) < 0.025);
+    assert!(median(&all.speed_ratios) < 0.006 && median(&all.losses) < 0.025);
 }
 
 #[test]
@@ -309,5 +309,5 @@ fn impacts_of_drawn_benches_are_recorded_with_peak_and_onset() {
     assert!(largest(&all.peaks) < 0.11, "{}", largest(&all.peaks));
     assert!(all.inside as f64 > 0.97 * all.peaks.len() as f64, "{}", all.inside);
     assert!(largest(&all.onsets) < 0.6, "{}", largest(&all.onsets));
-    assert!(median(&all.restitutions) < 0.006 && median(&all.losses) < 0.03);
+    assert!(median(&all.speed_ratios) < 0.006 && median(&all.losses) < 0.03);
 }
