@@ -115,10 +115,14 @@ fn a_run_follows_the_law_and_its_estimator_follows_the_bench() {
         "max_deformation_m",
         "oscillation_rms_n",
         "contacts",
-        "wall_s_per_simulated_s",
     ] {
         assert!(run.get(name).is_some(), "{name} in {run}");
     }
+    assert_eq!((number("/communication_step_s"), run["tolerance"].is_null()), (1e-5, true), "{run}");
+    // One cycle of bench B lasts a second.
+    assert!(number("/wall_s") > 0.0 && number("/wall_s") == number("/wall_s_per_simulated_s"));
+    let time_s = run.pointer("/peaks/0/time_s").and_then(serde_json::Value::as_f64).unwrap();
+    assert_eq!(number("/peak_times_s/peak_contact_force_n"), time_s);
     let report = std::fs::read_to_string(directory.path().join("out/run/report.html")).unwrap();
     assert!(report.matches("<svg").count() >= 6 && report.contains("Orbit"));
     assert!(number("/energy/friction_heat_j") > 0.0 && number("/energy/residual_rel") < 1e-6);
@@ -197,6 +201,7 @@ fn a_tilted_bearing_shows_its_edge_load_and_every_peak_its_bar() {
     ));
     let number = |name: &str| run.pointer(name).and_then(serde_json::Value::as_f64).unwrap();
     assert!(number("/tilt/largest_edge_ratio") > 1.1, "{run}");
+    assert_eq!((number("/tolerance"), run["communication_step_s"].is_null()), (1e-7, true), "{run}");
     assert!(number("/error_bars/peak_contact_force_n") < 0.05 * number("/peak_contact_force_n"), "{run}");
     let read = |name: &str| std::fs::read_to_string(directory.path().join("out/run").join(name)).unwrap();
     let table = read("tilt.csv");
@@ -213,6 +218,14 @@ fn the_slider_cranks_peaks_have_bars_and_its_contacts_a_table() {
     let bars = run.get("error_bars_n").and_then(serde_json::Value::as_array).unwrap();
     assert_eq!(bars.len(), 20);
     assert!(bars[0].as_f64().unwrap() < 0.01, "{bars:?}");
+    let number = |name: &str| run.get(name).and_then(serde_json::Value::as_f64).unwrap();
+    let energy = |name: &str| run["energy"][name].as_f64().unwrap();
+    assert!(energy("damping_loss_j") > 1.0 && energy("residual_rel") < 1e-8, "{run}");
+    assert_eq!(energy("friction_heat_j"), 0.0, "the preset has no friction");
+    // 0.6 revolutions at 5000 1/min.
+    let per_second = number("wall_s") / (0.6 * 60.0 / 5000.0);
+    assert_eq!(number("tolerance"), 1e-11);
+    assert!((number("wall_s_per_simulated_s") / per_second - 1.0).abs() < 1e-9, "{run}");
     let impacts = std::fs::read_to_string(directory.path().join("out/run/impacts.csv")).unwrap();
     assert_eq!(impacts.lines().count(), 21);
 }

@@ -259,6 +259,12 @@ fn the_papers_sweeps_have_the_stable_names_and_all_claims() {
         }
         let csv = std::fs::read_to_string(directory.path().join(what).join("runs.csv")).unwrap();
         assert_eq!(csv.lines().count(), runs + 1);
+        let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+        let column = header.iter().position(|name| *name == "peak_times_s.peak_contact_force_n").unwrap();
+        for row in csv.lines().skip(1) {
+            let time_s: f64 = row.split(',').nth(column).unwrap().parse().unwrap();
+            assert!((0.05..=1.0).contains(&time_s), "after the ramp, within the cycle: {row}");
+        }
         let report = std::fs::read_to_string(directory.path().join(what).join("report.html")).unwrap();
         assert!(report.contains("What the model leaves out") && report.contains("does not hold"));
         assert!(report.matches("<svg").count() >= 13);

@@ -11,7 +11,7 @@ use crate::cli::output::{self, Picture};
 use crate::cli::progress;
 use crate::reproduction::claims::{Claim, evaluate, gather::gather};
 use crate::run::force::ForceSource;
-use crate::run::summary::ErrorBars;
+use crate::run::summary::PerPeak;
 use crate::sweep::options::SweepOptions;
 use crate::sweep::table;
 use report::page::Page;
@@ -62,7 +62,7 @@ pub(crate) fn run(
         };
         page.section(heading).text(text);
         page.table(&HEADER, &runs.series(one).into_iter().map(cells).collect::<Vec<_>>());
-        let bars = ErrorBars::largest(runs.series(one).into_iter().map(|r| &r.figures));
+        let bars = PerPeak::largest_bars(runs.series(one).into_iter().map(|r| &r.figures));
         page.note(&format!("Here {bars}. runs.csv has each."));
         let drawn = pictures::over_time(&runs, one)?;
         output::show(&mut page, &drawn);
@@ -152,7 +152,7 @@ fn claims_section(page: &mut Page, claims: &[Claim]) {
 
 fn print(outcome: &Outcome) {
     print_line!("{}", text_table(HEADER, outcome.runs.iter().map(|run| cells(run)), 1));
-    print_line!("{}", ErrorBars::largest(outcome.runs.iter().map(|r| &r.figures)));
+    print_line!("{}", PerPeak::largest_bars(outcome.runs.iter().map(|r| &r.figures)));
     print_line!("\n{}:", counts(&outcome.claims));
     for c in &outcome.claims {
         print_line!("{:>3} {:<13} {}\n{:17} {}", c.id, c.verdict.name(), c.claim, "", c.why);

@@ -28,6 +28,7 @@ use crate::watch::scene::Scene;
 use arguments::communication_step_s;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Transmission;
+use bench::simulate::DEFAULT_TOLERANCE;
 use bench::{Bench, MeasuredLog};
 use estimator_summary::EstimatorSummary;
 use exchange::{ExchangeResult, Observer};
@@ -78,6 +79,9 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     let forced = force::run_bench(&resolved, args.force, step_s, || bar.inc(1))?;
     let mut summary = Summary {
         figures: Figures::from_run(&resolved, args.force, &forced, SAMPLE_RATE_HZ),
+        tolerance: (args.force == ForceSource::Law).then_some(DEFAULT_TOLERANCE),
+        communication_step_s: (args.force != ForceSource::Law).then_some(step_s),
+        wall_s: forced.wall_s,
         wall_s_per_simulated_s: forced.wall_s / resolved.duration_s(),
         energy: forced
             .run

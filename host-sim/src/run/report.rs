@@ -28,6 +28,9 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         row("outside the training range", format!("{:.2} %", 100.0 * figures.outside_training_share)),
         row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
     ];
+    let tolerance = summary.tolerance.map(|t| row("relative tolerance", format!("{t:.0e}")));
+    let step = summary.communication_step_s.map(|s| row("communication step", format!("{:.1} us", 1e6 * s)));
+    rows.extend(tolerance.into_iter().chain(step));
     if let Some(tilt) = &summary.tilt {
         rows.push(row("largest tilt of the shaft", format!("{:.2} mrad", 1e3 * tilt.largest_tilt_rad)));
         rows.push(row("largest edge load over the mean", format!("{:.2}", tilt.largest_edge_ratio)));

@@ -15,7 +15,7 @@ const OSCILLATION_MEAN_S: f64 = 0.020;
 const OSCILLATION_WINDOW: (f64, f64) = (0.02, 0.13);
 
 /// Figures of a run, reproducible to the bit. Peaks count from the end of the load's ramp. Each has
-/// a numerical error bar, see [`ForcedRun::peaks`]; none where the coarser run failed.
+/// a numerical error bar, see [`ForcedRun::peaks`]; none where the coarser runs failed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// Bearing material.
@@ -45,35 +45,50 @@ pub struct Figures {
     pub energy_residual_rel: f64,
     /// Share of the contact samples outside the networks' training range.
     pub outside_training_share: f64,
-    /// Error bars of the peaks.
-    pub error_bars: ErrorBars,
+    /// Error bars of the peaks, in their units.
+    pub error_bars: PerPeak,
+    /// Times of the peaks, s.
+    #[serde(default)]
+    pub peak_times_s: PerPeak,
 }
 
-/// Numerical error bars, under the names of the peaks.
+/// A number for each peak, under the names of the peaks; none where it is unknown.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ErrorBars {
-    /// Error bar of the normal force.
+pub struct PerPeak {
+    /// Number of the normal force.
     pub peak_contact_force_n: Option<f64>,
-    /// Error bar of the force along Y.
+    /// Number of the force along Y.
     pub peak_force_y_n: Option<f64>,
-    /// Error bar of the force along Z.
+    /// Number of the force along Z.
     pub peak_force_z_n: Option<f64>,
-    /// Error bar of the friction torque.
+    /// Number of the friction torque.
     pub peak_friction_torque_nm: Option<f64>,
-    /// Error bar of the deformation.
+    /// Number of the deformation.
     pub max_deformation_m: Option<f64>,
 }
 
-impl ErrorBars {
+impl PerPeak {
+    /// Reads a number of every peak. An infinite one is unknown.
+    fn read(peaks: &[Peak], read: fn(&Peak) -> f64) -> Self {
+        let of = |name: &str| peaks.iter().find(|p| p.name == name).map(read).filter(|v| v.is_finite());
+        Self {
+            peak_contact_force_n: of("peak_contact_force_n"),
+            peak_force_y_n: of("peak_force_y_n"),
+            peak_force_z_n: of("peak_force_z_n"),
+            peak_friction_torque_nm: of("peak_friction_torque_nm"),
+            max_deformation_m: of("max_deformation_m"),
+        }
+    }
+
     /// Describes the largest error bars of some runs.
-    pub fn largest<'a>(runs: impl Iterator<Item = &'a Figures> + Clone) -> String {
+    pub fn largest_bars<'a>(runs: impl Iterator<Item = &'a Figures> + Clone) -> String {
         let most = |read: fn(&Self) -> Option<f64>, unit: f64| {
             let bar = runs.clone().map(|f| read(&f.error_bars)).try_fold(0.0_f64, |m, b| Some(m.max(b?)));
             bar.map_or_else(|| "unknown".into(), |bar| format!("{:.1e}", bar * unit))
         };
         format!(
             "numerical error bars of the peaks, the largest: contact force {} N, Y {} N, Z {} N, torque {} N \
-             m, deformation {} um; from two tolerances, with networks from twice the communication step",
+             m, deformation {} um; from three tolerances, with networks from three communication steps",
             most(|b| b.peak_contact_force_n, 1.0),
             most(|b| b.peak_force_y_n, 1.0),
             most(|b| b.peak_force_z_n, 1.0),
@@ -90,7 +105,14 @@ pub struct Summary {
     /// Figures of the bench.
     #[serde(flatten)]
     pub figures: Figures,
-    /// Wall time of the bench alone per simulated second.
+    /// Relative tolerance of the run with the analytic law under error control; none with a held
+    /// force. The peaks are read at a tighter one.
+    pub tolerance: Option<f64>,
+    /// Communication step of a held force, s; none with the analytic law under error control.
+    pub communication_step_s: Option<f64>,
+    /// Wall time of the bench alone, s.
+    pub wall_s: f64,
+    /// The same per simulated second.
     pub wall_s_per_simulated_s: f64,
     /// Terms of the energy balance in J, and its relative residual.
     pub energy: serde_json::Map<String, serde_json::Value>,
@@ -117,7 +139,7 @@ pub struct PeakRow {
     pub name: &'static str,
     /// Largest magnitude.
     pub value: f64,
-    /// Distance from the coarser run; none if that run failed.
+    /// Error bar from the coarser runs; none if they failed.
     pub error_bar: Option<f64>,
     /// Time of the peak, s.
     pub time_s: f64,
@@ -162,7 +184,6 @@ impl Figures {
     pub fn from_run(bench: &TransmissionBench, force: ForceSource, forced: &ForcedRun, rate_hz: f64) -> Self {
         let peak = |name: &str| forced.peaks.iter().find(|p| p.name == name);
         let value = |name: &str| peak(name).map_or(0.0, |p| p.value);
-        let bar = |name: &str| peak(name).map(|p| p.error_bar).filter(|b| b.is_finite());
         Self {
             bearing: bench.bearing.material,
             clearance_mm: bench.bearing.radial_clearance_m * 1e3,
@@ -177,13 +198,8 @@ impl Figures {
             contacts: forced.run.impacts.len(),
             energy_residual_rel: forced.run.energy_residual_rel,
             outside_training_share: forced.outside_training_share,
-            error_bars: ErrorBars {
-                peak_contact_force_n: bar("peak_contact_force_n"),
-                peak_force_y_n: bar("peak_force_y_n"),
-                peak_force_z_n: bar("peak_force_z_n"),
-                peak_friction_torque_nm: bar("peak_friction_torque_nm"),
-                max_deformation_m: bar("max_deformation_m"),
-            },
+            error_bars: PerPeak::read(&forced.peaks, |p| p.error_bar),
+            peak_times_s: PerPeak::read(&forced.peaks, |p| p.time_s),
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::cli::limits;
 use crate::cli::output::{self, Picture};
 use crate::cli::progress;
 use crate::run::force;
-use crate::run::summary::{ErrorBars, Figures};
+use crate::run::summary::{Figures, PerPeak};
 use bench::{BearingMaterial, Bench, PRESETS};
 use report::figure::{Chart, Series, Style, lines, lines_log_x};
 use report::page::Page;
@@ -135,7 +135,7 @@ fn summary(outcome: &Outcome) -> String {
 
 fn bars(outcome: &Outcome) -> String {
     let figures: Vec<&Figures> = outcome.runs.iter().filter_map(|r| r.figures).collect();
-    ErrorBars::largest(figures.into_iter())
+    PerPeak::largest_bars(figures.into_iter())
 }
 
 fn pictures(outcome: &Outcome) -> Result<Vec<Picture>, CliError> {

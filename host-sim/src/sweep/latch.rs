@@ -14,7 +14,7 @@ use crate::cli::output::{self, Picture};
 use crate::cli::{parallel, progress};
 use crate::run::conditions::{BEARINGS, CLEARANCES_MM, variant};
 use crate::run::force::{self, DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ};
-use crate::run::summary::{ErrorBars, Figures};
+use crate::run::summary::{Figures, PerPeak};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Transmission;
@@ -95,7 +95,7 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
     } else {
         print_line!("peak contact force in N by floor or reference speed");
         print_line!("{}", text_table(header(), rows(&outcome.runs), 1));
-        print_line!("{}", ErrorBars::largest(outcome.runs.iter().map(|r| &r.figures)));
+        print_line!("{}", PerPeak::largest_bars(outcome.runs.iter().map(|r| &r.figures)));
         print_line!("\nreport: {}", folder.join("report.html").display());
     }
     Ok(())
@@ -196,7 +196,7 @@ fn page(runs: &[LatchRun], pictures: &[Picture], base: &TransmissionBench) -> Pa
     page.table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows(runs));
     page.note(&format!(
         "In this table: {}. runs.csv contains those of every run.",
-        ErrorBars::largest(runs.iter().map(|r| &r.figures))
+        PerPeak::largest_bars(runs.iter().map(|r| &r.figures))
     ));
     limits::section(&mut page, base);
     page
