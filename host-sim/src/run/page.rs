@@ -200,15 +200,18 @@ fn impacts_section(page: &mut Page, finished: &Finished) {
 fn audit_sections(page: &mut Page, finished: &Finished) {
     page.section("Peaks").table(&PEAK_HEADER, &peak_rows(&finished.summary));
     page.note(
-        "The error bar is numerical: the difference of runs at two tolerances, with networks of runs at one \
-         and two communication steps. It does not contain the error of the networks, which is their \
-         difference from the law.",
+        "The error bar is numerical. It follows from runs at three tolerances, with networks at one, two \
+         and four communication steps, and their observed order of convergence. It does not contain the \
+         error of the networks, which is their difference from the law.",
     );
     page.section("Energy").table(&["term", "value"], &energy_rows(finished));
     page.note(
-        "Residual: work of drive, load and gravity minus friction heat, damping loss and change of the \
-         stored energy.",
+        "Residual: work of drive, load and gravity minus friction heat, damping loss, hold loss and change \
+         of the stored energy. Each term follows from its own law. Only the hold loss, of a force that \
+         is held over a communication step, is a difference.",
     );
     page.section("Contacts").table(&impact_header(finished), &impact_rows(finished));
-    page.note("The first 30. impacts.csv contains all, with angles, latched speeds and restitution.");
+    page.note(
+        "The first 30. impacts.csv contains all, with angles, latched speeds, speed ratio and restitution.",
+    );
 }

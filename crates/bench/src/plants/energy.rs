@@ -1,10 +1,12 @@
 //! Energy balance of a run: the work of drive and load, and its uses.
 //!
-//! `drive + load + gravity = friction heat + damping loss + load friction heat + stored +
-//! residual`, all in J. The terms of the run are integrated as quadrature states with the motion.
-//! The stored energy (kinetic, and elastic in the contact) is a function of the first and the last
-//! state alone. So the residual checks equations and integrator together: a force without matching
-//! work, or a wrong sign, remains in it.
+//! `drive + load + gravity = friction heat + damping loss + load friction heat + hold loss + stored
+//! + residual`, all in J. The terms of the run are integrated as quadrature states with the motion,
+//! each from its own law: the damping loss from the normal law and its elastic part, the friction
+//! heat from the friction law and the sliding speed. The stored energy (kinetic, and elastic in the
+//! contact) is a function of the first and the last state alone. So the residual checks equations
+//! and integrator together: a force without matching work, or a wrong sign, remains in it. Only the
+//! hold loss of a held force is a remainder, so the direction of a held force is not checked.
 
 use contact::Stiffness;
 
@@ -27,9 +29,12 @@ pub struct EnergyAudit {
     pub friction_heat_j: f64,
     /// Heat of friction in the load cylinder.
     pub load_friction_heat_j: f64,
-    /// Work of the normal force beyond its elastic part: the loss of impacts and of sustained
-    /// contact.
+    /// Work of the normal force beyond its elastic part, the loss of impacts and of sustained
+    /// contact; and the loss of a film, of a flexible shaft and of supports.
     pub damping_loss_j: f64,
+    /// Work that a held bearing force loses because it keeps its direction over a communication
+    /// step; 0 with the law under error control.
+    pub hold_loss_j: f64,
     /// Change of kinetic energy of the shaft and elastic energy of the contact from first to last
     /// state.
     pub stored_change_j: f64,
@@ -47,13 +52,14 @@ impl EnergyAudit {
             - self.friction_heat_j
             - self.load_friction_heat_j
             - self.damping_loss_j
+            - self.hold_loss_j
             - self.stored_change_j;
         let residual_rel = residual_j.abs() / self.drive_work_absolute_j.max(ENERGY_FLOOR_J);
         Self { residual_j, residual_rel, ..self }
     }
 
     /// Every term with its name and unit, in the order of a report.
-    pub fn terms(&self) -> [(&'static str, f64); 10] {
+    pub fn terms(&self) -> [(&'static str, f64); 11] {
         [
             ("drive_work_j", self.drive_work_j),
             ("drive_work_absolute_j", self.drive_work_absolute_j),
@@ -62,6 +68,7 @@ impl EnergyAudit {
             ("friction_heat_j", self.friction_heat_j),
             ("load_friction_heat_j", self.load_friction_heat_j),
             ("damping_loss_j", self.damping_loss_j),
+            ("hold_loss_j", self.hold_loss_j),
             ("stored_change_j", self.stored_change_j),
             ("residual_j", self.residual_j),
             ("residual_rel", self.residual_rel),

@@ -121,29 +121,31 @@ fn run_reduced<const N: usize>(
 }
 
 /// Takes one step of the classical fourth-order Runge-Kutta method under a held bearing force, and
-/// returns the state and its rates under that force. Every communication step begins with another
-/// force, so a library's stepper would have to be set up anew each time.
+/// returns the state, its rates under that force, and the loss of holding it in J. Every
+/// communication step begins with another force, so a library's stepper would have to be set up
+/// anew each time.
 fn held_step(
     plant: &Transmission,
     bearing: &OnShaft,
     time_s: f64,
     state: &State,
     step_s: f64,
-) -> (State, State) {
+) -> (State, State, f64) {
     let rates = |time_s: f64, state: &State| {
         let mut rates = [0.0; STATES];
-        plant.dynamics(time_s, state, bearing, &mut rates);
-        rates
+        let hold_loss_w = plant.dynamics(time_s, state, bearing, &mut rates);
+        (rates, hold_loss_w)
     };
     let half = 0.5 * step_s;
     let along = |rates: &State, by: f64| -> State { std::array::from_fn(|i| state[i] + by * rates[i]) };
-    let first = rates(time_s, state);
-    let second = rates(time_s + half, &along(&first, half));
-    let third = rates(time_s + half, &along(&second, half));
-    let fourth = rates(time_s + step_s, &along(&third, step_s));
+    let (first, loss_1) = rates(time_s, state);
+    let (second, loss_2) = rates(time_s + half, &along(&first, half));
+    let (third, loss_3) = rates(time_s + half, &along(&second, half));
+    let (fourth, loss_4) = rates(time_s + step_s, &along(&third, step_s));
     let sum = |i: usize| first[i] + 2.0 * (second[i] + third[i]) + fourth[i];
     // The last stage's rates equal those of the end up to the method's own order.
-    (std::array::from_fn(|i| state[i] + step_s / 6.0 * sum(i)), fourth)
+    let hold_loss_j = step_s / 6.0 * (loss_1 + 2.0 * (loss_2 + loss_3) + loss_4);
+    (std::array::from_fn(|i| state[i] + step_s / 6.0 * sum(i)), fourth, hold_loss_j)
 }
 
 /// Integrates the plant with an external bearing force that is held over a communication step of
@@ -171,7 +173,7 @@ pub fn run_with_held_force(
     let mut next_sample = 0;
     let mut impacts: Vec<Impact> = Vec::new();
     let mut extremes = Extremes::default();
-    let (mut contact, mut latched) = (false, 0.0);
+    let (mut contact, mut latched, mut hold_loss_j) = (false, 0.0, 0.0);
     for step in 0..count {
         let time_s = step as f64 * step_s;
         let half = 0.5 * step_s;
@@ -207,7 +209,9 @@ pub fn run_with_held_force(
         }
         if touching && let Some(impact) = impacts.last_mut() {
             impact.max_deformation_m = impact.max_deformation_m.max(view.deformation_m);
-            impact.energy_lost_j += forces.normal_n * view.rate_m_s * step_s;
+            let work_j = forces.normal_n * view.rate_m_s * step_s;
+            impact.energy_lost_j += work_j;
+            impact.compression_work_j += work_j.max(0.0);
             if forces.normal_n > impact.peak_force_n {
                 (impact.peak_force_n, impact.peak_s) = (forces.normal_n, time_s);
             }
@@ -221,12 +225,15 @@ pub fn run_with_held_force(
             next_sample += 1;
         }
         let bearing = plant.on_shaft_at(&geometry, &forces);
-        (state, rates) = held_step(plant, &bearing, time_s, &state, step_s);
+        let loss_j;
+        (state, rates, loss_j) = held_step(plant, &bearing, time_s, &state, step_s);
+        hold_loss_j += loss_j;
         if !state.iter().all(|v| v.is_finite()) {
             return Err(IntegrationError::Stopped { time_s, reason: "the state is no longer finite".into() });
         }
     }
     let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state));
+    let energy = EnergyAudit { hold_loss_j, ..energy }.with_residuals();
     let extremes = Some(extremes);
     Ok(Run { samples, impacts, energy_residual_rel: energy.residual_rel, energy, steps: count, extremes })
 }

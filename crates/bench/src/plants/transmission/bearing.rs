@@ -14,8 +14,12 @@ pub(crate) struct OnShaft {
     pub(crate) force_z_n: f64,
     /// Torque in N m.
     pub(crate) torque_nm: f64,
+    /// Normal force in N.
+    pub(crate) normal_n: f64,
     /// Friction along the sliding direction in N.
     pub(crate) friction_n: f64,
+    /// Loss of the film in W.
+    pub(crate) film_loss_w: f64,
 }
 
 impl Transmission {
@@ -69,6 +73,7 @@ impl Transmission {
         let mut force_y_n = -normal * g.ny + friction * g.nz;
         let mut force_z_n = -normal * g.nz - friction * g.ny;
         let mut torque_nm = friction * self.journal_radius_m;
+        let mut film_loss_w = 0.0;
         if g.oval_m != 0.0 {
             // The normal force acts along the gradient of the deformation over y, z and the angle.
             force_y_n += normal * g.across * g.nz;
@@ -84,7 +89,8 @@ impl Transmission {
                 12.0 * core::f64::consts::PI * film.viscosity_pa_s * slender / (share * share.sqrt());
             force_y_n -= damping * g.radial_m_s * g.ny;
             force_z_n -= damping * g.radial_m_s * g.nz;
+            film_loss_w = damping * g.radial_m_s * g.radial_m_s;
         }
-        OnShaft { force_y_n, force_z_n, torque_nm, friction_n: friction }
+        OnShaft { force_y_n, force_z_n, torque_nm, normal_n: normal, friction_n: friction, film_loss_w }
     }
 }

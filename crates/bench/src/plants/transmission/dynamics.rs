@@ -13,10 +13,16 @@ use contact::GRAVITY_M_S2;
 const BRISTLE_RECOVERY_PER_S: f64 = 1e3;
 
 impl Transmission {
-    /// Computes the state derivative under the bearing's action, and returns the fork force.
+    /// Computes the state derivative under a held action of the bearing, and returns the power in W
+    /// that is lost because it keeps its direction while the journal moves.
     pub(crate) fn dynamics(&self, time_s: f64, s: &State, bearing: &OnShaft, out: &mut State) -> f64 {
         let g = self.geometry(time_s, s);
-        self.motion::<true>(time_s, s, &g, g.depth_m > 0.0, bearing, out)
+        self.motion::<true>(time_s, s, &g, g.depth_m > 0.0, bearing, out);
+        let held_power =
+            bearing.force_y_n * s[2] + bearing.force_z_n * s[3] + bearing.torque_nm * g.speed_rad_s;
+        let loss_at_contact =
+            bearing.normal_n * g.rate_m_s - bearing.friction_n * g.sliding_m_s + bearing.film_loss_w;
+        -held_power - loss_at_contact
     }
 
     /// Computes as [`Self::dynamics`] at a known geometry; works and losses only if `ENERGIES` is
@@ -84,15 +90,14 @@ impl Transmission {
             [out[4], out[5]] = [g.speed_rad_s, angular];
         }
         if ENERGIES {
-            // Power of the bearing: friction, elastic power and loss of the normal force. A held
-            // force keeps its direction while the journal moves; that power counts as loss, too.
+            // Each term follows from its own law, none from the others: a force without matching
+            // work leaves a residual.
             let drive_power = fork * (s[2] + lever * g.speed_rad_s);
-            let bearing_power = force_y * s[2] + force_z * s[3] + bearing.torque_nm * g.speed_rad_s;
-            let elastic_power =
-                if touching { self.joint_law.elastic.force_n(g.depth_m) * g.rate_m_s } else { 0.0 };
+            let elastic = if touching { self.joint_law.elastic.force_n(g.depth_m) } else { 0.0 };
+            let damping_loss = (bearing.normal_n - elastic) * g.rate_m_s;
             [out[6], out[7], out[8]] = [drive_power, drive_power.abs(), cylinder * load_rate];
             out[9] = friction_heat;
-            out[10] = -bearing_power - friction_heat - elastic_power + twist_loss;
+            out[10] = damping_loss + bearing.film_loss_w + twist_loss;
             out[11] = -load_friction * load_rate;
         }
         if self.shaft.is_some() {

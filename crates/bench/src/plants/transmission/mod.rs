@@ -25,6 +25,8 @@ pub(crate) use bearing::OnShaft;
 pub(crate) use geometry::MAX_SINE;
 pub(crate) use reduced::{MOVING, PLAIN, Reduced};
 
+#[cfg(test)]
+mod audit_tests;
 mod bearing;
 mod dynamics;
 mod fork;

@@ -27,7 +27,7 @@ pub(super) struct Slice {
     pub(super) sliding_m_s: f64,
 }
 
-/// Sums over the slices: forces, moments about the bearing's middle, torque, heat, elastic power.
+/// Sums over the slices: forces, moments about the bearing's middle, torque, heat, damping loss.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
     pub(super) force_y: f64,
@@ -36,7 +36,7 @@ pub(super) struct Sums {
     pub(super) moment_z: f64,
     pub(super) torque: f64,
     heat: f64,
-    elastic: f64,
+    damping_loss: f64,
 }
 
 impl TwoPlane {
@@ -94,7 +94,8 @@ impl TwoPlane {
             sums.moment_z += force_z * position;
             sums.torque += friction * self.journal_radius_m;
             sums.heat -= friction * slice.sliding_m_s;
-            sums.elastic += self.share() * self.joint_law.elastic.force_n(slice.depth_m) * slice.rate_m_s;
+            let elastic = self.share() * self.joint_law.elastic.force_n(slice.depth_m);
+            sums.damping_loss += (normal - elastic) * slice.rate_m_s;
         }
         sums
     }
@@ -121,13 +122,8 @@ impl TwoPlane {
         let yielding = 1.0 / self.mass_kg + offset * offset / inertia + lever * lever / self.inertia_kg_m2;
         let fork = (wanted - free) / yielding;
         let drive_power = fork * crank.drive.rate;
-        let bearing_power = f.force_y * s[2]
-            + f.force_z * s[3]
-            + f.moment_y * s[6]
-            + f.moment_z * s[7]
-            + f.torque * crank.speed_rad_s;
-        // The misalignment of the bearing is constant, so the slices' rates are those of the shaft,
-        // without a further term.
+        // Each loss follows from its own law, none from the others. The misalignment of the bearing
+        // is constant, so the slices' rates are those of the shaft, without a further term.
         *out = [
             s[2],
             s[3],
@@ -141,7 +137,7 @@ impl TwoPlane {
             drive_power.abs(),
             cylinder * load_rate,
             f.heat,
-            -bearing_power - f.heat - f.elastic + damping * (s[6] * s[6] + s[7] * s[7]),
+            f.damping_loss + damping * (s[6] * s[6] + s[7] * s[7]),
             -load_friction * load_rate,
         ];
         fork
@@ -192,5 +188,78 @@ impl SlicedPlant<STATES> for TwoPlane {
         let crank = self.crank(time_s, state);
         let slice = self.slice(position, &crank, state);
         ContactAngles { crank_rad: crank.sin.asin(), contact_rad: slice.nz.atan2(slice.ny) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::description::{TransmissionBench, TwoPlaneSection};
+    use crate::integrate::integrate_slices;
+
+    /// The bench with a change of the bearing's forces and one of the state's rates.
+    struct Changed<'a>(&'a TwoPlane, fn(&mut Sums), fn(&mut State));
+
+    impl SlicedPlant<STATES> for Changed<'_> {
+        fn slices(&self) -> usize {
+            self.0.slices()
+        }
+
+        fn sliced_derivative(&self, t: f64, s: &State, latched_m_s: &[Option<f64>], out: &mut State) {
+            let crank = self.0.crank(t, s);
+            let mut sums = self.0.sums(t, &crank, s, latched_m_s);
+            self.1(&mut sums);
+            self.0.motion(t, s, &crank, &sums, out);
+            self.2(out);
+        }
+
+        fn slice_deformation(&self, slice: usize, t: f64, s: &State) -> (f64, f64) {
+            self.0.slice_deformation(slice, t, s)
+        }
+
+        fn slice_contact(&self, slice: usize, t: f64, s: &State, latched_m_s: f64) -> ContactReading {
+            self.0.slice_contact(slice, t, s, latched_m_s)
+        }
+
+        fn slice_angles(&self, slice: usize, t: f64, s: &State) -> ContactAngles {
+            self.0.slice_angles(slice, t, s)
+        }
+    }
+
+    type Change = (&'static str, fn(&mut Sums), fn(&mut State));
+
+    #[test]
+    fn every_equation_of_the_tilting_shaft_that_is_changed_alone_leaves_a_residual() {
+        let mut bench = TransmissionBench::open("bench-b").unwrap();
+        bench.two_plane = Some(TwoPlaneSection {
+            slices: 3,
+            misalignment_y_rad: 1e-3,
+            support_stiffness_nm_rad: 5e5,
+            support_damping_nm_s_rad: 500.0,
+            ..TwoPlaneSection::default()
+        });
+        let plant = TwoPlane::new(&bench, bench.drive_profile(), bench.load_profile());
+        let residual = |action, rates| {
+            let (changed, initial) = (Changed(&plant, action, rates), plant.initial_state());
+            let tolerances = plant.tolerances(1e-7);
+            let run = integrate_slices(&changed, (0.0, 0.5), initial, &[], &[], &tolerances, |_, _, _| {});
+            plant.audit((0.0, &initial), (0.5, &run.unwrap().state)).residual_rel
+        };
+        let right = residual(|_| {}, |_| {});
+        assert!(right < 1e-8, "{right}");
+        let changes: [Change; 8] = [
+            ("force along Y", |f| f.force_y *= 1.01, |_| {}),
+            ("force along Z", |f| f.force_z *= 1.01, |_| {}),
+            ("moment of the Y forces", |f| f.moment_y *= 1.01, |_| {}),
+            ("torque", |f| f.torque *= 0.5, |_| {}),
+            ("friction heat", |f| f.heat *= 0.5, |_| {}),
+            ("damping loss", |f| f.damping_loss *= 0.9, |_| {}),
+            ("tilt", |_| {}, |out| out[6] *= 1.01),
+            ("work of the load", |_| {}, |out| out[10] *= 1.01),
+        ];
+        for (name, action, rates) in changes {
+            let found = residual(action, rates);
+            assert!(found > 1e-7, "{name}: {found}");
+        }
     }
 }
