@@ -11,6 +11,7 @@ use report::figure::{Chart, Series, lines};
 use report::page::Page;
 use report::text_table;
 use serde::Serialize;
+use std::time::Instant;
 
 /// Relative tolerance that keeps the slider's position within 1e-6 m over .6 revolutions.
 const TOLERANCE: f64 = 1e-11;
@@ -20,6 +21,12 @@ const SAMPLES: usize = 4000;
 /// Figures of a run.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct SliderCrankSummary {
+    /// Relative tolerance of the run.
+    tolerance: f64,
+    /// Wall time of the run, s.
+    wall_s: f64,
+    /// The same per simulated second.
+    wall_s_per_simulated_s: f64,
     /// Periods in contact.
     contacts: usize,
     /// Largest force of the first contact.
@@ -34,13 +41,15 @@ pub(crate) struct SliderCrankSummary {
     onsets_s: Vec<f64>,
     /// Largest force of each contact.
     peaks_n: Vec<f64>,
-    /// Numerical error bar of each peak, from a coarser tolerance; none for a contact that the
-    /// coarser run does not have.
+    /// Numerical error bar of each peak, from two coarser tolerances; none for a contact that the
+    /// finer of these runs does not have.
     error_bars_n: Vec<Option<f64>>,
+    /// Terms of the energy balance in J, and its relative residual.
+    energy: serde_json::Map<String, serde_json::Value>,
 }
 
-/// A row of the log: time, position, speed, deformation, contact force.
-type Row = [f64; 5];
+/// A row of the log: time, position, speed, deformation, contact force, friction force.
+type Row = [f64; 6];
 
 /// Runs the slider-crank and writes log.csv, impacts.csv, run.json and report.html.
 pub(crate) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliError> {
@@ -59,9 +68,12 @@ pub(crate) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
     }
     print_line!("{}", text_table(CONTACT_HEADER, &table, 0));
     print_line!(
-        "slider at {:.10} m, {:.6} m/s\n\nreport: {}",
+        "slider at {:.10} m, {:.6} m/s\nrelative tolerance {:.0e}, {:.2} s of wall time per simulated \
+         second\n\nreport: {}",
         summary.slider_position_m,
         summary.slider_speed_m_s,
+        summary.tolerance,
+        summary.wall_s_per_simulated_s,
         args.out.join("report.html").display()
     );
     Ok(())
@@ -72,6 +84,7 @@ fn simulate(bench: &SliderCrankBench) -> Result<(SliderCrankSummary, Vec<Row>, V
     let end_s = bench.duration_s();
     let times: Vec<f64> = (0..SAMPLES).map(|i| end_s * i as f64 / SAMPLES as f64).collect();
     let mut rows = Vec::with_capacity(SAMPLES);
+    let started = Instant::now();
     let result = integrate(
         &plant,
         (0.0, end_s),
@@ -80,14 +93,20 @@ fn simulate(bench: &SliderCrankBench) -> Result<(SliderCrankSummary, Vec<Row>, V
         &times,
         &plant.tolerances(TOLERANCE),
         |t, s, latched| {
-            rows.push([t, s[1], s[3], plant.deformation(t, s).0, plant.normal_force_n(t, s, latched)]);
+            let forces = (plant.normal_force_n(t, s, latched), plant.friction_force_n(t, s, latched));
+            rows.push([t, s[1], s[3], plant.deformation(t, s).0, forces.0, forces.1]);
         },
     )?;
+    let wall_s = started.elapsed().as_secs_f64();
     let tolerances = plant.tolerances(TOLERANCE / TIGHTER);
     let bars = impacts_with_bars(&plant, (0.0, end_s), plant.initial_state(), &tolerances)?;
     let peaks_n: Vec<f64> = result.impacts.iter().map(|impact| impact.peak_force_n).collect();
     let [_, position, _, speed] = result.state;
+    let energy = plant.audit(end_s, TOLERANCE)?.terms();
     let summary = SliderCrankSummary {
+        tolerance: TOLERANCE,
+        wall_s,
+        wall_s_per_simulated_s: wall_s / end_s,
         contacts: peaks_n.len(),
         first_peak_n: peaks_n.first().copied().unwrap_or_default(),
         peak_contact_force_n: peaks_n.iter().copied().fold(0.0, f64::max),
@@ -95,15 +114,17 @@ fn simulate(bench: &SliderCrankBench) -> Result<(SliderCrankSummary, Vec<Row>, V
         slider_speed_m_s: speed,
         onsets_s: result.impacts.iter().map(|impact| impact.onset_s).collect(),
         peaks_n,
+        energy: energy.map(|(name, value)| (name.to_owned(), value.into())).into_iter().collect(),
         error_bars_n: bars.iter().map(|(_, bar)| Some(*bar).filter(|b| b.is_finite())).collect(),
     };
     Ok((summary, rows, result.impacts))
 }
 
 fn to_csv(rows: &[Row]) -> String {
-    let mut csv = String::from("t_s,position_m,velocity_m_s,deformation_m,contact_force_n\n");
-    for [t, x, v, d, f] in rows {
-        csv.push_str(&format!("{t:e},{x:e},{v:e},{d:e},{f:e}\n"));
+    let mut csv =
+        String::from("t_s,position_m,velocity_m_s,deformation_m,contact_force_n,friction_force_n\n");
+    for [t, x, v, d, normal, friction] in rows {
+        csv.push_str(&format!("{t:e},{x:e},{v:e},{d:e},{normal:e},{friction:e}\n"));
     }
     csv
 }
@@ -149,8 +170,7 @@ fn page(
     let table: Vec<Vec<String>> = table.iter().map(|row| row.to_vec()).collect();
     page.section("Contacts").table(&CONTACT_HEADER, &table);
     page.note(
-        "The error bar is the difference from a run at a coarser tolerance. impacts.csv contains every \
-         contact.",
+        "The error bar follows from runs at two coarser tolerances. impacts.csv contains every contact.",
     );
     limits::section(&mut page, bench);
     Ok(page)

@@ -2,7 +2,7 @@
 
 use super::common::plant_description;
 use super::law_names::{DissipationName, StiffnessName};
-use super::{PlantDescription, Range};
+use super::{FrictionSection, PlantDescription, Range};
 use crate::schema::{TINY, section};
 
 section! {
@@ -73,6 +73,10 @@ plant_description! {
         slider: Slider,
         /// Clearance joint.
         joint: Joint,
+        /// Friction law of the clearance joint, one without bristles; without it the joint is
+        /// frictionless.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        friction: Option<FrictionSection>,
     }
 }
 
@@ -86,7 +90,8 @@ impl SliderCrankBench {
 /// Omissions of the model.
 const LIMITS: &[&str] = &[
     "The crank's speed is prescribed; impacts do not act on the drive.",
-    "One clearance joint, without friction; every other joint is ideal.",
+    "One clearance joint, with friction only if the description names a law; every other joint is \
+     ideal.",
     "No gravity; rod and slider are rigid.",
     "Beyond about two revolutions trajectories decorrelate: only statistics can be compared.",
 ];

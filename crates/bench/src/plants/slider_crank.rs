@@ -3,11 +3,19 @@
 //!
 //! The rod hangs from the crank pin (prescribed motion) and turns freely; the slider moves along x.
 //! The pin at the far end of the rod is the journal, and the slider carries the bearing. There is
-//! no gravity and no friction. States: rod angle, slider position, and their rates. The rod's
-//! centre of mass is at its middle.
+//! no gravity. States: rod angle, slider position, and their rates. The rod's centre of mass is at
+//! its middle.
+//!
+//! Friction of the joint acts along `t = (-n_y, n_x)` at the sliding speed `v_t = b' R_J + v.t` of
+//! the journal, with the rod's angle `b`; the slider does not turn. Friction `F_f` on the journal
+//! has the torque `F_f R_J` on the rod. Without a law the joint is frictionless.
 
 use crate::description::SliderCrankBench;
-use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Tolerances};
+use crate::integrate::{
+    ContactAngles, ContactPlant, ContactReading, IntegrationError, Tolerances, integrate,
+};
+use crate::plants::contact_laws::BearingFriction;
+use crate::plants::energy::{EnergyAudit, elastic_energy_j};
 use contact::{
     LawError, Material, NormalLaw, Stiffness, StiffnessKind, StiffnessParameters, hertz_sphere_in_sphere,
 };
@@ -17,7 +25,7 @@ use contact::{
 pub const DEFAULT_TOLERANCE: f64 = 3e-9;
 
 /// Parameters, SI.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct SliderCrank {
     /// Crank length in m.
     pub crank_length_m: f64,
@@ -33,8 +41,12 @@ pub struct SliderCrank {
     pub slider_mass_kg: f64,
     /// Radial clearance in m.
     pub radial_clearance_m: f64,
+    /// Journal radius in m.
+    pub journal_radius_m: f64,
     /// Normal law of the joint.
     pub normal_law: NormalLaw,
+    /// Friction law of the joint and the factor on it; `None` without friction.
+    pub(crate) friction: Option<(BearingFriction, f64)>,
 }
 
 impl SliderCrank {
@@ -71,7 +83,130 @@ impl SliderCrank {
             ny,
             depth_m: distance - self.radial_clearance_m,
             rate_m_s: nx * vx + ny * vy,
+            sliding_m_s: rod_rate * self.journal_radius_m - ny * vx + nx * vy,
         }
+    }
+
+    /// Friction of the joint on the journal in N, along the sliding direction.
+    pub fn friction_force_n(&self, time_s: f64, state: &[f64; 4], latched_m_s: f64) -> f64 {
+        let p = self.pose(time_s, state);
+        self.friction_n(&p, self.normal_law.force_n(p.depth_m, p.rate_m_s, latched_m_s))
+    }
+
+    fn friction_n(&self, p: &Pose, normal_n: f64) -> f64 {
+        self.friction.map_or(0.0, |(law, level)| level * law.force_n(normal_n, p.sliding_m_s, 0.0))
+    }
+
+    /// Rates of the states and the powers at a state.
+    fn motion(&self, time_s: f64, state: &[f64; 4], latched_m_s: Option<f64>) -> ([f64; 4], Powers) {
+        let p = self.pose(time_s, state);
+        let normal = latched_m_s.map_or(0.0, |l| self.normal_law.force_n(p.depth_m, p.rate_m_s, l));
+        let friction = self.friction_n(&p, normal);
+        // Force on the journal; its opposite acts on the slider's bearing.
+        let (force_x, force_y) = (-normal * p.nx - friction * p.ny, -normal * p.ny + friction * p.nx);
+        let (l, half) = (self.rod_length_m, 0.5 * self.rod_length_m);
+        let pin = self.crank_length_m * self.crank_speed_rad_s * self.crank_speed_rad_s;
+        let (pin_ax, pin_ay) = (-pin * p.crank_cos, -pin * p.crank_sin);
+        // Moments about the moving crank pin: I_pin rod'' = r x F + T_f - m half (e x a_pin).
+        let inertia = self.rod_inertia_kg_m2 + self.rod_mass_kg * half * half;
+        let moment = l * (p.rod_cos * force_y - p.rod_sin * force_x) + friction * self.journal_radius_m
+            - self.rod_mass_kg * half * (p.rod_cos * pin_ay - p.rod_sin * pin_ax);
+        let rod = moment / inertia;
+        // Force of the crank on the rod: mass times acceleration of the rod's middle, less the
+        // force at the journal.
+        let swing = half * state[2] * state[2];
+        let crank_x = self.rod_mass_kg * (pin_ax - swing * p.rod_cos - half * rod * p.rod_sin) - force_x;
+        let crank_y = self.rod_mass_kg * (pin_ay - swing * p.rod_sin + half * rod * p.rod_cos) - force_y;
+        let pin_speed = self.crank_length_m * self.crank_speed_rad_s;
+        let elastic = latched_m_s.map_or(0.0, |_| self.normal_law.stiffness.force_n(p.depth_m));
+        let powers = Powers {
+            drive_w: pin_speed * (crank_y * p.crank_cos - crank_x * p.crank_sin),
+            friction_w: -friction * p.sliding_m_s,
+            damping_w: (normal - elastic) * p.rate_m_s,
+        };
+        ([state[2], state[3], rod, -force_x / self.slider_mass_kg], powers)
+    }
+
+    /// Kinetic energy of rod and slider and elastic energy of the joint, J.
+    fn stored_energy_j(&self, time_s: f64, state: &[f64; 4]) -> f64 {
+        let p = self.pose(time_s, state);
+        let (half, pin_speed) = (0.5 * self.rod_length_m, self.crank_length_m * self.crank_speed_rad_s);
+        let middle_x = -pin_speed * p.crank_sin - half * state[2] * p.rod_sin;
+        let middle_y = pin_speed * p.crank_cos + half * state[2] * p.rod_cos;
+        0.5 * self.rod_mass_kg * (middle_x * middle_x + middle_y * middle_y)
+            + 0.5 * self.rod_inertia_kg_m2 * state[2] * state[2]
+            + 0.5 * self.slider_mass_kg * state[3] * state[3]
+            + elastic_energy_j(&self.normal_law.stiffness, p.depth_m)
+    }
+
+    /// Returns the energy balance of a run from the initial state. The drive is the crank.
+    ///
+    /// # Errors
+    ///
+    /// As [`integrate`].
+    pub fn audit(&self, end_s: f64, relative: f64) -> Result<EnergyAudit, IntegrationError> {
+        let mut initial = [0.0; AUDITED];
+        for (value, start) in initial.iter_mut().zip(self.initial_state()) {
+            *value = start;
+        }
+        // The method's norm is a mean over all states, also those that are not controlled.
+        let own = self.tolerances(relative * (4.0 / AUDITED as f64).sqrt());
+        let absolute = std::array::from_fn(|i| own.absolute.get(i).copied().unwrap_or(f64::INFINITY));
+        let tolerances = Tolerances { relative: own.relative, absolute, largest_step_s: own.largest_step_s };
+        let run = integrate(&Audited(self), (0.0, end_s), initial, false, &[], &tolerances, |_, _, _| {})?;
+        let [rod, slider, rod_rate, slider_rate, drive, absolute, friction, damping] = run.state;
+        let end = [rod, slider, rod_rate, slider_rate];
+        Ok(EnergyAudit {
+            drive_work_j: drive,
+            drive_work_absolute_j: absolute,
+            friction_heat_j: friction,
+            damping_loss_j: damping,
+            stored_change_j: self.stored_energy_j(end_s, &end)
+                - self.stored_energy_j(0.0, &self.initial_state()),
+            ..EnergyAudit::default()
+        }
+        .with_residuals())
+    }
+}
+
+/// Powers at a state in W, each from its own law.
+struct Powers {
+    drive_w: f64,
+    friction_w: f64,
+    damping_w: f64,
+}
+
+/// States of a run with its energies: those of the plant, then work of the crank, its absolute
+/// work, heat of friction and damping loss in J.
+const AUDITED: usize = 8;
+
+/// The plant with its energies.
+struct Audited<'a>(&'a SliderCrank);
+
+impl Audited<'_> {
+    fn moving(state: &[f64; AUDITED]) -> [f64; 4] {
+        let [rod, slider, rod_rate, slider_rate, ..] = *state;
+        [rod, slider, rod_rate, slider_rate]
+    }
+}
+
+impl ContactPlant<AUDITED> for Audited<'_> {
+    fn derivative(&self, t: f64, state: &[f64; AUDITED], latched_m_s: Option<f64>, out: &mut [f64; AUDITED]) {
+        let ([a, b, c, d], powers) = self.0.motion(t, &Self::moving(state), latched_m_s);
+        let drive = powers.drive_w;
+        *out = [a, b, c, d, drive, drive.abs(), powers.friction_w, powers.damping_w];
+    }
+
+    fn deformation(&self, t: f64, state: &[f64; AUDITED]) -> (f64, f64) {
+        self.0.deformation(t, &Self::moving(state))
+    }
+
+    fn contact(&self, t: f64, state: &[f64; AUDITED], latched_m_s: f64) -> ContactReading {
+        self.0.contact(t, &Self::moving(state), latched_m_s)
+    }
+
+    fn angles(&self, t: f64, state: &[f64; AUDITED]) -> ContactAngles {
+        self.0.angles(t, &Self::moving(state))
     }
 }
 
@@ -108,6 +243,8 @@ impl SliderCrankBench {
             rod_inertia_kg_m2: self.rod.inertia_kg_m2,
             slider_mass_kg: self.slider.mass_kg,
             radial_clearance_m: self.joint.bearing_radius_m - self.joint.journal_radius_m,
+            journal_radius_m: self.joint.journal_radius_m,
+            friction: self.friction.as_ref().map(|f| (BearingFriction::after_changes(f), f.level)),
             normal_law: NormalLaw {
                 // The description was checked when it was read; a law that a later change took out
                 // of its range gives NaN.
@@ -130,21 +267,12 @@ struct Pose {
     ny: f64,
     depth_m: f64,
     rate_m_s: f64,
+    sliding_m_s: f64,
 }
 
 impl ContactPlant<4> for SliderCrank {
     fn derivative(&self, time_s: f64, state: &[f64; 4], latched_m_s: Option<f64>, out: &mut [f64; 4]) {
-        let p = self.pose(time_s, state);
-        let force = latched_m_s.map_or(0.0, |l| self.normal_law.force_n(p.depth_m, p.rate_m_s, l));
-        // Force on the journal is -F n, on the slider's bearing +F n.
-        let (l, half) = (self.rod_length_m, 0.5 * self.rod_length_m);
-        let pin = self.crank_length_m * self.crank_speed_rad_s * self.crank_speed_rad_s;
-        let (pin_ax, pin_ay) = (-pin * p.crank_cos, -pin * p.crank_sin);
-        // Moments about the moving crank pin: I_pin rod'' = r x F - m half (e x a_pin).
-        let inertia = self.rod_inertia_kg_m2 + self.rod_mass_kg * half * half;
-        let moment = l * (p.rod_cos * (-force * p.ny) - p.rod_sin * (-force * p.nx))
-            - self.rod_mass_kg * half * (p.rod_cos * pin_ay - p.rod_sin * pin_ax);
-        *out = [state[2], state[3], moment / inertia, force * p.nx / self.slider_mass_kg];
+        *out = self.motion(time_s, state, latched_m_s).0;
     }
 
     fn deformation(&self, time_s: f64, state: &[f64; 4]) -> (f64, f64) {

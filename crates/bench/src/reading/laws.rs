@@ -1,7 +1,9 @@
 //! Checks of the laws in a description: each can be built from the given parameters, and each given
 //! parameter is used.
 
-use crate::description::{Bench, Refusal, SliderCrankBench, TransmissionBench, format_number};
+use crate::description::{
+    Bench, FrictionSection, Refusal, SliderCrankBench, TransmissionBench, format_number,
+};
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 use contact::{CompleteLawKind, FrictionKind, LawError, StiffnessKind};
 
@@ -29,7 +31,11 @@ pub(super) fn refusals(bench: &Bench) -> Vec<Refusal> {
             all.extend(bristle_refusal(bench));
             all
         }
-        Bench::SliderCrank(bench) => joint_refusal(bench).into_iter().collect(),
+        Bench::SliderCrank(bench) => {
+            let mut all: Vec<Refusal> = joint_refusal(bench).into_iter().collect();
+            all.extend(bench.friction.iter().flat_map(joint_friction_refusals));
+            all
+        }
         // Other plants have no laws to choose.
         _ => Vec::new(),
     }
@@ -41,7 +47,14 @@ fn bearing_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
     if all.is_empty() {
         all.extend(JointLaw::from_bench(bench).err().and_then(|error| wrong("contact", error)));
     }
-    if let Some(name) = bench.friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
+    all.extend(friction_refusals(&bench.friction));
+    all
+}
+
+/// Returns everything about the friction law of a section that is not allowed.
+fn friction_refusals(friction: &FrictionSection) -> Vec<Refusal> {
+    let mut all = Vec::new();
+    if let Some(name) = friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
         let fit = FrictionKind::ALL.iter().filter(|kind| !NOT_INTEGRATED.contains(kind));
         let names: Vec<&str> = fit.map(|kind| kind.entry().name).collect();
         let expected = format!(
@@ -50,17 +63,16 @@ fn bearing_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
         );
         all.push(("friction.law".into(), name.0.entry().name.into(), expected));
     } else {
-        let error = BearingFriction::from_section(&bench.friction).err();
+        let error = BearingFriction::from_section(friction).err();
         all.extend(error.and_then(|error| wrong("friction", error)));
     }
-    all.extend(viscous_refusal(bench));
+    all.extend(viscous_refusal(friction));
     all
 }
 
 /// Refuses the viscous parameter that the friction law does not use. Brown and McPhee's viscous
 /// part is a force over a speed, that of the other laws a coefficient over a speed.
-fn viscous_refusal(bench: &TransmissionBench) -> Option<Refusal> {
-    let friction = &bench.friction;
+fn viscous_refusal(friction: &FrictionSection) -> Option<Refusal> {
     let is_brown_mcphee = friction.law.is_some_and(|law| law.0 == FrictionKind::BrownMcPhee);
     let (unused, value, expected) = if is_brown_mcphee {
         let expected = "0: `brown-mcphee` uses viscous_damping_n_s_m, a force over the speed";
@@ -136,6 +148,19 @@ fn bristle_refusal(bench: &TransmissionBench) -> Option<Refusal> {
             "one of the two: such a law includes pre-sliding".into(),
         )
     })
+}
+
+/// Returns everything about the friction of a slider-crank's joint that is not allowed.
+fn joint_friction_refusals(friction: &FrictionSection) -> Vec<Refusal> {
+    let mut all = friction_refusals(friction);
+    if let Some(name) = friction.law.filter(|_| all.is_empty()) {
+        let has_bristles = BearingFriction::from_section(friction).is_ok_and(|law| law.has_state());
+        let expected = "a law without bristles: the joint of a slider-crank keeps no deflection";
+        all.extend(
+            has_bristles.then(|| ("friction.law".into(), name.0.entry().name.into(), expected.into())),
+        );
+    }
+    all
 }
 
 /// Checks the stiffness of a slider-crank's joint.
