@@ -115,31 +115,39 @@ fn parquet_and_csv_have_the_same_numbers() {
 }
 
 #[test]
-fn the_complete_table_2_has_the_expected_counts_and_limited_forces() {
-    let summary = json(&["collision", "--summary", "--json"], Path::new(""));
+fn the_complete_table_2_has_the_expected_counts_and_forces() {
+    let summary =
+        |more: &[&str]| json(&[&["collision", "--summary", "--json"], more].concat(), Path::new(""));
+    let (limited, printed) = (summary(&[]), summary(&["--printed"]));
     assert_eq!(
-        summary["rows"],
+        printed["rows"],
         serde_json::json!({"training": 10_000_000, "validation": 2_500_000, "test": 2_500_000})
     );
-    assert_eq!(summary["files"], serde_json::json!([]));
-    let number = |path: &str| summary.pointer(path).and_then(serde_json::Value::as_f64).expect(path);
+    assert_eq!((&printed["files"], &limited["files"]), (&serde_json::json!([]), &serde_json::json!([])));
+    let number = |summary: &serde_json::Value, path: &str| {
+        summary.pointer(path).and_then(serde_json::Value::as_f64).expect(path)
+    };
     // P(x > 6 max(y, .001)) for two independent truncated exponentials with a mean of a fifth, by
     // integration over the approach speed. The axes are random, hence the tolerance.
     let density = |y: f64| 5.0 * (-5.0 * y).exp() / (1.0 - (-5.0_f64).exp());
     let above =
         |x: f64| if x < 1.0 { ((-5.0 * x).exp() - (-5.0_f64).exp()) / (1.0 - (-5.0_f64).exp()) } else { 0.0 };
-    let limited: f64 = (0..100_000)
+    let expected: f64 = (0..100_000)
         .map(|i| (f64::from(i) + 0.5) * 1e-5)
         .map(|y| density(y) * above(6.0 * y.max(1e-3)) * 1e-5)
         .sum();
-    assert!((number("/ratio/share_limited") / limited - 1.0).abs() < 0.03, "{limited}");
-    let largest = |name: &str| number(&format!("/normal_force_n/{name}/max"));
-    assert!(largest("as_written") < 6e5);
-    assert!(largest("floor_without_limit") > 50.0 * largest("as_written"));
-    assert!(largest("no_floor_no_limit") >= largest("floor_without_limit"));
-    let median = |name: &str| number(&format!("/normal_force_n/{name}/median"));
-    assert!(median("as_written") > 0.85 * median("floor_without_limit"));
-    assert_eq!(number("/bench_share_outside_range/deformation"), 0.0);
+    let share = number(&printed, "/ratio/share_limited");
+    assert!((share / expected - 1.0).abs() < 0.03, "{share} for {expected}");
+    // Of the points beyond the limit one remains for each approach speed that has any.
+    let rows: f64 = ["training", "validation", "test"]
+        .map(|part| number(&limited, &format!("/rows/{part}")))
+        .iter()
+        .sum();
+    assert!((0.0..0.01).contains(&(rows / 1.5e7 - (1.0 - share))), "{rows}");
+    let force = |summary: &serde_json::Value, of: &str| number(summary, &format!("/normal_force_n/{of}"));
+    assert!(force(&limited, "max") < 6e5 && force(&printed, "max") > 50.0 * force(&limited, "max"));
+    assert!(force(&printed, "mean") > 5.0 * force(&limited, "mean"), "{printed} {limited}");
+    assert_eq!(number(&printed, "/bench_share_outside_range/deformation"), 0.0);
 }
 
 #[test]
@@ -150,6 +158,8 @@ fn wrong_input_exits_with_2_and_a_failed_write_with_1_and_neither_leaves_a_file(
         (&["collision", "--rows", "5"][..], "--rows: found 5, expected 6 to 15000000"),
         (&["collision", "--rows", "15000001"], "--rows: found 15000001"),
         (&["collision", "--rows", "many"], "invalid"),
+        (&["collision", "--printed", "--range", "bench"], "expected --source table and --range paper"),
+        (&["collision", "--printed", "--windows"], "cannot be used with"),
         (&["collision", "--source", "bench", "--rows", "60"], "the length of the runs is fixed"),
         (&["collision", "--source", "moon"], "table"),
         (&["collision", "--format", "xlsx"], "parquet"),

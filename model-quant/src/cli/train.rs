@@ -3,8 +3,8 @@
 mod rig;
 
 use super::{CliError, parse_bearing, print_json};
+use crate::data::collision::CollisionSet;
 use crate::data::file_io::{WriteError, check_directory, write_atomically};
-use crate::data::parameter_grid::ROWS;
 use crate::data::ranges::RangeKind;
 use crate::data::split::Split;
 use crate::network::NetworkKind;
@@ -207,7 +207,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     let rows = match recipe.set {
         TrainingSet::Drawn => recipe.rows as u64,
-        TrainingSet::Full => Split::Training.row_count(ROWS),
+        TrainingSet::Full => {
+            let set = CollisionSet::new(arguments.bearing, recipe.range, recipe.seed);
+            Split::Training.row_count(set.rows())
+        }
     };
     let samples_per_s = epoch_bar.done as f64 * rows as f64 / seconds;
     let equal = bytes == shipped_checkpoint(arguments.bearing);

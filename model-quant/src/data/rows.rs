@@ -23,11 +23,8 @@ pub struct Row {
 impl Row {
     /// Labels a state with the forces of the laws. The rate is first limited to the training range.
     pub(crate) fn label(features: &FloatFeatures, mut state: ContactState) -> Self {
-        let floored = state.approach_speed_m_s.max(features.latch_floor_m_s);
-        let ratio = state.deformation_rate_m_s / floored;
-        if !features.rate_ratio.contains(ratio) {
-            state.deformation_rate_m_s = features.rate_ratio.clamp(ratio) * floored;
-        }
+        state.deformation_rate_m_s =
+            limited_rate_m_s(features, state.deformation_rate_m_s, state.approach_speed_m_s);
         let law = features
             .bearing
             .normal_law(f64::from(state.radial_clearance_m), f64::from(features.latch_floor_m_s));
@@ -40,6 +37,14 @@ impl Row {
             features.bearing.friction_law().force_n(normal_force_n, f64::from(state.sliding_speed_m_s));
         Self { state, normal_force_n, friction_force_n }
     }
+}
+
+/// Limits a rate in m/s to the training range of its ratio to the approach speed, which has a
+/// floor.
+pub(crate) fn limited_rate_m_s(features: &FloatFeatures, rate_m_s: f32, approach_m_s: f32) -> f32 {
+    let floored = approach_m_s.max(features.latch_floor_m_s);
+    let ratio = rate_m_s / floored;
+    if features.rate_ratio.contains(ratio) { rate_m_s } else { features.rate_ratio.clamp(ratio) * floored }
 }
 
 /// Draws row `index` of a set. A state whose force exceeds the range is drawn again.

@@ -3,7 +3,6 @@
 use crate::data::collision::CollisionSet;
 use crate::data::draw::{Draw, Purpose};
 use crate::data::features::FloatFeatures;
-use crate::data::parameter_grid::ROWS;
 use crate::data::ranges::header;
 use crate::data::rows::{Row, draw_row, draw_rows};
 use crate::data::split::Split;
@@ -62,7 +61,8 @@ impl<'a> Sources<'a> {
             TrainingSet::Full => {
                 let made = |split: Split, count: u64| {
                     let set = Box::new(CollisionSet::new(bearing, recipe.range, recipe.seed));
-                    Rows::Generated { set, split, count: split.row_count(ROWS).min(count) }
+                    let count = split.row_count(set.rows()).min(count);
+                    Rows::Generated { set, split, count }
                 };
                 [made(Split::Training, u64::MAX), made(Split::Validation, recipe.validation_rows as u64)]
             }

@@ -22,10 +22,12 @@ use std::time::Instant;
 /// and test
 ///
 /// `--range paper` is Table 2: 15 clearances (uniform), 100 deformations, 100 rates and 100
-/// approach speeds (exponential), all 1.5e7 combinations, shuffled and split 1e7 / 2.5e6 / 2.5e6.
-/// `--range bench` draws the same number of rows from the states of the bench, as for the shipped
-/// models. Table 2 does not limit the ratio of rate to approach speed: the approach speed is raised
-/// to 1 mm/s, then the rate is limited to 6 times that; the summary shows the effect on the force.
+/// approach speeds (exponential), shuffled and split into two thirds, a sixth and a sixth. No row
+/// occurs twice. Table 2 does not limit the ratio of rate to approach speed, the networks do: the
+/// approach speed is raised to 1 mm/s, then the rate is limited to 6 times that, and points that
+/// become equal are one row. `--printed` leaves the table as it is: all 1.5e7 combinations, split
+/// 1e7 / 2.5e6 / 2.5e6, with the forces of the printed formula. `--range bench` draws 1.5e7 rows
+/// from the states of the bench, as for the shipped models.
 /// `--source bench` takes 24 simulated runs of bench B at 10 kHz through its noisy sensors; each
 /// run belongs to one part. A row depends on seed and index alone: a smaller set is the beginning
 /// of each part, on any number of threads.
@@ -34,6 +36,7 @@ use std::time::Instant;
                   --format parquet\n  \
                   model-quant dataset collision --range bench --rows 60000 --windows --out sets\n  \
                   model-quant dataset collision --source bench --out sets\n  \
+                  model-quant dataset collision --printed --out sets\n  \
                   model-quant dataset collision --summary --json")]
 pub(crate) struct Arguments {
     /// Bearing: babbitt or plastic
@@ -45,7 +48,10 @@ pub(crate) struct Arguments {
     /// Ranges and distributions; with --windows the ranges of the features
     #[arg(long, value_enum, default_value_t = RangeKind::Paper)]
     range: RangeKind,
-    /// Rows of all three parts together; default: 15000000
+    /// Table 2 as printed: no floor of the approach speed, no limit of the ratio
+    #[arg(long, conflicts_with = "windows")]
+    printed: bool,
+    /// Rows of all three parts together; default: all
     #[arg(long, value_name = "N")]
     rows: Option<u64>,
     /// Write the networks' windows instead of states
@@ -92,6 +98,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             return Err(CliError::Argument("--rows", rows.to_string(), "6 to 15000000"));
         }
     }
+    if arguments.printed && (arguments.source, arguments.range) != (Source::Table, RangeKind::Paper) {
+        let found = "another source or range".to_owned();
+        return Err(CliError::Argument("--printed", found, "--source table and --range paper"));
+    }
     let started = Instant::now();
     let features = FloatFeatures::from_header(&header(arguments.bearing, arguments.range));
     let runs = || bench_runs(arguments.bearing, arguments.seed);
@@ -136,6 +146,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
 fn name(arguments: &Arguments) -> String {
     let source = match (arguments.source, arguments.range) {
         (Source::Bench, _) => "runs",
+        (Source::Table, RangeKind::Paper) if arguments.printed => "printed",
         (Source::Table, RangeKind::Paper) => "paper",
         (Source::Table, RangeKind::Bench) => "bench",
         (Source::Table, RangeKind::Rig) => "rig",
@@ -155,9 +166,14 @@ fn open(arguments: &Arguments, split: Split, names: &[String]) -> Result<Option<
 }
 
 fn from_table(arguments: &Arguments) -> Result<GeneratedSet, CliError> {
-    let set = CollisionSet::new(arguments.bearing, arguments.range, arguments.seed);
+    let set = if arguments.printed {
+        CollisionSet::as_printed(arguments.bearing, arguments.seed)
+    } else {
+        CollisionSet::new(arguments.bearing, arguments.range, arguments.seed)
+    };
     let names = if arguments.windows { window_names() } else { COLUMNS.map(str::to_owned).to_vec() };
-    let total = arguments.rows.unwrap_or(ROWS);
+    // A set with merged points has fewer rows than the grid has points.
+    let total = arguments.rows.unwrap_or(ROWS).min(set.rows());
     let progress = Progress::new(total);
     let (mut limits, mut files) = (LimitStatistics::default(), Vec::new());
     let rows = Split::ALL.map(|split| split.row_count(total));
@@ -220,29 +236,21 @@ fn figures(histogram: &Histogram) -> Value {
     })
 }
 
-/// Available force distributions with their labels.
-fn histograms(limits: &LimitStatistics) -> Vec<(&'static str, &Histogram)> {
-    let mut histograms = vec![("as_written", &limits.force_n)];
-    if let Some([floored, bare]) = &limits.unlimited_force_n {
-        histograms.extend([("floor_without_limit", floored), ("no_floor_no_limit", bare)]);
-    }
-    histograms
-}
-
 fn card(arguments: &Arguments, set: &GeneratedSet, outside: &OutsideShare) -> Value {
     let count = set.rows.iter().sum::<u64>().max(1) as f64;
     let [training, validation, test] = set.rows;
     let rules = (arguments.source == Source::Table).then(|| {
+        let rule = if arguments.printed {
+            "none: Table 2 as printed"
+        } else {
+            "approach speed raised to 1 mm/s, rate then lowered to 6 times that"
+        };
         json!({
-            "rule": "approach speed raised to 1 mm/s, rate then lowered to 6 times that",
+            "rule": rule,
             "share_limited": set.limits.limited as f64 / count,
             "share_below_floor": set.limits.below_floor as f64 / count,
         })
     });
-    let force: serde_json::Map<_, _> = histograms(&set.limits)
-        .into_iter()
-        .map(|(name, histogram)| (name.to_owned(), figures(histogram)))
-        .collect();
     json!({
         "set": "collision",
         "bearing": arguments.bearing.name(),
@@ -252,7 +260,7 @@ fn card(arguments: &Arguments, set: &GeneratedSet, outside: &OutsideShare) -> Va
         "seed": arguments.seed,
         "rows": { "training": training, "validation": validation, "test": test },
         "ratio": rules,
-        "normal_force_n": force,
+        "normal_force_n": figures(&set.limits.force_n),
         "bench_share_outside_range": outside,
     })
 }
@@ -271,21 +279,21 @@ fn text(
         arguments.seed
     ))?;
     if arguments.source == Source::Table {
+        let limit = if arguments.printed { "beyond 6" } else { "limited to 6" };
         print(format_args!(
-            "rate over approach speed limited to 6 in {:.2} % of the rows; \
+            "rate over approach speed {limit} in {:.2} % of the rows; \
              approach speed below the floor of 1 mm/s in {:.2} %",
             100.0 * limits.limited as f64 / count,
             100.0 * limits.below_floor as f64 / count
         ))?;
     }
-    let header = ["normal force in N", "min", "1 %", "25 %", "median", "75 %", "99 %", "max", "mean"];
-    let rows = histograms(limits).into_iter().map(|(name, histogram)| {
-        let quantiles = SHARES.map(|share| histogram.quantile(share));
-        let figures = [&[histogram.low()], &quantiles[..], &[histogram.high(), histogram.mean()]].concat();
-        let figures = figures.iter().map(|figure| format!("{figure:.3e}"));
-        std::iter::once(name.replace('_', " ")).chain(figures).collect::<Vec<_>>()
-    });
-    print(format_args!("{}", text_table(header, rows, 1)))?;
+    let header = ["", "min", "1 %", "25 %", "median", "75 %", "99 %", "max", "mean"];
+    let histogram = &limits.force_n;
+    let quantiles = SHARES.map(|share| histogram.quantile(share));
+    let figures = [&[histogram.low()], &quantiles[..], &[histogram.high(), histogram.mean()]].concat();
+    let figures = figures.iter().map(|figure| format!("{figure:.3e}"));
+    let row = std::iter::once("normal force in N".to_owned()).chain(figures).collect::<Vec<_>>();
+    print(format_args!("{}", text_table(header, [row], 1)))?;
     print(format_args!(
         "outside the range: {:.2} % of the contact of 24 runs of bench B ({:.2} % by the deformation, \
          deepest {:.0} um; {:.2} % by the ratio); the rate is below 0 in {:.1} %",
