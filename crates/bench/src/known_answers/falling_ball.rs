@@ -122,7 +122,7 @@ mod tests {
         let (elastic_ratio, elastic) = run(Dissipation::None);
         assert!(elastic_ratio > 1.1 && (elastic - 1.0).abs() < 1e-4, "{elastic_ratio} {elastic}");
         let (ratio, restitution) = run(Dissipation::ZhiyingQishao);
-        assert!(ratio > 1.0 && (0.7..0.9).contains(&restitution), "{ratio} {restitution}");
+        assert!(ratio > restitution + 0.1 && (0.7..0.9).contains(&restitution), "{ratio} {restitution}");
     }
 
     /// Floor that vibrates too fast for separate impacts.

@@ -254,7 +254,7 @@ mod tests {
             ("torque", |f| f.torque *= 0.5, |_| {}),
             ("friction heat", |f| f.heat *= 0.5, |_| {}),
             ("damping loss", |f| f.damping_loss *= 0.9, |_| {}),
-            ("tilt", |_| {}, |out| out[6] *= 1.01),
+            ("tilt", |_| {}, |out| out[6] *= 2.0),
             ("work of the load", |_| {}, |out| out[10] *= 1.01),
         ];
         for (name, action, rates) in changes {
