@@ -167,6 +167,7 @@ fn run_tilting(bench: &TransmissionBench, source: ForceSource) -> Result<ForcedR
         impacts: run.impacts,
         energy_residual_rel: run.energy.residual_rel,
         energy: run.energy,
+        losses_j: run.losses_j,
         steps: run.steps,
         extremes: None,
     };

@@ -6,6 +6,7 @@ use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
 use bench::simulate::peaks::Peak;
+use bench::simulate::settled::Settled;
 use serde::{Deserialize, Serialize};
 
 /// Window of the moving mean that is subtracted before the oscillation is measured, s.
@@ -102,6 +103,9 @@ pub struct Summary {
     /// The shaft's tilt, on a bench in two planes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tilt: Option<Tilt>,
+    /// Settled operation, of a run with at least three cycles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settled: Option<Settled>,
     /// Results of the estimator, if there was a controller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSummary>,

@@ -9,6 +9,7 @@ mod record;
 pub(crate) mod respond;
 mod rig_groups;
 mod run;
+pub mod settled;
 mod transmission_log;
 
 pub use record::{log_from_samples, record};

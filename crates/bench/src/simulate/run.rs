@@ -25,6 +25,9 @@ pub struct Run {
     pub energy_residual_rel: f64,
     /// The energy balance.
     pub energy: EnergyAudit,
+    /// Losses from the start up to every sample in J: friction heat, damping loss, heat of the load
+    /// cylinder.
+    pub losses_j: Vec<[f64; 3]>,
     /// Integrator steps.
     pub steps: usize,
     /// Extremes over all communication steps after the load's ramp; only with a held force.
@@ -52,6 +55,7 @@ pub fn run_with_law(
     let start_s = samples_s.first().copied().unwrap_or_default().min(end_s);
     let initial = plant.initial_state(start_s);
     let mut samples = Vec::with_capacity(samples_s.len());
+    let mut losses_j = Vec::with_capacity(samples_s.len());
     let result = integrate(
         plant,
         (start_s, end_s),
@@ -62,6 +66,7 @@ pub fn run_with_law(
         |t, s, latched| {
             let forces = plant.forces(t, s, latched);
             samples.push(plant.snapshot(t, s, latched, forces));
+            losses_j.push(plant.losses_j(s));
         },
     )?;
     plant.check_deformation(&result.impacts)?;
@@ -71,6 +76,7 @@ pub fn run_with_law(
         impacts: result.impacts,
         energy_residual_rel: energy.residual_rel,
         energy,
+        losses_j,
         steps: result.steps,
         extremes: None,
     })
@@ -168,6 +174,7 @@ pub fn run_with_held_force(
     let mut rates = [0.0; STATES];
     plant.dynamics(0.0, &state, &OnShaft::default(), &mut rates);
     let mut samples = Vec::with_capacity(samples_s.len());
+    let mut losses_j = Vec::with_capacity(samples_s.len());
     let mut next_sample = 0;
     let mut impacts: Vec<Impact> = Vec::new();
     let mut extremes = Extremes::default();
@@ -218,6 +225,7 @@ pub fn run_with_held_force(
         }
         while samples_s.get(next_sample).is_some_and(|&t| t < time_s + 0.5 * step_s) {
             samples.push(snapshot);
+            losses_j.push(plant.losses_j(&state));
             next_sample += 1;
         }
         let bearing = plant.on_shaft_at(&geometry, &forces);
@@ -227,6 +235,13 @@ pub fn run_with_held_force(
         }
     }
     let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state));
-    let extremes = Some(extremes);
-    Ok(Run { samples, impacts, energy_residual_rel: energy.residual_rel, energy, steps: count, extremes })
+    Ok(Run {
+        samples,
+        impacts,
+        energy_residual_rel: energy.residual_rel,
+        energy,
+        losses_j,
+        steps: count,
+        extremes: Some(extremes),
+    })
 }

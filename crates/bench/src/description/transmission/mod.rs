@@ -3,6 +3,10 @@
 mod change;
 mod operation;
 mod plant;
+mod start;
+
+pub use start::Start;
+pub(crate) use start::StartState;
 
 use super::common::plant_description;
 use super::{Extension, Load, Logging, is_one, is_zero, one};
@@ -250,6 +254,9 @@ plant_description! {
         drive: Drive,
         /// Load.
         load: Load,
+        /// Start of a run; without it the journal drops through a thousandth of the clearance.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        start: Option<Start>,
         /// Play in the fork; without it the fork is rigid, unless an effect adds a hydraulic
         /// column.
         #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -63,6 +63,7 @@ impl PlantDescription for TransmissionBench {
         if let Some(fork) = &self.fork {
             ranges.push(("fork.backlash_m", fork.backlash_m, 0.0, 0.1 * lever_m));
         }
+        ranges.extend(self.start_ranges());
         ranges
     }
 
