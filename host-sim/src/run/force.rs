@@ -7,7 +7,7 @@ use bench::description::TransmissionBench;
 use bench::plants::transmission::{BearingForces, ContactView, Transmission};
 use bench::plants::two_plane::{TwoPlane, TwoPlaneSnapshot, run_two_plane};
 use bench::simulate::peaks::{Peak, peaks_with_bars};
-use bench::simulate::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law, snapshots};
+use bench::simulate::{DEFAULT_TOLERANCE, Run, run_bench_with_law, run_with_held_force, snapshots};
 use clap::ValueEnum;
 use inference::{ContactState, Flags, Model, Pair, shipped};
 use model_quant::network::float_pair::FloatPair;
@@ -195,6 +195,12 @@ fn run_planar(
     step_s: f64,
     mut tick: impl FnMut(),
 ) -> Result<ForcedRun, CliError> {
+    if bench.servo.is_some() && source != ForceSource::Law {
+        return Err(CliError::Input(format!(
+            "force: found {} on a bench with [servo]; expected law: the closed loop is integrated with its law",
+            source.name()
+        )));
+    }
     let plant = &Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let (samples_s, end_s) = (&bench.sample_times_s(SAMPLE_RATE_HZ), bench.duration_s());
     let bearing = bench.bearing.material;
@@ -215,7 +221,7 @@ fn run_planar(
         BearingForces { normal_n, friction_n }
     };
     let run = match source {
-        ForceSource::Law => run_with_law(plant, end_s, samples_s, DEFAULT_TOLERANCE)?,
+        ForceSource::Law => run_bench_with_law(bench, samples_s, DEFAULT_TOLERANCE)?,
         ForceSource::HeldLaw => run_with_held_force(plant, end_s, samples_s, step_s, |view| {
             let law = plant.law(view);
             held(view, [law.normal_n, law.friction_n], Flags::NONE)

@@ -7,7 +7,7 @@ use super::report::{
     EQUIVALENCE_HEADER, PEAK_HEADER, counted_rows, energy_rows, equivalence_rows, impact_header, impact_rows,
     peak_rows, recorded_rows, rows,
 };
-use super::{Finished, settled, tilt};
+use super::{Finished, servo, settled, tilt};
 use crate::cli::limits;
 use crate::run::summary::after_start;
 use bench::plants::transmission::Snapshot;
@@ -39,6 +39,9 @@ pub(crate) fn page(finished: &Finished) -> Result<Page, String> {
     );
     let table: Vec<Vec<String>> = rows(summary).into_iter().map(Vec::from).collect();
     page.section("Figures").table(&["quantity", "value"], &table);
+    if summary.servo.is_some() || finished.bench.drive_profile.is_some() {
+        servo::motion_section(&mut page, &finished.bench, &finished.forced.run.samples)?;
+    }
     forces_section(&mut page, finished)?;
     journal_section(&mut page, finished)?;
     if !finished.forced.tilting.is_empty() {

@@ -32,6 +32,10 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         rows.push(row("largest tilt of the shaft", format!("{:.2} mrad", 1e3 * tilt.largest_tilt_rad)));
         rows.push(row("largest edge load over the mean", format!("{:.2}", tilt.largest_edge_ratio)));
     }
+    if let Some(servo) = &summary.servo {
+        rows.push(row("servo, rms error of the position", format!("{:.2} mm", 1e3 * servo.rms_error_m)));
+        rows.push(row("servo, largest error", format!("{:.2} mm", 1e3 * servo.largest_error_m)));
+    }
     if let Some(law) = &summary.against_law {
         rows.push(row(
             "peak contact force of the analytic law",

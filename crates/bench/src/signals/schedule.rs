@@ -122,7 +122,9 @@ mod tests {
         let ramps = Schedule::new(Course::Ramps, &POINTS, 4.0, 0.25);
         for cycle in 0..3 {
             let start = 4.0 * f64::from(cycle);
-            for (t, expected) in [(0.9, 1.0), (1.0, 1.0), (1.125, 2.0), (1.3, 3.0), (2.5, 3.0), (3.0, -2.0), (3.9, 0.5)] {
+            for (t, expected) in
+                [(0.9, 1.0), (1.0, 1.0), (1.125, 2.0), (1.3, 3.0), (2.5, 3.0), (3.0, -2.0), (3.9, 0.5)]
+            {
                 let found = steps.at(start + t).value;
                 assert!((found - expected).abs() < 1e-12, "{cycle} {t}: {found}");
             }
@@ -148,7 +150,10 @@ mod tests {
                 let (a, here, b) = (schedule.at(t - h), schedule.at(t), schedule.at(t + h));
                 let (rate, acceleration) = ((b.value - a.value) / (2.0 * h), (b.rate - a.rate) / (2.0 * h));
                 assert!((rate - here.rate).abs() < 1e-5, "{course:?} {t}: {rate} {here:?}");
-                assert!((acceleration - here.acceleration).abs() < 0.2, "{course:?} {t}: {acceleration} {here:?}");
+                assert!(
+                    (acceleration - here.acceleration).abs() < 0.2,
+                    "{course:?} {t}: {acceleration} {here:?}"
+                );
                 // The largest jerk, of the step by 5, is 12,633.
                 assert!((here.acceleration - before.acceleration).abs() < 13.0, "{course:?} {t}");
                 before = here;

@@ -21,15 +21,15 @@ const NODES: f64 = 120.0;
 
 /// Spectrum of a sea state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SeaState {
+pub(crate) struct SeaState {
     /// Significant height: four times the rms.
-    pub height: f64,
+    pub(crate) height: f64,
     /// Peak period in s.
-    pub peak_period_s: f64,
+    pub(crate) peak_period_s: f64,
     /// Peak enhancement; 1: Pierson and Moskowitz.
-    pub peak_enhancement: f64,
+    pub(crate) peak_enhancement: f64,
     /// Seed of phases and frequencies.
-    pub seed: u64,
+    pub(crate) seed: u64,
 }
 
 /// Harmonic `amplitude cos(2 pi frequency t + phase)`.
@@ -57,7 +57,11 @@ impl SeaState {
         let mut harmonics: Vec<Harmonic> = (0..LINES)
             .map(|line| {
                 let frequency_hz = SPAN.0 / self.peak_period_s + (line as f64 + unit()) * interval_hz;
-                Harmonic { amplitude: self.density(frequency_hz).sqrt(), frequency_hz, phase_rad: TAU * unit() }
+                Harmonic {
+                    amplitude: self.density(frequency_hz).sqrt(),
+                    frequency_hz,
+                    phase_rad: TAU * unit(),
+                }
             })
             .collect();
         let power = harmonics.iter().map(|h| 0.5 * h.amplitude * h.amplitude).sum::<f64>();
@@ -73,10 +77,13 @@ impl SeaState {
         let count = (end_s / step_s).ceil() as usize + 2;
         let times: Vec<f64> = (0..count).map(|i| i as f64 * step_s).collect();
         let value = |t: &f64| {
-            harmonics.iter().map(|h| h.amplitude * (TAU * h.frequency_hz * t + h.phase_rad).cos()).sum::<f64>()
+            harmonics
+                .iter()
+                .map(|h| h.amplitude * (TAU * h.frequency_hz * t + h.phase_rad).cos())
+                .sum::<f64>()
         };
         let values: Vec<f64> = times.iter().map(value).collect();
-        let nodes = spline::natural(&times, &values);
+        let nodes = spline::open(&times, &values);
         (times, nodes)
     }
 }

@@ -5,7 +5,8 @@ use crate::description::TransmissionBench;
 use crate::integrate::{ContactPlant, Impact, IntegrationError, integrate};
 use crate::plants::energy::EnergyAudit;
 use crate::plants::transmission::{
-    BearingForces, ContactView, MOVING, OnShaft, PLAIN, Reduced, STATES, Snapshot, State, Transmission,
+    BearingForces, ContactView, MOVING, OnShaft, PLAIN, Reduced, STATES, ServoPlant, Snapshot, State,
+    Transmission,
 };
 use crate::plants::two_plane::{TwoPlane, run_two_plane};
 use crate::signals::Profile;
@@ -45,7 +46,52 @@ impl Transmission {
     }
 }
 
-/// Integrates the plant with its analytic laws.
+/// Integrates the described bench with its analytic laws: with its servo, if it has one.
+pub fn run_bench_with_law(
+    bench: &TransmissionBench,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Run, IntegrationError> {
+    let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
+    match ServoPlant::new(bench, &plant) {
+        Some(servo) => run_servo(&servo, &plant, bench.duration_s(), samples_s, tolerance),
+        None => run_with_law(&plant, bench.duration_s(), samples_s, tolerance),
+    }
+}
+
+/// Integrates the plant with its servo.
+fn run_servo(
+    servo: &ServoPlant<'_>,
+    plant: &Transmission,
+    end_s: f64,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Run, IntegrationError> {
+    let start_s = samples_s.first().copied().unwrap_or_default().min(end_s);
+    let initial = servo.initial_state(start_s);
+    let mut samples = Vec::with_capacity(samples_s.len());
+    let mut losses_j = Vec::with_capacity(samples_s.len());
+    let tolerances = servo.tolerances(tolerance);
+    let result =
+        integrate(servo, (start_s, end_s), initial, false, samples_s, &tolerances, |t, s, latched| {
+            samples.push(servo.snapshot(t, s, latched));
+            losses_j.push(plant.losses_j(&ServoPlant::bench_state(s)));
+        })?;
+    plant.check_deformation(&result.impacts)?;
+    let (first, last) = (ServoPlant::bench_state(&initial), ServoPlant::bench_state(&result.state));
+    let energy = plant.audit((start_s, &first), (end_s, &last));
+    Ok(Run {
+        samples,
+        impacts: result.impacts,
+        energy_residual_rel: energy.residual_rel,
+        energy,
+        losses_j,
+        steps: result.steps,
+        extremes: None,
+    })
+}
+
+/// Integrates the plant with its analytic laws, without a servo.
 pub fn run_with_law(
     plant: &Transmission,
     end_s: f64,
@@ -97,6 +143,9 @@ pub fn snapshots(
         return Ok(run.samples.into_iter().map(|s| s.planar).collect());
     }
     let plant = Transmission::new(bench, drive, load);
+    if let Some(servo) = ServoPlant::new(bench, &plant) {
+        return Ok(run_servo(&servo, &plant, end_s, samples_s, tolerance)?.samples);
+    }
     if plant.is_plain() {
         run_reduced::<PLAIN>(&plant, end_s, samples_s, tolerance)
     } else {

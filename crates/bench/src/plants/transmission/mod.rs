@@ -13,7 +13,7 @@
 //!
 //! With a rigid drive `x_f(t)` is given, and the fork force `P` follows from it. With a compliant
 //! drive `th` is a separate state: `P = k (x_d - x_f) + c (x_d' - x_f')` for a hydraulic column,
-//! and `P` of [`fork::Drive`] for play in the fork. On a flexible shaft (`shaft`) the load crank
+//! and `P` of [`fork::Drive`] for play in the fork. With a `servo`, `x_d` is a state, too. On a flexible shaft (`shaft`) the load crank
 //! has a separate angle. Friction of the load cylinder reduces `F_L` by `F_c tanh(v/v_r) + c v` at
 //! the speed of the load crank's pin. What the model leaves out:
 //! [`crate::description::PlantDescription::limits`].
@@ -24,12 +24,14 @@
 pub(crate) use bearing::OnShaft;
 pub(crate) use geometry::MAX_SINE;
 pub(crate) use reduced::{MOVING, PLAIN, Reduced};
+pub(crate) use servo::ServoPlant;
 
 mod bearing;
 mod dynamics;
 mod fork;
 mod geometry;
 mod reduced;
+mod servo;
 mod shaft;
 
 use crate::description::{Extension, LoadFriction, StartState, TransmissionBench};
@@ -238,7 +240,10 @@ impl Transmission {
 
     /// Time at which the load's ramp ends, s.
     pub fn load_ramp_end_s(&self) -> f64 {
-        if let Profile::Ramp { ramp_s, .. } = self.load { ramp_s } else { 0.0 }
+        match self.load {
+            Profile::Ramp { ramp_s, .. } | Profile::Raised { ramp_s, .. } => ramp_s,
+            _ => 0.0,
+        }
     }
 
     /// Maximum deformation in m for which the normal law is valid, if it has one.

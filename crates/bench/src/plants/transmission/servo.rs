@@ -101,7 +101,12 @@ impl<'a> ServoPlant<'a> {
     }
 
     /// Rates of all states, and the force of the fork.
-    fn all_rates(&self, time_s: f64, state: &ServoState, latched_m_s: Option<f64>) -> (ServoState, f64, BearingForces) {
+    fn all_rates(
+        &self,
+        time_s: f64,
+        state: &ServoState,
+        latched_m_s: Option<f64>,
+    ) -> (ServoState, f64, BearingForces) {
         let (plant, bench) = (self.plant, Self::bench_state(state));
         let own = self.servo_rates(time_s, state);
         let mut g = plant.geometry(time_s, &bench);
@@ -134,7 +139,13 @@ impl<'a> ServoPlant<'a> {
 }
 
 impl ContactPlant<SERVO_STATES> for ServoPlant<'_> {
-    fn derivative(&self, time_s: f64, state: &ServoState, latched_m_s: Option<f64>, derivative: &mut ServoState) {
+    fn derivative(
+        &self,
+        time_s: f64,
+        state: &ServoState,
+        latched_m_s: Option<f64>,
+        derivative: &mut ServoState,
+    ) {
         (*derivative, ..) = self.all_rates(time_s, state, latched_m_s);
     }
 
@@ -171,9 +182,8 @@ mod tests {
     fn response(servo: &Servo, order: f64, end_s: f64) -> f64 {
         let order = Motion { value: order, ..Motion::default() };
         let (step_s, mut own) = (1e-4, [0.0; 3]);
-        let rates = |own: [f64; 3]| {
-            servo.rates(&order, &Motion { value: own[0], rate: 0.0, acceleration: 0.0 }, own)
-        };
+        let rates =
+            |own: [f64; 3]| servo.rates(&order, &Motion { value: own[0], rate: 0.0, acceleration: 0.0 }, own);
         for _ in 0..(end_s / step_s).round() as usize {
             let first = rates(own);
             let middle = std::array::from_fn(|i| own[i] + 0.5 * step_s * first[i]);
