@@ -68,8 +68,8 @@ fn peaks_and_oscillation_of_cycles_one_and_five_are_those_of_independent_codes()
             let peaks = settled.values("peak_contact_force_n").unwrap();
             let rms = [1, 5].map(|cycle| oscillation_n(&run.samples, cycle));
             eprintln!(
-                "{material:?} {clearance_mm}: peaks {peaks:.1?}, rms {rms:.1?}, cut {} {}, whole cycles {:.1?}, \
-                 losses {:.2?}",
+                "{material:?} {clearance_mm}: peaks {peaks:.1?}, rms {rms:.1?}, cut {} {}, whole cycles \
+                 {:.1?}, losses {:.2?}",
                 settled.transient_cycles,
                 settled.is_settled,
                 settled.values("oscillation_rms_n").unwrap(),

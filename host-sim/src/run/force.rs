@@ -197,7 +197,7 @@ fn run_planar(
 ) -> Result<ForcedRun, CliError> {
     if bench.servo.is_some() && source != ForceSource::Law {
         return Err(CliError::Input(format!(
-            "force: found {} on a bench with [servo]; expected law: the closed loop is integrated with its law",
+            "force: found {} on a bench with [servo]; expected law: a held force is no part of its loop",
             source.name()
         )));
     }

@@ -36,8 +36,8 @@ impl SweepOptions {
         let bench = TransmissionBench::open(name)?;
         if bench.drive_profile.is_some() || bench.load_profile.is_some() || bench.servo.is_some() {
             return Err(CliError::Input(format!(
-                "{name}: found [drive_profile], [load_profile] or [servo]; expected the sine and the constant \
-                 load of the published sweeps"
+                "{name}: found [drive_profile], [load_profile] or [servo]; expected the sine and the \
+                 constant load of the published sweeps"
             )));
         }
         Ok(bench)

@@ -326,6 +326,21 @@ mod tests {
     }
 
     #[test]
+    fn a_raised_course_begins_at_zero_with_matching_derivatives() {
+        let course = Box::new(Profile::Sine { height: 2.0, period_s: 0.7 });
+        let raised = Profile::Raised { mean: 3.0, course: course.clone(), ramp_s: 0.5 };
+        assert_eq!(raised.at(0.0).value, 0.0);
+        assert_eq!(raised.at(0.6).value, 3.0 + course.at(0.6).value);
+        for i in 1..500 {
+            let (t, h) = (1e-3 * f64::from(i), 1e-5);
+            let (a, b, c) = (raised.at(t - h), raised.at(t), raised.at(t + h));
+            assert!(((c.value - a.value) / (2.0 * h) - b.rate).abs() < 1e-5, "{t}");
+            // At the end of the ramp the acceleration jumps.
+            assert!(i == 499 || ((c.rate - a.rate) / (2.0 * h) - b.acceleration).abs() < 1e-3, "{t}");
+        }
+    }
+
+    #[test]
     fn a_curve_through_samples_of_a_cycle_follows_its_acceleration() {
         let truth = Profile::Cycles { stroke: 0.172, period_s: 1.0, cycles: 1.0 };
         let time: Vec<f64> = (0..1000).map(|i| i as f64 * 1e-3).collect();

@@ -2,10 +2,10 @@
 //!
 //! `S(f) ~ f^-5 exp(-1.25 (f_p/f)^4)` (Pierson and Moskowitz, J. Geophys. Res. 69, 1964) times
 //! `gamma^exp(-(f - f_p)^2/(2 s^2 f_p^2))`, `s = .07` below and `.09` above the peak (JONSWAP,
-//! Hasselmann et al., 1973). Harmonics lie between half and three times the peak frequency, one at a
-//! random place in each of [`LINES`] equal intervals, so that the course does not repeat. Their sum
-//! is scaled to the significant height, four times the rms. A spline through [`NODES`] samples per
-//! peak period carries it.
+//! Hasselmann et al., 1973). Harmonics lie between half and three times the peak frequency, one at
+//! a random place in each of [`LINES`] equal intervals, so that the course does not repeat. Their
+//! sum is scaled to the significant height, four times the rms. A spline through [`NODES`] samples
+//! per peak period carries it.
 
 use super::{Motion, spline};
 use core::f64::consts::TAU;

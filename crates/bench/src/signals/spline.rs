@@ -7,8 +7,8 @@
 
 use super::Motion;
 
-/// Nodes of the open spline through values at ascending times. Fewer than four points have no second
-/// derivative at the ends.
+/// Nodes of the open spline through values at ascending times. Fewer than four points have no
+/// second derivative at the ends.
 pub(crate) fn open(time_s: &[f64], values: &[f64]) -> Vec<Motion> {
     let count = time_s.len().min(values.len());
     if count < 3 {

@@ -35,6 +35,17 @@ pub struct Run {
     pub extremes: Option<Extremes>,
 }
 
+impl Run {
+    fn new(
+        (samples, losses_j): (Vec<Snapshot>, Vec<[f64; 3]>),
+        (impacts, steps): (Vec<Impact>, usize),
+        energy: EnergyAudit,
+    ) -> Self {
+        let energy_residual_rel = energy.residual_rel;
+        Self { samples, impacts, energy_residual_rel, energy, losses_j, steps, extremes: None }
+    }
+}
+
 impl Transmission {
     /// Refuses contacts that are deeper than the range of the normal law.
     fn check_deformation(&self, impacts: &[Impact]) -> Result<(), IntegrationError> {
@@ -80,15 +91,7 @@ fn run_servo(
     plant.check_deformation(&result.impacts)?;
     let (first, last) = (ServoPlant::bench_state(&initial), ServoPlant::bench_state(&result.state));
     let energy = plant.audit((start_s, &first), (end_s, &last));
-    Ok(Run {
-        samples,
-        impacts: result.impacts,
-        energy_residual_rel: energy.residual_rel,
-        energy,
-        losses_j,
-        steps: result.steps,
-        extremes: None,
-    })
+    Ok(Run::new((samples, losses_j), (result.impacts, result.steps), energy))
 }
 
 /// Integrates the plant with its analytic laws, without a servo.
@@ -117,15 +120,7 @@ pub fn run_with_law(
     )?;
     plant.check_deformation(&result.impacts)?;
     let energy = plant.audit((start_s, &initial), (end_s, &result.state));
-    Ok(Run {
-        samples,
-        impacts: result.impacts,
-        energy_residual_rel: energy.residual_rel,
-        energy,
-        losses_j,
-        steps: result.steps,
-        extremes: None,
-    })
+    Ok(Run::new((samples, losses_j), (result.impacts, result.steps), energy))
 }
 
 /// Simulates the bench under a drive and a load with its analytic laws and returns its states at
@@ -284,13 +279,5 @@ pub fn run_with_held_force(
         }
     }
     let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state));
-    Ok(Run {
-        samples,
-        impacts,
-        energy_residual_rel: energy.residual_rel,
-        energy,
-        losses_j,
-        steps: count,
-        extremes: Some(extremes),
-    })
+    Ok(Run { extremes: Some(extremes), ..Run::new((samples, losses_j), (impacts, count), energy) })
 }

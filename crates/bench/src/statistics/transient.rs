@@ -1,9 +1,9 @@
 //! Length of the transient of a sequence of cycles: the MSER rule (K. P. White, Simulation 69,
 //! 1997), with a resolution.
 //!
-//! The transient ends at the cycle `d` that minimises `(s^2 + (0.01 m)^2)/(n - d)`, with mean `m` and
-//! variance `s^2` of the `n - d` cycles that remain. Without the resolution of 1 %, a sequence that
-//! converges to a periodic motion would lose cycles as long as it converges at all.
+//! The transient ends at the cycle `d` that minimises `(s^2 + (0.01 m)^2)/(n - d)`, with mean `m`
+//! and variance `s^2` of the `n - d` cycles that remain. Without the resolution of 1 %, a sequence
+//! that converges to a periodic motion would lose cycles as long as it converges at all.
 
 /// Differences below this share of the mean count as none.
 const RESOLUTION: f64 = 1e-2;

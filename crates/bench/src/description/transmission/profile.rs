@@ -53,8 +53,8 @@ section! {
         /// Column, or expression of columns, with the times of a `log` in s. Default: `t_s`.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         time_column: String,
-        /// Half window of the polynomials of order 4 that smooth a noisy `log`; 0: a cubic spline
-        /// through every row.
+        /// Half window of the polynomials of order 4 that smooth a noisy `log`, at least six
+        /// intervals of the log; 0: a cubic spline through every row.
         #[serde(default, skip_serializing_if = "is_zero")]
         smoothing_s: f64 [0.0, 1e3],
     }
@@ -92,6 +92,9 @@ pub struct LoggedCourses {
     pub(super) drive: Option<Profile>,
     pub(super) load: Option<Profile>,
 }
+
+/// Fewest intervals of a log in half a window of smoothing.
+const MIN_INTERVALS: f64 = 6.0;
 
 /// A section with what its kind needs: its name, its default period, the length of the run.
 struct Context<'a> {
@@ -216,8 +219,11 @@ impl CourseSection {
         let first_s = log.time_s.first().copied().unwrap_or_default();
         let time_s: Vec<f64> = log.time_s.iter().map(|t| t - first_s).collect();
         self.file = path.display().to_string();
+        let interval_s = time_s.last().copied().unwrap_or_default() / time_s.len().max(2) as f64;
         Ok(if self.smoothing_s > 0.0 {
-            Profile::through(&time_s, values, None, self.smoothing_s, 4)
+            // Fewer samples do not determine the polynomials at both ends of the log.
+            let half_s = self.smoothing_s.max(MIN_INTERVALS * interval_s);
+            Profile::through(&time_s, values, None, half_s, 4)
         } else {
             let nodes = spline::open(&time_s, values);
             Profile::Curve { time_s, nodes }

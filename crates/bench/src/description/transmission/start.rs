@@ -9,8 +9,8 @@ use contact::GRAVITY_M_S2;
 const GAP_SHARE: f64 = 1e-3;
 
 section! {
-    /// Start of a run: the journal drops onto the bottom of the bearing. The speed at which it lands
-    /// is the latched approach speed until the contact is lost for the first time.
+    /// Start of a run: the journal drops onto the bottom of the bearing. The speed at which it
+    /// lands is the latched approach speed until the contact is lost for the first time.
     Start {
         /// Gap under the journal, at most the radial clearance. Default: what the landing speed
         /// needs from standstill, else a thousandth of the clearance.

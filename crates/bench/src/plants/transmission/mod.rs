@@ -13,10 +13,10 @@
 //!
 //! With a rigid drive `x_f(t)` is given, and the fork force `P` follows from it. With a compliant
 //! drive `th` is a separate state: `P = k (x_d - x_f) + c (x_d' - x_f')` for a hydraulic column,
-//! and `P` of [`fork::Drive`] for play in the fork. With a `servo`, `x_d` is a state, too. On a flexible shaft (`shaft`) the load crank
-//! has a separate angle. Friction of the load cylinder reduces `F_L` by `F_c tanh(v/v_r) + c v` at
-//! the speed of the load crank's pin. What the model leaves out:
-//! [`crate::description::PlantDescription::limits`].
+//! and `P` of [`fork::Drive`] for play in the fork. With a `servo`, `x_d` is a state, too. On a
+//! flexible shaft (`shaft`) the load crank has a separate angle. Friction of the load cylinder
+//! reduces `F_L` by `F_c tanh(v/v_r) + c v` at the speed of the load crank's pin. What the model
+//! leaves out: [`crate::description::PlantDescription::limits`].
 //!
 //! This file builds the plant from a description. `dynamics` has the equations, `fork` the drive's
 //! compliance, `geometry` the contact, `bearing` its forces. Additional terms: [`crate::effects`].
@@ -175,10 +175,10 @@ impl Transmission {
 
     /// Initial state: journal just above the bottom of the clearance, crank on the drive.
     ///
-    /// The gap matters. By default it is a thousandth of the clearance: the journal drops through it
-    /// and lands at `sqrt(2 g D/1000)` (4.4 mm/s at 1 mm). As long as the bench stays in contact,
-    /// this approach speed scales the damping wherever it exceeds the floor. The section `[start]`
-    /// sets both.
+    /// The gap matters. By default it is a thousandth of the clearance: the journal drops through
+    /// it and lands at `sqrt(2 g D/1000)` (4.4 mm/s at 1 mm). As long as the bench stays in
+    /// contact, this approach speed scales the damping wherever it exceeds the floor. The section
+    /// `[start]` sets both.
     pub fn initial_state(&self, time_s: f64) -> State {
         let drive = self.drive_motion(time_s);
         let sine = (drive.value / self.drive_lever_m).clamp(-1.0, 1.0);

@@ -100,8 +100,8 @@ impl TwoPlane {
         }
     }
 
-    /// Initial state: journal just above the bottom of the clearance, as on the planar bench, and in
-    /// line with the bearing.
+    /// Initial state: journal just above the bottom of the clearance, as on the planar bench, and
+    /// in line with the bearing.
     pub fn initial_state(&self) -> State {
         let mut state = [0.0; STATES];
         state[1] = -self.radial_clearance_m * (1.0 - self.start.gap_share);

@@ -30,9 +30,10 @@ const MANY_CYCLES: f64 = 1000.0;
 const LEADING: [&str; 3] = ["peak_contact_force_n", "oscillation_rms_n", "dissipated_j"];
 
 /// The rule of the transient, for reports.
-pub const RULE: &str = "MSER (White 1997) over the cycles: the transient is as long as minimises the squared standard error of \
-     the mean of the others, with differences below 1 % counted as none, for peak contact force, \
-     oscillation and dissipated energy; the longest of the three, at most half the cycles";
+pub const RULE: &str = "MSER (White 1997) over the cycles: the transient is as long as minimises the \
+                        squared standard error of the mean of the others, with differences below 1 % \
+                        counted as none, for peak contact force, oscillation and dissipated energy; \
+                        the longest of the three, at most half the cycles";
 
 /// Course of a run, in samples of a constant rate.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Rainflow counts of the settled part of a run.
 //!
-//! A counted range belongs to the cycle of the drive in which it ends. So every count is a mean over
-//! cycles, and its interval one over cycles.
+//! A counted range belongs to the cycle of the drive in which it ends. So every count is a mean
+//! over cycles, and its interval one over cycles.
 
 use super::Course;
 use crate::plants::transmission::Snapshot;
