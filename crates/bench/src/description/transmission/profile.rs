@@ -10,9 +10,9 @@ use std::path::Path;
 
 section! {
     /// Course over time. `[drive_profile]` replaces the sine of `[drive]`, whose stroke and period
-    /// then are typical ones: the period is the length of a cycle for statistics, and both are
-    /// known to the estimator. `[load_profile]` is added to `load.force_n` within its ramp.
-    /// `[order]` is the order of a servo. Every course has two continuous derivatives.
+    /// then are typical ones: the period is the length of a cycle for statistics, and the estimator
+    /// knows both. With a servo it is the order. `[load_profile]` is added to `load.force_n` within
+    /// its ramp. Every course has two continuous derivatives.
     CourseSection {
         /// Form. `sine`: `mean + height/2 sin(2 pi t/period)`. `steps`, `ramps` and `spline` go
         /// through `points`, which repeat; `spectrum` is a sea state from a seed; `log` is a column

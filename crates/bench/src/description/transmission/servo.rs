@@ -25,7 +25,7 @@ section! {
         #[serde(default, skip_serializing_if = "crate::description::is_zero")]
         dead_band: f64 [0.0, 0.9],
         /// Compliance of the oil column: its length over bulk modulus and area.
-        compliance_m_n: f64 [1e-12, 1e-3, "m/N"],
+        compliance_m_n: f64 [1e-10, 1e-3, "m/N"],
     }
 }
 
