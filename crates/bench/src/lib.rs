@@ -8,7 +8,8 @@
 //! * [`integrate`]: error-controlled integration with located contacts.
 //! * [`plants`]: equations of motion, friction and energy of each plant.
 //! * [`reading`]: presets, parsing and checking of a description.
-//! * [`simulate`]: runs, records and responses of a bench.
+//! * [`simulate`]: runs, records and responses of a bench, and the statistics of settled operation.
+//! * [`statistics`]: estimates over cycles, rainflow, bands, transients.
 //! * [`template`]: a description as a template for a log.
 //! * [`known_answers`]: the plants against published references.
 #![forbid(unsafe_code)]
@@ -24,6 +25,7 @@ pub mod reading;
 pub mod schema;
 pub mod signals;
 pub mod simulate;
+pub mod statistics;
 pub mod template;
 
 pub use contact::BearingMaterial;

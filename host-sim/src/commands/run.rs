@@ -2,7 +2,9 @@
 
 use crate::cli::error::CliError;
 use crate::cli::output;
-use crate::run::{ControllerChoice, RunArgs, estimates, execute, impacts, page, report, slider_crank, tilt};
+use crate::run::{
+    ControllerChoice, RunArgs, estimates, execute, impacts, page, report, settled, slider_crank, tilt,
+};
 use bench::Bench;
 use bench::simulate::impact_table;
 
@@ -40,6 +42,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         let table = estimates::to_csv(&exchange.estimates);
         output::write(&args.out, estimates::FILE_NAME, &table)?;
         output::write(&args.out, impacts::FILE_NAME, &impacts::to_csv(&exchange.impacts))?;
+    }
+    if let Some(found) = &finished.summary.settled {
+        output::write(&args.out, settled::FILE_NAME, &found.cycles_csv())?;
     }
     output::write(&args.out, "run.json", &format!("{json}\n"))?;
     output::write(&args.out, "report.html", &page.render())?;

@@ -106,7 +106,7 @@ pub struct RunArgs {
     )]
     pub watch_speed: f64,
     /// Folder for log.csv, estimates.csv, impacts.csv, estimated_impacts.csv, run.json and
-    /// report.html; on a bench in two planes also tilt.csv.
+    /// report.html; of three or more cycles cycles.csv; on a bench in two planes tilt.csv.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
     pub out: PathBuf,
     /// Print the figures as JSON.

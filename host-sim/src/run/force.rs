@@ -7,7 +7,7 @@ use bench::description::TransmissionBench;
 use bench::plants::transmission::{BearingForces, ContactView, Transmission};
 use bench::plants::two_plane::{TwoPlane, TwoPlaneSnapshot, run_two_plane};
 use bench::simulate::peaks::{Peak, peaks_with_bars};
-use bench::simulate::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law, snapshots};
+use bench::simulate::{DEFAULT_TOLERANCE, Run, run_bench_with_law, run_with_held_force, snapshots};
 use clap::ValueEnum;
 use inference::{ContactState, Flags, Model, Pair, shipped};
 use model_quant::network::float_pair::FloatPair;
@@ -170,6 +170,7 @@ fn run_tilting(bench: &TransmissionBench, source: ForceSource) -> Result<ForcedR
         impacts: run.impacts,
         energy_residual_rel: run.energy.residual_rel,
         energy: run.energy,
+        losses_j: run.losses_j,
         steps: run.steps,
         extremes: None,
     };
@@ -197,6 +198,12 @@ fn run_planar(
     step_s: f64,
     mut tick: impl FnMut(),
 ) -> Result<ForcedRun, CliError> {
+    if bench.servo.is_some() && source != ForceSource::Law {
+        return Err(CliError::Input(format!(
+            "force: found {} on a bench with [servo]; expected law: a held force is no part of its loop",
+            source.name()
+        )));
+    }
     let plant = &Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let (samples_s, end_s) = (&bench.sample_times_s(SAMPLE_RATE_HZ), bench.duration_s());
     let bearing = bench.bearing.material;
@@ -217,7 +224,7 @@ fn run_planar(
         BearingForces { normal_n, friction_n }
     };
     let run = match source {
-        ForceSource::Law => run_with_law(plant, end_s, samples_s, DEFAULT_TOLERANCE)?,
+        ForceSource::Law => run_bench_with_law(bench, samples_s, DEFAULT_TOLERANCE)?,
         ForceSource::HeldLaw => run_with_held_force(plant, end_s, samples_s, step_s, |view| {
             let law = plant.law(view);
             held(view, [law.normal_n, law.friction_n], Flags::NONE)

@@ -14,6 +14,8 @@ pub(crate) mod page;
 pub(crate) mod report;
 pub mod same_signals;
 pub mod sensing;
+pub(crate) mod servo;
+pub(crate) mod settled;
 pub(crate) mod slider_crank;
 pub mod summary;
 pub(crate) mod tilt;
@@ -93,6 +95,8 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         peaks: forced.peaks.iter().map(PeakRow::from).collect(),
         law_peaks: Vec::new(),
         tilt: forced.tilt,
+        servo: servo::ServoFigures::from_run(&resolved, &forced.run.samples),
+        settled: settled::describe(&resolved, &forced.run, args.seed),
         estimator: None,
         against_law: None,
     };

@@ -7,7 +7,7 @@ use super::report::{
     EQUIVALENCE_HEADER, PEAK_HEADER, counted_rows, energy_rows, equivalence_rows, impact_header, impact_rows,
     peak_rows, recorded_rows, rows,
 };
-use super::{Finished, tilt};
+use super::{Finished, servo, settled, tilt};
 use crate::cli::limits;
 use crate::run::summary::after_start;
 use bench::plants::transmission::Snapshot;
@@ -39,10 +39,16 @@ pub(crate) fn page(finished: &Finished) -> Result<Page, String> {
     );
     let table: Vec<Vec<String>> = rows(summary).into_iter().map(Vec::from).collect();
     page.section("Figures").table(&["quantity", "value"], &table);
+    if summary.servo.is_some() || finished.bench.drive_profile.is_some() {
+        servo::motion_section(&mut page, &finished.bench, &finished.forced.run.samples)?;
+    }
     forces_section(&mut page, finished)?;
     journal_section(&mut page, finished)?;
     if !finished.forced.tilting.is_empty() {
         tilt::section(&mut page, &finished.bench, &finished.forced.tilting)?;
+    }
+    if let Some(found) = &summary.settled {
+        settled::section(&mut page, found)?;
     }
     if let Some(estimator) = &summary.estimator {
         controller_section(&mut page, estimator);

@@ -1,6 +1,6 @@
 //! Tables of a run, for the terminal and the page.
 
-use super::Finished;
+use super::{Finished, settled};
 use crate::run::estimator_summary::{Differences, EstimatorSummary, Tracked};
 use crate::run::impacts::{TABLE_HEADER, pairs, table_rows};
 use crate::run::summary::{PeakRow, Summary};
@@ -34,6 +34,10 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
     if let Some(tilt) = &summary.tilt {
         rows.push(row("largest tilt of the shaft", format!("{:.2} mrad", 1e3 * tilt.largest_tilt_rad)));
         rows.push(row("largest edge load over the mean", format!("{:.2}", tilt.largest_edge_ratio)));
+    }
+    if let Some(servo) = &summary.servo {
+        rows.push(row("servo, rms error of the position", format!("{:.2} mm", 1e3 * servo.rms_error_m)));
+        rows.push(row("servo, largest error", format!("{:.2} mm", 1e3 * servo.largest_error_m)));
     }
     if let Some(law) = &summary.against_law {
         rows.push(row(
@@ -152,7 +156,7 @@ fn flatten(name: &str, value: &serde_json::Value, rows: &mut Vec<Vec<String>>) {
 const LISTED: usize = 30;
 
 /// Formats a number with five significant digits.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || (1e-2..1e6).contains(&size) {
         let digits = (4.0 - size.max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
@@ -246,6 +250,15 @@ pub(crate) fn print_audit(finished: &Finished) {
     }
     table("contacts (all in impacts.csv)", &impact_header(finished), impact_rows(finished), 0);
     table("peaks", &PEAK_HEADER, peak_rows(&finished.summary), 2);
+    if let Some(found) = &finished.summary.settled {
+        table(&settled::title(found), &settled::HEADER, settled::rows(found), 1);
+        table(
+            "ranges (rainflow) in settled operation",
+            &settled::RANGE_HEADER,
+            settled::range_rows(found),
+            1,
+        );
+    }
 }
 
 pub(super) const PEAK_HEADER: [&str; 5] = ["force from", "peak", "value", "error bar", "at, s"];

@@ -2,10 +2,12 @@
 
 use crate::run::estimator_summary::EstimatorSummary;
 use crate::run::force::{ForceSource, ForcedRun, Tilt};
+use crate::run::servo::ServoFigures;
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
 use bench::simulate::peaks::Peak;
+use bench::simulate::settled::Settled;
 use serde::{Deserialize, Serialize};
 
 /// Window of the moving mean that is subtracted before the oscillation is measured, s.
@@ -124,6 +126,12 @@ pub struct Summary {
     /// The shaft's tilt, on a bench in two planes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tilt: Option<Tilt>,
+    /// Position error of the rudder servo, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoFigures>,
+    /// Settled operation, of a run with at least three cycles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settled: Option<Settled>,
     /// Results of the estimator, if there was a controller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSummary>,

@@ -1,6 +1,8 @@
 //! Terms that the nominal plants leave out and effects switch on. Without any term a plant is
 //! nominal. Their equations are in `crate::effects`; their use is in `crate::plants`.
 
+use super::LoggedCourses;
+
 /// Maximum factor of dry friction over temperature, against thermal runaway.
 const MAX_LEVEL: f64 = 3.0;
 
@@ -115,6 +117,8 @@ pub struct FilmTerm {
 /// Terms of the transmission bench.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extension {
+    /// Courses of drive and load that were read from files.
+    pub courses: LoggedCourses,
     /// Friction force on the journal per sliding speed, N s/m.
     pub viscous_n_s_m: f64,
     /// Friction force per sliding speed that reverses its sign in backward sliding, N s/m.

@@ -53,9 +53,10 @@ impl Bench {
         };
         let structure = Structure::check(text, &table, &sections);
         let (bench, refusals) = if structure.flaws.is_empty() {
-            let bench = Self::from_toml(name, text).transpose().map_err(malformed)?;
+            let mut bench = Self::from_toml(name, text).transpose().map_err(malformed)?;
+            let unread = bench.as_mut().map(|bench| bench.read_files(file)).unwrap_or_default();
             let refusals = bench.as_ref().map(Self::refusals).unwrap_or_default();
-            (bench, refusals)
+            (bench, unread.into_iter().chain(refusals).collect())
         } else {
             (None, independent_refusals(name, &structure))
         };
@@ -70,6 +71,13 @@ impl Bench {
             Some(bench) if flaws.is_empty() => Ok(bench),
             _ => Err(DescriptionError::Flawed { file: file.into(), flaws }),
         }
+    }
+
+    /// Reads the files that a description names; `file` is that of the description.
+    fn read_files(&mut self, file: &str) -> Vec<check::Refused> {
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        let refusals = self.transmission_mut().map(|bench| bench.read_courses(folder)).unwrap_or_default();
+        refusals.into_iter().map(check::Refused::new).collect()
     }
 
     /// Checks a changed description as [`Self::parse`] does. Messages have no lines, because no

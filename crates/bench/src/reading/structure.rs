@@ -183,6 +183,8 @@ impl<'a> Structure<'a> {
             FieldKind::Name(names) => value.as_str().is_some_and(|name| names().contains(&name)),
             FieldKind::Column => value.as_str().is_some_and(|name| name != FILL_IN) || is_index(value),
             FieldKind::NumberPerChannel => false,
+            FieldKind::Points => is_list_of_pairs(value),
+            FieldKind::Text => value.as_str().is_some_and(|text| text != FILL_IN),
         };
         if !is_of_kind {
             return self.refuse(path, &found(value), field.expected(), Replacement::Field(field));
@@ -330,6 +332,16 @@ fn number(value: &DeValue<'_>) -> Option<f64> {
         }
         _ => None,
     }
+}
+
+fn is_list_of_pairs(value: &DeValue<'_>) -> bool {
+    let is_pair = |entry: &Spanned<DeValue<'_>>| {
+        entry
+            .get_ref()
+            .as_array()
+            .is_some_and(|pair| pair.len() == 2 && pair.iter().all(|v| number(v.get_ref()).is_some()))
+    };
+    value.as_array().is_some_and(|entries| entries.iter().all(is_pair))
 }
 
 fn is_index(value: &DeValue<'_>) -> bool {

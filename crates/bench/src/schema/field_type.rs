@@ -18,6 +18,10 @@ pub enum FieldKind {
     Column,
     /// Table with a number for each channel.
     NumberPerChannel,
+    /// List of pairs of numbers.
+    Points,
+    /// Any text.
+    Text,
 }
 
 impl FieldKind {
@@ -30,6 +34,8 @@ impl FieldKind {
             Self::Name(names) => format!("one of {}", names().join(", ")),
             Self::Column => "the name of a column, an expression of columns, or an index from 0".into(),
             Self::NumberPerChannel => "a number for each channel".into(),
+            Self::Points => "a list of pairs of numbers, [[0.0, 1.0], [2.0, 3.0]]".into(),
+            Self::Text => "a text".into(),
         }
     }
 
@@ -54,6 +60,8 @@ impl FieldKind {
             }
             Self::Column => Value::Integer(0),
             Self::NumberPerChannel => Value::Table(toml::Table::new()),
+            Self::Points => Value::Array(Vec::new()),
+            Self::Text => Value::String(String::new()),
         }
     }
 }
@@ -90,6 +98,24 @@ impl FieldType for bool {
 
     fn text(&self) -> String {
         self.to_string()
+    }
+}
+
+impl FieldType for String {
+    const KIND: FieldKind = FieldKind::Text;
+
+    fn text(&self) -> String {
+        self.clone()
+    }
+}
+
+impl FieldType for Vec<[f64; 2]> {
+    const KIND: FieldKind = FieldKind::Points;
+
+    fn text(&self) -> String {
+        let pairs = self.iter().map(|[a, b]| format!("[{}, {}]", format_number(*a), format_number(*b)));
+        let pairs = pairs.collect::<Vec<_>>();
+        if pairs.is_empty() { String::new() } else { format!("[{}]", pairs.join(", ")) }
     }
 }
 

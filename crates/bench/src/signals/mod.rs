@@ -3,7 +3,10 @@
 mod axis_motion;
 mod channel;
 mod motion;
+mod schedule;
 mod sensor;
+mod spectrum;
+pub(crate) mod spline;
 mod standstill;
 pub mod white_noise;
 
@@ -11,4 +14,6 @@ pub(crate) use axis_motion::{follow, smoothed};
 pub use channel::{Channel, Role};
 pub(crate) use motion::sweep_s;
 pub use motion::{Motion, Profile};
+pub use schedule::{Course, Schedule};
 pub use sensor::Sensor;
+pub(crate) use spectrum::SeaState;

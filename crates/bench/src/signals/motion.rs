@@ -1,6 +1,6 @@
 //! Motion and load as functions of time: analytic profiles, or curves through a log's samples.
 
-use crate::signals::white_noise;
+use crate::signals::{Schedule, white_noise};
 use nalgebra::{DMatrix, DVector};
 
 /// Value with its first and second derivative.
@@ -79,6 +79,31 @@ pub enum Profile {
         /// Smoothed motion at each node.
         nodes: Vec<Motion>,
     },
+    /// `(height/2) sin(2 pi t/period)`.
+    Sine {
+        /// Peak-to-peak height.
+        height: f64,
+        /// Period in s.
+        period_s: f64,
+    },
+    /// Steps or ramps through points.
+    Schedule(Schedule),
+    /// Curve that repeats.
+    Repeated {
+        /// The curve within one period.
+        curve: Box<Self>,
+        /// Period in s.
+        period_s: f64,
+    },
+    /// Mean and course together, from 0 by a raised-cosine ramp.
+    Raised {
+        /// Mean.
+        mean: f64,
+        /// Course about the mean.
+        course: Box<Self>,
+        /// Ramp length in s; 0: none.
+        ramp_s: f64,
+    },
 }
 
 impl Profile {
@@ -126,6 +151,29 @@ impl Profile {
                 let (sin, cos) = (w * time_s).sin_cos();
                 let half = 0.5 * level;
                 Motion { value: half * (1.0 - cos), rate: half * w * sin, acceleration: half * w * w * cos }
+            }
+            Self::Sine { height, period_s } => {
+                let w = 2.0 * core::f64::consts::PI / period_s;
+                let (sin, cos) = (w * time_s).sin_cos();
+                let half = 0.5 * height;
+                Motion { value: half * sin, rate: half * w * cos, acceleration: -half * w * w * sin }
+            }
+            Self::Schedule(schedule) => schedule.at(time_s),
+            Self::Repeated { curve, period_s } => curve.at(time_s.rem_euclid(*period_s)),
+            Self::Raised { mean, course, ramp_s } => {
+                let motion = course.at(time_s);
+                let sum = Motion { value: mean + motion.value, ..motion };
+                if time_s >= *ramp_s {
+                    return sum;
+                }
+                let share = Self::Ramp { level: 1.0, ramp_s: *ramp_s }.at(time_s);
+                Motion {
+                    value: share.value * sum.value,
+                    rate: share.rate * sum.value + share.value * sum.rate,
+                    acceleration: share.acceleration * sum.value
+                        + 2.0 * share.rate * sum.rate
+                        + share.value * sum.acceleration,
+                }
             }
             Self::Curve { time_s: times, nodes } => {
                 let after = node_after(times, time_s);
@@ -274,6 +322,21 @@ mod tests {
             let (a, b, c) = (sweep.at(t - h), sweep.at(t), sweep.at(t + h));
             assert!(((c.value - a.value) / (2.0 * h) - b.rate).abs() < 1e-6, "{t}");
             assert!(((c.rate - a.rate) / (2.0 * h) - b.acceleration).abs() < 1e-4, "{t}");
+        }
+    }
+
+    #[test]
+    fn a_raised_course_begins_at_zero_with_matching_derivatives() {
+        let course = Box::new(Profile::Sine { height: 2.0, period_s: 0.7 });
+        let raised = Profile::Raised { mean: 3.0, course: course.clone(), ramp_s: 0.5 };
+        assert_eq!(raised.at(0.0).value, 0.0);
+        assert_eq!(raised.at(0.6).value, 3.0 + course.at(0.6).value);
+        for i in 1..500 {
+            let (t, h) = (1e-3 * f64::from(i), 1e-5);
+            let (a, b, c) = (raised.at(t - h), raised.at(t), raised.at(t + h));
+            assert!(((c.value - a.value) / (2.0 * h) - b.rate).abs() < 1e-5, "{t}");
+            // At the end of the ramp the acceleration jumps.
+            assert!(i == 499 || ((c.rate - a.rate) / (2.0 * h) - b.acceleration).abs() < 1e-3, "{t}");
         }
     }
 

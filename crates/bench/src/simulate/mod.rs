@@ -10,9 +10,10 @@ mod record;
 pub(crate) mod respond;
 mod rig_groups;
 mod run;
+pub mod settled;
 mod transmission_log;
 
 pub use record::{log_from_samples, record};
 pub use respond::{Inputs, LoggedPlant, RespondError, Response, Truth, apply_sensors, respond};
 pub use rig_groups::{LOADS_N, RigGroup, rig_groups};
-pub use run::{DEFAULT_TOLERANCE, Run, run_with_held_force, run_with_law, snapshots};
+pub use run::{DEFAULT_TOLERANCE, Run, run_bench_with_law, run_with_held_force, run_with_law, snapshots};

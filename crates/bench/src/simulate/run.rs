@@ -5,7 +5,8 @@ use crate::description::TransmissionBench;
 use crate::integrate::{ContactPlant, Impact, IntegrationError, integrate};
 use crate::plants::energy::EnergyAudit;
 use crate::plants::transmission::{
-    BearingForces, ContactView, MOVING, OnShaft, PLAIN, Reduced, STATES, Snapshot, State, Transmission,
+    BearingForces, ContactView, MOVING, OnShaft, PLAIN, Reduced, STATES, ServoPlant, Snapshot, State,
+    Transmission,
 };
 use crate::plants::two_plane::{TwoPlane, run_two_plane};
 use crate::signals::Profile;
@@ -25,10 +26,24 @@ pub struct Run {
     pub energy_residual_rel: f64,
     /// The energy balance.
     pub energy: EnergyAudit,
+    /// Losses from the start up to every sample in J: friction heat, damping loss, heat of the load
+    /// cylinder.
+    pub losses_j: Vec<[f64; 3]>,
     /// Integrator steps.
     pub steps: usize,
     /// Extremes over all communication steps after the load's ramp; only with a held force.
     pub extremes: Option<Extremes>,
+}
+
+impl Run {
+    fn new(
+        (samples, losses_j): (Vec<Snapshot>, Vec<[f64; 3]>),
+        (impacts, steps): (Vec<Impact>, usize),
+        energy: EnergyAudit,
+    ) -> Self {
+        let energy_residual_rel = energy.residual_rel;
+        Self { samples, impacts, energy_residual_rel, energy, losses_j, steps, extremes: None }
+    }
 }
 
 impl Transmission {
@@ -42,7 +57,44 @@ impl Transmission {
     }
 }
 
-/// Integrates the plant with its analytic laws.
+/// Integrates the described bench with its analytic laws: with its servo, if it has one.
+pub fn run_bench_with_law(
+    bench: &TransmissionBench,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Run, IntegrationError> {
+    let plant = Transmission::new(bench, bench.drive_profile(), bench.load_profile());
+    match ServoPlant::new(bench, &plant) {
+        Some(servo) => run_servo(&servo, &plant, bench.duration_s(), samples_s, tolerance),
+        None => run_with_law(&plant, bench.duration_s(), samples_s, tolerance),
+    }
+}
+
+/// Integrates the plant with its servo.
+fn run_servo(
+    servo: &ServoPlant<'_>,
+    plant: &Transmission,
+    end_s: f64,
+    samples_s: &[f64],
+    tolerance: f64,
+) -> Result<Run, IntegrationError> {
+    let start_s = samples_s.first().copied().unwrap_or_default().min(end_s);
+    let initial = servo.initial_state(start_s);
+    let mut samples = Vec::with_capacity(samples_s.len());
+    let mut losses_j = Vec::with_capacity(samples_s.len());
+    let tolerances = servo.tolerances(tolerance);
+    let result =
+        integrate(servo, (start_s, end_s), initial, false, samples_s, &tolerances, |t, s, latched| {
+            samples.push(servo.snapshot(t, s, latched));
+            losses_j.push(plant.losses_j(&ServoPlant::bench_state(s)));
+        })?;
+    plant.check_deformation(&result.impacts)?;
+    let (first, last) = (ServoPlant::bench_state(&initial), ServoPlant::bench_state(&result.state));
+    let energy = plant.audit((start_s, &first), (end_s, &last));
+    Ok(Run::new((samples, losses_j), (result.impacts, result.steps), energy))
+}
+
+/// Integrates the plant with its analytic laws, without a servo.
 pub fn run_with_law(
     plant: &Transmission,
     end_s: f64,
@@ -52,6 +104,7 @@ pub fn run_with_law(
     let start_s = samples_s.first().copied().unwrap_or_default().min(end_s);
     let initial = plant.initial_state(start_s);
     let mut samples = Vec::with_capacity(samples_s.len());
+    let mut losses_j = Vec::with_capacity(samples_s.len());
     let result = integrate(
         plant,
         (start_s, end_s),
@@ -62,18 +115,12 @@ pub fn run_with_law(
         |t, s, latched| {
             let forces = plant.forces(t, s, latched);
             samples.push(plant.snapshot(t, s, latched, forces));
+            losses_j.push(plant.losses_j(s));
         },
     )?;
     plant.check_deformation(&result.impacts)?;
     let energy = plant.audit((start_s, &initial), (end_s, &result.state));
-    Ok(Run {
-        samples,
-        impacts: result.impacts,
-        energy_residual_rel: energy.residual_rel,
-        energy,
-        steps: result.steps,
-        extremes: None,
-    })
+    Ok(Run::new((samples, losses_j), (result.impacts, result.steps), energy))
 }
 
 /// Simulates the bench under a drive and a load with its analytic laws and returns its states at
@@ -91,6 +138,9 @@ pub fn snapshots(
         return Ok(run.samples.into_iter().map(|s| s.planar).collect());
     }
     let plant = Transmission::new(bench, drive, load);
+    if let Some(servo) = ServoPlant::new(bench, &plant) {
+        return Ok(run_servo(&servo, &plant, end_s, samples_s, tolerance)?.samples);
+    }
     if plant.is_plain() {
         run_reduced::<PLAIN>(&plant, end_s, samples_s, tolerance)
     } else {
@@ -170,6 +220,7 @@ pub fn run_with_held_force(
     let mut rates = [0.0; STATES];
     plant.dynamics(0.0, &state, &OnShaft::default(), &mut rates);
     let mut samples = Vec::with_capacity(samples_s.len());
+    let mut losses_j = Vec::with_capacity(samples_s.len());
     let mut next_sample = 0;
     let mut impacts: Vec<Impact> = Vec::new();
     let mut extremes = Extremes::default();
@@ -222,6 +273,7 @@ pub fn run_with_held_force(
         }
         while samples_s.get(next_sample).is_some_and(|&t| t < time_s + 0.5 * step_s) {
             samples.push(snapshot);
+            losses_j.push(plant.losses_j(&state));
             next_sample += 1;
         }
         let bearing = plant.on_shaft_at(&geometry, &forces);
@@ -234,6 +286,5 @@ pub fn run_with_held_force(
     }
     let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state));
     let energy = EnergyAudit { hold_loss_j, ..energy }.with_residuals();
-    let extremes = Some(extremes);
-    Ok(Run { samples, impacts, energy_residual_rel: energy.residual_rel, energy, steps: count, extremes })
+    Ok(Run { extremes: Some(extremes), ..Run::new((samples, losses_j), (impacts, count), energy) })
 }

@@ -3,6 +3,14 @@
 mod change;
 mod operation;
 mod plant;
+mod profile;
+mod servo;
+mod start;
+
+pub use profile::{CourseKind, CourseSection, LoggedCourses};
+pub use servo::Servo;
+pub use start::Start;
+pub(crate) use start::StartState;
 
 use super::common::plant_description;
 use super::{Extension, Load, Logging, is_one, is_zero, one};
@@ -121,7 +129,8 @@ section! {
     }
 }
 section! {
-    /// Motion of the drive: velocity `V sin(wt)`, so a one-sided stroke `(X/2)(1 - cos wt)`.
+    /// Motion of the drive: velocity `V sin(wt)`, so a one-sided stroke `(X/2)(1 - cos wt)`. With
+    /// `[drive_profile]` stroke and period are typical ones, and a run is as long as the cycles.
     Drive {
         /// Stroke `X`, at most 0.99 of the drive crank.
         stroke_m: f64 [1e-9, 990.0],
@@ -253,6 +262,18 @@ plant_description! {
         drive: Drive,
         /// Load.
         load: Load,
+        /// Course of the drive in place of the sine of `[drive]`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        drive_profile: Option<CourseSection>,
+        /// Course that is added to the load.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        load_profile: Option<CourseSection>,
+        /// Rudder servo; without it the fork follows the described motion of the drive.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        servo: Option<Servo>,
+        /// Start of a run; without it the journal drops through a thousandth of the clearance.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        start: Option<Start>,
         /// Play in the fork; without it the fork is rigid, unless an effect adds a hydraulic
         /// column.
         #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -4,18 +4,19 @@ use super::TransmissionBench;
 use crate::signals::Profile;
 
 impl TransmissionBench {
-    /// Described motion of the drive.
+    /// Described motion of the drive; with a servo its order.
     pub fn drive_profile(&self) -> Profile {
-        Profile::Cycles {
+        self.drive_course().unwrap_or_else(|| Profile::Cycles {
             stroke: self.drive.stroke_m,
             period_s: self.drive.period_s,
             cycles: f64::from(self.drive.cycles),
-        }
+        })
     }
 
     /// Described load.
     pub fn load_profile(&self) -> Profile {
-        Profile::Ramp { level: self.load.force_n, ramp_s: self.load.ramp_s }
+        let constant = || Profile::Ramp { level: self.load.force_n, ramp_s: self.load.ramp_s };
+        self.load_course().unwrap_or_else(constant)
     }
 
     /// Length of a run in s.

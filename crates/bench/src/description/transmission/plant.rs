@@ -17,6 +17,7 @@ const PLANAR_LIMITS: &[&str] = &[
     "Temperature is constant: friction and clearance do not depend on it.",
     "The load does not depend on the motion; its cylinder is frictionless unless described.",
     "With play in the fork, the damping of a hydraulic column in series is not modelled.",
+    "With a servo, the flow does not depend on the pressure, and the cylinder does not leak.",
 ];
 
 /// Omissions of the model with tilt.
@@ -63,6 +64,7 @@ impl PlantDescription for TransmissionBench {
         if let Some(fork) = &self.fork {
             ranges.push(("fork.backlash_m", fork.backlash_m, 0.0, 0.1 * lever_m));
         }
+        ranges.extend(self.start_ranges());
         ranges
     }
 
@@ -71,9 +73,13 @@ impl PlantDescription for TransmissionBench {
     }
 
     fn refusals(&self) -> Vec<Refusal> {
-        let is_compliant = self.two_plane.is_some() && self.fork.is_some();
-        let (found, expected) = ("combined with a compliant drive", "no `[fork]`: its fork is rigid");
-        is_compliant.then(|| ("two_plane".into(), found.into(), expected.into())).into_iter().collect()
+        let is_compliant = self.two_plane.is_some() && (self.fork.is_some() || self.servo.is_some());
+        let (found, expected) = match self.servo {
+            None => ("combined with a compliant drive", "no `[fork]`: its fork is rigid"),
+            Some(_) => ("combined with a compliant drive", "no `[servo]`: its fork is rigid"),
+        };
+        let compliant = is_compliant.then(|| ("two_plane".into(), found.into(), expected.into()));
+        compliant.into_iter().chain(self.course_refusals()).collect()
     }
 
     fn plant_parameter_mut(&mut self, name: &str) -> Option<&mut f64> {
@@ -93,11 +99,12 @@ impl PlantDescription for TransmissionBench {
     }
 
     fn period_mut(&mut self) -> Option<Field<'_>> {
-        Some(("drive.period_s", &mut self.drive.period_s))
+        // Another course does not follow the period.
+        self.drive_profile.is_none().then_some(("drive.period_s", &mut self.drive.period_s))
     }
 
     fn stroke_mut(&mut self) -> Option<Field<'_>> {
-        Some(("drive.stroke_m", &mut self.drive.stroke_m))
+        self.drive_profile.is_none().then_some(("drive.stroke_m", &mut self.drive.stroke_m))
     }
 
     fn load(&self) -> Option<&Load> {

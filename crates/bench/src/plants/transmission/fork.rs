@@ -44,7 +44,8 @@ pub(super) enum Drive {
 impl Drive {
     /// Drive of a resolved description; `None` if it is rigid.
     pub(super) fn from_bench(bench: &TransmissionBench) -> Option<Self> {
-        let compliance = bench.extension.hydraulic_compliance_m_n;
+        let servo = bench.servo.as_ref().map_or(0.0, |servo| servo.compliance_m_n);
+        let compliance = bench.extension.hydraulic_compliance_m_n + servo;
         let column = compliance > MIN_COMPLIANCE_M_N;
         let backlash_m = bench.extension.backlash_m;
         let rigid = Fork { backlash_m: 0.0, stiffness_n_m: STIFF_N_M, damping_s_m: STIFF_DAMPING_S_M };

@@ -13,10 +13,10 @@
 //!
 //! With a rigid drive `x_f(t)` is given, and the fork force `P` follows from it. With a compliant
 //! drive `th` is a separate state: `P = k (x_d - x_f) + c (x_d' - x_f')` for a hydraulic column,
-//! and `P` of [`fork::Drive`] for play in the fork. On a flexible shaft (`shaft`) the load crank
-//! has a separate angle. Friction of the load cylinder reduces `F_L` by `F_c tanh(v/v_r) + c v` at
-//! the speed of the load crank's pin. What the model leaves out:
-//! [`crate::description::PlantDescription::limits`].
+//! and `P` of [`fork::Drive`] for play in the fork. With a `servo`, `x_d` is a state, too. On a
+//! flexible shaft (`shaft`) the load crank has a separate angle. Friction of the load cylinder
+//! reduces `F_L` by `F_c tanh(v/v_r) + c v` at the speed of the load crank's pin. What the model
+//! leaves out: [`crate::description::PlantDescription::limits`].
 //!
 //! This file builds the plant from a description. `dynamics` has the equations, `fork` the drive's
 //! compliance, `geometry` the contact, `bearing` its forces. Additional terms: [`crate::effects`].
@@ -24,6 +24,7 @@
 pub(crate) use bearing::OnShaft;
 pub(crate) use geometry::MAX_SINE;
 pub(crate) use reduced::{MOVING, PLAIN, Reduced};
+pub(crate) use servo::ServoPlant;
 
 #[cfg(test)]
 mod audit_tests;
@@ -32,9 +33,10 @@ mod dynamics;
 mod fork;
 mod geometry;
 mod reduced;
+mod servo;
 mod shaft;
 
-use crate::description::{Extension, LoadFriction, TransmissionBench};
+use crate::description::{Extension, LoadFriction, StartState, TransmissionBench};
 use crate::integrate::Tolerances;
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 use crate::plants::energy::{EnergyAudit, elastic_energy_j};
@@ -43,8 +45,6 @@ use contact::GRAVITY_M_S2;
 use fork::Drive;
 use shaft::Shaft;
 
-/// Gap at the start as a share of the radial clearance.
-pub(crate) const START_GAP_SHARE: f64 = 1e-3;
 /// Index of the bristles' deflection, or of the pre-sliding sign.
 const BRISTLE: usize = 12;
 /// Indices of angle and speed of the load crank on a flexible shaft.
@@ -145,6 +145,7 @@ pub struct Transmission {
     plain_friction: bool,
     drive: Profile,
     load: Profile,
+    start: StartState,
 }
 
 impl Transmission {
@@ -170,21 +171,23 @@ impl Transmission {
             shaft: Shaft::from_bench(bench),
             drive,
             load,
+            start: bench.start_state(),
         }
     }
 
-    /// Initial state: journal at standstill just above the bottom of the clearance, crank on the
-    /// drive.
+    /// Initial state: journal just above the bottom of the clearance, crank on the drive.
     ///
-    /// The gap is a thousandth of the clearance, and it matters. The journal drops through it and
-    /// lands at `sqrt(2 g D/1000)` (4.4 mm/s at 1 mm). The bench then stays in contact, so this
-    /// approach speed scales the damping of the whole run wherever it exceeds the floor.
+    /// The gap matters. By default it is a thousandth of the clearance: the journal drops through
+    /// it and lands at `sqrt(2 g D/1000)` (4.4 mm/s at 1 mm). As long as the bench stays in
+    /// contact, this approach speed scales the damping wherever it exceeds the floor. The section
+    /// `[start]` sets both.
     pub fn initial_state(&self, time_s: f64) -> State {
         let drive = self.drive_motion(time_s);
         let sine = (drive.value / self.drive_lever_m).clamp(-1.0, 1.0);
         let cosine = (1.0 - sine * sine).sqrt();
         let mut state = [0.0; STATES];
-        state[1] = -self.radial_clearance_m * (1.0 - START_GAP_SHARE);
+        state[1] = -self.radial_clearance_m * (1.0 - self.start.gap_share);
+        state[3] = -self.start.speed_m_s;
         state[4] = sine.asin();
         state[5] = drive.rate / (self.drive_lever_m * cosine);
         state[RISE] = self.extension.temperature_start_k;
@@ -199,7 +202,8 @@ impl Transmission {
 
     /// Speed in m/s at which the journal lands after the start; the latch then holds it.
     pub fn landing_speed_m_s(&self) -> f64 {
-        (2.0 * GRAVITY_M_S2 * START_GAP_SHARE * self.radial_clearance_m).sqrt()
+        let fall = 2.0 * GRAVITY_M_S2 * self.start.gap_share * self.radial_clearance_m;
+        (self.start.speed_m_s * self.start.speed_m_s + fall).sqrt()
     }
 
     /// Error control at a relative tolerance. Absolute tolerances are that share of the states'
@@ -238,7 +242,10 @@ impl Transmission {
 
     /// Time at which the load's ramp ends, s.
     pub fn load_ramp_end_s(&self) -> f64 {
-        if let Profile::Ramp { ramp_s, .. } = self.load { ramp_s } else { 0.0 }
+        match self.load {
+            Profile::Ramp { ramp_s, .. } | Profile::Raised { ramp_s, .. } => ramp_s,
+            _ => 0.0,
+        }
     }
 
     /// Maximum deformation in m for which the normal law is valid, if it has one.
@@ -257,6 +264,11 @@ impl Transmission {
         };
         let ripples = self.extension.position_ripples.iter().map(|r| r.integral(g.angle_rad()));
         0.5 * self.mass_kg * (s[2] * s[2] + s[3] * s[3]) + turning + elastic - ripples.sum::<f64>()
+    }
+
+    /// Losses up to a state in J: friction heat, damping loss, heat of the load cylinder.
+    pub(crate) fn losses_j(&self, s: &State) -> [f64; 3] {
+        [s[9], s[10], s[11]]
     }
 
     /// Returns the energy balance between two states of a run.

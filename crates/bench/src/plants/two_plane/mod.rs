@@ -25,11 +25,10 @@ mod output;
 
 pub use output::{SliceLoad, TwoPlaneRun, TwoPlaneSnapshot, run_two_plane};
 
-use crate::description::{Extension, LoadFriction, TransmissionBench, TwoPlaneSection};
+use crate::description::{Extension, LoadFriction, StartState, TransmissionBench, TwoPlaneSection};
 use crate::integrate::Tolerances;
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 use crate::plants::energy::{EnergyAudit, elastic_energy_j};
-use crate::plants::transmission::START_GAP_SHARE;
 use crate::signals::Profile;
 use contact::GRAVITY_M_S2;
 
@@ -66,6 +65,7 @@ pub struct TwoPlane {
     load_friction: Option<LoadFriction>,
     drive: Profile,
     load: Profile,
+    start: StartState,
 }
 
 impl TwoPlane {
@@ -96,14 +96,16 @@ impl TwoPlane {
             load_friction: bench.load_friction.clone(),
             drive,
             load,
+            start: bench.start_state(),
         }
     }
 
-    /// Initial state: journal at standstill just above the bottom of the clearance, as on the
-    /// planar bench, and in line with the bearing.
+    /// Initial state: journal just above the bottom of the clearance, as on the planar bench, and
+    /// in line with the bearing.
     pub fn initial_state(&self) -> State {
         let mut state = [0.0; STATES];
-        state[1] = -self.radial_clearance_m * (1.0 - START_GAP_SHARE);
+        state[1] = -self.radial_clearance_m * (1.0 - self.start.gap_share);
+        state[3] = -self.start.speed_m_s;
         state[4] = self.section.misalignment_y_rad;
         state[5] = self.section.misalignment_z_rad;
         state

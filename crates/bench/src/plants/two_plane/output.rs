@@ -59,6 +59,8 @@ pub struct TwoPlaneRun {
     pub impacts: Vec<Impact>,
     /// The energy balance.
     pub energy: EnergyAudit,
+    /// Losses from the start up to every sample in J, as in [`crate::simulate::Run`].
+    pub losses_j: Vec<[f64; 3]>,
     /// Integrator steps.
     pub steps: usize,
 }
@@ -73,6 +75,7 @@ pub fn run_two_plane(
     let start_s = samples_s.first().copied().unwrap_or_default().min(end_s);
     let initial = plant.initial_state();
     let mut samples = Vec::with_capacity(samples_s.len());
+    let mut losses_j = Vec::with_capacity(samples_s.len());
     let result = integrate_slices(
         plant,
         (start_s, end_s),
@@ -80,14 +83,17 @@ pub fn run_two_plane(
         &[],
         samples_s,
         &plant.tolerances(tolerance),
-        |t, s, latched| samples.push(plant.snapshot(t, s, latched)),
+        |t, s, latched| {
+            samples.push(plant.snapshot(t, s, latched));
+            losses_j.push([s[11], s[12], s[13]]);
+        },
     )?;
     let deformation_m = result.impacts.iter().map(|i| i.max_deformation_m).fold(0.0, f64::max);
     if let Some(largest_m) = plant.joint_law.law.largest_deformation_m().filter(|l| deformation_m > *l) {
         return Err(IntegrationError::OutsideLaw { deformation_m, largest_m });
     }
     let energy = plant.audit((start_s, &initial), (end_s, &result.state));
-    Ok(TwoPlaneRun { samples, impacts: result.impacts, energy, steps: result.steps })
+    Ok(TwoPlaneRun { samples, impacts: result.impacts, energy, losses_j, steps: result.steps })
 }
 
 impl TwoPlane {

@@ -1,0 +1,330 @@
+//! Courses of drive and load other than one sine: steps, ramps, splines, sea states, logs.
+
+use super::TransmissionBench;
+use crate::description::{PlantDescription, Refusal, format_number, is_one, is_zero, one};
+use crate::log::{Column, Columns, LogFormat, MeasuredLog, TIME};
+use crate::schema::{FieldType, HUGE, named_field, section};
+use crate::signals::{Channel, Course, Motion, Profile, Schedule, SeaState, spline};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+section! {
+    /// Course over time. `[drive_profile]` replaces the sine of `[drive]`, whose stroke and period
+    /// then are typical ones: the period is the length of a cycle for statistics, and the estimator
+    /// knows both. With a servo it is the order. `[load_profile]` is added to `load.force_n` within
+    /// its ramp. Every course has two continuous derivatives.
+    CourseSection {
+        /// Form. `sine`: `mean + height/2 sin(2 pi t/period)`. `steps`, `ramps` and `spline` go
+        /// through `points`, which repeat; `spectrum` is a sea state from a seed; `log` is a column
+        /// of a file.
+        kind: CourseKind,
+        /// Peak-to-peak height of a `sine`; significant height (four times the rms) of a
+        /// `spectrum`.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        height: f64 [0.0, HUGE, "m or N"],
+        /// Value that is added.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        mean: f64 [-1e7, 1e7, "m or N"],
+        /// Period of a `sine`, peak period of a `spectrum`, or time after which `points` repeat.
+        /// Default: `drive.period_s`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        period_s: Option<f64> [1e-3, 1e6],
+        /// Pairs of time (s, from 0, ascending, within the period) and value. The course returns to
+        /// the first value at the end of the period.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        points: Vec<[f64; 2]>,
+        /// Time of a step of `steps`, or over which a corner of `ramps` is rounded: cycloids, after
+        /// the point's time. At most the smallest distance of two points.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        transition_s: f64 [0.0, 1e6],
+        /// Peak enhancement of a `spectrum`: 1 (Pierson and Moskowitz), or 3.3 (JONSWAP).
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        peak_enhancement: f64 [1.0, 20.0],
+        /// Seed of a `spectrum`.
+        #[serde(default, skip_serializing_if = "is_seedless")]
+        seed: u32 [0.0, 4.294967295e9],
+        /// File of a `log` (CSV, Parquet, MAT), relative to the description.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        file: String,
+        /// Column, or expression of columns, of a `log`. Default: `drive_displacement_m` or
+        /// `load_force_n`.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        column: String,
+        /// Column, or expression of columns, with the times of a `log` in s. Default: `t_s`.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        time_column: String,
+        /// Half window of the polynomials of order 4 that smooth a noisy `log`, at least six
+        /// intervals of the log; 0: a cubic spline through every row.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        smoothing_s: f64 [0.0, 1e3],
+    }
+}
+
+fn is_seedless(seed: &u32) -> bool {
+    *seed == 0
+}
+
+/// Form of a course.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CourseKind {
+    /// Sine about the mean.
+    Sine,
+    /// Constant with steps.
+    Steps,
+    /// Straight with rounded corners.
+    Ramps,
+    /// Periodic cubic spline.
+    Spline,
+    /// Sea state.
+    Spectrum,
+    /// Column of a log.
+    Log,
+}
+
+named_field!(CourseKind {
+    Sine "sine", Steps "steps", Ramps "ramps", Spline "spline", Spectrum "spectrum", Log "log"
+});
+
+/// Courses that were read from files.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoggedCourses {
+    pub(super) drive: Option<Profile>,
+    pub(super) load: Option<Profile>,
+}
+
+/// Fewest intervals of a log in half a window of smoothing.
+const MIN_INTERVALS: f64 = 6.0;
+
+/// A section with what its kind needs: its name, its default period, the length of the run.
+struct Context<'a> {
+    name: &'static str,
+    period_s: f64,
+    run_s: f64,
+    logged: Option<&'a Profile>,
+}
+
+impl CourseSection {
+    /// Course from 0 to the end of a run, without the mean.
+    fn course(&self, context: &Context<'_>) -> Profile {
+        let period_s = self.period_s.unwrap_or(context.period_s);
+        let schedule = |course| {
+            Profile::Schedule(Schedule::new(
+                course,
+                &self.points,
+                period_s,
+                self.transition_s.max(f64::MIN_POSITIVE),
+            ))
+        };
+        match self.kind {
+            CourseKind::Sine => Profile::Sine { height: self.height, period_s },
+            CourseKind::Steps => schedule(Course::Steps),
+            CourseKind::Ramps => schedule(Course::Ramps),
+            CourseKind::Spline => {
+                let (times, values): (Vec<f64>, Vec<f64>) = self.points.iter().map(|[t, v]| (*t, *v)).unzip();
+                let (time_s, nodes) = spline::periodic(&times, &values, period_s);
+                Profile::Repeated { curve: Box::new(Profile::Curve { time_s, nodes }), period_s }
+            }
+            CourseKind::Spectrum => {
+                let sea = SeaState {
+                    height: self.height,
+                    peak_period_s: period_s,
+                    peak_enhancement: self.peak_enhancement,
+                    seed: self.seed.into(),
+                };
+                let (time_s, nodes) = sea.nodes(context.run_s);
+                Profile::Curve { time_s, nodes }
+            }
+            CourseKind::Log => context
+                .logged
+                .cloned()
+                .unwrap_or(Profile::Curve { time_s: vec![0.0], nodes: vec![Motion::default()] }),
+        }
+    }
+
+    /// Entries that the kind does not use, that it lacks, or that contradict each other.
+    fn refusals(&self, context: &Context<'_>) -> Vec<Refusal> {
+        use CourseKind::{Log, Ramps, Sine, Spectrum, Spline, Steps};
+        let refuse = |field: &str, found: String, expected: String| {
+            (format!("{}.{field}", context.name), found, expected)
+        };
+        let own: [(&str, bool, &[CourseKind]); 9] = [
+            ("height", self.height != 0.0, &[Sine, Spectrum]),
+            ("period_s", self.period_s.is_some(), &[Sine, Spectrum, Steps, Ramps, Spline]),
+            ("points", !self.points.is_empty(), &[Steps, Ramps, Spline]),
+            ("transition_s", self.transition_s != 0.0, &[Steps, Ramps]),
+            ("peak_enhancement", self.peak_enhancement != 1.0, &[Spectrum]),
+            ("seed", self.seed != 0, &[Spectrum]),
+            ("file", !self.file.is_empty(), &[Log]),
+            ("column", !self.column.is_empty() || !self.time_column.is_empty(), &[Log]),
+            ("smoothing_s", self.smoothing_s != 0.0, &[Log]),
+        ];
+        let kind = self.kind.text();
+        let mut all: Vec<Refusal> = own
+            .iter()
+            .filter(|(_, is_set, kinds)| *is_set && !kinds.contains(&self.kind))
+            .map(|(field, ..)| refuse(field, "set".into(), format!("no value with kind = \"{kind}\"")))
+            .collect();
+        let lacks = |field: &str, expected: &str| {
+            refuse(field, "missing".into(), format!("{expected} with kind = \"{kind}\""))
+        };
+        match self.kind {
+            Sine | Spectrum if self.height == 0.0 => all.push(lacks("height", "a height above 0")),
+            Steps | Ramps | Spline if self.points.is_empty() => all.push(lacks("points", "points")),
+            Steps | Ramps | Spline => all.extend(self.point_refusals(context)),
+            Log if self.file.is_empty() => all.push(lacks("file", "a file")),
+            _ => {}
+        }
+        all
+    }
+
+    /// Refuses times that do not ascend within the period, and transitions that overlap.
+    fn point_refusals(&self, context: &Context<'_>) -> Option<Refusal> {
+        let period_s = self.period_s.unwrap_or(context.period_s);
+        let ends = self.points.iter().map(|[time_s, _]| *time_s).chain([period_s]).collect::<Vec<_>>();
+        let gap_s = ends.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+        let field = |name: &str| format!("{}.{name}", context.name);
+        if ends.first() != Some(&0.0) || gap_s <= 0.0 || self.points.iter().flatten().any(|v| !v.is_finite())
+        {
+            let expected =
+                format!("ascending times from 0 to below the period of {} s", format_number(period_s));
+            let times = ends
+                .split_last()
+                .map(|(_, times)| times.iter().map(|t| format_number(*t)).collect::<Vec<_>>());
+            let found = format!("at the times {}", times.unwrap_or_default().join(", "));
+            return Some((field("points"), found, expected));
+        }
+        let needs_transition = self.kind != CourseKind::Spline && self.points.len() > 1;
+        let is_possible = (1e-6..=gap_s).contains(&self.transition_s);
+        (needs_transition && !is_possible).then(|| {
+            let expected = format!("1e-6 to {} s, the smallest distance of two points", format_number(gap_s));
+            (field("transition_s"), format_number(self.transition_s), expected)
+        })
+    }
+
+    /// Reads the file of a `log`, and makes its path absolute. The folder is that of the
+    /// description.
+    fn read_log(&mut self, folder: &Path, channel: Channel) -> Result<Profile, (String, String)> {
+        let expected = |reason: String| (format!("`{}`", self.file), format!("a readable log: {reason}"));
+        let path = std::path::absolute(folder.join(&self.file)).map_err(|e| expected(e.to_string()))?;
+        let mut columns = Columns::new();
+        for (name, column) in [(channel.name(), &self.column), (TIME, &self.time_column)] {
+            if !column.is_empty() {
+                columns.insert(name.into(), Column::from(column.clone()));
+            }
+        }
+        let log = MeasuredLog::read(&path, &LogFormat { text: None, columns })
+            .map_err(|e| expected(e.to_string()))?;
+        let values = log.need(channel).map_err(|e| expected(e.to_string()))?;
+        let first_s = log.time_s.first().copied().unwrap_or_default();
+        let time_s: Vec<f64> = log.time_s.iter().map(|t| t - first_s).collect();
+        self.file = path.display().to_string();
+        let interval_s = time_s.last().copied().unwrap_or_default() / time_s.len().max(2) as f64;
+        Ok(if self.smoothing_s > 0.0 {
+            // Fewer samples do not determine the polynomials at both ends of the log.
+            let half_s = self.smoothing_s.max(MIN_INTERVALS * interval_s);
+            Profile::through(&time_s, values, None, half_s, 4)
+        } else {
+            let nodes = spline::open(&time_s, values);
+            Profile::Curve { time_s, nodes }
+        })
+    }
+}
+
+/// Most samples at which the reach of the drive is checked.
+const MAX_CHECKED: f64 = 2e5;
+/// Samples per period at which it is checked.
+const CHECKED_PER_PERIOD: f64 = 400.0;
+
+impl TransmissionBench {
+    fn drive_context(&self) -> Context<'_> {
+        Context {
+            name: "drive_profile",
+            period_s: self.drive.period_s,
+            run_s: self.duration_s(),
+            logged: self.extension.courses.drive.as_ref(),
+        }
+    }
+
+    fn load_context(&self) -> Context<'_> {
+        let logged = self.extension.courses.load.as_ref();
+        Context { name: "load_profile", logged, ..self.drive_context() }
+    }
+
+    /// Course of the drive; none if it is the sine of `[drive]`.
+    pub(super) fn drive_course(&self) -> Option<Profile> {
+        let section = self.drive_profile.as_ref()?;
+        let course = Box::new(section.course(&self.drive_context()));
+        Some(Profile::Raised { mean: section.mean, course, ramp_s: 0.0 })
+    }
+
+    /// Course of the load with its ramp; none if it is constant.
+    pub(super) fn load_course(&self) -> Option<Profile> {
+        let section = self.load_profile.as_ref()?;
+        let course = Box::new(section.course(&self.load_context()));
+        Some(Profile::Raised { mean: self.load.force_n + section.mean, course, ramp_s: self.load.ramp_s })
+    }
+
+    /// Reads the files of the courses; `folder` is that of the description.
+    pub(crate) fn read_courses(&mut self, folder: &Path) -> Vec<Refusal> {
+        let mut refusals = Vec::new();
+        let mut read = |section: &mut Option<CourseSection>, name: &str, channel| {
+            let section = section.as_mut().filter(|s| s.kind == CourseKind::Log && !s.file.is_empty())?;
+            match section.read_log(folder, channel) {
+                Ok(course) => Some(course),
+                Err((found, expected)) => {
+                    refusals.push((format!("{name}.file"), found, expected));
+                    None
+                }
+            }
+        };
+        let drive = read(&mut self.drive_profile, "drive_profile", Channel::DriveDisplacement);
+        let load = read(&mut self.load_profile, "load_profile", Channel::LoadForce);
+        self.extension.courses = LoggedCourses { drive, load };
+        if refusals.is_empty() {
+            refusals.extend(self.length_refusals());
+        }
+        refusals
+    }
+
+    /// Refuses logs that are shorter than the run.
+    fn length_refusals(&self) -> Vec<Refusal> {
+        let run_s = self.duration_s();
+        let too_short = |context: Context<'_>| match context.logged {
+            Some(Profile::Curve { time_s, .. }) if time_s.last().is_some_and(|end| *end < run_s) => {
+                let end_s = time_s.last().copied().unwrap_or_default();
+                let found = format!("of a log of {} s", format_number(end_s));
+                let expected = format!("a log as long as the run: drive.cycles of drive.period_s, {run_s} s");
+                Some((format!("{}.file", context.name), found, expected))
+            }
+            _ => None,
+        };
+        [self.drive_context(), self.load_context()].into_iter().filter_map(too_short).collect()
+    }
+
+    /// Everything that is not allowed in the courses.
+    pub(super) fn course_refusals(&self) -> Vec<Refusal> {
+        let drive = self.drive_profile.as_ref().map(|section| section.refusals(&self.drive_context()));
+        let load = self.load_profile.as_ref().map(|section| section.refusals(&self.load_context()));
+        let mut all: Vec<Refusal> = drive.into_iter().chain(load).flatten().collect();
+        if all.is_empty() {
+            all.extend(self.reach_refusal());
+        }
+        all
+    }
+
+    /// Refuses a drive that reaches beyond the crank.
+    fn reach_refusal(&self) -> Option<Refusal> {
+        let course = self.drive_course()?;
+        let (run_s, period_s) = (self.duration_s(), self.period_s());
+        let count = (CHECKED_PER_PERIOD * run_s / period_s).min(MAX_CHECKED).ceil();
+        let at = |i: usize| course.at(i as f64 * run_s / count).value.abs();
+        let reach_m = (0..=count as usize).map(at).fold(0.0, f64::max);
+        let most_m = 0.99 * self.geometry.drive_lever_radius_m;
+        (reach_m > most_m).then(|| {
+            let found = format!("a course that reaches {} m", format_number(reach_m));
+            let expected = format!("at most {} m, 0.99 of the drive crank", format_number(most_m));
+            ("drive_profile".into(), found, expected)
+        })
+    }
+}
