@@ -8,3 +8,4 @@ pub mod friction_rig;
 pub mod slider_crank;
 pub mod transmission;
 pub mod two_plane;
+pub mod mechanism;
