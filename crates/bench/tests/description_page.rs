@@ -55,6 +55,12 @@ fn values(field: &FieldEntry) -> String {
             let range = range.strip_suffix(field.unit()).unwrap_or(&range).trim_end().to_owned();
             if matches!(field.kind, FieldKind::Integer) { format!("integer, {range}") } else { range }
         }
+        FieldKind::Pair => {
+            let range =
+                field.range_words().map(|range| range.trim_end_matches(field.unit()).trim_end().to_owned());
+            format!("`[x, y]`{}", range.map_or_else(String::new, |range| format!(", each {range}")))
+        }
+        FieldKind::Text => "text".into(),
         other => other.words(),
     }
 }
@@ -82,7 +88,7 @@ fn write_section(page: &mut String, section: &SectionEntry, level: &str) {
         Shape::PerChannel => format!("`[{name}]`, `<channel> = {{ ... }}`"),
         Shape::PerSignal => format!("`[{name}]`, `t_s = {{ ... }}`, `<channel> = \"expression\"`"),
         Shape::PerParameter => format!("`[{name}]`, `\"section.field\" = number`"),
-        Shape::Effects => format!("`[[{name}]]`"),
+        Shape::Effects | Shape::Entries => format!("`[[{name}]]`"),
     };
     let meaning = wrapped(&format!("{} ({required}).", section.meaning.trim_end_matches('.')));
     let _ = write!(page, "\n{level} {heading}\n\n{meaning}\n");

@@ -1,7 +1,10 @@
 //! Checks of the laws in a description: each can be built from the given parameters, and each given
 //! parameter is used.
 
-use crate::description::{Bench, Refusal, SliderCrankBench, TransmissionBench, format_number};
+use crate::description::{
+    Bench, ContactSection, FrictionSection, MechanismBench, Refusal, SliderCrankBench, TransmissionBench,
+    format_number,
+};
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 use contact::{CompleteLawKind, FrictionKind, LawError, StiffnessKind};
 
@@ -30,6 +33,7 @@ pub(super) fn refusals(bench: &Bench) -> Vec<Refusal> {
             all
         }
         Bench::SliderCrank(bench) => joint_refusal(bench).into_iter().collect(),
+        Bench::Mechanism(bench) => mechanism_refusals(bench),
         // Other plants have no laws to choose.
         _ => Vec::new(),
     }
@@ -37,23 +41,27 @@ pub(super) fn refusals(bench: &Bench) -> Vec<Refusal> {
 
 /// Returns everything about the laws of a bearing that is not allowed.
 fn bearing_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
-    let mut all = contact_refusals(bench);
+    let mut all = contact_refusals("contact", &bench.contact, false);
     if all.is_empty() {
         all.extend(JointLaw::from_bench(bench).err().and_then(|error| wrong("contact", error)));
     }
-    if let Some(name) = bench.friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
+    all.extend(friction_refusal("friction", "friction.law", &bench.friction));
+    all
+}
+
+/// Refuses a friction law that cannot be integrated, or that lacks parameters. `section` and `field`
+/// are the names of the section and of the law's name in it.
+fn friction_refusal(section: &str, field: &str, friction: &FrictionSection) -> Option<Refusal> {
+    if let Some(name) = friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
         let fit = FrictionKind::ALL.iter().filter(|kind| !NOT_INTEGRATED.contains(kind));
         let names: Vec<&str> = fit.map(|kind| kind.entry().name).collect();
         let expected = format!(
             "one of {}: a bench integrates laws that depend on the speed continuously",
             names.join(", ")
         );
-        all.push(("friction.law".into(), name.0.entry().name.into(), expected));
-    } else {
-        let error = BearingFriction::from_section(&bench.friction).err();
-        all.extend(error.and_then(|error| wrong("friction", error)));
+        return Some((field.into(), name.0.entry().name.into(), expected));
     }
-    all
+    BearingFriction::from_section(friction).err().and_then(|error| wrong(section, error))
 }
 
 fn wrong(section: &str, error: LawError) -> Option<Refusal> {
@@ -70,9 +78,8 @@ fn wrong(section: &str, error: LawError) -> Option<Refusal> {
 }
 
 /// Refuses parameters of the contact that the named law does not use, and misses those that it
-/// needs.
-fn contact_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
-    let section = &bench.contact;
+/// needs. With `has_own_hertz` the stiffness of Hertz may come from the joint.
+fn contact_refusals(path: &str, section: &ContactSection, has_own_hertz: bool) -> Vec<Refusal> {
     let (law, used): (&str, &[&str]) = match section.law {
         Some(complete) => (
             complete.0.entry().name,
@@ -93,6 +100,7 @@ fn contact_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
             },
         ),
     };
+    let is_of_joint = has_own_hertz && law == StiffnessKind::Hertz.entry().name;
     let given = [
         ("coefficient", section.coefficient),
         ("exponent", section.exponent),
@@ -102,10 +110,10 @@ fn contact_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
     let refusal = |(field, value): (&str, Option<f64>)| {
         let (found, expected) = match (value, used.contains(&field)) {
             (Some(value), false) => (format_number(value), format!("none: `{law}` does not use it")),
-            (None, true) => ("missing".into(), format!("a number, which `{law}` needs")),
+            (None, true) if !is_of_joint => ("missing".into(), format!("a number, which `{law}` needs")),
             _ => return None,
         };
-        Some((format!("contact.{field}"), found, expected))
+        Some((format!("{path}.{field}"), found, expected))
     };
     given.into_iter().filter_map(refusal).collect()
 }
@@ -120,6 +128,26 @@ fn bristle_refusal(bench: &TransmissionBench) -> Option<Refusal> {
             "one of the two: such a law includes pre-sliding".into(),
         )
     })
+}
+
+/// Returns everything about the laws of a mechanism that is not allowed: in themselves, and in the
+/// joints that use them.
+fn mechanism_refusals(bench: &MechanismBench) -> Vec<Refusal> {
+    let mut all = Vec::new();
+    for (i, entry) in bench.contact.iter().enumerate() {
+        let path = format!("contact.{i}");
+        all.extend(contact_refusals(&path, &entry.contact_section(), true));
+        let friction = entry.friction_section();
+        all.extend(friction.and_then(|f| friction_refusal(&path, &format!("{path}.friction"), &f)));
+    }
+    if !all.is_empty() {
+        return all;
+    }
+    for (i, joint) in bench.joint.iter().enumerate().filter(|(_, joint)| joint.contacts() > 0) {
+        let error = bench.laws(joint).and_then(Result::err);
+        all.extend(error.and_then(|error| wrong(&format!("joint.{i}"), error)));
+    }
+    all
 }
 
 /// Checks the stiffness of a slider-crank's joint.

@@ -18,6 +18,10 @@ pub enum FieldKind {
     Column,
     /// Table with a number for each channel.
     NumberPerChannel,
+    /// Free text that is not empty.
+    Text,
+    /// Two numbers, `[x, y]`.
+    Pair,
 }
 
 impl FieldKind {
@@ -30,6 +34,8 @@ impl FieldKind {
             Self::Name(names) => format!("one of {}", names().join(", ")),
             Self::Column => "the name of a column, an expression of columns, or an index from 0".into(),
             Self::NumberPerChannel => "a number for each channel".into(),
+            Self::Text => "a text".into(),
+            Self::Pair => "two numbers, [x, y]".into(),
         }
     }
 
@@ -54,6 +60,8 @@ impl FieldKind {
             }
             Self::Column => Value::Integer(0),
             Self::NumberPerChannel => Value::Table(toml::Table::new()),
+            Self::Text => Value::String(if is_low { "first" } else { "second" }.into()),
+            Self::Pair => Value::Array(vec![Value::Float(number), Value::Float(number)]),
         }
     }
 }
@@ -90,6 +98,23 @@ impl FieldType for bool {
 
     fn text(&self) -> String {
         self.to_string()
+    }
+}
+
+impl FieldType for String {
+    const KIND: FieldKind = FieldKind::Text;
+
+    fn text(&self) -> String {
+        self.clone()
+    }
+}
+
+impl FieldType for [f64; 2] {
+    const KIND: FieldKind = FieldKind::Pair;
+
+    fn text(&self) -> String {
+        let [x, y] = self.map(format_number);
+        format!("[{x}, {y}]")
     }
 }
 

@@ -15,12 +15,12 @@ fn four_bar() -> Mechanism {
     let foot = |i: usize| [i as f64, 0.0];
     let tip = |i: usize| [i as f64, 1.0];
     let rockers = [0, 1, 2].map(|i| {
-        let rocker = builder.bar(1.0, [foot(i), tip(i)], [0.5, 0.0, -1.0]);
+        let rocker = builder.bar(1.0, None, [foot(i), tip(i)], [0.5, 0.0, -1.0]);
         builder.revolute([None, rocker], foot(i));
         rocker
     });
     for i in 0..2 {
-        let coupler = builder.bar(1.0, [tip(i), tip(i + 1)], [1.0, 0.0, 0.0]);
+        let coupler = builder.bar(1.0, None, [tip(i), tip(i + 1)], [1.0, 0.0, 0.0]);
         builder.revolute([rockers[i], coupler], tip(i));
         builder.revolute([coupler, rockers[i + 1]], tip(i + 1));
     }

@@ -29,7 +29,6 @@ const E: f64 = 0.02;
 const EA: f64 = 0.01421;
 const RR: f64 = 0.007;
 const RA: f64 = 0.00092;
-const SS: f64 = 0.035;
 const SA: f64 = 0.01874;
 const SB: f64 = 0.01043;
 const SC: f64 = 0.018;
@@ -121,6 +120,9 @@ pub(in crate::known_answers) fn angles_rad(time_s: f64) -> Result<[f64; 7], Inte
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Distance of B and E on the third body.
+    const SS: f64 = 0.035;
 
     #[test]
     fn the_published_start_closes_every_loop() {

@@ -37,13 +37,19 @@ impl Builder {
     }
 
     /// Adds a uniform bar between two points, with its speed in rad/s and the velocity of its
-    /// centre.
-    pub(crate) fn bar(&mut self, mass_kg: f64, ends_m: [[f64; 2]; 2], start_rate: [f64; 3]) -> BodyIndex {
+    /// centre. Its moment of inertia about the centre may be another one.
+    pub(crate) fn bar(
+        &mut self,
+        mass_kg: f64,
+        inertia_kg_m2: Option<f64>,
+        ends_m: [[f64; 2]; 2],
+        start_rate: [f64; 3],
+    ) -> BodyIndex {
         let along = subtract(ends_m[1], ends_m[0]);
         let centre = [0.5 * (ends_m[0][0] + ends_m[1][0]), 0.5 * (ends_m[0][1] + ends_m[1][1])];
         self.body(Body {
             mass_kg,
-            inertia_kg_m2: mass_kg * dot(along, along) / 12.0,
+            inertia_kg_m2: inertia_kg_m2.unwrap_or(mass_kg * dot(along, along) / 12.0),
             start: [centre[0], centre[1], along[1].atan2(along[0])],
             start_rate,
         })
@@ -53,6 +59,11 @@ impl Builder {
     pub(crate) fn marker(&self, body: BodyIndex, at_m: [f64; 2]) -> Marker {
         let frame = frame(&self.frames, body);
         Marker { body, local_m: frame.turned_back(subtract(at_m, frame.position_m)) }
+    }
+
+    /// Centre of mass of a body at the start.
+    pub(crate) fn centre_m(&self, body: BodyIndex) -> [f64; 2] {
+        frame(&self.frames, body).position_m
     }
 
     fn angle_rad(&self, body: BodyIndex) -> f64 {
@@ -169,7 +180,11 @@ impl Builder {
         let bearing = self.marker(bodies[0], at_m);
         let journal = self.marker(bodies[1], [at_m[0] + offset_m[0], at_m[1] + offset_m[1]]);
         self.contact(ContactKind::Journal { bearing, journal, bearing_radius_m, journal_radius_m }, laws);
-        let closing = self.coincident(bodies, at_m).map(|joint| IdealJoint { first: bearing, second: journal, ..joint });
+        let closing = self.coincident(bodies, at_m).map(|joint| IdealJoint {
+            first: bearing,
+            second: journal,
+            ..joint
+        });
         self.parts.closing.extend(closing);
     }
 

@@ -5,9 +5,7 @@
 //! speed is `T v`. The normal force `F` acts as `-F N`, the friction force as `+F_f T`. Both act on
 //! the two bodies at their own contact points, so their power is exactly `-F d' + F d_t + F_f T v`.
 
-use super::body::{
-    Frame, Marker, add, dot, dot3, frame, perpendicular, scaled, subtract, wrench,
-};
+use super::body::{Frame, Marker, add, dot, dot3, frame, perpendicular, scaled, subtract, wrench};
 use super::joint::IdealJoint;
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 

@@ -103,8 +103,7 @@ impl IdealJoint {
                 let w = first.speed_rad_s;
                 let mut jacobian = along(e);
                 jacobian[0][2] += dot(across, distance);
-                let curvature =
-                    dot(e, centripetal) + 2.0 * w * dot(across, rate) - w * w * dot(e, distance);
+                let curvature = dot(e, centripetal) + 2.0 * w * dot(across, rate) - w * w * dot(e, distance);
                 (jacobian, dot(e, distance) - start_m, curvature)
             }
             Constraint::Angle { start_rad } => {
@@ -134,10 +133,8 @@ mod tests {
     /// Jacobian and target are the derivatives of the value along a motion.
     #[test]
     fn the_derivatives_of_every_constraint_match_its_value() {
-        let (first, second) = (
-            Marker { body: Some(0), local_m: [0.3, -0.2] },
-            Marker { body: Some(1), local_m: [-0.1, 0.4] },
-        );
+        let (first, second) =
+            (Marker { body: Some(0), local_m: [0.3, -0.2] }, Marker { body: Some(1), local_m: [-0.1, 0.4] });
         let drive = DriveMotion { speed: 0.7, amplitude: 0.2, stroke: 0.3, period_s: 2.0 };
         let start = [[0.1, 0.2, 0.3], [0.9, -0.4, 1.1]];
         let rates = [[0.4, -0.3, 1.7], [-0.6, 0.8, -2.1]];

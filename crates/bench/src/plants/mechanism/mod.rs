@@ -13,6 +13,7 @@
 mod body;
 mod builder;
 mod contact;
+mod described;
 mod energy;
 mod force;
 mod joint;
@@ -21,6 +22,7 @@ mod solve;
 
 pub(crate) use body::Body;
 pub(crate) use builder::Builder;
+pub use described::RunWithBars;
 pub use energy::MechanismEnergy;
 pub(crate) use joint::DriveMotion;
 pub use run::{BodyState, ContactState, MechanismRun, RunOptions, Snapshot};
@@ -236,7 +238,8 @@ impl Mechanism {
             let (normal_n, friction_n) = contact.forces_n(&touch, latched, self.bristle_m(contact, state));
             add_forces(&mut force, &touch, normal_n, friction_n);
         }
-        let mut free: Vec<f64> = force.iter().zip(self.inverse.iter().flatten()).map(|(f, i)| f * i).collect();
+        let mut free: Vec<f64> =
+            force.iter().zip(self.inverse.iter().flatten()).map(|(f, i)| f * i).collect();
         let rows = self.rows(time_s, &frames);
         let target: Vec<f64> = rows.iter().map(|row| row.target).collect();
         constrain(&rows, &self.inverse, &target, &mut free)
@@ -270,7 +273,11 @@ impl Mechanism {
     }
 
     /// Terms of the energy balance between two states.
-    pub(crate) fn balance(&self, (start_s, first): (f64, &[f64]), (end_s, last): (f64, &[f64])) -> MechanismEnergy {
+    pub(crate) fn balance(
+        &self,
+        (start_s, first): (f64, &[f64]),
+        (end_s, last): (f64, &[f64]),
+    ) -> MechanismEnergy {
         let work = |i: usize| last[self.works() + i] - first[self.works() + i];
         let kinetic = [self.kinetic_j(first), self.kinetic_j(last)];
         MechanismEnergy {

@@ -64,7 +64,7 @@ pub struct RunOptions {
     pub tolerance: f64,
     /// Largest step in s.
     pub largest_step_s: f64,
-    /// Returns whether the rates at the start satisfy closed contacts too.
+    /// True if the rates at the start satisfy closed contacts too.
     pub is_closed: bool,
 }
 
@@ -115,10 +115,8 @@ impl Mechanism {
     ) -> Result<MechanismRun, IntegrationError> {
         // The integrator's state has a size that is fixed at compile time.
         match self.states() {
-            0..=24 => self.run_padded::<24>(samples_s, options),
-            25..=48 => self.run_padded::<48>(samples_s, options),
-            49..=96 => self.run_padded::<96>(samples_s, options),
-            97..=192 => self.run_padded::<192>(samples_s, options),
+            0..=32 => self.run_padded::<32>(samples_s, options),
+            33..=96 => self.run_padded::<96>(samples_s, options),
             _ => self.run_padded::<MAX_STATES>(samples_s, options),
         }
     }

@@ -24,7 +24,12 @@ pub(super) fn constrain(rows: &[Row], inverse: &[[f64; 3]], target: &[f64], free
         return Vec::new();
     }
     let count = rows.len();
-    let coupling = DMatrix::from_fn(count, count, |i, j| if j <= i { coupled(&rows[i], &rows[j], inverse) } else { 0.0 });
+    let coupling =
+        DMatrix::from_fn(
+            count,
+            count,
+            |i, j| if j <= i { coupled(&rows[i], &rows[j], inverse) } else { 0.0 },
+        );
     let scale: Vec<f64> = (0..count).map(|i| 1.0 / coupling[(i, i)].sqrt()).collect();
     let matrix = DMatrix::from_fn(count, count, |i, j| {
         coupling[if j <= i { (i, j) } else { (j, i) }] * scale[i] * scale[j]
