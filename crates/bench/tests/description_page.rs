@@ -56,9 +56,12 @@ fn values(field: &FieldEntry) -> String {
             if matches!(field.kind, FieldKind::Integer) { format!("integer, {range}") } else { range }
         }
         FieldKind::Pair => {
-            let range =
-                field.range_words().map(|range| range.trim_end_matches(field.unit()).trim_end().to_owned());
-            format!("`[x, y]`{}", range.map_or_else(String::new, |range| format!(", each {range}")))
+            let expected = field.expected();
+            let range = expected.strip_prefix("two numbers, [x, y], ").map(|range| {
+                let range = range.strip_suffix(field.unit()).unwrap_or(range).trim_end();
+                format!(", each {range}")
+            });
+            format!("`[x, y]`{}", range.unwrap_or_default())
         }
         FieldKind::Text => "text".into(),
         other => other.words(),

@@ -49,8 +49,8 @@ fn bearing_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
     all
 }
 
-/// Refuses a friction law that cannot be integrated, or that lacks parameters. `section` and `field`
-/// are the names of the section and of the law's name in it.
+/// Refuses a friction law that cannot be integrated, or that lacks parameters. `section` and
+/// `field` are the names of the section and of the law's name in it.
 fn friction_refusal(section: &str, field: &str, friction: &FrictionSection) -> Option<Refusal> {
     if let Some(name) = friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
         let fit = FrictionKind::ALL.iter().filter(|kind| !NOT_INTEGRATED.contains(kind));

@@ -4,6 +4,7 @@
 mod axis_log;
 mod forward_log;
 pub mod impact_table;
+mod mechanism;
 pub mod peaks;
 mod record;
 pub(crate) mod respond;
@@ -11,6 +12,7 @@ mod rig_groups;
 mod run;
 mod transmission_log;
 
+pub use mechanism::RunWithBars;
 pub use record::{log_from_samples, record};
 pub use respond::{Inputs, LoggedPlant, RespondError, Response, Truth, apply_sensors, respond};
 pub use rig_groups::{LOADS_N, RigGroup, rig_groups};

@@ -140,79 +140,82 @@ impl JointSection {
     }
 }
 
+/// Number of a joint's description: name, value, and whether the joint uses and needs it.
+type NumberUse = (&'static str, Option<f64>, bool, bool);
+
+impl JointSection {
+    /// Returns whether the joint drives its second body through flanks with play.
+    const fn has_backlash(&self) -> bool {
+        self.can_drive() && self.is_driven() && self.backlash_m.is_some()
+    }
+
+    const fn can_drive(&self) -> bool {
+        matches!(self.kind, JointKind::Revolute | JointKind::Prismatic)
+    }
+
+    fn numbers(&self) -> [NumberUse; 12] {
+        let can_drive = self.can_drive();
+        let has_axis = matches!(self.kind, JointKind::Prismatic | JointKind::Slot | JointKind::Guide);
+        let has_period = can_drive && (self.drive_amplitude.is_some() || self.drive_stroke.is_some());
+        let has_radius = self.has_backlash() && self.kind == JointKind::Revolute;
+        let (is_clearance, is_guide) = (self.kind == JointKind::Clearance, self.kind == JointKind::Guide);
+        let has_clearance = is_clearance || is_guide;
+        let non_zero = |value: f64| (value != 0.0).then_some(value);
+        let offset_m = non_zero(self.offset_m[0].abs() + self.offset_m[1].abs());
+        [
+            ("axis_rad", non_zero(self.axis_rad), has_axis, false),
+            ("drive_speed", self.drive_speed, can_drive, false),
+            ("drive_amplitude", self.drive_amplitude, can_drive, false),
+            ("drive_stroke", self.drive_stroke, can_drive, false),
+            ("drive_period_s", self.drive_period_s, has_period, has_period),
+            ("backlash_m", self.backlash_m, can_drive && self.is_driven(), false),
+            ("flank_radius_m", non_zero(self.flank_radius_m - 1.0), has_radius, false),
+            ("clearance_m", self.clearance_m, has_clearance, has_clearance),
+            ("bearing_radius_m", self.bearing_radius_m, is_clearance, is_clearance),
+            ("offset_m", offset_m, is_clearance, false),
+            ("length_m", self.length_m, has_clearance, is_guide),
+            ("height_m", self.height_m, is_guide, is_guide),
+        ]
+    }
+}
+
 /// Refuses fields that the kind of a joint does not use, and misses those that it needs.
 fn refuse_fields(path: &str, joint: &JointSection, all: &mut Vec<Refusal>) {
-    use JointKind::{Clearance, Guide, Prismatic, Revolute, Rod, Slot};
-    let can_drive = matches!(joint.kind, Revolute | Prismatic);
-    let is_driven = can_drive && joint.is_driven();
-    let has_period = joint.drive_amplitude.is_some() || joint.drive_stroke.is_some();
-    let is_clearance = joint.kind == Clearance;
-    let is_guide = joint.kind == Guide;
-    let has_backlash = is_driven && joint.backlash_m.is_some();
-    let non_zero = |value: f64| (value != 0.0).then_some(value);
-    // Field, value, whether the kind uses it, whether it needs it.
-    let numbers = [
-        ("axis_rad", non_zero(joint.axis_rad), matches!(joint.kind, Prismatic | Slot | Guide), false),
-        ("drive_speed", joint.drive_speed, can_drive, false),
-        ("drive_amplitude", joint.drive_amplitude, can_drive, false),
-        ("drive_stroke", joint.drive_stroke, can_drive, false),
-        ("drive_period_s", joint.drive_period_s, can_drive && has_period, can_drive && has_period),
-        ("backlash_m", joint.backlash_m, is_driven, false),
-        (
-            "flank_radius_m",
-            non_zero(joint.flank_radius_m - 1.0),
-            has_backlash && joint.kind == Revolute,
-            false,
-        ),
-        ("clearance_m", joint.clearance_m, is_clearance || is_guide, is_clearance || is_guide),
-        ("bearing_radius_m", joint.bearing_radius_m, is_clearance, is_clearance),
-        ("offset_m", non_zero(joint.offset_m[0].abs() + joint.offset_m[1].abs()), is_clearance, false),
-        ("length_m", joint.length_m, is_clearance || is_guide, is_guide),
-        ("height_m", joint.height_m, is_guide, is_guide),
-    ];
     let kind = crate::schema::FieldType::text(&joint.kind);
     let mut refuse = |field: &str, found: String, expected: String| {
         all.push((format!("{path}.{field}"), found, expected));
     };
-    for (field, value, is_used, is_needed) in numbers {
+    for (field, value, is_used, is_needed) in joint.numbers() {
         match value {
             Some(value) if !is_used => {
-                let drive = if matches!(field, "drive_period_s" | "backlash_m" | "flank_radius_m") {
-                    " without its drive"
-                } else {
-                    ""
-                };
+                let of_drive = matches!(field, "drive_period_s" | "backlash_m" | "flank_radius_m");
+                let drive = if of_drive { " without its drive" } else { "" };
                 refuse(field, format_number(value), format!("none: `{kind}`{drive} does not use it"));
             }
             None if is_needed => refuse(field, "missing".into(), format!("a number, which `{kind}` needs")),
             _ => {}
         }
     }
-    let has_contact = is_clearance || is_guide || has_backlash;
+    let has_contact = matches!(joint.kind, JointKind::Clearance | JointKind::Guide) || joint.has_backlash();
     if joint.contact.is_some() && !has_contact {
-        refuse(
-            "contact",
-            "given".into(),
-            format!("none: `{kind}` without clearance or backlash has no contact"),
-        );
+        let expected = format!("none: `{kind}` without clearance or backlash has no contact");
+        refuse("contact", "given".into(), expected);
     } else if joint.contact.is_none() && has_contact {
         refuse("contact", "missing".into(), "the name of a `[[contact]]`".into());
     }
-    if joint.to_m.is_some() != (joint.kind == Rod) {
-        let found = if joint.to_m.is_some() { "given" } else { "missing" };
-        let expected = if joint.kind == Rod { "the end of the rod on `second`" } else { "none: no rod" };
-        refuse("to_m", found.into(), expected.into());
+    match (joint.kind == JointKind::Rod, joint.to_m) {
+        (true, None) => refuse("to_m", "missing".into(), "the end of the rod on `second`".into()),
+        (false, Some(_)) => refuse("to_m", "given".into(), format!("none: `{kind}` is no rod")),
+        (true, Some(to_m)) if to_m == joint.at_m => {
+            refuse("to_m", "equal to at_m".into(), "the other end of the rod".into());
+        }
+        _ => {}
     }
-    if joint.kind == Rod && joint.to_m == Some(joint.at_m) {
-        refuse("to_m", "equal to at_m".into(), "the other end of the rod".into());
-    }
-    if let (true, Some(radius), Some(clearance)) = (is_clearance, joint.bearing_radius_m, joint.clearance_m)
-        && clearance >= radius
+    if let (JointKind::Clearance, Some(radius_m), Some(clearance_m)) =
+        (joint.kind, joint.bearing_radius_m, joint.clearance_m)
+        && clearance_m >= radius_m
     {
-        refuse(
-            "clearance_m",
-            format_number(clearance),
-            format!("less than the bearing's {}", format_number(radius)),
-        );
+        let expected = format!("less than the bearing's {}", format_number(radius_m));
+        refuse("clearance_m", format_number(clearance_m), expected);
     }
 }

@@ -56,12 +56,12 @@ section! {
         samples: u32 [1.0, 1e7],
         /// Relative tolerance of each step.
         #[serde(default = "tolerance")]
-        tolerance: f64 [1e-13, 1e-2],
+        tolerance: f64 [1e-12, 1e-2],
         /// Largest step, which also limits how late a grazing contact is noticed.
         #[serde(default = "largest_step_s")]
         largest_step_s: f64 [1e-9, 1e3],
-        /// Rate at which errors of the constraints are reduced (Baumgarte); one over the largest step
-        /// without it.
+        /// Rate at which errors of the constraints are reduced (Baumgarte); one over the largest
+        /// step without it.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stabilisation_per_s: Option<f64> [0.0, 1e7, "1/s"],
         /// Rates at the start satisfy the joints with clearance too, as if they were ideal. Without
@@ -263,7 +263,8 @@ section! {
         /// Damping.
         #[serde(default, skip_serializing_if = "is_zero")]
         damping: f64 [0.0, HUGE, "N s/m or N m s/rad"],
-        /// Free length; the length at the start without it. A torsional spring is free at the start.
+        /// Free length; the length at the start without it. A torsional spring is free at the
+        /// start.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         free_length_m: Option<f64> [0.0, 1e6],
     }
@@ -301,12 +302,12 @@ plant_description! {
         body: Vec<BodySection>,
         /// Joints and drives. Points are those at the start, in the axes of the ground. A drive
         /// prescribes the angle between the bodies (`revolute`) or the displacement (`prismatic`):
-        /// `drive_speed t + drive_amplitude sin(wt) + (drive_stroke/2)(1 - cos wt)`, `w` = 2 pi over
-        /// `drive_period_s`.
+        /// `drive_speed t + drive_amplitude sin(wt) + (drive_stroke/2)(1 - cos wt)`, `w` = 2 pi
+        /// over `drive_period_s`.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         joint: Vec<JointSection>,
-        /// Laws of contacts, by name. The modulus is that of both bodies, unless the journal has its
-        /// own. Without friction coefficients a contact is frictionless.
+        /// Laws of contacts, by name. The modulus is that of both bodies, unless the journal has
+        /// its own. Without friction coefficients a contact is frictionless.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         contact: Vec<ContactEntry>,
         /// Springs with dampers: between two points, or torsional without points.

@@ -1,9 +1,9 @@
 //! Two four-bar windows: problem A02 of the IFToMM multibody benchmark library with `N = 2`.
 //!
-//! Five uniform links of 1 m and 1 kg: three rockers on the ground at `(0,0)`, `(1,0)`, `(2,0)`, and
-//! two couplers between their tips `B0`, `B1`, `B2`. The start is upright with `B0` at 1 m/s along x,
-//! `g = 9.81`. Whenever the rockers lie flat the constraints become dependent; the problem tests the
-//! passage through this configuration.
+//! Five uniform links of 1 m and 1 kg: three rockers on the ground at `(0,0)`, `(1,0)`, `(2,0)`,
+//! and two couplers between their tips `B0`, `B1`, `B2`. The start is upright with `B0` at 1 m/s
+//! along x, `g = 9.81`. Whenever the rockers lie flat the constraints become dependent; the problem
+//! tests the passage through this configuration.
 
 use super::states_at;
 use crate::integrate::IntegrationError;

@@ -1,10 +1,10 @@
 //! Andrews' squeezing mechanism: problem A03 of the IFToMM multibody benchmark library, from the
 //! test set for IVP solvers (Mazzia and Magherini, after Hairer and Wanner II, VII.7).
 //!
-//! Seven bodies in the plane, driven by a constant torque. The published coordinates are beta, theta,
-//! gamma, phi, delta, omega, epsilon in rad; here each body has its own coordinates and ten revolute
-//! joints connect them. Three of these share the point E, in which the loops close. Lengths in m,
-//! masses in kg.
+//! Seven bodies in the plane, driven by a constant torque. The published coordinates are beta,
+//! theta, gamma, phi, delta, omega, epsilon in rad; here each body has its own coordinates and ten
+//! revolute joints connect them. Three of these share the point E, in which the loops close.
+//! Lengths in m, masses in kg.
 
 use super::states_at;
 use crate::integrate::IntegrationError;

@@ -1,7 +1,7 @@
 //! Rigid bodies of a mechanism and the points fixed to them.
 //!
 //! A body has the coordinates `x, y` of its centre of mass and its angle, in m and rad, and their
-//! rates. The ground is the body `None`: it stands still at the origin.
+//! rates. The ground is the body `None`: it rests at the origin.
 
 /// Rigid body with its state at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,5 @@
-//! Construction of a mechanism in its position at the start: all points are given in the axes of the
-//! ground and become fixed to their bodies.
+//! Construction of a mechanism in its position at the start: all points are given in the axes of
+//! the ground and become fixed to their bodies.
 
 use super::body::{Body, Frame, Marker, dot, frame, perpendicular, subtract};
 use super::contact::{Contact, ContactKind};
@@ -96,8 +96,8 @@ impl Builder {
         self.parts.joints.extend(joint);
     }
 
-    /// Adds a prismatic joint: the second body slides along an axis of the first and keeps its angle
-    /// to it.
+    /// Adds a prismatic joint: the second body slides along an axis of the first and keeps its
+    /// angle to it.
     pub(crate) fn prismatic(&mut self, bodies: [BodyIndex; 2], at_m: [f64; 2], axis: [f64; 2]) {
         let joint = [self.component(bodies, at_m, perpendicular(axis)), self.angle(bodies, at_m)];
         self.parts.joints.extend(joint);
@@ -188,8 +188,8 @@ impl Builder {
         self.parts.closing.extend(closing);
     }
 
-    /// Adds a prismatic joint with clearance: a slider of the second body, of a length and a height,
-    /// whose corners touch the walls of a guide of the first at a clearance on each side.
+    /// Adds a prismatic joint with clearance: a slider of the second body, of a length and a
+    /// height, whose corners touch the walls of a guide of the first at a clearance on each side.
     pub(crate) fn guide(
         &mut self,
         bodies: [BodyIndex; 2],

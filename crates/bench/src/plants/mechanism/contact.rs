@@ -1,9 +1,10 @@
 //! Contacts of a mechanism: clearance joints, guides with clearance, backlash of a drive.
 //!
 //! Every contact has a deformation `d`, its normal direction `N` and its tangent `T` on the
-//! coordinates of two bodies, so that `d' = N v + d_t` (`d_t` is the rate of a drive) and the sliding
-//! speed is `T v`. The normal force `F` acts as `-F N`, the friction force as `+F_f T`. Both act on
-//! the two bodies at their own contact points, so their power is exactly `-F d' + F d_t + F_f T v`.
+//! coordinates of two bodies, so that `d' = N v + d_t` (`d_t` is the rate of a drive) and the
+//! sliding speed is `T v`. The normal force `F` acts as `-F N`, the friction force as `+F_f T`.
+//! Both act on the two bodies at their own contact points, so their power is exactly `-F d' + F d_t
+//! + F_f T v`.
 
 use super::body::{Frame, Marker, add, dot, dot3, frame, perpendicular, scaled, subtract, wrench};
 use super::joint::IdealJoint;

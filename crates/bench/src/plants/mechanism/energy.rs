@@ -1,10 +1,10 @@
 //! Energy balance of a mechanism.
 //!
-//! `drive + load = stored + damper heat + contact damping + friction heat + residual`, all in J. The
-//! works and losses are quadrature states, integrated with the motion: the drive's work from the
-//! multipliers of its constraint, the losses from the laws. The stored energy (kinetic, of gravity,
-//! springs and contacts) is a function of the first and the last state alone. So the residual checks
-//! equations and integrator together.
+//! `drive + load = stored + damper heat + contact damping + friction heat + residual`, all in J.
+//! The works and losses are quadrature states, integrated with the motion: the drive's work from
+//! the multipliers of its constraint, the losses from the laws. The stored energy (kinetic, of
+//! gravity, springs and contacts) is a function of the first and the last state alone. So the
+//! residual checks equations and integrator together.
 
 /// Minimum absolute work to which a residual is related, J.
 const ENERGY_FLOOR_J: f64 = 1e-3;

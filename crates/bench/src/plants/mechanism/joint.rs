@@ -1,7 +1,7 @@
 //! Ideal joints and drives of a mechanism as constraints `g(q, t) = 0`.
 //!
-//! Each constraint has its value `g`, its Jacobian `G` on the coordinates of two bodies, its partial
-//! time derivative and the value of `G q''` that its second time derivative requires. The
+//! Each constraint has its value `g`, its Jacobian `G` on the coordinates of two bodies, its
+//! partial time derivative and the value of `G q''` that its second time derivative requires. The
 //! expressions follow from differentiating `g` twice (Nikravesh, Computer-Aided Analysis of
 //! Mechanical Systems, 1988, section 4).
 

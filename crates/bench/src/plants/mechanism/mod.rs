@@ -1,14 +1,14 @@
 //! Planar mechanism with ideal joints and clearance joints.
 //!
 //! `M q'' + G^T l = f`, `G q'' = c - 2 a (G v + g_t) - a^2 g` over the coordinates `x, y, angle` of
-//! the bodies: the constraints `g(q, t) = 0` of ideal joints and drives are differentiated twice, and
-//! errors are reduced at the rate `a` (Baumgarte 1972). Clearance joints, guides with clearance and
-//! backlash are contacts with a normal and a friction law; the integrator locates their onsets and
-//! separations and latches the approach speed.
+//! the bodies: the constraints `g(q, t) = 0` of ideal joints and drives are differentiated twice,
+//! and errors are reduced at the rate `a` (Baumgarte 1972). Clearance joints, guides with clearance
+//! and backlash are contacts with a normal and a friction law; the integrator locates their onsets
+//! and separations and latches the approach speed.
 //!
-//! States: coordinates, rates, the works of the energy balance (`energy`), and a deflection for each
-//! contact whose friction law has bristles. SI. Not modelled: flexible bodies, motion out of the
-//! plane, friction in ideal joints, impacts on ideal joints other than through contacts.
+//! States: coordinates, rates, the works of the energy balance (`energy`), and a deflection for
+//! each contact whose friction law has bristles. SI. Not modelled: flexible bodies, motion out of
+//! the plane, friction in ideal joints, impacts on ideal joints other than through contacts.
 
 mod body;
 mod builder;
@@ -22,10 +22,10 @@ mod solve;
 
 pub(crate) use body::Body;
 pub(crate) use builder::Builder;
-pub use described::RunWithBars;
 pub use energy::MechanismEnergy;
 pub(crate) use joint::DriveMotion;
-pub use run::{BodyState, ContactState, MechanismRun, RunOptions, Snapshot};
+pub(crate) use run::RunOptions;
+pub use run::{BodyState, ContactState, MechanismRun, Snapshot};
 
 use super::energy::elastic_energy_j;
 use body::Frame;
@@ -37,7 +37,7 @@ use solve::{applied, constrain};
 
 /// A mechanism ready to be integrated.
 #[derive(Clone, Debug)]
-pub struct Mechanism {
+pub(crate) struct Mechanism {
     pub(crate) bodies: Vec<Body>,
     pub(crate) joints: Vec<IdealJoint>,
     pub(crate) contacts: Vec<Contact>,
@@ -117,9 +117,9 @@ impl Mechanism {
         self.joints.iter().map(|joint| joint.row(time_s, frames)).collect()
     }
 
-    /// State at the start: the described position, and rates that satisfy every constraint, those of
-    /// closed contacts too if `is_closed`. Of all such rates they are the nearest to the described
-    /// ones in the measure of kinetic energy (Gauss' principle).
+    /// State at the start: the described position, and rates that satisfy every constraint, those
+    /// of closed contacts too if `is_closed`. Of all such rates they are the nearest to the
+    /// described ones in the measure of kinetic energy (Gauss' principle).
     pub(crate) fn initial_state(&self, is_closed: bool) -> Vec<f64> {
         let mut state = vec![0.0; self.states()];
         for (i, body) in self.bodies.iter().enumerate() {

@@ -57,15 +57,15 @@ pub struct MechanismRun {
 
 /// Start and length of a run with its error control.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RunOptions {
+pub(crate) struct RunOptions {
     /// Length in s.
-    pub duration_s: f64,
+    pub(crate) duration_s: f64,
     /// Relative tolerance.
-    pub tolerance: f64,
+    pub(crate) tolerance: f64,
     /// Largest step in s.
-    pub largest_step_s: f64,
+    pub(crate) largest_step_s: f64,
     /// True if the rates at the start satisfy closed contacts too.
-    pub is_closed: bool,
+    pub(crate) is_closed: bool,
 }
 
 /// A mechanism in a state of fixed size: the states beyond its own stay 0.
