@@ -36,6 +36,8 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_no_files() {
         (&["run", "--bench", "slider-crank", "--load-kn", "1"], "--load-kn: found plant `slider-crank`"),
         (&["run", "--bench", "slider-crank", "--record", "a.rec"], "--record: found plant `slider-crank`"),
         (&["record", "--bench", "slider-crank"], "found plant `slider-crank`"),
+        (&["record", "--bench", "four-bar"], "found plant `mechanism`, which only `run` takes"),
+        (&["run", "--bench", "four-bar", "--record", "a.rec"], "--record: found plant `mechanism`"),
         (&["run", "--cycles", "4000000000"], "drive.cycles is 4e9; expected 1 to 1000000"),
         (&["run", "--cycles", "5000"], "expected a run of at most 2000 s"),
         (&["run", "--step-us", "0"], "--step-us: found 0; expected"),

@@ -41,6 +41,24 @@ fn every_bench_runs_or_is_recorded() {
             );
             assert!(run["peak_contact_force_n"].as_f64().is_some_and(|f| f > 1e3), "{path}");
         }
+        if text.contains("plant = \"mechanism\"") {
+            let run = host_sim(directory.path(), &["run", "--bench", &path, "--json"]);
+            assert!(run["energy_residual_rel"].as_f64().is_some_and(|rel| rel < 1e-6), "{path} {run}");
+            for contact in run["contacts"].as_array().unwrap() {
+                let [peak, bar] = ["peak_force_n", "error_bar_n"].map(|name| contact[name].as_f64().unwrap());
+                assert!(peak > 100.0 && bar < 1e-3 * peak, "{path} {contact}");
+            }
+            let rows = |name: &str| {
+                let text = std::fs::read_to_string(directory.path().join("out/run").join(name)).unwrap();
+                let widths: Vec<usize> = text.lines().map(|line| line.split(',').count()).collect();
+                assert!(widths.iter().all(|width| *width == widths[0]), "{path} {name}");
+                widths.len()
+            };
+            assert!(rows("log.csv") == 4001 && rows("impacts.csv") > 5, "{path}");
+            let page = std::fs::read_to_string(directory.path().join("out/run/report.html")).unwrap();
+            assert!(page.contains("Energy balance"), "{path}");
+            continue;
+        }
         for name in ["log.csv", "log.parquet", "log.mat"] {
             let written = host_sim(directory.path(), &["record", "--bench", &path, "--out", name, "--json"]);
             assert!(written["samples"].as_u64().is_some_and(|n| n >= 100), "{path} {name}");

@@ -55,6 +55,15 @@ fn values(field: &FieldEntry) -> String {
             let range = range.strip_suffix(field.unit()).unwrap_or(&range).trim_end().to_owned();
             if matches!(field.kind, FieldKind::Integer) { format!("integer, {range}") } else { range }
         }
+        FieldKind::Pair => {
+            let expected = field.expected();
+            let range = expected.strip_prefix("two numbers, [x, y], ").map(|range| {
+                let range = range.strip_suffix(field.unit()).unwrap_or(range).trim_end();
+                format!(", each {range}")
+            });
+            format!("`[x, y]`{}", range.unwrap_or_default())
+        }
+        FieldKind::Text => "text".into(),
         other => other.words(),
     }
 }
@@ -82,7 +91,7 @@ fn write_section(page: &mut String, section: &SectionEntry, level: &str) {
         Shape::PerChannel => format!("`[{name}]`, `<channel> = {{ ... }}`"),
         Shape::PerSignal => format!("`[{name}]`, `t_s = {{ ... }}`, `<channel> = \"expression\"`"),
         Shape::PerParameter => format!("`[{name}]`, `\"section.field\" = number`"),
-        Shape::Effects => format!("`[[{name}]]`"),
+        Shape::Effects | Shape::Entries => format!("`[[{name}]]`"),
     };
     let meaning = wrapped(&format!("{} ({required}).", section.meaning.trim_end_matches('.')));
     let _ = write!(page, "\n{level} {heading}\n\n{meaning}\n");

@@ -3,7 +3,8 @@
 use crate::cli::error::CliError;
 use crate::cli::output;
 use crate::run::{
-    ControllerChoice, RunArgs, estimates, execute, impacts, page, report, settled, slider_crank, tilt,
+    ControllerChoice, RunArgs, estimates, execute, impacts, mechanism, page, report, settled, slider_crank,
+    tilt,
 };
 use bench::Bench;
 use bench::simulate::impact_table;
@@ -11,15 +12,20 @@ use bench::simulate::impact_table;
 /// Runs the command.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let bench = Bench::open(&args.bench.bench)?;
-    if let Bench::SliderCrank(plant) = &bench {
+    if matches!(bench, Bench::SliderCrank(_) | Bench::Mechanism(_)) {
         args.bench.check_changes(&bench)?;
         if args.record.is_some() || args.watch {
             let option = if args.watch { "--watch" } else { "--record" };
             return Err(CliError::Input(format!(
-                "{option}: found plant `slider-crank`; expected `transmission-bench`, which has a controller"
+                "{option}: found plant `{}`; expected `transmission-bench`, which has a controller",
+                bench.plant_name()
             )));
         }
-        return slider_crank::run(plant, args);
+    }
+    match &bench {
+        Bench::SliderCrank(plant) => return slider_crank::run(plant, args),
+        Bench::Mechanism(plant) => return mechanism::run(plant, args),
+        _ => {}
     }
     if args.controller == ControllerChoice::None && (args.record.is_some() || args.watch) {
         let option = if args.watch { "--watch" } else { "--record" };

@@ -10,6 +10,7 @@ pub mod estimator_summary;
 pub mod exchange;
 pub mod force;
 pub mod impacts;
+pub(crate) mod mechanism;
 pub(crate) mod page;
 pub(crate) mod report;
 pub mod same_signals;

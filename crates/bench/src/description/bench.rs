@@ -1,7 +1,8 @@
 //! A bench of any plant.
 
 use super::{
-    DescriptionError, Effect, FrictionRig, Nuisances, PlantDescription, SliderCrankBench, TransmissionBench,
+    DescriptionError, Effect, FrictionRig, MechanismBench, Nuisances, PlantDescription, SliderCrankBench,
+    TransmissionBench,
 };
 use crate::log::LogFormat;
 use crate::schema::SectionEntry;
@@ -97,6 +98,8 @@ plants! {
     FrictionRig(FrictionRig),
     /// A slider-crank with a clearance joint; it is run, but neither recorded nor diagnosed.
     SliderCrank(SliderCrankBench),
+    /// A planar mechanism; it is run, but neither recorded nor diagnosed.
+    Mechanism(MechanismBench),
 }
 
 impl Bench {

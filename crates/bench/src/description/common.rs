@@ -91,7 +91,7 @@ macro_rules! plant_description {
                 let own = vec![$($crate::schema::SectionEntry::new::<$type>(
                     stringify!($field),
                     $crate::schema::meaning(&[$(stringify!($field_meta)),*]),
-                    $crate::schema::Shape::Table,
+                    <$type as $crate::schema::Content>::SHAPE,
                 )),*];
                 let sections = own.into_iter().filter(|section| section.name != "plant");
                 sections.chain($crate::description::common::sections()).collect()

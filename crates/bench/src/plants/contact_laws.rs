@@ -1,6 +1,6 @@
 //! Contact and friction laws of a transmission bench, built from its description.
 
-use crate::description::{FrictionSection, ShapeName, TransmissionBench};
+use crate::description::{ContactSection, FrictionSection, ShapeName, TransmissionBench};
 use contact::{
     AdamsImpact, CompleteLawKind, ContactLaw, Dahl, FactorisedLaw, FrictionKind, FrictionLaw, Joint,
     LawError, LuGre, Material, NormalLaw, SlidingLaw, SlidingParameters, SpringDashpot, Stiffness,
@@ -17,8 +17,6 @@ pub(crate) struct JointLaw {
 impl JointLaw {
     /// Builds the law that a description names, for the bearing on a steel shaft.
     pub(crate) fn from_bench(bench: &TransmissionBench) -> Result<Self, LawError> {
-        let section = &bench.contact;
-        let restitution = bench.bearing.restitution;
         let joint = Joint {
             bearing_radius_m: bench.bearing.bearing_radius_m,
             radial_clearance_m: bench.bearing.radial_clearance_m,
@@ -29,6 +27,17 @@ impl JointLaw {
             },
             journal: Material::STEEL,
         };
+        Self::from_section(&bench.contact, joint, bench.bearing.restitution, bench.shaft.mass_kg)
+    }
+
+    /// Builds the law that a section names, for a joint with a nominal restitution and an effective
+    /// mass in kg, which only the law of Anagnostopoulos needs.
+    pub(crate) fn from_section(
+        section: &ContactSection,
+        joint: Joint,
+        restitution: f64,
+        mass_kg: f64,
+    ) -> Result<Self, LawError> {
         let missing = |law, quantity| LawError::Missing { law, quantity };
         let Some(whole) = section.law else {
             let parameters =
@@ -54,7 +63,7 @@ impl JointLaw {
                 elastic: linear,
             },
             CompleteLawKind::Anagnostopoulos => {
-                let law = SpringDashpot::anagnostopoulos(coefficient, restitution, bench.shaft.mass_kg)?;
+                let law = SpringDashpot::anagnostopoulos(coefficient, restitution, mass_kg)?;
                 Self { law: ContactLaw::SpringDashpot(law), elastic: linear }
             }
             CompleteLawKind::AdamsImpact => {

@@ -5,6 +5,7 @@ pub mod energy;
 mod extended_friction;
 pub(crate) mod forward_axis;
 pub mod friction_rig;
+pub mod mechanism;
 pub mod slider_crank;
 pub mod transmission;
 pub mod two_plane;

@@ -2,7 +2,8 @@
 //! parameter is used.
 
 use crate::description::{
-    Bench, FrictionSection, Refusal, SliderCrankBench, TransmissionBench, format_number,
+    Bench, ContactSection, FrictionSection, MechanismBench, Refusal, SliderCrankBench, TransmissionBench,
+    format_number,
 };
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 use contact::{CompleteLawKind, FrictionKind, LawError, StiffnessKind};
@@ -36,6 +37,7 @@ pub(super) fn refusals(bench: &Bench) -> Vec<Refusal> {
             all.extend(bench.friction.iter().flat_map(joint_friction_refusals));
             all
         }
+        Bench::Mechanism(bench) => mechanism_refusals(bench),
         // Other plants have no laws to choose.
         _ => Vec::new(),
     }
@@ -43,16 +45,17 @@ pub(super) fn refusals(bench: &Bench) -> Vec<Refusal> {
 
 /// Returns everything about the laws of a bearing that is not allowed.
 fn bearing_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
-    let mut all = contact_refusals(bench);
+    let mut all = contact_refusals("contact", &bench.contact, false);
     if all.is_empty() {
         all.extend(JointLaw::from_bench(bench).err().and_then(|error| wrong("contact", error)));
     }
-    all.extend(friction_refusals(&bench.friction));
+    all.extend(friction_refusals("friction", "friction.law", &bench.friction));
     all
 }
 
-/// Returns everything about the friction law of a section that is not allowed.
-fn friction_refusals(friction: &FrictionSection) -> Vec<Refusal> {
+/// Returns everything about the friction law of a section that is not allowed. `section` and
+/// `field` are the names of the section and of the law's name in it.
+fn friction_refusals(section: &str, field: &str, friction: &FrictionSection) -> Vec<Refusal> {
     let mut all = Vec::new();
     if let Some(name) = friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
         let fit = FrictionKind::ALL.iter().filter(|kind| !NOT_INTEGRATED.contains(kind));
@@ -61,27 +64,27 @@ fn friction_refusals(friction: &FrictionSection) -> Vec<Refusal> {
             "one of {}: a bench integrates laws that depend on the speed continuously",
             names.join(", ")
         );
-        all.push(("friction.law".into(), name.0.entry().name.into(), expected));
+        all.push((field.into(), name.0.entry().name.into(), expected));
     } else {
         let error = BearingFriction::from_section(friction).err();
-        all.extend(error.and_then(|error| wrong("friction", error)));
+        all.extend(error.and_then(|error| wrong(section, error)));
     }
-    all.extend(viscous_refusal(friction));
+    all.extend(viscous_refusal(section, friction));
     all
 }
 
 /// Refuses the viscous parameter that the friction law does not use. Brown and McPhee's viscous
 /// part is a force over a speed, that of the other laws a coefficient over a speed.
-fn viscous_refusal(friction: &FrictionSection) -> Option<Refusal> {
+fn viscous_refusal(section: &str, friction: &FrictionSection) -> Option<Refusal> {
     let is_brown_mcphee = friction.law.is_some_and(|law| law.0 == FrictionKind::BrownMcPhee);
     let (unused, value, expected) = if is_brown_mcphee {
         let expected = "0: `brown-mcphee` uses viscous_damping_n_s_m, a force over the speed";
-        ("friction.viscous_slope_s_m", friction.viscous_slope_s_m, expected)
+        ("viscous_slope_s_m", friction.viscous_slope_s_m, expected)
     } else {
         let expected = "0: only `brown-mcphee` uses it; other laws use viscous_slope_s_m";
-        ("friction.viscous_damping_n_s_m", friction.viscous_damping_n_s_m, expected)
+        ("viscous_damping_n_s_m", friction.viscous_damping_n_s_m, expected)
     };
-    (value != 0.0).then(|| (unused.into(), format_number(value), expected.into()))
+    (value != 0.0).then(|| (format!("{section}.{unused}"), format_number(value), expected.into()))
 }
 
 fn wrong(section: &str, error: LawError) -> Option<Refusal> {
@@ -98,9 +101,8 @@ fn wrong(section: &str, error: LawError) -> Option<Refusal> {
 }
 
 /// Refuses parameters of the contact that the named law does not use, and misses those that it
-/// needs.
-fn contact_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
-    let section = &bench.contact;
+/// needs. With `has_own_hertz` the stiffness of Hertz may come from the joint.
+fn contact_refusals(path: &str, section: &ContactSection, has_own_hertz: bool) -> Vec<Refusal> {
     let (law, used): (&str, &[&str]) = match section.law {
         Some(complete) => (
             complete.0.entry().name,
@@ -121,6 +123,7 @@ fn contact_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
             },
         ),
     };
+    let is_of_joint = has_own_hertz && law == StiffnessKind::Hertz.entry().name;
     let given = [
         ("coefficient", section.coefficient),
         ("exponent", section.exponent),
@@ -130,10 +133,10 @@ fn contact_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
     let refusal = |(field, value): (&str, Option<f64>)| {
         let (found, expected) = match (value, used.contains(&field)) {
             (Some(value), false) => (format_number(value), format!("none: `{law}` does not use it")),
-            (None, true) => ("missing".into(), format!("a number, which `{law}` needs")),
+            (None, true) if !is_of_joint => ("missing".into(), format!("a number, which `{law}` needs")),
             _ => return None,
         };
-        Some((format!("contact.{field}"), found, expected))
+        Some((format!("{path}.{field}"), found, expected))
     };
     given.into_iter().filter_map(refusal).collect()
 }
@@ -152,13 +155,33 @@ fn bristle_refusal(bench: &TransmissionBench) -> Option<Refusal> {
 
 /// Returns everything about the friction of a slider-crank's joint that is not allowed.
 fn joint_friction_refusals(friction: &FrictionSection) -> Vec<Refusal> {
-    let mut all = friction_refusals(friction);
+    let mut all = friction_refusals("friction", "friction.law", friction);
     if let Some(name) = friction.law.filter(|_| all.is_empty()) {
         let has_bristles = BearingFriction::from_section(friction).is_ok_and(|law| law.has_state());
         let expected = "a law without bristles: the joint of a slider-crank keeps no deflection";
         all.extend(
             has_bristles.then(|| ("friction.law".into(), name.0.entry().name.into(), expected.into())),
         );
+    }
+    all
+}
+
+/// Returns everything about the laws of a mechanism that is not allowed: in themselves, and in the
+/// joints that use them.
+fn mechanism_refusals(bench: &MechanismBench) -> Vec<Refusal> {
+    let mut all = Vec::new();
+    for (i, entry) in bench.contact.iter().enumerate() {
+        let path = format!("contact.{i}");
+        all.extend(contact_refusals(&path, &entry.contact_section(), true));
+        let friction = entry.friction_section();
+        all.extend(friction.iter().flat_map(|f| friction_refusals(&path, &format!("{path}.friction"), f)));
+    }
+    if !all.is_empty() {
+        return all;
+    }
+    for (i, joint) in bench.joint.iter().enumerate().filter(|(_, joint)| joint.contacts() > 0) {
+        let error = bench.laws(joint).and_then(Result::err);
+        all.extend(error.and_then(|error| wrong(&format!("joint.{i}"), error)));
     }
     all
 }

@@ -8,7 +8,9 @@ pub use laws::integrates_friction;
 pub use structure::FILL_IN;
 
 use crate::atomic;
-use crate::description::{Bench, DescriptionError, Flaw, FrictionRig, SliderCrankBench, TransmissionBench};
+use crate::description::{
+    Bench, DescriptionError, Flaw, FrictionRig, MechanismBench, SliderCrankBench, TransmissionBench,
+};
 use crate::schema::Placeholder;
 use std::path::Path;
 use structure::Structure;
@@ -22,6 +24,7 @@ pub const PRESETS: &[(&str, &str)] = &[
     ("friction-rig-babbitt", include_str!("../../presets/friction-rig-babbitt.toml")),
     ("friction-rig-plastic", include_str!("../../presets/friction-rig-plastic.toml")),
     ("slider-crank", include_str!("../../presets/slider-crank.toml")),
+    ("four-bar", include_str!("../../../../examples/four-bar.toml")),
 ];
 
 impl Bench {
@@ -136,7 +139,7 @@ macro_rules! opened_plants {
     )*};
 }
 
-opened_plants!(TransmissionBench, FrictionRig, SliderCrankBench);
+opened_plants!(TransmissionBench, FrictionRig, SliderCrankBench, MechanismBench);
 
 #[cfg(test)]
 mod tests {

@@ -99,6 +99,9 @@ impl<'a> Structure<'a> {
         if section.shape == Shape::Effects {
             return self.check_effects(value);
         }
+        if section.shape == Shape::Entries {
+            return self.check_entries(section, value);
+        }
         let Some(table) = value.get_ref().as_table() else {
             let replacement = match section.shape {
                 Shape::Table => Replacement::Section(section.fields),
@@ -184,7 +187,8 @@ impl<'a> Structure<'a> {
             FieldKind::Column => value.as_str().is_some_and(|name| name != FILL_IN) || is_index(value),
             FieldKind::NumberPerChannel => false,
             FieldKind::Points => is_list_of_pairs(value),
-            FieldKind::Text => value.as_str().is_some_and(|text| text != FILL_IN),
+            FieldKind::Text => value.as_str().is_some_and(|text| !text.is_empty() && text != FILL_IN),
+            FieldKind::Pair => return self.check_pair(path, field, value),
         };
         if !is_of_kind {
             return self.refuse(path, &found(value), field.expected(), Replacement::Field(field));
@@ -194,6 +198,20 @@ impl<'a> Structure<'a> {
         {
             let expected = in_unit_of_channel(field.range_words().unwrap_or_default(), path);
             self.refuse(path, &format_number(number), expected, Replacement::Field(field));
+        }
+    }
+
+    /// Checks an array of two numbers.
+    fn check_pair(&mut self, path: &[&str], field: &'static FieldEntry, value: &DeValue<'_>) {
+        let array = value.as_array().filter(|array| array.len() == 2);
+        let pair = array.map(|array| array.iter().filter_map(|entry| number(entry.get_ref())).collect());
+        let Some(pair) = pair.filter(|pair: &Vec<f64>| pair.len() == 2) else {
+            return self.refuse(path, &found(value), field.expected(), Replacement::Field(field));
+        };
+        let (min, max) = field.range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        if let Some(outside) = pair.iter().find(|number| !(min..=max).contains(*number)) {
+            let expected = format!("each {}", field.range_words().unwrap_or_default());
+            self.refuse(path, &format_number(*outside), expected, Replacement::Field(field));
         }
     }
 
@@ -213,6 +231,32 @@ impl<'a> Structure<'a> {
                 let found = number.map_or_else(|| found(value.get_ref()), format_number);
                 let expected = in_unit_of_channel(field.range_words().unwrap_or_default(), &path);
                 self.refuse(&path, &found, expected, Replacement::Nothing);
+            }
+        }
+    }
+
+    /// Checks the fields of each entry of `[[name]]`.
+    fn check_entries(&mut self, section: &SectionEntry, value: &Spanned<DeValue<'_>>) {
+        let name = section.name;
+        let Some(entries) = value.get_ref().as_array() else {
+            let expected = format!("entries `[[{name}]]`");
+            return self.refuse(&[name], &found(value.get_ref()), expected, Replacement::Nothing);
+        };
+        for (index, entry) in entries.iter().enumerate() {
+            let index = index.to_string();
+            let path = [name, index.as_str()];
+            self.note_line(&path, entry.span().start);
+            match entry.get_ref().as_table() {
+                Some(table) => self.check_fields(&path, section.fields, table),
+                None => {
+                    let expected = "a table, { ... }".into();
+                    self.refuse(
+                        &path,
+                        &found(entry.get_ref()),
+                        expected,
+                        Replacement::Section(section.fields),
+                    );
+                }
             }
         }
     }
@@ -306,6 +350,11 @@ impl Repair {
         match (place, replacement) {
             (Some(Value::Table(table)), Some(value)) => drop(table.insert(last.clone(), value)),
             (Some(Value::Table(table)), None) => drop(table.remove(last)),
+            (Some(Value::Array(entries)), Some(value)) => {
+                if let Some(entry) = last.parse::<usize>().ok().and_then(|index| entries.get_mut(index)) {
+                    *entry = value;
+                }
+            }
             _ => {}
         }
     }

@@ -20,8 +20,10 @@ pub enum FieldKind {
     NumberPerChannel,
     /// List of pairs of numbers.
     Points,
-    /// Any text.
+    /// Free text that is not empty.
     Text,
+    /// Two numbers, `[x, y]`.
+    Pair,
 }
 
 impl FieldKind {
@@ -36,6 +38,7 @@ impl FieldKind {
             Self::NumberPerChannel => "a number for each channel".into(),
             Self::Points => "a list of pairs of numbers, [[0.0, 1.0], [2.0, 3.0]]".into(),
             Self::Text => "a text".into(),
+            Self::Pair => "two numbers, [x, y]".into(),
         }
     }
 
@@ -61,7 +64,8 @@ impl FieldKind {
             Self::Column => Value::Integer(0),
             Self::NumberPerChannel => Value::Table(toml::Table::new()),
             Self::Points => Value::Array(Vec::new()),
-            Self::Text => Value::String(String::new()),
+            Self::Text => Value::String(if is_low { "first" } else { "second" }.into()),
+            Self::Pair => Value::Array(vec![Value::Float(number), Value::Float(number)]),
         }
     }
 }
@@ -116,6 +120,15 @@ impl FieldType for Vec<[f64; 2]> {
         let pairs = self.iter().map(|[a, b]| format!("[{}, {}]", format_number(*a), format_number(*b)));
         let pairs = pairs.collect::<Vec<_>>();
         if pairs.is_empty() { String::new() } else { format!("[{}]", pairs.join(", ")) }
+    }
+}
+
+impl FieldType for [f64; 2] {
+    const KIND: FieldKind = FieldKind::Pair;
+
+    fn text(&self) -> String {
+        let [x, y] = self.map(format_number);
+        format!("[{x}, {y}]")
     }
 }
 

@@ -178,6 +178,7 @@ pub(crate) fn placeholders(fields: &[FieldEntry], which: Placeholder) -> toml::T
 pub(crate) trait Content {
     const FIELDS: &'static [FieldEntry];
     const IS_REQUIRED: bool = true;
+    const SHAPE: Shape = Shape::Table;
 
     fn defaults() -> Vec<(&'static str, String)>;
 }
@@ -193,6 +194,16 @@ impl<S: Section> Content for S {
 impl<S: Section> Content for Option<S> {
     const FIELDS: &'static [FieldEntry] = S::FIELDS;
     const IS_REQUIRED: bool = false;
+
+    fn defaults() -> Vec<(&'static str, String)> {
+        S::defaults()
+    }
+}
+
+impl<S: Section> Content for Vec<S> {
+    const FIELDS: &'static [FieldEntry] = S::FIELDS;
+    const IS_REQUIRED: bool = false;
+    const SHAPE: Shape = Shape::Entries;
 
     fn defaults() -> Vec<(&'static str, String)> {
         S::defaults()
@@ -220,6 +231,8 @@ pub enum Shape {
     PerParameter,
     /// Entries of `[[effects]]`.
     Effects,
+    /// Any number of tables with the fields: `[[name]]`.
+    Entries,
 }
 
 /// Section of a plant's description.

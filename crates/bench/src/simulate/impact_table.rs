@@ -19,6 +19,11 @@ latched_speed_m_s,peak_force_n,peak_s,max_deformation_m,duration_s,energy_lost_j
 /// contact it includes the stored energy. `restitution` is that of the contact, from the works of
 /// its force; `speed_ratio` is that of the bodies, which other forces may drive.
 pub fn to_csv(impacts: &[Impact], latch_floor_m_s: f64) -> String {
+    to_csv_with_floors(impacts, |_| latch_floor_m_s)
+}
+
+/// Returns the table as [`to_csv`] does, with a floor in m/s for each contact by its index.
+pub fn to_csv_with_floors(impacts: &[Impact], latch_floor_m_s: impl Fn(usize) -> f64) -> String {
     let mut text = String::from(HEADER);
     text.push('\n');
     let optional = |value: Option<f64>| value.map(|v| format!("{v:e}")).unwrap_or_default();
@@ -30,7 +35,7 @@ pub fn to_csv(impacts: &[Impact], latch_floor_m_s: f64) -> String {
             i.angles.crank_rad,
             i.angles.contact_rad,
             i.approach_speed_m_s,
-            i.approach_speed_m_s.max(latch_floor_m_s),
+            i.approach_speed_m_s.max(latch_floor_m_s(i.contact)),
             i.peak_force_n,
             i.peak_s,
             i.max_deformation_m,

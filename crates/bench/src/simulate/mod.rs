@@ -5,6 +5,7 @@ mod axis_log;
 mod error_bars;
 mod forward_log;
 pub mod impact_table;
+mod mechanism;
 pub mod peaks;
 mod record;
 pub(crate) mod respond;
@@ -13,6 +14,7 @@ mod run;
 pub mod settled;
 mod transmission_log;
 
+pub use mechanism::RunWithBars;
 pub use record::{log_from_samples, record};
 pub use respond::{Inputs, LoggedPlant, RespondError, Response, Truth, apply_sensors, respond};
 pub use rig_groups::{LOADS_N, RigGroup, rig_groups};

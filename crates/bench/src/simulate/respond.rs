@@ -30,7 +30,7 @@ impl Bench {
         match self {
             Self::Transmission(plant) => Some(&**plant),
             Self::FrictionRig(plant) => Some(&**plant),
-            Self::SliderCrank(_) => None,
+            Self::SliderCrank(_) | Self::Mechanism(_) => None,
         }
     }
 }

@@ -1,47 +1,31 @@
 //! Simple pendulum in Cartesian coordinates: problem A01 of the IFToMM multibody benchmark library.
 //!
-//! A point mass of 1 kg on a massless rod of 1 m, `g = 9.81`, released at `x = -1, y = 0`. The only
-//! constraint is the rod's length.
+//! A point mass of 1 kg on a massless rod of 1 m, `g = 9.81`, released at `x = -1, y = 0`. The rod
+//! acts on the centre of mass, so the body's moment of inertia has no effect.
 
-use super::{Mechanism, simulate};
+use super::states_at;
 use crate::integrate::IntegrationError;
+use crate::plants::mechanism::{Body, Builder, Mechanism, Snapshot};
 use contact::GRAVITY_M_S2;
-use nalgebra::{SMatrix, SVector};
 
-/// The pendulum of the benchmark.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pendulum;
+/// Relative tolerance of the runs.
+const TOLERANCE: f64 = 1e-13;
 
-impl Mechanism<2, 1> for Pendulum {
-    fn mass(&self, _: &SVector<f64, 2>) -> SMatrix<f64, 2, 2> {
-        SMatrix::identity()
-    }
-
-    fn force(&self, _: &SVector<f64, 2>, _: &SVector<f64, 2>) -> SVector<f64, 2> {
-        SVector::from([0.0, -GRAVITY_M_S2])
-    }
-
-    fn constraint(&self, q: &SVector<f64, 2>) -> SVector<f64, 1> {
-        SVector::from([0.5 * (q.norm_squared() - 1.0)])
-    }
-
-    fn jacobian(&self, q: &SVector<f64, 2>) -> SMatrix<f64, 1, 2> {
-        q.transpose()
-    }
-
-    fn bias(&self, _: &SVector<f64, 2>, v: &SVector<f64, 2>) -> SVector<f64, 1> {
-        SVector::from([-v.norm_squared()])
-    }
-
-    fn stabilisation_per_s(&self) -> f64 {
-        20.0
-    }
+fn pendulum() -> Mechanism {
+    let mut builder = Builder::new([0.0, -GRAVITY_M_S2], 20.0);
+    let start = [-1.0, 0.0, 0.0];
+    let mass = builder.body(Body { mass_kg: 1.0, inertia_kg_m2: 1.0, start, start_rate: [0.0; 3] });
+    builder.rod([None, mass], [[0.0, 0.0], [-1.0, 0.0]]);
+    builder.build()
 }
 
-/// Positions at ascending times.
+fn states(times_s: &[f64]) -> Result<Vec<Snapshot>, IntegrationError> {
+    states_at(&pendulum(), times_s, TOLERANCE)
+}
+
+/// Positions at the given times.
 pub(in crate::known_answers) fn positions_m(times_s: &[f64]) -> Result<Vec<[f64; 2]>, IntegrationError> {
-    let states = simulate::<_, 2, 1, 4>(&Pendulum, [-1.0, 0.0, 0.0, 0.0], times_s, 1e-13)?;
-    Ok(states.iter().map(|[x, y, ..]| [*x, *y]).collect())
+    Ok(states(times_s)?.iter().map(|s| [s.bodies[0].position[0], s.bodies[0].position[1]]).collect())
 }
 
 /// Period: twice the time between two passes through the bottom, each located by Newton's method on
@@ -49,9 +33,9 @@ pub(in crate::known_answers) fn positions_m(times_s: &[f64]) -> Result<Vec<[f64;
 pub(in crate::known_answers) fn period_s() -> Result<f64, IntegrationError> {
     let mut passes = [0.6, 1.8];
     for _ in 0..6 {
-        let states = simulate::<_, 2, 1, 4>(&Pendulum, [-1.0, 0.0, 0.0, 0.0], &passes, 1e-13)?;
-        for (time, [x, _, rate, _]) in passes.iter_mut().zip(states) {
-            *time -= x / rate;
+        let states = states(&passes)?;
+        for (time, state) in passes.iter_mut().zip(states) {
+            *time -= state.bodies[0].position[0] / state.bodies[0].rate[0];
         }
     }
     Ok(2.0 * (passes[1] - passes[0]))

@@ -1,13 +1,14 @@
 //! Andrews' squeezing mechanism: problem A03 of the IFToMM multibody benchmark library, from the
 //! test set for IVP solvers (Mazzia and Magherini, after Hairer and Wanner II, VII.7).
 //!
-//! Seven bodies in the plane, driven by a constant torque. Coordinates: beta, theta, gamma, phi,
-//! delta, omega, epsilon in rad. Six constraints, two for each of the loops that close in the point
-//! of beta and theta. Lengths in m, masses in kg.
+//! Seven bodies in the plane, driven by a constant torque. The published coordinates are beta,
+//! theta, gamma, phi, delta, omega, epsilon in rad; here each body has its own coordinates and ten
+//! revolute joints connect them. Three of these share the point E, in which the loops close.
+//! Lengths in m, masses in kg.
 
-use super::{Mechanism, simulate};
+use super::states_at;
 use crate::integrate::IntegrationError;
-use nalgebra::{SMatrix, SVector};
+use crate::plants::mechanism::{Body, Builder, Mechanism};
 
 /// Masses of the seven bodies.
 const M: [f64; 7] = [0.04325, 0.00365, 0.02373, 0.00706, 0.07050, 0.00706, 0.05498];
@@ -28,7 +29,6 @@ const E: f64 = 0.02;
 const EA: f64 = 0.01421;
 const RR: f64 = 0.007;
 const RA: f64 = 0.00092;
-const SS: f64 = 0.035;
 const SA: f64 = 0.01874;
 const SB: f64 = 0.01043;
 const SC: f64 = 0.018;
@@ -53,133 +53,93 @@ const START: [f64; 7] = [
     1.230_547_444_549_821_2,
 ];
 
+/// Angles of the bodies from the published coordinates.
+fn angles_of_bodies([beta, theta, gamma, phi, delta, omega, epsilon]: [f64; 7]) -> [f64; 7] {
+    [beta, beta + theta, gamma, phi + delta, delta, omega + epsilon, epsilon]
+}
+
+/// Point at coordinates along a body's own axes from a point.
+fn from(point: [f64; 2], angle_rad: f64, [x, y]: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = angle_rad.sin_cos();
+    [point[0] + cos * x - sin * y, point[1] + sin * x + cos * y]
+}
+
 /// The mechanism of the test set.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Squeezer;
-
-/// Sine and cosine of the directions in the constraints: beta, beta + theta, gamma, phi + delta,
-/// delta, omega + epsilon, epsilon.
-fn directions(q: &SVector<f64, 7>) -> [(f64, f64); 7] {
-    [q[0], q[0] + q[1], q[2], q[3] + q[4], q[4], q[5] + q[6], q[6]].map(f64::sin_cos)
+fn squeezer() -> Mechanism {
+    let angles = angles_of_bodies(START);
+    let mut builder = Builder::new([0.0; 2], 3000.0);
+    let f = from([0.0; 2], angles[0], [RR, 0.0]);
+    let e = from(f, angles[1], [-D, 0.0]);
+    let g = from(A, angles[4], [ZT, 0.0]);
+    let h = from(A, angles[6], [0.0, -U]);
+    let centres = [
+        from([0.0; 2], angles[0], [RA, 0.0]),
+        from(f, angles[1], [-DA, 0.0]),
+        from(B, angles[2], [SB, -SA]),
+        from(g, angles[3], [0.0, -(E - EA)]),
+        from(A, angles[4], [TA, TB]),
+        from(h, angles[5], [ZF - FA, 0.0]),
+        from(A, angles[6], [UA, -UB]),
+    ];
+    let bodies = std::array::from_fn::<_, 7, _>(|i| {
+        let start = [centres[i][0], centres[i][1], angles[i]];
+        builder.body(Body { mass_kg: M[i], inertia_kg_m2: I[i], start, start_rate: [0.0; 3] })
+    });
+    let [k1, k2, k3, k4, k5, k6, k7] = bodies;
+    for (pair, at_m) in [
+        ([None, k1], [0.0; 2]),
+        ([k1, k2], f),
+        ([None, k3], B),
+        ([None, k5], A),
+        ([None, k7], A),
+        ([k5, k4], g),
+        ([k7, k6], h),
+        ([k2, k3], e),
+        ([k2, k4], e),
+        ([k2, k6], e),
+    ] {
+        builder.revolute(pair, at_m);
+    }
+    let end_m = from(B, angles[2], [SD, -SC]);
+    builder.spring([None, k3], [C, end_m], (SPRING_N_M, 0.0), Some(SPRING_LENGTH));
+    builder.load(k1, [0.0; 2], ([0.0; 2], TORQUE_NM), 0.0);
+    builder.build()
 }
 
-impl Mechanism<7, 6> for Squeezer {
-    fn mass(&self, q: &SVector<f64, 7>) -> SMatrix<f64, 7, 7> {
-        let (cos_theta, sin_phi, sin_omega) = (q[1].cos(), q[3].sin(), q[5].sin());
-        let (e, f) = (E - EA, ZF - FA);
-        let mut m = SMatrix::zeros();
-        m[(0, 0)] = M[0] * RA * RA + M[1] * (RR * RR - 2.0 * DA * RR * cos_theta + DA * DA) + I[0] + I[1];
-        m[(1, 0)] = M[1] * (DA * DA - DA * RR * cos_theta) + I[1];
-        m[(1, 1)] = M[1] * DA * DA + I[1];
-        m[(2, 2)] = M[2] * (SA * SA + SB * SB) + I[2];
-        m[(3, 3)] = M[3] * e * e + I[3];
-        m[(4, 3)] = M[3] * (e * e + ZT * e * sin_phi) + I[3];
-        m[(4, 4)] =
-            M[3] * (ZT * ZT + 2.0 * ZT * e * sin_phi + e * e) + M[4] * (TA * TA + TB * TB) + I[3] + I[4];
-        m[(5, 5)] = M[5] * f * f + I[5];
-        m[(6, 5)] = M[5] * (f * f - U * f * sin_omega) + I[5];
-        m[(6, 6)] =
-            M[5] * (f * f - 2.0 * U * f * sin_omega + U * U) + M[6] * (UA * UA + UB * UB) + I[5] + I[6];
-        for (i, j) in [(0, 1), (3, 4), (5, 6)] {
-            m[(i, j)] = m[(j, i)];
-        }
-        m
-    }
-
-    fn force(&self, q: &SVector<f64, 7>, v: &SVector<f64, 7>) -> SVector<f64, 7> {
-        let (sin, cos) = q[2].sin_cos();
-        let (x, y) = (SD * cos + SC * sin + B[0] - C[0], SD * sin - SC * cos + B[1] - C[1]);
-        let length = x.hypot(y);
-        let pull = -SPRING_N_M * (length - SPRING_LENGTH) / length;
-        let (fx, fy) = (pull * x, pull * y);
-        let crank = M[1] * DA * RR * q[1].sin();
-        let upper = M[3] * ZT * (E - EA) * q[3].cos();
-        let lower = M[5] * U * (ZF - FA) * q[5].cos();
-        SVector::from([
-            TORQUE_NM - crank * v[1] * (v[1] + 2.0 * v[0]),
-            crank * v[0] * v[0],
-            fx * (SC * cos - SD * sin) + fy * (SD * cos + SC * sin),
-            upper * v[4] * v[4],
-            -upper * v[3] * (v[3] + 2.0 * v[4]),
-            -lower * v[6] * v[6],
-            lower * v[5] * (v[5] + 2.0 * v[6]),
-        ])
-    }
-
-    fn constraint(&self, q: &SVector<f64, 7>) -> SVector<f64, 6> {
-        let [b, bt, g, pd, d, oe, e] = directions(q);
-        let (x, y) = (RR * b.1 - D * bt.1, RR * b.0 - D * bt.0);
-        SVector::from([
-            x - SS * g.0 - B[0],
-            y + SS * g.1 - B[1],
-            x - E * pd.0 - ZT * d.1 - A[0],
-            y + E * pd.1 - ZT * d.0 - A[1],
-            x - ZF * oe.1 - U * e.0 - A[0],
-            y - ZF * oe.0 + U * e.1 - A[1],
-        ])
-    }
-
-    fn jacobian(&self, q: &SVector<f64, 7>) -> SMatrix<f64, 6, 7> {
-        let [b, bt, g, pd, d, oe, e] = directions(q);
-        let mut j = SMatrix::zeros();
-        for row in [0, 2, 4] {
-            (j[(row, 0)], j[(row, 1)]) = (-RR * b.0 + D * bt.0, D * bt.0);
-            (j[(row + 1, 0)], j[(row + 1, 1)]) = (RR * b.1 - D * bt.1, -D * bt.1);
-        }
-        (j[(0, 2)], j[(1, 2)]) = (-SS * g.1, -SS * g.0);
-        (j[(2, 3)], j[(2, 4)]) = (-E * pd.1, -E * pd.1 + ZT * d.0);
-        (j[(3, 3)], j[(3, 4)]) = (-E * pd.0, -E * pd.0 - ZT * d.1);
-        (j[(4, 5)], j[(4, 6)]) = (ZF * oe.0, ZF * oe.0 - U * e.1);
-        (j[(5, 5)], j[(5, 6)]) = (-ZF * oe.1, -ZF * oe.1 - U * e.0);
-        j
-    }
-
-    fn bias(&self, q: &SVector<f64, 7>, v: &SVector<f64, 7>) -> SVector<f64, 6> {
-        // Every constraint is a sum of sines and cosines. Its second derivative less `G q''` is
-        // minus the same term times the square of the direction's rate.
-        let [b, bt, g, pd, d, oe, e] = directions(q);
-        let [wb, wbt, wg, wpd, wd, woe, we] =
-            [v[0], v[0] + v[1], v[2], v[3] + v[4], v[4], v[5] + v[6], v[6]].map(|w| w * w);
-        let (x, y) = (RR * b.1 * wb - D * bt.1 * wbt, RR * b.0 * wb - D * bt.0 * wbt);
-        SVector::from([
-            x - SS * g.0 * wg,
-            y + SS * g.1 * wg,
-            x - E * pd.0 * wpd - ZT * d.1 * wd,
-            y + E * pd.1 * wpd - ZT * d.0 * wd,
-            x - ZF * oe.1 * woe - U * e.0 * we,
-            y - ZF * oe.0 * woe + U * e.1 * we,
-        ])
-    }
-
-    fn stabilisation_per_s(&self) -> f64 {
-        3000.0
-    }
-}
-
-/// The seven angles at a time.
+/// The seven published angles at a time.
 pub(in crate::known_answers) fn angles_rad(time_s: f64) -> Result<[f64; 7], IntegrationError> {
-    let initial: [f64; 14] = std::array::from_fn(|i| START.get(i).copied().unwrap_or_default());
-    let states = simulate::<_, 7, 6, 14>(&Squeezer, initial, &[time_s], 1e-12)?;
-    let last = states.first().copied().unwrap_or([f64::NAN; 14]);
-    Ok(std::array::from_fn(|i| last[i]))
+    let states = states_at(&squeezer(), &[time_s], 1e-12)?;
+    let mut angles = [f64::NAN; 7];
+    for (angle, body) in angles.iter_mut().zip(states.iter().flat_map(|state| &state.bodies)) {
+        *angle = body.position[2];
+    }
+    let [k1, k2, gamma, k4, delta, k6, epsilon] = angles;
+    Ok([k1, k2 - k1, gamma, k4 - delta, delta, k6 - epsilon, epsilon])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Jacobian and bias are derivatives of the constraints along a motion.
+    /// Distance of B and E on the third body.
+    const SS: f64 = 0.035;
+
     #[test]
-    fn the_start_is_consistent_and_the_derivatives_match_the_constraints() {
-        let start = SVector::from(START);
-        assert!(Squeezer.constraint(&start).norm() < 1e-16);
-        let q = start + SVector::<f64, 7>::from_fn(|i, _| 0.1 * (i as f64 - 3.0));
-        let v = SVector::<f64, 7>::from_fn(|i, _| 1.0 + 0.3 * i as f64);
-        let h = 1e-4;
-        let (after, before) = (Squeezer.constraint(&(q + v * h)), Squeezer.constraint(&(q - v * h)));
-        let rate = (after - before) / (2.0 * h);
-        assert!((rate - Squeezer.jacobian(&q) * v).norm() < 1e-8);
-        let curvature = (after - Squeezer.constraint(&q) * 2.0 + before) / (h * h);
-        assert!((curvature + Squeezer.bias(&q, &v)).norm() < 1e-6);
+    fn the_published_start_closes_every_loop() {
+        let mechanism = squeezer();
+        let state = mechanism.initial_state(true);
+        let frames = mechanism.frames(&state);
+        let rows = mechanism.joints.iter().map(|joint| joint.row(0.0, &frames));
+        let open = rows.map(|row| row.value.abs()).fold(0.0, f64::max);
+        assert!(open < 1e-16, "{open}");
+        // Every joint is closed where it is built; the loops close in the points of the bodies.
+        let point = |body: usize, x: f64, y: f64| {
+            let position = mechanism.bodies[body].start;
+            from([position[0], position[1]], position[2], [x, y])
+        };
+        let e = point(1, -(D - DA), 0.0);
+        for other in [point(2, -SB, SA - SS), point(3, 0.0, -EA), point(5, FA, 0.0)] {
+            assert!((0..2).all(|k| (e[k] - other[k]).abs() < 1e-15), "{e:?} {other:?}");
+        }
     }
 }

@@ -1,0 +1,48 @@
+//! A mechanism as one of the plants: its facts and limits.
+
+use super::MechanismBench;
+use crate::description::{PlantDescription, Range, Refusal};
+
+/// Omissions of the model.
+const LIMITS: &[&str] = &[
+    "Bodies are rigid and move in one plane; gravity, loads and joints act in it.",
+    "Ideal joints have no friction, no clearance and no elasticity.",
+    "Drives follow their prescribed motion whatever force it takes.",
+    "Contact is one point with a force law, without a pressure distribution and without wear.",
+    "A journal tilts in no bearing, and a guide touches at the four corners of its slider only.",
+    "Trajectories with many impacts decorrelate: beyond some cycles only statistics can be compared.",
+];
+
+impl PlantDescription for MechanismBench {
+    fn period_s(&self) -> f64 {
+        self.joint.iter().find_map(|joint| joint.drive_period_s).unwrap_or(self.run.duration_s)
+    }
+
+    fn stroke(&self) -> f64 {
+        self.joint.iter().find_map(|joint| joint.drive_stroke).unwrap_or_default()
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.run.duration_s
+    }
+
+    fn cycles_field(&self) -> &'static str {
+        "run.duration_s"
+    }
+
+    fn set_cycles(&mut self, cycles: u32) {
+        self.run.duration_s = f64::from(cycles) * self.period_s();
+    }
+
+    fn dependent_ranges(&self) -> Vec<Range> {
+        Vec::new()
+    }
+
+    fn limits(&self) -> &'static [&'static str] {
+        LIMITS
+    }
+
+    fn refusals(&self) -> Vec<Refusal> {
+        self.structure_refusals()
+    }
+}

@@ -1,0 +1,83 @@
+//! Runs of a described mechanism, with the names and the error bars that a report needs.
+
+use super::peaks::TIGHTER;
+use crate::description::{JointKind, JointSection, MechanismBench};
+use crate::integrate::IntegrationError;
+use crate::plants::mechanism::{MechanismRun, RunOptions};
+
+/// Run of a mechanism with the numerical error bar of each peak force.
+#[derive(Clone, Debug)]
+pub struct RunWithBars {
+    /// The run, at the tighter tolerance.
+    pub run: MechanismRun,
+    /// Distance of each impact's peak force in N from that of a coarser run; infinite for an impact
+    /// that only the finer run has.
+    pub bars_n: Vec<f64>,
+}
+
+impl MechanismBench {
+    /// Runs the described mechanism at a relative tolerance and records it at ascending times.
+    pub fn simulate(&self, samples_s: &[f64], tolerance: f64) -> Result<MechanismRun, IntegrationError> {
+        let mechanism = self
+            .mechanism()
+            .map_err(|error| IntegrationError::Stopped { time_s: 0.0, reason: error.to_string() })?;
+        let options = RunOptions {
+            duration_s: self.run.duration_s,
+            tolerance,
+            largest_step_s: self.run.largest_step_s,
+            is_closed: self.run.closed_start,
+        };
+        mechanism.run(samples_s, &options)
+    }
+
+    /// Runs the described mechanism at its tolerance and at a tighter one.
+    pub fn simulate_with_bars(&self, samples_s: &[f64]) -> Result<RunWithBars, IntegrationError> {
+        let coarse = self.simulate(&[], self.run.tolerance)?;
+        let run = self.simulate(samples_s, self.run.tolerance * TIGHTER)?;
+        let nth = |run: &MechanismRun, contact: usize, n: usize| {
+            run.impacts.iter().filter(|i| i.contact == contact).nth(n).map(|i| i.peak_force_n)
+        };
+        let mut seen = vec![0; self.joint.iter().map(JointSection::contacts).sum()];
+        let bars = run.impacts.iter().map(|impact| {
+            let n = seen.get(impact.contact).copied().unwrap_or_default();
+            if let Some(count) = seen.get_mut(impact.contact) {
+                *count += 1;
+            }
+            let other = nth(&coarse, impact.contact, n);
+            other.map_or(f64::INFINITY, |peak_n| (peak_n - impact.peak_force_n).abs())
+        });
+        let bars_n = bars.collect();
+        Ok(RunWithBars { run, bars_n })
+    }
+
+    /// Names of the contacts in the order of a run: the two bodies, and a number where a joint has
+    /// several contacts.
+    pub fn contact_names(&self) -> Vec<String> {
+        let of_joint = |joint: &JointSection| {
+            let (pair, count) = (format!("{}_{}", joint.first, joint.second), joint.contacts());
+            (1..=count).map(move |n| if count == 1 { pair.clone() } else { format!("{pair}_{n}") })
+        };
+        self.joint.iter().flat_map(of_joint).collect()
+    }
+
+    /// Floor of the latched approach speed of each contact in m/s, in the order of a run.
+    pub fn latch_floors_m_s(&self) -> Vec<f64> {
+        let floor = |joint: &JointSection| {
+            let entry = self.contact.iter().find(|entry| Some(&entry.name) == joint.contact.as_ref());
+            let floor = entry.map_or(0.0, |entry| entry.latch_floor_m_s);
+            std::iter::repeat_n(floor, joint.contacts())
+        };
+        self.joint.iter().flat_map(floor).collect()
+    }
+
+    /// Name and unit of the force of each drive, in the order of a run; a drive with backlash acts
+    /// through its contacts.
+    pub fn drive_names(&self) -> Vec<(String, &'static str)> {
+        let drives = self.joint.iter().filter(|joint| joint.is_driven() && joint.backlash_m.is_none());
+        let name = |joint: &JointSection| {
+            let unit = if joint.kind == JointKind::Prismatic { "n" } else { "nm" };
+            (format!("{}_{}", joint.first, joint.second), unit)
+        };
+        drives.map(name).collect()
+    }
+}

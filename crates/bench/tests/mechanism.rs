@@ -1,0 +1,403 @@
+//! Mechanisms as data: the figures of the dedicated plants, of an independent code, and closed
+//! forms.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use bench::Bench;
+use bench::description::{MechanismBench, TransmissionBench};
+use bench::plants::mechanism::MechanismRun;
+use bench::plants::transmission::Transmission;
+use bench::simulate::run_with_law;
+use contact::{Dissipation, produced_restitution};
+
+fn text(path: &str) -> String {
+    std::fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn example(name: &str) -> MechanismBench {
+    parsed(&text(&format!("../../examples/{name}.toml")))
+}
+
+fn parsed(text: &str) -> MechanismBench {
+    MechanismBench::from_bench(Bench::parse("x.toml", text).unwrap(), "x.toml").unwrap()
+}
+
+fn assert_near(what: &str, found: f64, known: f64, tolerance: f64) {
+    assert!((found - known).abs() <= tolerance, "{what}: {found} for {known}, {:e}", found - known);
+}
+
+fn assert_balanced(run: &MechanismRun, tolerance: f64) {
+    assert!(run.energy.residual_rel() < tolerance, "{:?}", run.energy.terms());
+}
+
+/// Tolerances are those of the dedicated plant against the published figures.
+#[test]
+fn the_slider_crank_as_a_mechanism_gives_the_published_figures() {
+    let run = example("slider-crank-mechanism").simulate(&[], 1e-12).unwrap();
+    let first = run.impacts[0];
+    assert_near("first contact, s", first.onset_s, 227.286e-6, 5e-10);
+    assert_near("approach speed, m/s", first.approach_speed_m_s, 4.385783, 5e-7);
+    assert_near("separation, s", first.separation_s.unwrap(), 280.763e-6, 5e-10);
+    assert_eq!(run.impacts.len(), 20);
+    for (impact, known) in run.impacts.iter().zip([45777.46, 20971.99, 25593.21, 6770.89, 13012.17]) {
+        assert_near("peak, N", impact.peak_force_n, known, 1e-6 * known);
+    }
+    let slider = run.end.bodies[2];
+    assert_near("x(.6 rev), m", slider.position[0], 0.0754435223, 2e-9);
+    assert_near("v(.6 rev), m/s", slider.rate[0], 9.984871, 2e-5);
+    assert_balanced(&run, 1e-8);
+}
+
+/// Bench B as a mechanism: Y is x, Z is y, and the angle has the other sign.
+const BENCH_B: &str = r#"
+plant = "mechanism"
+run = { duration_s = 1.0, gravity_m_s2 = [0, -9.81], largest_step_s = 1e-3 }
+body = [
+    { name = "fork", mass_kg = 1, inertia_kg_m2 = 1, at_m = [0, 0.3] },
+    { name = "shaft", mass_kg = 150, inertia_kg_m2 = 60, at_m = [0, -0.4995e-3] },
+]
+joint = [
+    { kind = "prismatic", first = "ground", second = "fork", at_m = [0, 0.3], drive_stroke = 0.172,
+        drive_period_s = 1 },
+    { kind = "slot", first = "fork", second = "shaft", at_m = [0, 0.2995005],
+        axis_rad = 1.5707963267948966 },
+    { kind = "clearance", first = "ground", second = "shaft", at_m = [0, 0], offset_m = [0,
+        -0.4995e-3], contact = "babbitt", bearing_radius_m = 0.07, clearance_m = 0.5e-3, length_m = 0.14 },
+]
+load = [{ body = "shaft", at_m = [0, 0.3595005], force_n = [10e3, 0], ramp_s = 0.05 }]
+[[contact]]
+name = "babbitt"
+stiffness = "hybrid-as-printed"
+dissipation = "zhiying-qishao"
+restitution = 0.4
+youngs_modulus_pa = 50e9
+journal_modulus_pa = 206e9
+coulomb_coefficient = 0.14
+static_coefficient = 0.22
+stribeck_speed_m_s = 0.02
+"#;
+
+/// Both plants integrate the same equations in different coordinates; the figures agree to the
+/// error of the integrator.
+#[test]
+fn the_transmission_bench_as_a_mechanism_gives_the_dedicated_plants_run() {
+    let dedicated = TransmissionBench::open("bench-b").unwrap();
+    let plant = Transmission::new(&dedicated, dedicated.drive_profile(), dedicated.load_profile());
+    let times = dedicated.sample_times_s(10_000.0);
+    let known = run_with_law(&plant, 1.0, &times, 1e-10).unwrap();
+    let run = parsed(BENCH_B).simulate(&times, 1e-10).unwrap();
+    let mut peak_n: f64 = 0.0;
+    for (found, known) in run.samples.iter().zip(&known.samples) {
+        let shaft = found.bodies[1].position;
+        assert_near("journal Y, m", shaft[0], known.y_m, 1e-9);
+        assert_near("journal Z, m", shaft[1], known.z_m, 1e-9);
+        assert_near("angle, rad", -shaft[2], known.angle_rad, 1e-8);
+        assert_near("normal force, N", found.contacts[0].normal_n, known.forces.normal_n, 0.5);
+        if found.time_s >= 0.05 {
+            peak_n = peak_n.max(found.contacts[0].normal_n);
+        }
+    }
+    assert_eq!(run.samples.len(), known.samples.len());
+    assert_near("published peak, N", peak_n, 11755.0, 12.0);
+    assert_eq!(run.impacts.len(), known.impacts.len());
+    assert_near("heat, J", run.energy.friction_heat_j, known.energy.friction_heat_j, 1e-4);
+    assert_near("drive work, J", run.energy.drive_work_j, known.energy.drive_work_j, 1e-3);
+    assert_balanced(&run, 1e-7);
+}
+
+#[test]
+fn a_four_bar_with_two_clearance_joints_takes_at_most_20_lines() {
+    let text = text("../../examples/four-bar.toml");
+    assert!(text.lines().count() <= 20, "{}", text.lines().count());
+    assert_eq!(example("four-bar").contact_names(), ["crank_coupler", "rocker_coupler"]);
+}
+
+fn hertz_depth_m(mass_kg: f64, speed_m_s: f64, coefficient: f64) -> f64 {
+    (5.0 * mass_kg * speed_m_s * speed_m_s / (4.0 * coefficient)).powf(0.4)
+}
+
+/// A slider that reaches the wall of its guide without turning touches it with two corners at once:
+/// Hertz' impact of half of its mass on each. The restitution is the one that the law produces,
+/// whatever mass, stiffness and speed.
+#[test]
+fn a_slider_in_its_guide_impacts_as_in_closed_form() {
+    let guide = |dissipation: &str| {
+        parsed(&format!(
+            r#"
+plant = "mechanism"
+run = {{ duration_s = 2.5e-3, closed_start = false }}
+body = [{{ name = "slider", mass_kg = 2, inertia_kg_m2 = 0.01, at_m = [0, 0], velocity_m_s = [0.3, 0.5] }}]
+joint = [{{ kind = "guide", first = "ground", second = "slider", at_m = [0, 0], contact = "wall",
+        clearance_m = 1e-3, length_m = 0.2, height_m = 0.1 }}]
+contact = [{{ name = "wall", coefficient = 1e9, restitution = 0.4, dissipation = "{dissipation}" }}]
+"#
+        ))
+    };
+    let run = guide("hertz").simulate(&[], 1e-11).unwrap();
+    let depth_m = hertz_depth_m(1.0, 0.5, 1e9);
+    // Two corners of the same wall: the order of the contacts is that of the corners.
+    assert_eq!(run.impacts.iter().map(|i| i.contact).collect::<Vec<_>>(), [0, 1]);
+    for impact in &run.impacts {
+        assert_near("onset, s", impact.onset_s, 2e-3, 1e-12);
+        assert_near("depth, m", impact.max_deformation_m, depth_m, 1e-9 * depth_m);
+        assert_near("force, N", impact.peak_force_n, 1e9 * depth_m.powf(1.5), 1e-5);
+        let duration_s = 2.943275184 * depth_m / 0.5;
+        assert_near("duration, s", impact.duration_s().unwrap(), duration_s, 1e-8 * duration_s);
+        assert_near("restitution", impact.restitution().unwrap(), 1.0, 1e-8);
+    }
+    assert_near("speed along the guide, m/s", run.end.bodies[0].rate[0], 0.3, 1e-12);
+    let run = guide("flores").simulate(&[], 1e-11).unwrap();
+    let produced = produced_restitution(Dissipation::Flores.factor(0.4));
+    assert_near("restitution", run.impacts[0].restitution().unwrap(), produced, 1e-7);
+    let lost_j = 0.5 * 2.0 * 0.25 * (1.0 - produced * produced);
+    assert_near("loss, J", run.energy.contact_damping_j, lost_j, 1e-7 * lost_j);
+    assert_balanced(&run, 1e-9);
+}
+
+/// A slider that turns touches with one corner: against a fixed-step integration of the equations
+/// of one corner, written here. Friction acts along the wall at the corner.
+#[test]
+fn a_turning_slider_follows_an_independent_integration() {
+    let bench = parsed(
+        r#"
+plant = "mechanism"
+run = { duration_s = 3e-3, closed_start = false }
+body = [{ name = "slider", mass_kg = 2, inertia_kg_m2 = 0.01, at_m = [0, 0], velocity_m_s = [0.3, 0.5],
+        speed_rad_s = 2 }]
+joint = [{ kind = "guide", first = "ground", second = "slider", at_m = [0, 0], contact = "wall",
+        clearance_m = 1e-3, length_m = 0.2, height_m = 0.1 }]
+contact = [{ name = "wall", coefficient = 1e9, restitution = 0.4, dissipation = "hertz",
+        coulomb_coefficient = 0.2, regularisation_m_s = 0.01 }]
+"#,
+    );
+    let run = bench.simulate(&[], 1e-11).unwrap();
+    assert_eq!(run.impacts.iter().map(|i| i.contact).collect::<Vec<_>>(), [0]);
+    let rates = |s: [f64; 6]| -> [f64; 6] {
+        let (sin, cos) = s[2].sin_cos();
+        let arm = [0.1 * cos - 0.05 * sin, 0.1 * sin + 0.05 * cos];
+        let depth = (s[1] + arm[1] - 0.051).max(0.0);
+        let normal = 1e9 * depth.powf(1.5);
+        // The tangent of a wall above the slider points along -x.
+        let sliding = -(s[3] - s[5] * arm[1]);
+        let friction = 0.2 * normal * (sliding / 0.01).tanh();
+        let torque = -arm[0] * normal - arm[1] * friction;
+        [s[3], s[4], s[5], friction / 2.0, -normal / 2.0, torque / 0.01]
+    };
+    let mut s = [0.0, 0.0, 0.0, 0.3, 0.5, 2.0];
+    let h = 3e-3 / 300_000.0;
+    for _ in 0..300_000 {
+        let at = |k: [f64; 6], by: f64| std::array::from_fn(|i| s[i] + by * k[i]);
+        let a = rates(s);
+        let b = rates(at(a, 0.5 * h));
+        let c = rates(at(b, 0.5 * h));
+        let d = rates(at(c, h));
+        s = std::array::from_fn(|i| s[i] + h / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i]));
+    }
+    let end = run.end.bodies[0];
+    for i in 0..3 {
+        assert_near("position", end.position[i], s[i], 1e-10);
+        assert_near("rate", end.rate[i], s[3 + i], 1e-6);
+    }
+    assert!(end.rate[2] < 0.0, "the impact turns it back: {}", end.rate[2]);
+    assert_balanced(&run, 1e-8);
+}
+
+/// One line poses a drive with backlash. The flank meets the wheel at rest as a mass `J/r^2`; an
+/// elastic flank leaves it with twice the drive's speed, and the other flank catches it.
+#[test]
+fn a_drive_with_backlash_impacts_as_in_closed_form() {
+    let bench = parsed(
+        r#"
+plant = "mechanism"
+run = { duration_s = 0.028, closed_start = false }
+body = [{ name = "wheel", mass_kg = 1, inertia_kg_m2 = 0.02, at_m = [0, 0] }]
+joint = [{ kind = "revolute", first = "ground", second = "wheel", at_m = [0, 0], drive_speed = 2,
+        backlash_m = 2e-3, flank_radius_m = 0.1, contact = "flank" }]
+contact = [{ name = "flank", coefficient = 1e9, restitution = 1, dissipation = "hertz" }]
+"#,
+    );
+    let run = bench.simulate(&[], 1e-11).unwrap();
+    // The drive leads: the wheel lags to the flank of the negative side.
+    let (first, second) = (run.impacts[0], run.impacts[1]);
+    assert_eq!((first.contact, second.contact, run.impacts.len()), (1, 0, 2));
+    let mass_kg = 0.02 / 0.01;
+    assert_near("onset, s", first.onset_s, 1e-3 / 0.2, 1e-12);
+    assert_near("approach speed, m/s", first.approach_speed_m_s, 0.2, 1e-12);
+    let depth_m = hertz_depth_m(mass_kg, 0.2, 1e9);
+    assert_near("depth, m", first.max_deformation_m, depth_m, 1e-9 * depth_m);
+    let duration_s = 2.943275184 * depth_m / 0.2;
+    assert_near("crossing of the play, s", second.onset_s, 5e-3 + duration_s + 0.01, 1e-10);
+    assert_near("speed, rad/s", run.end.bodies[0].rate[2], 0.0, 1e-7);
+    // The wheel gets the kinetic energy of twice the speed, and gives it back.
+    assert_near("drive work, J", run.energy.drive_work_j, 0.0, 1e-9);
+    assert_balanced(&run, 1e-9);
+}
+
+#[test]
+fn springs_dampers_and_loads_move_as_in_closed_form() {
+    let bench = parsed(
+        r#"
+plant = "mechanism"
+run = { duration_s = 0.7 }
+body = [
+    { name = "mass", mass_kg = 2, inertia_kg_m2 = 1, at_m = [1, 0] },
+    { name = "wheel", mass_kg = 1, inertia_kg_m2 = 0.5, at_m = [5, 0], speed_rad_s = 3 },
+]
+joint = [
+    { kind = "prismatic", first = "ground", second = "mass", at_m = [1, 0] },
+    { kind = "revolute", first = "ground", second = "wheel", at_m = [5, 0] },
+]
+spring = [
+    { first = "ground", second = "mass", from_m = [0, 0], to_m = [1, 0], stiffness = 200, damping = 4,
+        free_length_m = 0.9 },
+    { first = "ground", second = "wheel", stiffness = 50, damping = 1 },
+]
+load = [{ body = "mass", force_n = [30, 7] }]
+"#,
+    );
+    let run = bench.simulate(&[], 1e-11).unwrap();
+    // Damped oscillator: decay rate, frequency, deflection from rest position, its rate.
+    let damped = |m: f64, c: f64, k: f64, x: f64, v: f64| {
+        let (a, t) = (0.5 * c / m, 0.7);
+        let w = (k / m - a * a).sqrt();
+        (-a * t).exp() * (x * (w * t).cos() + (v + a * x) / w * (w * t).sin())
+    };
+    // At rest the spring balances the load: 30 N / 200 N/m beyond the free length.
+    let rest_m = 0.9 + 0.15;
+    let mass = run.end.bodies[0].position;
+    assert_near("mass, m", mass[0], rest_m + damped(2.0, 4.0, 200.0, 1.0 - rest_m, 0.0), 1e-9);
+    assert_near("guided, m", mass[1], 0.0, 1e-12);
+    assert_near("wheel, rad", run.end.bodies[1].position[2], damped(0.5, 1.0, 50.0, 0.0, 3.0), 1e-9);
+    assert!(run.energy.damper_heat_j > 0.1 && run.energy.load_work_j > 0.1);
+    assert_balanced(&run, 1e-8);
+}
+
+/// With friction that has bristles, and with every kind of loss at once, the balance still closes.
+#[test]
+fn the_energy_balance_closes_with_bristles_and_fails_with_a_missing_term() {
+    let mut bench = example("four-bar");
+    bench.run.duration_s = 0.03;
+    let lugre = text("../../examples/four-bar.toml").replace(
+        "coulomb_coefficient = 0.1",
+        "friction = \"lugre\", bristle_stiffness_per_m = 1e4, bristle_damping_s_m = 1, \
+         coulomb_coefficient = 0.1",
+    );
+    let mut with_bristles = parsed(&lugre);
+    with_bristles.run.duration_s = 0.03;
+    for bench in [bench, with_bristles] {
+        let run = bench.simulate(&[], 1e-9).unwrap();
+        assert_balanced(&run, 1e-6);
+        assert!(run.energy.friction_heat_j > 0.05, "{:?}", run.energy.terms());
+        let mut wrong = run.energy;
+        wrong.friction_heat_j *= 0.5;
+        assert!(wrong.residual_rel() > 1e-4, "{}", wrong.residual_rel());
+    }
+}
+
+#[test]
+fn a_flawed_mechanism_is_refused_with_every_flaw_and_its_line() {
+    let error = Bench::parse(
+        "x.toml",
+        r#"plant = "mechanism"
+run = { duration_s = 1.0, gravity_m_s2 = 9.81 }
+body = [
+    { name = "crank", mass_kg = 1, from_m = [0, 0], to_m = [0, 0] },
+    { name = "crank", mass_kg = 1, at_m = [0, 0] },
+]
+[[joint]]
+kind = "clearance"
+first = "ground"
+second = "rod"
+at_m = [0, 0]
+axis_rad = 1.0
+clearance_m = 1e-3
+contact = "dry"
+[[joint]]
+kind = "hinge"
+first = "ground"
+second = "crank"
+at_m = [0, 1, 2]
+[[spring]]
+first = "ground"
+second = "ground"
+from_m = [0, 0]
+"#,
+    )
+    .unwrap_err()
+    .to_string();
+    for expected in [
+        "line 2: run.gravity_m_s2 is 9.81; expected two numbers, [x, y], -1000000 to 1000000 m/s2",
+        "line 4: body.0.to_m is equal to from_m; expected the other end of the bar",
+        "line 5: body.1.name is `crank`; expected a name that neither another body nor the ground has",
+        "line 5: body.1.inertia_kg_m2 is missing; expected a number, which a body with `at_m` needs",
+        "line 10: joint.0.second is `rod`; expected one of ground, crank, crank",
+        "line 12: joint.0.axis_rad is 1; expected none: `clearance` does not use it",
+        "line 7: joint.0.bearing_radius_m is missing; expected a number, which `clearance` needs",
+        "line 14: joint.0.contact is `dry`; expected the name of a `[[contact]]`",
+        "line 16: joint.1.kind is `hinge`; expected one of revolute, prismatic,",
+        "line 19: joint.1.at_m is an array; expected two numbers",
+        "line 22: spring.0.second is `ground`; expected another body than `first`",
+        "spring.0.to_m is missing; expected both points",
+    ] {
+        assert!(error.contains(expected), "{expected}\n{error}");
+    }
+}
+
+#[test]
+fn a_mechanism_has_no_log_and_no_effects() {
+    let bench = Bench::open("four-bar").unwrap();
+    let error = bench::simulate::record(&bench, 1).unwrap_err().to_string();
+    assert!(error.starts_with("found plant `mechanism`, which has no log"), "{error}");
+    let text = format!(
+        "{}\n[[effects]]\nname = \"viscous-friction\"\nviscous_n_s_m = 1.0\n",
+        text("../../examples/four-bar.toml")
+    );
+    let error = Bench::parse("x.toml", &text).unwrap_err().to_string();
+    assert!(error.contains("which has no log"), "{error}");
+}
+
+/// Rows of numbers under a header of the peer's file.
+fn peer_rows(header: &str) -> Vec<Vec<f64>> {
+    let text = text("benches/peers/exudyn_four_bar.csv");
+    let rows = text.lines().skip_while(|line| !line.starts_with(header)).skip(1);
+    let numbers = rows.map(|line| line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>());
+    numbers.map_while(Result::ok).collect()
+}
+
+/// EXUDYN integrates the same four-bar with a constant step of 1 us, which locates an onset to 1 us
+/// only. The tolerances are the errors of that step.
+#[test]
+fn the_four_bar_with_two_clearance_joints_agrees_with_exudyn() {
+    let bench = example("four-bar");
+    let rows = peer_rows("t_s");
+    let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    let run = bench.simulate(&times, 1e-10).unwrap();
+    let impacts = peer_rows("contact");
+    assert_eq!(run.impacts.len(), impacts.len());
+    let mut shares = [0.0; 2];
+    for (found, known) in run.impacts.iter().zip(&impacts) {
+        eprintln!(
+            "{found:?} {known:?} onset {:.1e} speed {:.1e} peak {:.1e}",
+            found.onset_s - known[1],
+            found.approach_speed_m_s / known[2] - 1.0,
+            found.peak_force_n / known[3] - 1.0
+        );
+        assert_eq!(found.contact as f64, known[0]);
+        assert_near("onset, s", found.onset_s, known[1], 5e-6);
+        shares[found.contact] += found.separation_s.unwrap_or(bench.run.duration_s) - found.onset_s;
+    }
+    let worst = |read: &dyn Fn(&bench::plants::mechanism::Snapshot, &[f64]) -> f64| {
+        run.samples.iter().zip(&rows).map(|(s, row)| read(s, row).abs()).fold(0.0, f64::max)
+    };
+    let coupler = |k: usize| {
+        move |s: &bench::plants::mechanism::Snapshot, row: &[f64]| s.bodies[1].position[k] - row[3 + k]
+    };
+    eprintln!("shares {shares:?} of {}", bench.run.duration_s);
+    eprintln!(
+        "{:e} {:e} {:e} force {:e} {:e}",
+        worst(&coupler(0)),
+        worst(&coupler(1)),
+        worst(&coupler(2)),
+        worst(&|s, row| s.contacts[0].normal_n - row[1]),
+        worst(&|s, row| s.contacts[1].normal_n - row[2])
+    );
+}

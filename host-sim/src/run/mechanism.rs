@@ -1,0 +1,210 @@
+//! `host-sim run` with a mechanism: its contacts, drives and energy balance.
+
+use super::RunArgs;
+use crate::cli::error::CliError;
+use crate::cli::{limits, output};
+use bench::description::MechanismBench;
+use bench::plants::mechanism::Snapshot;
+use bench::simulate::{RunWithBars, impact_table};
+use report::figure::{Chart, Series, lines};
+use report::page::Page;
+use report::text_table;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Maximum number of curves in a chart.
+const MAX_CURVES: usize = 6;
+
+/// Figures of one contact.
+#[derive(Clone, Debug, Serialize)]
+struct ContactSummary {
+    /// Both bodies, with a number where a joint has several contacts.
+    name: String,
+    /// Periods in contact.
+    impacts: usize,
+    /// Share of the run in contact.
+    share_of_time: f64,
+    /// Largest normal force.
+    peak_force_n: f64,
+    /// Its numerical error bar, from a coarser tolerance; none if the coarser run lacks the impact.
+    error_bar_n: Option<f64>,
+    /// Time of the largest force.
+    peak_s: f64,
+    /// Largest deformation.
+    max_deformation_m: f64,
+}
+
+/// Figures of a run.
+#[derive(Clone, Debug, Serialize)]
+struct MechanismSummary {
+    contacts: Vec<ContactSummary>,
+    /// Largest magnitude of each drive's force or torque at the log's rows, by name with unit.
+    drive_peaks: BTreeMap<String, f64>,
+    /// Centre of mass in m and angle in rad of each body at the end.
+    end: BTreeMap<String, [f64; 3]>,
+    /// Energy balance, J.
+    energy: BTreeMap<String, f64>,
+    /// Residual of the energy balance relative to the work.
+    energy_residual_rel: f64,
+    steps: usize,
+    wall_s_per_simulated_s: f64,
+}
+
+/// Runs the mechanism and writes log.csv, impacts.csv, run.json and report.html.
+pub(crate) fn run(bench: &MechanismBench, args: &RunArgs) -> Result<(), CliError> {
+    let count = bench.run.samples;
+    let times: Vec<f64> =
+        (0..count).map(|i| bench.run.duration_s * f64::from(i) / f64::from(count)).collect();
+    let started = Instant::now();
+    let result = bench.simulate_with_bars(&times)?;
+    let summary = summary(bench, &result, started.elapsed().as_secs_f64());
+    let page = page(bench, &summary, &result).map_err(CliError::Work)?;
+    let json = output::json(&summary)?;
+    let floors = bench.latch_floors_m_s();
+    let floor = |contact: usize| floors.get(contact).copied().unwrap_or_default();
+    output::write(&args.out, "log.csv", &to_csv(bench, &result.run.samples))?;
+    let impacts = impact_table::to_csv_with_floors(&result.run.impacts, floor);
+    output::write(&args.out, impact_table::FILE_NAME, &impacts)?;
+    output::write(&args.out, "run.json", &format!("{json}\n"))?;
+    output::write(&args.out, "report.html", &page.render())?;
+    if args.json {
+        print_line!("{json}");
+        return Ok(());
+    }
+    print_line!("{}", text_table(CONTACT_HEADER, contact_rows(&summary), 1));
+    for (drive, peak) in &summary.drive_peaks {
+        print_line!("largest drive {drive}: {peak:.4}");
+    }
+    print_line!(
+        "energy residual {:.1e} of the work\n\nreport: {}",
+        summary.energy_residual_rel,
+        args.out.join("report.html").display()
+    );
+    Ok(())
+}
+
+fn summary(bench: &MechanismBench, result: &RunWithBars, wall_s: f64) -> MechanismSummary {
+    let run = &result.run;
+    let drive_peak = |i: usize| {
+        run.samples.iter().filter_map(|s| s.drives.get(i)).fold(0.0, |most: f64, force| most.max(force.abs()))
+    };
+    let drives = bench.drive_names().into_iter().enumerate();
+    let bodies = bench.body.iter().zip(&run.end.bodies);
+    let energy = run.energy.terms().map(|(name, value)| (name.to_owned(), value));
+    MechanismSummary {
+        contacts: contacts(bench, result),
+        drive_peaks: drives.map(|(i, (name, unit))| (format!("{name}_{unit}"), drive_peak(i))).collect(),
+        end: bodies.map(|(body, state)| (body.name.clone(), state.position)).collect(),
+        energy: energy.into_iter().collect(),
+        energy_residual_rel: run.energy.residual_rel(),
+        steps: run.steps,
+        wall_s_per_simulated_s: wall_s / bench.run.duration_s,
+    }
+}
+
+fn contacts(bench: &MechanismBench, RunWithBars { run, bars_n }: &RunWithBars) -> Vec<ContactSummary> {
+    let of_contact = |(contact, name): (usize, String)| {
+        let own = || run.impacts.iter().zip(bars_n).filter(move |(impact, _)| impact.contact == contact);
+        let touching_s: f64 =
+            own().map(|(i, _)| i.separation_s.unwrap_or(bench.run.duration_s) - i.onset_s).sum();
+        let highest = own().max_by(|(a, _), (b, _)| a.peak_force_n.total_cmp(&b.peak_force_n));
+        ContactSummary {
+            name,
+            impacts: own().count(),
+            share_of_time: touching_s / bench.run.duration_s,
+            peak_force_n: highest.map_or(0.0, |(impact, _)| impact.peak_force_n),
+            error_bar_n: highest.map(|(_, bar)| *bar).filter(|bar| bar.is_finite()),
+            peak_s: highest.map_or(0.0, |(impact, _)| impact.peak_s),
+            max_deformation_m: own().map(|(i, _)| i.max_deformation_m).fold(0.0, f64::max),
+        }
+    };
+    bench.contact_names().into_iter().enumerate().map(of_contact).collect()
+}
+
+fn to_csv(bench: &MechanismBench, samples: &[Snapshot]) -> String {
+    let mut header = vec!["t_s".to_owned()];
+    for body in &bench.body {
+        let name = &body.name;
+        header.extend(["x_m", "y_m", "angle_rad"].map(|quantity| format!("{name}_{quantity}")));
+    }
+    for name in bench.contact_names() {
+        let quantities = ["deformation_m", "normal_n", "friction_n", "sliding_m_s"];
+        header.extend(quantities.map(|quantity| format!("{name}_{quantity}")));
+    }
+    header.extend(bench.drive_names().into_iter().map(|(name, unit)| format!("{name}_drive_{unit}")));
+    let mut csv = header.join(",");
+    csv.push('\n');
+    for sample in samples {
+        let bodies = sample.bodies.iter().flat_map(|body| body.position);
+        let contacts =
+            sample.contacts.iter().flat_map(|c| [c.deformation_m, c.normal_n, c.friction_n, c.sliding_m_s]);
+        let values = std::iter::once(sample.time_s).chain(bodies).chain(contacts);
+        let row: Vec<String> =
+            values.chain(sample.drives.iter().copied()).map(|value| format!("{value:e}")).collect();
+        csv.push_str(&row.join(","));
+        csv.push('\n');
+    }
+    csv
+}
+
+const CONTACT_HEADER: [&str; 5] = ["contact", "impacts", "in contact, %", "peak force, N", "error bar, N"];
+
+fn contact_rows(summary: &MechanismSummary) -> Vec<[String; 5]> {
+    let row = |contact: &ContactSummary| {
+        [
+            contact.name.clone(),
+            contact.impacts.to_string(),
+            format!("{:.1}", 100.0 * contact.share_of_time),
+            format!("{:.2}", contact.peak_force_n),
+            contact.error_bar_n.map_or_else(|| "unknown".into(), |bar| format!("{bar:.1e}")),
+        ]
+    };
+    summary.contacts.iter().map(row).collect()
+}
+
+/// Builds the page. An error describes a failure of drawing.
+fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars) -> Result<Page, String> {
+    let samples = &result.run.samples;
+    let curve = |name: String, value: &dyn Fn(&Snapshot) -> f64| {
+        Series::new(name, samples.iter().map(|s| s.time_s), samples.iter().map(value))
+    };
+    let mut page = Page::new("Mechanism: one run");
+    page.lead(&format!(
+        "{} bodies, {} contacts, {} s; energy residual {:.1e} of the work.",
+        bench.body.len(),
+        summary.contacts.len(),
+        bench.run.duration_s,
+        summary.energy_residual_rel
+    ));
+    let names = bench.contact_names().into_iter().enumerate().take(MAX_CURVES);
+    let forces: Vec<Series> =
+        names.map(|(i, name)| curve(name, &|s| s.contacts.get(i).map_or(0.0, |c| c.normal_n))).collect();
+    if !forces.is_empty() {
+        let chart = Chart { title: "Contact force", x: "time, s", y: "N", size: (1040, 360) };
+        page.figure(&lines(&chart, &forces)?, "At the log's rows; the table contains the located peaks.");
+    }
+    for (i, (name, unit)) in bench.drive_names().into_iter().enumerate().take(MAX_CURVES) {
+        let y = if unit == "n" { "N" } else { "N m" };
+        let chart = Chart { title: &format!("Drive {name}"), x: "time, s", y, size: (1040, 300) };
+        let force = curve(name, &|s| s.drives.get(i).copied().unwrap_or_default());
+        page.figure(&lines(&chart, &[force])?, "Force of the drive's constraint on the second body.");
+    }
+    let angles = bench.body.iter().enumerate().take(MAX_CURVES).map(|(i, body)| {
+        curve(body.name.clone(), &|s| s.bodies.get(i).map_or(0.0, |state| state.position[2]))
+    });
+    let chart = Chart { title: "Angles", x: "time, s", y: "rad", size: (1040, 300) };
+    page.figure(&lines(&chart, &angles.collect::<Vec<_>>())?, "Angles of the bodies.");
+    let rows: Vec<Vec<String>> = contact_rows(summary).into_iter().map(Vec::from).collect();
+    page.section("Contacts").table(&CONTACT_HEADER, &rows);
+    page.note(
+        "The error bar is the difference of the largest peak from a run at a coarser tolerance. impacts.csv \
+         contains every impact.",
+    );
+    let terms = result.run.energy.terms();
+    let rows: Vec<Vec<String>> =
+        terms.iter().map(|(name, value)| vec![(*name).into(), format!("{value:.6e}")]).collect();
+    page.section("Energy balance").table(&["term", "J"], &rows);
+    limits::section(&mut page, bench);
+    Ok(page)
+}
