@@ -233,6 +233,9 @@ section! {
         /// Speed up to which Ambrosio's law gives no friction.
         #[serde(default, skip_serializing_if = "is_zero")]
         still_speed_m_s: f64 [0.0, 1e3],
+        /// Viscous damping of Brown and McPhee's law, a force over the speed.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        viscous_damping_n_s_m: f64 [0.0, 1e9],
         /// Force over which the viscous part of Brown and McPhee's law develops.
         #[serde(default = "one", skip_serializing_if = "is_one")]
         transition_force_n: f64 [1e-9, HUGE],
@@ -338,7 +341,8 @@ impl ContactEntry {
     /// Parameters of the friction law; none for a frictionless contact.
     pub(crate) fn friction_section(&self) -> Option<FrictionSection> {
         let static_coefficient = self.static_coefficient.unwrap_or(self.coulomb_coefficient);
-        let is_frictionless = static_coefficient == 0.0 && self.viscous_slope_s_m == 0.0;
+        let is_frictionless =
+            static_coefficient == 0.0 && self.viscous_slope_s_m == 0.0 && self.viscous_damping_n_s_m == 0.0;
         (!is_frictionless || self.friction.is_some()).then(|| FrictionSection {
             law: self.friction,
             coulomb_coefficient: self.coulomb_coefficient,
@@ -349,6 +353,7 @@ impl ContactEntry {
             viscous_onset_m_s: self.viscous_onset_m_s,
             regularisation_m_s: self.regularisation_m_s,
             still_speed_m_s: self.still_speed_m_s,
+            viscous_damping_n_s_m: self.viscous_damping_n_s_m,
             transition_force_n: self.transition_force_n,
             bristle_stiffness_per_m: self.bristle_stiffness_per_m,
             bristle_damping_s_m: self.bristle_damping_s_m,
