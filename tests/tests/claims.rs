@@ -4,7 +4,7 @@
 
 use bench::Bench;
 use bench::description::TransmissionBench;
-use host_sim::reproduction::campaign::judge::{Letters, judge};
+use host_sim::reproduction::campaign::verdicts::{Letters, evaluate_draw};
 use host_sim::reproduction::claims::cycles::slider_crank_ratios;
 use host_sim::reproduction::claims::facts::Facts;
 use host_sim::reproduction::claims::gather::gather;
@@ -89,7 +89,7 @@ fn changed(change: &str) -> TransmissionBench {
 }
 
 fn letters(base: &TransmissionBench) -> Letters {
-    judge(base, None, slider_crank_ratios().unwrap()).unwrap()
+    evaluate_draw(base, None, slider_crank_ratios().unwrap()).unwrap()
 }
 
 fn letter(letters: &str, claim: usize) -> char {

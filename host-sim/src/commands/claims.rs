@@ -9,6 +9,11 @@ use std::path::PathBuf;
 /// Maximum number of draws.
 const MAX_RUNS: u64 = 100_000;
 
+/// Parser of the number of draws.
+fn number_of_runs() -> clap::builder::RangedU64ValueParser<u64> {
+    clap::value_parser!(u64).range(1..=MAX_RUNS)
+}
+
 /// Arguments of `host-sim claims`.
 #[derive(Args, Clone, Debug)]
 #[command(
@@ -21,7 +26,7 @@ pub struct ClaimsArgs {
     #[arg(long, default_value = "bench-b", value_name = "NAME|FILE")]
     pub bench: String,
     /// Draws of the parameter box; each has eighteen runs of five cycles.
-    #[arg(long, default_value_t = 2000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
+    #[arg(long, default_value_t = 2000, value_name = "N", value_parser = number_of_runs())]
     pub runs: u64,
     /// Seed of the draws.
     #[arg(long, default_value_t = 1, value_name = "N")]

@@ -13,7 +13,7 @@ use crate::cli::progress;
 use crate::reproduction::claims::cycles::{self, SettledRun};
 use crate::reproduction::claims::facts::Facts;
 use crate::reproduction::claims::gather::gather;
-use crate::reproduction::claims::judged::{Judged, judge};
+use crate::reproduction::claims::judged::{Judged, evaluate_all};
 use crate::run::conditions::BEARINGS;
 use crate::run::force::ForceSource;
 use crate::run::summary::ErrorBars;
@@ -100,7 +100,7 @@ pub(crate) fn run(
     let (settled, [_, settled_facts]) = cycles::gather(&base, options.threads, || bar.inc(1))?;
     bar.set_message("claims");
     let facts = gather(&base, &runs, options.threads)?;
-    let claims = judge(&facts, &settled_facts);
+    let claims = evaluate_all(&facts, &settled_facts);
     bar.finish_and_clear();
 
     let mut draft = Draft { page: Page::new("The paper's figures, run again"), pictures: Vec::new() };
@@ -153,8 +153,8 @@ fn laws_and_experiment(draft: &mut Draft, base: &TransmissionBench) -> Result<()
     }
     draft.page.section("Fig. 8: data before and after cleaning");
     draft.page.text(
-        "Outliers are removed, then a Gaussian-weighted average is applied. Look at the break-away: smoothing \
-         rounds the steepest place.",
+        "Outliers are removed, then a Gaussian-weighted average is applied. Look at the break-away: \
+         smoothing rounds the steepest place.",
     );
     for bearing in BEARINGS {
         draft.show_wide(vec![paper::cleaning(bearing).map(picture).map_err(CliError::Work)?]);

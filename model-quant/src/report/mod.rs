@@ -1,5 +1,5 @@
-//! Reports: training report, pictures of the paper, verdicts on the paper's claims about friction and training, model
-//! cards.
+//! Reports: training report, pictures of the paper, verdicts on the paper's claims about friction
+//! and training, model cards.
 
 pub mod card;
 pub mod claims;

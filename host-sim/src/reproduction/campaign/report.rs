@@ -3,7 +3,7 @@
 use super::parameter_box::{BOX, Draw, Parameter, Values};
 use super::table::{HEADER, MappedClaim, Nominal, cells, mapped, markdown};
 use super::work::{self, Record};
-use super::{judge, pictures};
+use super::{pictures, verdicts};
 use crate::cli::error::CliError;
 use crate::cli::limits;
 use crate::cli::output;
@@ -143,7 +143,7 @@ fn draws_csv(seed: u64, records: &[Record]) -> Result<String, CliError> {
     let mut header = vec!["draw".to_owned()];
     header.extend(BOX.iter().map(|parameter| parameter.field.to_owned()));
     for operation in ["from_rest", "settled"] {
-        header.extend((1..judge::CLAIMS).map(|claim| format!("{operation}_{claim}")));
+        header.extend((1..verdicts::CLAIMS).map(|claim| format!("{operation}_{claim}")));
     }
     header.push("error".into());
     writer.write_record(&header).map_err(|e| failed(&e))?;
@@ -160,7 +160,7 @@ fn draws_csv(seed: u64, records: &[Record]) -> Result<String, CliError> {
         };
         for text in letters {
             let verdict = |v: &Option<Verdict>| v.map_or("", Verdict::name).to_owned();
-            cells.extend(judge::row(text).iter().take(judge::CLAIMS - 1).map(verdict));
+            cells.extend(verdicts::row(text).iter().take(verdicts::CLAIMS - 1).map(verdict));
         }
         cells.push(error.into());
         writer.write_record(&cells).map_err(|e| failed(&e))?;
@@ -245,16 +245,17 @@ fn details(page: &mut Page, outcome: &Outcome) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduction::campaign::judge::{Letters, judge_law};
+    use crate::reproduction::campaign::verdicts::{Letters, evaluate_law};
 
-    const GOLDEN: &str = include_str!("../../../../tests/golden/claims.csv");
-    const DOCUMENT: &str = include_str!("../../../../docs/claims.md");
     /// Seed and draws of the published campaign.
     const PUBLISHED: (u64, usize) = (1, 2000);
 
     #[test]
     fn the_document_has_the_table_of_the_published_campaign() {
-        let records: Vec<Record> = GOLDEN
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let read = |name: &str| std::fs::read_to_string(root.join(name)).unwrap();
+        let (golden, document) = (read("tests/golden/claims.csv"), read("docs/claims.md"));
+        let records: Vec<Record> = golden
             .lines()
             .skip(1)
             .map(|line| {
@@ -266,12 +267,12 @@ mod tests {
             })
             .collect();
         assert_eq!(records.len(), PUBLISHED.1);
-        assert_eq!(verdicts_csv(&records), GOLDEN);
+        assert_eq!(verdicts_csv(&records), golden);
         let base = TransmissionBench::open("bench-b").unwrap();
         for record in &records {
             let Ok(letters) = &record.outcome else { continue };
-            let law = judge_law(&base, Some(&Draw::new(PUBLISHED.0, record.index))).unwrap();
-            assert_eq!(letters.from_rest[11..14], judge::letters(&law)[11..14], "draw {}", record.index);
+            let law = evaluate_law(&base, Some(&Draw::new(PUBLISHED.0, record.index))).unwrap();
+            assert_eq!(letters.from_rest[11..14], verdicts::letters(&law)[11..14], "draw {}", record.index);
         }
         let claims = mapped(PUBLISHED.0, &records);
         let row = |(claim, nominal): (Claim, Nominal)| {
@@ -280,6 +281,6 @@ mod tests {
         };
         let rows: Vec<Vec<String>> = nominal(&base, 0).unwrap().into_iter().map(row).collect();
         let table = markdown(&rows);
-        assert!(DOCUMENT.contains(&table), "docs/claims.md lacks this table:\n{table}");
+        assert!(document.contains(&table), "docs/claims.md lacks this table:\n{table}");
     }
 }

@@ -1,8 +1,8 @@
 //! The result of a campaign: one row a claim.
 
-use super::judge::{self, CLAIMS};
 use super::parameter_box::Draw;
 use super::shares::{Effect, Share, deciding, effects};
+use super::verdicts::{CLAIMS, row};
 use super::work::Record;
 use crate::reproduction::claims::Verdict;
 use serde::Serialize;
@@ -76,7 +76,7 @@ fn verdicts(
     records.iter().filter_map(move |record| {
         let letters = record.outcome.as_ref().ok()?;
         let text = if operation == 0 { &letters.from_rest } else { &letters.settled };
-        Some((record.index, judge::row(text).get(claim).copied().flatten()?))
+        Some((record.index, row(text).get(claim).copied().flatten()?))
     })
 }
 
@@ -103,10 +103,10 @@ pub const HEADER: [&str; 9] = [
     "as run",
     "settled",
     "networks",
-    "holds from rest, % of the box",
-    "holds settled, % of the box",
-    "decided from rest by",
-    "decided settled by",
+    "from rest, %",
+    "settled, %",
+    "decides from rest",
+    "decides settled",
 ];
 
 /// Verdicts on a claim at the bench's own parameters.

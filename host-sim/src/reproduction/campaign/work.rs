@@ -1,7 +1,7 @@
 //! Judges all draws on all cores, except those in the journal.
 
-use super::judge::{Letters, judge};
 use super::parameter_box::{BOX, Draw, Parameter};
+use super::verdicts::{Letters, evaluate_draw};
 use crate::cli::error::CliError;
 use crate::cli::parallel;
 use crate::journal::Journal;
@@ -50,7 +50,7 @@ pub fn run(
     let ratios = slider_crank_ratios()?;
     let journal = Mutex::new(journal);
     let fresh = parallel::map(threads, &missing, |_, &index| {
-        let outcome = judge(base, Some(&Draw::new(seed, index)), ratios).map_err(|e| e.to_string());
+        let outcome = evaluate_draw(base, Some(&Draw::new(seed, index)), ratios).map_err(|e| e.to_string());
         let record = Record { index, outcome };
         if let Some(journal) = journal.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
             journal.append(&record)?;

@@ -37,7 +37,7 @@ const NETWORKS: &str = "From the outputs of the shipped networks at the bench's 
                         the bench's law with its regularised sign of 1 mm/s";
 
 /// Judges all claims on the paper's runs, on settled runs and on the shipped networks.
-pub fn judge(facts: &Facts, settled: &MotionFacts) -> Vec<Judged> {
+pub fn evaluate_all(facts: &Facts, settled: &MotionFacts) -> Vec<Judged> {
     let mut settled = further(evaluate_motion(settled));
     let mut networks = further(friction::assess_curves(&facts.networks, NETWORKS));
     let judged = |claim: Claim| Judged {

@@ -118,8 +118,8 @@ pub(in crate::reproduction) fn characteristics(radius_m: f64) -> Result<[Vec<Pic
     let networks = torque::network_curves(&speeds).map_err(|e| failed(&e))?;
     let (mut maps, mut curves) = (Vec::new(), Vec::new());
     for (bearing, letter) in [(BearingMaterial::Babbitt, "a"), (BearingMaterial::Plastic, "b")] {
-        maps.push(map(of(&rigs, bearing), bearing, letter, radius_m)?);
-        let series: Vec<Curve> = of(&rigs, bearing)
+        maps.push(map(curves_of(&rigs, bearing), bearing, letter, radius_m)?);
+        let series: Vec<Curve> = curves_of(&rigs, bearing)
             .iter()
             .rev()
             .map(|curve| line(curve, radius_m, 1e-3).styled(Style::Both))
@@ -142,8 +142,8 @@ pub(in crate::reproduction) fn characteristics(radius_m: f64) -> Result<[Vec<Pic
         )?);
         let law = bearing.friction_law();
         let mut series: Vec<Curve> =
-            of(&networks, bearing).iter().rev().map(|curve| line(curve, radius_m, 1.0)).collect();
-        let points = of(&networks, bearing).iter().flat_map(|curve| {
+            curves_of(&networks, bearing).iter().rev().map(|curve| line(curve, radius_m, 1.0)).collect();
+        let points = curves_of(&networks, bearing).iter().flat_map(|curve| {
             let at = |v: &f64| (degrees(*v, radius_m), radius_m * law.force_n(curve.load_n, *v).abs());
             speeds.iter().step_by(6).map(at).collect::<Vec<_>>()
         });
@@ -161,7 +161,7 @@ pub(in crate::reproduction) fn characteristics(radius_m: f64) -> Result<[Vec<Pic
     Ok([maps, curves])
 }
 
-fn of(facts: &FrictionFacts, bearing: BearingMaterial) -> &[TorqueCurve] {
+fn curves_of(facts: &FrictionFacts, bearing: BearingMaterial) -> &[TorqueCurve] {
     match bearing {
         BearingMaterial::Babbitt => &facts.babbitt,
         BearingMaterial::Plastic => &facts.plastic,

@@ -3,8 +3,8 @@
 //! The paper measured it and published no data. [`assess`] evaluates records of the simulated rigs
 //! with noise, drift and outliers. The rigs' friction is an assumed law, so the verdict `assumed`
 //! says that this law has the shape that the paper describes and that the shape is visible through
-//! the sensors. [`assess_curves`] evaluates any other source, such as the bench's law or the shipped
-//! networks, whose outputs the paper's Figs. 12 and 13 show.
+//! the sensors. [`assess_curves`] evaluates any other source, such as the bench's law or networks,
+//! whose outputs the paper's Figs. 12 and 13 show.
 
 use super::torque::{FrictionFacts, TorqueCurve};
 use super::{Claim, Verdict, list, list_to};

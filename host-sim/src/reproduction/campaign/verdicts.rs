@@ -55,7 +55,7 @@ pub fn row(letters: &str) -> Row {
 /// # Errors
 ///
 /// A run cannot be integrated, or leaves the range of its stiffness law.
-pub fn judge(
+pub fn evaluate_draw(
     base: &TransmissionBench,
     draw: Option<&Draw>,
     slider_crank_ratios: [f64; 2],
@@ -71,7 +71,7 @@ pub fn judge(
         .collect::<Result<_, _>>()?;
     let [from_rest, settled] = cycles::assemble(&runs, slider_crank_ratios);
     let mut rows = [from_rest, settled].map(|facts| filled(evaluate_motion(&facts)));
-    let law = judge_law(base, draw)?;
+    let law = evaluate_law(base, draw)?;
     let [from_rest, settled] = &mut rows;
     from_rest.iter_mut().zip(law).for_each(|(slot, verdict)| *slot = slot.or(verdict));
     Ok(Letters { from_rest: letters(from_rest), settled: letters(settled) })
@@ -86,7 +86,7 @@ fn vary(mut bench: TransmissionBench, draw: Option<&Draw>) -> Result<Transmissio
 }
 
 /// Claims 12 to 14 of the bench's own friction law, at the rig's speeds and the bench's loads.
-pub fn judge_law(base: &TransmissionBench, draw: Option<&Draw>) -> Result<Row, CliError> {
+pub fn evaluate_law(base: &TransmissionBench, draw: Option<&Draw>) -> Result<Row, CliError> {
     let bench = |material| {
         let mut bench = base.clone();
         bench.set_material(material);
@@ -127,11 +127,11 @@ mod tests {
     #[test]
     fn the_bench_law_of_the_default_rises_at_first_and_orders_the_bearings() {
         let base = TransmissionBench::open("bench-b").unwrap();
-        let law = judge_law(&base, None).unwrap();
+        let law = evaluate_law(&base, None).unwrap();
         assert_eq!(letters(&law), "-----------nnh-");
         // A sharper sign lets Babbitt's torque fall, and leaves plastic level up to 16 deg/s.
         let mut sharp = Draw::new(1, 0);
         sharp.values[8] = 2e-4;
-        assert_eq!(letters(&judge_law(&base, Some(&sharp)).unwrap()), "-----------hnh-");
+        assert_eq!(letters(&evaluate_law(&base, Some(&sharp)).unwrap()), "-----------hnh-");
     }
 }
