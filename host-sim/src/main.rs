@@ -2,8 +2,8 @@
 
 use clap::{Parser, Subcommand};
 use host_sim::commands::{
-    accuracy, check, describe, diagnose, evaluate, figures, flash, laws, link, record, replay, run, sweep,
-    update, validate,
+    accuracy, check, claims, describe, diagnose, evaluate, figures, flash, laws, link, record, replay, run,
+    sweep, update, validate,
 };
 use host_sim::run::RunArgs;
 use std::process::ExitCode;
@@ -50,8 +50,10 @@ enum Command {
     /// Vary clearance, load, damping speed, communication step or any parameters; evaluate the
     /// paper's claims.
     Sweep(sweep::SweepArgs),
-    /// Reproduce the paper's Figs. 16-20 and the table of its claims.
+    /// Reproduce the paper's pictures on one page, with its claims as run and settled.
     Figures(figures::FiguresArgs),
+    /// Judge the paper's claims as run, settled, and over the parameters that the paper leaves out.
+    Claims(claims::ClaimsArgs),
     /// Measure the errors of networks and estimator against the law, over clearances, loads and
     /// bearings.
     Accuracy(accuracy::AccuracyArgs),
@@ -80,6 +82,7 @@ fn main() -> ExitCode {
         Some(Command::Diagnose(args)) => diagnose::run(&args),
         Some(Command::Sweep(args)) => sweep::run(&args),
         Some(Command::Figures(args)) => figures::run(&args),
+        Some(Command::Claims(args)) => claims::run(&args),
         Some(Command::Accuracy(args)) => accuracy::run(&args),
         Some(Command::Flash(args)) => flash::run(&args),
         Some(Command::Laws(args)) => laws::run(&args),

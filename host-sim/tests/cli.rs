@@ -86,6 +86,7 @@ fn an_output_that_cannot_be_written_exits_with_1() {
         &["run", "--force", "law", "--controller", "none", "--out", "taken"][..],
         &["accuracy", "--out", "taken"],
         &["figures", "--out", "taken"],
+        &["claims", "--out", "taken"],
         &["sweep", "latch", "--out", "taken"],
         &["sweep", "step", "--out", "taken"],
     ] {
@@ -251,7 +252,7 @@ fn every_law_is_listed_with_range_and_source_and_its_name_is_one_of_a_descriptio
 #[test]
 fn every_command_has_help_with_an_example() {
     let directory = tempfile::tempdir().unwrap();
-    for command in ["run", "record", "replay", "diagnose", "sweep", "figures", "validate"] {
+    for command in ["run", "record", "replay", "diagnose", "sweep", "figures", "claims", "validate"] {
         let output = host_sim(directory.path(), &[command, "--help"]);
         let help = text(&output.stdout);
         assert!(output.status.success() && help.contains(&format!("host-sim {command}")), "{help}");

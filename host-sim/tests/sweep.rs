@@ -253,7 +253,10 @@ fn the_papers_sweeps_have_the_stable_names_and_all_claims() {
         assert_eq!(ids, (1..=15).collect::<Vec<u64>>());
         for claim in claims {
             let verdict = claim.get("verdict").and_then(Value::as_str).unwrap();
-            assert!(["holds", "partly", "does not hold"].contains(&verdict), "{claim}");
+            assert!(["holds", "assumed", "partly", "does not hold"].contains(&verdict), "{claim}");
+            let id = claim.get("id").and_then(Value::as_u64).unwrap();
+            assert_eq!(claim.pointer("/settled/verdict").is_some(), id <= 11, "{claim}");
+            assert_eq!(claim.pointer("/networks/verdict").is_some(), (12..=14).contains(&id), "{claim}");
             assert!(claim.get("why").and_then(Value::as_str).is_some_and(|why| !why.is_empty()), "{claim}");
             assert!(claim.get("claim").is_some(), "{claim}");
         }
@@ -283,10 +286,14 @@ fn figures_writes_every_picture_of_both_series() {
             );
         }
         for bearing in ["babbitt", "plastic"] {
-            for quantity in ["impact-force", "force-y", "force-z", "friction-torque"] {
-                let name = format!("f/{series}-{bearing}-{quantity}.svg");
-                let svg = std::fs::read_to_string(directory.path().join(&name)).unwrap();
-                assert!(svg.starts_with("<svg") && svg.contains("time, s"), "{name}");
+            for quantity in ["impact-force", "force-y", "force-z", "friction-torque", "zoom", "difference"] {
+                for (operation, time) in [("", "time, s"), ("-settled", "time in the fifth cycle, s")] {
+                    let name = format!("f/{series}-{bearing}-{quantity}{operation}.svg");
+                    let svg = std::fs::read_to_string(directory.path().join(&name)).unwrap();
+                    assert!(svg.starts_with("<svg") && svg.contains(time), "{name}");
+                    let has_start = operation.is_empty() && !["zoom", "difference"].contains(&quantity);
+                    assert_eq!(svg.contains("start: ramp of the load"), has_start, "{name}");
+                }
             }
         }
     }
@@ -294,6 +301,16 @@ fn figures_writes_every_picture_of_both_series() {
         ["swing-over-clearance", "swing-over-modulus", "load-peak-force", "friction-torque-over-speed"]
     {
         assert!(directory.path().join(format!("f/{picture}.svg")).exists(), "{picture}");
+    }
+    let page = std::fs::read_to_string(directory.path().join("f/report.html")).unwrap();
+    for number in [2, 3, 6, 7, 8, 10, 12, 13, 16, 17, 18, 19, 20] {
+        assert!(page.contains(&format!("Fig. {number}")), "Fig. {number}");
+    }
+    assert!(page.contains("Fig. 11: predicted and measured friction, not drawn"));
+    for (number, letters) in [(3, "ab"), (6, "abcd"), (12, "ab"), (13, "ab"), (17, "abcd"), (20, "abcd")] {
+        for letter in letters.chars() {
+            assert!(page.contains(&format!("Fig. {number} ({letter})")), "Fig. {number} ({letter})");
+        }
     }
 }
 

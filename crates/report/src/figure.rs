@@ -35,7 +35,13 @@ pub enum Style {
     Both,
     /// The area within the points, pale and under everything else.
     Area,
+    /// The same in grey, to mark a part of the horizontal axis. It takes no colour from the series,
+    /// so it stands last.
+    Shade,
 }
+
+/// Colour of a [`Style::Shade`].
+const GREY: RGBColor = RGBColor(150, 160, 170);
 
 /// One line of a chart.
 #[derive(Clone, Debug)]
@@ -63,6 +69,16 @@ impl Series {
         Self { name: name.into(), points, style: Style::Line }
     }
 
+    /// Creates a grey area over a part of the horizontal axis, as high as some other series.
+    pub fn shade(name: impl Into<String>, (from, to): (f64, f64), others: &[Self]) -> Self {
+        let heights = || values(others).map(|p| p.1).filter(|y| y.is_finite());
+        let (low, high) =
+            (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+        let outline =
+            if low <= high { vec![(from, low), (from, high), (to, high), (to, low)] } else { Vec::new() };
+        Self::through(name, outline).styled(Style::Shade)
+    }
+
     /// Returns the series in another style.
     pub fn styled(self, style: Style) -> Self {
         Self { style, ..self }
@@ -74,7 +90,7 @@ impl Series {
         if self.points.len() <= MAX_POINTS || matches!(self.style, Style::Points | Style::Both) {
             return self.points.clone();
         }
-        if self.style == Style::Area {
+        if matches!(self.style, Style::Area | Style::Shade) {
             // An outline runs forth and back, so the extremes of a section have no order.
             let every = self.points.len().div_ceil(MAX_POINTS);
             return self.points.iter().copied().step_by(every).collect();
@@ -188,13 +204,15 @@ fn draw(chart: &Chart, series: &[Series], x: &Axis, y: &Axis, thin: bool) -> Res
             .bold_line_style(BLACK.mix(0.12))
             .draw()
             .map_err(|e| failed(&e))?;
-        let coloured = || series.iter().zip(COLOURS.iter().cycle());
-        let (areas, others): (Vec<_>, Vec<_>) = coloured().partition(|(s, _)| s.style == Style::Area);
+        let own = |s: &Series, colour| if s.style == Style::Shade { &GREY } else { colour };
+        let coloured = || series.iter().zip(COLOURS.iter().cycle()).map(|(s, colour)| (s, own(s, colour)));
+        let is_area = |s: &Series| matches!(s.style, Style::Area | Style::Shade);
+        let (areas, others): (Vec<_>, Vec<_>) = coloured().partition(|(s, _)| is_area(s));
         for (s, colour) in areas.into_iter().chain(others) {
             let points = if thin { s.thinned() } else { s.points.clone() };
             let points: Vec<(f64, f64)> =
                 points.into_iter().filter_map(|p| Some((x.place(p.0)?, y.place(p.1)?))).collect();
-            if s.style == Style::Area {
+            if is_area(s) {
                 let area = Polygon::new(points, colour.mix(0.3).filled());
                 context.draw_series([area]).map_err(|e| failed(&e))?;
                 continue;
@@ -241,6 +259,18 @@ mod tests {
         let (polygon, line) = (svg.find("<polygon").unwrap(), svg.rfind("<polyline").unwrap());
         assert_eq!(svg.matches("<polygon").count(), 1);
         assert!(polygon < line);
+    }
+
+    #[test]
+    fn a_shade_is_grey_under_the_lines_and_as_high_as_they_are() {
+        let line = Series::new("line", [0.0, 1.0, 2.0], [-3.0, 5.0, f64::NAN]);
+        let shade = Series::shade("start", (0.0, 0.5), core::slice::from_ref(&line));
+        assert_eq!(shade.points, [(0.0, -3.0), (0.0, 5.0), (0.5, 5.0), (0.5, -3.0)]);
+        assert!(Series::shade("start", (0.0, 0.5), &[]).points.is_empty());
+        let chart = Chart { title: "t", x: "x", y: "y", size: (400, 300) };
+        let svg = lines(&chart, &[line, shade]).unwrap();
+        let grey = svg.find("<polygon").filter(|at| svg[*at..].to_lowercase().contains("#96a0aa"));
+        assert!(grey.unwrap() < svg.rfind("<polyline").unwrap());
     }
 
     #[test]

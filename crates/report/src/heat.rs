@@ -33,6 +33,9 @@ pub struct Heat<'a> {
 
 /// Space in pixels left of, above, right of and below the cells.
 const MARGINS: [i32; 4] = [74, 34, 14, 44];
+/// Width in pixels of a character of a row's name, and of what else is left of the cells.
+const CHARACTER: f64 = 6.6;
+const LEFT_OF_NAMES: i32 = 32;
 
 /// Ink of a cell: on every colour it contrasts more than white. It is not the black that a page
 /// replaces in a dark scheme, because cells keep their colours.
@@ -49,6 +52,8 @@ pub fn draw(heat: &Heat) -> Result<String, String> {
         let area = SVGBackend::with_string(&mut svg, heat.size).into_drawing_area();
         area.fill(&WHITE).map_err(|e| failed(&e))?;
         let [left, top, right, bottom] = MARGINS;
+        let longest = heat.rows.iter().map(|name| name.chars().count()).max().unwrap_or_default();
+        let left = left.max(LEFT_OF_NAMES + (CHARACTER * longest as f64) as i32);
         let (width, height) = (heat.size.0 as i32, heat.size.1 as i32);
         let place = |from: i32, to: i32, index: usize, count: usize| {
             from + ((to - from) as f64 * index as f64 / count.max(1) as f64).round() as i32

@@ -1,8 +1,7 @@
-//! `host-sim figures`: reproduces the paper's Figs. 16-20 and evaluates its claims.
+//! `host-sim figures`: reproduces the paper's pictures on one page and evaluates its claims.
 
 use crate::cli::error::CliError;
-use crate::reproduction::report;
-use crate::reproduction::runs::Series;
+use crate::reproduction::report::{self, Content};
 use crate::sweep::options::SweepOptions;
 use clap::Args;
 use std::path::PathBuf;
@@ -26,5 +25,5 @@ pub struct FiguresArgs {
 
 /// Runs the command.
 pub fn run(args: &FiguresArgs) -> Result<(), CliError> {
-    report::run(&args.runs, &[Series::Clearance, Series::Load], &args.out, args.json)
+    report::run(&args.runs, Content::Paper, &args.out, args.json)
 }

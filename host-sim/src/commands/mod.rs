@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod check;
+pub mod claims;
 pub mod describe;
 pub mod diagnose;
 pub mod evaluate;

@@ -2,7 +2,7 @@
 //! communication step, or any parameters.
 
 use crate::cli::error::CliError;
-use crate::reproduction::report;
+use crate::reproduction::report::{self, Content};
 use crate::reproduction::runs::Series;
 use crate::sweep::options::SweepOptions;
 use crate::sweep::{file, latch, step};
@@ -39,8 +39,10 @@ pub fn run(args: &SweepArgs) -> Result<(), CliError> {
     let folder =
         |name: &str| args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("sweep-{name}")));
     match args.what.as_str() {
-        "clearance" => report::run(&args.runs, &[Series::Clearance], &folder("clearance"), args.json),
-        "load" => report::run(&args.runs, &[Series::Load], &folder("load"), args.json),
+        "clearance" => {
+            report::run(&args.runs, Content::Series(Series::Clearance), &folder("clearance"), args.json)
+        }
+        "load" => report::run(&args.runs, Content::Series(Series::Load), &folder("load"), args.json),
         "latch" => latch::run(&args.runs, &folder("latch"), args.json),
         "step" => step::run(&args.runs, &folder("step"), args.json),
         path => {

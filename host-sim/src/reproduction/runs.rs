@@ -64,7 +64,8 @@ pub struct PaperRun {
 #[derive(Clone, Debug)]
 pub struct PaperRuns(Vec<PaperRun>);
 
-fn cases() -> Vec<(BearingMaterial, f64, f64)> {
+/// Bearings, clearances in mm and loads in kN of all runs.
+pub(super) fn cases() -> Vec<(BearingMaterial, f64, f64)> {
     let one = |bearing| {
         let clearances = CLEARANCES_MM.map(|c| (bearing, c, CLEARANCE_LOAD_KN));
         let loads = LOADS_KN.map(|l| (bearing, LOAD_CLEARANCE_MM, l));
@@ -133,7 +134,7 @@ impl PaperRun {
             figures,
             swing: swing::measure(&bench, &samples, SAMPLE_RATE_HZ),
             oscillation_growth: growth(&bench, &samples),
-            joint_acceleration_ratio: joint_acceleration_ratio(&bench, &samples),
+            joint_acceleration_ratio: joint_acceleration_ratio(&bench, after_start(&bench, &samples)),
             against_law,
             coefficients: coefficients(&bench, after_start(&bench, &samples)),
             bench,
@@ -147,7 +148,7 @@ impl PaperRun {
     }
 }
 
-fn joint_acceleration(samples: &[Snapshot]) -> Vec<(f64, f64)> {
+pub(super) fn joint_acceleration(samples: &[Snapshot]) -> Vec<(f64, f64)> {
     let slope = |(a, b): (&Snapshot, &Snapshot)| {
         let (from, to) = (a.time_s, b.time_s);
         (0.5 * (from + to), (b.speed_rad_s - a.speed_rad_s) / (to - from))
@@ -155,8 +156,8 @@ fn joint_acceleration(samples: &[Snapshot]) -> Vec<(f64, f64)> {
     samples.iter().zip(samples.iter().skip(1)).map(slope).collect()
 }
 
-fn joint_acceleration_ratio(bench: &TransmissionBench, samples: &[Snapshot]) -> f64 {
-    let counted = after_start(bench, samples);
+/// Largest angular acceleration of the shaft in some samples relative to that of the drive.
+pub(super) fn joint_acceleration_ratio(bench: &TransmissionBench, counted: &[Snapshot]) -> f64 {
     let ideal = counted
         .iter()
         .map(|s| summary::ideal_angular_acceleration(bench, s.time_s).abs())
@@ -173,7 +174,8 @@ fn growth(bench: &TransmissionBench, samples: &[Snapshot]) -> Vec<f64> {
     summary::acceleration_reversals_s(bench).into_iter().map(one).collect()
 }
 
-fn coefficients(bench: &TransmissionBench, samples: &[Snapshot]) -> Vec<(f64, f64)> {
+/// Mean coefficient of friction in bands of the sliding speed in m/s.
+pub(super) fn coefficients(bench: &TransmissionBench, samples: &[Snapshot]) -> Vec<(f64, f64)> {
     let min_speed = SIGN_WIDTHS * bench.friction.regularisation_m_s;
     let speed = |s: &Snapshot| s.contact.sliding_speed_m_s.abs();
     let max_speed = samples.iter().map(speed).fold(0.0, f64::max);

@@ -18,6 +18,9 @@ const MIN_PERIODS: f64 = 1.3;
 const HIGHEST_HZ: f64 = 250.0;
 /// Step of the frequency, Hz.
 const STEP_HZ: f64 = 0.1;
+/// Steps between the frequencies of the first pass. The window resolves 6 Hz or less, so a pass at
+/// 1 Hz finds the highest maximum.
+const COARSE_STEPS: usize = 10;
 
 /// Swing of the journal after the first reversal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -34,10 +37,12 @@ pub struct Swing {
 /// Measures the swing in the oscillation window of a run.
 pub fn measure(bench: &TransmissionBench, samples: &[Snapshot], rate_hz: f64) -> Swing {
     let Some(reversal) = acceleration_reversals_s(bench).first().copied() else { return Swing::default() };
-    let (from, to) = oscillation_window_s(bench, reversal);
-    let low = samples.partition_point(|s| s.time_s < from);
-    let high = samples.partition_point(|s| s.time_s <= to);
-    let window = samples.get(low..high).unwrap_or_default();
+    within_window(samples, rate_hz, oscillation_window_s(bench, reversal))
+}
+
+/// Measures the swing between two times.
+pub(super) fn within_window(samples: &[Snapshot], rate_hz: f64, window_s: (f64, f64)) -> Swing {
+    let window = within(samples, window_s);
     let mut turns = 0.0;
     let mut last = None;
     let angles: Vec<f64> = window
@@ -57,6 +62,19 @@ pub fn measure(bench: &TransmissionBench, samples: &[Snapshot], rate_hz: f64) ->
         fluctuation_hz: dominant_hz(&forces, rate_hz),
         swing_radius_mm: 1e3 * radii / window.len().max(1) as f64,
     }
+}
+
+/// Frequency of the contact force between two times, Hz; none if it does not oscillate.
+pub(super) fn fluctuation_hz(samples: &[Snapshot], rate_hz: f64, window_s: (f64, f64)) -> Option<f64> {
+    let forces: Vec<f64> = within(samples, window_s).iter().map(|s| s.forces.normal_n).collect();
+    dominant_hz(&forces, rate_hz)
+}
+
+/// Samples between two times, both included.
+fn within(samples: &[Snapshot], (from_s, to_s): (f64, f64)) -> &[Snapshot] {
+    let low = samples.partition_point(|s| s.time_s < from_s);
+    let high = samples.partition_point(|s| s.time_s <= to_s);
+    samples.get(low..high).unwrap_or_default()
 }
 
 /// Frequency with the largest power in evenly spaced values less a parabola; none without a peak
@@ -81,10 +99,13 @@ fn dominant_hz(values: &[f64], rate_hz: f64) -> Option<f64> {
     };
     let lowest = MIN_PERIODS * rate_hz / count as f64;
     let steps = ((HIGHEST_HZ.min(0.4 * rate_hz) - lowest) / STEP_HZ) as usize;
-    let (index, _) = (0..=steps)
-        .map(|i| (i, power(lowest + STEP_HZ * i as f64)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .filter(|(_, p)| *p > 0.0)?;
+    let highest = |indices: &mut dyn Iterator<Item = usize>| {
+        let powers = indices.map(|i| (i, power(lowest + STEP_HZ * i as f64)));
+        powers.max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let (coarse, _) = highest(&mut (0..=steps).step_by(COARSE_STEPS).chain([steps]))?;
+    let near = coarse.saturating_sub(COARSE_STEPS)..=(coarse + COARSE_STEPS).min(steps);
+    let (index, _) = highest(&mut near.into_iter()).filter(|(_, p)| *p > 0.0)?;
     // A maximum at the edge of the band belongs to a slower signal.
     (index > 0 && index < steps).then_some(lowest + STEP_HZ * index as f64)
 }

@@ -81,7 +81,8 @@ fn panel<'a>(
         .configure_mesh()
         .x_desc("time in s")
         .y_desc("friction torque in N m")
-        .light_line_style(WHITE)
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(BLACK.mix(0.12))
         .draw()?;
     for ((name, points), colour) in curves.into_iter().zip(COLOURS) {
         let style = colour.stroke_width(if colour == COLOURS[0] { 1 } else { 2 });
@@ -94,8 +95,8 @@ fn panel<'a>(
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperRight)
         .legend_area_size(30)
-        .background_style(WHITE.mix(0.85))
-        .border_style(RGBColor(200, 200, 200))
+        .background_style(TRANSPARENT)
+        .border_style(TRANSPARENT)
         .draw()?;
     Ok(())
 }

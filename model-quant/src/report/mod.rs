@@ -1,6 +1,7 @@
-//! Reports: training report, verdicts on the paper's claims about friction and training, model
-//! cards.
+//! Reports: training report, pictures of the paper, verdicts on the paper's claims about friction
+//! and training, model cards.
 
 pub mod card;
 pub mod claims;
+pub mod paper;
 pub(crate) mod training;

@@ -2,6 +2,7 @@
 
 use crate::reproduction::runs::PaperRun;
 use bench::BearingMaterial;
+use bench::description::TransmissionBench;
 use model_quant::report::claims::torque::FrictionFacts;
 use model_quant::report::claims::training::TrainingFacts;
 
@@ -58,9 +59,9 @@ pub struct JointFacts {
     pub bench: Vec<(f64, f64)>,
 }
 
-/// Everything the claims are judged by.
+/// Everything that claims 1 to 11 are judged by.
 #[derive(Clone, Debug)]
-pub struct Facts {
+pub struct MotionFacts {
     /// Babbitt's runs.
     pub babbitt: BearingFacts,
     /// Plastic's runs.
@@ -69,18 +70,34 @@ pub struct Facts {
     pub modulus: Vec<(f64, f64)>,
     /// Joint acceleration.
     pub joint: JointFacts,
+}
+
+/// Everything the claims are judged by.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// The bench's motion.
+    pub motion: MotionFacts,
     /// Friction on the rig.
     pub friction: FrictionFacts,
+    /// Friction of the shipped networks at the rig's speeds and the bench's loads.
+    pub networks: FrictionFacts,
     /// Shipped networks.
     pub training: Vec<TrainingFacts>,
 }
 
+impl RunFacts {
+    /// Largest relative difference of mean coefficients from the bench's friction law.
+    pub(super) fn coefficient_error(bench: &TransmissionBench, coefficients: &[(f64, f64)]) -> f64 {
+        let law = bench.friction_law();
+        let error = |&(speed, found): &(f64, f64)| {
+            (found / (law.coefficient(speed) * bench.friction.level) - 1.0).abs()
+        };
+        coefficients.iter().map(error).fold(0.0, f64::max)
+    }
+}
+
 impl From<&PaperRun> for RunFacts {
     fn from(run: &PaperRun) -> Self {
-        let law = run.bench.friction_law();
-        let error = |&(speed, found): &(f64, f64)| {
-            (found / (law.coefficient(speed) * run.bench.friction.level) - 1.0).abs()
-        };
         let figures = &run.figures;
         Self {
             clearance_mm: figures.clearance_mm,
@@ -95,7 +112,7 @@ impl From<&PaperRun> for RunFacts {
             swing_hz: run.swing.swing_hz,
             swing_radius_mm: run.swing.swing_radius_mm,
             coefficients: run.coefficients.clone(),
-            coefficient_error: run.coefficients.iter().map(error).fold(0.0, f64::max),
+            coefficient_error: Self::coefficient_error(&run.bench, &run.coefficients),
         }
     }
 }
@@ -130,25 +147,26 @@ pub(super) mod tests {
         BearingFacts { bearing, clearance, load, load_curve: Vec::new() }
     }
 
-    pub(in super::super) fn facts_of() -> Facts {
+    pub(in super::super) fn motion_facts() -> MotionFacts {
         let bearing = |bearing| {
             let clearances = [0.1, 0.25, 0.5, 1.0].map(|c| run(c, 10.0)).to_vec();
             let loads = [10.0, 5.0, 1.0, -1.0, -5.0, -10.0].map(|l| run(1.0, l)).to_vec();
             bearing_of(bearing, clearances, loads)
         };
-        Facts {
+        MotionFacts {
             babbitt: bearing(BearingMaterial::Babbitt),
             plastic: bearing(BearingMaterial::Plastic),
             modulus: Vec::new(),
             joint: JointFacts { slider_crank: 1.0, bench: Vec::new() },
-            friction: FrictionFacts { babbitt: Vec::new(), plastic: Vec::new() },
-            training: Vec::new(),
         }
     }
 
     #[test]
     fn every_claim_is_judged_once_even_without_evidence() {
-        let ids: Vec<u8> = super::super::evaluate(&facts_of()).iter().map(|c| c.id).collect();
+        let none = || FrictionFacts { babbitt: Vec::new(), plastic: Vec::new() };
+        let facts =
+            Facts { motion: motion_facts(), friction: none(), networks: none(), training: Vec::new() };
+        let ids: Vec<u8> = super::super::evaluate(&facts).iter().map(|c| c.id).collect();
         assert_eq!(ids, (1..=15).collect::<Vec<u8>>());
     }
 }

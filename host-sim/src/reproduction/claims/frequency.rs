@@ -1,6 +1,6 @@
 //! Claim 6: the frequency of the fluctuation and its causes.
 
-use super::facts::{BearingFacts, Facts, RunFacts};
+use super::facts::{BearingFacts, MotionFacts, RunFacts};
 use super::{Claim, Verdict};
 use crate::reproduction::swing::power_law;
 
@@ -13,7 +13,7 @@ fn swing_exponent(bearing: &BearingFacts, over: impl Fn(&RunFacts) -> f64) -> Op
     power_law(&points).map(|(p, _)| p)
 }
 
-pub(super) fn evaluate(facts: &Facts) -> Claim {
+pub(super) fn evaluate(facts: &MotionFacts) -> Claim {
     let (babbitt, plastic) = (&facts.babbitt, &facts.plastic);
     let each = babbitt
         .clearance
@@ -48,13 +48,13 @@ pub(super) fn evaluate(facts: &Facts) -> Claim {
 
 #[cfg(test)]
 mod tests {
-    use super::super::facts::tests::facts_of;
+    use super::super::facts::tests::motion_facts;
     use super::*;
 
     #[test]
     fn claim_6_compares_frequencies_at_every_clearance_and_names_the_cause() {
         let verdict = |factors: [f64; 4]| {
-            let mut facts = facts_of();
+            let mut facts = motion_facts();
             for (i, r) in facts.babbitt.clearance.iter_mut().enumerate() {
                 let hz = 20.0 * r.clearance_mm.powf(-0.5);
                 (r.swing_hz, r.fluctuation_hz) = (Some(hz), Some(hz));

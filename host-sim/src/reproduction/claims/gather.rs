@@ -4,7 +4,7 @@
 //! cause, not a figure of the paper), the published slider-crank, records of the friction rigs, and
 //! the shipped networks.
 
-use super::facts::{BearingFacts, Facts, JointFacts, RunFacts};
+use super::facts::{BearingFacts, Facts, JointFacts, MotionFacts, RunFacts};
 use crate::cli::error::CliError;
 use crate::cli::parallel;
 use crate::reproduction::runs::{PaperRuns, Series};
@@ -15,7 +15,8 @@ use crate::run::summary::Figures;
 use bench::BearingMaterial::{self, Babbitt, Plastic};
 use bench::description::SliderCrankBench;
 use bench::description::TransmissionBench;
-use bench::integrate::integrate;
+use bench::integrate::{ContactPlant, integrate};
+use bench::plants::slider_crank::SliderCrank;
 use model_quant::report::claims::{torque, training};
 
 /// Fine load grid: half kilonewtons to either side.
@@ -26,6 +27,7 @@ const MODULI_PA: [f64; 8] = [2.5e9, 5e9, 10e9, 20e9, 50e9, 100e9, 200e9, 400e9];
 const MODULUS_CLEARANCE_MM: f64 = 0.5;
 const MODULUS_LOAD_KN: f64 = 10.0;
 const SLIDER_CRANK_TOLERANCE: f64 = 1e-10;
+const SLIDER_CRANK_SAMPLE_S: f64 = 1e-6;
 
 /// Collects everything for a base bench and its runs.
 pub fn gather(base: &TransmissionBench, runs: &PaperRuns, threads: usize) -> Result<Facts, CliError> {
@@ -44,11 +46,14 @@ pub fn gather(base: &TransmissionBench, runs: &PaperRuns, threads: usize) -> Res
         })
     };
     Ok(Facts {
-        babbitt: bearing(Babbitt)?,
-        plastic: bearing(Plastic)?,
-        modulus: modulus_scan(base, threads)?,
-        joint: JointFacts { slider_crank: slider_crank_ratio()?, bench },
+        motion: MotionFacts {
+            babbitt: bearing(Babbitt)?,
+            plastic: bearing(Plastic)?,
+            modulus: modulus_scan(base, threads)?,
+            joint: JointFacts { slider_crank: slider_crank_ratio()?, bench },
+        },
         friction: torque::measure_rigs().map_err(|e| CliError::Work(e.to_string()))?,
+        networks: torque::measure_networks().map_err(|e| CliError::Work(e.to_string()))?,
         training: training::measure().map_err(|e| CliError::Work(e.to_string()))?,
     })
 }
@@ -80,20 +85,43 @@ fn modulus_scan(base: &TransmissionBench, threads: usize) -> Result<Vec<(f64, f6
 }
 
 /// Largest acceleration of the slider over that of the same mechanism without clearance, which
-/// decelerates hardest where crank and rod are in line.
-fn slider_crank_ratio() -> Result<f64, CliError> {
+/// decelerates hardest where crank and rod are in line. It counts from the published start over the
+/// described time.
+pub fn slider_crank_ratio() -> Result<f64, CliError> {
     let bench = SliderCrankBench::open("slider-crank")?;
-    let plant = bench.plant();
+    ratio_within(&bench.plant(), (0.0, bench.duration_s()))
+}
+
+/// The same over one revolution after `revolutions` of the crank. The joint may then stay in
+/// contact.
+pub fn settled_slider_crank_ratio(revolutions: u32) -> Result<f64, CliError> {
+    let plant = SliderCrankBench::open("slider-crank")?.plant();
+    let period_s = core::f64::consts::TAU / plant.crank_speed_rad_s;
+    let from_s = f64::from(revolutions) * period_s;
+    ratio_within(&plant, (from_s, from_s + period_s))
+}
+
+fn ratio_within(plant: &SliderCrank, (from_s, end_s): (f64, f64)) -> Result<f64, CliError> {
+    let count = ((end_s - from_s) / SLIDER_CRANK_SAMPLE_S) as usize;
+    let times: Vec<f64> = (0..count).map(|i| from_s + i as f64 * SLIDER_CRANK_SAMPLE_S).collect();
+    let mut largest = 0.0_f64;
     let run = integrate(
-        &plant,
-        (0.0, bench.duration_s()),
+        plant,
+        (0.0, end_s),
         plant.initial_state(),
         false,
-        &[],
+        &times,
         &plant.tolerances(SLIDER_CRANK_TOLERANCE),
-        |_, _, _| {},
+        |time_s, state, latched_m_s| {
+            let contact = plant.contact(time_s, state, latched_m_s);
+            if contact.depth_m > 0.0 {
+                largest = largest.max(contact.force_n);
+            }
+        },
     )?;
-    let largest = run.impacts.iter().map(|i| i.peak_force_n).fold(0.0, f64::max) / plant.slider_mass_kg;
+    // Between samples a peak is higher; impacts have it exactly.
+    let impacts = run.impacts.iter().filter(|i| i.onset_s >= from_s);
+    let largest = impacts.map(|i| i.peak_force_n).fold(largest, f64::max) / plant.slider_mass_kg;
     let (crank, speed) = (plant.crank_length_m, plant.crank_speed_rad_s);
     Ok(largest / (crank * speed * speed * (1.0 + crank / plant.rod_length_m)))
 }

@@ -1,6 +1,6 @@
 //! Claims 8 to 10: size and sign of the load.
 
-use super::facts::{BearingFacts, Facts, RunFacts};
+use super::facts::{BearingFacts, MotionFacts, RunFacts};
 use super::{Claim, Verdict, list, list_to};
 
 /// Share of the force at the largest load that the line through the positive loads may have at no
@@ -9,7 +9,7 @@ const PROPORTIONAL: f64 = 0.10;
 /// Share by which a fall or a rise must show.
 const VISIBLE: f64 = 0.01;
 
-pub(super) fn evaluate(facts: &Facts) -> Vec<Claim> {
+pub(super) fn evaluate(facts: &MotionFacts) -> Vec<Claim> {
     let both = [&facts.babbitt, &facts.plastic];
     vec![grows(&both), falls_then_rises(&both), asymmetric(&both)]
 }
@@ -100,23 +100,15 @@ fn falls_then_rises(both: &[&BearingFacts]) -> Claim {
     // Once the load is negative: what the paper's own series can show is from -1 kN on.
     let negative = |b: &BearingFacts| descending(b).into_iter().skip(1).collect::<Vec<f64>>();
     let lowest = |b: &BearingFacts| {
-        b.load_curve
-            .iter()
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or_else(|| "not run".into(), |(load, force)| format!("{load:+.1} kN ({force:.0} N)"))
+        b.load_curve.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or_else(String::new, |(load, force)| {
+            format!(", lowest on a grid of .5 kN (analytic law) at {load:+.1} kN ({force:.0} N)")
+        })
     };
     let verdict = Verdict::from_conditions(
         both.iter().all(|b| valley(&negative(b))),
         both.iter().any(|b| valley(&negative(b)) || valley(&descending(b))),
     );
-    let each = both.iter().map(|b| {
-        format!(
-            "{}: {} N, lowest on a grid of .5 kN (analytic law) at {}",
-            b.bearing.name(),
-            list(descending(b)),
-            lowest(b)
-        )
-    });
+    let each = both.iter().map(|b| format!("{}: {} N{}", b.bearing.name(), list(descending(b)), lowest(b)));
     Claim {
         id: 9,
         claim: "Load along -Y: the impact force first falls, then rises with the size of the load.",

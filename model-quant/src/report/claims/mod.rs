@@ -17,6 +17,10 @@ pub enum Verdict {
     /// The figures confirm it.
     #[serde(rename = "holds")]
     Holds,
+    /// The project's own law has the claimed shape. It stands in for measurements that the paper
+    /// does not publish, so this says nothing about the paper's bearings.
+    #[serde(rename = "assumed")]
+    Assumed,
     /// The figures confirm a part of it.
     #[serde(rename = "partly")]
     Partly,
@@ -30,9 +34,23 @@ impl Verdict {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Holds => "holds",
+            Self::Assumed => "assumed",
             Self::Partly => "partly",
             Self::DoesNotHold => "does not hold",
         }
+    }
+
+    /// Returns `Assumed` instead of `Holds`, for a claim whose data is the project's own law.
+    pub const fn of_own_law(self) -> Self {
+        match self {
+            Self::Holds => Self::Assumed,
+            other => other,
+        }
+    }
+
+    /// Returns whether all conditions of the claim are met.
+    pub const fn is_affirmed(self) -> bool {
+        matches!(self, Self::Holds | Self::Assumed)
     }
 
     /// Returns `Holds` if all conditions are met, `Partly` if some are.

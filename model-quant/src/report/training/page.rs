@@ -74,11 +74,13 @@ pub(crate) fn lead(contents: &Contents) -> String {
     let met: Vec<bool> = met.collect();
     let count_of = |name: &str| claims.iter().filter(|c| c.verdict.name() == name).count();
     format!(
-        "{} of {} goals met. Of the paper's claims {}: {} hold, {} hold in part, {} do not.",
+        "{} of {} goals met. Of the paper's claims {}: {} hold, {} are assumed, {} hold in part, {} do \
+         not.",
         met.iter().filter(|met| **met).count(),
         met.len(),
         claims.iter().map(|c| c.id.to_string()).collect::<Vec<_>>().join(", "),
         count_of("holds"),
+        count_of("assumed"),
         count_of("partly"),
         count_of("does not hold")
     )

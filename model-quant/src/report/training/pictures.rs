@@ -64,8 +64,9 @@ pub(crate) fn epochs(history: &History) -> Result<Vec<Picture>, ReportError> {
             ("mae", "MAE", [curve("training", |e| e.mae), curve("validation", |e| e.validation_mae)]),
         ];
         for (file, what, series) in errors {
-            let title = format!("{what}, {bearing} {network}");
-            let y = if file == "mse" { "of the target's mean square" } else { "of the target's rms" };
+            let letter = if bearing == "babbitt" { "a" } else { "b" };
+            let title = format!("Fig. 10 ({letter}) {what}, {bearing} {network}");
+            let y = if file == "mse" { "MSE over the target's mean square" } else { "MAE over its rms" };
             let chart = Chart { title: &title, x: "epoch", y, size: HALF };
             pictures.push(picture(
                 lines_log_y,
