@@ -61,8 +61,8 @@ pub fn run(args: &DescribeArgs) -> Result<(), CliError> {
     }
     let description = args.out.as_ref().map(|path| path.display().to_string());
     match &description {
-        _ if args.json => print_line!("{}", output::json(&Described { template, description })?),
-        None => print_line!("{}", template.toml.trim_end()),
+        _ if args.json => print_result!("{}", output::json(&Described { template, description })?),
+        None => print_result!("{}", template.toml.trim_end()),
         Some(path) => {
             print_line!("{path}: to fill in:");
             template.to_fill_in.iter().for_each(|name| print_line!("  {name}"));

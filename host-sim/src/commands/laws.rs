@@ -51,7 +51,7 @@ pub fn run(args: &LawsArgs) -> Result<(), CliError> {
     };
     let laws = Laws { laws: catalogue::all().map(law).collect() };
     if args.json {
-        print_line!("{}", output::json(&laws)?);
+        print_result!("{}", output::json(&laws)?);
         return Ok(());
     }
     let mut field = "";

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod check;
+pub mod completions;
 pub mod describe;
 pub mod diagnose;
 pub mod evaluate;
@@ -9,6 +10,7 @@ pub mod figures;
 pub mod flash;
 pub mod laws;
 pub mod link;
+pub mod manual;
 pub mod record;
 pub mod replay;
 pub mod run;

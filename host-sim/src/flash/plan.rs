@@ -66,8 +66,7 @@ impl Plan {
                 board.name, map.path
             )));
         };
-        let bytes =
-            std::fs::read(path).map_err(|source| FlashError::Unreadable { path: path.into(), source })?;
+        let bytes = std::fs::read(path).map_err(|source| FlashError::unreadable(path, source))?;
         let loaded = loaded_segments(path, &bytes, flash)?;
         let Some([stack_pointer, reset]) = vectors(&loaded, flash) else {
             return Err(wrong(path, "no vector table".into(), &format!("one at {:#010x}", flash.origin)));

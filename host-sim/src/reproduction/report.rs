@@ -7,12 +7,13 @@ use super::pictures;
 use super::runs::{PaperRun, PaperRuns, Series};
 use crate::cli::error::CliError;
 use crate::cli::limits;
-use crate::cli::output::{self, Picture};
+use crate::cli::output::{self, Files, Picture};
 use crate::cli::progress;
 use crate::reproduction::claims::{Claim, evaluate, gather::gather};
 use crate::run::force::ForceSource;
 use crate::run::summary::ErrorBars;
 use crate::sweep::options::SweepOptions;
+use crate::sweep::owner;
 use crate::sweep::table;
 use report::page::Page;
 use report::text_table;
@@ -22,6 +23,7 @@ use std::path::Path;
 /// Printed and stored result.
 #[derive(Serialize)]
 struct Outcome<'a> {
+    sweep: &'static str,
     runs: Vec<&'a PaperRun>,
     claims: Vec<Claim>,
 }
@@ -35,8 +37,14 @@ pub(crate) fn run(
 ) -> Result<(), CliError> {
     let source = options.force.unwrap_or(ForceSource::QuantisedNet);
     let (base, step_s) = (options.base()?, options.step_s()?);
-    output::prepare_folder(folder)?;
-    let bar = progress::bar(json, PaperRuns::COUNT + 1);
+    let sweep = match series {
+        [Series::Clearance] => "clearance",
+        [Series::Load] => "load",
+        _ => "figures",
+    };
+    output::check_folder(folder)?;
+    owner::check(folder, sweep)?;
+    let bar = progress::bar(PaperRuns::COUNT + 1);
     bar.set_message(format!("runs with {}", source.name()));
     let runs = PaperRuns::execute(&base, source, step_s, options.threads, || bar.inc(1))?;
     bar.set_message("claims");
@@ -76,14 +84,16 @@ pub(crate) fn run(
     }
     limits::section(&mut page, &base);
 
-    let outcome = Outcome { runs: series.iter().flat_map(|s| runs.series(*s)).collect(), claims };
+    let outcome = Outcome { sweep, runs: series.iter().flat_map(|s| runs.series(*s)).collect(), claims };
     let text = output::json(&outcome)?;
-    output::write(folder, "runs.csv", &table::csv(&outcome.runs)?)?;
-    output::write(folder, "sweep.json", &format!("{text}\n"))?;
-    output::save(folder, &all)?;
-    output::write(folder, "report.html", &page.render())?;
+    let mut files = Files::new(folder);
+    files.add("runs.csv", &table::csv(&outcome.runs)?)?;
+    files.add("sweep.json", &format!("{text}\n"))?;
+    files.add_pictures(&all)?;
+    files.add("report.html", &page.render())?;
+    files.publish()?;
     if json {
-        print_line!("{text}");
+        print_result!("{text}");
     } else {
         print(&outcome);
         print_line!("\nreport: {}", folder.join("report.html").display());
