@@ -5,7 +5,7 @@ use crate::cli::error::CliError;
 use crate::cli::progress;
 use crate::commands::{
     accuracy, check, completions, describe, diagnose, evaluate, figures, flash, laws, link, manual, record,
-    replay, run, sweep, update, validate,
+    replay, run, schema, sweep, update, validate,
 };
 use crate::run::RunArgs;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -73,6 +73,8 @@ enum Command {
     Validate(validate::ValidateArgs),
     /// Print the completions of the command line for a shell.
     Completions(completions::CompletionsArgs),
+    /// Print the JSON schema of a result.
+    Schema(schema::SchemaArgs),
     /// Write the manual pages, one for each command.
     Man(manual::ManualArgs),
 }
@@ -113,6 +115,7 @@ fn dispatch(command: Option<Command>) -> Result<(), CliError> {
         Some(Command::Update(args)) => update::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
         Some(Command::Completions(args)) => completions::run(&args, Program::command()),
+        Some(Command::Schema(args)) => schema::run(&args),
         Some(Command::Man(args)) => manual::run(&args, Program::command()),
     }
 }

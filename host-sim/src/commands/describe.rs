@@ -7,6 +7,7 @@ use bench::log::RawLog;
 use bench::template::{Template, TemplatePlant, template};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -41,8 +42,8 @@ fn plants() -> impl TypedValueParser<Value = TemplatePlant> {
     })
 }
 
-#[derive(Serialize)]
-struct Described {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Described {
     #[serde(flatten)]
     template: Template,
     /// File that was written.

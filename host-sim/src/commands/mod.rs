@@ -14,6 +14,7 @@ pub mod manual;
 pub mod record;
 pub mod replay;
 pub mod run;
+pub mod schema;
 pub mod sweep;
 pub mod update;
 pub mod validate;

@@ -5,6 +5,7 @@ use crate::cli::options::BenchOptions;
 use crate::cli::output;
 use bench::simulate::record;
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -32,8 +33,8 @@ pub struct RecordArgs {
     pub json: bool,
 }
 
-#[derive(Serialize)]
-struct Written {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Written {
     log: String,
     samples: usize,
     duration_s: f64,

@@ -17,12 +17,13 @@ use crate::sweep::owner;
 use crate::sweep::table;
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
 /// Printed and stored result.
-#[derive(Serialize)]
-struct Outcome<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome<'a> {
     sweep: &'static str,
     runs: Vec<&'a PaperRun>,
     claims: Vec<Claim>,

@@ -11,6 +11,7 @@ use bench::simulate::peaks::{TIGHTER, impacts_with_bars};
 use report::figure::{Chart, Series, lines};
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Relative tolerance that keeps the slider's position within 1e-6 m over .6 revolutions.
@@ -19,7 +20,7 @@ const TOLERANCE: f64 = 1e-11;
 const SAMPLES: usize = 4000;
 
 /// Figures of a run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct SliderCrankSummary {
     /// Periods in contact.
     contacts: usize,

@@ -6,6 +6,7 @@ use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
 use bench::simulate::peaks::Peak;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Window of the moving mean that is subtracted before the oscillation is measured, s.
@@ -16,9 +17,10 @@ const OSCILLATION_WINDOW: (f64, f64) = (0.02, 0.13);
 
 /// Figures of a run, reproducible to the bit. Peaks count from the end of the load's ramp. Each has
 /// a numerical error bar, see [`ForcedRun::peaks`]; none where the coarser run failed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema, Deserialize)]
 pub struct Figures {
     /// Bearing material.
+    #[schemars(with = "String")]
     pub bearing: BearingMaterial,
     /// Radial clearance, mm.
     pub clearance_mm: f64,
@@ -50,7 +52,7 @@ pub struct Figures {
 }
 
 /// Numerical error bars, under the names of the peaks.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema, Deserialize)]
 pub struct ErrorBars {
     /// Error bar of the normal force.
     pub peak_contact_force_n: Option<f64>,
@@ -85,7 +87,7 @@ impl ErrorBars {
 
 /// The figures of a run with wall time, energy balance, peaks, estimator and comparison with the
 /// law.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Summary {
     /// Figures of the bench.
     #[serde(flatten)]
@@ -111,7 +113,7 @@ pub struct Summary {
 }
 
 /// A peak for output.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct PeakRow {
     /// Name of the quantity, unit included.
     pub name: &'static str,
@@ -130,7 +132,7 @@ impl From<&Peak> for PeakRow {
 }
 
 /// Difference between a run with networks and the run with the analytic law.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct AgainstLaw {
     /// Peak normal force with the law.
     pub peak_contact_force_n: f64,

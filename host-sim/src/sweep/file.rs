@@ -16,14 +16,15 @@ use crate::run::summary::{ErrorBars, Figures};
 use bench::{BearingMaterial, Bench, PRESETS};
 use report::figure::{Chart, Series, Style, lines, lines_log_x};
 use report::page::Page;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
 /// Maximum number of runs that a report lists one by one.
 const LISTED: usize = 200;
 
-#[derive(Serialize)]
-struct Outcome<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome<'a> {
     sweep: &'static str,
     specification: &'a Specification,
     runs: Vec<Row<'a>>,

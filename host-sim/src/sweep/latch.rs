@@ -23,6 +23,7 @@ use contact::Damping;
 use report::figure::{Chart, Series, Style, lines_log_x};
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::{Deserialize, IntoDeserializer, value};
 use std::path::Path;
@@ -33,7 +34,7 @@ const SPEEDS_MM_S: [f64; 5] = [1.0, 5.0, 10.0, 50.0, 200.0];
 const LOAD_KN: f64 = 10.0;
 
 /// One run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 struct LatchRun {
     /// `latched`, `bounded` or `reference`.
     damping: &'static str,
@@ -48,8 +49,8 @@ struct LatchRun {
     figures: Figures,
 }
 
-#[derive(Serialize)]
-struct Outcome {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome {
     sweep: &'static str,
     runs: Vec<LatchRun>,
 }

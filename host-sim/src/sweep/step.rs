@@ -19,6 +19,7 @@ use bench::description::TransmissionBench;
 use report::figure::{Chart, Series, Style, lines_log_log};
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
@@ -31,8 +32,9 @@ const SOURCES: [ForceSource; 3] = [ForceSource::HeldLaw, ForceSource::FloatNet, 
 const ENOUGH: f64 = 2.0;
 
 /// One run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 struct StepRun {
+    #[schemars(with = "String")]
     bearing: BearingMaterial,
     force: ForceSource,
     step_us: f64,
@@ -52,8 +54,9 @@ struct StepRun {
 }
 
 /// Result for a bearing and a source.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 struct Choice {
+    #[schemars(with = "String")]
     bearing: BearingMaterial,
     force: ForceSource,
     /// Largest step that is small enough: its difference from the law is at most twice that at the
@@ -63,8 +66,8 @@ struct Choice {
     largest_us: Option<f64>,
 }
 
-#[derive(Serialize)]
-struct Outcome {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome {
     sweep: &'static str,
     runs: Vec<StepRun>,
     choices: Vec<Choice>,

@@ -29,6 +29,7 @@ use bench::description::TransmissionBench;
 use cases::{OperatingPoint, RealWorld};
 use estimators::{Estimate, EstimatorKind};
 use goals::Verdict;
+use schemars::JsonSchema;
 use score::Case;
 use serde::Serialize;
 use std::path::Path;
@@ -45,8 +46,8 @@ pub struct Settings {
 }
 
 /// Result of `host-sim accuracy --worlds`, as printed and stored.
-#[derive(Serialize)]
-struct Outcome {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome {
     worlds: u32,
     seed: u64,
     goals: Vec<Verdict>,
