@@ -12,13 +12,14 @@ use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::known_answers::{KnownAnswer, known_answers};
 use contact::{Dissipation, produced_restitution};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Relative tolerance of bench B's figures, in addition to the tables' rounding.
 const BENCH_TOLERANCE: f64 = 5e-4;
 
 /// One known answer.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct Case {
     /// Name of the quantity.
     pub(crate) name: String,
@@ -47,7 +48,7 @@ fn relative(name: String, value: f64, reference: f64, tolerance: f64) -> Case {
 }
 
 /// All cases.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub(crate) struct Cases {
     pub(crate) cases: Vec<Case>,
 }

@@ -1,6 +1,7 @@
 //! Commands of the workspace: setup, tests, instruction counts, sizes, campaigns. CI calls nothing
 //! else.
 
+mod archive;
 mod boards;
 mod budget;
 mod campaigns;
@@ -131,6 +132,8 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
+    /// Build the release archive: programs, firmware, completions, manual pages, documents.
+    Archive,
     /// Report flash, RAM and stack of the image, and whether it contains a reachable panic.
     Size {
         /// Print as JSON.
@@ -158,6 +161,7 @@ fn main() -> ExitCode {
         Command::Cycles { json, image: None } => cycles::cycles(json),
         Command::Flash(args) => flash::flash(&args),
         Command::Stack { json } => stack::stack(json),
+        Command::Archive => archive::archive().map(|path| println!("{}", path.display())),
         Command::Size { json } => size::size(json),
         Command::Faults { arguments } => return exit(campaigns::emulated("faults", &arguments)),
         Command::Soak { arguments } => return exit(campaigns::emulated("soak", &arguments)),

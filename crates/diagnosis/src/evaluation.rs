@@ -12,10 +12,11 @@ use crate::fit::simulation::simulate;
 use crate::result::DiagnosisError;
 use crate::verdict::series::{Series, series};
 use bench::{Bench, Channel, MeasuredLog};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Error of one channel over all logs.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ChannelComparison {
     /// Channel.
     pub channel: Channel,
@@ -38,7 +39,7 @@ pub struct ChannelComparison {
 }
 
 /// Error of one channel of one log.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct LogComparison {
     /// Name of the log.
     pub log: String,
@@ -53,7 +54,7 @@ pub struct LogComparison {
 }
 
 /// A described bench compared with logs.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Evaluation {
     /// Errors by channel.
     pub channels: Vec<ChannelComparison>,

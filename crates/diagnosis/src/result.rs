@@ -16,6 +16,7 @@ use crate::verdict::series::Series;
 use bench::Bench;
 use bench::log::LogError;
 use bench::simulate::RespondError;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Error of a diagnosis.
@@ -33,7 +34,7 @@ pub enum DiagnosisError {
 }
 
 /// Verdict of a diagnosis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The causes explain the residual, or most of it.
@@ -62,7 +63,7 @@ impl Verdict {
 }
 
 /// Result of a diagnosis.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Diagnosis {
     /// Findings of the checks of the logs and corrections of the data, the most severe first.
     pub checks: Vec<Finding>,

@@ -9,6 +9,7 @@ use bench::description::TransmissionBench;
 use bench::signals::Sensor;
 use bench::{BearingMaterial, Channel};
 use model_quant::evaluate::held_out;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Preset of the bench.
@@ -19,9 +20,10 @@ pub const POSITION_NOISE_M: f64 = 0.2e-6;
 pub const ANGLE_NOISE_DEG: f64 = 0.01;
 
 /// One condition of bench B.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Condition {
     /// Bearing material.
+    #[schemars(with = "String")]
     pub bearing: BearingMaterial,
     /// Radial clearance.
     pub clearance_mm: f64,

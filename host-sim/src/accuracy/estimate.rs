@@ -18,6 +18,7 @@ use bench::plants::transmission::{Snapshot, Transmission};
 use controller::flags::SENSOR_FAULT;
 use inference::Flags;
 use link::ContactSource;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// One tick of the estimator with the true values.
@@ -36,7 +37,7 @@ pub struct Tick {
 }
 
 /// Rms errors of one source of forces.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Errors {
     /// Rms error of the normal force, N.
     pub force_rms_n: f64,
@@ -49,7 +50,7 @@ pub struct Errors {
 }
 
 /// Results of the estimator at a condition.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 pub struct EstimateAccuracy {
     /// Largest true normal force after the start.
     pub force_full_scale_n: f64,

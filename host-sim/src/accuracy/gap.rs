@@ -11,13 +11,14 @@ use crate::run::force::contact_state;
 use bench::plants::transmission::ContactView;
 use inference::{Model, Pair, shipped};
 use model_quant::network::float_pair::FloatPair;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Samples of a stretch in or out of contact: as long as the networks' window.
 const STRETCH: usize = inference::WINDOW;
 
 /// The largest forces without contact, N.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct GapAccuracy {
     /// Largest force of the quantised networks between contacts, N.
     pub network_n: f64,

@@ -3,6 +3,7 @@
 
 use super::Accuracy;
 use super::conditions::Condition;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A goal.
@@ -53,7 +54,7 @@ pub const GOALS: [Goal; 4] = [
 ];
 
 /// Result of a set of conditions.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Standing {
     /// True if every run meets the goal; false without runs.
     pub met: bool,
@@ -70,7 +71,7 @@ pub struct Standing {
 }
 
 /// Result of a goal.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Verdict {
     /// Stable name.
     pub name: &'static str,

@@ -8,10 +8,11 @@ use super::conditions::{Condition, LawRun};
 use crate::cli::error::CliError;
 use crate::run::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use crate::run::summary::Figures;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Relative change from the error-controlled run with the law.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Change {
     /// Change of the peak contact force.
     pub peak: f64,
@@ -20,7 +21,7 @@ pub struct Change {
 }
 
 /// Results of a condition in the loop.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 pub struct LoopAccuracy {
     /// Peak contact force with the law, error-controlled.
     pub peak_contact_force_n: f64,

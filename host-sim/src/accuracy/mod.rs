@@ -32,10 +32,11 @@ use estimate::EstimateAccuracy;
 use gap::GapAccuracy;
 use goals::Verdict;
 use in_the_loop::LoopAccuracy;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Results at one condition.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Accuracy {
     /// The condition.
     #[serde(flatten)]
@@ -60,7 +61,7 @@ pub struct Settings {
 }
 
 /// Result of `host-sim accuracy`, as printed and stored.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub(crate) struct Outcome {
     pub(crate) step_us: f64,
     pub(crate) seed: u64,

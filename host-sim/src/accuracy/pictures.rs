@@ -6,14 +6,13 @@ use crate::accuracy::conditions::Condition;
 use crate::accuracy::estimate::{Tick, follow};
 use crate::accuracy::{Accuracy, goals};
 use crate::cli::error::CliError;
-use crate::cli::output::{self, Picture};
+use crate::cli::output::{Files, Picture};
 use crate::run::conditions::{BEARINGS, CLEARANCES_MM, LOADS_KN};
 use crate::run::force::{self, ForceSource};
 use crate::run::summary::{acceleration_reversals_s, after_start, oscillation_window_s};
 use bench::BearingMaterial;
 use report::figure::{Chart, Series, Style, lines, lines_log_log};
 use report::heat::{self, Heat};
-use std::path::Path;
 
 const WIDE: (u32, u32) = (1040, 340);
 const HALF: (u32, u32) = (512, 340);
@@ -31,11 +30,11 @@ pub(crate) struct Pictures {
 }
 
 impl Pictures {
-    /// Writes all as files of their own.
-    pub(crate) fn save(&self, folder: &Path) -> Result<(), CliError> {
+    /// Adds all as files of their own.
+    pub(crate) fn add_to(&self, files: &mut Files) -> Result<(), CliError> {
         [&self.in_the_loop, &self.worst_loop, &self.estimate, &self.worst_estimate, &self.beside_law]
             .into_iter()
-            .try_for_each(|pictures| output::save(folder, pictures))
+            .try_for_each(|pictures| files.add_pictures(pictures))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Shared by all commands: error and exit code, options, output folder, progress bar, thread pool.
 
+pub mod console;
 pub mod error;
 pub(crate) mod limits;
 pub mod options;

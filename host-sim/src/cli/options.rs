@@ -12,6 +12,14 @@ pub fn bearing_material() -> impl TypedValueParser<Value = BearingMaterial> {
         .try_map(|name| BearingMaterial::from_name(&name).ok_or("expected the name of a bearing material"))
 }
 
+/// Maximum number of threads.
+const MAX_THREADS: i64 = 1024;
+
+/// Parser of a number of threads, 0 to [`MAX_THREADS`].
+pub(crate) fn thread_count() -> impl TypedValueParser<Value = usize> {
+    clap::value_parser!(u16).range(..=MAX_THREADS).map(usize::from)
+}
+
 /// Help of `--bench`.
 fn bench_help() -> String {
     format!(

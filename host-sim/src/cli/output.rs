@@ -1,11 +1,11 @@
 //! Files in the output folder of a command.
 
 use crate::cli::error::CliError;
-use bench::atomic;
+use bench::atomic::{self, StagedFile};
 use report::figure::{Chart, Series};
 use report::page::Page;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes a file completely or not at all.
 pub(crate) fn write(folder: &Path, name: &str, text: &str) -> Result<(), CliError> {
@@ -13,10 +13,53 @@ pub(crate) fn write(folder: &Path, name: &str, text: &str) -> Result<(), CliErro
     atomic::write(&path, text.as_bytes()).map_err(|e| CliError::output(&path, &e))
 }
 
-/// Creates the folder and checks that it can be written, before the work starts.
-pub(crate) fn prepare_folder(folder: &Path) -> Result<(), CliError> {
-    let tried = std::fs::create_dir_all(folder).and_then(|()| tempfile::tempfile_in(folder));
-    tried.map(drop).map_err(|e| CliError::output(folder, &e))
+/// Checks before the work starts that files can be written to a folder. Creates nothing.
+///
+/// # Errors
+///
+/// A file is at the path or above it, or nothing can be written there.
+pub(crate) fn check_folder(folder: &Path) -> Result<(), CliError> {
+    let absolute = std::path::absolute(folder).map_err(|e| CliError::output(folder, &e))?;
+    let Some(existing) = absolute.ancestors().find(|path| path.exists()) else { return Ok(()) };
+    if !existing.is_dir() {
+        let text = format!("{}: found a file; expected a folder", existing.display());
+        return Err(CliError::Work(text));
+    }
+    tempfile::tempfile_in(existing).map(drop).map_err(|e| CliError::output(folder, &e))
+}
+
+/// Files of one result in a folder. Either all of them appear, or none.
+pub(crate) struct Files {
+    folder: PathBuf,
+    staged: Vec<StagedFile>,
+}
+
+impl Files {
+    /// Starts a set without files.
+    pub(crate) fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), staged: Vec::new() }
+    }
+
+    /// Adds a file. It appears with the others.
+    pub(crate) fn add(&mut self, name: &str, text: &str) -> Result<(), CliError> {
+        let path = self.folder.join(name);
+        self.staged.push(StagedFile::write(&path, text.as_bytes()).map_err(|e| CliError::output(&path, &e))?);
+        Ok(())
+    }
+
+    /// Adds each picture as a file.
+    pub(crate) fn add_pictures(&mut self, pictures: &[Picture]) -> Result<(), CliError> {
+        pictures.iter().try_for_each(|p| self.add(&format!("{}.svg", p.name), &p.svg))
+    }
+
+    /// Lets all files appear.
+    pub(crate) fn publish(self) -> Result<(), CliError> {
+        for file in self.staged {
+            let path = file.path().to_owned();
+            file.publish().map_err(|e| CliError::output(&path, &e))?;
+        }
+        Ok(())
+    }
 }
 
 /// Formats a value as indented JSON.
@@ -52,9 +95,4 @@ impl Picture {
 pub(crate) fn show(page: &mut Page, pictures: &[Picture]) {
     let pairs: Vec<(String, &str)> = pictures.iter().map(|p| (p.svg.clone(), p.caption.as_str())).collect();
     page.figures(&pairs);
-}
-
-/// Writes each picture as a file.
-pub(crate) fn save(folder: &Path, pictures: &[Picture]) -> Result<(), CliError> {
-    pictures.iter().try_for_each(|p| write(folder, &format!("{}.svg", p.name), &p.svg))
 }

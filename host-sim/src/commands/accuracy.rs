@@ -6,8 +6,9 @@ use crate::accuracy::goals::evaluate_goals;
 use crate::accuracy::summary::bench_loops;
 use crate::accuracy::{Outcome, Settings, measure, pictures, report, worlds};
 use crate::cli::error::CliError;
-use crate::cli::options::bearing_material;
-use crate::cli::{output, progress};
+use crate::cli::options::{bearing_material, thread_count};
+use crate::cli::output::{self, Files};
+use crate::cli::progress;
 use crate::run::arguments::communication_step_s;
 use crate::run::force::DEFAULT_STEP_S;
 use bench::BearingMaterial;
@@ -43,7 +44,7 @@ pub struct AccuracyArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Threads; 0 uses one per core. The result does not depend on it.
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = thread_count())]
     pub threads: usize,
     /// Folder for accuracy.json, bench-loop.json (input of the model cards), the pictures and
     /// report.html; with --worlds for worlds.json, its pictures and worlds.html.
@@ -63,11 +64,11 @@ pub fn run(args: &AccuracyArgs) -> Result<(), CliError> {
     // The step is doubled for the comparison, and twice more for the error bars.
     let settings =
         Settings { step_s: communication_step_s(args.step_us)?, seed: args.seed, threads: args.threads };
-    output::prepare_folder(&args.out)?;
+    output::check_folder(&args.out)?;
     let bearing = args.bearing;
     let chosen: Vec<Condition> =
         conditions::all().into_iter().filter(|c| bearing.is_none_or(|b| c.bearing == b)).collect();
-    let bar = progress::bar(args.json, chosen.len() as u64);
+    let bar = progress::bar(chosen.len() as u64);
     bar.set_message("conditions");
     let runs = measure(&chosen, settings, || bar.inc(1))?;
     bar.finish_and_clear();
@@ -78,12 +79,14 @@ pub fn run(args: &AccuracyArgs) -> Result<(), CliError> {
     let pictures = pictures::draw(&outcome)?;
     let page = report::page(&outcome, &pictures, &TransmissionBench::open(conditions::BENCH)?);
     let bench_loop = output::json(&bench_loops(&outcome.runs, settings))?;
-    output::write(&args.out, "accuracy.json", &format!("{text}\n"))?;
-    output::write(&args.out, "bench-loop.json", &format!("{bench_loop}\n"))?;
-    pictures.save(&args.out)?;
-    output::write(&args.out, "report.html", &page.render())?;
+    let mut files = Files::new(&args.out);
+    files.add("accuracy.json", &format!("{text}\n"))?;
+    files.add("bench-loop.json", &format!("{bench_loop}\n"))?;
+    pictures.add_to(&mut files)?;
+    files.add("report.html", &page.render())?;
+    files.publish()?;
     if args.json {
-        print_line!("{text}");
+        print_result!("{text}");
     } else {
         report::print(&outcome);
         print_line!("\nreport: {}", args.out.join("report.html").display());

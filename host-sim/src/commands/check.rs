@@ -32,11 +32,11 @@ pub struct CheckArgs {
 /// Runs the command.
 pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     if let Some(folder) = &args.out {
-        output::prepare_folder(folder)?;
+        output::check_folder(folder)?;
     }
     let bench = args.bench.open()?;
     let logs = super::diagnose::read(&args.logs, &bench)?;
-    let bar = progress::bar(args.json, 1);
+    let bar = progress::bar(1);
     bar.set_message("checking the logs");
     let inspection = inspect(&bench, &logs);
     bar.finish_and_clear();
@@ -46,7 +46,7 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
         output::write(folder, "check.json", &format!("{json}\n"))?;
     }
     if args.json {
-        print_line!("{json}");
+        print_result!("{json}");
     } else {
         print_line!("{}", text::text(&inspection).trim_end());
     }

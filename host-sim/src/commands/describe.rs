@@ -7,6 +7,7 @@ use bench::log::RawLog;
 use bench::template::{Template, TemplatePlant, template};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -41,8 +42,8 @@ fn plants() -> impl TypedValueParser<Value = TemplatePlant> {
     })
 }
 
-#[derive(Serialize)]
-struct Described {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Described {
     #[serde(flatten)]
     template: Template,
     /// File that was written.
@@ -61,8 +62,8 @@ pub fn run(args: &DescribeArgs) -> Result<(), CliError> {
     }
     let description = args.out.as_ref().map(|path| path.display().to_string());
     match &description {
-        _ if args.json => print_line!("{}", output::json(&Described { template, description })?),
-        None => print_line!("{}", template.toml.trim_end()),
+        _ if args.json => print_result!("{}", output::json(&Described { template, description })?),
+        None => print_result!("{}", template.toml.trim_end()),
         Some(path) => {
             print_line!("{path}: to fill in:");
             template.to_fill_in.iter().for_each(|name| print_line!("  {name}"));

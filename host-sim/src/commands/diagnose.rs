@@ -3,20 +3,25 @@
 
 use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
+use crate::cli::output::{self, Files};
 use crate::cli::progress;
 use crate::diagnose::{report, text};
-use bench::{Bench, MeasuredLog, atomic};
-use clap::Args;
-use diagnosis::{Diagnosis, DiagnosisError, Options, diagnose};
+use bench::{Bench, MeasuredLog};
+use clap::{Args, ValueEnum};
+use diagnosis::{Diagnosis, DiagnosisError, Options, Verdict, diagnose};
 use std::path::{Path, PathBuf};
+
+/// File name of the extended bench.
+const EXTENDED_BENCH: &str = "extended-bench.toml";
 
 /// Arguments of `host-sim diagnose`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  host-sim diagnose log.csv\n  \
     host-sim diagnose monday.csv tuesday.csv --held-out friday.csv --bench my-bench.toml --out \
     out/diagnosis\n  \
-    host-sim diagnose stroke*.csv --bench examples/seal-friction.toml --json\n\n\
-    Any verdict exits 0.")]
+    host-sim diagnose stroke*.csv --bench examples/seal-friction.toml --json\n  \
+    host-sim diagnose log.csv --fail-on named,unknown --quiet\n\n\
+    Without --fail-on any verdict exits 0.")]
 pub struct DiagnoseArgs {
     /// Measured logs of one bench: CSV, Parquet or MAT-files (version 5 to 7).
     #[arg(required = true, value_name = "LOG")]
@@ -33,6 +38,10 @@ pub struct DiagnoseArgs {
     /// Folder for diagnosis.json, extended-bench.toml and report.html.
     #[arg(long, default_value = "out/diagnosis", value_name = "DIR")]
     pub out: PathBuf,
+    /// Exit with 1 if a cause is named, or if an error remains unknown; both with a comma. The
+    /// results are written before.
+    #[arg(long, value_name = "VERDICT", value_delimiter = ',')]
+    pub fail_on: Vec<FailOn>,
     /// Print the diagnosis as JSON.
     #[arg(long)]
     pub json: bool,
@@ -41,9 +50,10 @@ pub struct DiagnoseArgs {
 /// Runs the command.
 pub fn run(args: &DiagnoseArgs) -> Result<(), CliError> {
     let bench = args.bench.open()?;
+    output::check_folder(&args.out)?;
     let logs = read(&args.logs, &bench)?;
     let held_out = read(&args.held_out, &bench)?;
-    let bar = progress::bar(args.json, progress::PERCENT);
+    let bar = progress::bar(progress::PERCENT);
     let shown = bar.clone();
     let show_progress = move |share: f64, words: &str| {
         shown.set_position((100.0 * share) as u64);
@@ -55,12 +65,12 @@ pub fn run(args: &DiagnoseArgs) -> Result<(), CliError> {
     let mut diagnosis = result?;
     write(&mut diagnosis, &args.out)?;
     if args.json {
-        print_line!("{}", json(&diagnosis)?);
+        print_result!("{}", json(&diagnosis)?);
     } else {
         print_line!("{}", text::text(&diagnosis).trim_end());
         print_line!("\nreport: {}", args.out.join("report.html").display());
     }
-    Ok(())
+    outcome(&args.fail_on, diagnosis.verdict)
 }
 
 /// Reads logs with all their defects; the checks report them.
@@ -73,27 +83,43 @@ fn json(diagnosis: &Diagnosis) -> Result<String, CliError> {
     serde_json::to_string_pretty(diagnosis).map_err(|e| CliError::Work(e.to_string()))
 }
 
-/// Writes all files. Everything is rendered before the first file is written.
+/// Writes all files.
 fn write(diagnosis: &mut Diagnosis, out: &Path) -> Result<(), CliError> {
-    let bench_path = out.join("extended-bench.toml");
-    let extended = match &diagnosis.extended {
-        Some(bench) => Some(bench.to_toml().map_err(|e| CliError::Work(format!("extended bench: {e}")))?),
-        None => None,
-    };
-    diagnosis.extended_bench = extended.as_ref().map(|_| bench_path.display().to_string());
-    let page = report::page(diagnosis).map_err(CliError::Work)?.render();
-    let text = format!("{}\n", json(diagnosis)?);
-    let files = [
-        (bench_path, extended),
-        (out.join("diagnosis.json"), Some(text)),
-        (out.join("report.html"), Some(page)),
-    ];
-    for (path, content) in files {
-        if let Some(content) = content {
-            atomic::write(&path, content.as_bytes()).map_err(|e| CliError::output(&path, &e))?;
+    let mut files = Files::new(out);
+    if let Some(bench) = &diagnosis.extended {
+        let text = bench.to_toml().map_err(|e| CliError::Work(format!("extended bench: {e}")))?;
+        files.add(EXTENDED_BENCH, &text)?;
+        diagnosis.extended_bench = Some(out.join(EXTENDED_BENCH).display().to_string());
+    }
+    files.add("diagnosis.json", &format!("{}\n", json(diagnosis)?))?;
+    files.add("report.html", &report::page(diagnosis).map_err(CliError::Work)?.render())?;
+    files.publish()
+}
+
+/// Verdict at which the command fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FailOn {
+    /// A cause was named, or several that the logs cannot separate.
+    Named,
+    /// An error remains that no cause explains.
+    Unknown,
+}
+
+impl FailOn {
+    fn applies_to(self, verdict: Verdict) -> bool {
+        match self {
+            Self::Named => matches!(verdict, Verdict::Named | Verdict::Ambiguous | Verdict::Partial),
+            Self::Unknown => matches!(verdict, Verdict::Unknown | Verdict::Partial),
         }
     }
-    Ok(())
+}
+
+/// Fails if one of `verdicts` applies.
+fn outcome(fail_on: &[FailOn], verdict: Verdict) -> Result<(), CliError> {
+    if !fail_on.iter().any(|f| f.applies_to(verdict)) {
+        return Ok(());
+    }
+    Err(CliError::Work(format!("--fail-on: the verdict is `{}`", verdict.name())))
 }
 
 impl From<DiagnosisError> for CliError {

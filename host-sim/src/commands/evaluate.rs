@@ -3,7 +3,8 @@
 
 use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
-use crate::cli::{output, progress};
+use crate::cli::output::{self, Files};
+use crate::cli::progress;
 use crate::evaluate::{report, text};
 use clap::Args;
 use diagnosis::evaluate;
@@ -34,11 +35,11 @@ pub struct EvaluateArgs {
 /// Runs the command.
 pub fn run(args: &EvaluateArgs) -> Result<(), CliError> {
     if let Some(folder) = &args.out {
-        output::prepare_folder(folder)?;
+        output::check_folder(folder)?;
     }
     let bench = args.bench.open()?;
     let logs = super::diagnose::read(&args.logs, &bench)?;
-    let bar = progress::bar(args.json, 1);
+    let bar = progress::bar(1);
     bar.set_message("simulating the logs");
     let evaluation = evaluate(&bench, &logs);
     bar.finish_and_clear();
@@ -46,11 +47,13 @@ pub fn run(args: &EvaluateArgs) -> Result<(), CliError> {
     let json = output::json(&evaluation)?;
     if let Some(folder) = &args.out {
         let page = report::page(&evaluation, &args.bench.bench, &bench).map_err(CliError::Work)?.render();
-        output::write(folder, "evaluation.json", &format!("{json}\n"))?;
-        output::write(folder, "report.html", &page)?;
+        let mut files = Files::new(folder);
+        files.add("evaluation.json", &format!("{json}\n"))?;
+        files.add("report.html", &page)?;
+        files.publish()?;
     }
     if args.json {
-        print_line!("{json}");
+        print_result!("{json}");
         return Ok(());
     }
     print_line!("{}", text::text(&evaluation).trim_end());

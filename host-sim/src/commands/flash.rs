@@ -39,13 +39,13 @@ pub fn run(args: &FlashArgs) -> Result<(), CliError> {
     let image = choice::image_for(args.board, args.elf.as_deref());
     let plan = Plan::for_board(args.board, &image)?;
     if args.json {
-        println!("{}", serde_json::json!(plan));
+        print_result!("{}", serde_json::json!(plan));
     } else {
-        println!("{} ({}): {} bytes of {}", plan.board, plan.chip, plan.bytes, plan.image);
+        print_line!("{} ({}): {} bytes of {}", plan.board, plan.chip, plan.bytes, plan.image);
         for segment in &plan.segments {
-            println!("  {:#010x}  {:>7} bytes  crc {}", segment.address, segment.bytes, segment.crc32);
+            print_line!("  {:#010x}  {:>7} bytes  crc {}", segment.address, segment.bytes, segment.crc32);
         }
-        println!("  erases {} sectors; starts at {:#010x}", plan.sectors.len(), plan.entry);
+        print_line!("  erases {} sectors; starts at {:#010x}", plan.sectors.len(), plan.entry);
     }
     if args.dry_run {
         return Ok(());
@@ -58,7 +58,7 @@ fn write(args: &FlashArgs, plan: &Plan, image: &std::path::Path) -> Result<(), C
     let mut session = crate::flash::probe::write(plan, image, args.probe.as_deref())?;
     eprintln!("written and verified; the controller has started");
     if args.follow {
-        crate::flash::probe::follow(&mut session, image, |line| println!("{line}"))?;
+        crate::flash::probe::follow(&mut session, image, |line| print_line!("{line}"))?;
     }
     Ok(())
 }

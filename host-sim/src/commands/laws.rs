@@ -5,6 +5,7 @@ use crate::cli::error::CliError;
 use crate::cli::output;
 use clap::Args;
 use contact::catalogue::{self, Group};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Arguments of `host-sim laws`.
@@ -17,8 +18,8 @@ pub struct LawsArgs {
 }
 
 /// One law.
-#[derive(Serialize)]
-struct Law {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Law {
     /// Field of the description that takes the name.
     field: &'static str,
     name: &'static str,
@@ -29,8 +30,8 @@ struct Law {
     on_a_bench: bool,
 }
 
-#[derive(Serialize)]
-struct Laws {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Laws {
     laws: Vec<Law>,
 }
 
@@ -51,7 +52,7 @@ pub fn run(args: &LawsArgs) -> Result<(), CliError> {
     };
     let laws = Laws { laws: catalogue::all().map(law).collect() };
     if args.json {
-        print_line!("{}", output::json(&laws)?);
+        print_result!("{}", output::json(&laws)?);
         return Ok(());
     }
     let mut field = "";
@@ -61,12 +62,10 @@ pub fn run(args: &LawsArgs) -> Result<(), CliError> {
             print_line!("{field}");
         }
         print_line!("  {:<34} {}", law.name, law.description);
-        print_line!("  {:<34} holds: {}; {}", "", law.range, law.source);
+        print_line!("  {:<34} holds: {}", "", law.range);
+        print_line!("  {:<34} source: {}", "", law.source);
         if !law.on_a_bench {
-            print_line!(
-                "  {:<34} in the library only: a bench integrates laws that depend on the speed continuously",
-                ""
-            );
+            print_line!("  {:<34} in the library only: not continuous in the speed", "");
         }
     }
     Ok(())

@@ -109,7 +109,7 @@ pub fn run(args: &LinkArgs) -> Result<(), CliError> {
     }
     let info = DeviceInfo::read(&mut controller)?;
     if args.json {
-        print_line!("{}", output::json(&info.to_json())?);
+        print_result!("{}", output::json(&info.to_json())?);
     } else {
         info.print();
     }

@@ -2,8 +2,10 @@
 
 use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
+use crate::cli::output;
 use bench::simulate::record;
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -31,8 +33,8 @@ pub struct RecordArgs {
     pub json: bool,
 }
 
-#[derive(Serialize)]
-struct Written {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Written {
     log: String,
     samples: usize,
     duration_s: f64,
@@ -43,9 +45,10 @@ struct Written {
 /// Runs the command.
 pub fn run(args: &RecordArgs) -> Result<(), CliError> {
     let bench = args.bench.open()?;
-    let log = record(&bench, args.seed)?;
     let path = file_of(&args.out);
-    log.write(&path)?;
+    output::check_folder(path.parent().unwrap_or(Path::new("")))?;
+    let log = record(&bench, args.seed)?;
+    log.write(&path).map_err(|e| CliError::Work(e.to_string()))?;
     let written = Written {
         log: path.display().to_string(),
         samples: log.time_s.len(),
@@ -54,7 +57,10 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
         seed: args.seed,
     };
     if args.json {
-        print_line!("{}", serde_json::to_string_pretty(&written).map_err(|e| CliError::Work(e.to_string()))?);
+        print_result!(
+            "{}",
+            serde_json::to_string_pretty(&written).map_err(|e| CliError::Work(e.to_string()))?
+        );
     } else {
         print_line!("{}: {} samples of {} channels", written.log, written.samples, written.channels.len());
     }

@@ -2,7 +2,7 @@
 
 use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
-use crate::cli::output;
+use crate::cli::output::{self, Files};
 use crate::controller::Recording;
 use crate::controller::choice::{self, ControllerKind, ProbeOptions};
 use crate::controller::recording::MAGIC;
@@ -75,8 +75,10 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     let name = controller.name();
     let replayed = replay(&recording, &mut *controller)?;
     if let Some(out) = &args.out {
-        output::write(out, estimates::FILE_NAME, &estimates::to_csv(&replayed.estimates))?;
-        output::write(out, impacts::FILE_NAME, &impacts::to_csv(&replayed.impacts))?;
+        let mut files = Files::new(out);
+        files.add(estimates::FILE_NAME, &estimates::to_csv(&replayed.estimates))?;
+        files.add(impacts::FILE_NAME, &impacts::to_csv(&replayed.impacts))?;
+        files.publish()?;
     }
     print_recording(args, name, &recording, &replayed)?;
     match replayed.differences.len() {
@@ -96,7 +98,7 @@ fn print_recording(
 ) -> Result<(), CliError> {
     let differences = &replayed.differences;
     if args.json {
-        print_line!(
+        print_result!(
             "{}",
             output::json(&json!({
                 "file": args.file.display().to_string(),
@@ -146,8 +148,10 @@ fn run_log(args: &ReplayArgs) -> Result<(), CliError> {
     controller.order(Command::Configure(configuration))?;
     let exchanged = exchange(controller, &frames)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(OUT));
-    output::write(&out, estimates::FILE_NAME, &estimates::to_csv(&exchanged.estimates))?;
-    output::write(&out, impacts::FILE_NAME, &impacts::to_csv(&exchanged.impacts))?;
+    let mut files = Files::new(&out);
+    files.add(estimates::FILE_NAME, &estimates::to_csv(&exchanged.estimates))?;
+    files.add(impacts::FILE_NAME, &impacts::to_csv(&exchanged.impacts))?;
+    files.publish()?;
     print_log(args, &exchanged, rate_hz, &out.join(estimates::FILE_NAME))
 }
 
@@ -163,7 +167,7 @@ fn print_log(
     };
     let (outside, suspect) = (flagged(Flags::OUTSIDE_TRAINING), flagged(SENSOR_FAULT));
     if args.json {
-        print_line!(
+        print_result!(
             "{}",
             output::json(&json!({
                 "log": args.file.display().to_string(),

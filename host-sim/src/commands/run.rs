@@ -1,7 +1,7 @@
 //! `host-sim run`: one run of the bench with the estimator, its log, its figures and its report.
 
 use crate::cli::error::CliError;
-use crate::cli::output;
+use crate::cli::output::{self, Files};
 use crate::run::{
     ControllerChoice, RunArgs, estimates, execute, impacts, mechanism, page, report, settled, slider_crank,
     tilt,
@@ -12,6 +12,7 @@ use bench::simulate::impact_table;
 /// Runs the command.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let bench = Bench::open(&args.bench.bench)?;
+    output::check_folder(&args.out)?;
     if matches!(bench, Bench::SliderCrank(_) | Bench::Mechanism(_)) {
         args.bench.check_changes(&bench)?;
         if args.record.is_some() || args.watch {
@@ -35,27 +36,29 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let json = output::json(&finished.summary)?;
     let contacts = impact_table::to_csv(&finished.forced.run.impacts, finished.bench.contact.latch_floor_m_s);
     let page = page::page(&finished).map_err(CliError::Work)?;
-    output::write(&args.out, "log.csv", &finished.log(args.seed).to_csv())?;
-    output::write(&args.out, impact_table::FILE_NAME, &contacts)?;
+    let mut files = Files::new(&args.out);
+    files.add("log.csv", &finished.log(args.seed).to_csv())?;
+    files.add(impact_table::FILE_NAME, &contacts)?;
     if !finished.forced.tilting.is_empty() {
         let table = tilt::to_csv(&finished.forced.tilting, finished.log_interval());
-        output::write(&args.out, tilt::FILE_NAME, &table)?;
+        files.add(tilt::FILE_NAME, &table)?;
     }
     if let (Some(path), Some(recording)) = (&args.record, &finished.recording) {
         recording.write(path).map_err(|e| CliError::output(path, &e))?;
     }
     if let Some(exchange) = &finished.exchange {
         let table = estimates::to_csv(&exchange.estimates);
-        output::write(&args.out, estimates::FILE_NAME, &table)?;
-        output::write(&args.out, impacts::FILE_NAME, &impacts::to_csv(&exchange.impacts))?;
+        files.add(estimates::FILE_NAME, &table)?;
+        files.add(impacts::FILE_NAME, &impacts::to_csv(&exchange.impacts))?;
     }
     if let Some(found) = &finished.summary.settled {
-        output::write(&args.out, settled::FILE_NAME, &found.cycles_csv())?;
+        files.add(settled::FILE_NAME, &found.cycles_csv())?;
     }
-    output::write(&args.out, "run.json", &format!("{json}\n"))?;
-    output::write(&args.out, "report.html", &page.render())?;
+    files.add("run.json", &format!("{json}\n"))?;
+    files.add("report.html", &page.render())?;
+    files.publish()?;
     if args.json {
-        print_line!("{json}");
+        print_result!("{json}");
     } else {
         for row in report::rows(&finished.summary) {
             print_line!("{:<44} {:>14}", row[0], row[1]);

@@ -59,7 +59,7 @@ pub fn run(args: &UpdateArgs) -> Result<(), CliError> {
         controller.order(Command::Stop)?;
     }
     let outcome = package.as_ref().map(|package| {
-        let bar = progress::bar(args.json, package.manifest.length().into());
+        let bar = progress::bar(package.manifest.length().into());
         bar.set_message("update");
         let outcome = update(&mut controller, package, |offset| bar.set_position(offset.into()));
         bar.finish_and_clear();
@@ -116,7 +116,7 @@ fn report(
                 "resumed_at": u.resumed_at, "repeated": u.repeated,
             })
         });
-        print_line!(
+        print_result!(
             "{}",
             output::json(&json!({
                 "running": source(status.running), "kept_without_power": status.memory == ModelMemory::Flash,

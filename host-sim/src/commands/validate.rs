@@ -21,7 +21,7 @@ pub struct ValidateArgs {
 
 /// Computes every case. Fails if one does not hold.
 pub fn run(args: &ValidateArgs) -> Result<(), CliError> {
-    let bar = progress::bar(args.json, 3);
+    let bar = progress::bar(3);
     bar.set_message("known answers");
     let cases = Cases::compute(|| bar.inc(1))?;
     bar.finish_and_clear();
@@ -32,7 +32,7 @@ pub fn run(args: &ValidateArgs) -> Result<(), CliError> {
         output::write(folder, "validate.json", &format!("{text}\n"))?;
     }
     if args.json {
-        print_line!("{text}");
+        print_result!("{text}");
     } else {
         print_line!("{}", text_table(HEADER, cases.cases.iter().map(cells), 1));
         print_line!("{} of {total} hold", total - failed);

@@ -12,7 +12,7 @@ use link::{
 };
 
 /// Losses on the line and on the controller, as the host sees them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct Losses {
     /// Estimates that the controller sent and the host did not receive.
     pub estimates_missed: u32,

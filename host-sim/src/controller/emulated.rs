@@ -23,6 +23,10 @@ const START_TIMEOUT: Duration = Duration::from_secs(20);
 /// Timeouts of all other answers. The pipes lose nothing, so nothing is repeated earlier.
 const TIMEOUTS: Timeouts = Timeouts { answer: Duration::from_secs(5), retry: Duration::from_secs(5) };
 
+/// The firmware in cargo's target folder.
+const BUILT: &str = "thumbv7em-none-eabihf/firmware/estimator";
+/// The firmware in a release archive.
+const INSTALLED: &str = "share/pintle/firmware/estimator";
 const BOARD: &[&str] =
     &["-M", MACHINE, "-display", "none", "-serial", "null", "-monitor", "none", "-no-reboot"];
 const COUNTING: &[&str] = &["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off"];
@@ -32,14 +36,17 @@ const COUNTING: &[&str] = &["-semihosting-config", "enable=on,target=native", "-
 pub struct EmulatedController;
 
 impl EmulatedController {
-    /// Path at which `cargo xtask firmware` puts the image: cargo's target folder, below the
-    /// current directory or this source tree.
+    /// Path of the firmware: where `cargo xtask firmware` puts it in cargo's target folder below
+    /// the current directory, else beside this program, in a target folder or a release archive.
     pub fn default_elf() -> PathBuf {
-        let tail = Path::new("thumbv7em-none-eabihf/firmware/estimator");
         let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
-        let here = Path::new(&target).join(tail);
-        let source_tree = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        if here.exists() { here } else { source_tree.join(target).join(tail) }
+        let here = Path::new(&target).join(BUILT);
+        let program = std::env::current_exe().unwrap_or_default();
+        let beside = || {
+            let folders = program.ancestors().skip(1);
+            folders.flat_map(|folder| [BUILT, INSTALLED].map(|tail| folder.join(tail))).find(|p| p.exists())
+        };
+        if here.exists() { here } else { beside().unwrap_or(here) }
     }
 
     /// Starts the emulator with an image, waits for its hello and configures it.

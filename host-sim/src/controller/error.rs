@@ -237,7 +237,9 @@ fn last(sequence: Option<u32>) -> String {
 impl From<ControllerError> for CliError {
     fn from(error: ControllerError) -> Self {
         match error {
-            ControllerError::Port { .. } => Self::Input(error.to_string()),
+            ControllerError::Port { .. }
+            | ControllerError::FirmwareMissing { .. }
+            | ControllerError::NotFirmware { .. } => Self::Input(error.to_string()),
             #[cfg(feature = "probe")]
             ControllerError::Probe(error) => error.into(),
             other => Self::Work(other.to_string()),

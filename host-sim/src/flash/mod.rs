@@ -13,11 +13,20 @@ pub mod probe;
 use crate::cli::error::CliError;
 pub use plan::{Plan, Segment};
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why nothing was written.
 #[derive(Debug, thiserror::Error)]
 pub enum FlashError {
+    /// The image is missing.
+    #[error(
+        "{path}: no firmware there; build it with `cargo xtask firmware --board BOARD`, or name one with --elf",
+        path = path.display()
+    )]
+    Missing {
+        /// Expected path.
+        path: PathBuf,
+    },
     /// The image cannot be read.
     #[error("{path}: {source}", path = path.display())]
     Unreadable {
@@ -47,6 +56,16 @@ pub enum FlashError {
         /// Error of the probe's library.
         cause: String,
     },
+}
+
+impl FlashError {
+    /// Creates the error of an image that is missing or cannot be read.
+    fn unreadable(path: &Path, source: std::io::Error) -> Self {
+        match source.kind() {
+            std::io::ErrorKind::NotFound => Self::Missing { path: path.into() },
+            _ => Self::Unreadable { path: path.into(), source },
+        }
+    }
 }
 
 impl From<FlashError> for CliError {

@@ -9,11 +9,12 @@ use controller::boards::{Board, Region};
 use link::crc32;
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Endianness, Object, elf};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
 /// A segment of the image.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Segment {
     /// Start address.
     pub address: u64,
@@ -24,7 +25,7 @@ pub struct Segment {
 }
 
 /// Content of a flash operation.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Plan {
     /// The board.
     pub board: &'static str,
@@ -66,8 +67,7 @@ impl Plan {
                 board.name, map.path
             )));
         };
-        let bytes =
-            std::fs::read(path).map_err(|source| FlashError::Unreadable { path: path.into(), source })?;
+        let bytes = std::fs::read(path).map_err(|source| FlashError::unreadable(path, source))?;
         let loaded = loaded_segments(path, &bytes, flash)?;
         let Some([stack_pointer, reset]) = vectors(&loaded, flash) else {
             return Err(wrong(path, "no vector table".into(), &format!("one at {:#010x}", flash.origin)));

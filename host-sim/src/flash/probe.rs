@@ -89,7 +89,7 @@ fn write_with(probe: Probe, plan: &Plan, image: &Path) -> Result<Session, FlashE
 ///
 /// The log cannot be found or read.
 pub fn follow(session: &mut Session, image: &Path, mut show: impl FnMut(&str)) -> Result<(), FlashError> {
-    let elf = std::fs::read(image).map_err(|source| FlashError::Unreadable { path: image.into(), source })?;
+    let elf = std::fs::read(image).map_err(|source| FlashError::unreadable(image, source))?;
     let texts = Texts::from_elf(&elf)?;
     let mut log = texts.decoder();
     // The image contains the address. A search for the mark could find the buffers of another image

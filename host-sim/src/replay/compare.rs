@@ -11,11 +11,12 @@ use link::{
     Acknowledgement, Answer, Command, Counters, Decoder, EstimateFrame, ImpactRecord, NumberedCommand,
     Refusal, SensorFrame, SlowReport, ToController, ToHost,
 };
+use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeMap;
 
 /// A difference between two link sessions.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Difference {
     /// Sequence number of the sample; none for a difference without one.
     pub sequence: Option<u32>,

@@ -8,7 +8,7 @@ use super::pictures::{causes, diagram, friction, motion};
 use super::runs::{PaperRun, PaperRuns, Series};
 use crate::cli::error::CliError;
 use crate::cli::limits;
-use crate::cli::output::{self, Picture};
+use crate::cli::output::{self, Files, Picture};
 use crate::cli::progress;
 use crate::reproduction::claims::cycles::{self, SettledRun};
 use crate::reproduction::claims::facts::Facts;
@@ -18,11 +18,13 @@ use crate::run::conditions::BEARINGS;
 use crate::run::force::ForceSource;
 use crate::run::summary::PerPeak;
 use crate::sweep::options::SweepOptions;
+use crate::sweep::owner;
 use crate::sweep::table;
 use bench::description::TransmissionBench;
 use model_quant::report::paper;
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
@@ -45,8 +47,9 @@ impl Content {
 }
 
 /// Printed and stored result.
-#[derive(Serialize)]
-struct Outcome<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome<'a> {
+    sweep: &'static str,
     runs: Vec<&'a PaperRun>,
     claims: Vec<Judged>,
 }
@@ -92,8 +95,14 @@ pub(crate) fn run(
 ) -> Result<(), CliError> {
     let source = options.force.unwrap_or(ForceSource::QuantisedNet);
     let (base, step_s) = (options.base()?, options.step_s()?);
-    output::prepare_folder(folder)?;
-    let bar = progress::bar(json, 2 * PaperRuns::COUNT + 1);
+    let sweep = match content {
+        Content::Series(Series::Clearance) => "clearance",
+        Content::Series(Series::Load) => "load",
+        Content::Paper => "figures",
+    };
+    output::check_folder(folder)?;
+    owner::check(folder, sweep)?;
+    let bar = progress::bar(2 * PaperRuns::COUNT + 1);
     bar.set_message(format!("runs with {}", source.name()));
     let runs = PaperRuns::execute(&base, source, step_s, options.threads, || bar.inc(1))?;
     bar.set_message("settled runs");
@@ -117,14 +126,17 @@ pub(crate) fn run(
     limits::section(&mut draft.page, &base);
 
     let series = content.series();
-    let outcome = Outcome { runs: series.iter().flat_map(|s| results.runs.series(*s)).collect(), claims };
+    let runs = series.iter().flat_map(|s| results.runs.series(*s)).collect();
+    let outcome = Outcome { sweep, runs, claims };
     let text = output::json(&outcome)?;
-    output::write(folder, "runs.csv", &table::csv(&outcome.runs)?)?;
-    output::write(folder, "sweep.json", &format!("{text}\n"))?;
-    output::save(folder, &draft.pictures)?;
-    output::write(folder, "report.html", &draft.page.render())?;
+    let mut files = Files::new(folder);
+    files.add("runs.csv", &table::csv(&outcome.runs)?)?;
+    files.add("sweep.json", &format!("{text}\n"))?;
+    files.add_pictures(&draft.pictures)?;
+    files.add("report.html", &draft.page.render())?;
+    files.publish()?;
     if json {
-        print_line!("{text}");
+        print_result!("{text}");
     } else {
         print(&outcome);
         print_line!("\nreport: {}", folder.join("report.html").display());

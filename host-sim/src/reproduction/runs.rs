@@ -15,6 +15,7 @@ use crate::run::summary::{self, AgainstLaw, Figures, after_start};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Number of sliding speed bands over which the coefficient of friction is averaged.
@@ -33,7 +34,7 @@ pub enum Series {
 }
 
 /// One run with additional measurements.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct PaperRun {
     /// The usual figures.
     #[serde(flatten)]

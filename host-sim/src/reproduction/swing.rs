@@ -23,7 +23,7 @@ const STEP_HZ: f64 = 0.1;
 const COARSE_STEPS: usize = 10;
 
 /// Swing of the journal after the first reversal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Swing {
     /// Frequency of the journal's angle about the bearing's centre, Hz; none if it does not
     /// oscillate.

@@ -12,10 +12,11 @@ use controller::emulator::TICKS_PER_INSTRUCTION;
 use controller::flags::{MODEL_MISFIT, SENSOR_FAULT};
 use inference::Flags;
 use link::{Counters, EstimateFrame};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Results of the estimator.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct EstimatorSummary {
     /// Transport: `native`, `emulated` or `attached`.
     pub controller: &'static str,
@@ -60,6 +61,7 @@ pub struct EstimatorSummary {
     /// Impacts that the controller recorded.
     pub impacts: ImpactSummary,
     /// Counters of the controller.
+    #[schemars(with = "std::collections::BTreeMap<String, u64>")]
     pub counters: Counters,
     /// Losses on the line.
     pub losses: Losses,
@@ -67,7 +69,7 @@ pub struct EstimatorSummary {
 
 /// Errors of force vector and torque against the reported deviations, and what was learnt about the
 /// bearing. Held estimates have no deviation and do not count as covered.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
 pub struct Tracked {
     /// Rms error of the force vector, N.
     pub vector_rms_error_n: f64,
@@ -132,7 +134,7 @@ impl Tracked {
 }
 
 /// Differences of the normal force and the friction torque.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Differences {
     /// Rms of the force difference.
     pub force_rms_n: f64,

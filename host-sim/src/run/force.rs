@@ -12,11 +12,12 @@ use clap::ValueEnum;
 use inference::{ContactState, Flags, Model, Pair, shipped};
 use model_quant::network::float_pair::FloatPair;
 use model_quant::network::shipped::shipped_checkpoint;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Source of the bearing force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, JsonSchema, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ForceSource {
     /// The description's analytic laws, error-controlled.
@@ -73,7 +74,7 @@ pub struct ForcedRun {
 }
 
 /// Largest tilt of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Tilt {
     /// Largest angle between shaft and machine axis.
     pub largest_tilt_rad: f64,

@@ -9,6 +9,7 @@ use bench::integrate::Impact;
 use bench::plants::transmission::Snapshot;
 use controller::impacts::SETTLED_US;
 use link::{ImpactEnd, ImpactRecord};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -78,7 +79,7 @@ pub(crate) fn line(r: &ImpactRecord) -> String {
 }
 
 /// Number and size of the recorded impacts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct ImpactTotals {
     /// Records that the host received.
     pub records: u64,
@@ -107,7 +108,7 @@ impl ImpactTotals {
 }
 
 /// Recorded impacts with the errors of those that have a true contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct ImpactSummary {
     /// Number and size.
     #[serde(flatten)]

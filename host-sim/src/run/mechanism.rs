@@ -2,13 +2,15 @@
 
 use super::RunArgs;
 use crate::cli::error::CliError;
-use crate::cli::{limits, output};
+use crate::cli::limits;
+use crate::cli::output::{self, Files};
 use bench::description::MechanismBench;
 use bench::plants::mechanism::Snapshot;
 use bench::simulate::{RunWithBars, impact_table};
 use report::figure::{Chart, Series, lines};
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -17,7 +19,7 @@ use std::time::Instant;
 const MAX_CURVES: usize = 6;
 
 /// Figures of one contact.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 struct ContactSummary {
     /// Both bodies, with a number where a joint has several contacts.
     name: String,
@@ -36,8 +38,8 @@ struct ContactSummary {
 }
 
 /// Figures of a run.
-#[derive(Clone, Debug, Serialize)]
-struct MechanismSummary {
+#[derive(Clone, Debug, JsonSchema, Serialize)]
+pub(crate) struct MechanismSummary {
     contacts: Vec<ContactSummary>,
     /// Largest magnitude of each drive's force or torque at the log's rows, by name with unit.
     drive_peaks: BTreeMap<String, f64>,
@@ -63,13 +65,15 @@ pub(crate) fn run(bench: &MechanismBench, args: &RunArgs) -> Result<(), CliError
     let json = output::json(&summary)?;
     let floors = bench.latch_floors_m_s();
     let floor = |contact: usize| floors.get(contact).copied().unwrap_or_default();
-    output::write(&args.out, "log.csv", &to_csv(bench, &result.run.samples))?;
+    let mut files = Files::new(&args.out);
+    files.add("log.csv", &to_csv(bench, &result.run.samples))?;
     let impacts = impact_table::to_csv_with_floors(&result.run.impacts, floor);
-    output::write(&args.out, impact_table::FILE_NAME, &impacts)?;
-    output::write(&args.out, "run.json", &format!("{json}\n"))?;
-    output::write(&args.out, "report.html", &page.render())?;
+    files.add(impact_table::FILE_NAME, &impacts)?;
+    files.add("run.json", &format!("{json}\n"))?;
+    files.add("report.html", &page.render())?;
+    files.publish()?;
     if args.json {
-        print_line!("{json}");
+        print_result!("{json}");
         return Ok(());
     }
     print_line!("{}", text_table(CONTACT_HEADER, contact_rows(&summary), 1));

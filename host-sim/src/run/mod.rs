@@ -77,7 +77,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     let described = Bench::from(bench);
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
 
-    let bar = progress::bar(args.json, progress::PERCENT);
+    let bar = progress::bar(progress::PERCENT);
     bar.set_message(format!("bench with {}", args.force.name()));
     let forced = force::run_bench(&resolved, args.force, step_s, || bar.inc(1))?;
     let mut summary = Summary {

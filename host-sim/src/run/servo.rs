@@ -5,13 +5,14 @@ use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
 use report::figure::{Chart, Series, lines};
 use report::page::Page;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Points of a curve in a picture.
 const POINTS: usize = 4000;
 
 /// Position error of the servo: order less position of the fork.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, JsonSchema, Serialize)]
 pub struct ServoFigures {
     /// Rms over the run.
     pub rms_error_m: f64,

@@ -2,7 +2,8 @@
 
 use super::RunArgs;
 use crate::cli::error::CliError;
-use crate::cli::{limits, output};
+use crate::cli::limits;
+use crate::cli::output::{self, Files};
 use bench::description::SliderCrankBench;
 use bench::integrate::{ContactPlant, Impact, integrate};
 use bench::simulate::impact_table;
@@ -10,6 +11,7 @@ use bench::simulate::peaks::{TIGHTER, impacts_with_bars};
 use report::figure::{Chart, Series, lines};
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -19,7 +21,7 @@ const TOLERANCE: f64 = 1e-11;
 const SAMPLES: usize = 4000;
 
 /// Figures of a run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct SliderCrankSummary {
     /// Relative tolerance of the run.
     tolerance: f64,
@@ -57,13 +59,15 @@ pub(crate) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
     let table = contact_rows(&summary, &impacts);
     let page = page(bench, &summary, &rows, &table).map_err(CliError::Work)?;
     let json = output::json(&summary)?;
-    output::write(&args.out, "log.csv", &to_csv(&rows))?;
+    let mut files = Files::new(&args.out);
+    files.add("log.csv", &to_csv(&rows))?;
     let impacts = impact_table::to_csv(&impacts, bench.joint.latch_floor_m_s);
-    output::write(&args.out, impact_table::FILE_NAME, &impacts)?;
-    output::write(&args.out, "run.json", &format!("{json}\n"))?;
-    output::write(&args.out, "report.html", &page.render())?;
+    files.add(impact_table::FILE_NAME, &impacts)?;
+    files.add("run.json", &format!("{json}\n"))?;
+    files.add("report.html", &page.render())?;
+    files.publish()?;
     if args.json {
-        print_line!("{json}");
+        print_result!("{json}");
         return Ok(());
     }
     print_line!("{}", text_table(CONTACT_HEADER, &table, 0));

@@ -8,6 +8,7 @@ use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
 use bench::simulate::peaks::Peak;
 use bench::simulate::settled::Settled;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Window of the moving mean that is subtracted before the oscillation is measured, s.
@@ -18,9 +19,10 @@ const OSCILLATION_WINDOW: (f64, f64) = (0.02, 0.13);
 
 /// Figures of a run, reproducible to the bit. Peaks count from the end of the load's ramp. Each has
 /// a numerical error bar, see [`ForcedRun::peaks`]; none where the coarser runs failed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema, Deserialize)]
 pub struct Figures {
     /// Bearing material.
+    #[schemars(with = "String")]
     pub bearing: BearingMaterial,
     /// Radial clearance, mm.
     pub clearance_mm: f64,
@@ -55,7 +57,7 @@ pub struct Figures {
 }
 
 /// A number for each peak, under the names of the peaks; none where it is unknown.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema, Deserialize)]
 pub struct PerPeak {
     /// Number of the normal force.
     pub peak_contact_force_n: Option<f64>,
@@ -102,7 +104,7 @@ impl PerPeak {
 
 /// The figures of a run with wall time, energy balance, peaks, estimator and comparison with the
 /// law.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Summary {
     /// Figures of the bench.
     #[serde(flatten)]
@@ -141,7 +143,7 @@ pub struct Summary {
 }
 
 /// A peak for output.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct PeakRow {
     /// Name of the quantity, unit included.
     pub name: &'static str,
@@ -160,7 +162,7 @@ impl From<&Peak> for PeakRow {
 }
 
 /// Difference between a run with networks and the run with the analytic law.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct AgainstLaw {
     /// Peak normal force with the law.
     pub peak_contact_force_n: f64,

@@ -2,30 +2,36 @@
 
 use super::journal::{self, Header, Record};
 use super::options::SweepOptions;
+use super::owner;
 use super::points::points;
 use super::specification::{Scale, Specification};
 use super::table::{self, Row};
 use super::work;
 use crate::cli::error::CliError;
 use crate::cli::limits;
-use crate::cli::output::{self, Picture};
+use crate::cli::output::{self, Files, Picture};
 use crate::cli::progress;
 use crate::run::force;
 use crate::run::summary::{Figures, PerPeak};
 use bench::{BearingMaterial, Bench, PRESETS};
 use report::figure::{Chart, Series, Style, lines, lines_log_x};
 use report::page::Page;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
 /// Maximum number of runs that a report lists one by one.
 const LISTED: usize = 200;
 
-#[derive(Serialize)]
-struct Outcome<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome<'a> {
+    sweep: &'static str,
     specification: &'a Specification,
     runs: Vec<Row<'a>>,
 }
+
+/// Name of the sweep in its results.
+const NAME: &str = "file";
 
 /// Runs the sweep of a file and writes runs.csv, sweep.json, timing.csv and report.html.
 pub(crate) fn run(file: &str, options: &SweepOptions, folder: &Path, json: bool) -> Result<(), CliError> {
@@ -50,26 +56,32 @@ pub(crate) fn run(file: &str, options: &SweepOptions, folder: &Path, json: bool)
         specification: specification.clone(),
         step_s,
     };
+    owner::check(folder, NAME)?;
     let journal = journal::open(folder, &header, points.len())?;
     let done = journal.1.len();
-    let bar = progress::bar(json, points.len() as u64);
+    let bar = progress::bar(points.len() as u64);
     bar.set_message(format!("runs with {}", specification.force.name()));
     bar.inc(done as u64);
     let records = work::run(&points, (specification.force, step_s), options.threads, journal, || bar.inc(1))?;
     bar.finish_and_clear();
 
-    let outcome =
-        Outcome { specification: &specification, runs: table::rows(&specification, &points, &records) };
+    let outcome = Outcome {
+        sweep: NAME,
+        specification: &specification,
+        runs: table::rows(&specification, &points, &records),
+    };
     let text = output::json(&outcome)?;
-    output::write(folder, "runs.csv", &table::csv(&outcome.runs)?)?;
-    output::write(folder, "sweep.json", &format!("{text}\n"))?;
-    output::write(folder, "timing.csv", &timing(&records))?;
+    let mut files = Files::new(folder);
+    files.add("runs.csv", &table::csv(&outcome.runs)?)?;
+    files.add("sweep.json", &format!("{text}\n"))?;
+    files.add("timing.csv", &timing(&records))?;
     let pictures = pictures(&outcome)?;
-    output::save(folder, &pictures)?;
-    output::write(folder, "report.html", &page(file, &outcome, &pictures, &base).render())?;
+    files.add_pictures(&pictures)?;
+    files.add("report.html", &page(file, &outcome, &pictures, &base).render())?;
+    files.publish()?;
     let failed = records.iter().filter(|r| r.outcome.is_err()).count();
     if json {
-        print_line!("{text}");
+        print_result!("{text}");
     } else {
         if done > 0 {
             print_line!("{done} of {} runs were already in the journal", records.len());

@@ -7,10 +7,11 @@
 //! analytic law under error control.
 
 use super::options::SweepOptions;
+use super::owner;
 use super::table;
 use crate::cli::error::CliError;
 use crate::cli::limits;
-use crate::cli::output::{self, Picture};
+use crate::cli::output::{self, Files, Picture};
 use crate::cli::{parallel, progress};
 use crate::run::conditions::{BEARINGS, CLEARANCES_MM, variant};
 use crate::run::force::{self, DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ};
@@ -22,6 +23,7 @@ use contact::Damping;
 use report::figure::{Chart, Series, Style, lines_log_x};
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::{Deserialize, IntoDeserializer, value};
 use std::path::Path;
@@ -32,7 +34,7 @@ const SPEEDS_MM_S: [f64; 5] = [1.0, 5.0, 10.0, 50.0, 200.0];
 const LOAD_KN: f64 = 10.0;
 
 /// One run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 struct LatchRun {
     /// `latched`, `bounded` or `reference`.
     damping: &'static str,
@@ -47,10 +49,14 @@ struct LatchRun {
     figures: Figures,
 }
 
-#[derive(Serialize)]
-struct Outcome {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome {
+    sweep: &'static str,
     runs: Vec<LatchRun>,
 }
+
+/// Name of the sweep in its results.
+const NAME: &str = "latch";
 
 /// Runs the forms and writes runs.csv, sweep.json, pictures and report.html.
 pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(), CliError> {
@@ -62,7 +68,8 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
     }
     let base = options.base()?;
     options.step_s()?;
-    output::prepare_folder(folder)?;
+    output::check_folder(folder)?;
+    owner::check(folder, NAME)?;
     let mut cases = Vec::new();
     for bearing in BEARINGS {
         for clearance in CLEARANCES_MM {
@@ -71,7 +78,7 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
             }
         }
     }
-    let bar = progress::bar(json, cases.len() as u64);
+    let bar = progress::bar(cases.len() as u64);
     bar.set_message("forms of the damping");
     let mut runs = parallel::map(options.threads, &cases, |_, case| {
         let run = one(&base, *case);
@@ -83,15 +90,17 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
         let first = group.first().map_or(1.0, |r| r.figures.peak_contact_force_n);
         group.iter_mut().for_each(|r| r.peak_change = r.figures.peak_contact_force_n / first - 1.0);
     }
-    let outcome = Outcome { runs };
+    let outcome = Outcome { sweep: NAME, runs };
     let text = output::json(&outcome)?;
     let pictures = pictures(&outcome.runs)?;
-    output::write(folder, "runs.csv", &table::csv(&outcome.runs)?)?;
-    output::write(folder, "sweep.json", &format!("{text}\n"))?;
-    output::save(folder, &pictures)?;
-    output::write(folder, "report.html", &page(&outcome.runs, &pictures, &base).render())?;
+    let mut files = Files::new(folder);
+    files.add("runs.csv", &table::csv(&outcome.runs)?)?;
+    files.add("sweep.json", &format!("{text}\n"))?;
+    files.add_pictures(&pictures)?;
+    files.add("report.html", &page(&outcome.runs, &pictures, &base).render())?;
+    files.publish()?;
     if json {
-        print_line!("{text}");
+        print_result!("{text}");
     } else {
         print_line!("peak contact force in N by floor or reference speed");
         print_line!("{}", text_table(header(), rows(&outcome.runs), 1));

@@ -11,6 +11,7 @@ pub(crate) mod file;
 mod journal;
 pub(crate) mod latch;
 pub(crate) mod options;
+pub(crate) mod owner;
 mod points;
 mod specification;
 pub(crate) mod step;

@@ -1,6 +1,7 @@
 //! Options that every command with many runs takes.
 
 use crate::cli::error::CliError;
+use crate::cli::options::thread_count;
 use crate::run::arguments::communication_step_s;
 use crate::run::force::{DEFAULT_STEP_S, ForceSource};
 use bench::description::TransmissionBench;
@@ -20,7 +21,7 @@ pub struct SweepOptions {
     #[arg(long, default_value_t = 1e6 * DEFAULT_STEP_S, value_name = "US", allow_negative_numbers = true)]
     pub step_us: f64,
     /// Threads; 0 uses one per core. The result does not depend on it.
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = thread_count())]
     pub threads: usize,
 }
 

@@ -23,6 +23,7 @@
 use crate::cli::error::CliError;
 use crate::run::force::ForceSource;
 use bench::BearingMaterial;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -30,7 +31,7 @@ use std::collections::BTreeMap;
 pub(crate) const MAX_RUNS: usize = 100_000;
 
 /// Choice of the points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Sampling {
     /// Every combination of the values.
@@ -41,7 +42,7 @@ pub(crate) enum Sampling {
 }
 
 /// Spacing of a range.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Scale {
     /// Even steps.
@@ -52,7 +53,7 @@ pub(crate) enum Scale {
 }
 
 /// A range of values.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Range {
     /// First value.
@@ -68,7 +69,7 @@ pub(crate) struct Range {
 }
 
 /// One varied parameter.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Parameter {
     /// Dotted name in the bench description.
@@ -82,7 +83,7 @@ pub(crate) struct Parameter {
 }
 
 /// The whole file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Specification {
     /// Preset or bench description, relative to this file.
@@ -90,6 +91,7 @@ pub(crate) struct Specification {
     pub(crate) bench: String,
     /// Bearings that every point is run with; empty: the bearing of the bench.
     #[serde(default)]
+    #[schemars(with = "Vec<String>")]
     pub(crate) bearings: Vec<BearingMaterial>,
     /// Source of the bearing force.
     #[serde(default = "law")]

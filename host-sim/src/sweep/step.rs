@@ -5,10 +5,11 @@
 //! If the difference no longer falls with the step, the remainder is the error of the source.
 
 use super::options::SweepOptions;
+use super::owner;
 use super::table;
 use crate::cli::error::CliError;
 use crate::cli::limits;
-use crate::cli::output::{self, Picture};
+use crate::cli::output::{self, Files, Picture};
 use crate::cli::{parallel, progress};
 use crate::run::conditions::{BEARINGS, variant};
 use crate::run::force::{self, ForceSource, ForcedRun, SAMPLE_RATE_HZ};
@@ -18,6 +19,7 @@ use bench::description::TransmissionBench;
 use report::figure::{Chart, Series, Style, lines_log_log};
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
@@ -30,8 +32,9 @@ const SOURCES: [ForceSource; 3] = [ForceSource::HeldLaw, ForceSource::FloatNet, 
 const ENOUGH: f64 = 2.0;
 
 /// One run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 struct StepRun {
+    #[schemars(with = "String")]
     bearing: BearingMaterial,
     force: ForceSource,
     step_us: f64,
@@ -51,8 +54,9 @@ struct StepRun {
 }
 
 /// Result for a bearing and a source.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 struct Choice {
+    #[schemars(with = "String")]
     bearing: BearingMaterial,
     force: ForceSource,
     /// Largest step that is small enough: its difference from the law is at most twice that at the
@@ -62,11 +66,15 @@ struct Choice {
     largest_us: Option<f64>,
 }
 
-#[derive(Serialize)]
-struct Outcome {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome {
+    sweep: &'static str,
     runs: Vec<StepRun>,
     choices: Vec<Choice>,
 }
+
+/// Name of the sweep in its results.
+const NAME: &str = "step";
 
 /// Runs the steps and writes runs.csv, sweep.json, pictures and report.html.
 pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(), CliError> {
@@ -85,7 +93,8 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
             "[two_plane]: found; expected a planar bench: a held force requires one".into(),
         ));
     }
-    output::prepare_folder(folder)?;
+    output::check_folder(folder)?;
+    owner::check(folder, NAME)?;
     let benches = BEARINGS.map(|bearing| {
         variant(&base, bearing, base.bearing.radial_clearance_m * 1e3, base.load.force_n * 1e-3).resolved()
     });
@@ -99,7 +108,7 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
             cases.extend(STEPS_US.map(|step_us| (bench, law, source, step_us)));
         }
     }
-    let bar = progress::bar(json, cases.len() as u64);
+    let bar = progress::bar(cases.len() as u64);
     bar.set_message("communication steps");
     let runs = parallel::map(options.threads, &cases, |_, &(bench, law, source, step_us)| {
         let run = one(bench, law, source, step_us);
@@ -108,15 +117,17 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
     })?;
     bar.finish_and_clear();
     let choices = runs.chunks(STEPS_US.len()).filter_map(choice).collect();
-    let outcome = Outcome { runs, choices };
+    let outcome = Outcome { sweep: NAME, runs, choices };
     let text = output::json(&outcome)?;
     let pictures = pictures(&outcome.runs)?;
-    output::write(folder, "runs.csv", &table::csv(&outcome.runs)?)?;
-    output::write(folder, "sweep.json", &format!("{text}\n"))?;
-    output::save(folder, &pictures)?;
-    output::write(folder, "report.html", &page(&outcome, &pictures, &base).render())?;
+    let mut files = Files::new(folder);
+    files.add("runs.csv", &table::csv(&outcome.runs)?)?;
+    files.add("sweep.json", &format!("{text}\n"))?;
+    files.add_pictures(&pictures)?;
+    files.add("report.html", &page(&outcome, &pictures, &base).render())?;
+    files.publish()?;
     if json {
-        print_line!("{text}");
+        print_result!("{text}");
     } else {
         print_line!(
             "rms difference of the contact force from the error-controlled law, N, by communication step"

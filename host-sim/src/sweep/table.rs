@@ -6,11 +6,12 @@ use super::points::Point;
 use super::specification::Specification;
 use crate::cli::error::CliError;
 use crate::run::summary::Figures;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// One run of a sweep: its parameters and its figures or the reason why it has none.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct Row<'a> {
     /// Number of the point.
     pub(crate) index: usize,

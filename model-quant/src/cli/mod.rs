@@ -9,6 +9,7 @@ mod key;
 mod package;
 mod quantize;
 mod report;
+mod shell;
 mod train;
 mod verify;
 
@@ -24,7 +25,7 @@ use crate::network::shipped::shipped_checkpoint;
 use crate::quantise::QuantiseError;
 use crate::report::training::ReportError;
 use crate::train::pipeline::TrainError;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use inference::{BearingMaterial, ImageError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -61,6 +62,8 @@ enum Command {
     Report(report::Arguments),
     Key(key::Arguments),
     Package(package::Arguments),
+    Completions(shell::CompletionsArguments),
+    Man(shell::ManualArguments),
 }
 
 /// Reason why a command failed.
@@ -166,6 +169,8 @@ fn run(arguments: &Arguments) -> Result<(), CliError> {
         Command::Key(arguments) => key::run(arguments),
         Command::Package(arguments) => package::run(arguments),
         Command::Report(arguments) => report::run(arguments),
+        Command::Completions(arguments) => shell::completions(arguments, Arguments::command()),
+        Command::Man(arguments) => shell::manual(arguments, Arguments::command()),
     }
 }
 

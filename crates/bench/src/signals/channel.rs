@@ -1,12 +1,13 @@
 //! Signals of a measured log: names with units, inputs and outputs.
 
 use core::fmt;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 macro_rules! channels {
     ($($variant:ident $name:literal $unit:literal $role:ident $doc:literal;)*) => {
         /// Signal of a measured log.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, JsonSchema, Serialize, Deserialize)]
         pub enum Channel { $(#[doc = $doc] #[serde(rename = $name)] $variant,)* }
 
         impl Channel {

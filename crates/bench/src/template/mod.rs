@@ -15,6 +15,7 @@ use crate::reading::FILL_IN;
 use crate::signals::Channel;
 use columns::{Chosen, candidates, chambers, choose, motion_kind};
 use names::{MotionKind, Quantity};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Plant of a template.
@@ -44,7 +45,7 @@ impl TemplatePlant {
 }
 
 /// Column of a log as a template uses it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct TemplateColumn {
     /// Index from 0.
     pub index: usize,
@@ -59,7 +60,7 @@ pub struct TemplateColumn {
 }
 
 /// Template of a description.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct Template {
     /// Plant.
     pub plant: &'static str,

@@ -27,10 +27,11 @@ use crate::search::stage::Stage;
 use bench::signals::Role;
 use bench::{Bench, Channel, MeasuredLog};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Separation of one effect from the cause by an experiment.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Separation {
     /// Effect in kebab-case.
     pub effect: String,
@@ -42,7 +43,7 @@ pub struct Separation {
 }
 
 /// A recording of an experiment.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Recording {
     /// Lines of TOML that change the description, such as `drive.period_s = 0.5`.
     pub changes: Vec<String>,
@@ -51,7 +52,7 @@ pub struct Recording {
 }
 
 /// An experiment to perform next; its recordings are diagnosed together.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Experiment {
     /// The experiment as a sentence.
     pub words: String,

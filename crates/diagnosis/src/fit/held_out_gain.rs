@@ -11,10 +11,11 @@ use bench::simulate::RespondError;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Error of one channel before and after the extension.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Gain {
     /// Channel.
     pub channel: Channel,

@@ -5,10 +5,11 @@ use crate::data::noise::NoiseModel;
 use crate::statistics::limits;
 use bench::signals::white_noise;
 use bench::{Bench, Channel, MeasuredLog, Role};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Quality of one channel over all logs.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ChannelQuality {
     /// Channel.
     pub channel: Channel,

@@ -21,10 +21,11 @@ use bench::{Bench, MeasuredLog};
 use channels::{ChannelQuality, channel_qualities};
 use motions::{MotionAdvice, advise};
 use parameters::{DeclaredParameter, Information};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Extent of one log.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct LogSummary {
     /// Name of the log.
     pub log: String,
@@ -37,7 +38,7 @@ pub struct LogSummary {
 }
 
 /// Result of an inspection.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Inspection {
     /// Extent of each log.
     pub logs: Vec<LogSummary>,

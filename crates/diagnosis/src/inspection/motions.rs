@@ -10,10 +10,11 @@ use crate::verdict::identifiability::Identifiability;
 use bench::{Bench, MeasuredLog, Role};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A motion that would determine parameters.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct MotionAdvice {
     /// Parameters that it would show or separate, together with the logs at hand.
     pub parameters: Vec<String>,

@@ -11,10 +11,11 @@ use crate::verdict::identifiability::{Determination, Identifiability, not_determ
 use bench::Bench;
 use bench::simulate::RespondError;
 use nalgebra::DMatrix;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A parameter that the description declares uncertain.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct DeclaredParameter {
     /// Name in the description; of a nuisance parameter with its log.
     pub name: String,

@@ -23,10 +23,11 @@ use crate::fit::held_out_gain::gains;
 use crate::fit::parameter::Parameter;
 use crate::fit::tuning::Z_95;
 use crate::search::stage::Stage;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Selected causes that are not accepted, or the nearest candidate if none was selected.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Rejection {
     /// Causes that are not accepted together.
     pub causes: Vec<EffectName>,

@@ -7,10 +7,11 @@ use crate::fit::model::Candidate;
 use crate::fit::tuning::Z_95;
 use crate::search::contender::Contender;
 use bench::Channel;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A fitted parameter.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ParameterEstimate {
     /// Name in the bench description.
     pub name: String,
@@ -23,7 +24,7 @@ pub struct ParameterEstimate {
 }
 
 /// A cause that the diagnosis names.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Cause {
     /// Effect in kebab-case.
     pub effect: String,
@@ -41,7 +42,7 @@ pub struct Cause {
 }
 
 /// An effect that fits as well as a named one.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct EquivalentEffect {
     /// Effect in kebab-case.
     pub effect: String,
@@ -67,7 +68,7 @@ impl EquivalentEffect {
 }
 
 /// Name of an effect, with its sensor.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct EffectName {
     /// Effect in kebab-case.
     pub effect: String,

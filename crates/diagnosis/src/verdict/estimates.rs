@@ -4,10 +4,11 @@ use super::explanation::Explanation;
 use crate::data::logs::Data;
 use crate::fit::parameter::Parameter;
 use bench::Channel;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A calibrated parameter of the nominal bench.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct CalibratedParameter {
     /// Dotted name in the description.
     pub name: String,
@@ -22,7 +23,7 @@ pub struct CalibratedParameter {
 }
 
 /// A nuisance parameter of one log.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct LogNuisance {
     /// Position among all logs, held-out logs after fitted ones.
     #[serde(rename = "session")]

@@ -29,10 +29,11 @@ use crate::fit::nuisance::Nuisance;
 use crate::fit::parameter::Parameter;
 use crate::fit::simulation::simulate;
 use nalgebra::{DMatrix, SymmetricEigen};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Parameters of the reported model that the logs do not determine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Identifiability {
     /// `dead`, `at-bound`, `not-pinned`, `correlated`, `sign` or `flat-direction`.
     pub kind: &'static str,

@@ -4,10 +4,11 @@ use crate::data::logs::{Columns, Data};
 use crate::data::noise::NoiseModel;
 use crate::data::repeatability::repeatability;
 use bench::Channel;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Noise of one channel.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Noise {
     /// Channel.
     pub channel: Channel,

@@ -24,10 +24,11 @@ use crate::fit::model::Candidate;
 use crate::search::selection::Selection;
 use crate::search::stage::Stage;
 use crate::search::threshold::bic_penalty;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A fitted set of causes.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Hypothesis {
     /// Causes that act together.
     pub causes: Vec<EffectName>,

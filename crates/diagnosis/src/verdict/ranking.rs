@@ -3,10 +3,11 @@
 use crate::search::contender::Contender;
 use crate::search::stage::Stage;
 use bench::Channel;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A candidate of the first stage.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct RankedCandidate {
     /// Effect in kebab-case.
     pub effect: String,

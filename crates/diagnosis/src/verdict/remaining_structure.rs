@@ -20,12 +20,13 @@ use crate::data::split::Use;
 use crate::data::tuning::RMS_SIGMAS;
 use crate::statistics::{mean, square_deviations};
 use bench::Channel;
+use schemars::JsonSchema;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 use std::collections::BTreeMap;
 
 /// Structure that remains in the residual.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct RemainingStructure {
     /// Channel that shows it most.
     pub channel: Channel,

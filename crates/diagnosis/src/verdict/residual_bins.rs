@@ -5,10 +5,11 @@ use crate::data::features::{FEATURES, bins, explained_power};
 use crate::data::logs::{Columns, Data};
 use crate::data::split::Use;
 use bench::Channel;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The residual of a channel over one quantity.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct BinnedResidual {
     /// Channel.
     pub channel: Channel,
@@ -23,7 +24,7 @@ pub struct BinnedResidual {
 }
 
 /// Mean of measured minus simulated values in one bin, in the unit of the channel.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ResidualBin {
     /// Lower end, SI; for a direction -1, 1 or, at standstill, 0.
     pub from: f64,

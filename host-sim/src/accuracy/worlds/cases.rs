@@ -6,6 +6,7 @@ use ::worlds::random::subseed;
 use ::worlds::{Bearing, Deviations, Parameter, Sensors, World};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
+use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 /// Bearings that have a world, in the order of the paper.
@@ -14,10 +15,11 @@ const CLEARANCES_MM: [f64; 2] = [0.1, 0.5];
 const LOADS_KN: [f64; 2] = [10.0, -5.0];
 
 /// Operating point of bench B.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct OperatingPoint {
     /// Bearing of the world; written as the name of its material.
     #[serde(serialize_with = "by_material")]
+    #[schemars(with = "String")]
     pub bearing: Bearing,
     /// Described radial clearance.
     pub clearance_mm: f64,
@@ -72,7 +74,7 @@ impl OperatingPoint {
 }
 
 /// Kind of world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Set {
     /// The described bench.

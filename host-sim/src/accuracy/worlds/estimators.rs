@@ -12,10 +12,11 @@ use controller::estimator::filter_configuration;
 use controller::filter::{Filter, Measurement, SensorNoise};
 use inference::shipped;
 use link::{ContactSource, ControllerConfiguration};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// An estimator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub enum EstimatorKind {
     /// The controller's estimator with the networks as the source of the contact.
     #[serde(rename = "network")]

@@ -7,10 +7,11 @@ use super::cases::{self, OperatingPoint, Set};
 use super::estimators::EstimatorKind;
 use super::score::Case;
 use ::worlds::Bearing;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Limit of a goal.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Limit {
     /// Largest value that meets it.
@@ -48,7 +49,7 @@ impl Limit {
 }
 
 /// A value that a goal refers to.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Figure {
     /// The value, a share or in N.
     pub value: f64,
@@ -67,7 +68,7 @@ struct Goal {
 }
 
 /// Result of a goal.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Verdict {
     /// Stable name.
     pub name: &'static str,

@@ -19,7 +19,8 @@ mod report;
 pub mod score;
 
 use crate::cli::error::CliError;
-use crate::cli::{output, parallel, progress};
+use crate::cli::output::{self, Files};
+use crate::cli::{parallel, progress};
 use crate::run::force::SAMPLE_RATE_HZ;
 use ::worlds::random::subseed;
 use ::worlds::{Reading, Row};
@@ -28,6 +29,7 @@ use bench::description::TransmissionBench;
 use cases::{OperatingPoint, RealWorld};
 use estimators::{Estimate, EstimatorKind};
 use goals::Verdict;
+use schemars::JsonSchema;
 use score::Case;
 use serde::Serialize;
 use std::path::Path;
@@ -44,8 +46,8 @@ pub struct Settings {
 }
 
 /// Result of `host-sim accuracy --worlds`, as printed and stored.
-#[derive(Serialize)]
-struct Outcome {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome {
     worlds: u32,
     seed: u64,
     goals: Vec<Verdict>,
@@ -100,7 +102,7 @@ pub(crate) fn run(
     out: &Path,
     as_json: bool,
 ) -> Result<(), CliError> {
-    output::prepare_folder(out)?;
+    output::check_folder(out)?;
     let points: Vec<OperatingPoint> =
         OperatingPoint::all().into_iter().filter(|p| bearing.is_none_or(|b| p.material() == b)).collect();
     if let (Some(bearing), true) = (bearing, points.is_empty()) {
@@ -108,7 +110,7 @@ pub(crate) fn run(
         return Err(CliError::Input(format!("--bearing: found {}; expected {expected}", bearing.name())));
     }
     let count: usize = points.iter().map(|p| cases::worlds(p, settings.draws, settings.seed).len()).sum();
-    let bar = progress::bar(as_json, count as u64);
+    let bar = progress::bar(count as u64);
     bar.set_message("worlds");
     let cases = measure(&points, settings, || bar.inc(1))?;
     bar.finish_and_clear();
@@ -116,15 +118,16 @@ pub(crate) fn run(
     let outcome = Outcome { worlds: settings.draws, seed: settings.seed, goals, cases };
     let text = output::json(&outcome)?;
     let pictures = pictures::draw(&outcome)?;
-    output::write(out, "worlds.json", &format!("{text}\n"))?;
-    pictures.save(out)?;
-    output::write(
-        out,
+    let mut files = Files::new(out);
+    files.add("worlds.json", &format!("{text}\n"))?;
+    pictures.add_to(&mut files)?;
+    files.add(
         "worlds.html",
         &report::page(&outcome, &pictures, &TransmissionBench::open("bench-b")?).render(),
     )?;
+    files.publish()?;
     if as_json {
-        print_line!("{text}");
+        print_result!("{text}");
     } else {
         report::print(&outcome);
         print_line!("\nreport: {}", out.join("worlds.html").display());

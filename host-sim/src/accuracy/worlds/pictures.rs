@@ -5,11 +5,10 @@ use super::estimators::{Estimate, EstimatorKind};
 use super::score::{Case, SECTIONS, START_S, reversals_s};
 use super::{Outcome, Recorded};
 use crate::cli::error::CliError;
-use crate::cli::output::{self, Picture};
+use crate::cli::output::{Files, Picture};
 use crate::run::conditions::BEARINGS;
 use ::worlds::Row;
 use report::figure::{Chart, Series, Style, lines, lines_log_log, lines_log_y};
-use std::path::Path;
 
 const WIDE: (u32, u32) = (1040, 340);
 const HALF: (u32, u32) = (512, 340);
@@ -26,9 +25,9 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    /// Writes all as separate files.
-    pub(super) fn save(&self, folder: &Path) -> Result<(), CliError> {
-        [&self.wide, &self.half].into_iter().try_for_each(|pictures| output::save(folder, pictures))
+    /// Adds all as separate files.
+    pub(super) fn add_to(&self, files: &mut Files) -> Result<(), CliError> {
+        [&self.wide, &self.half].into_iter().try_for_each(|pictures| files.add_pictures(pictures))
     }
 }
 

@@ -4,6 +4,7 @@ use super::cases::{OperatingPoint, RealWorld, Set};
 use super::estimators::{Estimate, EstimatorKind};
 use crate::run::summary::rms;
 use ::worlds::Row;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Time from which on errors count, s: the load has its full size.
@@ -16,7 +17,7 @@ const ZERO_SHARE: f64 = 1e-3;
 pub(super) const SECTIONS: usize = 100;
 
 /// Errors of an estimator in a world, from [`START_S`] on.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Case {
     /// Name of the world.
     pub world: String,

@@ -10,6 +10,7 @@ use bench::description::{StiffnessName, TransmissionBench};
 use contact::StiffnessKind;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::{Deserialize, IntoDeserializer, value};
 
@@ -19,7 +20,7 @@ pub const BLOCK: usize = 50;
 pub const PARAMETERS: usize = 9;
 
 /// Values of a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Values {
     /// Any value between two, evenly by its logarithm.
@@ -29,7 +30,7 @@ pub enum Values {
 }
 
 /// A parameter of the box.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Parameter {
     /// Short name for tables and maps.
     pub name: &'static str,

@@ -6,13 +6,14 @@ use super::work::{self, Record};
 use super::{pictures, verdicts};
 use crate::cli::error::CliError;
 use crate::cli::limits;
-use crate::cli::output;
+use crate::cli::output::{self, Files};
 use crate::cli::progress;
 use crate::reproduction::claims::{Claim, Verdict, cycles, evaluate_motion};
 use bench::description::TransmissionBench;
 use model_quant::report::claims::{friction, torque, training};
 use report::page::Page;
 use report::text_table;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
@@ -30,7 +31,7 @@ pub(crate) struct Options {
 }
 
 /// A claim with its verdicts at the bench's own parameters and over the box.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Row {
     #[serde(flatten)]
     claim: Claim,
@@ -40,8 +41,8 @@ struct Row {
     mapped: Option<MappedClaim>,
 }
 
-#[derive(Serialize)]
-struct Outcome {
+#[derive(JsonSchema, Serialize)]
+pub(crate) struct Outcome {
     seed: u64,
     draws: usize,
     failed: usize,
@@ -52,8 +53,8 @@ struct Outcome {
 /// Runs the campaign and writes claims.json, claims.md, draws.csv, verdicts.csv, the pictures and
 /// report.html.
 pub(crate) fn run(options: &Options, folder: &Path, json: bool) -> Result<(), CliError> {
-    output::prepare_folder(folder)?;
-    let bar = progress::bar(json, options.runs as u64);
+    output::check_folder(folder)?;
+    let bar = progress::bar(options.runs as u64);
     bar.set_message("at the bench's own parameters");
     let nominal = nominal(&options.base, options.threads)?;
     bar.set_message("draws of the parameter box");
@@ -76,12 +77,13 @@ pub(crate) fn run(options: &Options, folder: &Path, json: bool) -> Result<(), Cl
     let maps = pictures::maps(&claims)?;
     let charts = pictures::over_deciding((options.seed, &records), &claims)?;
     let text = output::json(&outcome)?;
-    output::write(folder, "claims.json", &format!("{text}\n"))?;
-    output::write(folder, "claims.md", &markdown(&rows))?;
-    output::write(folder, "draws.csv", &draws_csv(options.seed, &records)?)?;
-    output::write(folder, "verdicts.csv", &verdicts_csv(&records))?;
-    output::save(folder, &maps)?;
-    output::save(folder, &charts)?;
+    let mut files = Files::new(folder);
+    files.add("claims.json", &format!("{text}\n"))?;
+    files.add("claims.md", &markdown(&rows))?;
+    files.add("draws.csv", &draws_csv(options.seed, &records)?)?;
+    files.add("verdicts.csv", &verdicts_csv(&records))?;
+    files.add_pictures(&maps)?;
+    files.add_pictures(&charts)?;
     let mut page = page(&outcome, &rows);
     page.section("Which parameter decides");
     for map in &maps {
@@ -90,9 +92,10 @@ pub(crate) fn run(options: &Options, folder: &Path, json: bool) -> Result<(), Cl
     output::show(&mut page, &charts);
     details(&mut page, &outcome);
     limits::section(&mut page, &options.base);
-    output::write(folder, "report.html", &page.render())?;
+    files.add("report.html", &page.render())?;
+    files.publish()?;
     if json {
-        print_line!("{text}");
+        print_result!("{text}");
     } else {
         print_line!("{}", text_table(HEADER, &rows, 2));
         print_line!("\n{}", lead(&outcome));

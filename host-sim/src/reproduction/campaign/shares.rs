@@ -7,6 +7,7 @@
 //! (Bonferroni). The intervals assume independent draws; those of a Latin hypercube scatter less.
 
 use super::parameter_box::{BOX, Draw, PARAMETERS, Values};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Normal quantile of a 95 % interval.
@@ -15,7 +16,7 @@ const QUANTILE: f64 = 1.959_964;
 const QUANTILE_OVER_PARAMETERS: f64 = 2.772_921;
 
 /// A share with its interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Share {
     /// Number of draws in which the claim holds.
     pub hits: usize,
@@ -65,7 +66,7 @@ fn newcombe(first: (usize, usize), second: (usize, usize), quantile: f64) -> (f6
 }
 
 /// Effect of a parameter on the share of a claim.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Effect {
     /// Name of the parameter.
     pub parameter: &'static str,

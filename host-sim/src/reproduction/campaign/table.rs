@@ -5,6 +5,7 @@ use super::shares::{Effect, Share, deciding, effects};
 use super::verdicts::{CLAIMS, row};
 use super::work::Record;
 use crate::reproduction::claims::Verdict;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Short names of the claims for maps and charts.
@@ -27,7 +28,7 @@ pub const SHORT: [&str; CLAIMS] = [
 ];
 
 /// Result of a claim in one operation over all draws.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Mapped {
     /// Draws in which it holds.
     pub holds: Share,
@@ -54,7 +55,7 @@ impl Mapped {
 }
 
 /// A claim over all draws: from rest and settled. None where the operation has no verdict.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct MappedClaim {
     /// Number, from 1.
     pub id: u8,
@@ -110,7 +111,7 @@ pub const HEADER: [&str; 9] = [
 ];
 
 /// Verdicts on a claim at the bench's own parameters.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, JsonSchema, Serialize)]
 pub struct Nominal {
     /// One cycle from rest.
     pub as_run: Option<Verdict>,

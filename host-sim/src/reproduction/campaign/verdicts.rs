@@ -9,6 +9,7 @@ use crate::run::conditions::variant;
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use model_quant::report::claims::{friction, torque};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Number of claims.
@@ -19,7 +20,7 @@ pub type Row = [Option<Verdict>; CLAIMS];
 
 /// Verdicts of a draw, from rest and settled, each claim a letter: `h` holds, `a` assumed, `p`
 /// partly, `n` does not hold, `-` none.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 pub struct Letters {
     /// One cycle from rest.
     pub from_rest: String,

@@ -3,10 +3,11 @@
 use super::facts::{Facts, MotionFacts};
 use super::{Claim, Verdict, evaluate, evaluate_motion};
 use model_quant::report::claims::friction;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A further verdict with its figures.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct Further {
     /// Verdict.
     pub verdict: Verdict,
@@ -21,7 +22,7 @@ impl From<Claim> for Further {
 }
 
 /// A claim with its verdicts. Its own one is that of one cycle from rest, as the paper ran it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct Judged {
     /// The claim, and its verdict for one cycle from rest.
     #[serde(flatten)]

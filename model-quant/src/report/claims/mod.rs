@@ -9,10 +9,11 @@ pub mod friction;
 pub mod torque;
 pub mod training;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Verdict on a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize)]
 pub enum Verdict {
     /// The figures confirm it.
     #[serde(rename = "holds")]
@@ -71,7 +72,7 @@ impl Verdict {
 }
 
 /// A claim of the paper with its verdict.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct Claim {
     /// Number, 1 to 15.
     pub id: u8,

@@ -20,6 +20,7 @@ use crate::plants::transmission::Snapshot;
 use crate::simulate::Run;
 use crate::statistics::{Estimate, estimate, largest_in, mean, quantile, transient_length};
 use cycles::{Column, Kind, boundaries, columns};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Fewest cycles of a run whose settled operation is described.
@@ -73,7 +74,7 @@ impl<'a> Course<'a> {
 }
 
 /// A quantity over the settled cycles.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct Quantity {
     /// Name, unit included.
     pub name: String,
@@ -95,7 +96,7 @@ pub struct Quantity {
 }
 
 /// Settled operation of a run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct Settled {
     /// Length of a cycle in s.
     pub cycle_s: f64,

@@ -6,6 +6,7 @@
 use super::Course;
 use crate::plants::transmission::Snapshot;
 use crate::statistics::{Estimate, RangeCycle, count_ranges, estimate, mean};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Histories that are counted, with their names.
@@ -19,7 +20,7 @@ const HISTORIES: [History; 3] = [
 const BINS: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
 
 /// Rainflow count of one history.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct RangeCount {
     /// Name of the history, unit included.
     pub name: &'static str,
@@ -34,7 +35,7 @@ pub struct RangeCount {
 }
 
 /// Ranges of similar size.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, JsonSchema, Serialize)]
 pub struct RangeBin {
     /// Smallest range.
     pub from: f64,

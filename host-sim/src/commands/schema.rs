@@ -1,0 +1,82 @@
+//! `host-sim schema`: JSON schemas of the results that the commands print and write.
+
+use super::{describe, laws, record};
+use crate::cli::error::CliError;
+use crate::cli::output;
+use crate::run::mechanism::MechanismSummary;
+use crate::run::slider_crank::SliderCrankSummary;
+use crate::run::summary::Summary;
+use crate::validation::Cases;
+use crate::{accuracy, reproduction, sweep};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use diagnosis::{Diagnosis, Evaluation, Inspection};
+use schemars::generate::{SchemaGenerator, SchemaSettings};
+use schemars::transform::{Transform, transform_subschemas};
+use schemars::{JsonSchema, Schema};
+use serde_json::json;
+
+/// Name of a schema, result that it describes, and the schema.
+type Entry = (&'static str, &'static str, fn() -> Schema);
+
+/// All schemas.
+const ALL: [Entry; 17] = [
+    ("accuracy", "accuracy: accuracy.json", of::<accuracy::Outcome>),
+    ("accuracy-worlds", "accuracy --worlds: worlds.json", of::<accuracy::worlds::Outcome>),
+    ("check", "check: check.json", of::<Inspection>),
+    ("claims", "claims: claims.json", of::<reproduction::campaign::report::Outcome>),
+    ("describe", "describe --json", of::<describe::Described>),
+    ("diagnose", "diagnose: diagnosis.json", of::<Diagnosis>),
+    ("evaluate", "evaluate: evaluation.json", of::<Evaluation>),
+    ("figures", "figures, sweep clearance, sweep load: sweep.json", of::<reproduction::report::Outcome<'_>>),
+    ("laws", "laws --json", of::<laws::Laws>),
+    ("record", "record --json", of::<record::Written>),
+    ("run", "run: run.json", of::<Summary>),
+    ("run-mechanism", "run of a mechanism: run.json", of::<MechanismSummary>),
+    ("run-slider-crank", "run --bench slider-crank: run.json", of::<SliderCrankSummary>),
+    ("sweep-file", "sweep FILE: sweep.json", of::<sweep::file::Outcome<'_>>),
+    ("sweep-latch", "sweep latch: sweep.json", of::<sweep::latch::Outcome>),
+    ("sweep-step", "sweep step: sweep.json", of::<sweep::step::Outcome>),
+    ("validate", "validate: validate.json", of::<Cases>),
+];
+
+/// Arguments of `host-sim schema`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Examples:\n  host-sim schema\n  host-sim schema diagnose > diagnose.schema.json")]
+pub struct SchemaArgs {
+    /// The schema; without a name all names are listed.
+    #[arg(value_name = "NAME", value_parser = PossibleValuesParser::new(ALL.map(|entry| entry.0)))]
+    pub name: Option<String>,
+}
+
+/// Runs the command.
+pub fn run(args: &SchemaArgs) -> Result<(), CliError> {
+    let Some(name) = &args.name else {
+        ALL.iter().for_each(|(name, result, _)| print_line!("{name:<18} {result}"));
+        return Ok(());
+    };
+    for (_, result, schema) in ALL.iter().filter(|entry| entry.0 == name) {
+        let mut schema = schema();
+        schema.insert("title".into(), json!(format!("Result of host-sim {result}")));
+        print_result!("{}", output::json(&schema)?);
+    }
+    Ok(())
+}
+
+fn of<T: JsonSchema>() -> Schema {
+    let settings = SchemaSettings::draft2020_12().for_serialize().with_transform(NullNumbers);
+    SchemaGenerator::new(settings).into_root_schema_for::<T>()
+}
+
+/// Allows null for every number: JSON has no infinity, so an unbounded number is written as null.
+#[derive(Clone, Debug)]
+struct NullNumbers;
+
+impl Transform for NullNumbers {
+    fn transform(&mut self, schema: &mut Schema) {
+        if let Some(kind) = schema.get_mut("type").filter(|kind| **kind == "number") {
+            *kind = json!(["number", "null"]);
+        }
+        transform_subschemas(self, schema);
+    }
+}

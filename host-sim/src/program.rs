@@ -1,0 +1,124 @@
+//! The program: its commands and their dispatch.
+
+use crate::cli::console::ConsoleOptions;
+use crate::cli::error::CliError;
+use crate::cli::progress;
+use crate::commands::{
+    accuracy, check, claims, completions, describe, diagnose, evaluate, figures, flash, laws, link, manual,
+    record, replay, run, schema, sweep, update, validate,
+};
+use crate::run::RunArgs;
+use clap::{CommandFactory, Parser, Subcommand};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Simulates a rudder drive's test bench with the controller's own inference code in the loop, and
+/// finds what the simulation gets wrong in measured logs.
+///
+/// Without a command it does the main job: one cycle of bench B (Babbitt, 0.5 mm, +10 kN) with the
+/// quantised networks as the bearing force and the estimator following it, a summary, a log and a
+/// report in `out/run`.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Examples:\n  host-sim\n  \
+    host-sim run --bearing plastic --clearance-mm 1 --out out/plastic\n  \
+    host-sim record --cycles 5 --seed 7 --out log.csv\n  host-sim describe log.csv --out my-bench.toml\n  \
+    host-sim check log.csv --bench my-bench.toml\n  \
+    host-sim evaluate log.csv --bench my-bench.toml\n  \
+    host-sim diagnose log.csv --bench my-bench.toml --out out/diagnosis\n  \
+    host-sim sweep clearance\n  host-sim figures --out out/figures\n\n\
+    Exit codes: 0 done, 1 the work failed, 2 the input is wrong."
+)]
+struct Program {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    console: ConsoleOptions,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run the bench with the networks or the law as bearing force, with the estimator in lockstep.
+    Run(RunArgs),
+    /// Simulate a log as the bench's sensors would record it.
+    Record(record::RecordArgs),
+    /// Replay a recorded link session or a measured log on a controller.
+    Replay(replay::ReplayArgs),
+    /// Write a commented description template for a log.
+    Describe(describe::DescribeArgs),
+    /// Judge logs and description: data quality, units, parameters that the motion does not show.
+    Check(check::CheckArgs),
+    /// Simulate a described bench under the inputs of logs and compare; fit nothing.
+    Evaluate(evaluate::EvaluateArgs),
+    /// Find what a simulation gets wrong in measured logs, name the cause, measure the gain.
+    Diagnose(diagnose::DiagnoseArgs),
+    /// Vary clearance, load, damping speed, communication step or any parameters; evaluate the
+    /// paper's claims.
+    Sweep(sweep::SweepArgs),
+    /// Reproduce the paper's pictures on one page, with its claims as run and settled.
+    Figures(figures::FiguresArgs),
+    /// Judge the paper's claims as run, settled, and over the parameters that the paper leaves out.
+    Claims(claims::ClaimsArgs),
+    /// Measure the errors of networks and estimator against the law, over clearances, loads and
+    /// bearings.
+    Accuracy(accuracy::AccuracyArgs),
+    /// Write the firmware to a board, or check what would be written.
+    Flash(flash::FlashArgs),
+    /// List the contact and friction laws that a bench description may name.
+    Laws(laws::LawsArgs),
+    /// Print a controller's device info (identity, last start, counters); configure it.
+    Link(link::LinkArgs),
+    /// Transfer a signed model package to a controller.
+    Update(update::UpdateArgs),
+    /// Compare the models with published known answers.
+    Validate(validate::ValidateArgs),
+    /// Print the completions of the command line for a shell.
+    Completions(completions::CompletionsArgs),
+    /// Print the JSON schema of a result.
+    Schema(schema::SchemaArgs),
+    /// Write the manual pages, one for each command.
+    Man(manual::ManualArgs),
+}
+
+/// Runs the program with the process's arguments and returns its exit code.
+#[must_use]
+pub fn main() -> ExitCode {
+    let program = Program::parse();
+    program.console.apply();
+    let start = Instant::now();
+    let result = dispatch(program.command);
+    progress::print_duration(start);
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            anstream::eprintln!("\u{1b}[1;31merror:\u{1b}[0m {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn dispatch(command: Option<Command>) -> Result<(), CliError> {
+    match command {
+        None => run::run(&RunArgs::default_job()),
+        Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Record(args)) => record::run(&args),
+        Some(Command::Replay(args)) => replay::run(&args),
+        Some(Command::Describe(args)) => describe::run(&args),
+        Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Evaluate(args)) => evaluate::run(&args),
+        Some(Command::Diagnose(args)) => diagnose::run(&args),
+        Some(Command::Sweep(args)) => sweep::run(&args),
+        Some(Command::Figures(args)) => figures::run(&args),
+        Some(Command::Claims(args)) => claims::run(&args),
+        Some(Command::Accuracy(args)) => accuracy::run(&args),
+        Some(Command::Flash(args)) => flash::run(&args),
+        Some(Command::Laws(args)) => laws::run(&args),
+        Some(Command::Link(args)) => link::run(&args),
+        Some(Command::Update(args)) => update::run(&args),
+        Some(Command::Validate(args)) => validate::run(&args),
+        Some(Command::Completions(args)) => completions::run(&args, Program::command()),
+        Some(Command::Schema(args)) => schema::run(&args),
+        Some(Command::Man(args)) => manual::run(&args, Program::command()),
+    }
+}

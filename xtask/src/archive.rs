@@ -1,0 +1,150 @@
+//! The release archive: programs, firmware of every board, completions, manual pages, documents.
+//!
+//! The archive contains no path of the machine that built it, and its bytes do not depend on the
+//! time of the build.
+
+use crate::firmware::Firmware;
+use crate::run::{ChoreError, cargo, output_of, root, run, target_folder, write_atomically};
+use controller::boards::BOARDS;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Programs of the archive, each a package of the same name.
+const PROGRAMS: [&str; 2] = ["host-sim", "model-quant"];
+/// Files and folders of the workspace that are copied beside the programs' documents.
+const DOCUMENTS: [&str; 7] =
+    ["README.md", "CHANGELOG.md", "ARCHITECTURE.md", "LICENSE-APACHE", "LICENSE-MIT", "docs", "examples"];
+/// Completions: shell, folder in the archive, and file name around the program's name.
+const COMPLETIONS: [(&str, &str, &str, &str); 3] = [
+    ("bash", "share/bash-completion/completions", "", ""),
+    ("zsh", "share/zsh/site-functions", "_", ""),
+    ("fish", "share/fish/vendor_completions.d", "", ".fish"),
+];
+
+/// Builds the archive and its checksum, and returns the path of the archive.
+pub(crate) fn archive() -> Result<PathBuf, ChoreError> {
+    let name = format!("pintle-{}-{}", env!("CARGO_PKG_VERSION"), host()?);
+    let folder = target_folder().join("archive");
+    let tree = folder.join(&name);
+    if tree.exists() {
+        std::fs::remove_dir_all(&tree).map_err(failed(&tree))?;
+    }
+    let built = programs(&folder.join("build"))?;
+    for (program, path) in PROGRAMS.iter().zip(&built) {
+        copy(path, &tree.join("bin").join(program))?;
+    }
+    firmware(&tree.join("share/pintle/firmware"))?;
+    shells(&tree)?;
+    for document in DOCUMENTS {
+        copy_tree(&root().join(document), &tree.join("share/doc/pintle").join(document))?;
+    }
+    check_programs(&tree.join("bin"))?;
+    pack(&folder, &name)
+}
+
+/// Returns the triple of this machine.
+fn host() -> Result<String, ChoreError> {
+    let text = output_of(Command::new("rustc").arg("-vV").current_dir(root()))?;
+    let triple = text.lines().find_map(|line| line.strip_prefix("host: ")).map(str::to_owned);
+    triple.ok_or_else(|| ChoreError::ByHand("`rustc -vV` names no host".into()))
+}
+
+/// Builds the programs without a path of this machine and returns where they are.
+fn programs(folder: &Path) -> Result<Vec<PathBuf>, ChoreError> {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo"))).unwrap_or_default();
+    let flags = format!(
+        "--remap-path-prefix={}=pintle --remap-path-prefix={}=cargo",
+        root().display(),
+        home.display()
+    );
+    let mut command = cargo();
+    command.args(["build", "--release", "--locked", "--features", "host-sim/probe"]);
+    PROGRAMS.iter().for_each(|program| drop(command.args(["--package", program])));
+    run(command.env("RUSTFLAGS", flags).env("CARGO_TARGET_DIR", folder))?;
+    Ok(PROGRAMS.iter().map(|program| folder.join("release").join(program)).collect())
+}
+
+/// Builds the image of every board.
+fn firmware(folder: &Path) -> Result<(), ChoreError> {
+    for board in &BOARDS {
+        let image = Firmware(board).build()?;
+        copy(&image, &folder.join(board.image_name().to_string()))?;
+    }
+    Ok(())
+}
+
+/// Writes completions and manual pages.
+fn shells(tree: &Path) -> Result<(), ChoreError> {
+    for program in PROGRAMS {
+        let path = tree.join("bin").join(program);
+        for (shell, folder, before, after) in COMPLETIONS {
+            let script = output_of(Command::new(&path).args(["completions", shell]))?;
+            let file = tree.join(folder).join(format!("{before}{program}{after}"));
+            create_parent(&file)?;
+            write_atomically(file, script)?;
+        }
+        run(Command::new(&path).arg("man").arg("--out").arg(tree.join("share/man/man1")))?;
+    }
+    Ok(())
+}
+
+/// Runs the programs outside the workspace, and searches them for a path of this machine.
+fn check_programs(folder: &Path) -> Result<(), ChoreError> {
+    let source = root().to_string_lossy();
+    for program in PROGRAMS {
+        let path = folder.join(program);
+        run(Command::new(&path).arg("--version").current_dir(std::env::temp_dir()))?;
+        let bytes = std::fs::read(&path).map_err(failed(&path))?;
+        if bytes.windows(source.len()).any(|window| window == source.as_bytes()) {
+            return Err(ChoreError::File {
+                file: path,
+                found: format!("contains the path {source}"),
+                expected: "a program without the paths of the machine that built it",
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Packs the folder `name` in `folder`. Names are sorted, and times and owners are 0.
+fn pack(folder: &Path, name: &str) -> Result<PathBuf, ChoreError> {
+    let packed = format!("{name}.tar.gz");
+    let options = ["--sort=name", "--mtime=@0", "--owner=0", "--group=0", "--numeric-owner"];
+    let mut tar = Command::new("tar");
+    tar.current_dir(folder).args(options).args(["--use-compress-program", "gzip -n", "-cf", &packed, name]);
+    run(&mut tar)?;
+    let sum = output_of(Command::new("sha256sum").current_dir(folder).arg(&packed))?;
+    write_atomically(folder.join(format!("{packed}.sha256")), sum)?;
+    Ok(folder.join(packed))
+}
+
+fn failed(path: &Path) -> impl Fn(std::io::Error) -> ChoreError {
+    let file = path.to_owned();
+    move |error| ChoreError::File {
+        file: file.clone(),
+        found: error.to_string(),
+        expected: "a file that can be read and copied",
+    }
+}
+
+fn create_parent(file: &Path) -> Result<(), ChoreError> {
+    file.parent().map_or(Ok(()), |parent| std::fs::create_dir_all(parent).map_err(failed(parent)))
+}
+
+fn copy(from: &Path, to: &Path) -> Result<(), ChoreError> {
+    create_parent(to)?;
+    std::fs::copy(from, to).map(drop).map_err(failed(from))
+}
+
+/// Copies a file, or a folder with everything in it.
+fn copy_tree(from: &Path, to: &Path) -> Result<(), ChoreError> {
+    if !from.is_dir() {
+        return copy(from, to);
+    }
+    for entry in std::fs::read_dir(from).map_err(failed(from))? {
+        let name = entry.map_err(failed(from))?.file_name();
+        copy_tree(&from.join(&name), &to.join(&name))?;
+    }
+    Ok(())
+}
