@@ -46,7 +46,8 @@ impl Span {
                 let (from, to) = if compresses_first { (self.from, turn_s) } else { (turn_s, self.to) };
                 let middle = power_w(&read(0.5 * (from + to))?);
                 // The power at the turn is 0.
-                (if compresses_first { a } else { c } + 4.0 * middle) * (to - from) / 6.0
+                let end = if compresses_first { a } else { c };
+                (end + 4.0 * middle) * (to - from) / 6.0
             }
         };
         let mut force = |t: f64| read(t).map_or(f64::NAN, |r| r.force_n);

@@ -149,10 +149,12 @@ impl SliderCrank {
         for (value, start) in initial.iter_mut().zip(self.initial_state()) {
             *value = start;
         }
+        // A contact begins at a state of the dense output, whose error grows with the step.
+        let largest_step_s = AUDIT_STEP_SHARE * core::f64::consts::TAU / self.crank_speed_rad_s;
         // The method's norm is a mean over all states, also those that are not controlled.
         let own = self.tolerances(relative * (4.0 / AUDITED as f64).sqrt());
         let absolute = std::array::from_fn(|i| own.absolute.get(i).copied().unwrap_or(f64::INFINITY));
-        let tolerances = Tolerances { relative: own.relative, absolute, largest_step_s: own.largest_step_s };
+        let tolerances = Tolerances { relative: own.relative, absolute, largest_step_s };
         let run = integrate(&Audited(self), (0.0, end_s), initial, false, &[], &tolerances, |_, _, _| {})?;
         let [rod, slider, rod_rate, slider_rate, drive, absolute, friction, damping] = run.state;
         let end = [rod, slider, rod_rate, slider_rate];
@@ -179,6 +181,8 @@ struct Powers {
 /// States of a run with its energies: those of the plant, then work of the crank, its absolute
 /// work, heat of friction and damping loss in J.
 const AUDITED: usize = 8;
+/// Largest step of an audited run, as a share of a revolution.
+const AUDIT_STEP_SHARE: f64 = 1e-3;
 
 /// The plant with its energies.
 struct Audited<'a>(&'a SliderCrank);

@@ -61,7 +61,7 @@ fn every_equation_that_is_changed_alone_leaves_a_residual() {
         ("friction of the heat", |b| b.friction_n *= 0.5, |_| {}),
         ("normal force of the damping", |b| b.normal_n *= 1.01, |_| {}),
         ("acceleration along Y", |_| {}, |out| out[2] *= 1.01),
-        ("weight", |_| {}, |out| out[3] -= 0.1),
+        ("weight", |_| {}, |out| out[3] -= 1.0),
         ("work of the drive", |_| {}, |out| out[6] *= 1.01),
         ("work of the load", |_| {}, |out| out[8] *= 1.01),
         ("heat of the friction", |_| {}, |out| out[9] *= 0.5),
