@@ -6,6 +6,7 @@ use crate::run::servo::ServoFigures;
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
+use bench::signals::Motion;
 use bench::simulate::peaks::Peak;
 use bench::simulate::settled::Settled;
 use schemars::JsonSchema;
@@ -237,8 +238,11 @@ impl AgainstLaw {
 
 /// Angular acceleration of the crank with the journal centred, rad/s2.
 pub fn ideal_angular_acceleration(bench: &TransmissionBench, time_s: f64) -> f64 {
-    let lever = bench.geometry.drive_lever_radius_m;
-    let motion = bench.drive_profile().at(time_s);
+    angular_acceleration(bench.geometry.drive_lever_radius_m, &bench.drive_profile().at(time_s))
+}
+
+/// Angular acceleration of a crank under a motion of the drive, rad/s2.
+fn angular_acceleration(lever: f64, motion: &Motion) -> f64 {
     let sin = motion.value / lever;
     let cos = (1.0 - sin * sin).sqrt();
     let speed = motion.rate / (lever * cos);
@@ -249,7 +253,10 @@ pub fn ideal_angular_acceleration(bench: &TransmissionBench, time_s: f64) -> f64
 /// journal centred, s.
 pub fn acceleration_reversals_s(bench: &TransmissionBench) -> Vec<f64> {
     let step = bench.drive.period_s * 1e-4;
-    let acceleration = |i: u32| ideal_angular_acceleration(bench, f64::from(i) * step);
+    // A random course is expensive to build, so it is built once.
+    let drive = bench.drive_profile();
+    let lever_m = bench.geometry.drive_lever_radius_m;
+    let acceleration = |i: u32| angular_acceleration(lever_m, &drive.at(f64::from(i) * step));
     (1..10_000)
         .filter(|&i| acceleration(i) * acceleration(i - 1) < 0.0)
         .map(|i| f64::from(i) * step)
