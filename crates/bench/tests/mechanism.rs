@@ -405,3 +405,64 @@ fn the_four_bar_with_two_clearance_joints_agrees_with_exudyn() {
         assert_near("rocker angle, rad", rocker[2], row[6], 2e-5);
     }
 }
+
+/// A slider on a turning arm flies out as `r cosh(wt)`.
+#[test]
+fn a_slider_on_a_turning_arm_moves_as_in_closed_form() {
+    let bench = parsed(
+        r#"
+plant = "mechanism"
+run = { duration_s = 0.5 }
+body = [
+    { name = "arm", mass_kg = 1, inertia_kg_m2 = 1, at_m = [0, 0] },
+    { name = "slider", mass_kg = 2, inertia_kg_m2 = 0.1, at_m = [0.3, 0] },
+]
+joint = [
+    { kind = "revolute", first = "ground", second = "arm", at_m = [0, 0], drive_speed = 4 },
+    { kind = "prismatic", first = "arm", second = "slider", at_m = [0.3, 0] },
+]
+"#,
+    );
+    let run = bench.simulate(&[], 1e-11).unwrap();
+    let [x, y, angle] = run.end.bodies[1].position;
+    let radius_m = 0.3 * 2.0_f64.cosh();
+    assert_near("x, m", x, radius_m * 2.0_f64.cos(), 1e-8);
+    assert_near("y, m", y, radius_m * 2.0_f64.sin(), 1e-8);
+    assert_near("angle, rad", angle, 2.0, 1e-8);
+    assert_balanced(&run, 1e-8);
+}
+
+/// Two free bodies that meet in a guide on one of them keep their momentum and their moment of
+/// momentum.
+#[test]
+fn a_guide_on_a_moving_body_conserves_the_momentum() {
+    let bench = parsed(
+        r#"
+plant = "mechanism"
+run = { duration_s = 4e-3, closed_start = false }
+body = [
+    { name = "frame", mass_kg = 3, inertia_kg_m2 = 0.05, at_m = [0.1, -0.2], speed_rad_s = 3 },
+    { name = "slider", mass_kg = 2, inertia_kg_m2 = 0.01, at_m = [0, 0], velocity_m_s = [0.3, 1.5] },
+]
+joint = [{ kind = "guide", first = "frame", second = "slider", at_m = [0, 0], contact = "wall",
+        clearance_m = 1e-3, length_m = 0.2, height_m = 0.1 }]
+contact = [{ name = "wall", coefficient = 1e9, restitution = 0.6, dissipation = "flores",
+        coulomb_coefficient = 0.2, regularisation_m_s = 0.01 }]
+"#,
+    );
+    let run = bench.simulate(&[0.0], 1e-11).unwrap();
+    assert!(run.impacts.len() >= 2, "{:?}", run.impacts);
+    let momenta = |bodies: &[bench::plants::mechanism::BodyState]| {
+        let of_body = |(body, (mass, inertia)): (&bench::plants::mechanism::BodyState, (f64, f64))| {
+            let ([x, y, _], [vx, vy, w]) = (body.position, body.rate);
+            [mass * vx, mass * vy, inertia * w + mass * (x * vy - y * vx)]
+        };
+        let each: Vec<[f64; 3]> = bodies.iter().zip([(3.0, 0.05), (2.0, 0.01)]).map(of_body).collect();
+        [0, 1, 2].map(|k| each[0][k] + each[1][k])
+    };
+    let (start, end) = (momenta(&run.samples[0].bodies), momenta(&run.end.bodies));
+    for (found, known) in end.iter().zip(start) {
+        assert_near("momentum, N s and N m s", *found, known, 1e-9);
+    }
+    assert_balanced(&run, 1e-8);
+}
