@@ -124,7 +124,7 @@ fn a_slider_in_its_guide_impacts_as_in_closed_form() {
         parsed(&format!(
             r#"
 plant = "mechanism"
-run = {{ duration_s = 2.5e-3, closed_start = false }}
+run = {{ duration_s = 3.5e-3, closed_start = false }}
 body = [{{ name = "slider", mass_kg = 2, inertia_kg_m2 = 0.01, at_m = [0, 0], velocity_m_s = [0.3, 0.5] }}]
 joint = [{{ kind = "guide", first = "ground", second = "slider", at_m = [0, 0], contact = "wall",
         clearance_m = 1e-3, length_m = 0.2, height_m = 0.1 }}]
@@ -132,7 +132,7 @@ contact = [{{ name = "wall", coefficient = 1e9, restitution = 0.4, dissipation =
 "#
         ))
     };
-    let run = guide("hertz").simulate(&[], 1e-11).unwrap();
+    let run = guide("none").simulate(&[], 1e-11).unwrap();
     let depth_m = hertz_depth_m(1.0, 0.5, 1e9);
     // Two corners of the same wall: the order of the contacts is that of the corners.
     assert_eq!(run.impacts.iter().map(|i| i.contact).collect::<Vec<_>>(), [0, 1]);
@@ -153,8 +153,8 @@ contact = [{{ name = "wall", coefficient = 1e9, restitution = 0.4, dissipation =
     assert_balanced(&run, 1e-9);
 }
 
-/// A slider that turns touches with one corner: against a fixed-step integration of the equations
-/// of one corner, written here. Friction acts along the wall at the corner.
+/// A slider that turns touches with one corner after the other: against a fixed-step integration of
+/// the equations of both corners, written here. Friction acts along the wall at each corner.
 #[test]
 fn a_turning_slider_follows_an_independent_integration() {
     let bench = parsed(
@@ -165,22 +165,26 @@ body = [{ name = "slider", mass_kg = 2, inertia_kg_m2 = 0.01, at_m = [0, 0], vel
         speed_rad_s = 2 }]
 joint = [{ kind = "guide", first = "ground", second = "slider", at_m = [0, 0], contact = "wall",
         clearance_m = 1e-3, length_m = 0.2, height_m = 0.1 }]
-contact = [{ name = "wall", coefficient = 1e9, restitution = 0.4, dissipation = "hertz",
+contact = [{ name = "wall", coefficient = 1e9, restitution = 0.4, dissipation = "none",
         coulomb_coefficient = 0.2, regularisation_m_s = 0.01 }]
 "#,
     );
     let run = bench.simulate(&[], 1e-11).unwrap();
-    assert_eq!(run.impacts.iter().map(|i| i.contact).collect::<Vec<_>>(), [0]);
+    assert_eq!(run.impacts.iter().map(|i| i.contact).collect::<Vec<_>>(), [0, 1]);
     let rates = |s: [f64; 6]| -> [f64; 6] {
         let (sin, cos) = s[2].sin_cos();
-        let arm = [0.1 * cos - 0.05 * sin, 0.1 * sin + 0.05 * cos];
-        let depth = (s[1] + arm[1] - 0.051).max(0.0);
-        let normal = 1e9 * depth.powf(1.5);
-        // The tangent of a wall above the slider points along -x.
-        let sliding = -(s[3] - s[5] * arm[1]);
-        let friction = 0.2 * normal * (sliding / 0.01).tanh();
-        let torque = -arm[0] * normal - arm[1] * friction;
-        [s[3], s[4], s[5], friction / 2.0, -normal / 2.0, torque / 0.01]
+        let (mut along, mut across, mut torque) = (0.0, 0.0, 0.0);
+        for end in [0.1, -0.1] {
+            let arm = [end * cos - 0.05 * sin, end * sin + 0.05 * cos];
+            let depth = (s[1] + arm[1] - 0.051).max(0.0);
+            let normal = 1e9 * depth.powf(1.5);
+            // The tangent of a wall above the slider points along -x.
+            let sliding = -(s[3] - s[5] * arm[1]);
+            let friction = 0.2 * normal * (sliding / 0.01).tanh();
+            (along, across) = (along + friction, across - normal);
+            torque += -arm[0] * normal - arm[1] * friction;
+        }
+        [s[3], s[4], s[5], along / 2.0, across / 2.0, torque / 0.01]
     };
     let mut s = [0.0, 0.0, 0.0, 0.3, 0.5, 2.0];
     let h = 3e-3 / 300_000.0;
@@ -197,7 +201,7 @@ contact = [{ name = "wall", coefficient = 1e9, restitution = 0.4, dissipation = 
         assert_near("position", end.position[i], s[i], 1e-10);
         assert_near("rate", end.rate[i], s[3 + i], 1e-6);
     }
-    assert!(end.rate[2] < 0.0, "the impact turns it back: {}", end.rate[2]);
+    assert!(end.rate[1] < 0.0, "the impacts turn it back: {}", end.rate[1]);
     assert_balanced(&run, 1e-8);
 }
 
@@ -208,11 +212,11 @@ fn a_drive_with_backlash_impacts_as_in_closed_form() {
     let bench = parsed(
         r#"
 plant = "mechanism"
-run = { duration_s = 0.028, closed_start = false }
+run = { duration_s = 0.025, closed_start = false }
 body = [{ name = "wheel", mass_kg = 1, inertia_kg_m2 = 0.02, at_m = [0, 0] }]
 joint = [{ kind = "revolute", first = "ground", second = "wheel", at_m = [0, 0], drive_speed = 2,
         backlash_m = 2e-3, flank_radius_m = 0.1, contact = "flank" }]
-contact = [{ name = "flank", coefficient = 1e9, restitution = 1, dissipation = "hertz" }]
+contact = [{ name = "flank", coefficient = 1e9, restitution = 1, dissipation = "none" }]
 "#,
     );
     let run = bench.simulate(&[], 1e-11).unwrap();
@@ -364,40 +368,101 @@ fn peer_rows(header: &str) -> Vec<Vec<f64>> {
 }
 
 /// EXUDYN integrates the same four-bar with a constant step of 1 us, which locates an onset to 1 us
-/// only. The tolerances are the errors of that step.
+/// only and adds its own error. Tolerances: onsets 5 us, approach speeds 2 mm/s, peaks 1 % (0.2 %
+/// above 4.5 kN), time in contact 0.1 % of the run, positions 3 um, forces 60 N in the middle of
+/// impacts of up to 7.8 kN.
 #[test]
 fn the_four_bar_with_two_clearance_joints_agrees_with_exudyn() {
     let bench = example("four-bar");
-    let rows = peer_rows("t_s");
+    let (impacts, rows) = (peer_rows("contact"), peer_rows("t_s"));
+    assert!(impacts.len() == 14 && rows.len() > 600, "{} {}", impacts.len(), rows.len());
     let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
     let run = bench.simulate(&times, 1e-10).unwrap();
-    let impacts = peer_rows("contact");
     assert_eq!(run.impacts.len(), impacts.len());
-    let mut shares = [0.0; 2];
+    let end = |separation_s: f64| if separation_s.is_nan() { bench.run.duration_s } else { separation_s };
+    let mut shares = [[0.0; 2]; 2];
     for (found, known) in run.impacts.iter().zip(&impacts) {
-        eprintln!(
-            "{found:?} {known:?} onset {:.1e} speed {:.1e} peak {:.1e}",
-            found.onset_s - known[1],
-            found.approach_speed_m_s / known[2] - 1.0,
-            found.peak_force_n / known[3] - 1.0
-        );
         assert_eq!(found.contact as f64, known[0]);
         assert_near("onset, s", found.onset_s, known[1], 5e-6);
-        shares[found.contact] += found.separation_s.unwrap_or(bench.run.duration_s) - found.onset_s;
+        assert_near("approach speed, m/s", found.approach_speed_m_s, known[2], 2e-3);
+        let share = if known[3] > 4500.0 { 2e-3 } else { 1e-2 };
+        assert_near("peak, N", found.peak_force_n, known[3], share * known[3]);
+        let found_end_s = end(found.separation_s.unwrap_or(f64::NAN));
+        shares[found.contact][0] += (found_end_s - found.onset_s) / bench.run.duration_s;
+        shares[found.contact][1] += (end(known[4]) - known[1]) / bench.run.duration_s;
     }
-    let worst = |read: &dyn Fn(&bench::plants::mechanism::Snapshot, &[f64]) -> f64| {
-        run.samples.iter().zip(&rows).map(|(s, row)| read(s, row).abs()).fold(0.0, f64::max)
-    };
-    let coupler = |k: usize| {
-        move |s: &bench::plants::mechanism::Snapshot, row: &[f64]| s.bodies[1].position[k] - row[3 + k]
-    };
-    eprintln!("shares {shares:?} of {}", bench.run.duration_s);
-    eprintln!(
-        "{:e} {:e} {:e} force {:e} {:e}",
-        worst(&coupler(0)),
-        worst(&coupler(1)),
-        worst(&coupler(2)),
-        worst(&|s, row| s.contacts[0].normal_n - row[1]),
-        worst(&|s, row| s.contacts[1].normal_n - row[2])
+    for [found, known] in shares {
+        assert!(known > 0.95 && known < 0.97, "{known}");
+        assert_near("share of time in contact", found, known, 1e-3);
+    }
+    for (sample, row) in run.samples.iter().zip(&rows) {
+        let [coupler, rocker] = [sample.bodies[1].position, sample.bodies[2].position];
+        assert_near("force of the first joint, N", sample.contacts[0].normal_n, row[1], 60.0);
+        assert_near("force of the second joint, N", sample.contacts[1].normal_n, row[2], 60.0);
+        assert_near("coupler x, m", coupler[0], row[3], 3e-6);
+        assert_near("coupler y, m", coupler[1], row[4], 3e-6);
+        assert_near("coupler angle, rad", coupler[2], row[5], 2e-5);
+        assert_near("rocker angle, rad", rocker[2], row[6], 2e-5);
+    }
+}
+
+/// A slider on a turning arm flies out as `r cosh(wt)`.
+#[test]
+fn a_slider_on_a_turning_arm_moves_as_in_closed_form() {
+    let bench = parsed(
+        r#"
+plant = "mechanism"
+run = { duration_s = 0.5 }
+body = [
+    { name = "arm", mass_kg = 1, inertia_kg_m2 = 1, at_m = [0, 0] },
+    { name = "slider", mass_kg = 2, inertia_kg_m2 = 0.1, at_m = [0.3, 0] },
+]
+joint = [
+    { kind = "revolute", first = "ground", second = "arm", at_m = [0, 0], drive_speed = 4 },
+    { kind = "prismatic", first = "arm", second = "slider", at_m = [0.3, 0] },
+]
+"#,
     );
+    let run = bench.simulate(&[], 1e-11).unwrap();
+    let [x, y, angle] = run.end.bodies[1].position;
+    let radius_m = 0.3 * 2.0_f64.cosh();
+    assert_near("x, m", x, radius_m * 2.0_f64.cos(), 1e-8);
+    assert_near("y, m", y, radius_m * 2.0_f64.sin(), 1e-8);
+    assert_near("angle, rad", angle, 2.0, 1e-8);
+    assert_balanced(&run, 1e-8);
+}
+
+/// Two free bodies that meet in a guide on one of them keep their momentum and their moment of
+/// momentum.
+#[test]
+fn a_guide_on_a_moving_body_conserves_the_momentum() {
+    let bench = parsed(
+        r#"
+plant = "mechanism"
+run = { duration_s = 4e-3, closed_start = false }
+body = [
+    { name = "frame", mass_kg = 3, inertia_kg_m2 = 0.05, at_m = [0.1, -0.2], speed_rad_s = 3 },
+    { name = "slider", mass_kg = 2, inertia_kg_m2 = 0.01, at_m = [0, 0], velocity_m_s = [0.3, 1.5] },
+]
+joint = [{ kind = "guide", first = "frame", second = "slider", at_m = [0, 0], contact = "wall",
+        clearance_m = 1e-3, length_m = 0.2, height_m = 0.1 }]
+contact = [{ name = "wall", coefficient = 1e9, restitution = 0.6, dissipation = "flores",
+        coulomb_coefficient = 0.2, regularisation_m_s = 0.01 }]
+"#,
+    );
+    let run = bench.simulate(&[0.0], 1e-11).unwrap();
+    assert!(run.impacts.len() >= 2, "{:?}", run.impacts);
+    let momenta = |bodies: &[bench::plants::mechanism::BodyState]| {
+        let of_body = |(body, (mass, inertia)): (&bench::plants::mechanism::BodyState, (f64, f64))| {
+            let ([x, y, _], [vx, vy, w]) = (body.position, body.rate);
+            [mass * vx, mass * vy, inertia * w + mass * (x * vy - y * vx)]
+        };
+        let each: Vec<[f64; 3]> = bodies.iter().zip([(3.0, 0.05), (2.0, 0.01)]).map(of_body).collect();
+        [0, 1, 2].map(|k| each[0][k] + each[1][k])
+    };
+    let (start, end) = (momenta(&run.samples[0].bodies), momenta(&run.end.bodies));
+    for (found, known) in end.iter().zip(start) {
+        assert_near("momentum, N s and N m s", *found, known, 1e-9);
+    }
+    assert_balanced(&run, 1e-8);
 }

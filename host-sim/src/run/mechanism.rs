@@ -208,7 +208,7 @@ fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars
     let terms = result.run.energy.terms();
     let rows: Vec<Vec<String>> =
         terms.iter().map(|(name, value)| vec![(*name).into(), format!("{value:.6e}")]).collect();
-    page.section("Energy balance").table(&["term", "J"], &rows);
+    page.section("Energy balance").table(&["term", "value"], &rows);
     limits::section(&mut page, bench);
     Ok(page)
 }
