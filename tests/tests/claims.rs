@@ -111,13 +111,18 @@ fn verdicts_move_with_single_assumptions_as_two_independent_codes_found() {
         ("J 120", false),
         ("T 2 s", false),
     ];
+    let mut moved = [0; 2];
     for (change, second_holds) in changes {
         let found = letters(&changed(change)).from_rest;
         for claim in [3, 4, 7] {
             assert_eq!(letter(&found, claim), letter(&nominal, claim), "{change}: claim {claim} in {found}");
         }
         assert_eq!(letter(&found, 2) == 'h', second_holds, "{change}: claim 2 in {found}");
+        for (count, claim) in moved.iter_mut().zip([5, 11]) {
+            *count += usize::from(letter(&found, claim) != letter(&nominal, claim));
+        }
     }
+    assert_eq!(moved, [6, 3], "changes that move claims 5 and 11");
 }
 
 #[test]

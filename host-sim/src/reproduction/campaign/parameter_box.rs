@@ -196,14 +196,28 @@ mod tests {
         assert_ne!(Draw::new(7, 3), Draw::new(8, 3));
     }
 
+    /// Value of a dotted field in the description of a bench.
+    fn field(bench: &TransmissionBench, path: &str) -> Option<toml::Value> {
+        let table: toml::Table = bench::Bench::from(bench.clone()).to_toml().unwrap().parse().unwrap();
+        let (section, name) = path.split_once('.').unwrap();
+        table.get(section)?.get(name).cloned()
+    }
+
     #[test]
     fn the_box_contains_bench_b() {
         let bench = TransmissionBench::open("bench-b").unwrap();
-        let mut bench = bench::Bench::from(bench);
         for parameter in BOX {
-            if let Values::Between(from, to) = parameter.values {
-                let found = bench.parameter_mut(parameter.field).copied().unwrap();
-                assert!(from <= found && found <= to, "{}: {found}", parameter.field);
+            let found = field(&bench, parameter.field);
+            match parameter.values {
+                Values::Between(from, to) => {
+                    let found = found.and_then(|value| value.as_float()).unwrap();
+                    assert!(from <= found && found <= to, "{}: {found}", parameter.field);
+                }
+                // A description leaves out the latched damping.
+                Values::OneOf(names) => {
+                    let found = found.and_then(|value| value.as_str().map(str::to_owned));
+                    assert_eq!(found.as_deref().unwrap_or("latched"), names[0]);
+                }
             }
         }
     }
@@ -213,22 +227,11 @@ mod tests {
         let draw = Draw { index: 0, values: [0.01, 1.0, 1.0, 31.0, 76.0, 0.6, 0.03, 0.7, 4e-4] };
         let mut bench = TransmissionBench::open("bench-b").unwrap();
         draw.apply(&mut bench).unwrap();
-        let mut bench = bench::Bench::from(bench);
         for (parameter, value) in BOX.iter().zip(draw.values) {
+            let found = field(&bench, parameter.field).unwrap();
             match parameter.values {
-                Values::Between(..) => {
-                    assert_eq!(
-                        bench.parameter_mut(parameter.field).copied(),
-                        Some(value),
-                        "{}",
-                        parameter.field
-                    );
-                }
-                Values::OneOf(_) => {
-                    let text = bench.to_toml().unwrap();
-                    let name = parameter.values.name(value);
-                    assert!(text.contains(&format!("\"{name}\"")), "{name} in {text}");
-                }
+                Values::Between(..) => assert_eq!(found.as_float(), Some(value), "{}", parameter.field),
+                Values::OneOf(_) => assert_eq!(found.as_str(), Some(parameter.values.name(value))),
             }
         }
     }

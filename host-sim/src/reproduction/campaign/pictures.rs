@@ -10,7 +10,7 @@ use report::figure::{Chart, Series, Style, lines_log_x};
 use report::heat::{self, Heat};
 
 /// Difference of two shares, in points, beyond which a cell has the second colour.
-const LARGE_POINTS: f64 = 50.0;
+const LARGE_POINTS: f64 = 20.0;
 /// Bands of a parameter's range in a chart.
 const BANDS: usize = 8;
 const MAP: (u32, u32) = (760, 420);
@@ -51,7 +51,7 @@ pub(super) fn maps(claims: &[MappedClaim]) -> Result<Vec<Picture>, CliError> {
             size: (MAP.0, height),
         };
         let svg = heat::draw(&heat).map_err(CliError::Work)?;
-        let caption = "Blue: up to 50 points; orange: more. Empty: the interval over all parameters contains \
+        let caption = "Blue: up to 20 points; orange: more. Empty: the interval over all parameters contains \
                        0. Negative: the claim holds more often with small values. Damping: reference speed \
                        less latched speed. Stiffness: the law with the largest share less that with the \
                        smallest.";

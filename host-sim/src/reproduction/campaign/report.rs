@@ -285,5 +285,34 @@ mod tests {
         let rows: Vec<Vec<String>> = nominal(&base, 0).unwrap().into_iter().map(row).collect();
         let table = markdown(&rows);
         assert!(document.contains(&table), "docs/claims.md lacks this table:\n{table}");
+        check_sentences(&records);
+    }
+
+    /// Checks the numbers in the sentences below the table.
+    fn check_sentences(records: &[Record]) {
+        let draws: Vec<(Draw, [verdicts::Row; 2])> = records
+            .iter()
+            .filter_map(|record| {
+                let letters = record.outcome.as_ref().ok()?;
+                let rows = [&letters.from_rest, &letters.settled].map(|text| verdicts::row(text));
+                Some((Draw::new(PUBLISHED.0, record.index), rows))
+            })
+            .collect();
+        let holds = |row: &verdicts::Row, claim: usize| row[claim - 1].is_some_and(Verdict::is_affirmed);
+        let together = draws.iter().filter(|(_, [row, _])| [2, 3, 5, 7].iter().all(|c| holds(row, *c)));
+        assert_eq!(together.count(), 76);
+        for operation in [0, 1] {
+            let count = |rows: &[verdicts::Row; 2]| (1..=11).filter(|c| holds(&rows[operation], *c)).count();
+            let mut counts: Vec<usize> = draws.iter().map(|(_, rows)| count(rows)).collect();
+            counts.sort_unstable();
+            assert_eq!(counts[counts.len() / 2], 4);
+        }
+        let share = |operation: usize, periods_s: std::ops::Range<f64>| {
+            let counted = draws.iter().filter(|(draw, _)| periods_s.contains(&draw.values[5]));
+            let counted: Vec<bool> = counted.map(|(_, rows)| holds(&rows[operation], 2)).collect();
+            counted.iter().filter(|holds| **holds).count() as f64 / counted.len() as f64
+        };
+        assert!((share(0, 0.0..0.75) - 0.35).abs() < 0.005);
+        assert!((share(0, 1.0..2.0) - 0.065).abs() < 5e-4 && share(1, 1.0..2.0) < 0.01);
     }
 }

@@ -15,7 +15,7 @@ pub(super) mod motion;
 use super::runs::{PaperRun, Series};
 use report::figure::Chart;
 
-/// Size of a chart that stands beside another.
+/// Size of a chart that is next to another.
 const HALF: (u32, u32) = (512, 340);
 
 /// Legend text of a run.
