@@ -1,5 +1,5 @@
-//! What every command shares: amount of text, colours, completions, manual pages, exit codes of
-//! verdicts, and outputs that cannot be written.
+//! Behaviour that every command shares: amount of text, colours, completions, manual pages, exit
+//! codes of verdicts, and outputs that cannot be written.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use std::path::Path;

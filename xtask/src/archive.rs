@@ -60,7 +60,9 @@ fn programs(folder: &Path) -> Result<Vec<PathBuf>, ChoreError> {
     );
     let mut command = cargo();
     command.args(["build", "--release", "--locked", "--features", "host-sim/probe"]);
-    PROGRAMS.iter().for_each(|program| drop(command.args(["--package", program])));
+    for program in PROGRAMS {
+        command.args(["--package", program]);
+    }
     run(command.env("RUSTFLAGS", flags).env("CARGO_TARGET_DIR", folder))?;
     Ok(PROGRAMS.iter().map(|program| folder.join("release").join(program)).collect())
 }

@@ -20,7 +20,8 @@ use std::path::{Path, PathBuf};
 pub enum FlashError {
     /// The image is missing.
     #[error(
-        "{path}: no firmware there; build it with `cargo xtask firmware --board BOARD`, or name one with --elf",
+        "{path}: no firmware there; build it with `cargo xtask firmware --board BOARD`, or name one with \
+         --elf",
         path = path.display()
     )]
     Missing {

@@ -50,43 +50,49 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
             format!("{:.2} um", law.journal_rms_difference_m * 1e6),
         ));
     }
-    if let Some(e) = &summary.estimator {
-        rows.push(row("estimator", e.controller.into()));
-        rows.push(row("estimator, rms error of the force", format!("{:.0} N", e.force_rms_error_n)));
-        rows.push(row(
-            "estimator, rms error of full scale",
-            format!("{:.2} %", 100.0 * e.force_rms_error_n / e.force_full_scale_n.max(1e-9)),
-        ));
-        rows.extend(tracked_rows(&e.tracked));
-        rows.push(row(
-            "estimator, outside the training range",
-            format!("{:.2} %", 100.0 * e.outside_training_share),
-        ));
-        rows.push(row("estimator, suspect sensors or timing", format!("{:.2} %", 100.0 * e.suspect_share)));
-        rows.push(row("estimator, ticks", e.ticks.to_string()));
-        rows.push(row("estimator, deadline misses", e.deadline_misses.to_string()));
-        if let (Some(least), Some(mean), Some(most)) =
-            (e.instructions_per_tick_min, e.instructions_per_tick_mean, e.instructions_per_tick_max)
-        {
-            rows.push(row("estimator, instructions a tick", format!("{least} / {mean:.0} / {most}")));
-        }
-        rows.push(row("exchanges per second", format!("{:.0}", e.exchanges_per_s)));
-        if let Some(differences) = e.native_emulated_bit_differences {
-            rows.push(row("estimates that differ, native and emulated", differences.to_string()));
-        }
-        if let Some(differences) = e.native_attached_bit_differences {
-            rows.push(row("estimates that differ, native and attached", differences.to_string()));
-        }
-        rows.push(row("impacts recorded", e.impacts.totals.records.to_string()));
-        if e.impacts.totals.records > 0 {
-            rows.push(row("impacts, largest peak", format!("{:.0} N", e.impacts.totals.largest_peak_n)));
-        }
-        if e.impacts.totals.lost > 0 {
-            rows.push(row("impacts, lost records", e.impacts.totals.lost.to_string()));
-        }
-        if e.restarts > 0 {
-            rows.push(row("restarts of the controller", e.restarts.to_string()));
-        }
+    rows.extend(summary.estimator.iter().flat_map(estimator_rows));
+    rows
+}
+
+/// Rows of the estimator.
+fn estimator_rows(e: &EstimatorSummary) -> Vec<[String; 2]> {
+    let row = |name: &str, value: String| [name.to_owned(), value];
+    let mut rows = Vec::new();
+    rows.push(row("estimator", e.controller.into()));
+    rows.push(row("estimator, rms error of the force", format!("{:.0} N", e.force_rms_error_n)));
+    rows.push(row(
+        "estimator, rms error of full scale",
+        format!("{:.2} %", 100.0 * e.force_rms_error_n / e.force_full_scale_n.max(1e-9)),
+    ));
+    rows.extend(tracked_rows(&e.tracked));
+    rows.push(row(
+        "estimator, outside the training range",
+        format!("{:.2} %", 100.0 * e.outside_training_share),
+    ));
+    rows.push(row("estimator, suspect sensors or timing", format!("{:.2} %", 100.0 * e.suspect_share)));
+    rows.push(row("estimator, ticks", e.ticks.to_string()));
+    rows.push(row("estimator, deadline misses", e.deadline_misses.to_string()));
+    if let (Some(least), Some(mean), Some(most)) =
+        (e.instructions_per_tick_min, e.instructions_per_tick_mean, e.instructions_per_tick_max)
+    {
+        rows.push(row("estimator, instructions a tick", format!("{least} / {mean:.0} / {most}")));
+    }
+    rows.push(row("exchanges per second", format!("{:.0}", e.exchanges_per_s)));
+    if let Some(differences) = e.native_emulated_bit_differences {
+        rows.push(row("estimates that differ, native and emulated", differences.to_string()));
+    }
+    if let Some(differences) = e.native_attached_bit_differences {
+        rows.push(row("estimates that differ, native and attached", differences.to_string()));
+    }
+    rows.push(row("impacts recorded", e.impacts.totals.records.to_string()));
+    if e.impacts.totals.records > 0 {
+        rows.push(row("impacts, largest peak", format!("{:.0} N", e.impacts.totals.largest_peak_n)));
+    }
+    if e.impacts.totals.lost > 0 {
+        rows.push(row("impacts, lost records", e.impacts.totals.lost.to_string()));
+    }
+    if e.restarts > 0 {
+        rows.push(row("restarts of the controller", e.restarts.to_string()));
     }
     rows
 }

@@ -45,6 +45,12 @@ pub struct EnergyAudit {
 }
 
 impl EnergyAudit {
+    /// Same terms with the loss of a held force in J, and the residuals of them all.
+    #[must_use]
+    pub fn with_hold_loss(self, hold_loss_j: f64) -> Self {
+        Self { hold_loss_j, ..self }.with_residuals()
+    }
+
     /// Computes both residuals from the terms.
     pub fn with_residuals(self) -> Self {
         let work = self.drive_work_j + self.load_work_j + self.gravity_work_j;

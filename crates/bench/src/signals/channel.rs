@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 macro_rules! channels {
     ($($variant:ident $name:literal $unit:literal $role:ident $doc:literal;)*) => {
         /// Signal of a measured log.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, JsonSchema, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[derive(JsonSchema, Serialize, Deserialize)]
         pub enum Channel { $(#[doc = $doc] #[serde(rename = $name)] $variant,)* }
 
         impl Channel {

@@ -284,7 +284,6 @@ pub fn run_with_held_force(
             return Err(IntegrationError::Stopped { time_s, reason: "the state is no longer finite".into() });
         }
     }
-    let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state));
-    let energy = EnergyAudit { hold_loss_j, ..energy }.with_residuals();
+    let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state)).with_hold_loss(hold_loss_j);
     Ok(Run { extremes: Some(extremes), ..Run::new((samples, losses_j), (impacts, count), energy) })
 }

@@ -16,7 +16,7 @@ pub(crate) const RIG_BANDS: usize = 12;
 /// Lower end of the lowest band in m/s; below it presliding after a standstill still affects the
 /// torque.
 pub(crate) const RIG_MIN_SPEED_M_S: f64 = 1.2e-3;
-/// Sliding speed in m/s up to which the rig is at standstill; seven deviations of the speed's noise.
+/// Sliding speed in m/s up to which the rig is at standstill: seven deviations of its noise.
 const STANDSTILL_M_S: f64 = 1e-4;
 /// Seed of the rig's sensor noise.
 const RIG_SEED: u64 = 1;
