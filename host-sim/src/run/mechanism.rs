@@ -1,6 +1,7 @@
 //! `host-sim run` with a mechanism: its contacts, drives and energy balance.
 
 use super::RunArgs;
+use super::report::number;
 use crate::cli::error::CliError;
 use crate::cli::limits;
 use crate::cli::output::{self, Files};
@@ -175,21 +176,22 @@ fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars
     };
     let mut page = Page::new("Mechanism: one run");
     page.lead(&format!(
-        "{} bodies, {} contacts, {} s; energy residual {:.1e} of the work.",
+        "{} bodies, {} contacts, {} s; energy residual {:.1e} of the work. Contacts and drives have the names \
+         of their bodies.",
         bench.body.len(),
         summary.contacts.len(),
-        bench.run.duration_s,
+        number(bench.run.duration_s),
         summary.energy_residual_rel
     ));
     let names = bench.contact_names().into_iter().enumerate().take(MAX_CURVES);
     let forces: Vec<Series> =
         names.map(|(i, name)| curve(name, &|s| s.contacts.get(i).map_or(0.0, |c| c.normal_n))).collect();
     if !forces.is_empty() {
-        let chart = Chart { title: "Contact force", x: "time, s", y: "N", size: (1040, 360) };
+        let chart = Chart { title: "Contact force", x: "time, s", y: "normal force, N", size: (1040, 360) };
         page.figure(&lines(&chart, &forces)?, "At the log's rows; the table contains the located peaks.");
     }
     for (i, (name, unit)) in bench.drive_names().into_iter().enumerate().take(MAX_CURVES) {
-        let y = if unit == "n" { "N" } else { "N m" };
+        let y = if unit == "n" { "force, N" } else { "torque, N m" };
         let chart = Chart { title: &format!("Drive {name}"), x: "time, s", y, size: (1040, 300) };
         let force = curve(name, &|s| s.drives.get(i).copied().unwrap_or_default());
         page.figure(&lines(&chart, &[force])?, "Force of the drive's constraint on the second body.");
@@ -197,7 +199,7 @@ fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars
     let angles = bench.body.iter().enumerate().take(MAX_CURVES).map(|(i, body)| {
         curve(body.name.clone(), &|s| s.bodies.get(i).map_or(0.0, |state| state.position[2]))
     });
-    let chart = Chart { title: "Angles", x: "time, s", y: "rad", size: (1040, 300) };
+    let chart = Chart { title: "Angles", x: "time, s", y: "angle, rad", size: (1040, 300) };
     page.figure(&lines(&chart, &angles.collect::<Vec<_>>())?, "Angles of the bodies.");
     let rows: Vec<Vec<String>> = contact_rows(summary).into_iter().map(Vec::from).collect();
     page.section("Contacts").table(&CONTACT_HEADER, &rows);
@@ -207,7 +209,7 @@ fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars
     );
     let terms = result.run.energy.terms();
     let rows: Vec<Vec<String>> =
-        terms.iter().map(|(name, value)| vec![(*name).into(), format!("{value:.6e}")]).collect();
+        terms.iter().map(|(name, value)| vec![(*name).into(), number(*value)]).collect();
     page.section("Energy balance").table(&["term", "value"], &rows);
     limits::section(&mut page, bench);
     Ok(page)

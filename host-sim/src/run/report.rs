@@ -257,13 +257,8 @@ pub(crate) fn print_audit(finished: &Finished) {
     table("contacts (all in impacts.csv)", &impact_header(finished), impact_rows(finished), 0);
     table("peaks", &PEAK_HEADER, peak_rows(&finished.summary), 2);
     if let Some(found) = &finished.summary.settled {
-        table(&settled::title(found), &settled::HEADER, settled::rows(found), 1);
-        table(
-            "ranges (rainflow) in settled operation",
-            &settled::RANGE_HEADER,
-            settled::range_rows(found),
-            1,
-        );
+        table(&settled::title(found), &settled::SHORT_HEADER, settled::short_rows(found), 1);
+        print_line!("bands, ranges (rainflow) and pictures are in the report; every cycle in cycles.csv");
     }
 }
 

@@ -4,7 +4,7 @@ use super::force::SAMPLE_RATE_HZ;
 use super::report::number;
 use bench::description::TransmissionBench;
 use bench::simulate::Run;
-use bench::simulate::settled::{Course, Settled};
+use bench::simulate::settled::{Course, Quantity, RangeCount, Settled};
 use bench::statistics::Estimate;
 use report::figure::{Chart, Series, lines};
 use report::page::Page;
@@ -32,7 +32,7 @@ pub(crate) fn title(settled: &Settled) -> String {
 }
 
 /// Columns of the table of quantities.
-pub(crate) const HEADER: [&str; 8] =
+const HEADER: [&str; 8] =
     ["quantity", "cycle 1", "mean", "95 %", "median", "90 % quantile", "largest", "in 1000 cycles"];
 
 /// Interval of an estimate.
@@ -50,12 +50,46 @@ fn with_interval(estimate: &Estimate) -> String {
     }
 }
 
+/// Name of a quantity in words, with its unit: `peak_contact_force_n` is `peak contact force, N`.
+fn words(name: &str) -> String {
+    let units = [("_nm", "N m"), ("_n", "N"), ("_j", "J"), ("_share", "share of time")];
+    let (stem, unit) = units
+        .iter()
+        .find_map(|(suffix, unit)| name.strip_suffix(suffix).map(|stem| (stem, *unit)))
+        .unwrap_or((name, ""));
+    let parts: Vec<&str> = stem.split('_').collect();
+    let text = match parts.as_slice() {
+        ["oscillation", low, high, "hz"] => format!("oscillation {low} to {high} Hz"),
+        parts => parts.join(" "),
+    };
+    if unit.is_empty() { text } else { format!("{text}, {unit}") }
+}
+
+/// Columns of the table for the terminal.
+pub(crate) const SHORT_HEADER: [&str; 6] = ["quantity", "cycle 1", "mean", "95 %", "smallest", "largest"];
+
+/// Rows of the table for the terminal: bands and ranges are in the report.
+pub(crate) fn short_rows(settled: &Settled) -> Vec<Vec<String>> {
+    let quantities = settled.quantities.iter().filter(|q| !q.name.ends_with("_hz_n"));
+    let row = |q: &Quantity| {
+        vec![
+            words(&q.name),
+            number(q.first_cycle),
+            number(q.mean.value),
+            interval(&q.mean),
+            number(q.smallest),
+            number(q.largest),
+        ]
+    };
+    quantities.map(row).collect()
+}
+
 /// Rows of the table of quantities.
-pub(crate) fn rows(settled: &Settled) -> Vec<Vec<String>> {
-    let row = |q: &bench::simulate::settled::Quantity| {
+fn rows(settled: &Settled) -> Vec<Vec<String>> {
+    let row = |q: &Quantity| {
         let many = q.largest_in_1000.as_ref().map_or_else(String::new, with_interval);
         vec![
-            q.name.clone(),
+            words(&q.name),
             number(q.first_cycle),
             number(q.mean.value),
             interval(&q.mean),
@@ -69,15 +103,15 @@ pub(crate) fn rows(settled: &Settled) -> Vec<Vec<String>> {
 }
 
 /// Columns of the table of ranges.
-pub(crate) const RANGE_HEADER: [&str; 4] = ["history", "range", "per cycle", "95 %"];
+const RANGE_HEADER: [&str; 4] = ["history", "range", "per cycle", "95 %"];
 
 /// Rows of the table of ranges: equivalent ranges, then the numbers by size. Sizes that never occur
 /// are left out.
-pub(crate) fn range_rows(settled: &Settled) -> Vec<Vec<String>> {
-    let of_history = |count: &bench::simulate::settled::RangeCount| {
+fn range_rows(settled: &Settled) -> Vec<Vec<String>> {
+    let of_history = |count: &RangeCount| {
         let equivalent = |exponent: u32, estimate: &Estimate| {
             vec![
-                count.name.to_owned(),
+                words(count.name),
                 format!("equivalent, exponent {exponent}: {}", number(estimate.value)),
                 "1".to_owned(),
                 interval(estimate),
@@ -85,7 +119,7 @@ pub(crate) fn range_rows(settled: &Settled) -> Vec<Vec<String>> {
         };
         let bins = count.bins.iter().filter(|bin| bin.per_cycle.value > 0.0).map(|bin| {
             let range = format!("{} to {}", number(bin.from), number(bin.to));
-            vec![count.name.to_owned(), range, number(bin.per_cycle.value), interval(&bin.per_cycle)]
+            vec![words(count.name), range, number(bin.per_cycle.value), interval(&bin.per_cycle)]
         });
         [equivalent(3, &count.equivalent_range_3), equivalent(5, &count.equivalent_range_5)]
             .into_iter()
@@ -141,4 +175,17 @@ pub(crate) fn section(page: &mut Page, settled: &Settled) -> Result<(), String> 
          by Miner's rule with the exponent given. Ranges below 1 % of the largest are not listed.",
     );
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_are_named_in_words_with_their_unit() {
+        assert_eq!(words("peak_friction_torque_nm"), "peak friction torque, N m");
+        assert_eq!(words("oscillation_300_1000_hz_n"), "oscillation 300 to 1000 Hz, N");
+        assert_eq!(words("without_contact_share"), "without contact, share of time");
+        assert_eq!(words("contacts"), "contacts");
+    }
 }
