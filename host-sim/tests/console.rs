@@ -172,7 +172,7 @@ fn sweeps_do_not_mix_their_results_and_threads_are_bounded() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stderr));
         assert!(text(&output.stderr).contains("found the results of sweep `clearance`"), "{arguments:?}");
     }
-    for command in [&["sweep", "clearance"][..], &["accuracy"], &["figures"]] {
+    for command in [&["sweep", "clearance"][..], &["accuracy"], &["figures"], &["claims"]] {
         let output = host_sim(directory.path(), &[command, &["--threads", "99999"]].concat());
         assert_eq!(output.status.code(), Some(2), "{command:?}: {}", text(&output.stderr));
     }

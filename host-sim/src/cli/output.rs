@@ -28,16 +28,18 @@ pub(crate) fn check_folder(folder: &Path) -> Result<(), CliError> {
     tempfile::tempfile_in(existing).map(drop).map_err(|e| CliError::output(folder, &e))
 }
 
-/// Files of one result in a folder. Either all of them appear, or none.
+/// Files of one result in a folder. They are complete before the first appears, so only a failure
+/// between two renames could leave a part.
 pub(crate) struct Files {
     folder: PathBuf,
     staged: Vec<StagedFile>,
+    absent: Vec<PathBuf>,
 }
 
 impl Files {
     /// Starts a set without files.
     pub(crate) fn new(folder: &Path) -> Self {
-        Self { folder: folder.to_owned(), staged: Vec::new() }
+        Self { folder: folder.to_owned(), staged: Vec::new(), absent: Vec::new() }
     }
 
     /// Adds a file. It appears with the others.
@@ -47,6 +49,11 @@ impl Files {
         Ok(())
     }
 
+    /// Removes a file of an earlier result that this one does not have.
+    pub(crate) fn leave_out(&mut self, name: &str) {
+        self.absent.push(self.folder.join(name));
+    }
+
     /// Adds each picture as a file.
     pub(crate) fn add_pictures(&mut self, pictures: &[Picture]) -> Result<(), CliError> {
         pictures.iter().try_for_each(|p| self.add(&format!("{}.svg", p.name), &p.svg))
@@ -54,6 +61,13 @@ impl Files {
 
     /// Lets all files appear.
     pub(crate) fn publish(self) -> Result<(), CliError> {
+        if let Some(taken) = self.staged.iter().map(StagedFile::path).find(|path| path.is_dir()) {
+            let text = format!("{}: cannot be written: found a folder; expected a file", taken.display());
+            return Err(CliError::Work(text));
+        }
+        for path in self.absent.iter().filter(|path| path.is_file()) {
+            std::fs::remove_file(path).map_err(|e| CliError::output(path, &e))?;
+        }
         for file in self.staged {
             let path = file.path().to_owned();
             file.publish().map_err(|e| CliError::output(&path, &e))?;

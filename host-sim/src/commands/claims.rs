@@ -1,8 +1,9 @@
 //! `host-sim claims`: judges the paper's claims as run, settled, and over a parameter box.
 
 use crate::cli::error::CliError;
+use crate::cli::options::thread_count;
 use crate::reproduction::campaign::report::{self, Options};
-use bench::description::TransmissionBench;
+use crate::sweep::options::open_published;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -32,7 +33,7 @@ pub struct ClaimsArgs {
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,
     /// Threads; 0 uses one per core. The result does not depend on it.
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = thread_count())]
     pub threads: usize,
     /// Folder for the journal, the CSV and JSON files, the pictures (SVG) and report.html.
     #[arg(long, default_value = "out/claims", value_name = "DIR")]
@@ -45,7 +46,7 @@ pub struct ClaimsArgs {
 /// Runs the command.
 pub fn run(args: &ClaimsArgs) -> Result<(), CliError> {
     let options = Options {
-        base: TransmissionBench::open(&args.bench)?,
+        base: open_published(&args.bench)?,
         runs: args.runs as usize,
         seed: args.seed,
         threads: args.threads,

@@ -86,6 +86,7 @@ fn json(diagnosis: &Diagnosis) -> Result<String, CliError> {
 /// Writes all files.
 fn write(diagnosis: &mut Diagnosis, out: &Path) -> Result<(), CliError> {
     let mut files = Files::new(out);
+    files.leave_out(EXTENDED_BENCH);
     if let Some(bench) = &diagnosis.extended {
         let text = bench.to_toml().map_err(|e| CliError::Work(format!("extended bench: {e}")))?;
         files.add(EXTENDED_BENCH, &text)?;

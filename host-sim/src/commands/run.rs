@@ -37,6 +37,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let contacts = impact_table::to_csv(&finished.forced.run.impacts, finished.bench.contact.latch_floor_m_s);
     let page = page::page(&finished).map_err(CliError::Work)?;
     let mut files = Files::new(&args.out);
+    [tilt::FILE_NAME, settled::FILE_NAME, estimates::FILE_NAME, impacts::FILE_NAME]
+        .into_iter()
+        .for_each(|name| files.leave_out(name));
     files.add("log.csv", &finished.log(args.seed).to_csv())?;
     files.add(impact_table::FILE_NAME, &contacts)?;
     if !finished.forced.tilting.is_empty() {

@@ -21,23 +21,27 @@ type Entry = (&'static str, &'static str, fn() -> Schema);
 
 /// All schemas.
 const ALL: [Entry; 17] = [
-    ("accuracy", "accuracy: accuracy.json", of::<accuracy::Outcome>),
-    ("accuracy-worlds", "accuracy --worlds: worlds.json", of::<accuracy::worlds::Outcome>),
-    ("check", "check: check.json", of::<Inspection>),
-    ("claims", "claims: claims.json", of::<reproduction::campaign::report::Outcome>),
-    ("describe", "describe --json", of::<describe::Described>),
-    ("diagnose", "diagnose: diagnosis.json", of::<Diagnosis>),
-    ("evaluate", "evaluate: evaluation.json", of::<Evaluation>),
-    ("figures", "figures, sweep clearance, sweep load: sweep.json", of::<reproduction::report::Outcome<'_>>),
-    ("laws", "laws --json", of::<laws::Laws>),
-    ("record", "record --json", of::<record::Written>),
-    ("run", "run: run.json", of::<Summary>),
-    ("run-mechanism", "run of a mechanism: run.json", of::<MechanismSummary>),
-    ("run-slider-crank", "run --bench slider-crank: run.json", of::<SliderCrankSummary>),
-    ("sweep-file", "sweep FILE: sweep.json", of::<sweep::file::Outcome<'_>>),
-    ("sweep-latch", "sweep latch: sweep.json", of::<sweep::latch::Outcome>),
-    ("sweep-step", "sweep step: sweep.json", of::<sweep::step::Outcome>),
-    ("validate", "validate: validate.json", of::<Cases>),
+    ("accuracy", "accuracy: accuracy.json", schema_of::<accuracy::Outcome>),
+    ("accuracy-worlds", "accuracy --worlds: worlds.json", schema_of::<accuracy::worlds::Outcome>),
+    ("check", "check: check.json", schema_of::<Inspection>),
+    ("claims", "claims: claims.json", schema_of::<reproduction::campaign::report::Outcome>),
+    ("describe", "describe --json", schema_of::<describe::Described>),
+    ("diagnose", "diagnose: diagnosis.json", schema_of::<Diagnosis>),
+    ("evaluate", "evaluate: evaluation.json", schema_of::<Evaluation>),
+    (
+        "figures",
+        "figures, sweep clearance, sweep load: sweep.json",
+        schema_of::<reproduction::report::Outcome<'_>>,
+    ),
+    ("laws", "laws --json", schema_of::<laws::Laws>),
+    ("record", "record --json", schema_of::<record::Written>),
+    ("run", "run: run.json", schema_of::<Summary>),
+    ("run-mechanism", "run of a mechanism: run.json", schema_of::<MechanismSummary>),
+    ("run-slider-crank", "run --bench slider-crank: run.json", schema_of::<SliderCrankSummary>),
+    ("sweep-file", "sweep FILE: sweep.json", schema_of::<sweep::file::Outcome<'_>>),
+    ("sweep-latch", "sweep latch: sweep.json", schema_of::<sweep::latch::Outcome>),
+    ("sweep-step", "sweep step: sweep.json", schema_of::<sweep::step::Outcome>),
+    ("validate", "validate: validate.json", schema_of::<Cases>),
 ];
 
 /// Arguments of `host-sim schema`.
@@ -63,7 +67,7 @@ pub fn run(args: &SchemaArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-fn of<T: JsonSchema>() -> Schema {
+fn schema_of<T: JsonSchema>() -> Schema {
     let settings = SchemaSettings::draft2020_12().for_serialize().with_transform(NullNumbers);
     SchemaGenerator::new(settings).into_root_schema_for::<T>()
 }

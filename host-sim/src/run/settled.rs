@@ -51,7 +51,7 @@ fn with_interval(estimate: &Estimate) -> String {
 }
 
 /// Name of a quantity in words, with its unit: `peak_contact_force_n` is `peak contact force, N`.
-fn words(name: &str) -> String {
+fn label(name: &str) -> String {
     let units = [("_nm", "N m"), ("_n", "N"), ("_j", "J"), ("_share", "share of time")];
     let (stem, unit) = units
         .iter()
@@ -73,7 +73,7 @@ pub(crate) fn short_rows(settled: &Settled) -> Vec<Vec<String>> {
     let quantities = settled.quantities.iter().filter(|q| !q.name.ends_with("_hz_n"));
     let row = |q: &Quantity| {
         vec![
-            words(&q.name),
+            label(&q.name),
             number(q.first_cycle),
             number(q.mean.value),
             interval(&q.mean),
@@ -89,7 +89,7 @@ fn rows(settled: &Settled) -> Vec<Vec<String>> {
     let row = |q: &Quantity| {
         let many = q.largest_in_1000.as_ref().map_or_else(String::new, with_interval);
         vec![
-            words(&q.name),
+            label(&q.name),
             number(q.first_cycle),
             number(q.mean.value),
             interval(&q.mean),
@@ -111,7 +111,7 @@ fn range_rows(settled: &Settled) -> Vec<Vec<String>> {
     let of_history = |count: &RangeCount| {
         let equivalent = |exponent: u32, estimate: &Estimate| {
             vec![
-                words(count.name),
+                label(count.name),
                 format!("equivalent, exponent {exponent}: {}", number(estimate.value)),
                 "1".to_owned(),
                 interval(estimate),
@@ -119,7 +119,7 @@ fn range_rows(settled: &Settled) -> Vec<Vec<String>> {
         };
         let bins = count.bins.iter().filter(|bin| bin.per_cycle.value > 0.0).map(|bin| {
             let range = format!("{} to {}", number(bin.from), number(bin.to));
-            vec![words(count.name), range, number(bin.per_cycle.value), interval(&bin.per_cycle)]
+            vec![label(count.name), range, number(bin.per_cycle.value), interval(&bin.per_cycle)]
         });
         [equivalent(3, &count.equivalent_range_3), equivalent(5, &count.equivalent_range_5)]
             .into_iter()
@@ -183,9 +183,9 @@ mod tests {
 
     #[test]
     fn quantities_are_named_in_words_with_their_unit() {
-        assert_eq!(words("peak_friction_torque_nm"), "peak friction torque, N m");
-        assert_eq!(words("oscillation_300_1000_hz_n"), "oscillation 300 to 1000 Hz, N");
-        assert_eq!(words("without_contact_share"), "without contact, share of time");
-        assert_eq!(words("contacts"), "contacts");
+        assert_eq!(label("peak_friction_torque_nm"), "peak friction torque, N m");
+        assert_eq!(label("oscillation_300_1000_hz_n"), "oscillation 300 to 1000 Hz, N");
+        assert_eq!(label("without_contact_share"), "without contact, share of time");
+        assert_eq!(label("contacts"), "contacts");
     }
 }

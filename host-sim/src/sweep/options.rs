@@ -33,14 +33,18 @@ impl SweepOptions {
 
     /// Opens the bench that the runs vary.
     pub fn base(&self) -> Result<TransmissionBench, CliError> {
-        let name = self.bench.as_deref().unwrap_or("bench-b");
-        let bench = TransmissionBench::open(name)?;
-        if bench.drive_profile.is_some() || bench.load_profile.is_some() || bench.servo.is_some() {
-            return Err(CliError::Input(format!(
-                "{name}: found [drive_profile], [load_profile] or [servo]; expected the sine and the \
-                 constant load of the published sweeps"
-            )));
-        }
-        Ok(bench)
+        open_published(self.bench.as_deref().unwrap_or("bench-b"))
     }
+}
+
+/// Opens a bench for runs under the paper's conditions, and refuses other courses of drive and load.
+pub(crate) fn open_published(name: &str) -> Result<TransmissionBench, CliError> {
+    let bench = TransmissionBench::open(name)?;
+    if bench.drive_profile.is_some() || bench.load_profile.is_some() || bench.servo.is_some() {
+        return Err(CliError::Input(format!(
+            "{name}: found [drive_profile], [load_profile] or [servo]; expected the sine and the constant \
+             load of the published sweeps"
+        )));
+    }
+    Ok(bench)
 }

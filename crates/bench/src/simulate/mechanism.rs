@@ -1,5 +1,6 @@
 //! Runs of a described mechanism, with the names and the error bars that a report needs.
 
+use super::error_bars::error_bars;
 use super::peaks::TIGHTER;
 use crate::description::{JointKind, JointSection, MechanismBench};
 use crate::integrate::IntegrationError;
@@ -10,8 +11,8 @@ use crate::plants::mechanism::{MechanismRun, RunOptions};
 pub struct RunWithBars {
     /// The run, at the tighter tolerance.
     pub run: MechanismRun,
-    /// Distance of each impact's peak force in N from that of a coarser run; infinite for an impact
-    /// that only the finer run has.
+    /// Error bar of each impact's peak force in N, from three runs; infinite for an impact that only
+    /// the finest run has.
     pub bars_n: Vec<f64>,
 }
 
@@ -30,23 +31,26 @@ impl MechanismBench {
         mechanism.run(samples_s, &options)
     }
 
-    /// Runs the described mechanism at its tolerance and at a tighter one.
+    /// Runs the described mechanism at its tolerance, a tighter and a wider one.
     pub fn simulate_with_bars(&self, samples_s: &[f64]) -> Result<RunWithBars, IntegrationError> {
-        let coarse = self.simulate(&[], self.run.tolerance)?;
+        let middle = self.simulate(&[], self.run.tolerance)?;
+        // A run that is too coarse to succeed leaves wider bars.
+        let coarse = self.simulate(&[], self.run.tolerance / TIGHTER).ok();
         let run = self.simulate(samples_s, self.run.tolerance * TIGHTER)?;
         let nth = |run: &MechanismRun, contact: usize, n: usize| {
             run.impacts.iter().filter(|i| i.contact == contact).nth(n).map(|i| i.peak_force_n)
         };
         let mut seen = vec![0; self.joint.iter().map(JointSection::contacts).sum()];
-        let bars = run.impacts.iter().map(|impact| {
+        let mut peaks = Vec::with_capacity(run.impacts.len());
+        for impact in &run.impacts {
             let n = seen.get(impact.contact).copied().unwrap_or_default();
             if let Some(count) = seen.get_mut(impact.contact) {
                 *count += 1;
             }
-            let other = nth(&coarse, impact.contact, n);
-            other.map_or(f64::INFINITY, |peak_n| (peak_n - impact.peak_force_n).abs())
-        });
-        let bars_n = bars.collect();
+            let other = |run: &MechanismRun| nth(run, impact.contact, n);
+            peaks.push((impact.peak_force_n, other(&middle), coarse.as_ref().and_then(other)));
+        }
+        let bars_n = error_bars(&peaks);
         Ok(RunWithBars { run, bars_n })
     }
 
@@ -57,7 +61,7 @@ impl MechanismBench {
             let (pair, count) = (format!("{}_{}", joint.first, joint.second), joint.contacts());
             (1..=count).map(move |n| if count == 1 { pair.clone() } else { format!("{pair}_{n}") })
         };
-        self.joint.iter().flat_map(of_joint).collect()
+        distinct(self.joint.iter().flat_map(of_joint).collect())
     }
 
     /// Floor of the latched approach speed of each contact in m/s, in the order of a run.
@@ -78,6 +82,29 @@ impl MechanismBench {
             let unit = if joint.kind == JointKind::Prismatic { "n" } else { "nm" };
             (format!("{}_{}", joint.first, joint.second), unit)
         };
-        drives.map(name).collect()
+        let (names, units): (Vec<String>, Vec<&str>) = drives.map(name).unzip();
+        distinct(names).into_iter().zip(units).collect()
+    }
+}
+
+/// Appends a number to names that occur before, so that all differ.
+fn distinct(names: Vec<String>) -> Vec<String> {
+    let mut all: Vec<String> = Vec::with_capacity(names.len());
+    for name in names {
+        let numbered = (2..).map(|n| format!("{name}_again_{n}"));
+        let free = std::iter::once(name.clone()).chain(numbered).find(|name| !all.contains(name));
+        all.push(free.unwrap_or(name));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_repeat_get_a_number() {
+        let names = ["a_b", "a_b", "c", "a_b"].map(str::to_owned).to_vec();
+        assert_eq!(distinct(names), ["a_b", "a_b_again_2", "c", "a_b_again_3"]);
     }
 }

@@ -13,6 +13,9 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Fewest cycles of an interval.
 pub(crate) const MIN_CYCLES: usize = 5;
+/// Fewest cycles of an interval of a tail: a resampled value never exceeds the largest cycle, so
+/// with few cycles an interval of a high quantile hardly covers.
+pub(crate) const MIN_TAIL_CYCLES: usize = 30;
 /// Number of resampled sequences.
 const RESAMPLES: usize = 2000;
 /// Probability on either side of the interval.
@@ -23,8 +26,16 @@ const SIDE: f64 = 0.025;
 pub struct Estimate {
     /// Estimate from all cycles.
     pub value: f64,
-    /// Lower and upper end of the interval; none with fewer than five cycles.
+    /// Lower and upper end of the interval; none with too few cycles.
     pub interval: Option<[f64; 2]>,
+}
+
+/// Estimates a statistic of the tail; without an interval below [`MIN_TAIL_CYCLES`].
+pub(crate) fn estimate_tail(values: &[f64], seed: u64, statistic: impl Fn(&[f64]) -> f64) -> Estimate {
+    if values.len() < MIN_TAIL_CYCLES {
+        return Estimate { value: statistic(values), interval: None };
+    }
+    estimate(values, seed, statistic)
 }
 
 /// Estimates a statistic of the values of the cycles.
@@ -91,7 +102,7 @@ mod tests {
 
     /// Share of sequences whose interval covers the true mean 0, for neighbours with a correlation.
     fn coverage(count: usize, correlation: f64) -> f64 {
-        let runs = 400;
+        let runs = 1500;
         let covers = |seed: u64| {
             let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);
             let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -109,10 +120,10 @@ mod tests {
 
     #[test]
     fn intervals_of_independent_cycles_cover_nearly_as_often_as_stated() {
-        for (count, least) in [(6, 0.85), (10, 0.87), (40, 0.90)] {
+        for (count, expected) in [(6, 0.82..=0.88), (10, 0.85..=0.91), (40, 0.90..=0.95)] {
             let found = coverage(count, 0.0);
             eprintln!("{count} independent cycles: {found}");
-            assert!((least..=0.985).contains(&found), "{count}: {found}");
+            assert!(expected.contains(&found), "{count}: {found}");
         }
     }
 
@@ -129,6 +140,14 @@ mod tests {
         assert_eq!(estimate(&values, 7, mean), estimate(&values, 7, mean));
         assert_ne!(estimate(&values, 7, mean).interval, estimate(&values, 8, mean).interval);
         assert_eq!(estimate(&values[..4], 7, mean), Estimate { value: 2.75, interval: None });
+    }
+
+    #[test]
+    fn a_tail_has_an_interval_with_many_cycles_only() {
+        let values: Vec<f64> = (0..40).map(|i| f64::from(i * 17 % 40)).collect();
+        let high = |v: &[f64]| quantile(v, 0.9);
+        assert!(estimate_tail(&values, 1, high).interval.is_some());
+        assert_eq!(estimate_tail(&values[..29], 1, high).interval, None);
     }
 
     #[test]

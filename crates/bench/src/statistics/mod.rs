@@ -8,7 +8,7 @@ mod transient;
 
 pub(crate) use band::Band;
 pub use bootstrap::Estimate;
-pub(crate) use bootstrap::{estimate, mean, quantile};
+pub(crate) use bootstrap::{estimate, estimate_tail, mean, quantile};
 pub(crate) use extreme::largest_in;
-pub(crate) use rainflow::{RangeCycle, count as count_ranges};
+pub(crate) use rainflow::{RangeCycle, count as count_ranges, sums_per_cycle};
 pub(crate) use transient::transient_length;

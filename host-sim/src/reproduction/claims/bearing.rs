@@ -76,7 +76,7 @@ fn oscillates_why(bearing: &BearingFacts) -> String {
 fn stronger(bearing: &BearingFacts) -> Verdict {
     let values: Vec<f64> = bearing.clearance.iter().map(|r| r.oscillation_n).collect();
     let steps = values.windows(2).all(|w| matches!(w, [a, b] if *b >= a * (1.0 - LEVEL_SLACK)));
-    let doubles = values.first().zip(values.last()).is_some_and(|(a, b)| *b >= STRONGER * a);
+    let doubles = values.first().zip(values.last()).is_some_and(|(a, b)| *a > 0.0 && *b >= STRONGER * a);
     Verdict::from_conditions(doubles && steps, doubles)
 }
 

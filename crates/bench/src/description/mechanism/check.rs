@@ -24,6 +24,7 @@ impl MechanismBench {
             self.refuse_pair(&path, [&joint.first, &joint.second], &mut all);
             refuse_fields(&path, joint, &mut all);
             self.refuse_contact(&path, joint, &mut all);
+            all.extend(refuse_offset(&path, joint));
         }
         for (i, spring) in self.spring.iter().enumerate() {
             let path = format!("spring.{i}");
@@ -69,6 +70,10 @@ impl MechanismBench {
                 let expected =
                     "ASCII letters, digits, `_` and `-`: the log's columns have this name".to_owned();
                 all.push((format!("{path}.name"), format!("`{}`", body.name), expected));
+            }
+            if body.angle_rad != 0.0 && body.at_m.is_none() {
+                let expected = "no angle: that of a bar is the direction from its first to its second end";
+                all.push((format!("{path}.angle_rad"), format_number(body.angle_rad), expected.to_owned()));
             }
             let missing = |field: &str, expected: &str| {
                 (format!("{path}.{field}"), "missing".to_owned(), expected.to_owned())
@@ -126,6 +131,16 @@ impl MechanismBench {
             all.push((format!("{path}.contact"), format!("`{name}`"), expected));
         }
     }
+}
+
+/// Refuses a journal that begins outside its bearing's clearance.
+fn refuse_offset(path: &str, joint: &JointSection) -> Option<Refusal> {
+    let clearance_m = joint.clearance_m.filter(|_| joint.kind == JointKind::Clearance)?;
+    let distance_m = joint.offset_m[0].hypot(joint.offset_m[1]);
+    (distance_m > clearance_m).then(|| {
+        let expected = format!("a distance of at most the clearance of {} m", format_number(clearance_m));
+        (format!("{path}.offset_m"), format!("a distance of {} m", format_number(distance_m)), expected)
+    })
 }
 
 impl JointSection {

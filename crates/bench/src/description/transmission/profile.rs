@@ -93,6 +93,10 @@ pub struct LoggedCourses {
     pub(super) load: Option<Profile>,
 }
 
+/// Shortest transition in s; a single point needs none, and its square has to be a number.
+const MIN_TRANSITION_S: f64 = 1e-9;
+/// Largest number of peak periods in a run: its spline takes some 100 bytes a node.
+const MAX_PEAK_PERIODS: f64 = 1e5;
 /// Fewest intervals of a log in half a window of smoothing.
 const MIN_INTERVALS: f64 = 6.0;
 
@@ -113,7 +117,7 @@ impl CourseSection {
                 course,
                 &self.points,
                 period_s,
-                self.transition_s.max(f64::MIN_POSITIVE),
+                self.transition_s.max(MIN_TRANSITION_S),
             ))
         };
         match self.kind {
@@ -173,6 +177,11 @@ impl CourseSection {
             Steps | Ramps | Spline if self.points.is_empty() => all.push(lacks("points", "points")),
             Steps | Ramps | Spline => all.extend(self.point_refusals(context)),
             Log if self.file.is_empty() => all.push(lacks("file", "a file")),
+            Spectrum if context.run_s > MAX_PEAK_PERIODS * self.period_s.unwrap_or(context.period_s) => {
+                let found = format_number(self.period_s.unwrap_or(context.period_s));
+                let expected = format!("at most {MAX_PEAK_PERIODS:.0} peak periods in the run");
+                all.push(refuse("period_s", found, expected));
+            }
             _ => {}
         }
         all

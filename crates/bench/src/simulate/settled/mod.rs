@@ -18,7 +18,7 @@ pub use ranges::{RangeBin, RangeCount};
 use crate::integrate::Impact;
 use crate::plants::transmission::Snapshot;
 use crate::simulate::Run;
-use crate::statistics::{Estimate, estimate, largest_in, mean, quantile, transient_length};
+use crate::statistics::{Estimate, estimate, estimate_tail, largest_in, mean, quantile, transient_length};
 use cycles::{Column, Kind, boundaries, columns};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -135,10 +135,10 @@ impl Settled {
                 mean: estimate(settled, seed, mean),
                 smallest: settled.iter().copied().fold(f64::INFINITY, f64::min),
                 median: estimate(settled, seed, |v| quantile(v, 0.5)),
-                quantile_90: estimate(settled, seed, |v| quantile(v, 0.9)),
+                quantile_90: estimate_tail(settled, seed, |v| quantile(v, 0.9)),
                 largest: settled.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                 largest_in_1000: (column.kind == Kind::Peak)
-                    .then(|| estimate(settled, seed, |v| largest_in(MANY_CYCLES, v))),
+                    .then(|| estimate_tail(settled, seed, |v| largest_in(MANY_CYCLES, v))),
             }
         };
         Some(Self {

@@ -1,11 +1,11 @@
 //! Rainflow counts of the settled part of a run.
 //!
-//! A counted range belongs to the cycle of the drive in which it ends. So every count is a mean
-//! over cycles, and its interval one over cycles.
+//! Half of a counted range belongs to the cycle of the drive of each of its turning points. So
+//! every count is a mean over cycles, and its interval one over cycles.
 
 use super::Course;
 use crate::plants::transmission::Snapshot;
-use crate::statistics::{Estimate, RangeCycle, count_ranges, estimate, mean};
+use crate::statistics::{Estimate, RangeCycle, count_ranges, estimate, mean, sums_per_cycle};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -53,16 +53,8 @@ pub(super) fn counts(course: &Course<'_>, boundaries: &[usize], seed: u64) -> Ve
         let history: Vec<f64> = samples.iter().map(read).collect();
         let ranges = count_ranges(&history);
         let largest_range = ranges.iter().map(|cycle| cycle.range).fold(0.0, f64::max);
-        let per_cycle = |weight: &dyn Fn(&RangeCycle) -> f64| -> Vec<f64> {
-            let mut sums = vec![0.0; boundaries.len() - 1];
-            for range in &ranges {
-                let cycle = boundaries.partition_point(|&start| start <= first + range.end).saturating_sub(1);
-                if let Some(sum) = sums.get_mut(cycle) {
-                    *sum += weight(range);
-                }
-            }
-            sums
-        };
+        let starts: Vec<usize> = boundaries.iter().map(|start| start - first).collect();
+        let per_cycle = |weight: &dyn Fn(&RangeCycle) -> f64| sums_per_cycle(&ranges, &starts, weight);
         let equivalent = |exponent: i32| {
             let damage = per_cycle(&|c| c.count * (c.range / largest_range).powi(exponent));
             estimate(&damage, seed, |d| largest_range * mean(d).powf(1.0 / f64::from(exponent)))
