@@ -181,8 +181,8 @@ fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars
     };
     let mut page = Page::new("Mechanism: one run");
     page.lead(&format!(
-        "{} bodies, {} contacts, {} s; energy residual {:.1e} of the work. Contacts and drives have the names \
-         of their bodies.",
+        "{} bodies, {} contacts, {} s; energy residual {:.1e} of the work. Contacts and drives are named \
+         after their bodies.",
         bench.body.len(),
         summary.contacts.len(),
         number(bench.run.duration_s),

@@ -37,7 +37,7 @@ impl SweepOptions {
     }
 }
 
-/// Opens a bench for runs under the paper's conditions, and refuses other courses of drive and load.
+/// Opens a bench for runs under the paper's conditions; refuses other courses of drive and load.
 pub(crate) fn open_published(name: &str) -> Result<TransmissionBench, CliError> {
     let bench = TransmissionBench::open(name)?;
     if bench.drive_profile.is_some() || bench.load_profile.is_some() || bench.servo.is_some() {

@@ -11,8 +11,8 @@ use crate::plants::mechanism::{MechanismRun, RunOptions};
 pub struct RunWithBars {
     /// The run, at the tighter tolerance.
     pub run: MechanismRun,
-    /// Error bar of each impact's peak force in N, from three runs; infinite for an impact that only
-    /// the finest run has.
+    /// Error bar of each impact's peak force in N, from three runs; infinite for an impact that
+    /// only the finest run has.
     pub bars_n: Vec<f64>,
 }
 
