@@ -19,6 +19,8 @@ pub(crate) fn write(folder: &Path, name: &str, text: &str) -> Result<(), CliErro
 ///
 /// A file is at the path or above it, or nothing can be written there.
 pub(crate) fn check_folder(folder: &Path) -> Result<(), CliError> {
+    // The parent of a plain file name is empty.
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let absolute = std::path::absolute(folder).map_err(|e| CliError::output(folder, &e))?;
     let Some(existing) = absolute.ancestors().find(|path| path.exists()) else { return Ok(()) };
     if !existing.is_dir() {

@@ -10,7 +10,7 @@ pub(crate) const PERCENT: u64 = 100;
 /// Time between two lines of the same step of the work.
 const LINE_PERIOD: Duration = Duration::from_secs(10);
 /// Time between two looks at the work for a new line.
-const LOOK_PERIOD: Duration = Duration::from_millis(100);
+const LOOK_PERIOD: Duration = Duration::from_millis(10);
 
 /// Creates a progress of `steps`. In a terminal it is a bar that appears after a second. Into a
 /// pipe, and with `--verbose`, lines are printed; with `--quiet` nothing.

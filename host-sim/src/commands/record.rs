@@ -3,6 +3,7 @@
 use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
 use crate::cli::output;
+use bench::log::LogError;
 use bench::simulate::record;
 use clap::Args;
 use schemars::JsonSchema;
@@ -48,7 +49,10 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
     let path = file_of(&args.out);
     output::check_folder(path.parent().unwrap_or(Path::new("")))?;
     let log = record(&bench, args.seed)?;
-    log.write(&path).map_err(|e| CliError::Work(e.to_string()))?;
+    log.write(&path).map_err(|error| match error {
+        LogError::Io { source, .. } => CliError::output(&path, &source),
+        other => CliError::Work(other.to_string()),
+    })?;
     let written = Written {
         log: path.display().to_string(),
         samples: log.time_s.len(),
