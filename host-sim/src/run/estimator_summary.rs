@@ -61,7 +61,7 @@ pub struct EstimatorSummary {
     /// Impacts that the controller recorded.
     pub impacts: ImpactSummary,
     /// Counters of the controller.
-    #[schemars(with = "std::collections::BTreeMap<String, u64>")]
+    #[schemars(with = "std::collections::BTreeMap<String, serde_json::Value>")]
     pub counters: Counters,
     /// Losses on the line.
     pub losses: Losses,
