@@ -45,30 +45,36 @@ fn found(hidden: &Hidden, seed: u64, effect: &str, channel: Option<&str>, size: 
     assert!(d.gain.iter().any(|g| g.held_out && g.extended_rms < 0.8 * g.baseline_rms), "{:?}", d.gain);
 }
 
+/// Seeds of a test: one, and with the variable `PINTLE_LONG` (`cargo xtask test --long`) two.
+fn seeds(first: u64) -> std::ops::RangeInclusive<u64> {
+    let is_long = std::env::var_os("PINTLE_LONG").is_some();
+    first..=first + u64::from(is_long)
+}
+
 #[test]
 fn clearance_wear_is_named() {
-    for seed in [11, 12] {
+    for seed in seeds(11) {
         found(&Hidden { clearance_m: 1e-4, ..Hidden::default() }, seed, "clearance-wear", None, 1e-4);
     }
 }
 
 #[test]
 fn coulomb_level_is_named() {
-    for seed in [21, 22] {
+    for seed in seeds(21) {
         found(&Hidden { friction: 0.35, ..Hidden::default() }, seed, "coulomb-level", None, 0.35);
     }
 }
 
 #[test]
 fn viscous_friction_is_named() {
-    for seed in [31, 32] {
+    for seed in seeds(31) {
         found(&Hidden { viscous_n_s_m: 300.0, ..Hidden::default() }, seed, "viscous-friction", None, 300.0);
     }
 }
 
 #[test]
 fn hydraulic_compliance_is_named() {
-    for seed in [41, 42] {
+    for seed in seeds(41) {
         found(
             &Hidden { compliance_m_n: 2e-8, ..Hidden::default() },
             seed,
@@ -81,7 +87,7 @@ fn hydraulic_compliance_is_named() {
 
 #[test]
 fn sensor_delay_is_named() {
-    for seed in [51, 52] {
+    for seed in seeds(51) {
         let hidden = Hidden { journal_y_delay_s: 4e-4, ..Hidden::default() };
         found(&hidden, seed, "sensor-delay", Some("journal_y_m"), 4e-4);
     }
@@ -89,7 +95,7 @@ fn sensor_delay_is_named() {
 
 #[test]
 fn sensor_offset_is_named() {
-    for seed in [61, 62] {
+    for seed in seeds(61) {
         let hidden = Hidden { force_y_offset_n: 25.0, ..Hidden::default() };
         found(&hidden, seed, "sensor-offset", Some("bearing_force_y_n"), 25.0);
     }

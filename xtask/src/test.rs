@@ -10,6 +10,9 @@ use std::time::Instant;
 /// Ignored tests that write golden files: `--long` does not run them.
 const WRITERS: &str = "write_the_exported_file";
 
+/// Variable with which tests hide an effect twice.
+const LONG: &str = "PINTLE_LONG";
+
 /// Runs all checks and tests; with `is_long` also the ignored tests.
 ///
 /// All tests run even if one fails. A failed check ends the run at once. The last
@@ -18,7 +21,11 @@ pub(crate) fn test(is_long: bool) -> Result<(), ChoreError> {
     let start = Instant::now();
     let mut skipped = checks()?;
     let mut tally = Tally::default();
-    tally.run(&mut workspace_tests())?;
+    let mut tests = workspace_tests();
+    if is_long {
+        tests.env(LONG, "1");
+    }
+    tally.run(&mut tests)?;
     // Separate, so that the first run tests `host-sim` without probes. The complete workspace and
     // its features are named again, so that the dependencies already built are used.
     tally.run(
