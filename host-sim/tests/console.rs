@@ -162,6 +162,40 @@ fn a_full_disk_leaves_no_part_of_a_result_and_exits_with_1() {
 }
 
 #[test]
+fn no_file_of_an_earlier_run_stays_beside_a_new_one() {
+    let directory = tempfile::tempdir().unwrap();
+    let run = |more: &[&str]| host_sim(directory.path(), &[&LAW[..], &["--out", "one"], more].concat());
+    assert!(run(&["--cycles", "3"]).status.success());
+    let folder = directory.path().join("one");
+    assert!(folder.join("cycles.csv").exists());
+    assert!(run(&[]).status.success());
+    assert!(!folder.join("cycles.csv").exists() && folder.join("run.json").exists());
+    // A folder in the way of one file keeps all the others as they were.
+    let before = std::fs::read(folder.join("run.json")).unwrap();
+    std::fs::remove_file(folder.join("report.html")).unwrap();
+    std::fs::create_dir(folder.join("report.html")).unwrap();
+    let refused = run(&["--load-kn", "5"]);
+    assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+    assert!(text(&refused.stderr).contains("report.html: cannot be written: found a folder"), "{refused:?}");
+    assert_eq!(std::fs::read(folder.join("run.json")).unwrap(), before);
+}
+
+#[test]
+fn published_conditions_refuse_other_courses_of_the_drive() {
+    let directory = tempfile::tempdir().unwrap();
+    let sea = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/sea-state.toml");
+    for arguments in [
+        &["claims", "--runs", "1", "--bench", sea][..],
+        &["sweep", "clearance", "--bench", sea],
+        &["figures", "--bench", sea],
+    ] {
+        let output = host_sim(directory.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("expected the sine and the constant load"), "{arguments:?}");
+    }
+}
+
+#[test]
 fn sweeps_do_not_mix_their_results_and_threads_are_bounded() {
     let directory = tempfile::tempdir().unwrap();
     std::fs::create_dir(directory.path().join("results")).unwrap();

@@ -154,6 +154,26 @@ fn wrong_courses_are_refused_with_field_content_and_expectation() {
     }
 }
 
+#[test]
+fn a_sea_state_too_long_for_the_memory_is_refused_before_it_is_drawn() {
+    let sea = "[drive_profile]\nkind = \"spectrum\"\nheight = 0.01\nperiod_s = 0.001\n";
+    let error = parse(sea, &[("cycles = 1", "cycles = 1000")]).unwrap_err();
+    assert!(
+        error.contains("drive_profile.period_s is 0.001; expected at most 100000 peak periods"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_schedule_of_one_point_stays_there() {
+    let steps = "[drive_profile]\nkind = \"steps\"\npoints = [[0.0, 0.02]]\nperiod_s = 0.25\n";
+    let course = bench(steps, &[]).drive_profile();
+    for i in 0..=40 {
+        let motion = course.at(0.025 * f64::from(i));
+        assert_eq!((motion.value, motion.rate, motion.acceleration), (0.02, 0.0, 0.0), "{i}");
+    }
+}
+
 /// Course with a step of the order by 20 mm at 0.1 s.
 const STEP: &str = "[drive_profile]\nkind = \"steps\"\npoints = [[0.0, 0.0], [0.1, 0.02]]\n\
                     transition_s = 1e-3\nperiod_s = 100.0\n";

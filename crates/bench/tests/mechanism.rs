@@ -347,6 +347,66 @@ from_m = [0, 0]
 }
 
 #[test]
+fn what_a_mechanism_cannot_satisfy_or_does_not_use_is_refused() {
+    let four_bar = text("../../examples/four-bar.toml");
+    let refused = |from: &str, to: &str| {
+        assert!(four_bar.contains(from), "{from}");
+        Bench::parse("x.toml", &four_bar.replacen(from, to, 1)).unwrap_err().to_string()
+    };
+    // A bar has the direction of its ends; a journal begins within its clearance.
+    let error = refused("name = \"coupler\",", "name = \"coupler\", angle_rad = 0.3,");
+    assert!(error.contains("body.1.angle_rad is 0.3; expected no angle"), "{error}");
+    let error = refused("kind = \"clearance\",", "kind = \"clearance\", offset_m = [0.01, 0],");
+    assert!(error.contains("offset_m is a distance of 0.01 m; expected a distance of at most"), "{error}");
+    // Two drives of one pin, the one faster than the other.
+    let line = four_bar.lines().find(|line| line.contains("drive_speed")).unwrap();
+    let (before, after) = line.split_once("drive_speed = ").unwrap();
+    let twice = format!("{line}\n{before}drive_speed = 1{after}");
+    let error = refused(line, &twice);
+    assert!(error.contains("joint is joints and drives that contradict each other"), "{error}");
+}
+
+/// Free bodies of .1 and 1 kg that meet at .2 m/s.
+fn free_pair(first: &str, second: &str) -> MechanismRun {
+    parsed(&format!(
+        r#"plant = "mechanism"
+run = {{ duration_s = 0.02, closed_start = false }}
+body = [
+    {{ name = "light", mass_kg = 0.1, inertia_kg_m2 = 1, at_m = [0, 0] }},
+    {{ name = "heavy", mass_kg = 1.0, inertia_kg_m2 = 1, at_m = [0, 0], velocity_m_s = [0.2, 0] }},
+]
+joint = [
+    {{ kind = "clearance", first = "{first}", second = "{second}", at_m = [0, 0], contact = "k",
+        bearing_radius_m = 0.01, clearance_m = 5e-4 }},
+]
+contact = [
+    {{ name = "k", law = "anagnostopoulos", coefficient = 1e7, restitution = 0.5, dissipation = "none" }},
+]
+"#
+    ))
+    .simulate(&[], 1e-10)
+    .unwrap()
+}
+
+/// The damped oscillation with the effective mass ends where its force would become tensile
+/// (Schwager and Poeschel, Granular Matter 9, 2007), after the damping ratio of Anagnostopoulos for a
+/// restitution of .5.
+#[test]
+fn a_law_with_the_effective_mass_rebounds_as_in_closed_form_whichever_body_is_named_first() {
+    let ratio = 2.0_f64.ln() / std::f64::consts::PI.hypot(2.0_f64.ln());
+    let damped = (1.0 - ratio * ratio).sqrt();
+    let phase = std::f64::consts::PI - (2.0 * ratio * damped).atan2(damped * damped - ratio * ratio);
+    let closed = (-ratio / damped * phase).exp();
+    let peaks = [("light", "heavy"), ("heavy", "light")].map(|(first, second)| {
+        let impact = free_pair(first, second).impacts[0];
+        let restitution = impact.separation_speed_m_s / impact.approach_speed_m_s;
+        assert_near("restitution", restitution, closed, 1e-6);
+        impact.peak_force_n
+    });
+    assert_near("peak, N", peaks[0], peaks[1], 1e-6 * peaks[1]);
+}
+
+#[test]
 fn a_mechanism_has_no_log_and_no_effects() {
     let bench = Bench::open("four-bar").unwrap();
     let error = bench::simulate::record(&bench, 1).unwrap_err().to_string();

@@ -183,6 +183,10 @@ fn mechanism_refusals(bench: &MechanismBench) -> Vec<Refusal> {
         let error = bench.laws(joint).and_then(Result::err);
         all.extend(error.and_then(|error| wrong(&format!("joint.{i}"), error)));
     }
+    if all.is_empty() && bench.mechanism().is_ok_and(|mechanism| mechanism.is_contradictory()) {
+        let found = "joints and drives that contradict each other at the start".into();
+        all.push(("joint".into(), found, "rates and accelerations that satisfy all of them".into()));
+    }
     all
 }
 

@@ -1,11 +1,11 @@
 //! Construction of a mechanism in its position at the start: all points are given in the axes of
 //! the ground and become fixed to their bodies.
 
+use super::Mechanism;
 use super::body::{Body, Frame, Marker, dot, frame, perpendicular, subtract};
 use super::contact::{Contact, ContactKind};
 use super::force::{Load, Spring, SpringKind};
 use super::joint::{Constraint, DriveMotion, IdealJoint};
-use super::{Mechanism, Parts};
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 
 /// Body of a mechanism, or `None` for the ground.
@@ -17,7 +17,7 @@ pub(crate) type Laws = (JointLaw, Option<BearingFriction>);
 /// Parts of a mechanism so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Builder {
-    parts: Parts,
+    mechanism: Mechanism,
     frames: Vec<Frame>,
 }
 
@@ -25,15 +25,15 @@ impl Builder {
     /// A mechanism without bodies under a gravity in m/s2. Errors of its constraints are reduced at
     /// a rate in 1/s.
     pub(crate) fn new(gravity_m_s2: [f64; 2], stabilisation_per_s: f64) -> Self {
-        let parts = Parts { gravity_m_s2, stabilisation_per_s, ..Parts::default() };
-        Self { parts, frames: Vec::new() }
+        let mechanism = Mechanism { gravity_m_s2, stabilisation_per_s, ..Mechanism::default() };
+        Self { mechanism, frames: Vec::new() }
     }
 
     /// Adds a body.
     pub(crate) fn body(&mut self, body: Body) -> BodyIndex {
         self.frames.push(Frame::new(body.start, body.start_rate));
-        self.parts.bodies.push(body);
-        Some(self.parts.bodies.len() - 1)
+        self.mechanism.bodies.push(body);
+        Some(self.mechanism.bodies.len() - 1)
     }
 
     /// Adds a uniform bar between two points, with its speed in rad/s and the velocity of its
@@ -93,26 +93,26 @@ impl Builder {
     /// Adds a revolute joint at a point.
     pub(crate) fn revolute(&mut self, bodies: [BodyIndex; 2], at_m: [f64; 2]) {
         let joint = self.coincident(bodies, at_m);
-        self.parts.joints.extend(joint);
+        self.mechanism.joints.extend(joint);
     }
 
     /// Adds a prismatic joint: the second body slides along an axis of the first and keeps its
     /// angle to it.
     pub(crate) fn prismatic(&mut self, bodies: [BodyIndex; 2], at_m: [f64; 2], axis: [f64; 2]) {
         let joint = [self.component(bodies, at_m, perpendicular(axis)), self.angle(bodies, at_m)];
-        self.parts.joints.extend(joint);
+        self.mechanism.joints.extend(joint);
     }
 
     /// Adds a pin of the second body in a straight slot of the first.
     pub(crate) fn slot(&mut self, bodies: [BodyIndex; 2], at_m: [f64; 2], axis: [f64; 2]) {
-        self.parts.joints.push(self.component(bodies, at_m, perpendicular(axis)));
+        self.mechanism.joints.push(self.component(bodies, at_m, perpendicular(axis)));
     }
 
     /// Joins two bodies rigidly.
     pub(crate) fn weld(&mut self, bodies: [BodyIndex; 2], at_m: [f64; 2]) {
         let joint = self.coincident(bodies, at_m);
-        self.parts.joints.extend(joint);
-        self.parts.joints.push(self.angle(bodies, at_m));
+        self.mechanism.joints.extend(joint);
+        self.mechanism.joints.push(self.angle(bodies, at_m));
     }
 
     /// Adds a massless rod between a point of the first body and one of the second.
@@ -120,7 +120,7 @@ impl Builder {
         let along = subtract(ends_m[1], ends_m[0]);
         let constraint = Constraint::Distance { length_m: dot(along, along).sqrt() };
         let (first, second) = (self.marker(bodies[0], ends_m[0]), self.marker(bodies[1], ends_m[1]));
-        self.parts.joints.push(IdealJoint { first, second, constraint, drive: None });
+        self.mechanism.joints.push(IdealJoint { first, second, constraint, drive: None });
     }
 
     /// The driven coordinate of a joint: the angle between the bodies, or with an axis the
@@ -147,7 +147,7 @@ impl Builder {
         axis: Option<[f64; 2]>,
         motion: DriveMotion,
     ) {
-        self.parts.joints.push(self.driven(bodies, at_m, axis, motion));
+        self.mechanism.joints.push(self.driven(bodies, at_m, axis, motion));
     }
 
     /// Drives a coordinate as [`Self::drive`] does, through flanks at a radius with a total play,
@@ -164,7 +164,7 @@ impl Builder {
             let kind = ContactKind::Flank { driven, side, radius_m, half_play_m: 0.5 * play_m };
             self.contact(kind, laws);
         }
-        self.parts.closing.push(driven);
+        self.mechanism.closing.push(driven);
     }
 
     /// Adds a revolute joint with clearance. At the start the journal's centre is at an offset from
@@ -185,7 +185,7 @@ impl Builder {
             second: journal,
             ..joint
         });
-        self.parts.closing.extend(closing);
+        self.mechanism.closing.extend(closing);
     }
 
     /// Adds a prismatic joint with clearance: a slider of the second body, of a length and a
@@ -210,11 +210,11 @@ impl Builder {
             self.contact(ContactKind::Corner { guide, normal, half_width_m, corner }, laws);
         }
         let closing = [self.component(bodies, at_m, across), self.angle(bodies, at_m)];
-        self.parts.closing.extend(closing);
+        self.mechanism.closing.extend(closing);
     }
 
     fn contact(&mut self, kind: ContactKind, (law, friction): Laws) {
-        self.parts.contacts.push(Contact { kind, law, friction, bristle: None });
+        self.mechanism.contacts.push(Contact { kind, law, friction, bristle: None });
     }
 
     /// Adds a spring with a damper between a point of the first body and one of the second; without
@@ -229,14 +229,14 @@ impl Builder {
         let along = subtract(ends_m[1], ends_m[0]);
         let kind = SpringKind::Linear(free_length_m.unwrap_or(dot(along, along).sqrt()));
         let (first, second) = (self.marker(bodies[0], ends_m[0]), self.marker(bodies[1], ends_m[1]));
-        self.parts.springs.push(Spring { first, second, kind, stiffness, damping });
+        self.mechanism.springs.push(Spring { first, second, kind, stiffness, damping });
     }
 
     /// Adds a torsional spring with a damper, free at the start. Units N m/rad, N m s/rad.
     pub(crate) fn torsional_spring(&mut self, bodies: [BodyIndex; 2], (stiffness, damping): (f64, f64)) {
         let kind = SpringKind::Torsional(self.angle_rad(bodies[1]) - self.angle_rad(bodies[0]));
         let [first, second] = bodies.map(|body| Marker { body, local_m: [0.0; 2] });
-        self.parts.springs.push(Spring { first, second, kind, stiffness, damping });
+        self.mechanism.springs.push(Spring { first, second, kind, stiffness, damping });
     }
 
     /// Adds a force in N at a point of a body and a torque in N m.
@@ -248,11 +248,11 @@ impl Builder {
         ramp_s: f64,
     ) {
         let at = self.marker(body, at_m);
-        self.parts.loads.push(Load { at, force_n, torque_nm, ramp_s });
+        self.mechanism.loads.push(Load { at, force_n, torque_nm, ramp_s });
     }
 
     /// The mechanism.
     pub(crate) fn build(self) -> Mechanism {
-        Mechanism::new(self.parts)
+        self.mechanism.completed()
     }
 }

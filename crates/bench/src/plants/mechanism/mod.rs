@@ -35,8 +35,12 @@ use force::{Load, Spring};
 use joint::{IdealJoint, Row};
 use solve::{applied, constrain};
 
-/// A mechanism ready to be integrated.
-#[derive(Clone, Debug)]
+/// Share of the largest required rate or acceleration by which a constraint may be missed at the
+/// start; rounding of dependent constraints leaves a ten-thousandth of it.
+const CONTRADICTION: f64 = 1e-6;
+
+/// A mechanism, ready to be integrated once it is [`completed`](Self::completed).
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Mechanism {
     pub(crate) bodies: Vec<Body>,
     pub(crate) joints: Vec<IdealJoint>,
@@ -52,34 +56,18 @@ pub(crate) struct Mechanism {
     inverse: Vec<[f64; 3]>,
 }
 
-/// Parts from which a mechanism is built.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Parts {
-    pub(crate) bodies: Vec<Body>,
-    pub(crate) joints: Vec<IdealJoint>,
-    pub(crate) contacts: Vec<Contact>,
-    pub(crate) closing: Vec<IdealJoint>,
-    pub(crate) springs: Vec<Spring>,
-    pub(crate) loads: Vec<Load>,
-    pub(crate) gravity_m_s2: [f64; 2],
-    pub(crate) stabilisation_per_s: f64,
-}
-
 impl Mechanism {
-    /// Builds a mechanism from its parts; bristles are numbered in the order of the contacts.
-    pub(crate) fn new(parts: Parts) -> Self {
-        let Parts { bodies, joints, mut contacts, closing, springs, loads, .. } = parts;
+    /// Completes a mechanism: numbers the bristles in the order of the contacts, and inverts the
+    /// masses.
+    pub(crate) fn completed(mut self) -> Self {
         let mut bristles = 0;
-        for contact in &mut contacts {
+        for contact in &mut self.contacts {
             contact.bristle = contact.has_bristles().then_some(bristles);
             bristles += usize::from(contact.has_bristles());
         }
-        let inverse = bodies
-            .iter()
-            .map(|body| [1.0 / body.mass_kg, 1.0 / body.mass_kg, 1.0 / body.inertia_kg_m2])
-            .collect();
-        let (gravity_m_s2, stabilisation_per_s) = (parts.gravity_m_s2, parts.stabilisation_per_s);
-        Self { bodies, joints, contacts, closing, springs, loads, gravity_m_s2, stabilisation_per_s, inverse }
+        let inverse = |body: &Body| [1.0 / body.mass_kg, 1.0 / body.mass_kg, 1.0 / body.inertia_kg_m2];
+        self.inverse = self.bodies.iter().map(inverse).collect();
+        self
     }
 
     /// Number of coordinates.
@@ -136,6 +124,22 @@ impl Mechanism {
         let coordinates = self.coordinates();
         state[coordinates..2 * coordinates].copy_from_slice(&rates);
         state
+    }
+
+    /// Returns true if no rates, or no accelerations, satisfy all ideal joints and drives at the
+    /// start: two drives of one joint, or a drive of a mechanism without a degree of freedom.
+    pub(crate) fn is_contradictory(&self) -> bool {
+        let rows = self.rows(0.0, &self.frames(&self.initial_state(false)));
+        let is_missed = |target: Vec<f64>| {
+            let mut found = vec![0.0; self.coordinates()];
+            constrain(&rows, &self.inverse, &target, &mut found);
+            let size = target.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            let missed =
+                |(row, target): (&Row, &f64)| (applied(row, &found) - target).abs() > CONTRADICTION * size;
+            rows.iter().zip(&target).any(missed)
+        };
+        is_missed(rows.iter().map(|row| -row.drive_rate).collect())
+            || is_missed(rows.iter().map(|row| row.target).collect())
     }
 
     /// Computes the derivative of a state, with the latched approach speed of each contact, `None`
