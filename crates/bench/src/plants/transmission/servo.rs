@@ -227,6 +227,15 @@ mod tests {
     }
 
     #[test]
+    fn a_derivative_opposes_the_speed_of_the_fork() {
+        let servo = Servo { kd: 2.0, valve_lag_s: 0.0, ..servo() };
+        let moving = Motion { value: 0.3, rate: 0.1, acceleration: 0.0 };
+        let order = Motion { value: 0.3, ..Motion::default() };
+        let [speed_m_s, ..] = servo.rates(&order, &moving, [0.3, 0.0, 0.0]);
+        assert!((speed_m_s + 0.2 * 2.0 * 0.1).abs() < 1e-15, "{speed_m_s}");
+    }
+
+    #[test]
     fn an_integral_removes_the_error_of_a_steady_disturbance_and_is_held_at_the_limit() {
         let servo = Servo { ki: 5.0, ..servo() };
         let order = Motion { value: 1.0, ..Motion::default() };
