@@ -183,15 +183,20 @@ fn no_file_of_an_earlier_run_stays_beside_a_new_one() {
 #[test]
 fn published_conditions_refuse_other_courses_of_the_drive() {
     let directory = tempfile::tempdir().unwrap();
-    let sea = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/sea-state.toml");
-    for arguments in [
-        &["claims", "--runs", "1", "--bench", sea][..],
-        &["sweep", "clearance", "--bench", sea],
-        &["figures", "--bench", sea],
+    let (_, preset) = bench::PRESETS[0];
+    for section in [
+        "[drive_profile]\nkind = \"sine\"\nheight = 0.1\n",
+        "[load_profile]\nkind = \"sine\"\nheight = 100.0\n",
+        "[servo]\nkp = 10.0\nfull_speed_m_s = 0.4\ncompliance_m_n = 5e-8\n",
     ] {
-        let output = host_sim(directory.path(), arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stderr));
-        assert!(text(&output.stderr).contains("expected the sine and the constant load"), "{arguments:?}");
+        let other = preset.replacen("[logging]", &format!("{section}\n[logging]"), 1);
+        std::fs::write(directory.path().join("other.toml"), other).unwrap();
+        for command in [&["claims", "--runs", "1"][..], &["sweep", "clearance"], &["figures"]] {
+            let output = host_sim(directory.path(), &[command, &["--bench", "other.toml"]].concat());
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{section}{command:?}: {message}");
+            assert!(message.contains("expected the sine and the constant load"), "{command:?}: {message}");
+        }
     }
 }
 

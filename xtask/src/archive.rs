@@ -4,7 +4,7 @@
 //! time of the build.
 
 use crate::firmware::Firmware;
-use crate::run::{ChoreError, cargo, output_of, root, run, target_folder, write_atomically};
+use crate::run::{ChoreError, cargo, output_of, root, run, succeeds, target_folder, write_atomically};
 use controller::boards::BOARDS;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -67,9 +67,10 @@ fn programs(folder: &Path) -> Result<Vec<PathBuf>, ChoreError> {
     Ok(PROGRAMS.iter().map(|program| folder.join("release").join(program)).collect())
 }
 
-/// Builds the image of every board.
+/// Builds the image of every board of silicon, that of the default board last: the emulator's tests
+/// expect it in the target folder.
 fn firmware(folder: &Path) -> Result<(), ChoreError> {
-    for board in &BOARDS {
+    for board in BOARDS.iter().rev().filter(|board| !board.microcontroller.is_emulated_only()) {
         let image = Firmware(board).build()?;
         copy(&image, &folder.join(board.image_name().to_string()))?;
     }
@@ -91,7 +92,8 @@ fn shells(tree: &Path) -> Result<(), ChoreError> {
     Ok(())
 }
 
-/// Runs the programs outside the workspace, and searches them for a path of this machine.
+/// Runs the programs outside the workspace, the firmware of the archive in the emulator too if that
+/// is installed, and searches them for a path of this machine.
 fn check_programs(folder: &Path) -> Result<(), ChoreError> {
     let source = root().to_string_lossy();
     for program in PROGRAMS {
@@ -106,7 +108,13 @@ fn check_programs(folder: &Path) -> Result<(), ChoreError> {
             });
         }
     }
-    Ok(())
+    if !succeeds(Command::new("qemu-system-arm").arg("--version")) {
+        println!("not tried: the firmware in the emulator, which is not installed");
+        return Ok(());
+    }
+    let mut link = Command::new(folder.join("host-sim"));
+    link.args(["link", "--controller", "emulated", "--quiet"]);
+    run(link.current_dir(std::env::temp_dir()).env_remove("CARGO_TARGET_DIR"))
 }
 
 /// Packs the folder `name` in `folder`. Names are sorted, and times and owners are 0.

@@ -389,8 +389,8 @@ contact = [
 }
 
 /// The damped oscillation with the effective mass ends where its force would become tensile
-/// (Schwager and Poeschel, Granular Matter 9, 2007), after the damping ratio of Anagnostopoulos for a
-/// restitution of .5.
+/// (Schwager and Poeschel, Granular Matter 9, 2007), with the damping ratio of Anagnostopoulos for
+/// a restitution of .5.
 #[test]
 fn a_law_with_the_effective_mass_rebounds_as_in_closed_form_whichever_body_is_named_first() {
     let ratio = 2.0_f64.ln() / std::f64::consts::PI.hypot(2.0_f64.ln());

@@ -1,12 +1,20 @@
 //! Tables of numbers as coloured cells with one colour scale.
 //!
-//! The colour shows a cell's magnitude relative to a limit: white at 0, blue up to the limit,
-//! orange beyond it, saturated at twice the limit. So a reader sees at a glance which cells are
-//! within the limit and by how much.
+//! The colour shows a cell's magnitude relative to a limit, or its sign: see [`Scale`].
 
 use crate::figure::COLOURS;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Meaning of the colours.
+#[derive(Clone, Copy, Debug)]
+pub enum Scale {
+    /// White at 0, blue up to this magnitude, orange beyond it, strongest at twice the limit. A
+    /// reader sees which cells are within the limit and by how much.
+    Limit(f64),
+    /// Blue for negative and orange for positive values, strongest at this magnitude.
+    Sign(f64),
+}
 
 /// Table to be drawn.
 #[derive(Clone, Debug)]
@@ -23,8 +31,8 @@ pub struct Heat<'a> {
     pub rows: Vec<String>,
     /// Values by row; `None` leaves a cell empty.
     pub values: Vec<Vec<Option<f64>>>,
-    /// Magnitude up to which a value is within the limit.
-    pub limit: f64,
+    /// Meaning of the colours.
+    pub scale: Scale,
     /// Number of decimals.
     pub decimals: usize,
     /// Width and height in pixels.
@@ -81,7 +89,7 @@ pub fn draw(heat: &Heat) -> Result<String, String> {
             for (column, value) in values.iter().enumerate() {
                 let Some(value) = value else { continue };
                 let corners = [(x(column) + 1, y(row) + 1), (x(column + 1) - 1, y(row + 1) - 1)];
-                let colour = colour(value.abs() / heat.limit);
+                let colour = colour(*value, heat.scale);
                 area.draw(&Rectangle::new(corners, colour.filled())).map_err(|e| failed(&e))?;
                 let middle = ((x(column) + x(column + 1)) / 2, (y(row) + y(row + 1)) / 2);
                 text(&format!("{value:.*}", heat.decimals), middle, 13, HPos::Center, &DARK)?;
@@ -92,11 +100,18 @@ pub fn draw(heat: &Heat) -> Result<String, String> {
     Ok(svg)
 }
 
-/// Returns the colour of a cell for a value relative to the limit.
-fn colour(share: f64) -> RGBColor {
-    let [within, beyond, ..] = COLOURS;
-    let (full, strength) =
-        if share <= 1.0 { (within, 0.75 * share) } else { (beyond, 0.4 + 0.6 * (share - 1.0)) };
+/// Returns the colour of a cell.
+fn colour(value: f64, scale: Scale) -> RGBColor {
+    let [blue, orange, ..] = COLOURS;
+    let (full, strength) = match scale {
+        Scale::Limit(limit) => {
+            let share = value.abs() / limit;
+            if share <= 1.0 { (blue, 0.75 * share) } else { (orange, 0.4 + 0.6 * (share - 1.0)) }
+        }
+        Scale::Sign(most) => {
+            (if value < 0.0 { blue } else { orange }, 0.1 + 0.75 * (value.abs() / most).min(1.0))
+        }
+    };
     // A value that is not finite has the strongest colour.
     let strength = if strength.is_finite() { strength.min(STRONGEST) } else { STRONGEST };
     let mix = |channel: u8| (255.0 + (f64::from(channel) - 255.0) * strength).round() as u8;
@@ -116,7 +131,7 @@ mod tests {
             columns: vec!["-1".into(), "1".into()],
             rows: vec!["0.1".into(), "1".into()],
             values: vec![vec![Some(0.25), None], vec![Some(-7.5), Some(f64::NAN)]],
-            limit: 2.0,
+            scale: Scale::Limit(2.0),
             decimals: 2,
             size: (300, 200),
         };
@@ -127,9 +142,20 @@ mod tests {
 
     #[test]
     fn values_beyond_the_limit_have_another_colour() {
+        let colour = |value| colour(value, Scale::Limit(1.0));
         assert_eq!(colour(0.0), RGBColor(255, 255, 255));
-        let (inside, outside) = (colour(1.0), colour(1.001));
+        let (inside, outside) = (colour(1.0), colour(-1.001));
         assert!(inside.2 > inside.0 && outside.0 > outside.2, "{inside:?} {outside:?}");
         assert_eq!(colour(9.0), colour(f64::NAN));
+    }
+
+    #[test]
+    fn the_colour_of_a_signed_scale_shows_the_sign_and_its_strength_the_size() {
+        let colour = |value| colour(value, Scale::Sign(40.0));
+        for size in [2.0, 20.0, 40.0, 60.0] {
+            let (down, up) = (colour(-size), colour(size));
+            assert!(down.2 > down.0 && up.0 > up.2, "{size}: {down:?} {up:?}");
+        }
+        assert!(colour(-30.0).0 < colour(-10.0).0 && colour(40.0) == colour(60.0));
     }
 }

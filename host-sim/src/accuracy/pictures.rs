@@ -12,7 +12,7 @@ use crate::run::force::{self, ForceSource};
 use crate::run::summary::{acceleration_reversals_s, after_start, oscillation_window_s};
 use bench::BearingMaterial;
 use report::figure::{Chart, Series, Style, lines, lines_log_log};
-use report::heat::{self, Heat};
+use report::heat::{self, Heat, Scale};
 
 const WIDE: (u32, u32) = (1040, 340);
 const HALF: (u32, u32) = (512, 340);
@@ -118,7 +118,7 @@ fn table(
         columns: loads.iter().map(|load| format!("{load:+}")).collect(),
         rows: CLEARANCES_MM.iter().map(f64::to_string).collect(),
         values: CLEARANCES_MM.iter().map(|c| loads.iter().map(|l| at(*c, *l)).collect()).collect(),
-        limit: 100.0 * goal.limit,
+        scale: Scale::Limit(100.0 * goal.limit),
         decimals: 2,
         size: TABLE,
     };

@@ -7,10 +7,10 @@ use super::work::Record;
 use crate::cli::error::CliError;
 use crate::cli::output::Picture;
 use report::figure::{Chart, Series, Style, lines_log_x};
-use report::heat::{self, Heat};
+use report::heat::{self, Heat, Scale};
 
-/// Difference of two shares, in points, beyond which a cell has the second colour.
-const LARGE_POINTS: f64 = 20.0;
+/// Difference of two shares, in points, at which a cell has the strongest colour.
+const LARGE_POINTS: f64 = 40.0;
 /// Bands of a parameter's range in a chart.
 const BANDS: usize = 8;
 const MAP: (u32, u32) = (760, 420);
@@ -46,15 +46,15 @@ pub(super) fn maps(claims: &[MappedClaim]) -> Result<Vec<Picture>, CliError> {
             columns: BOX.iter().map(|p| p.name.to_owned()).collect(),
             rows: names,
             values,
-            limit: LARGE_POINTS,
+            scale: Scale::Sign(LARGE_POINTS),
             decimals: 0,
             size: (MAP.0, height),
         };
         let svg = heat::draw(&heat).map_err(CliError::Work)?;
-        let caption = "Blue: up to 20 points; orange: more. Empty: the interval over all parameters contains \
-                       0. Negative: the claim holds more often with small values. Damping: reference speed \
-                       less latched speed. Stiffness: the law with the largest share less that with the \
-                       smallest.";
+        let caption = "Orange: the claim holds more often with large values; blue: with small values. The \
+                       stronger the colour, the larger the difference. Empty: the interval over all \
+                       parameters contains 0. Damping: reference speed less latched speed. Stiffness: the \
+                       law with the largest share less that with the smallest.";
         pictures.push(Picture { name: format!("claims-map-{file}"), caption: caption.into(), svg });
     }
     Ok(pictures)

@@ -9,7 +9,7 @@ use bench::simulate::{LOADS_N, record};
 use bench::{BearingMaterial, Channel};
 use model_quant::report::claims::torque::{self, FrictionFacts, TorqueCurve};
 use report::figure::{Series as Curve, Style, lines};
-use report::heat::{self, Heat};
+use report::heat::{self, Heat, Scale};
 
 /// Seed of the rig's records.
 const SEED: u64 = 1;
@@ -193,7 +193,7 @@ fn map(
         columns,
         rows: curves.iter().rev().map(|c| format!("{:.0}", c.load_n * 1e-3)).collect(),
         values,
-        limit: largest.max(f64::MIN_POSITIVE),
+        scale: Scale::Limit(largest.max(f64::MIN_POSITIVE)),
         decimals: 2,
         size: MAP,
     };

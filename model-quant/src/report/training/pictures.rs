@@ -7,7 +7,7 @@ use crate::evaluate::errors::FRICTION_RADIUS_M;
 use crate::evaluate::verdict::Verdict;
 use crate::train::history::{Epoch, History};
 use report::figure::{Chart, Series, Style, lines_log_log, lines_log_x, lines_log_y};
-use report::heat::{self, Heat};
+use report::heat::{self, Heat, Scale};
 
 pub(super) const HALF: (u32, u32) = (512, 340);
 const TABLE: (u32, u32) = (512, 280);
@@ -143,7 +143,7 @@ pub(crate) fn torque(facts: &BearingFacts) -> Result<Vec<Picture>, ReportError> 
         columns,
         rows: map.iter().rev().map(|c| format!("{}", c.load_n * 1e-3)).collect(),
         values,
-        limit: largest,
+        scale: Scale::Limit(largest),
         decimals: 1,
         size: TABLE,
     };
