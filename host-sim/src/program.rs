@@ -21,6 +21,7 @@ use std::time::Instant;
 #[derive(Parser)]
 #[command(
     version,
+    max_term_width = 100,
     after_help = "Examples:\n  host-sim\n  \
     host-sim run --bearing plastic --clearance-mm 1 --out out/plastic\n  \
     host-sim record --cycles 5 --seed 7 --out log.csv\n  host-sim describe log.csv --out my-bench.toml\n  \

@@ -74,6 +74,11 @@ fn completions_and_manual_pages_know_every_command() {
         .filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' '))?.split(' ').next())
         .collect();
     assert!(commands.len() > 15, "{commands:?}");
+    for name in &commands {
+        let help = text(&host_sim(directory.path(), &[name, "--help"]).stdout);
+        let wide = help.lines().find(|line| line.chars().count() > 100);
+        assert!(!help.is_empty() && wide.is_none(), "{name}: {wide:?}");
+    }
     for shell in ["bash", "zsh", "fish"] {
         let script = text(&host_sim(directory.path(), &["completions", shell]).stdout);
         commands.iter().for_each(|name| assert!(script.contains(name), "{shell}: {name}"));

@@ -36,7 +36,7 @@ const MAX_THREADS: i64 = 1024;
 
 /// Data sets, training, quantisation and verification of the contact networks.
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(version, about, max_term_width = 100)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     command: Command,
