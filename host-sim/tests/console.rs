@@ -74,7 +74,7 @@ fn completions_and_manual_pages_know_every_command() {
         .filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' '))?.split(' ').next())
         .collect();
     assert!(commands.len() > 15, "{commands:?}");
-    for name in &commands {
+    for name in commands.iter().filter(|name| **name != "help") {
         let help = text(&host_sim(directory.path(), &[name, "--help"]).stdout);
         let wide = help.lines().find(|line| line.chars().count() > 100);
         assert!(!help.is_empty() && wide.is_none(), "{name}: {wide:?}");
