@@ -2,6 +2,7 @@
 //! the plot, so that it never covers a curve.
 
 use crate::axis::Axis;
+use crate::plot::{Plot, Scales};
 use plotters::prelude::*;
 
 /// Colours that most readers can distinguish, in the order of the series (Okabe and Ito).
@@ -14,7 +15,22 @@ pub const COLOURS: [RGBColor; 6] = [
     RGBColor(86, 180, 233),
 ];
 
-/// Maximum number of points drawn of a series: more would only enlarge the page.
+/// Picture as SVG text, and the points behind it if a page can show them.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// Picture, complete as a file of its own.
+    pub svg: String,
+    pub(crate) plot: Option<Plot>,
+}
+
+impl From<String> for Drawing {
+    /// Takes a picture that a page shows unchanged.
+    fn from(svg: String) -> Self {
+        Self { svg, plot: None }
+    }
+}
+
+/// Maximum number of points drawn of a series in a picture: more would only enlarge it.
 const MAX_POINTS: usize = 1600;
 /// Height in pixels of a row of the legend.
 const LEGEND_HEIGHT: u32 = 20;
@@ -86,17 +102,17 @@ impl Series {
 
     /// Returns the lowest and the highest point of every section, so that no peak is lost. Points
     /// that are not finite are ignored.
-    fn thinned(&self) -> Vec<(f64, f64)> {
-        if self.points.len() <= MAX_POINTS || matches!(self.style, Style::Points | Style::Both) {
+    pub(crate) fn thinned(&self, most: usize) -> Vec<(f64, f64)> {
+        if self.points.len() <= most || matches!(self.style, Style::Points | Style::Both) {
             return self.points.clone();
         }
         if matches!(self.style, Style::Area | Style::Shade) {
             // An outline runs forth and back, so the extremes of a section have no order.
-            let every = self.points.len().div_ceil(MAX_POINTS);
+            let every = self.points.len().div_ceil(most);
             return self.points.iter().copied().step_by(every).collect();
         }
-        let stretch = self.points.len().div_ceil(MAX_POINTS / 2);
-        let mut out = Vec::with_capacity(MAX_POINTS);
+        let stretch = self.points.len().div_ceil(most / 2);
+        let mut out = Vec::with_capacity(most);
         for chunk in self.points.chunks(stretch) {
             let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
             let finite = || chunk.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
@@ -127,37 +143,42 @@ fn values(series: &[Series]) -> impl Iterator<Item = (f64, f64)> + Clone {
 }
 
 /// Draws a chart with linear axes. The error describes a failure to draw.
-pub fn lines(chart: &Chart, series: &[Series]) -> Result<String, String> {
-    let all = values(series);
-    draw(chart, series, &Axis::linear(all.clone().map(|p| p.0)), &Axis::linear(all.map(|p| p.1)), true)
+pub fn lines(chart: &Chart, series: &[Series]) -> Result<Drawing, String> {
+    scaled(chart, series, Scales::default())
 }
 
 /// Draws a chart with a logarithmic horizontal axis; points with x at or below 0 are omitted.
-pub fn lines_log_x(chart: &Chart, series: &[Series]) -> Result<String, String> {
-    let all = values(series);
-    draw(chart, series, &Axis::logarithmic(all.clone().map(|p| p.0)), &Axis::linear(all.map(|p| p.1)), true)
+pub fn lines_log_x(chart: &Chart, series: &[Series]) -> Result<Drawing, String> {
+    scaled(chart, series, Scales { log_x: true, ..Scales::default() })
 }
 
 /// Draws a chart with a logarithmic vertical axis; points with y at or below 0 are omitted.
-pub fn lines_log_y(chart: &Chart, series: &[Series]) -> Result<String, String> {
-    let all = values(series);
-    draw(chart, series, &Axis::linear(all.clone().map(|p| p.0)), &Axis::logarithmic(all.map(|p| p.1)), true)
+pub fn lines_log_y(chart: &Chart, series: &[Series]) -> Result<Drawing, String> {
+    scaled(chart, series, Scales { log_y: true, ..Scales::default() })
 }
 
 /// Draws a chart with two logarithmic axes; points at or below 0 are omitted.
-pub fn lines_log_log(chart: &Chart, series: &[Series]) -> Result<String, String> {
-    let all = values(series);
-    let (x, y) = (Axis::logarithmic(all.clone().map(|p| p.0)), Axis::logarithmic(all.map(|p| p.1)));
-    draw(chart, series, &x, &y, true)
+pub fn lines_log_log(chart: &Chart, series: &[Series]) -> Result<Drawing, String> {
+    scaled(chart, series, Scales { log_x: true, log_y: true, equal: false })
+}
+
+fn scaled(chart: &Chart, series: &[Series], scales: Scales) -> Result<Drawing, String> {
+    let axis = |is_log: bool, read: fn((f64, f64)) -> f64| {
+        let all = values(series).map(read);
+        if is_log { Axis::logarithmic(all) } else { Axis::linear(all) }
+    };
+    let svg = draw(chart, series, &axis(scales.log_x, |p| p.0), &axis(scales.log_y, |p| p.1), true)?;
+    Ok(Drawing { svg, plot: Plot::new(chart, series, scales) })
 }
 
 /// Draws curves with equal scales on both axes, such as an orbit; x and y have the same unit.
-pub fn map(chart: &Chart, series: &[Series]) -> Result<String, String> {
+pub fn map(chart: &Chart, series: &[Series]) -> Result<Drawing, String> {
     let sizes = values(series).flat_map(|p| [p.0.abs(), p.1.abs()]).filter(|size| size.is_finite());
     let most = sizes.fold(0.0, f64::max);
     let half = if most > 0.0 { 1.02 * most } else { 1.0 };
     let axis = Axis::linear([-half, half].into_iter());
-    draw(chart, series, &axis, &axis, false)
+    let svg = draw(chart, series, &axis, &axis, false)?;
+    Ok(Drawing { svg, plot: Plot::new(chart, series, Scales { equal: true, ..Scales::default() }) })
 }
 
 /// Returns the position of every legend entry, row by row, and the number of rows.
@@ -209,7 +230,7 @@ fn draw(chart: &Chart, series: &[Series], x: &Axis, y: &Axis, thin: bool) -> Res
         let is_area = |s: &Series| matches!(s.style, Style::Area | Style::Shade);
         let (areas, others): (Vec<_>, Vec<_>) = coloured().partition(|(s, _)| is_area(s));
         for (s, colour) in areas.into_iter().chain(others) {
-            let points = if thin { s.thinned() } else { s.points.clone() };
+            let points = if thin { s.thinned(MAX_POINTS) } else { s.points.clone() };
             let points: Vec<(f64, f64)> =
                 points.into_iter().filter_map(|p| Some((x.place(p.0)?, y.place(p.1)?))).collect();
             if is_area(s) {
@@ -255,7 +276,7 @@ mod tests {
             Series::through("band", outline).styled(Style::Area),
         ];
         let chart = Chart { title: "t", x: "x", y: "y", size: (400, 300) };
-        let svg = lines(&chart, &series).unwrap();
+        let svg = lines(&chart, &series).unwrap().svg;
         let (polygon, line) = (svg.find("<polygon").unwrap(), svg.rfind("<polyline").unwrap());
         assert_eq!(svg.matches("<polygon").count(), 1);
         assert!(polygon < line);
@@ -268,7 +289,7 @@ mod tests {
         assert_eq!(shade.points, [(0.0, -3.0), (0.0, 5.0), (0.5, 5.0), (0.5, -3.0)]);
         assert!(Series::shade("start", (0.0, 0.5), &[]).points.is_empty());
         let chart = Chart { title: "t", x: "x", y: "y", size: (400, 300) };
-        let svg = lines(&chart, &[line, shade]).unwrap();
+        let svg = lines(&chart, &[line, shade]).unwrap().svg;
         let grey = svg.find("<polygon").filter(|at| svg[*at..].to_lowercase().contains("#96a0aa"));
         assert!(grey.unwrap() < svg.rfind("<polyline").unwrap());
     }
@@ -277,7 +298,7 @@ mod tests {
     fn a_thinned_area_keeps_the_order_of_its_outline() {
         let x = (0..10_000).map(f64::from).chain((0..10_000).rev().map(f64::from));
         let area = Series::through("band", x.map(|x| (x, x)).collect()).styled(Style::Area);
-        let thinned = area.thinned();
+        let thinned = area.thinned(MAX_POINTS);
         let highest =
             thinned.iter().position(|p| p.0 == thinned.iter().fold(0.0, |a, p| p.0.max(a))).unwrap();
         assert!(thinned.len() <= MAX_POINTS && thinned.len() > 1000);
@@ -289,7 +310,7 @@ mod tests {
         let mut y = vec![0.0; 100_000];
         y[77_777] = 5.0;
         let series = Series::new("spike", (0..100_000).map(f64::from), y);
-        let thinned = series.thinned();
+        let thinned = series.thinned(MAX_POINTS);
         assert!(thinned.len() <= MAX_POINTS + 2);
         assert!(thinned.iter().any(|p| p.1 == 5.0));
     }
@@ -299,7 +320,7 @@ mod tests {
         let mut y = vec![0.0; 100_000];
         (y[77_776], y[77_777], y[77_778]) = (f64::NAN, 5.0, f64::INFINITY);
         (y[10_000], y[10_001]) = (f64::NEG_INFINITY, -3.0);
-        let thinned = Series::new("spike", (0..100_000).map(f64::from), y).thinned();
+        let thinned = Series::new("spike", (0..100_000).map(f64::from), y).thinned(MAX_POINTS);
         assert!(thinned.iter().any(|p| p.1 == 5.0) && thinned.iter().any(|p| p.1 == -3.0));
     }
 
@@ -307,7 +328,7 @@ mod tests {
     fn an_empty_chart_is_still_a_picture() {
         let chart = Chart { title: "empty", x: "x", y: "y", size: (300, 200) };
         for draw in [lines, lines_log_x, lines_log_y, lines_log_log, map] {
-            assert!(draw(&chart, &[]).unwrap().starts_with("<svg"));
+            assert!(draw(&chart, &[]).unwrap().svg.starts_with("<svg"));
         }
     }
 
@@ -318,6 +339,6 @@ mod tests {
         let (places, rows) = legend_places(&series, 500);
         assert!(rows > 1 && places.iter().all(|(x, _)| *x < 500));
         let chart = Chart { title: "t", x: "x", y: "y", size: (500, 300) };
-        assert!(lines(&chart, &series).unwrap().contains("a long series name 5"));
+        assert!(lines(&chart, &series).unwrap().svg.contains("a long series name 5"));
     }
 }

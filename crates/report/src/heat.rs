@@ -2,7 +2,7 @@
 //!
 //! The colour shows a cell's magnitude relative to a limit, or its sign: see [`Scale`].
 
-use crate::figure::COLOURS;
+use crate::figure::{COLOURS, Drawing};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -53,7 +53,7 @@ const DARK: RGBColor = RGBColor(17, 17, 17);
 const STRONGEST: f64 = 0.99;
 
 /// Draws a table. The error describes a failure to draw.
-pub fn draw(heat: &Heat) -> Result<String, String> {
+pub fn draw(heat: &Heat) -> Result<Drawing, String> {
     let mut svg = String::new();
     let failed = |e: &dyn std::fmt::Display| format!("chart `{}`: {e}", heat.title);
     {
@@ -97,7 +97,7 @@ pub fn draw(heat: &Heat) -> Result<String, String> {
         }
         area.present().map_err(|e| failed(&e))?;
     }
-    Ok(svg)
+    Ok(svg.into())
 }
 
 /// Returns the colour of a cell.
@@ -135,7 +135,7 @@ mod tests {
             decimals: 2,
             size: (300, 200),
         };
-        let svg = draw(&heat).unwrap();
+        let svg = draw(&heat).unwrap().svg;
         assert!(svg.contains("0.25") && svg.contains("-7.50") && svg.contains("load, kN"), "{svg}");
         assert_eq!(svg.matches("<rect").count(), 1 + 3, "the background and three cells");
     }

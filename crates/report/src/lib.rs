@@ -4,6 +4,7 @@ pub mod axis;
 pub mod figure;
 pub mod heat;
 pub mod page;
+mod plot;
 mod scheme;
 mod text_table;
 

@@ -1,12 +1,20 @@
 //! Self-contained HTML page: text, tables and inline pictures; nothing is fetched from elsewhere.
 
+//!
+//! In a browser that runs scripts, charts zoom, show values and hide series. Without scripts, and in
+//! print, the page shows their pictures.
+
+use crate::figure::Drawing;
+use crate::plot::{self, Columns};
 use crate::scheme;
 
-/// Page under construction. Text is escaped; figures are SVG and are inserted unchanged.
+/// Page under construction. Text is escaped; pictures are SVG and are inserted unchanged.
 #[derive(Clone, Debug)]
 pub struct Page {
     title: String,
     body: String,
+    columns: Columns,
+    pictures: usize,
 }
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;\
@@ -19,9 +27,20 @@ th,td{padding:.25rem .8rem;border-bottom:1px solid var(--rule);text-align:left}\
 td{vertical-align:top}td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
 th{background:var(--head)}\
 figure{margin:1rem 0;overflow-x:auto}figcaption{color:var(--quiet);font-size:.9rem}\
-svg{max-width:100%;height:auto}\
+svg{max-width:100%;height:auto}.plot{display:none}\
+.tools{display:flex;gap:1rem;align-items:baseline;min-height:1.6em}\
+button{font:inherit;font-size:.85rem;color:var(--quiet);background:var(--head);\
+border:1px solid var(--rule);border-radius:3px;cursor:pointer}\
+output{font-size:.85rem;color:var(--quiet);font-variant-numeric:tabular-nums}\
+.u-legend{text-align:left;margin:0 0 0 3rem}\
+.u-legend th,.u-legend td{border:0;background:none}.u-legend .u-series>*{padding:0 .3rem}.u-title{font-size:1rem}.u-select{background:var(--select)}\
+@media screen{.live>svg{display:none}.live>.plot{display:block}}@media print{.tools{display:none}}\
 .pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}\
 @media screen and (max-width:700px){figure>svg{min-width:720px}.pair svg{min-width:0}}";
+
+/// Button that a script makes visible.
+const SAVE: &str = "<div class=\"tools\"><button type=\"button\" id=\"save-all\" hidden>Save all pictures \
+                    (SVG in a ZIP file)</button></div>\n";
 
 /// Maximum number of words in a cell that counts as a number: `1.5 to 2.5 N m`.
 const NUMBER_WORDS: usize = 5;
@@ -29,7 +48,7 @@ const NUMBER_WORDS: usize = 5;
 impl Page {
     /// Creates an empty page.
     pub fn new(title: &str) -> Self {
-        Self { title: title.into(), body: format!("<h1>{}</h1>\n", escape(title)) }
+        Self { title: title.into(), body: String::new(), columns: Columns::default(), pictures: 0 }
     }
 
     /// Appends the introductory sentence.
@@ -85,28 +104,37 @@ impl Page {
     }
 
     /// Appends a picture with a caption.
-    pub fn figure(&mut self, svg: &str, caption: &str) -> &mut Self {
-        self.push(&format!("<figure>{svg}<figcaption>{}</figcaption></figure>\n", escape(caption)))
+    pub fn figure(&mut self, drawing: &Drawing, caption: &str) -> &mut Self {
+        let chart = drawing.plot.as_ref().map(|plot| self.columns.describe(plot));
+        let chart = chart.map(|json| format!(" data-chart=\"{}\"", escape(&json))).unwrap_or_default();
+        self.pictures += 1;
+        let svg = &drawing.svg;
+        self.push(&format!("<figure{chart}>{svg}<figcaption>{}</figcaption></figure>\n", escape(caption)))
     }
 
     /// Appends pictures, side by side if the window is wide enough.
-    pub fn figures(&mut self, pictures: &[(String, &str)]) -> &mut Self {
+    pub fn figures(&mut self, pictures: &[(Drawing, &str)]) -> &mut Self {
         self.push("<div class=\"pair\">\n");
-        for (svg, caption) in pictures {
-            self.figure(svg, caption);
+        for (drawing, caption) in pictures {
+            self.figure(drawing, caption);
         }
         self.push("</div>\n")
     }
 
     /// Returns the page as HTML.
     pub fn render(&self) -> String {
+        let title = escape(&self.title);
+        let library_style = if self.columns.is_empty() { "" } else { plot::LIBRARY_STYLE };
+        let save = if self.pictures > 0 { SAVE } else { "" };
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-             content=\"width=device-width\"><title>{}</title>\n<style>{}{STYLE}</style></head>\n<body>\n\
-             {}</body></html>\n",
-            escape(&self.title),
+             content=\"width=device-width\"><meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\
+             <title>{title}</title>\n<style>{}{library_style}{STYLE}</style></head>\n<body>\n\
+             <h1>{title}</h1>\n{save}{}{}</body></html>\n",
+            plot::policy(),
             scheme::style(),
-            self.body
+            self.body,
+            self.columns.render(),
         )
     }
 
@@ -127,10 +155,12 @@ mod tests {
     #[test]
     fn text_is_escaped_and_nothing_is_fetched() {
         let mut page = Page::new("a < b");
-        page.lead("x & y").table(&["k"], &[vec!["<script>"]]).figure("<svg></svg>", "c");
+        page.lead("x & y")
+            .table(&["k"], &[vec!["<script>"]])
+            .figure(&Drawing::from(String::from("<svg></svg>")), "c");
         let html = page.render();
         assert!(html.contains("a &lt; b") && html.contains("x &amp; y") && html.contains("&lt;script&gt;"));
-        assert!(!html.contains("http"), "a page must not reach outside");
+        assert!(!html.contains("://"), "a page must not reach outside");
     }
 
     #[test]

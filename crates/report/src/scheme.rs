@@ -25,12 +25,13 @@ const fn colour(
     Colour { name, written, light, dark }
 }
 
-const COLOURS: [Colour; 14] = [
+const COLOURS: [Colour; 15] = [
     colour("paper", "", "#ffffff", "#14191f"),
     colour("text", "", "#1c2733", "#dde4ea"),
     colour("quiet", "", "#56636f", "#9fadb9"),
     colour("rule", "", "#d5dce3", "#3a4652"),
     colour("head", "", "#f2f5f7", "#1f2831"),
+    colour("select", "", "#56636f33", "#9fadb933"),
     // Text, axes and, nearly transparent, the grid.
     colour("ink", "#000000", "#000000", "#dde4ea"),
     colour("series-1", "#0072b2", "#0072b2", "#3d94d6"),

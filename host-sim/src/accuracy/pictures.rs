@@ -122,8 +122,8 @@ fn table(
         decimals: 2,
         size: TABLE,
     };
-    let svg = heat::draw(&heat).map_err(CliError::Work)?;
-    Ok(Picture { name: file.into(), caption: caption.into(), svg })
+    let drawing = heat::draw(&heat).map_err(CliError::Work)?;
+    Ok(Picture { name: file.into(), caption: caption.into(), drawing })
 }
 
 /// The run in which the networks change the oscillation most, and that of the law, around the first

@@ -213,7 +213,7 @@ pub(crate) fn page(outcome: &Outcome, pictures: &Pictures, bench: &TransmissionB
         ["bearing", "set", "run with", "peak, median %", "largest %", "oscillation, median %", "largest %"];
     page.table(&header, &loop_rows(outcome));
     pictures.worst_loop.iter().for_each(|p| {
-        page.figure(&p.svg, &p.caption);
+        page.figure(&p.drawing, &p.caption);
     });
     page.section("The estimator with noisy sensors");
     page.text(&format!(
@@ -236,7 +236,7 @@ pub(crate) fn page(outcome: &Outcome, pictures: &Pictures, bench: &TransmissionB
     ];
     page.table(&header, &estimate_rows(outcome));
     pictures.worst_estimate.iter().for_each(|p| {
-        page.figure(&p.svg, &p.caption);
+        page.figure(&p.drawing, &p.caption);
     });
     output::show(&mut page, &pictures.beside_law);
     page.section("Every run").table(&RUN_HEADER, &outcome.runs.iter().map(run_cells).collect::<Vec<_>>());

@@ -2,7 +2,7 @@
 
 use crate::cli::error::CliError;
 use bench::atomic::{self, StagedFile};
-use report::figure::{Chart, Series};
+use report::figure::{Chart, Drawing, Series};
 use report::page::Page;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -58,7 +58,7 @@ impl Files {
 
     /// Adds each picture as a file.
     pub(crate) fn add_pictures(&mut self, pictures: &[Picture]) -> Result<(), CliError> {
-        pictures.iter().try_for_each(|p| self.add(&format!("{}.svg", p.name), &p.svg))
+        pictures.iter().try_for_each(|p| self.add(&format!("{}.svg", p.name), &p.drawing.svg))
     }
 
     /// Lets all files appear.
@@ -90,25 +90,26 @@ pub(crate) struct Picture {
     /// Caption.
     pub(crate) caption: String,
     /// The picture.
-    pub(crate) svg: String,
+    pub(crate) drawing: Drawing,
 }
 
 impl Picture {
     /// Draws a picture.
     pub(crate) fn draw(
-        draw: impl Fn(&Chart, &[Series]) -> Result<String, String>,
+        draw: impl Fn(&Chart, &[Series]) -> Result<Drawing, String>,
         name: &str,
         chart: &Chart,
         series: &[Series],
         caption: &str,
     ) -> Result<Self, CliError> {
-        let svg = draw(chart, series).map_err(CliError::Work)?;
-        Ok(Self { name: name.into(), caption: caption.into(), svg })
+        let drawing = draw(chart, series).map_err(CliError::Work)?;
+        Ok(Self { name: name.into(), caption: caption.into(), drawing })
     }
 }
 
 /// Adds pictures to a page, side by side where there is room.
 pub(crate) fn show(page: &mut Page, pictures: &[Picture]) {
-    let pairs: Vec<(String, &str)> = pictures.iter().map(|p| (p.svg.clone(), p.caption.as_str())).collect();
+    let pairs: Vec<(Drawing, &str)> =
+        pictures.iter().map(|p| (p.drawing.clone(), p.caption.as_str())).collect();
     page.figures(&pairs);
 }

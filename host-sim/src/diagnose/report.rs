@@ -51,7 +51,7 @@ fn add_causes(page: &mut Page, diagnosis: &Diagnosis) {
         }
     }
     page.figure(
-        &shares(diagnosis),
+        &shares(diagnosis).into(),
         "Posterior probabilities of all fitted combinations, of no fault, and of a cause outside the \
          catalogue of effects.",
     );
@@ -76,7 +76,7 @@ fn add_errors(page: &mut Page, diagnosis: &Diagnosis) -> Result<(), String> {
 fn add_ranking(page: &mut Page, diagnosis: &Diagnosis) {
     if !diagnosis.ranking.is_empty() {
         page.section("Ranking").figure(
-            &ranking(diagnosis),
+            &ranking(diagnosis).into(),
             "Decrease of chi-square if one effect alone is added to the calibrated nominal bench and \
              refitted together with all uncertain parameters; logarithmic scale. The line is the threshold \
              for a cause. Pale: excluded on the first cycle; the figure is that of the first cycle.",

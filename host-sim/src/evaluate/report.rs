@@ -5,7 +5,7 @@ use crate::cli::limits;
 use crate::diagnose::tables::{Table, findings};
 use bench::Bench;
 use diagnosis::{Evaluation, Series as Compared};
-use report::figure::{Chart, Series, Style, lines};
+use report::figure::{Chart, Drawing, Series, Style, lines};
 use report::page::Page;
 
 const HALF: (u32, u32) = (512, 300);
@@ -45,7 +45,7 @@ fn section(page: &mut Page, title: &str, table: &Table) {
 }
 
 /// Draws measured and simulated values of the last cycle.
-fn last_cycle(series: &Compared) -> Result<(String, &'static str), String> {
+fn last_cycle(series: &Compared) -> Result<(Drawing, &'static str), String> {
     let start = series.phase.as_ref().and_then(|phase| phase.last()).map(|last| last - 1.0);
     let is_shown = |i: usize| match (&series.phase, start) {
         (Some(phase), Some(start)) => phase.get(i).is_some_and(|phase| *phase >= start),
@@ -65,7 +65,7 @@ fn last_cycle(series: &Compared) -> Result<(String, &'static str), String> {
 }
 
 /// Draws the error over time.
-fn error_over_time(series: &Compared) -> Result<(String, &'static str), String> {
+fn error_over_time(series: &Compared) -> Result<(Drawing, &'static str), String> {
     let title = format!("error of {}, {}", series.channel, short(&series.source));
     let y = format!("measured - simulated, {}", series.channel.unit());
     let chart = Chart { title: &title, x: "time, s", y: &y, size: HALF };

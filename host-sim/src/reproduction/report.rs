@@ -75,7 +75,7 @@ impl Draft {
 
     fn show_wide(&mut self, pictures: Vec<Picture>) {
         for picture in &pictures {
-            self.page.figure(&picture.svg, &picture.caption);
+            self.page.figure(&picture.drawing, &picture.caption);
         }
         self.pictures.extend(pictures);
     }
@@ -209,8 +209,8 @@ fn networks(draft: &mut Draft, radius_m: f64) -> Result<(), CliError> {
     Ok(())
 }
 
-fn picture(paper::PaperPicture { name, caption, svg }: paper::PaperPicture) -> Picture {
-    Picture { name, caption, svg }
+fn picture(paper::PaperPicture { name, caption, drawing }: paper::PaperPicture) -> Picture {
+    Picture { name, caption, drawing }
 }
 
 /// Figs. 16 to 18, or 19 and 20, and what they depend on.

@@ -109,7 +109,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let made = report(&contents)?;
     let text = serde_json::to_string_pretty(&contents)?;
     for picture in &made.pictures {
-        write_atomically(&arguments.out.join(format!("{}.svg", picture.name)), picture.svg.as_bytes())?;
+        write_atomically(
+            &arguments.out.join(format!("{}.svg", picture.name)),
+            picture.drawing.svg.as_bytes(),
+        )?;
     }
     write_atomically(&arguments.out.join("report.json"), format!("{text}\n").as_bytes())?;
     let file = arguments.out.join("report.html");

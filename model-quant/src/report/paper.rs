@@ -9,6 +9,7 @@ use crate::data::friction_source::from_rig;
 use crate::train::history::History;
 use crate::train::rig::SMOOTHING_S;
 use inference::BearingMaterial;
+use report::figure::Drawing;
 
 /// Seed of the rig's records.
 const SEED: u64 = 1;
@@ -23,12 +24,12 @@ pub struct PaperPicture {
     /// Caption.
     pub caption: String,
     /// Content.
-    pub svg: String,
+    pub drawing: Drawing,
 }
 
 impl From<Picture> for PaperPicture {
-    fn from(Picture { name, caption, svg }: Picture) -> Self {
-        Self { name, caption, svg }
+    fn from(Picture { name, caption, drawing }: Picture) -> Self {
+        Self { name, caption, drawing }
     }
 }
 
@@ -42,9 +43,9 @@ pub fn cleaning(bearing: BearingMaterial) -> Result<PaperPicture, String> {
     let logs = logs.map_err(|e| e.to_string())?;
     let set = FrictionSet::new(logs, SMOOTHING_S, SEED).map_err(|e| e.to_string())?;
     let group = set.groups.iter().find(|group| group.source == GROUP).ok_or("no group of the rig")?;
-    let svg = cleaning_chart::comparison(group).map_err(|e| e.to_string())?;
+    let drawing = cleaning_chart::comparison(group).map_err(|e| e.to_string())?;
     let caption = format!("Fig. 8, {}: {} outliers removed, then averaged.", bearing.name(), group.outliers);
-    Ok(PaperPicture { name: format!("cleaning-{}", bearing.name()), caption, svg })
+    Ok(PaperPicture { name: format!("cleaning-{}", bearing.name()), caption, drawing: drawing.into() })
 }
 
 /// Draws the errors over the epochs of the shipped training of a bearing (Fig. 10).
@@ -66,10 +67,10 @@ mod tests {
     fn both_bearings_have_pictures_of_their_records_and_trainings() {
         for bearing in [BearingMaterial::Babbitt, BearingMaterial::Plastic] {
             let cleaning = cleaning(bearing).unwrap();
-            assert!(cleaning.svg.contains("240000 N") && !cleaning.caption.contains(" 0 outliers"));
+            assert!(cleaning.drawing.svg.contains("240000 N") && !cleaning.caption.contains(" 0 outliers"));
             let training = training(bearing).unwrap();
             assert_eq!(training.len(), 4);
-            assert!(training.iter().all(|picture| picture.svg.contains("validation")));
+            assert!(training.iter().all(|picture| picture.drawing.svg.contains("validation")));
         }
     }
 }

@@ -247,7 +247,7 @@ pub(super) fn page(outcome: &Outcome, pictures: &Pictures, bench: &TransmissionB
     );
     page.table(&TORQUE_HEADER, &torque_rows(outcome));
     for picture in &pictures.wide {
-        page.figure(&picture.svg, &picture.caption);
+        page.figure(&picture.drawing, &picture.caption);
     }
     output::show(&mut page, &pictures.half);
     page.section("One parameter off by one declared deviation");

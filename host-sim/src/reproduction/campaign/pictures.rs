@@ -50,12 +50,12 @@ pub(super) fn maps(claims: &[MappedClaim]) -> Result<Vec<Picture>, CliError> {
             decimals: 0,
             size: (MAP.0, height),
         };
-        let svg = heat::draw(&heat).map_err(CliError::Work)?;
+        let drawing = heat::draw(&heat).map_err(CliError::Work)?;
         let caption = "Orange: the claim holds more often with large values; blue: with small values. The \
                        stronger the colour, the larger the difference. Empty: the interval over all \
                        parameters contains 0. Damping: reference speed less latched speed. Stiffness: the \
                        law with the largest share less that with the smallest.";
-        pictures.push(Picture { name: format!("claims-map-{file}"), caption: caption.into(), svg });
+        pictures.push(Picture { name: format!("claims-map-{file}"), caption: caption.into(), drawing });
     }
     Ok(pictures)
 }

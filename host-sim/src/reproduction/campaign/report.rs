@@ -87,7 +87,7 @@ pub(crate) fn run(options: &Options, folder: &Path, json: bool) -> Result<(), Cl
     let mut page = page(&outcome, &rows);
     page.section("Which parameter decides");
     for map in &maps {
-        page.figure(&map.svg, &map.caption);
+        page.figure(&map.drawing, &map.caption);
     }
     output::show(&mut page, &charts);
     details(&mut page, &outcome);

@@ -50,5 +50,5 @@ const SVG: &str = r##"<svg width="512" height="380" viewBox="0 0 512 380" xmlns=
 pub(in crate::reproduction) fn forces() -> Picture {
     let caption = "Fig. 2: journal in contact with the bearing. The normal force acts against n, the \
                    friction force along t against the sliding. Clearance and deformation are enlarged.";
-    Picture { name: "force-diagram".into(), caption: caption.into(), svg: SVG.into() }
+    Picture { name: "force-diagram".into(), caption: caption.into(), drawing: String::from(SVG).into() }
 }

@@ -197,8 +197,8 @@ fn map(
         decimals: 2,
         size: MAP,
     };
-    let svg = heat::draw(&heat).map_err(CliError::Work)?;
+    let drawing = heat::draw(&heat).map_err(CliError::Work)?;
     let caption = "Medians of the rig's records, both directions; darker is larger. Without load the torque \
                    is sensor drift.";
-    Ok(Picture { name: format!("torque-map-{}", bearing.name()), caption: caption.into(), svg })
+    Ok(Picture { name: format!("torque-map-{}", bearing.name()), caption: caption.into(), drawing })
 }

@@ -13,6 +13,7 @@ use crate::evaluate::layers::LAYER_ROWS;
 use crate::evaluate::test_set::TEST_ROWS;
 use crate::evaluate::verdict::Verdict;
 use crate::report::claims::Claim;
+use report::figure::Drawing;
 use report::page::Page;
 use serde::Serialize;
 
@@ -94,8 +95,8 @@ struct Draft {
 
 impl Draft {
     fn show(&mut self, pictures: Vec<Picture>) {
-        let pairs: Vec<(String, &str)> =
-            pictures.iter().map(|p| (p.svg.clone(), p.caption.as_str())).collect();
+        let pairs: Vec<(Drawing, &str)> =
+            pictures.iter().map(|p| (p.drawing.clone(), p.caption.as_str())).collect();
         self.page.figures(&pairs);
         self.pictures.extend(pictures);
     }

@@ -6,7 +6,7 @@ use super::torque::Curve;
 use crate::evaluate::errors::FRICTION_RADIUS_M;
 use crate::evaluate::verdict::Verdict;
 use crate::train::history::{Epoch, History};
-use report::figure::{Chart, Series, Style, lines_log_log, lines_log_x, lines_log_y};
+use report::figure::{Chart, Drawing, Series, Style, lines_log_log, lines_log_x, lines_log_y};
 use report::heat::{self, Heat, Scale};
 
 pub(super) const HALF: (u32, u32) = (512, 340);
@@ -22,10 +22,10 @@ pub(crate) struct Picture {
     /// Caption.
     pub caption: String,
     /// Content.
-    pub svg: String,
+    pub drawing: Drawing,
 }
 
-type Draw = fn(&Chart, &[Series]) -> Result<String, String>;
+type Draw = fn(&Chart, &[Series]) -> Result<Drawing, String>;
 
 pub(super) fn picture(
     draw: Draw,
@@ -34,8 +34,8 @@ pub(super) fn picture(
     series: &[Series],
     caption: &str,
 ) -> Result<Picture, ReportError> {
-    let svg = draw(chart, series).map_err(ReportError::Picture)?;
-    Ok(Picture { name, caption: caption.to_owned(), svg })
+    let drawing = draw(chart, series).map_err(ReportError::Picture)?;
+    Ok(Picture { name, caption: caption.to_owned(), drawing })
 }
 
 /// Fig. 10: MSE and MAE over the epochs for training and validation, one picture for each network
@@ -147,9 +147,9 @@ pub(crate) fn torque(facts: &BearingFacts) -> Result<Vec<Picture>, ReportError> 
         decimals: 1,
         size: TABLE,
     };
-    let svg = heat::draw(&heat).map_err(ReportError::Picture)?;
+    let drawing = heat::draw(&heat).map_err(ReportError::Picture)?;
     let caption = "Fig. 12: the same as a map, from the quantised networks; darker is larger.".to_owned();
-    Ok(vec![curves, Picture { name: format!("torque-{bearing}-map"), caption, svg }])
+    Ok(vec![curves, Picture { name: format!("torque-{bearing}-map"), caption, drawing }])
 }
 
 /// Errors by force: float networks and image against the law, image against float networks.
