@@ -6,8 +6,8 @@
 use crate::boards::COUNTED;
 use crate::counts::{Counts, Figure};
 use crate::kernels::SmallestImage;
-use crate::run::{ChoreError, cargo, output_of};
-use crate::{firmware, setup};
+use crate::run::{ChoreError, output_of};
+use crate::{firmware, setup, workspace};
 use inference::BearingMaterial;
 use std::collections::BTreeMap;
 
@@ -56,9 +56,8 @@ fn ticks() -> Result<(u64, u64), ChoreError> {
     let folder = crate::run::target_folder().join("insn");
     let (mut min, mut max) = (u64::MAX, 0);
     for bearing in BearingMaterial::ALL.map(BearingMaterial::name) {
-        let mut command = cargo();
-        command.args(["run", "--quiet", "--package", "host-sim", "--", "run"]);
-        command.args(["--controller", "emulated", "--json", "--bearing", bearing, "--out"]);
+        let mut command = workspace::program("host-sim")?;
+        command.args(["run", "--controller", "emulated", "--json", "--bearing", bearing, "--out"]);
         let text = output_of(command.arg(folder.join(bearing)))?;
         let count = |name: &str| {
             serde_json::from_str::<serde_json::Value>(&text)
@@ -79,9 +78,7 @@ fn ticks() -> Result<(u64, u64), ChoreError> {
 /// Reads the maximum over disturbed samples from the output of the test that measures it.
 fn disturbed_ticks() -> Result<u64, ChoreError> {
     const TEST: &str = "ticks::no_tick_exceeds_its_budget_whatever_the_samples";
-    let mut command = cargo();
-    command.args(["test", "--quiet", "--package", "system-tests", "--features", "emulated"]);
-    let text = output_of(command.args(["--test", "emulator", "--", "--exact", TEST, "--nocapture"]))?;
+    let text = output_of(workspace::emulator_test(TEST).arg("--nocapture"))?;
     let max = text.lines().find_map(|line| {
         let (_, max) = line.split_once("disturbed ticks: ")?.1.split_once(" to ")?;
         max.strip_suffix(" instructions")?.parse().ok()

@@ -27,6 +27,7 @@ mod table;
 mod tally;
 mod test;
 mod verify;
+mod workspace;
 
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;

@@ -1,7 +1,8 @@
 //! The README's excerpt and picture of the default run, both taken from that run.
 
 use crate::document::Block;
-use crate::run::{ChoreError, cargo, output_of, root, target_folder, write_atomically};
+use crate::run::{ChoreError, output_of, root, target_folder, write_atomically};
+use crate::workspace;
 use std::path::PathBuf;
 
 /// Place of the excerpt.
@@ -33,9 +34,7 @@ struct Shown {
 /// Runs the default bench and picks what the README shows.
 fn run_default() -> Result<Shown, ChoreError> {
     let out = target_folder().join("readme");
-    let mut command = cargo();
-    command.args(["run", "--quiet", "--package", "host-sim", "--", "run", "--out"]).arg(&out);
-    let printed = output_of(&mut command)?;
+    let printed = output_of(workspace::program("host-sim")?.args(["run", "--out"]).arg(&out))?;
     let line = |start: &&str| printed.lines().find(|line| line.starts_with(start));
     let lines: Option<Vec<&str>> = LINES.iter().map(line).collect();
     let lines =

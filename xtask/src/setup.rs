@@ -91,6 +91,14 @@ fn emulator() -> Result<(), ChoreError> {
     install(&[EMULATOR])
 }
 
+/// Browser that the tests of pages use if it is installed.
+const BROWSER: &str = "chromium";
+
+/// Installs the browser if it is missing; returns whether there is one.
+pub(crate) fn browser() -> bool {
+    succeeds(Command::new(BROWSER).arg("--version")) || install(&[BROWSER]).is_ok()
+}
+
 /// Installs Debian packages; if that is not possible, the error says what to type.
 fn install(packages: &[&str]) -> Result<(), ChoreError> {
     let by_hand =

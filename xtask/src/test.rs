@@ -3,8 +3,7 @@
 use crate::golden::Comparison;
 use crate::run::{ChoreError, cargo, run, succeeds};
 use crate::tally::Tally;
-use crate::{budget, cycles, firmware, golden, kernels, language, readme, setup, verify};
-use std::process::Command;
+use crate::{budget, cycles, firmware, golden, kernels, language, readme, setup, verify, workspace};
 use std::time::Instant;
 
 /// Ignored tests that write golden files: `--long` does not run them.
@@ -21,22 +20,25 @@ pub(crate) fn test(is_long: bool) -> Result<(), ChoreError> {
     let start = Instant::now();
     let mut skipped = checks()?;
     let mut tally = Tally::default();
-    let mut tests = workspace_tests();
+    let mut tests = workspace::tests();
+    tests.arg("--no-fail-fast");
     if is_long {
         tests.env(LONG, "1");
     }
     tally.run(&mut tests)?;
-    // Separate, so that the first run tests `host-sim` without probes. The complete workspace and
-    // its features are named again, so that the dependencies already built are used.
-    tally.run(
-        cargo()
-            .args(["test", "--workspace", "--test", "fake_probe"])
-            .args(["--features", "host-sim/fake-probe,system-tests/emulated"]),
-    )?;
+    // Separate, so that the first run tests `host-sim` without probes.
+    tally.run(workspace::tests().args(["--features", "host-sim/fake-probe", "--test", "fake_probe"]))?;
     if is_long {
         let ignored = std::mem::take(&mut tally.ignored);
         let long = Instant::now();
-        tally.run(workspace_tests().args(["--tests", "--", "--ignored", "--skip", WRITERS]))?;
+        tally.run(workspace::tests().args([
+            "--no-fail-fast",
+            "--tests",
+            "--",
+            "--ignored",
+            "--skip",
+            WRITERS,
+        ]))?;
         println!("\nran the ignored tests in {:.0} s", long.elapsed().as_secs_f64());
         tally.ignored.extend(ignored.into_iter().filter(|name| name.contains(WRITERS)));
     }
@@ -56,6 +58,9 @@ pub(crate) fn test(is_long: bool) -> Result<(), ChoreError> {
 fn checks() -> Result<Vec<String>, ChoreError> {
     let mut skipped = vec![];
     setup::setup()?;
+    if !setup::browser() {
+        skipped.push("pages in a browser: chromium is not installed".into());
+    }
     firmware::OTHER_CORE.build()?;
     firmware::DEFAULT.build_provoking()?;
     firmware::DEFAULT.build()?;
@@ -80,13 +85,6 @@ fn checks() -> Result<Vec<String>, ChoreError> {
     }
     readme::check()?;
     Ok(skipped)
-}
-
-/// Returns the command that runs the tests of all packages, those on the emulator included.
-fn workspace_tests() -> Command {
-    let mut command = cargo();
-    command.args(["test", "--workspace", "--no-fail-fast", "--features", "system-tests/emulated"]);
-    command
 }
 
 /// Prints what was not compared or not run.

@@ -1,7 +1,8 @@
 //! `model-quant verify` with the emulated core as one of the runtimes.
 
 use crate::boards::COUNTED;
-use crate::run::{ChoreError, cargo, run, target_folder};
+use crate::run::{ChoreError, run, target_folder};
+use crate::workspace;
 use inference::{BearingMaterial, shipped};
 
 #[path = "../../model-quant/src/evaluate/results_format.rs"]
@@ -41,5 +42,5 @@ pub(crate) fn verify() -> Result<(), ChoreError> {
         found: error.to_string(),
         expected: "a file that can be written",
     })?;
-    run(cargo().args(["run", "--quiet", "--package", "model-quant", "--", "verify", "--emulated"]).arg(&file))
+    run(workspace::program("model-quant")?.args(["verify", "--emulated"]).arg(&file))
 }

@@ -5,8 +5,9 @@ use super::trace::{Image, Section, read};
 use crate::boards::COUNTED;
 use crate::counts::Figure;
 use crate::firmware;
-use crate::run::{ChoreError, cargo, output_of, run, target_folder};
+use crate::run::{ChoreError, output_of, run, target_folder};
 use crate::setup::{self, EMULATOR};
+use crate::workspace;
 use inference::BearingMaterial;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -172,11 +173,9 @@ impl Runs {
         for bearing in BearingMaterial::ALL {
             maxima.set_weights(&weights(&elf, &image, bearing)?);
             let out = self.folder.join(bearing.name());
-            let mut command = cargo();
-            command.args(["run", "--quiet", "--package", "host-sim", "--", "run"]);
-            command
-                .args(["--controller", "emulated", "--json", "--bearing", bearing.name(), "--out"])
-                .arg(out);
+            let mut command = workspace::program("host-sim")?;
+            command.args(["run", "--controller", "emulated", "--json", "--bearing", bearing.name(), "--out"]);
+            command.arg(out);
             self.trace(&mut command, TICKS, &image, |section| maxima.add(Work::Tick, section))?;
         }
         // Both bearings run in the test, and their weights are of one size.
@@ -185,7 +184,7 @@ impl Runs {
         let (babbitt, plastic) = (babbitt?, plastic?);
         maxima.set_weights(&(babbitt.start.min(plastic.start)..babbitt.end.max(plastic.end)));
         let each = |section: &Section| maxima.add(Work::DisturbedTick, section);
-        self.trace(&mut test(TROUBLED), TICKS, &image, each)?;
+        self.trace(&mut workspace::emulator_test(TROUBLED), TICKS, &image, each)?;
         let wrong = || ChoreError::File {
             file: elf.clone(),
             found: "no handler of SysTick".into(),
@@ -194,7 +193,7 @@ impl Runs {
         let entry = image.handler(SYSTICK).ok_or_else(wrong)?;
         let arguments = format!("entry={entry},{HANDLERS}");
         let each = |section: &Section| maxima.add(Work::Handler, section);
-        self.trace(&mut test(OWN_SAMPLES), &arguments, &image, each)
+        self.trace(&mut workspace::emulator_test(OWN_SAMPLES), &arguments, &image, each)
     }
 
     /// Prices the networks and the filter of the counting image.
@@ -289,14 +288,6 @@ fn weights(elf: &Path, image: &Image, bearing: BearingMaterial) -> Result<Range<
         found: format!("no networks for {}", bearing.name()),
         expected: "the networks that are shipped",
     })
-}
-
-/// Returns the command that runs one test on the emulator.
-fn test(name: &str) -> Command {
-    let mut command = cargo();
-    command.args(["test", "--quiet", "--package", "system-tests", "--features", "emulated"]);
-    command.args(["--test", "emulator", "--", "--exact", name]);
-    command
 }
 
 /// Writes a program that can be executed.
