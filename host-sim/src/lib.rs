@@ -7,6 +7,7 @@ mod say;
 pub mod accuracy;
 pub mod cli;
 pub mod commands;
+mod compare;
 pub mod controller;
 pub mod device;
 mod diagnose;

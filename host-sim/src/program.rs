@@ -4,8 +4,8 @@ use crate::cli::console::ConsoleOptions;
 use crate::cli::error::CliError;
 use crate::cli::progress;
 use crate::commands::{
-    accuracy, check, claims, completions, describe, diagnose, evaluate, figures, flash, laws, link, manual,
-    record, replay, run, schema, sweep, update, validate,
+    accuracy, check, claims, compare, completions, describe, diagnose, evaluate, figures, flash, laws, link,
+    manual, record, replay, run, schema, sweep, update, validate,
 };
 use crate::run::RunArgs;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -52,6 +52,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Simulate a described bench under the inputs of logs and compare; fit nothing.
     Evaluate(evaluate::EvaluateArgs),
+    /// Compare runs: figures side by side, logs as curves with their differences.
+    Compare(compare::CompareArgs),
     /// Find what a simulation gets wrong in measured logs, name the cause, measure the gain.
     Diagnose(diagnose::DiagnoseArgs),
     /// Vary clearance, load, damping speed, communication step or any parameters; evaluate the
@@ -108,6 +110,7 @@ fn dispatch(command: Option<Command>) -> Result<(), CliError> {
         Some(Command::Describe(args)) => describe::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Evaluate(args)) => evaluate::run(&args),
+        Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Diagnose(args)) => diagnose::run(&args),
         Some(Command::Sweep(args)) => sweep::run(&args),
         Some(Command::Figures(args)) => figures::run(&args),

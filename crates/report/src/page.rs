@@ -35,7 +35,7 @@ output{font-size:.85rem;color:var(--quiet);font-variant-numeric:tabular-nums}\
 .u-legend{text-align:left;margin:0 0 0 3rem}\
 .u-legend th,.u-legend td{border:0;background:none}.u-legend .u-series>*{padding:0 .3rem}.u-title{font-size:1rem}.u-select{background:var(--select)}\
 @media screen{.live>svg{display:none}.live>.plot{display:block}}@media print{.tools{display:none}}\
-.pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{max-width:516px;margin:.5rem 0}\
+.pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{flex:1 1 400px;min-width:0;max-width:516px;margin:.5rem 0}\
 @media screen and (max-width:700px){figure>svg{min-width:720px}.pair svg{min-width:0}}";
 
 /// Button that a script makes visible.

@@ -1,6 +1,7 @@
 //! Files in the output folder of a command.
 
 use crate::cli::error::CliError;
+use crate::cli::provenance::{Provenance, Stamped};
 use bench::atomic::{self, StagedFile};
 use report::figure::{Chart, Drawing, Series};
 use report::page::Page;
@@ -56,6 +57,19 @@ impl Files {
         self.absent.push(self.folder.join(name));
     }
 
+    /// Adds a result as JSON, with its origin. Returns the text.
+    pub(crate) fn add_result(&mut self, name: &str, result: &impl Serialize) -> Result<String, CliError> {
+        let text = result_json(result)?;
+        self.add(name, &format!("{text}\n"))?;
+        Ok(text)
+    }
+
+    /// Adds a page, with its origin at the end.
+    pub(crate) fn add_page(&mut self, name: &str, mut page: Page) -> Result<(), CliError> {
+        Provenance::of_process().add_to(&mut page);
+        self.add(name, &page.render())
+    }
+
     /// Adds each picture as a file.
     pub(crate) fn add_pictures(&mut self, pictures: &[Picture]) -> Result<(), CliError> {
         pictures.iter().try_for_each(|p| self.add(&format!("{}.svg", p.name), &p.drawing.svg))
@@ -81,6 +95,11 @@ impl Files {
 /// Formats a value as indented JSON.
 pub(crate) fn json(value: &impl Serialize) -> Result<String, CliError> {
     serde_json::to_string_pretty(value).map_err(|e| CliError::Work(e.to_string()))
+}
+
+/// Formats a result as indented JSON, with its origin at the end.
+pub(crate) fn result_json(result: &impl Serialize) -> Result<String, CliError> {
+    json(&Stamped { result, provenance: Provenance::of_process() })
 }
 
 /// A picture with file name and caption.

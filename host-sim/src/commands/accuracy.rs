@@ -75,15 +75,14 @@ pub fn run(args: &AccuracyArgs) -> Result<(), CliError> {
     let law_wins = runs.iter().filter(|a| a.estimate.law_wins()).count();
     let outcome =
         Outcome { step_us: args.step_us, seed: args.seed, goals: evaluate_goals(&runs), law_wins, runs };
-    let text = output::json(&outcome)?;
     let pictures = pictures::draw(&outcome)?;
     let page = report::page(&outcome, &pictures, &TransmissionBench::open(conditions::BENCH)?);
     let bench_loop = output::json(&bench_loops(&outcome.runs, settings))?;
     let mut files = Files::new(&args.out);
-    files.add("accuracy.json", &format!("{text}\n"))?;
+    let text = files.add_result("accuracy.json", &outcome)?;
     files.add("bench-loop.json", &format!("{bench_loop}\n"))?;
     pictures.add_to(&mut files)?;
-    files.add("report.html", &page.render())?;
+    files.add_page("report.html", page)?;
     files.publish()?;
     if args.json {
         print_result!("{text}");

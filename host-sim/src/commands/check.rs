@@ -41,7 +41,7 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     let inspection = inspect(&bench, &logs);
     bar.finish_and_clear();
     let inspection = inspection?;
-    let json = output::json(&inspection)?;
+    let json = output::result_json(&inspection)?;
     if let Some(folder) = &args.out {
         output::write(folder, "check.json", &format!("{json}\n"))?;
     }

@@ -80,7 +80,7 @@ pub(super) fn read(paths: &[PathBuf], bench: &Bench) -> Result<Vec<MeasuredLog>,
 }
 
 fn json(diagnosis: &Diagnosis) -> Result<String, CliError> {
-    serde_json::to_string_pretty(diagnosis).map_err(|e| CliError::Work(e.to_string()))
+    output::result_json(diagnosis)
 }
 
 /// Writes all files.
@@ -93,7 +93,7 @@ fn write(diagnosis: &mut Diagnosis, out: &Path) -> Result<(), CliError> {
         diagnosis.extended_bench = Some(out.join(EXTENDED_BENCH).display().to_string());
     }
     files.add("diagnosis.json", &format!("{}\n", json(diagnosis)?))?;
-    files.add("report.html", &report::page(diagnosis).map_err(CliError::Work)?.render())?;
+    files.add_page("report.html", report::page(diagnosis).map_err(CliError::Work)?)?;
     files.publish()
 }
 

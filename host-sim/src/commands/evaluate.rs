@@ -44,12 +44,12 @@ pub fn run(args: &EvaluateArgs) -> Result<(), CliError> {
     let evaluation = evaluate(&bench, &logs);
     bar.finish_and_clear();
     let evaluation = evaluation?;
-    let json = output::json(&evaluation)?;
+    let json = output::result_json(&evaluation)?;
     if let Some(folder) = &args.out {
-        let page = report::page(&evaluation, &args.bench.bench, &bench).map_err(CliError::Work)?.render();
+        let page = report::page(&evaluation, &args.bench.bench, &bench).map_err(CliError::Work)?;
         let mut files = Files::new(folder);
         files.add("evaluation.json", &format!("{json}\n"))?;
-        files.add("report.html", &page)?;
+        files.add_page("report.html", page)?;
         files.publish()?;
     }
     if args.json {

@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod check;
 pub mod claims;
+pub mod compare;
 pub mod completions;
 pub mod describe;
 pub mod diagnose;

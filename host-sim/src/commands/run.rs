@@ -33,7 +33,6 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         return Err(CliError::Input(format!("{option}: found --controller none; expected a controller")));
     }
     let finished = execute(args)?;
-    let json = output::json(&finished.summary)?;
     let contacts = impact_table::to_csv(&finished.forced.run.impacts, finished.bench.contact.latch_floor_m_s);
     let page = page::page(&finished).map_err(CliError::Work)?;
     let mut files = Files::new(&args.out);
@@ -57,8 +56,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(found) = &finished.summary.settled {
         files.add(settled::FILE_NAME, &found.cycles_csv())?;
     }
-    files.add("run.json", &format!("{json}\n"))?;
-    files.add("report.html", &page.render())?;
+    let json = files.add_result("run.json", &finished.summary)?;
+    files.add_page("report.html", page)?;
     files.publish()?;
     if args.json {
         print_result!("{json}");

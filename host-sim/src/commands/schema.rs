@@ -3,6 +3,8 @@
 use super::{describe, laws, record};
 use crate::cli::error::CliError;
 use crate::cli::output;
+use crate::cli::provenance::Stamped;
+use crate::compare::Comparison;
 use crate::run::mechanism::MechanismSummary;
 use crate::run::slider_crank::SliderCrankSummary;
 use crate::run::summary::Summary;
@@ -20,27 +22,28 @@ use serde_json::json;
 type Entry = (&'static str, &'static str, fn() -> Schema);
 
 /// All schemas.
-const ALL: [Entry; 17] = [
-    ("accuracy", "accuracy: accuracy.json", schema_of::<accuracy::Outcome>),
-    ("accuracy-worlds", "accuracy --worlds: worlds.json", schema_of::<accuracy::worlds::Outcome>),
-    ("check", "check: check.json", schema_of::<Inspection>),
-    ("claims", "claims: claims.json", schema_of::<reproduction::campaign::report::Outcome>),
+const ALL: [Entry; 18] = [
+    ("accuracy", "accuracy: accuracy.json", stamped::<accuracy::Outcome>),
+    ("accuracy-worlds", "accuracy --worlds: worlds.json", stamped::<accuracy::worlds::Outcome>),
+    ("check", "check: check.json", stamped::<Inspection>),
+    ("claims", "claims: claims.json", stamped::<reproduction::campaign::report::Outcome>),
+    ("compare", "compare: comparison.json", stamped::<Comparison>),
     ("describe", "describe --json", schema_of::<describe::Described>),
-    ("diagnose", "diagnose: diagnosis.json", schema_of::<Diagnosis>),
-    ("evaluate", "evaluate: evaluation.json", schema_of::<Evaluation>),
+    ("diagnose", "diagnose: diagnosis.json", stamped::<Diagnosis>),
+    ("evaluate", "evaluate: evaluation.json", stamped::<Evaluation>),
     (
         "figures",
         "figures, sweep clearance, sweep load: sweep.json",
-        schema_of::<reproduction::report::Outcome<'_>>,
+        stamped::<reproduction::report::Outcome<'_>>,
     ),
     ("laws", "laws --json", schema_of::<laws::Laws>),
     ("record", "record --json", schema_of::<record::Written>),
-    ("run", "run: run.json", schema_of::<Summary>),
-    ("run-mechanism", "run of a mechanism: run.json", schema_of::<MechanismSummary>),
-    ("run-slider-crank", "run --bench slider-crank: run.json", schema_of::<SliderCrankSummary>),
-    ("sweep-file", "sweep FILE: sweep.json", schema_of::<sweep::file::Outcome<'_>>),
-    ("sweep-latch", "sweep latch: sweep.json", schema_of::<sweep::latch::Outcome>),
-    ("sweep-step", "sweep step: sweep.json", schema_of::<sweep::step::Outcome>),
+    ("run", "run: run.json", stamped::<Summary>),
+    ("run-mechanism", "run of a mechanism: run.json", stamped::<MechanismSummary>),
+    ("run-slider-crank", "run --bench slider-crank: run.json", stamped::<SliderCrankSummary>),
+    ("sweep-file", "sweep FILE: sweep.json", stamped::<sweep::file::Outcome<'_>>),
+    ("sweep-latch", "sweep latch: sweep.json", stamped::<sweep::latch::Outcome>),
+    ("sweep-step", "sweep step: sweep.json", stamped::<sweep::step::Outcome>),
     ("validate", "validate: validate.json", schema_of::<Cases>),
 ];
 
@@ -70,6 +73,15 @@ pub fn run(args: &SchemaArgs) -> Result<(), CliError> {
 fn schema_of<T: JsonSchema>() -> Schema {
     let settings = SchemaSettings::draft2020_12().for_serialize().with_transform(NullNumbers);
     SchemaGenerator::new(settings).into_root_schema_for::<T>()
+}
+
+/// Schema of a result that is written with its origin.
+fn stamped<T: JsonSchema>() -> Schema {
+    let mut schema = schema_of::<Stamped<'_, T>>();
+    if let Some(description) = schema_of::<T>().remove("description") {
+        schema.insert("description".into(), description);
+    }
+    schema
 }
 
 /// Allows null for every number: JSON has no infinity, so an unbounded number is written as null.

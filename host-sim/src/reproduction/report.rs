@@ -128,12 +128,11 @@ pub(crate) fn run(
     let series = content.series();
     let runs = series.iter().flat_map(|s| results.runs.series(*s)).collect();
     let outcome = Outcome { sweep, runs, claims };
-    let text = output::json(&outcome)?;
     let mut files = Files::new(folder);
     files.add("runs.csv", &table::csv(&outcome.runs)?)?;
-    files.add("sweep.json", &format!("{text}\n"))?;
+    let text = files.add_result("sweep.json", &outcome)?;
     files.add_pictures(&draft.pictures)?;
-    files.add("report.html", &draft.page.render())?;
+    files.add_page("report.html", draft.page)?;
     files.publish()?;
     if json {
         print_result!("{text}");

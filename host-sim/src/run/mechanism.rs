@@ -4,7 +4,7 @@ use super::RunArgs;
 use super::report::number;
 use crate::cli::error::CliError;
 use crate::cli::limits;
-use crate::cli::output::{self, Files};
+use crate::cli::output::Files;
 use bench::description::MechanismBench;
 use bench::plants::mechanism::Snapshot;
 use bench::simulate::peaks::TIGHTER;
@@ -67,15 +67,14 @@ pub(crate) fn run(bench: &MechanismBench, args: &RunArgs) -> Result<(), CliError
     let result = bench.simulate_with_bars(&times)?;
     let summary = summary(bench, &result, started.elapsed().as_secs_f64());
     let page = page(bench, &summary, &result).map_err(CliError::Work)?;
-    let json = output::json(&summary)?;
     let floors = bench.latch_floors_m_s();
     let floor = |contact: usize| floors.get(contact).copied().unwrap_or_default();
     let mut files = Files::new(&args.out);
     files.add("log.csv", &to_csv(bench, &result.run.samples))?;
     let impacts = impact_table::to_csv_with_floors(&result.run.impacts, floor);
     files.add(impact_table::FILE_NAME, &impacts)?;
-    files.add("run.json", &format!("{json}\n"))?;
-    files.add("report.html", &page.render())?;
+    let json = files.add_result("run.json", &summary)?;
+    files.add_page("report.html", page)?;
     files.publish()?;
     if args.json {
         print_result!("{json}");

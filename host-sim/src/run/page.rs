@@ -59,40 +59,57 @@ pub(crate) fn page(finished: &Finished) -> Result<Page, String> {
     Ok(page)
 }
 
-fn over_time(name: &str, samples: &[Snapshot], read: fn(&Snapshot) -> f64) -> Series {
+fn over_time(name: &str, samples: &[Snapshot], read: Read) -> Series {
     Series::new(name, samples.iter().map(|s| s.time_s), samples.iter().map(read))
 }
+
+/// Quantity of a snapshot.
+type Read = fn(&Snapshot) -> f64;
 
 /// Contact force, estimate, force components and friction torque over time.
 fn forces_section(page: &mut Page, finished: &Finished) -> Result<(), String> {
     page.section("Forces over the cycle");
-    let samples = &finished.forced.run.samples;
-    let law = finished.law.as_ref().map(|l| l.run.samples.as_slice());
-    // The law is drawn first, so that a difference of the networks remains visible.
-    let against_law = |read: fn(&Snapshot) -> f64| -> Vec<Series> {
-        let law = law.map(|law| over_time("analytic law", law, read).styled(Style::Wide));
-        law.into_iter().chain([over_time(finished.summary.figures.force.name(), samples, read)]).collect()
-    };
-    page.figure(
-        &lines(
-            &Chart { title: "Contact force", x: "time, s", y: "N", size: WIDE },
-            &against_law(|s| s.forces.normal_n),
-        )?,
-        "Normal force of the contact.",
-    );
+    let force = Chart { title: "Contact force", x: "time, s", y: "N", size: WIDE };
+    against_law(page, finished, &force, |s| s.forces.normal_n, "Normal force of the contact.")?;
     estimate_figures(page, finished)?;
+    let samples = &finished.forced.run.samples;
     let components = [over_time("Y", samples, |s| s.force_y_n), over_time("Z", samples, |s| s.force_z_n)];
     page.figure(
         &lines(&Chart { title: "Force on the journal", x: "time, s", y: "N", size: WIDE }, &components)?,
         "Components along Y (transverse, towards the drive) and Z (upwards).",
     );
-    page.figure(
-        &lines(
-            &Chart { title: "Friction torque", x: "time, s", y: "N m", size: WIDE },
-            &against_law(|s| s.friction_torque_nm),
-        )?,
+    against_law(
+        page,
+        finished,
+        &Chart { title: "Friction torque", x: "time, s", y: "N m", size: WIDE },
+        |s| s.friction_torque_nm,
         "Torque of the bearing on the shaft, negative during forward rotation.",
-    );
+    )
+}
+
+/// Draws a quantity and, where the law was run too, its difference from that run.
+fn against_law(
+    page: &mut Page,
+    finished: &Finished,
+    chart: &Chart,
+    read: Read,
+    caption: &str,
+) -> Result<(), String> {
+    let samples = &finished.forced.run.samples;
+    let name = finished.summary.figures.force.name();
+    let Some(law) = finished.law.as_ref().map(|law| law.run.samples.as_slice()) else {
+        page.figure(&lines(chart, &[over_time(name, samples, read)])?, caption);
+        return Ok(());
+    };
+    // The law is drawn first, so that a difference of the networks remains visible.
+    let both = [over_time("analytic law", law, read).styled(Style::Wide), over_time(name, samples, read)];
+    page.figure(&lines(chart, &both)?, caption);
+    let title = format!("{}: difference from the analytic law", chart.title);
+    let pairs = samples.iter().zip(law).map(|(found, law)| (found.time_s, read(found) - read(law)));
+    let difference = Series::through("difference", pairs.collect());
+    let (width, height) = chart.size;
+    let chart = Chart { title: &title, size: (width, height * 2 / 3), ..*chart };
+    page.figure(&lines(&chart, &[difference])?, "Both runs have the same samples.");
     Ok(())
 }
 

@@ -1,6 +1,7 @@
 //! Tables of a run, for the terminal and the page.
 
 use super::{Finished, settled};
+use crate::cli::label::label;
 use crate::run::estimator_summary::{Differences, EstimatorSummary, Tracked};
 use crate::run::impacts::{TABLE_HEADER, pairs, table_rows};
 use crate::run::summary::{PeakRow, Summary};
@@ -216,20 +217,13 @@ pub(super) fn recorded_rows(finished: &Finished) -> Vec<Vec<String>> {
 }
 
 pub(super) fn energy_rows(finished: &Finished) -> Vec<Vec<String>> {
-    finished
-        .forced
-        .run
-        .energy
-        .terms()
-        .iter()
-        .map(|(name, value)| vec![(*name).to_owned(), number(*value)])
-        .collect()
+    finished.forced.run.energy.terms().iter().map(|(name, value)| vec![label(name), number(*value)]).collect()
 }
 
 pub(super) fn peak_rows(summary: &Summary) -> Vec<Vec<String>> {
     let row = |source: &str, p: &PeakRow| {
         let bar = p.error_bar.map_or_else(|| "unknown".into(), |bar| format!("{bar:.1e}"));
-        vec![source.into(), p.name.to_owned(), number(p.value), bar, format!("{:.4}", p.time_s)]
+        vec![source.into(), label(p.name), number(p.value), bar, format!("{:.4}", p.time_s)]
     };
     let own = summary.peaks.iter().map(|p| row(summary.figures.force.name(), p));
     own.chain(summary.law_peaks.iter().map(|p| row("law", p))).collect()

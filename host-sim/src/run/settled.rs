@@ -2,6 +2,7 @@
 
 use super::force::SAMPLE_RATE_HZ;
 use super::report::number;
+use crate::cli::label::label;
 use bench::description::TransmissionBench;
 use bench::simulate::Run;
 use bench::simulate::settled::{Course, Quantity, RangeCount, Settled};
@@ -48,21 +49,6 @@ fn with_interval(estimate: &Estimate) -> String {
         Some(_) => format!("{} ({})", number(estimate.value), interval(estimate)),
         None => number(estimate.value),
     }
-}
-
-/// Name of a quantity in words, with its unit: `peak_contact_force_n` is `peak contact force, N`.
-fn label(name: &str) -> String {
-    let units = [("_nm", "N m"), ("_n", "N"), ("_j", "J"), ("_share", "share of time")];
-    let (stem, unit) = units
-        .iter()
-        .find_map(|(suffix, unit)| name.strip_suffix(suffix).map(|stem| (stem, *unit)))
-        .unwrap_or((name, ""));
-    let parts: Vec<&str> = stem.split('_').collect();
-    let text = match parts.as_slice() {
-        ["oscillation", low, high, "hz"] => format!("oscillation {low} to {high} Hz"),
-        parts => parts.join(" "),
-    };
-    if unit.is_empty() { text } else { format!("{text}, {unit}") }
 }
 
 /// Columns of the table for the terminal.
@@ -175,17 +161,4 @@ pub(crate) fn section(page: &mut Page, settled: &Settled) -> Result<(), String> 
          by Miner's rule with the exponent given. Ranges below 1 % of the largest are not listed.",
     );
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantities_are_named_in_words_with_their_unit() {
-        assert_eq!(label("peak_friction_torque_nm"), "peak friction torque, N m");
-        assert_eq!(label("oscillation_300_1000_hz_n"), "oscillation 300 to 1000 Hz, N");
-        assert_eq!(label("without_contact_share"), "without contact, share of time");
-        assert_eq!(label("contacts"), "contacts");
-    }
 }

@@ -3,7 +3,7 @@
 use super::RunArgs;
 use crate::cli::error::CliError;
 use crate::cli::limits;
-use crate::cli::output::{self, Files};
+use crate::cli::output::Files;
 use bench::description::SliderCrankBench;
 use bench::integrate::{ContactPlant, Impact, integrate};
 use bench::simulate::impact_table;
@@ -58,13 +58,12 @@ pub(crate) fn run(bench: &SliderCrankBench, args: &RunArgs) -> Result<(), CliErr
     let (summary, rows, impacts) = simulate(bench)?;
     let table = contact_rows(&summary, &impacts);
     let page = page(bench, &summary, &rows, &table).map_err(CliError::Work)?;
-    let json = output::json(&summary)?;
     let mut files = Files::new(&args.out);
     files.add("log.csv", &to_csv(&rows))?;
     let impacts = impact_table::to_csv(&impacts, bench.joint.latch_floor_m_s);
     files.add(impact_table::FILE_NAME, &impacts)?;
-    files.add("run.json", &format!("{json}\n"))?;
-    files.add("report.html", &page.render())?;
+    let json = files.add_result("run.json", &summary)?;
+    files.add_page("report.html", page)?;
     files.publish()?;
     if args.json {
         print_result!("{json}");

@@ -70,14 +70,13 @@ pub(crate) fn run(file: &str, options: &SweepOptions, folder: &Path, json: bool)
         specification: &specification,
         runs: table::rows(&specification, &points, &records),
     };
-    let text = output::json(&outcome)?;
     let mut files = Files::new(folder);
     files.add("runs.csv", &table::csv(&outcome.runs)?)?;
-    files.add("sweep.json", &format!("{text}\n"))?;
+    let text = files.add_result("sweep.json", &outcome)?;
     files.add("timing.csv", &timing(&records))?;
     let pictures = pictures(&outcome)?;
     files.add_pictures(&pictures)?;
-    files.add("report.html", &page(file, &outcome, &pictures, &base).render())?;
+    files.add_page("report.html", page(file, &outcome, &pictures, &base))?;
     files.publish()?;
     let failed = records.iter().filter(|r| r.outcome.is_err()).count();
     if json {

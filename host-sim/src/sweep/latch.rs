@@ -91,13 +91,12 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
         group.iter_mut().for_each(|r| r.peak_change = r.figures.peak_contact_force_n / first - 1.0);
     }
     let outcome = Outcome { sweep: NAME, runs };
-    let text = output::json(&outcome)?;
     let pictures = pictures(&outcome.runs)?;
     let mut files = Files::new(folder);
     files.add("runs.csv", &table::csv(&outcome.runs)?)?;
-    files.add("sweep.json", &format!("{text}\n"))?;
+    let text = files.add_result("sweep.json", &outcome)?;
     files.add_pictures(&pictures)?;
-    files.add("report.html", &page(&outcome.runs, &pictures, &base).render())?;
+    files.add_page("report.html", page(&outcome.runs, &pictures, &base))?;
     files.publish()?;
     if json {
         print_result!("{text}");

@@ -118,13 +118,12 @@ pub(crate) fn run(options: &SweepOptions, folder: &Path, json: bool) -> Result<(
     bar.finish_and_clear();
     let choices = runs.chunks(STEPS_US.len()).filter_map(choice).collect();
     let outcome = Outcome { sweep: NAME, runs, choices };
-    let text = output::json(&outcome)?;
     let pictures = pictures(&outcome.runs)?;
     let mut files = Files::new(folder);
     files.add("runs.csv", &table::csv(&outcome.runs)?)?;
-    files.add("sweep.json", &format!("{text}\n"))?;
+    let text = files.add_result("sweep.json", &outcome)?;
     files.add_pictures(&pictures)?;
-    files.add("report.html", &page(&outcome, &pictures, &base).render())?;
+    files.add_page("report.html", page(&outcome, &pictures, &base))?;
     files.publish()?;
     if json {
         print_result!("{text}");

@@ -116,15 +116,11 @@ pub(crate) fn run(
     bar.finish_and_clear();
     let goals = goals::judge(&cases);
     let outcome = Outcome { worlds: settings.draws, seed: settings.seed, goals, cases };
-    let text = output::json(&outcome)?;
     let pictures = pictures::draw(&outcome)?;
     let mut files = Files::new(out);
-    files.add("worlds.json", &format!("{text}\n"))?;
+    let text = files.add_result("worlds.json", &outcome)?;
     pictures.add_to(&mut files)?;
-    files.add(
-        "worlds.html",
-        &report::page(&outcome, &pictures, &TransmissionBench::open("bench-b")?).render(),
-    )?;
+    files.add_page("worlds.html", report::page(&outcome, &pictures, &TransmissionBench::open("bench-b")?))?;
     files.publish()?;
     if as_json {
         print_result!("{text}");

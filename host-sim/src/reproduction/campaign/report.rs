@@ -76,9 +76,8 @@ pub(crate) fn run(options: &Options, folder: &Path, json: bool) -> Result<(), Cl
     let rows = rows(&outcome);
     let maps = pictures::maps(&claims)?;
     let charts = pictures::over_deciding((options.seed, &records), &claims)?;
-    let text = output::json(&outcome)?;
     let mut files = Files::new(folder);
-    files.add("claims.json", &format!("{text}\n"))?;
+    let text = files.add_result("claims.json", &outcome)?;
     files.add("claims.md", &markdown(&rows))?;
     files.add("draws.csv", &draws_csv(options.seed, &records)?)?;
     files.add("verdicts.csv", &verdicts_csv(&records))?;
@@ -92,7 +91,7 @@ pub(crate) fn run(options: &Options, folder: &Path, json: bool) -> Result<(), Cl
     output::show(&mut page, &charts);
     details(&mut page, &outcome);
     limits::section(&mut page, &options.base);
-    files.add("report.html", &page.render())?;
+    files.add_page("report.html", page)?;
     files.publish()?;
     if json {
         print_result!("{text}");
