@@ -65,15 +65,19 @@ struct Cli {
     /// Remark about the run for the page; may be given several times.
     #[arg(long)]
     note: Vec<String>,
-    /// Run the part that runs with every change; other options are ignored.
+    /// Run each effect once, and every question on the axes; other options are ignored.
     #[arg(long)]
     quick: bool,
+    /// Run the part of --quick that is tested with every change.
+    #[arg(long, conflicts_with = "quick")]
+    sample: bool,
     /// Write the golden figures and the page: hidden-effects, hidden-effects-bench for `bench`
-    /// alone, hidden-effects-two-plane for `two-plane` alone; with --quick only its golden figures.
+    /// alone, hidden-effects-two-plane for `two-plane` alone; with --quick or --sample
+    /// only its golden figures.
     #[arg(long)]
     bless: bool,
     /// Write the pages from the golden figures, without running anything.
-    #[arg(long, conflicts_with_all = ["bless", "quick"])]
+    #[arg(long, conflicts_with_all = ["bless", "quick", "sample"])]
     pages: bool,
 }
 
@@ -109,11 +113,16 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
         bench_seeds: cli.bench_seeds,
         skipped_seeds: cli.skip_seeds,
         bench_alone: false,
+        is_sample: false,
         plants: cli.plant.clone(),
         sizes: cli.sizes.clone(),
         arms: cli.arms.clone(),
     };
-    let campaign = if cli.quick { Campaign::quick() } else { chosen() };
+    let campaign = match (cli.quick, cli.sample) {
+        (true, _) => Campaign::quick(),
+        (_, true) => Campaign::sample(),
+        _ => chosen(),
+    };
     let (journal, finished) = journal::open(&cli.out.join("journal.jsonl"), campaign.clone())?;
     let mut finished: BTreeMap<usize, Outcome> =
         Vec::into_iter(finished).map(|outcome: Outcome| (outcome.cell.index, outcome)).collect();
@@ -172,7 +181,7 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
         return Err(last);
     }
     if cli.bless {
-        bless(&figures, &json, cli.quick)?;
+        bless(&figures, &json)?;
     }
     Ok(())
 }
@@ -194,10 +203,12 @@ fn write_pages() -> Result<(), CampaignError> {
     Ok(())
 }
 
-fn bless(figures: &Figures, json: &str, quick: bool) -> Result<(), CampaignError> {
+fn bless(figures: &Figures, json: &str) -> Result<(), CampaignError> {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
-    if quick {
-        return write(&root.join("tests/golden/hidden-effects-quick.json"), json);
+    for (campaign, name) in [(Campaign::quick(), "quick"), (Campaign::sample(), "sample")] {
+        if figures.campaign == campaign {
+            return write(&root.join(format!("tests/golden/hidden-effects-{name}.json")), json);
+        }
     }
     write(&root.join(format!("tests/golden/{}.json", stem(figures))), json)?;
     write(&root.join(format!("docs/{}.md", stem(figures))), &page(figures))

@@ -116,6 +116,10 @@ pub struct Campaign {
     /// can show. One of its cells costs as much as fifty of an axis.
     #[serde(default, skip_serializing_if = "is_false")]
     pub bench_alone: bool,
+    /// True if a third is left of the cells that are neither a single effect, a pair nor under hard
+    /// conditions.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub is_sample: bool,
 }
 
 fn is_false(alone: &bool) -> bool {
@@ -136,14 +140,16 @@ fn min_size(effect: &str) -> f64 {
     if effect == "fork-backlash" { 10.0 } else { 0.0 }
 }
 
+/// A sample takes one of so many cells.
+const SAMPLED: usize = 3;
 /// Clean logs for each seed.
 const CLEAN: usize = 10;
 /// Clean logs under hard conditions for each seed.
 const CLEAN_HARD: usize = 6;
 
 impl Campaign {
-    /// Returns the campaign that runs with every change: each effect once, and every question on
-    /// the axes.
+    /// Returns the campaign for a change of the engine: each effect once, and every question on the
+    /// axes.
     pub fn quick() -> Self {
         Self {
             seeds: 1,
@@ -153,7 +159,13 @@ impl Campaign {
             sizes: vec![1.0],
             arms: Arm::ALL.to_vec(),
             bench_alone: true,
+            is_sample: false,
         }
+    }
+
+    /// Returns the part of the quick campaign that is tested with every change.
+    pub fn sample() -> Self {
+        Self { is_sample: true, ..Self::quick() }
     }
 
     /// Returns whether a plant shows only effects that no cheaper plant can show.
@@ -177,6 +189,10 @@ impl Campaign {
         }
         cells.sort_by_cached_key(|c| (c.seed, c.stream()));
         cells.iter_mut().enumerate().for_each(|(i, c)| c.index = i);
+        if self.is_sample {
+            let is_always = |cell: &Cell| matches!(cell.arm, Arm::Single | Arm::Pair | Arm::Hard);
+            cells.retain(|cell| is_always(cell) || cell.index.is_multiple_of(SAMPLED));
+        }
         cells
     }
 
@@ -285,6 +301,15 @@ mod tests {
         };
         assert_eq!(of("fork-backlash"), [10.0, 20.0]);
         assert_eq!(of("squeeze-film"), [0.1, 1.0, 5.0, 20.0]);
+    }
+
+    #[test]
+    fn a_sample_hides_every_effect_of_the_quick_campaign_and_asks_every_kind_of_question() {
+        let (quick, sample) = (Campaign::quick().cells(), Campaign::sample().cells());
+        assert!(sample.len() < quick.len() * 3 / 4 && sample.iter().all(|cell| quick.contains(cell)));
+        let singles = |cells: &[Cell]| cells.iter().filter(|cell| cell.arm == Arm::Single).count();
+        assert_eq!(singles(&sample), singles(&quick));
+        assert!(Arm::ALL.iter().all(|arm| sample.iter().any(|cell| cell.arm == *arm)));
     }
 
     #[test]

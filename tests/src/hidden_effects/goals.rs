@@ -116,6 +116,7 @@ mod tests {
             bench_seeds: 0,
             skipped_seeds: 0,
             bench_alone: false,
+            is_sample: false,
             plants: vec![Plant::Linear],
             sizes: vec![0.5],
             arms: vec![Arm::Clean, Arm::Single, Arm::Deleted],
