@@ -72,7 +72,7 @@ impl TimeStepping {
             let sine = (fork(t).0 - y) / drive;
             let lever = drive * (sine.asin() + h * turning).cos();
             let load_torque = load * load_lever * (1.0 - sine * sine).sqrt();
-            // Velocities after an impulse of friction; the fork's impulse keeps its pin on the fork.
+            // Velocities after an impulse of friction. The fork's keeps its pin on the fork.
             let after = |impulse: f64| {
                 let free_u = u + (h * (load - normal * ny) + impulse * nz) / mass;
                 let free_turning = turning + (h * load_torque + impulse * radius) / inertia;

@@ -7,8 +7,8 @@
 //! onset reduces the error far more than a small step does. Peaks and work of a contact are
 //! measured on the dense output too (`measure`). With a friction law that sticks, the beginning and
 //! the end of a slip are located in the same way. The work is bounded: by a number of steps per
-//! simulated second, and by [`CHATTER_CONTACTS`] onsets, or changes of the slip, of a contact within
-//! one largest step.
+//! simulated second, and by [`CHATTER_CONTACTS`] onsets, or as many changes of the slip, of
+//! a contact within one largest step.
 
 mod contacts;
 mod measure;

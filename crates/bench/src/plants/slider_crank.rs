@@ -9,8 +9,8 @@
 //! Friction of the joint acts along `t = (-n_y, n_x)` at the sliding speed `v_t = b' R_J + v.t` of
 //! the journal, with the rod's angle `b`; the slider does not turn. Friction `F_f` on the journal
 //! has the torque `F_f R_J` on the rod. Without a law the joint is frictionless. With a law that
-//! sticks, friction at standstill follows from `v_t' = b'' R_J + t.v' - w n.v = 0`, with the turning
-//! rate `w` of `n`; the rules are those of [`super::stick_slip`].
+//! sticks, friction at standstill follows from `v_t' = b'' R_J + t.v' - w n.v = 0`, with `w` the
+//! turning rate of `n`; the rules are those of [`super::stick_slip`].
 
 use crate::description::SliderCrankBench;
 use crate::integrate::{

@@ -6,8 +6,8 @@
 //!
 //! * `coulomb`: sliding ends where the speed passes 0. The contact sticks if the force that would
 //!   keep the speed at 0 is at most the static coefficient times the normal force. Otherwise it
-//!   slides on, in the direction in which the other forces push. Sticking ends when the needed force
-//!   exceeds that limit.
+//!   slides on, in the direction in which the other forces push. Sticking ends when the needed
+//!   force exceeds that limit.
 //! * `karnopp` (Karnopp 1985, J. Dyn. Sys. Meas. Control 107): speeds within the band count as 0.
 //!   A contact that enters the band under no more than the limit is stopped: the speed becomes 0.
 //!   Under more, friction is the static one until the speed has left the band.
@@ -86,8 +86,8 @@ impl StickingLaw {
         }
     }
 
-    /// Friction in N along the sliding direction. `memory` is that of [`Self::memory_rate`]. A rigid
-    /// law at standstill has none of its own.
+    /// Friction in N along the sliding direction. `memory` is that of [`Self::memory_rate`]. Of a
+    /// rigid law at standstill it is 0: friction is then a [`Balance`].
     pub(crate) fn force_n(
         &self,
         slip: Slip,
@@ -233,7 +233,7 @@ fn next_elastic(
             excess: law.long_rest_excess,
         },
         None => law.rested(),
-        // A slide ends with the speed 0; the spring breaks in the direction in which it is stretched.
+        // The spring breaks in the direction in which it is stretched.
         Some(SevenParameterState::Sticking { displacement_m, .. }) => SevenParameterState::Sliding {
             direction: displacement_m.signum(),
             lagging_speed_m_s: 0.0,

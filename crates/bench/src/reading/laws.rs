@@ -12,13 +12,13 @@ use contact::{CompleteLawKind, FrictionKind, LawError, StiffnessKind};
 const STICKING: [FrictionKind; 3] =
     [FrictionKind::Coulomb, FrictionKind::Karnopp, FrictionKind::SevenParameter];
 
-/// Why a plant with several contacts has no law that sticks.
+/// Reason for which a plant with several contacts has no law that sticks.
 const SHARED_FORCES: &str = "the forces of several contacts that stick depend on each other";
-/// Why the joint of a slider-crank has no law with a deflection.
+/// Reason for which the joint of a slider-crank has no law with a deflection.
 const NO_DEFLECTION: &str = "the joint of a slider-crank keeps no deflection";
 
-/// Plants that integrate the friction law of this name, if its contacts stick; `None` for a law that
-/// every plant with a friction law integrates.
+/// Plants that integrate the friction law of this name, if its contacts stick. `None` for a law
+/// that every plant with a friction law integrates.
 pub fn sticking_plants(name: &str) -> Option<&'static str> {
     let kind = FrictionKind::from_name(name).filter(|kind| STICKING.contains(kind))?;
     Some(if kind.has_state() {

@@ -106,8 +106,8 @@ section! {
         viscous_slope_s_m: f64 [-1e3, 1e3],
         /// Speed where the slope begins.
         viscous_onset_m_s: f64 [0.0, HUGE],
-        /// Width of the regularised sign: sliding speed below which friction rises smoothly. The band
-        /// of `karnopp` that counts as standstill; `coulomb` has none.
+        /// Width of the regularised sign: sliding speed below which friction rises smoothly. For
+        /// `karnopp` the band that counts as standstill; `coulomb` has none.
         regularisation_m_s: f64 [1e-9, 1e3],
         /// Speed up to which Ambrosio's law gives no friction.
         #[serde(default, skip_serializing_if = "is_zero")]

@@ -19,7 +19,8 @@
 //! leaves out: [`crate::description::PlantDescription::limits`].
 //!
 //! This file builds the plant from a description. `dynamics` has the equations, `fork` the drive's
-//! compliance, `geometry` the contact, `bearing` its forces, `slip` its sticking. Additional terms: [`crate::effects`].
+//! compliance, `geometry` the contact, `bearing` its forces, `slip` its sticking. Additional
+//! terms: [`crate::effects`].
 
 pub(crate) use bearing::OnShaft;
 pub(crate) use geometry::MAX_SINE;
@@ -63,9 +64,10 @@ pub const STATES: usize = 17;
 /// States: y, z, y', z', th, th' (the last two only with a compliant drive). Then energies in J:
 /// work of the fork, its absolute work, work of the load, heat of friction, loss of the normal
 /// force beyond its elastic part, heat of the load cylinder. Then the deflection of the bristles in
-/// m for friction laws that have one, the memory of the seven-parameter law, or the pre-sliding sign; angle and speed of the load crank on
-/// a flexible shaft; the static friction that has built up at standstill; the bearing's temperature
-/// rise in K. The last five are constant without the effect that needs them.
+/// m for friction laws that have one, the memory of the seven-parameter law, or the pre-sliding
+/// sign; angle and speed of the load crank on a flexible shaft; the static friction that has built
+/// up at standstill; the bearing's temperature rise in K. The last five are constant without the
+/// effect that needs them.
 pub type State = [f64; STATES];
 
 /// Forces of the bearing on the shaft.

@@ -3,8 +3,8 @@
 //!
 //! The sliding acceleration `v_t' = th'' R_J + t.v' + t'.v` is affine in the friction force, with
 //! `t' = w n` and `w` the turning rate of the line of centres. Its slope is the mobility `m_t`. So
-//! `-v_t'(F_f = 0)/m_t` is the friction that keeps the sliding speed. A contact that is stopped gets
-//! the impulse `-v_t/m_t`. The energy `v_t^2/(2 m_t)` becomes friction heat, and a rigid drive
+//! `-v_t'(F_f = 0)/m_t` is the friction that keeps the sliding speed. A contact that is stopped
+//! gets the impulse `-v_t/m_t`. The energy `v_t^2/(2 m_t)` becomes friction heat, and a rigid drive
 //! takes part with the impulse on the fork.
 
 use super::geometry::Geometry;
