@@ -173,6 +173,13 @@ fn the_balance_closes_with_a_joint_that_sticks() {
         assert!(count >= 3 && stuck_s > 1e-4, "{law}: {count} {stuck_s}");
         let energy = plant.audit(end_s, 1e-10).unwrap();
         assert!(energy.residual_rel < 1e-7 && energy.friction_heat_j > 0.1, "{law}: {energy:?}");
+        // The level is a factor on both coefficients.
+        let doubled = text
+            .replace("static_coefficient = 0.6", "static_coefficient = 1.2")
+            .replace("coulomb_coefficient = 0.3", "coulomb_coefficient = 0.6");
+        let same = simulate(&bench(&format!("{doubled}\nlevel = 0.5")).plant(), end_s);
+        let again: f64 = same.impacts.iter().map(|i| i.stuck_s).sum();
+        assert!(law == "karnopp" || (again / stuck_s - 1.0).abs() < 1e-6, "{again} {stuck_s}");
     }
 }
 

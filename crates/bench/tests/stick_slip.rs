@@ -151,16 +151,20 @@ fn regularised_laws_converge_to_the_located_one() {
     }
 }
 
-/// Checks every sample against the law and returns the number of samples at standstill.
-fn check_samples(samples: &[Snapshot], coulomb: f64, break_away: f64) -> usize {
+/// Checks every sample against the law, with an asymmetry of its coefficients, and returns the
+/// number of samples at standstill.
+fn check_samples(samples: &[Snapshot], coulomb: f64, break_away: f64, asymmetry: f64) -> usize {
     let mut still = 0;
     for s in samples.iter().filter(|s| s.forces.normal_n > 0.0) {
         let (v, ratio) = (s.contact.sliding_speed_m_s, s.forces.friction_n / s.forces.normal_n);
         if v.abs() < 1e-8 {
             still += 1;
-            assert!(ratio.abs() <= break_away * (1.0 + 1e-9), "{s:?}");
+            // Friction opposes the motion that it prevents.
+            let limit = break_away * (1.0 - asymmetry * ratio.signum());
+            assert!(ratio.abs() <= limit * (1.0 + 1e-9), "{s:?}");
         } else {
-            assert!((ratio * v.signum() + coulomb).abs() < 1e-9, "{s:?}");
+            let expected = coulomb * (1.0 + asymmetry * v.signum());
+            assert!((ratio * v.signum() + expected).abs() < 1e-9, "{s:?}");
         }
     }
     still
@@ -173,14 +177,18 @@ fn a_contact_slides_with_its_sign_or_sticks_within_its_limit() {
         let times = every(1e-4, 1.0);
         let run = run(&bench, 1.0, &times);
         let (count, stuck_s) = stuck(&run);
-        let still = check_samples(&run.samples, coulomb, break_away);
+        let still = check_samples(&run.samples, coulomb, break_away, 0.0);
         assert!(count >= 1 && stuck_s > 0.01, "{count} {stuck_s}");
         assert!((1e-4 * still as f64 - stuck_s).abs() < 2e-4 * (1.0 + count as f64), "{still} {stuck_s}");
         assert!(run.energy.residual_rel < 1e-8, "{:?}", run.energy);
+        // No heat while it sticks.
+        let pairs = run.samples.windows(2).zip(run.losses_j.windows(2));
+        let held = pairs.filter(|(s, _)| s.iter().all(|s| s.contact.sliding_speed_m_s.abs() < 1e-8));
+        assert!(held.clone().count() > 50 && held.filter(|(_, heat)| heat[0][0] == heat[1][0]).count() > 50);
         // The plant without energies makes the same motion.
         let inputs = (bench.drive_profile(), bench.load_profile());
         let same = snapshots(&bench, inputs, 1.0, &times, DEFAULT_TOLERANCE).unwrap();
-        check_samples(&same, coulomb, break_away);
+        check_samples(&same, coulomb, break_away, 0.0);
         let off = same.iter().zip(&run.samples).map(|(a, b)| (a.y_m - b.y_m).abs()).fold(0.0, f64::max);
         assert!(off < 1e-8, "{off}");
     }
@@ -211,7 +219,7 @@ fn the_balance_closes_on_every_drive_and_shaft() {
             assert!(stuck(&run).0 > 0, "{law}, {name}");
             assert!(run.energy.residual_rel < 1e-7, "{law}, {name}: {:?}", run.energy);
             if law == "coulomb" {
-                assert!(check_samples(&run.samples, 0.14, 0.22) > 50, "{name}");
+                assert!(check_samples(&run.samples, 0.14, 0.22, 0.0) > 50, "{name}");
             }
         }
     }
@@ -231,9 +239,15 @@ fn effects_on_friction_act_on_both_slips() {
     else {
         panic!("bench-b")
     };
-    let run = run(&stepped, 1.0, &every(1e-4, 1.0));
-    assert!(check_samples(&run.samples[3200..], 0.21, 0.33) > 50);
-    assert!(run.energy.residual_rel < 1e-8, "{:?}", run.energy);
+    let found = run(&stepped, 1.0, &every(1e-4, 1.0));
+    assert!(check_samples(&found.samples[3200..], 0.21, 0.33, 0.0) > 50);
+    assert!(found.energy.residual_rel < 1e-8, "{:?}", found.energy);
+    let uneven = with("name = \"coulomb-asymmetry\"\nasymmetry = 0.3").unwrap().resolved();
+    let Bench::Transmission(mut uneven) = uneven else { panic!("bench-b") };
+    uneven.friction.level = 1.5;
+    let found = run(&uneven, 1.0, &every(1e-4, 1.0));
+    assert!(check_samples(&found.samples, 0.21, 0.33, 0.3) > 50);
+    assert!(found.energy.residual_rel < 1e-8, "{:?}", found.energy);
     let error = with("name = \"presliding-hysteresis\"\ndistance_m = 1e-5").unwrap_err().to_string();
     let expected =
         "effects is `presliding-hysteresis` with a friction law that sticks; expected one of the two";

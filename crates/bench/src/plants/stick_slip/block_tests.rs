@@ -187,6 +187,18 @@ fn a_band_of_speeds_counts_as_standstill() {
     assert_near(run.state[1], speed_m_s, 1e-9, "speed after the band");
 }
 
+#[test]
+fn karnopps_law_sticks_again_within_the_band_and_has_a_viscous_part_outside() {
+    let law = StickingLaw::Karnopp(Karnopp::new(0.2, 0.5, 0.1, 0.01).unwrap());
+    let has_ended = |sliding_m_s, needed_n| {
+        let balance = || Balance { needed_n, limit_n: 5.0 };
+        law.has_ended(Slip::BreakingAway { direction: 1.0 }, 0.0, sliding_m_s, 0.0, balance)
+    };
+    assert!(!has_ended(0.005, -5.1) && has_ended(0.005, -4.9) && has_ended(0.011, -5.1));
+    let sliding = Slip::Sliding { direction: -1.0, excess: 0.0 };
+    assert_near(law.force_n(sliding, 0.0, 10.0, -0.5, 0.0), 10.0 * (0.2 + 0.1 * 0.5), 1e-12, "force");
+}
+
 fn seven_parameter() -> SevenParameter {
     SevenParameter {
         stiffness_per_m: 1e4,
@@ -247,6 +259,8 @@ fn sliding_of_the_seven_parameter_law_continues_through_break_away() {
     assert!(direction == -1.0 && (excess - 0.2).abs() < 1e-12 && memory == 0.0, "{next:?} {memory}");
     let after = law.force_n(next.slip, 1.2, 10.0, -1e-3, memory);
     assert_near(before, after, 2e-3, "force");
+    // The lagging speed approaches 3 mm/s within 10 ms.
+    assert_near(law.memory_rate(next.slip, -3e-3, 1e-3), 0.2, 1e-12, "lag");
 }
 
 /// A push that vibrates across the limit at 1.6 MHz.
