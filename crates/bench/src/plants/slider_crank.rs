@@ -8,8 +8,8 @@
 //!
 //! Friction of the joint acts along `t = (-n_y, n_x)` at the sliding speed `v_t = b' R_J + v.t` of
 //! the journal, with the rod's angle `b`; the slider does not turn. Friction `F_f` on the journal
-//! has the torque `F_f R_J` on the rod. Without a law the joint is frictionless. Laws that stick are
-//! in `slip`.
+//! has the torque `F_f R_J` on the rod. Without a law the joint is frictionless. Laws that stick
+//! are in `slip`.
 
 mod slip;
 
