@@ -246,7 +246,7 @@ fn every_law_is_listed_with_range_and_source_and_its_name_is_one_of_a_descriptio
     assert!(has("contact.stiffness", "liu-times-length") && has("contact.dissipation", "zhiying-qishao"));
     assert!(has("contact.law", "adams-impact") && has("friction.law", "lugre"));
     let text = text(&host_sim(directory.path(), &["laws"]).stdout);
-    assert!(text.contains("in the library only"), "{text}");
+    assert!(text.contains("sticks and slides, on the planar transmission bench"), "{text}");
 }
 
 #[test]

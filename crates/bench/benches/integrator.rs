@@ -7,7 +7,7 @@
 
 use bench::description::TwoPlaneSection;
 use bench::description::{SliderCrankBench, TransmissionBench};
-use bench::integrate::{ContactPlant, integrate};
+use bench::integrate::{ContactPlant, Touch, integrate};
 use bench::plants::slider_crank::{self, SliderCrank};
 use bench::plants::transmission::Transmission;
 use bench::plants::two_plane::{TwoPlane, run_two_plane};
@@ -38,19 +38,19 @@ fn fixed_step(plant: &SliderCrank, end_s: f64, step_s: f64) -> f64 {
     let count = (end_s / step_s).round() as usize;
     let h = end_s / count as f64;
     let mut y = plant.initial_state();
-    let mut latched = None;
+    let mut touch = None;
     for step in 0..count {
         let t = step as f64 * h;
         let mut k = [[0.0; 4]; 4];
-        plant.derivative(t, &y, latched, &mut k[0]);
+        plant.derivative(t, &y, touch, &mut k[0]);
         for (stage, share) in [(1, 0.5), (2, 0.5), (3, 1.0)] {
             let at: [f64; 4] = std::array::from_fn(|i| y[i] + share * h * k[stage - 1][i]);
-            plant.derivative(t + share * h, &at, latched, &mut k[stage]);
+            plant.derivative(t + share * h, &at, touch, &mut k[stage]);
         }
         y = std::array::from_fn(|i| y[i] + h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]));
         let (depth, rate) = plant.deformation(t + h, &y);
-        if (depth > 0.0) != latched.is_some() {
-            latched = (depth > 0.0).then_some(rate.max(0.0));
+        if (depth > 0.0) != touch.is_some() {
+            touch = (depth > 0.0).then(|| Touch { latched_m_s: rate.max(0.0), ..Touch::default() });
         }
     }
     y[1]

@@ -31,7 +31,7 @@ pub mod template;
 pub use contact::BearingMaterial;
 pub use description::{Bench, DescriptionError};
 pub use log::MeasuredLog;
-pub use reading::{PRESETS, integrates_friction};
+pub use reading::{PRESETS, sticking_plants};
 pub use signals::{Channel, Role};
 
 /// Compiles and runs the example of the README.

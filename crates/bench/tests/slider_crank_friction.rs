@@ -21,9 +21,10 @@ fn bench(text: &str) -> SliderCrankBench {
 }
 
 /// Rod and slider as free bodies: Newton and Euler about the rod's middle, the crank's force from
-/// the constraint. Friction is linear in the sliding speed up to 50 mm/s, then constant.
+/// the constraint. Friction is linear in the sliding speed up to a width, then constant.
 struct FreeBodies {
     coefficient: f64,
+    width_m_s: f64,
 }
 
 impl FreeBodies {
@@ -49,7 +50,7 @@ impl FreeBodies {
         // Speed of the journal's surface: its centre's and the rod's turning.
         let surface = [gap_rate[0] - speed * journal * n[1], gap_rate[1] + speed * journal * n[0]];
         let sliding = -surface[0] * n[1] + surface[1] * n[0];
-        let drag = self.coefficient * normal * (sliding / 0.05).clamp(-1.0, 1.0);
+        let drag = self.coefficient * normal * (sliding / self.width_m_s).clamp(-1.0, 1.0);
         let force = [-normal * n[0] + drag * n[1], -normal * n[1] - drag * n[0]];
         let torque = -drag * journal;
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
@@ -104,7 +105,7 @@ fn friction_agrees_with_an_independent_integration_of_free_bodies() {
         let run =
             integrate(&plant, (0.0, end_s), plant.initial_state(), false, &[], &tolerances, |_, _, _| {})
                 .unwrap();
-        let (peaks, state) = FreeBodies { coefficient }.run(end_s, 5e-9);
+        let (peaks, state) = FreeBodies { coefficient, width_m_s: 0.05 }.run(end_s, 5e-9);
         assert_eq!(run.impacts.len(), peaks.len(), "{coefficient}");
         for (impact, peak) in run.impacts.iter().zip(&peaks) {
             assert!((impact.peak_force_n / peak - 1.0).abs() < 1e-4, "{coefficient}: {impact:?} {peak}");
@@ -114,7 +115,7 @@ fn friction_agrees_with_an_independent_integration_of_free_bodies() {
         }
     }
     // The friction of the comparison matters.
-    let at = |coefficient| FreeBodies { coefficient }.run(6e-4, 5e-8).1[2];
+    let at = |coefficient| FreeBodies { coefficient, width_m_s: 0.05 }.run(6e-4, 5e-8).1[2];
     assert!((at(0.4) - at(0.0)).abs() > 1e-3 * at(0.0).abs(), "{} {}", at(0.4), at(0.0));
 }
 
@@ -135,12 +136,63 @@ fn the_balance_closes_with_and_without_friction() {
     }
 }
 
+fn simulate(
+    plant: &bench::plants::slider_crank::SliderCrank,
+    end_s: f64,
+) -> bench::integrate::Integration<4> {
+    let (initial, tolerances) = (plant.initial_state(), plant.tolerances(1e-10));
+    integrate(plant, (0.0, end_s), initial, false, &[], &tolerances, |_, _, _| {}).unwrap()
+}
+
+/// Coulomb's friction is the limit of a narrow linear one, also where the joint sticks.
+#[test]
+fn coulombs_friction_is_the_limit_of_the_regularised_one() {
+    let end_s = 6e-4;
+    let run = simulate(&bench(&friction(0.4, "law = \"coulomb\"")).plant(), end_s);
+    assert_eq!(run.impacts[0].sticks, 1, "{:?}", run.impacts);
+    let off = |width_m_s: f64| {
+        let (peaks, state) = FreeBodies { coefficient: 0.4, width_m_s }.run(end_s, 5e-9);
+        [(run.impacts[0].peak_force_n - peaks[0]).abs(), (run.state[2] - state[2]).abs()]
+    };
+    let (wide, narrow) = (off(0.05), off(5e-3));
+    for ((wide, narrow), bound) in wide.into_iter().zip(narrow).zip([0.5, 0.05]) {
+        assert!(narrow < bound && narrow < 0.25 * wide, "{wide} {narrow}");
+    }
+}
+
+#[test]
+fn the_balance_closes_with_a_joint_that_sticks() {
+    let end_s = 60.0 / 5000.0 * 0.6;
+    for (law, width) in [("coulomb", "0.05"), ("karnopp", "0.05"), ("karnopp", "0.5")] {
+        let text = friction(0.3, &format!("law = \"{law}\""))
+            .replace("static_coefficient = 0.3", "static_coefficient = 0.6")
+            .replace("regularisation_m_s = 0.05", &format!("regularisation_m_s = {width}"));
+        let plant = bench(&text).plant();
+        let run = simulate(&plant, end_s);
+        let (count, stuck_s) = run.impacts.iter().fold((0, 0.0), |(n, t), i| (n + i.sticks, t + i.stuck_s));
+        assert!(count >= 3 && stuck_s > 1e-4, "{law}: {count} {stuck_s}");
+        let energy = plant.audit(end_s, 1e-10).unwrap();
+        assert!(energy.residual_rel < 1e-7 && energy.friction_heat_j > 0.1, "{law}: {energy:?}");
+        // The level is a factor on both coefficients.
+        let doubled = text
+            .replace("static_coefficient = 0.6", "static_coefficient = 1.2")
+            .replace("coulomb_coefficient = 0.3", "coulomb_coefficient = 0.6");
+        let same = simulate(&bench(&format!("{doubled}\nlevel = 0.5")).plant(), end_s);
+        let again: f64 = same.impacts.iter().map(|i| i.stuck_s).sum();
+        assert!(law == "karnopp" || (again / stuck_s - 1.0).abs() < 1e-6, "{again} {stuck_s}");
+    }
+}
+
 #[test]
 fn a_law_that_the_joint_cannot_follow_is_refused() {
     for (law, expected) in [
         (
             "law = \"lugre\"\nbristle_stiffness_per_m = 1e4",
-            "friction.law is lugre; expected a law without bristles",
+            "friction.law is lugre; expected one of coulomb, regularised-linear,",
+        ),
+        (
+            "law = \"seven-parameter\"",
+            "friction.law is seven-parameter; expected one of coulomb, regularised-linear,",
         ),
         ("viscous_damping_n_s_m = 1.0", "only `brown-mcphee` uses it"),
     ] {

@@ -28,6 +28,8 @@ pub(crate) struct Law {
     source: &'static str,
     /// True if a bench can be integrated with it.
     on_a_bench: bool,
+    /// The only plants that integrate it; null if every plant with such a law does.
+    only_on: Option<&'static str>,
 }
 
 #[derive(Serialize, JsonSchema)]
@@ -48,7 +50,8 @@ pub fn run(args: &LawsArgs) -> Result<(), CliError> {
         description: entry.description,
         range: entry.range,
         source: entry.source,
-        on_a_bench: entry.group != Group::Friction || bench::integrates_friction(entry.name),
+        on_a_bench: true,
+        only_on: if entry.group == Group::Friction { bench::sticking_plants(entry.name) } else { None },
     };
     let laws = Laws { laws: catalogue::all().map(law).collect() };
     if args.json {
@@ -64,8 +67,8 @@ pub fn run(args: &LawsArgs) -> Result<(), CliError> {
         print_line!("  {:<34} {}", law.name, law.description);
         print_line!("  {:<34} holds: {}", "", law.range);
         print_line!("  {:<34} source: {}", "", law.source);
-        if !law.on_a_bench {
-            print_line!("  {:<34} in the library only: not continuous in the speed", "");
+        if let Some(plants) = law.only_on {
+            print_line!("  {:<34} sticks and slides, on {plants}", "");
         }
     }
     Ok(())

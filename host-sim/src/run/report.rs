@@ -4,7 +4,7 @@ use super::{Finished, settled};
 use crate::cli::label::label;
 use crate::run::estimator_summary::{Differences, EstimatorSummary, Tracked};
 use crate::run::impacts::{TABLE_HEADER, pairs, table_rows};
-use crate::run::summary::{PeakRow, Summary};
+use crate::run::summary::{PeakRow, Sticking, Summary};
 use bench::integrate::Impact;
 use report::text_table;
 
@@ -32,6 +32,9 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
     let tolerance = summary.tolerance.map(|t| row("relative tolerance", format!("{t:.0e}")));
     let step = summary.communication_step_s.map(|s| row("communication step", format!("{:.1} us", 1e6 * s)));
     rows.extend(tolerance.into_iter().chain(step));
+    if let Some(Sticking { count, total_s }) = figures.sticking {
+        rows.push(row("sticking", format!("{count} times, {:.1} ms in total", 1e3 * total_s)));
+    }
     if let Some(tilt) = &summary.tilt {
         rows.push(row("largest tilt of the shaft", format!("{:.2} mrad", 1e3 * tilt.largest_tilt_rad)));
         rows.push(row("largest edge load over the mean", format!("{:.2}", tilt.largest_edge_ratio)));

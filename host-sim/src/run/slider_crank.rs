@@ -4,6 +4,7 @@ use super::RunArgs;
 use crate::cli::error::CliError;
 use crate::cli::limits;
 use crate::cli::output::Files;
+use crate::run::summary::Sticking;
 use bench::description::SliderCrankBench;
 use bench::integrate::{ContactPlant, Impact, integrate};
 use bench::simulate::impact_table;
@@ -46,6 +47,9 @@ pub(crate) struct SliderCrankSummary {
     /// Numerical error bar of each peak, from two coarser tolerances; none for a contact that the
     /// finer of these runs does not have.
     error_bars_n: Vec<Option<f64>>,
+    /// Sticking of the joint; absent with a friction law that does not stick.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sticking: Option<Sticking>,
     /// Terms of the energy balance in J, and its relative residual.
     energy: serde_json::Map<String, serde_json::Value>,
 }
@@ -95,8 +99,9 @@ fn simulate(bench: &SliderCrankBench) -> Result<(SliderCrankSummary, Vec<Row>, V
         false,
         &times,
         &plant.tolerances(TOLERANCE),
-        |t, s, latched| {
-            let forces = (plant.normal_force_n(t, s, latched), plant.friction_force_n(t, s, latched));
+        |t, s, touch| {
+            let normal_n = plant.normal_force_n(t, s, touch.latched_m_s);
+            let forces = (normal_n, plant.friction_force_n(t, s, touch));
             rows.push([t, s[1], s[3], plant.deformation(t, s).0, forces.0, forces.1]);
         },
     )?;
@@ -117,6 +122,7 @@ fn simulate(bench: &SliderCrankBench) -> Result<(SliderCrankSummary, Vec<Row>, V
         slider_speed_m_s: speed,
         onsets_s: result.impacts.iter().map(|impact| impact.onset_s).collect(),
         peaks_n,
+        sticking: Sticking::new(bench.friction.as_ref(), &result.impacts),
         energy: energy.map(|(name, value)| (name.to_owned(), value.into())).into_iter().collect(),
         error_bars_n: bars.iter().map(|(_, bar)| Some(*bar).filter(|b| b.is_finite())).collect(),
     };

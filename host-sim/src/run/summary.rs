@@ -4,11 +4,13 @@ use crate::run::estimator_summary::EstimatorSummary;
 use crate::run::force::{ForceSource, ForcedRun, Tilt};
 use crate::run::servo::ServoFigures;
 use bench::BearingMaterial;
-use bench::description::TransmissionBench;
+use bench::description::{FrictionSection, TransmissionBench};
+use bench::integrate::Impact;
 use bench::plants::transmission::Snapshot;
 use bench::signals::Motion;
 use bench::simulate::peaks::Peak;
 use bench::simulate::settled::Settled;
+use bench::sticking_plants;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,6 +48,9 @@ pub struct Figures {
     pub oscillation_rms_n: f64,
     /// Number of contacts.
     pub contacts: usize,
+    /// Sticking of the contact; absent with a friction law that does not stick.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sticking: Option<Sticking>,
     /// Energy residual relative to the drive's absolute work.
     pub energy_residual_rel: f64,
     /// Share of the contact samples outside the networks' training range.
@@ -55,6 +60,24 @@ pub struct Figures {
     /// Times of the peaks, s.
     #[serde(default)]
     pub peak_times_s: PerPeak,
+}
+
+/// How often and how long a contact sticks, in a run with located events.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema, Deserialize)]
+pub struct Sticking {
+    /// Number of times.
+    pub count: usize,
+    /// Sum of the times, s.
+    pub total_s: f64,
+}
+
+impl Sticking {
+    /// Sums over the impacts; none with a friction law that does not stick.
+    pub(crate) fn new(friction: Option<&FrictionSection>, impacts: &[Impact]) -> Option<Self> {
+        sticking_plants(friction?.law?.0.entry().name)?;
+        let count = impacts.iter().map(|impact| impact.sticks).sum();
+        Some(Self { count, total_s: impacts.iter().map(|impact| impact.stuck_s).sum() })
+    }
 }
 
 /// A number for each peak, under the names of the peaks; none where it is unknown.
@@ -207,6 +230,8 @@ impl Figures {
             max_deformation_m: value("max_deformation_m"),
             oscillation_rms_n: oscillation_rms_n(bench, &forced.run.samples, rate_hz),
             contacts: forced.run.impacts.len(),
+            sticking: Sticking::new(Some(&bench.friction), &forced.run.impacts)
+                .filter(|_| force == ForceSource::Law),
             energy_residual_rel: forced.run.energy_residual_rel,
             outside_training_share: forced.outside_training_share,
             error_bars: PerPeak::read(&forced.peaks, |p| p.error_bar),

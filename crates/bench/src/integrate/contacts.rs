@@ -1,19 +1,24 @@
 //! The contacts of a plant during a run: their phase, the search for the next event, and the
 //! impacts.
+//!
+//! Events are onset and separation, and with a friction law that sticks the beginning and the end
+//! of sticking and sliding. An onset or the end of a slip lets the plant choose the slip that
+//! follows.
 
 use super::measure::Span;
-use super::{ContactReading, Impact, IntegrationError, SlicedPlant};
+use super::{ContactReading, Impact, IntegrationError, SlicedPlant, Slip, Touch};
 use differential_equations::prelude::ODE;
 use std::collections::VecDeque;
 
-/// Onsets of one contact within one largest step at which a run counts as chattering.
+/// Onsets of one contact within one largest step at which a run counts as chattering; and changes
+/// of its slip.
 pub const CHATTER_CONTACTS: usize = 500;
 /// Parts of a step at whose ends a grazing contact is noticed.
 const PROBES: usize = 4;
 /// Bisections of an event's bracket: more than a double has binary digits.
 const BISECTIONS: usize = 60;
 
-/// Time and state at which a contact begins or ends.
+/// Time and state at which a contact or its slip begins or ends.
 pub(super) type Event<const N: usize> = (f64, [f64; N]);
 
 /// The plant between two events: each contact touches, with a latched speed, or has a gap.
@@ -21,11 +26,32 @@ pub(super) struct Phase<'a, P> {
     plant: &'a P,
     /// Latched approach speed of each contact in m/s, `None` in a gap.
     pub(super) latched_m_s: Vec<Option<f64>>,
+    /// Slip of each contact.
+    slips: Vec<Slip>,
+}
+
+impl<P> Phase<'_, P> {
+    /// A contact; latched speed 0 in a gap.
+    pub(super) fn touch(&self, slice: usize) -> Touch {
+        Touch {
+            latched_m_s: self.latched_m_s.get(slice).copied().flatten().unwrap_or_default(),
+            slip: self.slips.get(slice).copied().unwrap_or_default(),
+        }
+    }
+
+    /// Returns whether the slip of a contact has ended at a state.
+    fn has_slip_ended<const N: usize>(&self, slice: usize, time_s: f64, state: &[f64; N]) -> bool
+    where
+        P: SlicedPlant<N>,
+    {
+        let touch = self.touch(slice);
+        touch.slip != Slip::Smooth && self.plant.has_slice_slip_ended(slice, time_s, state, touch)
+    }
 }
 
 impl<P: SlicedPlant<N>, const N: usize> ODE<f64, [f64; N]> for Phase<'_, P> {
     fn diff(&self, time_s: f64, state: &[f64; N], derivative: &mut [f64; N]) {
-        self.plant.sliced_derivative(time_s, state, &self.latched_m_s, derivative);
+        self.plant.slipping_derivative(time_s, state, (&self.latched_m_s, &self.slips), derivative);
     }
 }
 
@@ -41,25 +67,18 @@ struct Contact {
     after: ContactReading,
     /// Times of the last onsets in s.
     onsets_s: VecDeque<f64>,
+    /// Times of the last changes of the slip in s.
+    slips_s: VecDeque<f64>,
 }
 
-impl Contact {
-    /// Records an onset and returns an error if onsets follow each other too fast.
-    fn record_onset(&mut self, contact: usize, time_s: f64, window_s: f64) -> Result<(), IntegrationError> {
-        self.onsets_s.push_back(time_s);
-        if self.onsets_s.len() <= CHATTER_CONTACTS {
-            return Ok(());
-        }
-        match self.onsets_s.pop_front() {
-            Some(first) if time_s - first < window_s => Err(IntegrationError::Chattering {
-                contact,
-                count: CHATTER_CONTACTS,
-                window_s: time_s - first,
-                time_s,
-            }),
-            _ => Ok(()),
-        }
+/// Records an event and returns the duration in s of [`CHATTER_CONTACTS`] events that follow each
+/// other too fast.
+fn record_event(events_s: &mut VecDeque<f64>, time_s: f64, window_s: f64) -> Option<f64> {
+    events_s.push_back(time_s);
+    if events_s.len() <= CHATTER_CONTACTS {
+        return None;
     }
+    events_s.pop_front().map(|first_s| time_s - first_s).filter(|duration_s| *duration_s < window_s)
 }
 
 /// All contacts of a plant during a run.
@@ -75,26 +94,31 @@ impl<'a, P> Contacts<'a, P> {
     pub(super) fn new<const N: usize>(
         plant: &'a P,
         start_s: f64,
-        initial: &[f64; N],
+        initial: &mut [f64; N],
         in_contact: &[bool],
     ) -> Self
     where
         P: SlicedPlant<N>,
     {
-        let phase = Phase { plant, latched_m_s: Vec::with_capacity(plant.slices()) };
-        let mut contacts = Self { phase, contacts: Vec::with_capacity(plant.slices()), impacts: Vec::new() };
-        for slice in 0..plant.slices() {
+        let count = plant.slices();
+        let phase = Phase { plant, latched_m_s: Vec::with_capacity(count), slips: Vec::with_capacity(count) };
+        let mut contacts = Self { phase, contacts: Vec::with_capacity(count), impacts: Vec::new() };
+        for slice in 0..count {
             let is_touching = in_contact.get(slice).copied().unwrap_or(false);
             contacts.phase.latched_m_s.push(is_touching.then_some(0.0));
+            let mut slip = Slip::Smooth;
             if is_touching {
+                slip = plant.next_slice_slip(slice, start_s, initial, Touch::default());
                 contacts.impacts.push(Impact {
                     contact: slice,
                     onset_s: start_s,
                     peak_s: start_s,
+                    sticks: usize::from(slip.is_sticking()),
                     angles: plant.slice_angles(slice, start_s, initial),
                     ..Impact::default()
                 });
             }
+            contacts.phase.slips.push(slip);
             contacts.contacts.push(Contact {
                 is_touching,
                 impact: contacts.impacts.len().saturating_sub(1),
@@ -105,10 +129,6 @@ impl<'a, P> Contacts<'a, P> {
         contacts
     }
 
-    fn latched_m_s(&self, slice: usize) -> f64 {
-        self.phase.latched_m_s.get(slice).copied().flatten().unwrap_or_default()
-    }
-
     /// Reads every contact at the end of a step and returns whether any may have changed within it.
     /// A contact whose surface cannot be reached within the step needs no search.
     pub(super) fn read_end<const N: usize>(&mut self, (from, to): (f64, f64), end: &[f64; N]) -> bool
@@ -117,26 +137,29 @@ impl<'a, P> Contacts<'a, P> {
     {
         let mut is_near = false;
         for slice in 0..self.contacts.len() {
-            let reading = self.phase.plant.slice_contact(slice, to, end, self.latched_m_s(slice));
+            let reading = self.phase.plant.slice_contact(slice, to, end, self.phase.touch(slice).latched_m_s);
+            let can_stick = self.phase.touch(slice).slip != Slip::Smooth;
             let Some(contact) = self.contacts.get_mut(slice) else { continue };
             let reach = (to - from) * (contact.before.rate_m_s.abs() + reading.rate_m_s.abs());
-            is_near |= (reading.depth_m > 0.0) != contact.is_touching
+            is_near |= can_stick
+                || (reading.depth_m > 0.0) != contact.is_touching
                 || reading.depth_m.abs().min(contact.before.depth_m.abs()) <= reach;
             contact.after = reading;
         }
         is_near
     }
 
-    /// Returns whether any contact touches where it had a gap, or the reverse.
+    /// Returns whether any contact touches where it had a gap, or the reverse, or the slip of one
+    /// has ended.
     fn has_changed<const N: usize>(&self, time_s: f64, state: &[f64; N]) -> bool
     where
         P: SlicedPlant<N>,
     {
         let plant = self.phase.plant;
-        self.contacts
-            .iter()
-            .enumerate()
-            .any(|(slice, c)| (plant.slice_deformation(slice, time_s, state).0 > 0.0) != c.is_touching)
+        self.contacts.iter().enumerate().any(|(slice, c)| {
+            (plant.slice_deformation(slice, time_s, state).0 > 0.0) != c.is_touching
+                || self.phase.has_slip_ended(slice, time_s, state)
+        })
     }
 
     /// The first event within a step, if there is one. The first probe on the other side of a
@@ -196,7 +219,7 @@ impl<'a, P> Contacts<'a, P> {
     {
         let plant = self.phase.plant;
         for (slice, contact) in self.contacts.iter().enumerate().filter(|(_, c)| c.is_touching) {
-            let latched_m_s = self.latched_m_s(slice);
+            let Touch { latched_m_s, slip } = self.phase.touch(slice);
             let end = match event {
                 Some((t, state)) => plant.slice_contact(slice, *t, state, latched_m_s),
                 None => contact.after,
@@ -205,6 +228,7 @@ impl<'a, P> Contacts<'a, P> {
                 let span = Span { from, to, start: contact.before, end };
                 let mut read = |t: f64| state_at(t).map(|s| plant.slice_contact(slice, t, &s, latched_m_s));
                 span.measure(&mut read, impact)?;
+                impact.stuck_s += if slip.is_sticking() { to - from } else { 0.0 };
             }
         }
         Ok(())
@@ -218,23 +242,28 @@ impl<'a, P> Contacts<'a, P> {
     }
 
     /// Changes the phase of every contact that begins or ends at an event: opens or closes its
-    /// impact and its latch.
+    /// impact and its latch, and chooses its slip.
     pub(super) fn switch<const N: usize>(
         &mut self,
         time_s: f64,
-        state: &[f64; N],
+        state: &mut [f64; N],
         chatter_window_s: f64,
     ) -> Result<(), IntegrationError>
     where
         P: SlicedPlant<N>,
     {
         let plant = self.phase.plant;
-        let slices = self.contacts.iter_mut().zip(&mut self.phase.latched_m_s).enumerate();
-        for (slice, (contact, latched)) in slices {
+        for slice in 0..self.contacts.len() {
+            let has_slip_ended = self.phase.has_slip_ended(slice, time_s, state);
             let (depth, rate) = plant.slice_deformation(slice, time_s, state);
-            if (depth > 0.0) != contact.is_touching {
+            let Some(contact) = self.contacts.get_mut(slice) else { continue };
+            let Some(latched) = self.phase.latched_m_s.get_mut(slice) else { continue };
+            let Some(slip) = self.phase.slips.get_mut(slice) else { continue };
+            let has_turned = (depth > 0.0) != contact.is_touching;
+            if has_turned {
                 contact.is_touching = !contact.is_touching;
                 *latched = contact.is_touching.then_some(rate.max(0.0));
+                *slip = Slip::Smooth;
                 if let Some(speed) = *latched {
                     contact.impact = self.impacts.len();
                     self.impacts.push(Impact {
@@ -245,10 +274,19 @@ impl<'a, P> Contacts<'a, P> {
                         approach_speed_m_s: speed,
                         ..Impact::default()
                     });
-                    contact.record_onset(slice, time_s, chatter_window_s)?;
                 } else if let Some(impact) = self.impacts.get_mut(contact.impact) {
                     impact.separation_s = Some(time_s);
                     impact.separation_speed_m_s = -rate;
+                }
+            }
+            if let Some(latched_m_s) = latched.filter(|_| has_turned || has_slip_ended) {
+                *slip = plant.next_slice_slip(slice, time_s, state, Touch { latched_m_s, slip: *slip });
+                if let Some(impact) = self.impacts.get_mut(contact.impact) {
+                    impact.sticks += usize::from(slip.is_sticking());
+                }
+                let events_s = if has_turned { &mut contact.onsets_s } else { &mut contact.slips_s };
+                if let Some(window_s) = record_event(events_s, time_s, chatter_window_s) {
+                    return Err(IntegrationError::chattering(slice, has_turned, window_s, time_s));
                 }
             }
             contact.before = plant.slice_contact(slice, time_s, state, latched.unwrap_or_default());

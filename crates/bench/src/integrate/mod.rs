@@ -5,8 +5,10 @@
 //! dense output. [`integrate`] finds the sign changes of the deformations in each step by bisection
 //! on the dense output, restarts the method there and latches the approach speed. Locating the
 //! onset reduces the error far more than a small step does. Peaks and work of a contact are
-//! measured on the dense output too (`measure`). The work is bounded: by a number of steps per
-//! simulated second, and by [`CHATTER_CONTACTS`] onsets within one largest step.
+//! measured on the dense output too (`measure`). With a friction law that sticks, the beginning and
+//! the end of a slip are located in the same way. The work is bounded: by a number of steps per
+//! simulated second, and by [`CHATTER_CONTACTS`] onsets, or as many changes of the slip, of
+//! a contact within one largest step.
 
 mod contacts;
 mod measure;
@@ -16,9 +18,9 @@ mod plant;
 pub use contacts::CHATTER_CONTACTS;
 pub use outcome::{Impact, Integration, IntegrationError};
 pub(crate) use plant::SlicedPlant;
-pub use plant::{ContactAngles, ContactPlant, ContactReading};
+pub use plant::{ContactAngles, ContactPlant, ContactReading, Slip, Touch};
 
-use contacts::Contacts;
+use contacts::{Contacts, Phase};
 use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
 use differential_equations::ode::OrdinaryNumericalMethod;
 use differential_equations::prelude::{Error, Interpolation, ODE};
@@ -46,7 +48,7 @@ const RESTART_SHARE: f64 = 0.4;
 /// The method with `N` states: order 5, seven stages.
 type Method<const N: usize> = ExplicitRungeKutta<Ordinary, DormandPrince, f64, [f64; N], 5, 7, 7>;
 
-/// Integrates a plant with one contact over `span_s` and calls `observe(time, state, latched)` at
+/// Integrates a plant with one contact over `span_s` and calls `observe(time, state, touch)` at
 /// each of the ascending `samples_s` within that span. `in_contact` states whether the run starts
 /// in contact, with latched speed 0.
 pub fn integrate<P: ContactPlant<N>, const N: usize>(
@@ -56,10 +58,10 @@ pub fn integrate<P: ContactPlant<N>, const N: usize>(
     in_contact: bool,
     samples_s: &[f64],
     tolerances: &Tolerances<N>,
-    mut observe: impl FnMut(f64, &[f64; N], f64),
+    mut observe: impl FnMut(f64, &[f64; N], Touch),
 ) -> Result<Integration<N>, IntegrationError> {
-    integrate_slices(plant, span_s, initial, &[in_contact], samples_s, tolerances, |t, s, latched| {
-        observe(t, s, latched.first().copied().flatten().unwrap_or_default());
+    integrate_phases(plant, span_s, initial, &[in_contact], samples_s, tolerances, |t, s, phase| {
+        observe(t, s, phase.touch(0));
     })
 }
 
@@ -67,15 +69,30 @@ pub fn integrate<P: ContactPlant<N>, const N: usize>(
 /// speeds have one value for each contact.
 pub(crate) fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
     plant: &P,
-    (start_s, end_s): (f64, f64),
+    span_s: (f64, f64),
     initial: [f64; N],
     in_contact: &[bool],
     samples_s: &[f64],
     tolerances: &Tolerances<N>,
     mut observe: impl FnMut(f64, &[f64; N], &[Option<f64>]),
 ) -> Result<Integration<N>, IntegrationError> {
+    integrate_phases(plant, span_s, initial, in_contact, samples_s, tolerances, |t, s, phase| {
+        observe(t, s, &phase.latched_m_s);
+    })
+}
+
+/// Integrates as [`integrate_slices`] and observes the phase of all contacts.
+fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
+    plant: &P,
+    (start_s, end_s): (f64, f64),
+    mut initial: [f64; N],
+    in_contact: &[bool],
+    samples_s: &[f64],
+    tolerances: &Tolerances<N>,
+    mut observe: impl FnMut(f64, &[f64; N], &Phase<'_, P>),
+) -> Result<Integration<N>, IntegrationError> {
     let limit = STEPS_ALLOWANCE + ((end_s - start_s) * STEPS_PER_SECOND) as usize;
-    let mut contacts = Contacts::new(plant, start_s, &initial, in_contact);
+    let mut contacts = Contacts::new(plant, start_s, &mut initial, in_contact);
     let mut method: Method<N> = ExplicitRungeKutta::dopri5()
         .rtol(tolerances.relative)
         .atol(tolerances.absolute)
@@ -106,15 +123,15 @@ pub(crate) fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
             if *t > to || (event.is_some() && *t == to) {
                 break;
             }
-            observe(*t, &state_at(*t)?, &contacts.phase.latched_m_s);
+            observe(*t, &state_at(*t)?, &contacts.phase);
             next_sample += 1;
         }
         contacts.measure((from, to), event.as_ref(), &mut state_at)?;
-        let Some((t, state)) = event else {
+        let Some((t, mut state)) = event else {
             contacts.complete_step();
             continue;
         };
-        contacts.switch(t, &state, tolerances.largest_step_s)?;
+        contacts.switch(t, &mut state, tolerances.largest_step_s)?;
         if t >= end_s {
             return Ok(Integration { state, impacts: contacts.impacts, steps });
         }

@@ -1,6 +1,6 @@
 //! Results of an integration: impacts, final state, errors.
 
-use super::ContactAngles;
+use super::{CHATTER_CONTACTS, ContactAngles};
 
 /// One period in contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,6 +24,10 @@ pub struct Impact {
     pub energy_lost_j: f64,
     /// Work of the normal force while the deformation grew, J.
     pub compression_work_j: f64,
+    /// How often the contact began to stick; 0 with a friction law that does not stick.
+    pub sticks: usize,
+    /// Time in s for which it stuck so far.
+    pub stuck_s: f64,
     /// Time of separation in s; `None` while still in contact at the end.
     pub separation_s: Option<f64>,
     /// Speed of separation in m/s; 0 until then.
@@ -118,4 +122,31 @@ pub enum IntegrationError {
         /// Time reached in s.
         time_s: f64,
     },
+    /// A contact changes between sticking and sliding too fast.
+    #[error(
+        "contact {contact} changes between sticking and sliding {count} times within {window_s:e} s up to \
+         t = {time_s:e} s; expected fewer: a friction law with a regularised sign can be integrated"
+    )]
+    SlipChattering {
+        /// Index of the contact.
+        contact: usize,
+        /// Changes counted.
+        count: usize,
+        /// Duration of these changes in s.
+        window_s: f64,
+        /// Time reached in s.
+        time_s: f64,
+    },
+}
+
+impl IntegrationError {
+    /// Error of a contact whose onsets, or changes of slip, follow each other too fast.
+    pub(super) const fn chattering(contact: usize, is_onset: bool, window_s: f64, time_s: f64) -> Self {
+        let count = CHATTER_CONTACTS;
+        if is_onset {
+            Self::Chattering { contact, count, window_s, time_s }
+        } else {
+            Self::SlipChattering { contact, count, window_s, time_s }
+        }
+    }
 }

@@ -3,7 +3,7 @@
 //! States: height of the ball's lowest point above the floor in m, and its rate. The only contact
 //! is the floor; the deformation is the depth below height 0. With gravity 0 it is a free impact.
 
-use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Tolerances};
+use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Tolerances, Touch};
 use contact::NormalLaw;
 
 /// Parameters, SI.
@@ -25,8 +25,8 @@ impl FallingBall {
 }
 
 impl ContactPlant<2> for FallingBall {
-    fn derivative(&self, time_s: f64, state: &[f64; 2], latched_m_s: Option<f64>, derivative: &mut [f64; 2]) {
-        let force = latched_m_s.map_or(0.0, |l| self.contact(time_s, state, l).force_n);
+    fn derivative(&self, time_s: f64, state: &[f64; 2], touch: Option<Touch>, derivative: &mut [f64; 2]) {
+        let force = touch.map_or(0.0, |touch| self.contact(time_s, state, touch.latched_m_s).force_n);
         *derivative = [state[1], force / self.mass_kg - self.gravity_m_s2];
     }
 
@@ -90,8 +90,8 @@ mod tests {
     struct Pulled(FallingBall);
 
     impl ContactPlant<2> for Pulled {
-        fn derivative(&self, t: f64, state: &[f64; 2], latched_m_s: Option<f64>, out: &mut [f64; 2]) {
-            self.0.derivative(t, state, latched_m_s, out);
+        fn derivative(&self, t: f64, state: &[f64; 2], touch: Option<Touch>, out: &mut [f64; 2]) {
+            self.0.derivative(t, state, touch, out);
             out[1] += 1e6 * t;
         }
 
@@ -129,7 +129,7 @@ mod tests {
     struct Shaker;
 
     impl ContactPlant<2> for Shaker {
-        fn derivative(&self, _: f64, _: &[f64; 2], _: Option<f64>, derivative: &mut [f64; 2]) {
+        fn derivative(&self, _: f64, _: &[f64; 2], _: Option<Touch>, derivative: &mut [f64; 2]) {
             *derivative = [1.0, 0.0];
         }
         fn deformation(&self, time_s: f64, _: &[f64; 2]) -> (f64, f64) {

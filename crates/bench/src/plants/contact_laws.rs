@@ -1,10 +1,11 @@
 //! Contact and friction laws of a transmission bench, built from its description.
 
-use crate::description::{ContactSection, FrictionSection, ShapeName, TransmissionBench};
+use crate::description::{ContactSection, FrictionMemory, FrictionSection, ShapeName, TransmissionBench};
+use crate::plants::stick_slip::StickingLaw;
 use contact::{
-    AdamsImpact, CompleteLawKind, ContactLaw, Dahl, FactorisedLaw, FrictionKind, FrictionLaw, Joint,
-    LawError, LuGre, Material, NormalLaw, SlidingLaw, SlidingParameters, SpringDashpot, Stiffness,
-    StiffnessKind, StiffnessParameters, StribeckShape, effective_modulus_pa,
+    AdamsImpact, CompleteLawKind, ContactLaw, Dahl, FactorisedLaw, FrictionKind, FrictionLaw, Joint, Karnopp,
+    LawError, LuGre, Material, NormalLaw, SevenParameter, SlidingLaw, SlidingParameters, SpringDashpot,
+    Stiffness, StiffnessKind, StiffnessParameters, StribeckShape, effective_modulus_pa,
 };
 
 /// Normal law of a joint, with its elastic part, which the energy balance needs.
@@ -121,6 +122,8 @@ pub(crate) enum BearingFriction {
     Dahl(Dahl, f64),
     /// Bristles with one deflection.
     LuGre(LuGre),
+    /// Sliding and sticking are separate.
+    Sticking(StickingLaw),
 }
 
 impl BearingFriction {
@@ -152,6 +155,7 @@ impl BearingFriction {
                 law.check()?;
                 Self::LuGre(law)
             }
+            FrictionKind::Karnopp => Self::Sticking(StickingLaw::Karnopp(karnopp(section)?)),
             kind => {
                 let parameters = SlidingParameters {
                     coulomb_coefficient: section.coulomb_coefficient,
@@ -163,9 +167,24 @@ impl BearingFriction {
                     viscous_damping_n_s_m: section.viscous_damping_n_s_m,
                     transition_force_n: section.transition_force_n,
                 };
-                Self::Sliding(SlidingLaw::new(kind, parameters)?)
+                match SlidingLaw::new(kind, parameters)? {
+                    SlidingLaw::Coulomb(parameters) => Self::Sticking(StickingLaw::Coulomb(parameters)),
+                    law => Self::Sliding(law),
+                }
             }
         })
+    }
+
+    /// Builds the law of a bench, as [`Self::from_section`]. The seven-parameter law also needs the
+    /// section of its memory.
+    pub(crate) fn from_bench(bench: &TransmissionBench) -> Result<Self, LawError> {
+        let friction = &bench.friction;
+        match (friction.law.map(|law| law.0), &bench.friction_memory) {
+            (Some(FrictionKind::SevenParameter), Some(memory)) => {
+                Ok(Self::Sticking(StickingLaw::SevenParameter(seven_parameter(friction, memory)?)))
+            }
+            _ => Self::from_section(friction),
+        }
     }
 
     /// Builds the law of a section that was checked and then changed; Stribeck's if it is out of
@@ -174,9 +193,26 @@ impl BearingFriction {
         Self::from_section(section).unwrap_or(Self::Sliding(SlidingLaw::Stribeck(stribeck(section))))
     }
 
+    /// Builds the law of a bench as [`Self::after_changes`].
+    pub(crate) fn of_changed_bench(bench: &TransmissionBench) -> Self {
+        Self::from_bench(bench).unwrap_or_else(|_| Self::after_changes(&bench.friction))
+    }
+
     /// Returns whether the law has a deflection.
     pub(crate) fn has_state(&self) -> bool {
-        !matches!(self, Self::Sliding(_))
+        match self {
+            Self::Sliding(_) => false,
+            Self::Dahl(..) | Self::LuGre(_) => true,
+            Self::Sticking(law) => !law.is_rigid(),
+        }
+    }
+
+    /// The law, if sliding and sticking are separate.
+    pub(crate) fn sticking(&self) -> Option<&StickingLaw> {
+        match self {
+            Self::Sticking(law) => Some(law),
+            _ => None,
+        }
     }
 
     /// Friction force in N along the sliding direction.
@@ -185,13 +221,14 @@ impl BearingFriction {
             Self::Sliding(law) => law.force_n(normal_n, sliding_m_s),
             Self::Dahl(law, _) => law.force_n(normal_n, deflection_m),
             Self::LuGre(law) => law.force_n(normal_n, deflection_m, sliding_m_s),
+            Self::Sticking(law) => law.steady_n(normal_n, sliding_m_s),
         }
     }
 
     /// Rate of the deflection in m/s.
     pub(crate) fn rate_m_s(&self, sliding_m_s: f64, deflection_m: f64) -> f64 {
         match self {
-            Self::Sliding(_) => 0.0,
+            Self::Sliding(_) | Self::Sticking(_) => 0.0,
             Self::Dahl(law, _) => law.rate_m_s(deflection_m, sliding_m_s),
             Self::LuGre(law) => law.rate_m_s(deflection_m, sliding_m_s),
         }
@@ -200,13 +237,44 @@ impl BearingFriction {
     /// Deflection of steady sliding, for a contact whose history is unknown.
     pub(crate) fn steady_deflection_m(&self, sliding_m_s: f64) -> f64 {
         match self {
-            Self::Sliding(_) => 0.0,
+            Self::Sliding(_) | Self::Sticking(_) => 0.0,
             Self::Dahl(_, deflection) => deflection * sliding_m_s.signum(),
             Self::LuGre(law) => {
                 law.steady_coefficient(sliding_m_s) / law.stiffness_per_m * sliding_m_s.signum()
             }
         }
     }
+}
+
+/// Builds Karnopp's law; its band is the width of the regularised sign of other laws. A joint that
+/// leaves the band must not be stopped by its viscous part, so this may not exceed the static
+/// excess there.
+fn karnopp(f: &FrictionSection) -> Result<Karnopp, LawError> {
+    let at_the_band = f.coulomb_coefficient + f.viscous_slope_s_m * f.regularisation_m_s;
+    if f.static_coefficient < at_the_band {
+        return Err(LawError::OutOfRange {
+            quantity: "static coefficient",
+            found: f.static_coefficient,
+            expected: "at least the coefficient of sliding at the edge of the band",
+        });
+    }
+    Karnopp::new(f.coulomb_coefficient, f.static_coefficient, f.viscous_slope_s_m, f.regularisation_m_s)
+}
+
+fn seven_parameter(f: &FrictionSection, memory: &FrictionMemory) -> Result<SevenParameter, LawError> {
+    let law = FrictionKind::SevenParameter.entry().name;
+    let quantity = "bristle_stiffness_per_m";
+    let law = SevenParameter {
+        stiffness_per_m: f.bristle_stiffness_per_m.ok_or(LawError::Missing { law, quantity })?,
+        coulomb_coefficient: f.coulomb_coefficient,
+        viscous_slope_s_m: f.viscous_slope_s_m,
+        long_rest_excess: f.static_coefficient - f.coulomb_coefficient,
+        stribeck_speed_m_s: f.stribeck_speed_m_s,
+        memory_s: memory.lag_s,
+        rise_s: memory.rise_s,
+    };
+    law.check()?;
+    Ok(law)
 }
 
 fn stribeck(f: &FrictionSection) -> FrictionLaw {

@@ -52,17 +52,16 @@ impl Extension {
     }
 
     /// Friction in N along the sliding direction of a bearing under `normal_n`, if its described
-    /// law gives `dry_n`.
+    /// law gives `dry_n`. `sign` is that of the sliding speed, regularised unless the law sticks.
     pub(crate) fn friction_n(
         &self,
         time_s: f64,
         normal_n: f64,
         dry_n: f64,
-        sliding_m_s: f64,
-        sign_width_m_s: f64,
+        v: f64,
+        sign: f64,
         memory: &Memory,
     ) -> f64 {
-        let (v, sign) = (sliding_m_s, (sliding_m_s / sign_width_m_s).tanh());
         let mut dry = dry_n;
         for term in &self.stribeck {
             dry -= term.rise * normal_n * (-v.abs() / term.speed_m_s).exp() * sign;

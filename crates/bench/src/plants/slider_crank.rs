@@ -8,11 +8,14 @@
 //!
 //! Friction of the joint acts along `t = (-n_y, n_x)` at the sliding speed `v_t = b' R_J + v.t` of
 //! the journal, with the rod's angle `b`; the slider does not turn. Friction `F_f` on the journal
-//! has the torque `F_f R_J` on the rod. Without a law the joint is frictionless.
+//! has the torque `F_f R_J` on the rod. Without a law the joint is frictionless. Laws that stick
+//! are in `slip`.
+
+mod slip;
 
 use crate::description::SliderCrankBench;
 use crate::integrate::{
-    ContactAngles, ContactPlant, ContactReading, IntegrationError, Tolerances, integrate,
+    ContactAngles, ContactPlant, ContactReading, IntegrationError, Slip, Tolerances, Touch, integrate,
 };
 use crate::plants::contact_laws::BearingFriction;
 use crate::plants::energy::{EnergyAudit, elastic_energy_j};
@@ -84,47 +87,77 @@ impl SliderCrank {
             depth_m: distance - self.radial_clearance_m,
             rate_m_s: nx * vx + ny * vy,
             sliding_m_s: rod_rate * self.journal_radius_m - ny * vx + nx * vy,
+            turning_rad_s: if distance > 0.0 { (nx * vy - ny * vx) / distance } else { 0.0 },
         }
     }
 
     /// Friction of the joint on the journal in N, along the sliding direction.
-    pub fn friction_force_n(&self, time_s: f64, state: &[f64; 4], latched_m_s: f64) -> f64 {
+    pub fn friction_force_n(&self, time_s: f64, state: &[f64; 4], touch: Touch) -> f64 {
         let p = self.pose(time_s, state);
-        self.friction_n(&p, self.normal_law.force_n(p.depth_m, p.rate_m_s, latched_m_s))
+        let normal_n = self.normal_law.force_n(p.depth_m, p.rate_m_s, touch.latched_m_s);
+        self.friction_n(time_s, state, &p, normal_n, touch.slip)
     }
 
-    fn friction_n(&self, p: &Pose, normal_n: f64) -> f64 {
-        self.friction.map_or(0.0, |(law, level)| level * law.force_n(normal_n, p.sliding_m_s, 0.0))
+    fn friction_n(&self, time_s: f64, state: &[f64; 4], p: &Pose, normal_n: f64, slip: Slip) -> f64 {
+        let Some((law, level)) = self.friction else { return 0.0 };
+        match law.sticking() {
+            Some(_) if p.depth_m <= 0.0 => 0.0,
+            Some(_) if slip.is_sticking() => self.needed_n(state, p, normal_n),
+            Some(law) => level * law.force_n(slip, time_s, normal_n, p.sliding_m_s, 0.0),
+            None => level * law.force_n(normal_n, p.sliding_m_s, 0.0),
+        }
+    }
+
+    /// Force on the journal; its opposite acts on the slider's bearing.
+    fn force_on_journal(p: &Pose, normal: f64, friction: f64) -> (f64, f64) {
+        (-normal * p.nx - friction * p.ny, -normal * p.ny + friction * p.nx)
+    }
+
+    /// Inertia of the rod about the crank pin.
+    fn rod_inertia_about_pin(&self) -> f64 {
+        let half = 0.5 * self.rod_length_m;
+        self.rod_inertia_kg_m2 + self.rod_mass_kg * half * half
+    }
+
+    /// Acceleration of the crank pin.
+    fn pin_acceleration(&self, p: &Pose) -> (f64, f64) {
+        let pin = self.crank_length_m * self.crank_speed_rad_s * self.crank_speed_rad_s;
+        (-pin * p.crank_cos, -pin * p.crank_sin)
+    }
+
+    /// Accelerations of rod and slider under a force of the bearing on the journal, from moments
+    /// about the moving crank pin: `I_pin rod'' = r x F + T_f - m half (e x a_pin)`.
+    fn accelerations(&self, p: &Pose, (force_x, force_y): (f64, f64), friction: f64) -> [f64; 2] {
+        let (pin_ax, pin_ay) = self.pin_acceleration(p);
+        let moment = self.rod_length_m * (p.rod_cos * force_y - p.rod_sin * force_x)
+            + friction * self.journal_radius_m
+            - self.rod_mass_kg * (0.5 * self.rod_length_m) * (p.rod_cos * pin_ay - p.rod_sin * pin_ax);
+        [moment / self.rod_inertia_about_pin(), -force_x / self.slider_mass_kg]
     }
 
     /// Rates of the states and the powers at a state.
-    fn motion(&self, time_s: f64, state: &[f64; 4], latched_m_s: Option<f64>) -> ([f64; 4], Powers) {
+    fn motion(&self, time_s: f64, state: &[f64; 4], touch: Option<Touch>) -> ([f64; 4], Powers) {
         let p = self.pose(time_s, state);
-        let normal = latched_m_s.map_or(0.0, |l| self.normal_law.force_n(p.depth_m, p.rate_m_s, l));
-        let friction = self.friction_n(&p, normal);
-        // Force on the journal; its opposite acts on the slider's bearing.
-        let (force_x, force_y) = (-normal * p.nx - friction * p.ny, -normal * p.ny + friction * p.nx);
-        let (l, half) = (self.rod_length_m, 0.5 * self.rod_length_m);
-        let pin = self.crank_length_m * self.crank_speed_rad_s * self.crank_speed_rad_s;
-        let (pin_ax, pin_ay) = (-pin * p.crank_cos, -pin * p.crank_sin);
-        // Moments about the moving crank pin: I_pin rod'' = r x F + T_f - m half (e x a_pin).
-        let inertia = self.rod_inertia_kg_m2 + self.rod_mass_kg * half * half;
-        let moment = l * (p.rod_cos * force_y - p.rod_sin * force_x) + friction * self.journal_radius_m
-            - self.rod_mass_kg * half * (p.rod_cos * pin_ay - p.rod_sin * pin_ax);
-        let rod = moment / inertia;
+        let Touch { latched_m_s, slip } = touch.unwrap_or_default();
+        let normal = touch.map_or(0.0, |_| self.normal_law.force_n(p.depth_m, p.rate_m_s, latched_m_s));
+        let friction = touch.map_or(0.0, |_| self.friction_n(time_s, state, &p, normal, slip));
+        let (force_x, force_y) = Self::force_on_journal(&p, normal, friction);
+        let half = 0.5 * self.rod_length_m;
+        let (pin_ax, pin_ay) = self.pin_acceleration(&p);
+        let [rod, slider] = self.accelerations(&p, (force_x, force_y), friction);
         // Force of the crank on the rod: mass times acceleration of the rod's middle, less the
         // force at the journal.
         let swing = half * state[2] * state[2];
         let crank_x = self.rod_mass_kg * (pin_ax - swing * p.rod_cos - half * rod * p.rod_sin) - force_x;
         let crank_y = self.rod_mass_kg * (pin_ay - swing * p.rod_sin + half * rod * p.rod_cos) - force_y;
         let pin_speed = self.crank_length_m * self.crank_speed_rad_s;
-        let elastic = latched_m_s.map_or(0.0, |_| self.normal_law.stiffness.force_n(p.depth_m));
+        let elastic = touch.map_or(0.0, |_| self.normal_law.stiffness.force_n(p.depth_m));
         let powers = Powers {
             drive_w: pin_speed * (crank_y * p.crank_cos - crank_x * p.crank_sin),
-            friction_w: -friction * p.sliding_m_s,
+            friction_w: if slip.is_sticking() { 0.0 } else { -friction * p.sliding_m_s },
             damping_w: (normal - elastic) * p.rate_m_s,
         };
-        ([state[2], state[3], rod, -force_x / self.slider_mass_kg], powers)
+        ([state[2], state[3], rod, slider], powers)
     }
 
     /// Kinetic energy of rod and slider and elastic energy of the joint, J.
@@ -195,8 +228,8 @@ impl Audited<'_> {
 }
 
 impl ContactPlant<AUDITED> for Audited<'_> {
-    fn derivative(&self, t: f64, state: &[f64; AUDITED], latched_m_s: Option<f64>, out: &mut [f64; AUDITED]) {
-        let ([a, b, c, d], powers) = self.0.motion(t, &Self::moving(state), latched_m_s);
+    fn derivative(&self, t: f64, state: &[f64; AUDITED], touch: Option<Touch>, out: &mut [f64; AUDITED]) {
+        let ([a, b, c, d], powers) = self.0.motion(t, &Self::moving(state), touch);
         let drive = powers.drive_w;
         *out = [a, b, c, d, drive, drive.abs(), powers.friction_w, powers.damping_w];
     }
@@ -211,6 +244,20 @@ impl ContactPlant<AUDITED> for Audited<'_> {
 
     fn angles(&self, t: f64, state: &[f64; AUDITED]) -> ContactAngles {
         self.0.angles(t, &Self::moving(state))
+    }
+
+    fn has_slip_ended(&self, t: f64, state: &[f64; AUDITED], touch: Touch) -> bool {
+        self.0.has_slip_ended(t, &Self::moving(state), touch)
+    }
+
+    fn next_slip(&self, t: f64, state: &mut [f64; AUDITED], touch: Touch) -> Slip {
+        let mut moving = Self::moving(state);
+        let (slip, [heat_j, work_j]) = self.0.next_slip_at(t, &mut moving, touch);
+        state[..4].copy_from_slice(&moving);
+        for (place, energy_j) in state[4..7].iter_mut().zip([work_j, work_j.abs(), heat_j]) {
+            *place += energy_j;
+        }
+        slip
     }
 }
 
@@ -272,11 +319,12 @@ struct Pose {
     depth_m: f64,
     rate_m_s: f64,
     sliding_m_s: f64,
+    turning_rad_s: f64,
 }
 
 impl ContactPlant<4> for SliderCrank {
-    fn derivative(&self, time_s: f64, state: &[f64; 4], latched_m_s: Option<f64>, out: &mut [f64; 4]) {
-        *out = self.motion(time_s, state, latched_m_s).0;
+    fn derivative(&self, time_s: f64, state: &[f64; 4], touch: Option<Touch>, out: &mut [f64; 4]) {
+        *out = self.motion(time_s, state, touch).0;
     }
 
     fn deformation(&self, time_s: f64, state: &[f64; 4]) -> (f64, f64) {
@@ -296,6 +344,17 @@ impl ContactPlant<4> for SliderCrank {
     fn angles(&self, time_s: f64, state: &[f64; 4]) -> ContactAngles {
         let p = self.pose(time_s, state);
         ContactAngles { crank_rad: self.crank_speed_rad_s * time_s, contact_rad: p.ny.atan2(p.nx) }
+    }
+
+    fn has_slip_ended(&self, time_s: f64, state: &[f64; 4], touch: Touch) -> bool {
+        self.sticking().is_some_and(|law| {
+            let p = self.pose(time_s, state);
+            law.0.has_ended(touch.slip, time_s, p.sliding_m_s, 0.0, || self.balance(law, state, &p, touch))
+        })
+    }
+
+    fn next_slip(&self, time_s: f64, state: &mut [f64; 4], touch: Touch) -> Slip {
+        self.next_slip_at(time_s, state, touch).0
     }
 }
 

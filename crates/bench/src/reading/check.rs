@@ -171,14 +171,20 @@ mod tests {
             ),
             (
                 "shape = \"tustin\"",
-                "shape = \"tustin\"\nlaw = \"coulomb\"",
+                "shape = \"tustin\"\nlaw = \"coulomb\"\n[two_plane]",
                 "friction.law is coulomb; expected one of regularised-linear,",
             ),
             (
                 "shape = \"tustin\"",
-                "shape = \"tustin\"\nlaw = \"karnopp\"",
-                "friction.law is karnopp; expected one of regularised-linear,",
+                "shape = \"tustin\"\nlaw = \"seven-parameter\"",
+                "friction_memory is missing; expected a section with lag_s and rise_s,",
             ),
+            (
+                "[friction]",
+                "[friction_memory]\nlag_s = 0.01\nrise_s = 0.5\n[friction]",
+                "friction_memory is given; expected no such section: only `seven-parameter` uses it",
+            ),
+            ("shape = \"tustin\"", "shape = \"tustin\"\nlaw = \"karnopp\"\nviscous_slope_s_m = 100", ""),
             (
                 "[friction]",
                 "coefficient = 1e9\n[friction]",

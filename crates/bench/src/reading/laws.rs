@@ -8,20 +8,38 @@ use crate::description::{
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 use contact::{CompleteLawKind, FrictionKind, LawError, StiffnessKind};
 
-/// Friction laws of the catalogue that no bench can integrate. Two are discontinuous at speed 0,
-/// which an error-controlled step cannot pass. Karnopp's law and the seven-parameter law also need
-/// the holding force or the duration of a standstill.
-const NOT_INTEGRATED: [FrictionKind; 3] =
+/// Friction laws with which a contact sticks and slides.
+const STICKING: [FrictionKind; 3] =
     [FrictionKind::Coulomb, FrictionKind::Karnopp, FrictionKind::SevenParameter];
 
-/// Returns whether a bench can be integrated with the friction law of this name.
-pub fn integrates_friction(name: &str) -> bool {
-    FrictionKind::from_name(name).is_some_and(|kind| !NOT_INTEGRATED.contains(&kind))
+/// Reason for which a plant with several contacts has no law that sticks.
+const SHARED_FORCES: &str = "the forces of several contacts that stick depend on each other";
+/// Reason for which the joint of a slider-crank has no law with a deflection.
+const NO_DEFLECTION: &str = "the joint of a slider-crank keeps no deflection";
+
+/// Plants that integrate the friction law of this name, if its contacts stick. `None` for a law
+/// that every plant with a friction law integrates.
+pub fn sticking_plants(name: &str) -> Option<&'static str> {
+    let kind = FrictionKind::from_name(name).filter(|kind| STICKING.contains(kind))?;
+    Some(if kind.has_state() {
+        "the planar transmission bench"
+    } else {
+        "the planar transmission bench and the slider-crank"
+    })
 }
 
-/// Returns whether the friction law of a description has bristles.
-fn has_bristles(bench: &TransmissionBench) -> bool {
-    BearingFriction::from_section(&bench.friction).is_ok_and(|law| law.has_state())
+/// Refuses the friction law of a section if it is excluded, with the laws that are not.
+fn excluded(
+    field: &str,
+    friction: &FrictionSection,
+    is_excluded: impl Fn(FrictionKind) -> bool,
+    reason: &str,
+) -> Option<Refusal> {
+    let name = friction.law.filter(|name| is_excluded(name.0))?;
+    let fit = FrictionKind::ALL.into_iter().filter(|kind| !is_excluded(*kind));
+    let names: Vec<&str> = fit.map(|kind| kind.entry().name).collect();
+    let expected = format!("one of {}: {reason}", names.join(", "));
+    Some((field.into(), name.0.entry().name.into(), expected))
 }
 
 /// Returns everything about the laws of a description that is not allowed.
@@ -29,7 +47,7 @@ pub(super) fn refusals(bench: &Bench) -> Vec<Refusal> {
     match bench {
         Bench::Transmission(bench) => {
             let mut all = bearing_refusals(bench);
-            all.extend(bristle_refusal(bench));
+            all.extend(presliding_refusal(bench));
             all
         }
         Bench::SliderCrank(bench) => {
@@ -49,26 +67,36 @@ fn bearing_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
     if all.is_empty() {
         all.extend(JointLaw::from_bench(bench).err().and_then(|error| wrong("contact", error)));
     }
-    all.extend(friction_refusals("friction", "friction.law", &bench.friction));
+    let friction = &bench.friction;
+    let sticks = |kind| bench.two_plane.is_some() && STICKING.contains(&kind);
+    match excluded("friction.law", friction, sticks, SHARED_FORCES) {
+        Some(refusal) => all.push(refusal),
+        None => all.extend(memory_refusal(bench)),
+    }
+    if all.is_empty() {
+        let error = BearingFriction::from_bench(bench).err();
+        all.extend(error.and_then(|error| wrong("friction", error)));
+    }
+    all.extend(viscous_refusal("friction", friction));
     all
 }
 
-/// Returns everything about the friction law of a section that is not allowed. `section` and
-/// `field` are the names of the section and of the law's name in it.
-fn friction_refusals(section: &str, field: &str, friction: &FrictionSection) -> Vec<Refusal> {
-    let mut all = Vec::new();
-    if let Some(name) = friction.law.filter(|name| NOT_INTEGRATED.contains(&name.0)) {
-        let fit = FrictionKind::ALL.iter().filter(|kind| !NOT_INTEGRATED.contains(kind));
-        let names: Vec<&str> = fit.map(|kind| kind.entry().name).collect();
-        let expected = format!(
-            "one of {}: a bench integrates laws that depend on the speed continuously",
-            names.join(", ")
-        );
-        all.push((field.into(), name.0.entry().name.into(), expected));
-    } else {
-        let error = BearingFriction::from_section(friction).err();
-        all.extend(error.and_then(|error| wrong(section, error)));
-    }
+/// Refuses the memory of a friction law that has none, and misses that of the one that has.
+fn memory_refusal(bench: &TransmissionBench) -> Option<Refusal> {
+    let has_memory = bench.friction.law.is_some_and(|law| law.0 == FrictionKind::SevenParameter);
+    let (found, expected) = match (has_memory, &bench.friction_memory) {
+        (true, None) => ("missing", "a section with lag_s and rise_s, which `seven-parameter` needs"),
+        (false, Some(_)) => ("given", "no such section: only `seven-parameter` uses it"),
+        _ => return None,
+    };
+    Some(("friction_memory".into(), found.into(), expected.into()))
+}
+
+/// Returns everything about the parameters of a friction law that is not allowed. `section` is the
+/// name of the section.
+fn friction_refusals(section: &str, friction: &FrictionSection) -> Vec<Refusal> {
+    let error = BearingFriction::from_section(friction).err();
+    let mut all: Vec<Refusal> = error.and_then(|error| wrong(section, error)).into_iter().collect();
     all.extend(viscous_refusal(section, friction));
     all
 }
@@ -141,29 +169,25 @@ fn contact_refusals(path: &str, section: &ContactSection, has_own_hertz: bool) -
     given.into_iter().filter_map(refusal).collect()
 }
 
-/// Checks that pre-sliding is described once: by bristles or by an effect.
-fn bristle_refusal(bench: &TransmissionBench) -> Option<Refusal> {
+/// Checks that pre-sliding is described once: by the friction law or by an effect.
+fn presliding_refusal(bench: &TransmissionBench) -> Option<Refusal> {
     let has_effect = bench.common.effects.iter().any(|effect| effect.name == "presliding-hysteresis");
-    (has_effect && has_bristles(bench)).then(|| {
-        (
-            "effects".into(),
-            "`presliding-hysteresis` with a friction law with bristles".into(),
-            "one of the two: such a law includes pre-sliding".into(),
-        )
-    })
+    let law = bench.friction.law?.0;
+    let (found, expected) = if STICKING.contains(&law) {
+        ("that sticks", "one of the two: such a law states what happens before sliding")
+    } else {
+        law.has_state().then_some(("with bristles", "one of the two: such a law includes pre-sliding"))?
+    };
+    let found = format!("`presliding-hysteresis` with a friction law {found}");
+    has_effect.then(|| ("effects".into(), found, expected.into()))
 }
 
 /// Returns everything about the friction of a slider-crank's joint that is not allowed.
 fn joint_friction_refusals(friction: &FrictionSection) -> Vec<Refusal> {
-    let mut all = friction_refusals("friction", "friction.law", friction);
-    if let Some(name) = friction.law.filter(|_| all.is_empty()) {
-        let has_bristles = BearingFriction::from_section(friction).is_ok_and(|law| law.has_state());
-        let expected = "a law without bristles: the joint of a slider-crank keeps no deflection";
-        all.extend(
-            has_bristles.then(|| ("friction.law".into(), name.0.entry().name.into(), expected.into())),
-        );
+    match excluded("friction.law", friction, FrictionKind::has_state, NO_DEFLECTION) {
+        Some(refusal) => vec![refusal],
+        None => friction_refusals("friction", friction),
     }
-    all
 }
 
 /// Returns everything about the laws of a mechanism that is not allowed: in themselves, and in the
@@ -173,8 +197,13 @@ fn mechanism_refusals(bench: &MechanismBench) -> Vec<Refusal> {
     for (i, entry) in bench.contact.iter().enumerate() {
         let path = format!("contact.{i}");
         all.extend(contact_refusals(&path, &entry.contact_section(), true));
-        let friction = entry.friction_section();
-        all.extend(friction.iter().flat_map(|f| friction_refusals(&path, &format!("{path}.friction"), f)));
+        all.extend(entry.friction_section().iter().flat_map(|friction| {
+            let field = format!("{path}.friction");
+            match excluded(&field, friction, |kind| STICKING.contains(&kind), SHARED_FORCES) {
+                Some(refusal) => vec![refusal],
+                None => friction_refusals(&path, friction),
+            }
+        }));
     }
     if !all.is_empty() {
         return all;

@@ -4,7 +4,7 @@ mod check;
 mod laws;
 mod structure;
 
-pub use laws::integrates_friction;
+pub use laws::sticking_plants;
 pub use structure::FILL_IN;
 
 use crate::atomic;

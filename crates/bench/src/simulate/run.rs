@@ -84,8 +84,8 @@ fn run_servo(
     let mut losses_j = Vec::with_capacity(samples_s.len());
     let tolerances = servo.tolerances(tolerance);
     let result =
-        integrate(servo, (start_s, end_s), initial, false, samples_s, &tolerances, |t, s, latched| {
-            samples.push(servo.snapshot(t, s, latched));
+        integrate(servo, (start_s, end_s), initial, false, samples_s, &tolerances, |t, s, touch| {
+            samples.push(servo.snapshot(t, s, touch));
             losses_j.push(plant.losses_j(&ServoPlant::bench_state(s)));
         })?;
     plant.check_deformation(&result.impacts)?;
@@ -112,9 +112,9 @@ pub fn run_with_law(
         false,
         samples_s,
         &plant.tolerances(tolerance),
-        |t, s, latched| {
-            let forces = plant.forces(t, s, latched);
-            samples.push(plant.snapshot(t, s, latched, forces));
+        |t, s, touch| {
+            let forces = plant.forces(t, s, touch);
+            samples.push(plant.snapshot(t, s, touch.latched_m_s, forces));
             losses_j.push(plant.losses_j(s));
         },
     )?;
@@ -161,10 +161,10 @@ fn run_reduced<const N: usize>(
     let mut samples = Vec::with_capacity(samples_s.len());
     let tolerances = reduced.tolerances(tolerance);
     let result =
-        integrate(&reduced, (start_s, end_s), initial, false, samples_s, &tolerances, |t, s, latched| {
+        integrate(&reduced, (start_s, end_s), initial, false, samples_s, &tolerances, |t, s, touch| {
             let full = reduced.expand(s);
-            let forces = plant.forces(t, &full, latched);
-            samples.push(plant.snapshot(t, &full, latched, forces));
+            let forces = plant.forces(t, &full, touch);
+            samples.push(plant.snapshot(t, &full, touch.latched_m_s, forces));
         })?;
     plant.check_deformation(&result.impacts)?;
     Ok(samples)

@@ -49,11 +49,21 @@ impl<T: Real> Karnopp<T> {
         Ok(Self { coulomb_coefficient, static_coefficient, viscous_slope_s_m, band_m_s })
     }
 
+    /// Width of the band in m/s.
+    pub fn band_m_s(&self) -> T {
+        self.band_m_s
+    }
+
+    /// Applied force in N up to which the joint sticks.
+    pub fn break_away_n(&self, normal_force_n: T) -> T {
+        self.static_coefficient * normal_force_n
+    }
+
     /// Returns the state at a sliding speed under an applied tangential force.
     pub fn state(&self, normal_force_n: T, sliding_speed_m_s: T, applied_n: T) -> KarnoppState {
         if sliding_speed_m_s.abs() >= self.band_m_s {
             KarnoppState::Sliding
-        } else if applied_n.abs() <= self.static_coefficient * normal_force_n {
+        } else if applied_n.abs() <= self.break_away_n(normal_force_n) {
             KarnoppState::Sticking
         } else {
             KarnoppState::BreakingAway
@@ -65,7 +75,7 @@ impl<T: Real> Karnopp<T> {
         let speed = sliding_speed_m_s.abs();
         match self.state(normal_force_n, sliding_speed_m_s, applied_n) {
             KarnoppState::Sticking => -applied_n,
-            KarnoppState::BreakingAway => -(self.static_coefficient * normal_force_n) * applied_n.sign(),
+            KarnoppState::BreakingAway => -self.break_away_n(normal_force_n) * applied_n.sign(),
             KarnoppState::Sliding => {
                 let coefficient = self.coulomb_coefficient + self.viscous_slope_s_m * speed;
                 -coefficient * normal_force_n * sliding_speed_m_s.sign()

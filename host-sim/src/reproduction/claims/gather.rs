@@ -112,8 +112,8 @@ fn ratio_within(plant: &SliderCrank, (from_s, end_s): (f64, f64)) -> Result<f64,
         false,
         &times,
         &plant.tolerances(SLIDER_CRANK_TOLERANCE),
-        |time_s, state, latched_m_s| {
-            let contact = plant.contact(time_s, state, latched_m_s);
+        |time_s, state, touch| {
+            let contact = plant.contact(time_s, state, touch.latched_m_s);
             if contact.depth_m > 0.0 {
                 largest = largest.max(contact.force_n);
             }

@@ -90,13 +90,13 @@ section! {
 section! {
     /// Friction law of the contact; see `contact::FrictionLaw` and the catalogue of `contact`.
     FrictionSection {
-        /// Name of the law; Stribeck's without one. A bench cannot integrate `coulomb`, `karnopp`
-        /// and `seven-parameter`.
+        /// Name of the law; Stribeck's without one. With `coulomb`, `karnopp` and `seven-parameter`
+        /// the contact sticks and slides, and the integrator locates the changes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         law: Option<FrictionName>,
         /// Coefficient at high speed.
         coulomb_coefficient: f64 [0.0, 10.0],
-        /// Coefficient at the onset of sliding.
+        /// Coefficient at the onset of sliding; the break-away limit of a contact that sticks.
         static_coefficient: f64 [0.0, 10.0],
         /// Stribeck speed.
         stribeck_speed_m_s: f64 [1e-9, HUGE],
@@ -106,7 +106,8 @@ section! {
         viscous_slope_s_m: f64 [-1e3, 1e3],
         /// Speed where the slope begins.
         viscous_onset_m_s: f64 [0.0, HUGE],
-        /// Width of the regularised sign: sliding speed below which friction rises smoothly.
+        /// Width of the regularised sign: sliding speed below which friction rises smoothly. For
+        /// `karnopp` the band that counts as standstill; `coulomb` has none.
         regularisation_m_s: f64 [1e-9, 1e3],
         /// Speed up to which Ambrosio's law gives no friction.
         #[serde(default, skip_serializing_if = "is_zero")]
@@ -117,7 +118,8 @@ section! {
         /// Force over which the viscous part of Brown and McPhee's law develops.
         #[serde(default = "one", skip_serializing_if = "is_one")]
         transition_force_n: f64 [1e-9, HUGE],
-        /// Stiffness of the bristles, for `dahl` and `lugre`.
+        /// Stiffness of the bristles, for `dahl` and `lugre`; of the sticking contact for
+        /// `seven-parameter`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         bristle_stiffness_per_m: Option<f64>,
         /// Damping of the bristles, for `lugre`.
@@ -126,6 +128,15 @@ section! {
         /// Factor on the total coefficient: the "friction level" of `[uncertain]`.
         #[serde(default = "one")]
         level: f64 [0.0, 10.0],
+    }
+}
+section! {
+    /// Memory of the friction law `seven-parameter`; no other law uses it.
+    FrictionMemory {
+        /// Time by which the Stribeck part lags the sliding speed.
+        lag_s: f64 [1e-6, 1e6],
+        /// Time at standstill after which half of the static excess has recovered.
+        rise_s: f64 [1e-9, 1e9],
     }
 }
 section! {
@@ -258,6 +269,9 @@ plant_description! {
         contact: ContactSection,
         /// Friction law.
         friction: FrictionSection,
+        /// Memory of the friction law `seven-parameter`; without it for the other laws.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        friction_memory: Option<FrictionMemory>,
         /// Drive motion.
         drive: Drive,
         /// Load.

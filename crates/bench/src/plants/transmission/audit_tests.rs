@@ -4,7 +4,7 @@
 use super::bearing::OnShaft;
 use super::{STATES, State, Transmission};
 use crate::description::TransmissionBench;
-use crate::integrate::{ContactAngles, ContactPlant, ContactReading, integrate};
+use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Touch, integrate};
 use crate::plants::energy::EnergyAudit;
 use contact::BearingMaterial;
 
@@ -19,13 +19,12 @@ struct Changed<'a> {
 }
 
 impl ContactPlant<STATES> for Changed<'_> {
-    fn derivative(&self, time_s: f64, state: &State, latched_m_s: Option<f64>, out: &mut State) {
+    fn derivative(&self, time_s: f64, state: &State, touch: Option<Touch>, out: &mut State) {
         let g = self.plant.geometry(time_s, state);
-        let view = |latched_m_s| self.plant.view(&g, latched_m_s);
-        let forces = latched_m_s.map(|l| self.plant.forces_at(time_s, state, &view(l))).unwrap_or_default();
+        let forces = touch.map(|touch| self.plant.forces_at(time_s, state, &g, touch)).unwrap_or_default();
         let mut bearing = self.plant.on_shaft_at(&g, &forces);
         (self.action)(&mut bearing);
-        self.plant.motion::<true>(time_s, state, &g, latched_m_s.is_some(), &bearing, out);
+        self.plant.motion::<true>(time_s, state, &g, touch.is_some(), &bearing, out);
         (self.rates)(out);
     }
 

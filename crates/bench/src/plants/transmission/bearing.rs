@@ -3,6 +3,7 @@
 
 use super::geometry::Geometry;
 use super::{BREAKAWAY, BRISTLE, BearingForces, ContactView, RISE, State, Transmission};
+use crate::integrate::Touch;
 use crate::plants::extended_friction::Memory;
 
 /// Action of the bearing on the shaft.
@@ -30,15 +31,11 @@ impl Transmission {
     }
 
     /// Evaluates the analytic laws at a state, with the effects on friction.
-    pub fn forces(&self, time_s: f64, s: &State, latched_m_s: f64) -> BearingForces {
-        self.forces_at(time_s, s, &self.contact_view(time_s, s, latched_m_s))
+    pub fn forces(&self, time_s: f64, s: &State, touch: Touch) -> BearingForces {
+        self.forces_at(time_s, s, &self.geometry(time_s, s), touch)
     }
 
-    pub(super) fn forces_at(&self, time_s: f64, s: &State, view: &ContactView) -> BearingForces {
-        self.with_effects(time_s, s, view, self.forces_of(view, s[BRISTLE]))
-    }
-
-    fn forces_of(&self, view: &ContactView, deflection_m: f64) -> BearingForces {
+    pub(super) fn forces_of(&self, view: &ContactView, deflection_m: f64) -> BearingForces {
         if view.deformation_m <= 0.0 {
             return BearingForces::default();
         }
@@ -57,14 +54,28 @@ impl Transmission {
         forces: BearingForces,
     ) -> BearingForces {
         // A viscous term would act through the gap.
-        if self.plain_friction || view.deformation_m <= 0.0 {
+        if view.deformation_m <= 0.0 {
             return forces;
         }
+        let v = view.sliding_speed_m_s;
+        let sign = if self.plain_friction { 0.0 } else { (v / self.sign_width_m_s).tanh() };
+        BearingForces { friction_n: self.effective_friction_n(time_s, s, &forces, (v, sign)), ..forces }
+    }
+
+    /// Friction in N with the effects on it, at a sliding speed in m/s and its sign.
+    pub(super) fn effective_friction_n(
+        &self,
+        time_s: f64,
+        s: &State,
+        forces: &BearingForces,
+        (sliding_m_s, sign): (f64, f64),
+    ) -> f64 {
+        if self.plain_friction {
+            return forces.friction_n;
+        }
         let memory = Memory { bristle: s[BRISTLE], breakaway: s[BREAKAWAY], rise_k: s[RISE] };
-        let (v, width) = (view.sliding_speed_m_s, self.sign_width_m_s);
         let (normal, dry) = (forces.normal_n, forces.friction_n);
-        let friction_n = self.extension.friction_n(time_s, normal, dry, v, width, &memory);
-        BearingForces { friction_n, ..forces }
+        self.extension.friction_n(time_s, normal, dry, sliding_m_s, sign, &memory)
     }
 
     /// Action of given forces and of the film on the shaft.

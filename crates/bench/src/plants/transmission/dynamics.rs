@@ -6,7 +6,7 @@ use super::{
     BREAKAWAY, BRISTLE, BearingForces, LOAD_ANGLE, LOAD_SPEED, RISE, STATES, Snapshot, State, Transmission,
 };
 use crate::description::ripples;
-use crate::integrate::{ContactAngles, ContactPlant, ContactReading};
+use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Slip, Touch};
 use contact::GRAVITY_M_S2;
 
 /// Rate at which bristles straighten without contact.
@@ -153,12 +153,8 @@ impl Transmission {
 }
 
 impl ContactPlant<STATES> for Transmission {
-    fn derivative(&self, time_s: f64, state: &State, latched_m_s: Option<f64>, derivative: &mut State) {
-        let g = self.geometry(time_s, state);
-        let forces = latched_m_s
-            .map_or(BearingForces::default(), |l| self.forces_at(time_s, state, &self.view(&g, l)));
-        let bearing = self.on_shaft_at(&g, &forces);
-        self.motion::<true>(time_s, state, &g, latched_m_s.is_some(), &bearing, derivative);
+    fn derivative(&self, time_s: f64, state: &State, touch: Option<Touch>, derivative: &mut State) {
+        self.rates::<true>(time_s, state, &self.geometry(time_s, state), touch, derivative);
     }
 
     fn deformation(&self, time_s: f64, s: &State) -> (f64, f64) {
@@ -182,5 +178,14 @@ impl ContactPlant<STATES> for Transmission {
             crank_rad: self.geometry(time_s, state).angle_rad(),
             contact_rad: state[1].atan2(state[0]),
         }
+    }
+
+    fn has_slip_ended(&self, time_s: f64, state: &State, touch: Touch) -> bool {
+        self.has_slip_ended_at(time_s, state, &self.geometry(time_s, state), touch)
+    }
+
+    fn next_slip(&self, time_s: f64, state: &mut State, touch: Touch) -> Slip {
+        let g = self.geometry(time_s, state);
+        self.next_slip_at(time_s, state, &g, touch)
     }
 }

@@ -19,7 +19,8 @@
 //! leaves out: [`crate::description::PlantDescription::limits`].
 //!
 //! This file builds the plant from a description. `dynamics` has the equations, `fork` the drive's
-//! compliance, `geometry` the contact, `bearing` its forces. Additional terms: [`crate::effects`].
+//! compliance, `geometry` the contact, `bearing` its forces, `slip` its sticking. Additional
+//! terms: [`crate::effects`].
 
 pub(crate) use bearing::OnShaft;
 pub(crate) use geometry::MAX_SINE;
@@ -35,6 +36,7 @@ mod geometry;
 mod reduced;
 mod servo;
 mod shaft;
+mod slip;
 
 use crate::description::{Extension, LoadFriction, StartState, TransmissionBench};
 use crate::integrate::Tolerances;
@@ -62,9 +64,10 @@ pub const STATES: usize = 17;
 /// States: y, z, y', z', th, th' (the last two only with a compliant drive). Then energies in J:
 /// work of the fork, its absolute work, work of the load, heat of friction, loss of the normal
 /// force beyond its elastic part, heat of the load cylinder. Then the deflection of the bristles in
-/// m for friction laws that have one, or the pre-sliding sign; angle and speed of the load crank on
-/// a flexible shaft; the static friction that has built up at standstill; the bearing's temperature
-/// rise in K. The last five are constant without the effect that needs them.
+/// m for friction laws that have one, the memory of the seven-parameter law, or the pre-sliding
+/// sign; angle and speed of the load crank on a flexible shaft; the static friction that has built
+/// up at standstill; the bearing's temperature rise in K. The last five are constant without the
+/// effect that needs them.
 pub type State = [f64; STATES];
 
 /// Forces of the bearing on the shaft.
@@ -152,6 +155,12 @@ impl Transmission {
     /// Builds the plant of a resolved description with a drive and a load.
     pub fn new(bench: &TransmissionBench, drive: Profile, load: Profile) -> Self {
         let radial_clearance_m = bench.bearing.radial_clearance_m;
+        let friction_law = BearingFriction::of_changed_bench(bench);
+        let mut extension = bench.extension.clone();
+        if friction_law.sticking().is_some() {
+            // The law includes what happens before sliding; a description may not name both.
+            extension.presliding_distance_m = 0.0;
+        }
         Self {
             drive_lever_m: bench.geometry.drive_lever_radius_m,
             load_lever_m: bench.geometry.load_lever_radius_m,
@@ -161,11 +170,11 @@ impl Transmission {
             radial_clearance_m,
             bearing_length_m: bench.bearing.length_m,
             joint_law: JointLaw::after_changes(bench),
-            friction_law: BearingFriction::after_changes(&bench.friction),
+            friction_law,
             sign_width_m_s: bench.friction.regularisation_m_s,
             friction_level: bench.friction.level,
-            plain_friction: bench.extension.leaves_friction(),
-            extension: bench.extension.clone(),
+            plain_friction: extension.leaves_friction(),
+            extension,
             load_friction: bench.load_friction.clone(),
             compliance: Drive::from_bench(bench),
             shaft: Shaft::from_bench(bench),

@@ -6,8 +6,7 @@
 //! states. Equations and tolerances of the remaining states do not change.
 
 use super::{BREAKAWAY, BRISTLE, LOAD_ANGLE, LOAD_SPEED, RISE, STATES, State, Transmission};
-use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Tolerances};
-use crate::plants::transmission::BearingForces;
+use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Slip, Tolerances, Touch};
 
 /// Number of moving states of a rigid plant without memories: journal position and velocity.
 pub(crate) const PLAIN: usize = 4;
@@ -60,14 +59,10 @@ impl<const N: usize> Reduced<'_, N> {
 }
 
 impl<const N: usize> ContactPlant<N> for Reduced<'_, N> {
-    fn derivative(&self, time_s: f64, state: &[f64; N], latched_m_s: Option<f64>, derivative: &mut [f64; N]) {
+    fn derivative(&self, time_s: f64, state: &[f64; N], touch: Option<Touch>, derivative: &mut [f64; N]) {
         let (plant, full) = (self.0, self.expand(state));
-        let g = plant.geometry(time_s, &full);
-        let forces = latched_m_s
-            .map_or(BearingForces::default(), |l| plant.forces_at(time_s, &full, &plant.view(&g, l)));
-        let bearing = plant.on_shaft_at(&g, &forces);
         let mut rates = [0.0; STATES];
-        plant.motion::<false>(time_s, &full, &g, latched_m_s.is_some(), &bearing, &mut rates);
+        plant.rates::<false>(time_s, &full, &plant.geometry(time_s, &full), touch, &mut rates);
         *derivative = self.reduce(&rates);
     }
 
@@ -81,5 +76,16 @@ impl<const N: usize> ContactPlant<N> for Reduced<'_, N> {
 
     fn angles(&self, time_s: f64, state: &[f64; N]) -> ContactAngles {
         self.0.angles(time_s, &self.expand(state))
+    }
+
+    fn has_slip_ended(&self, time_s: f64, state: &[f64; N], touch: Touch) -> bool {
+        self.0.has_slip_ended(time_s, &self.expand(state), touch)
+    }
+
+    fn next_slip(&self, time_s: f64, state: &mut [f64; N], touch: Touch) -> Slip {
+        let mut full = self.expand(state);
+        let slip = self.0.next_slip(time_s, &mut full, touch);
+        *state = self.reduce(&full);
+        slip
     }
 }

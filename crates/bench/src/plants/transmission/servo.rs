@@ -13,9 +13,10 @@
 //! limited, an integral that would raise it further is held. The flow does not depend on the
 //! pressure, and the cylinder does not leak (H. E. Merritt, Hydraulic Control Systems, 1967).
 
+use super::geometry::Geometry;
 use super::{STATES, State, Transmission};
 use crate::description::{Servo, TransmissionBench};
-use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Tolerances};
+use crate::integrate::{ContactAngles, ContactPlant, ContactReading, Slip, Tolerances, Touch};
 use crate::plants::transmission::{BearingForces, Snapshot};
 use crate::signals::Motion;
 
@@ -100,22 +101,25 @@ impl<'a> ServoPlant<'a> {
         self.servo.rates(&self.plant.drive_motion(time_s), &self.fork(&Self::bench_state(state)), own)
     }
 
+    /// Geometry of the bench on the servo's cylinder.
+    fn geometry(&self, time_s: f64, state: &ServoState, bench: &State) -> Geometry {
+        let rate = self.servo_rates(time_s, state)[0];
+        let drive = Motion { value: state[STATES], rate, acceleration: 0.0 };
+        Geometry { drive, ..self.plant.geometry(time_s, bench) }
+    }
+
     /// Rates of all states, and the force of the fork.
     fn all_rates(
         &self,
         time_s: f64,
         state: &ServoState,
-        latched_m_s: Option<f64>,
+        touch: Option<Touch>,
     ) -> (ServoState, f64, BearingForces) {
-        let (plant, bench) = (self.plant, Self::bench_state(state));
+        let bench = Self::bench_state(state);
         let own = self.servo_rates(time_s, state);
-        let mut g = plant.geometry(time_s, &bench);
-        g.drive = Motion { value: state[STATES], rate: own[0], acceleration: 0.0 };
-        let forces = latched_m_s
-            .map_or(BearingForces::default(), |l| plant.forces_at(time_s, &bench, &plant.view(&g, l)));
-        let bearing = plant.on_shaft_at(&g, &forces);
+        let g = self.geometry(time_s, state, &bench);
         let mut rates = [0.0; STATES];
-        let fork_n = plant.motion::<true>(time_s, &bench, &g, latched_m_s.is_some(), &bearing, &mut rates);
+        let (fork_n, forces) = self.plant.rates::<true>(time_s, &bench, &g, touch, &mut rates);
         let mut all = [0.0; SERVO_STATES];
         for (place, rate) in all.iter_mut().zip(rates.iter().chain(&own)) {
             *place = *rate;
@@ -125,28 +129,21 @@ impl<'a> ServoPlant<'a> {
 
     /// All quantities at a state. The motion of the drive is that of the fork: where a sensor at
     /// the cylinder measures it.
-    pub(crate) fn snapshot(&self, time_s: f64, state: &ServoState, latched_m_s: f64) -> Snapshot {
+    pub(crate) fn snapshot(&self, time_s: f64, state: &ServoState, touch: Touch) -> Snapshot {
         let bench = Self::bench_state(state);
         let (depth_m, _) = self.plant.deformation(time_s, &bench);
-        let (rates, drive_force_n, forces) =
-            self.all_rates(time_s, state, (depth_m > 0.0).then_some(latched_m_s));
+        let (rates, drive_force_n, forces) = self.all_rates(time_s, state, (depth_m > 0.0).then_some(touch));
         let (sin, cos) = bench[4].sin_cos();
         let lever_m = self.plant.drive_lever_m;
         let acceleration = rates[2] + lever_m * (cos * rates[5] - sin * bench[5] * bench[5]);
         let drive = Motion { acceleration, ..self.fork(&bench) };
-        Snapshot { drive_force_n, drive, ..self.plant.snapshot(time_s, &bench, latched_m_s, forces) }
+        Snapshot { drive_force_n, drive, ..self.plant.snapshot(time_s, &bench, touch.latched_m_s, forces) }
     }
 }
 
 impl ContactPlant<SERVO_STATES> for ServoPlant<'_> {
-    fn derivative(
-        &self,
-        time_s: f64,
-        state: &ServoState,
-        latched_m_s: Option<f64>,
-        derivative: &mut ServoState,
-    ) {
-        (*derivative, ..) = self.all_rates(time_s, state, latched_m_s);
+    fn derivative(&self, time_s: f64, state: &ServoState, touch: Option<Touch>, derivative: &mut ServoState) {
+        (*derivative, ..) = self.all_rates(time_s, state, touch);
     }
 
     fn deformation(&self, time_s: f64, state: &ServoState) -> (f64, f64) {
@@ -159,6 +156,19 @@ impl ContactPlant<SERVO_STATES> for ServoPlant<'_> {
 
     fn angles(&self, time_s: f64, state: &ServoState) -> ContactAngles {
         self.plant.angles(time_s, &Self::bench_state(state))
+    }
+
+    fn has_slip_ended(&self, time_s: f64, state: &ServoState, touch: Touch) -> bool {
+        let bench = Self::bench_state(state);
+        self.plant.has_slip_ended_at(time_s, &bench, &self.geometry(time_s, state, &bench), touch)
+    }
+
+    fn next_slip(&self, time_s: f64, state: &mut ServoState, touch: Touch) -> Slip {
+        let mut bench = Self::bench_state(state);
+        let g = self.geometry(time_s, state, &bench);
+        let slip = self.plant.next_slip_at(time_s, &mut bench, &g, touch);
+        state[..STATES].copy_from_slice(&bench);
+        slip
     }
 }
 

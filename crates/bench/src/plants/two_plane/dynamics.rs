@@ -74,9 +74,9 @@ impl TwoPlane {
             return (normal, dry);
         }
         // The terms apply to the complete bearing.
-        let (share, width) = (self.share(), self.sign_width_m_s);
+        let (share, sign) = (self.share(), (v / self.sign_width_m_s).tanh());
         let friction =
-            self.extension.friction_n(time_s, normal / share, dry / share, v, width, &Memory::default());
+            self.extension.friction_n(time_s, normal / share, dry / share, v, sign, &Memory::default());
         (normal, share * friction)
     }
 
