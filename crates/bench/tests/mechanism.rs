@@ -47,35 +47,6 @@ fn the_slider_crank_as_a_mechanism_gives_the_published_figures() {
     assert_balanced(&run, 1e-8);
 }
 
-/// Bench B as a mechanism: Y is x, Z is y, and the angle has the other sign.
-const BENCH_B: &str = r#"
-plant = "mechanism"
-run = { duration_s = 1.0, gravity_m_s2 = [0, -9.81], largest_step_s = 1e-3 }
-body = [
-    { name = "fork", mass_kg = 1, inertia_kg_m2 = 1, at_m = [0, 0.3] },
-    { name = "shaft", mass_kg = 150, inertia_kg_m2 = 60, at_m = [0, -0.4995e-3] },
-]
-joint = [
-    { kind = "prismatic", first = "ground", second = "fork", at_m = [0, 0.3], drive_stroke = 0.172,
-        drive_period_s = 1 },
-    { kind = "slot", first = "fork", second = "shaft", at_m = [0, 0.2995005],
-        axis_rad = 1.5707963267948966 },
-    { kind = "clearance", first = "ground", second = "shaft", at_m = [0, 0], offset_m = [0,
-        -0.4995e-3], contact = "babbitt", bearing_radius_m = 0.07, clearance_m = 0.5e-3, length_m = 0.14 },
-]
-load = [{ body = "shaft", at_m = [0, 0.3595005], force_n = [10e3, 0], ramp_s = 0.05 }]
-[[contact]]
-name = "babbitt"
-stiffness = "hybrid-as-printed"
-dissipation = "zhiying-qishao"
-restitution = 0.4
-youngs_modulus_pa = 50e9
-journal_modulus_pa = 206e9
-coulomb_coefficient = 0.14
-static_coefficient = 0.22
-stribeck_speed_m_s = 0.02
-"#;
-
 /// Both plants integrate the same equations in different coordinates; the figures agree to the
 /// error of the integrator.
 #[test]
@@ -84,7 +55,7 @@ fn the_transmission_bench_as_a_mechanism_gives_the_dedicated_plants_run() {
     let plant = Transmission::new(&dedicated, dedicated.drive_profile(), dedicated.load_profile());
     let times = dedicated.sample_times_s(10_000.0);
     let known = run_with_law(&plant, 1.0, &times, 1e-10).unwrap();
-    let run = parsed(BENCH_B).simulate(&times, 1e-10).unwrap();
+    let run = example("bench-b-mechanism").simulate(&times, 1e-10).unwrap();
     let mut peak_n: f64 = 0.0;
     for (found, known) in run.samples.iter().zip(&known.samples) {
         let shaft = found.bodies[1].position;
@@ -145,7 +116,7 @@ contact = [{{ name = "wall", coefficient = 1e9, restitution = 0.4, dissipation =
         assert_near("restitution", impact.restitution().unwrap(), 1.0, 1e-8);
     }
     assert_near("speed along the guide, m/s", run.end.bodies[0].rate[0], 0.3, 1e-12);
-    let run = guide("flores").simulate(&[], 1e-11).unwrap();
+    let run = guide("flores").simulate(&[], 1e-12).unwrap();
     let produced = produced_restitution(Dissipation::Flores.factor(0.4));
     assert_near("restitution", run.impacts[0].restitution().unwrap(), produced, 1e-7);
     let lost_j = 0.5 * 2.0 * 0.25 * (1.0 - produced * produced);
@@ -525,4 +496,60 @@ contact = [{ name = "wall", coefficient = 1e9, restitution = 0.6, dissipation = 
         assert_near("momentum, N s and N m s", *found, known, 1e-9);
     }
     assert_balanced(&run, 1e-8);
+}
+
+/// A driven crank with coupler and rocker, a driven trolley with a pendulum, and a slider on a
+/// spring. Every joint with the base is solved in closed form if the base is the ground, and with
+/// multipliers if it is a body that is welded to it.
+const ON_A_BASE: &str = r#"
+plant = "mechanism"
+run = { duration_s = 0.4, gravity_m_s2 = [0, -9.81], tolerance = 1e-11, largest_step_s = 1e-3 }
+body = [
+    { name = "base", mass_kg = 3, inertia_kg_m2 = 2, at_m = [0.1, 0.2] },
+    { name = "crank", mass_kg = 0.5, from_m = [0, 0], to_m = [0, 0.1] },
+    { name = "coupler", mass_kg = 1.0, from_m = [0, 0.1], to_m = [0.24, 0.2] },
+    { name = "rocker", mass_kg = 0.8, from_m = [0.25, 0], to_m = [0.24, 0.2] },
+    { name = "trolley", mass_kg = 2, inertia_kg_m2 = 0.1, at_m = [1, 0], angle_rad = 0.3 },
+    { name = "pendulum", mass_kg = 0.7, from_m = [1.1, 0.05], to_m = [1.3, -0.2], speed_rad_s = 2 },
+    { name = "slider", mass_kg = 0.4, inertia_kg_m2 = 0.1, at_m = [2, 0], velocity_m_s = [0.5, 0.5] },
+]
+joint = [
+    { kind = "weld", first = "ground", second = "base", at_m = [0.3, 0.1] },
+    { kind = "revolute", first = "coupler", second = "crank", at_m = [0, 0.1] },
+    { kind = "revolute", first = "BASE", second = "crank", at_m = [0, 0], drive_speed = 7, drive_amplitude = 0.2,
+        drive_period_s = 0.3 },
+    { kind = "revolute", first = "rocker", second = "BASE", at_m = [0.25, 0] },
+    { kind = "revolute", first = "rocker", second = "coupler", at_m = [0.24, 0.2] },
+    { kind = "prismatic", first = "trolley", second = "BASE", at_m = [1, 0], axis_rad = 0.4, drive_stroke = 0.3,
+        drive_period_s = 0.5 },
+    { kind = "revolute", first = "trolley", second = "pendulum", at_m = [1.1, 0.05] },
+    { kind = "prismatic", first = "BASE", second = "slider", at_m = [2, 0], axis_rad = 1.0 },
+]
+spring = [{ first = "ground", second = "slider", from_m = [1.8, 0], to_m = [2, 0], stiffness = 30 }]
+load = [{ body = "pendulum", at_m = [1.3, -0.2], force_n = [3, 1] }, { body = "crank", torque_nm = 0.3 }]
+"#;
+
+/// Independent of each other: coordinates with directions and virtual power, and multipliers.
+#[test]
+fn joints_solved_in_closed_form_give_motion_and_drive_forces_of_the_multipliers() {
+    let times: Vec<f64> = (0..40).map(|i| 0.01 * f64::from(i)).collect();
+    let [closed, multipliers] = ["ground", "base"]
+        .map(|base| parsed(&ON_A_BASE.replace("BASE", base)).simulate(&times, 1e-11).unwrap());
+    assert_eq!(closed.samples.len(), 40);
+    let mut largest_drives = [0.0_f64; 2];
+    for (found, known) in closed.samples.iter().zip(&multipliers.samples) {
+        for (found, known) in found.bodies.iter().zip(&known.bodies) {
+            for k in 0..3 {
+                assert_near("position", found.position[k], known.position[k], 1e-7);
+                assert_near("rate", found.rate[k], known.rate[k], 1e-5);
+            }
+        }
+        for (i, (found, known)) in found.drives.iter().zip(&known.drives).enumerate() {
+            assert_near("drive, N or N m", *found, *known, 1e-4);
+            largest_drives[i] = largest_drives[i].max(known.abs());
+        }
+    }
+    assert!(largest_drives[0] > 1.0 && largest_drives[1] > 10.0, "{largest_drives:?}");
+    assert_near("drive work, J", closed.energy.drive_work_j, multipliers.energy.drive_work_j, 1e-6);
+    assert_balanced(&closed, 1e-7);
 }
