@@ -38,6 +38,13 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_no_files() {
         (&["record", "--bench", "slider-crank"], "found plant `slider-crank`"),
         (&["record", "--bench", "four-bar"], "found plant `mechanism`, which only `run` takes"),
         (&["run", "--bench", "four-bar", "--record", "a.rec"], "--record: found plant `mechanism`"),
+        (
+            &["run", "--bench", "four-bar", "--seed", "2"],
+            "--seed: found plant `mechanism`; expected `record`",
+        ),
+        (&["run", "--bench", "four-bar", "--controller", "none"], "--controller: found plant `mechanism`"),
+        (&["run", "--bench", "four-bar", "--step-us", "5"], "--step-us: found plant `mechanism`; expected a"),
+        (&["run", "--bench", "four-bar", "--force", "float-net"], "--force: found float-net on a mechanism"),
         (&["run", "--cycles", "4000000000"], "drive.cycles is 4e9; expected 1 to 1000000"),
         (&["run", "--cycles", "5000"], "expected a run of at most 2000 s"),
         (&["run", "--step-us", "0"], "--step-us: found 0; expected"),

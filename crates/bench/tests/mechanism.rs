@@ -4,9 +4,9 @@
 
 use bench::Bench;
 use bench::description::{MechanismBench, TransmissionBench};
-use bench::plants::mechanism::MechanismRun;
-use bench::plants::transmission::Transmission;
-use bench::simulate::run_with_law;
+use bench::plants::mechanism::{HeldForces, MechanismRun};
+use bench::plants::transmission::{ContactView, Transmission};
+use bench::simulate::{run_with_held_force, run_with_law};
 use contact::{Dissipation, produced_restitution};
 
 fn text(path: &str) -> String {
@@ -552,4 +552,52 @@ fn joints_solved_in_closed_form_give_motion_and_drive_forces_of_the_multipliers(
     assert!(largest_drives[0] > 1.0 && largest_drives[1] > 10.0, "{largest_drives:?}");
     assert_near("drive work, J", closed.energy.drive_work_j, multipliers.energy.drive_work_j, 1e-6);
     assert_balanced(&closed, 1e-7);
+}
+
+/// The law of bench B in place of networks: the dedicated plant holds the same forces with a fixed
+/// step, and latches the approach speed at the end of the step in which the journal lands, 0.1 mm/s
+/// of 4.4 mm/s later.
+#[test]
+fn held_forces_move_bench_b_as_they_move_the_dedicated_plant() {
+    let dedicated = TransmissionBench::open("bench-b").unwrap();
+    let plant = Transmission::new(&dedicated, dedicated.drive_profile(), dedicated.load_profile());
+    let times: Vec<f64> = (0..300).map(|i| 1e-3 * f64::from(i)).collect();
+    let known = run_with_held_force(&plant, 0.3, &times, 1e-5, |view| plant.law(view)).unwrap();
+    let mut bench = example("bench-b-mechanism");
+    bench.run.duration_s = 0.3;
+    let mut calls = 0;
+    let mut force = |contact: usize, view: &ContactView| {
+        assert_eq!((contact, view.radial_clearance_m), (0, 0.07 - 0.0695));
+        calls += 1;
+        plant.law(view)
+    };
+    let held = HeldForces { step_s: 1e-5, contacts: vec![true], force: &mut force };
+    let run = bench.simulate_held(&times, 1e-8, held).unwrap();
+    assert_eq!(calls, 30_000);
+    assert_eq!(run.samples.len(), known.samples.len());
+    for (found, known) in run.samples.iter().zip(&known.samples) {
+        let shaft = found.bodies[1].position;
+        assert_near("journal Y, m", shaft[0], known.y_m, 1e-6);
+        assert_near("journal Z, m", shaft[1], known.z_m, 1e-6);
+        assert_near("normal force, N", found.contacts[0].normal_n, known.forces.normal_n, 100.0);
+        assert_near("friction, N", found.contacts[0].friction_n.abs(), known.forces.friction_n.abs(), 30.0);
+    }
+    assert!(run.samples.iter().any(|sample| sample.contacts[0].normal_n > 9000.0));
+    assert_near("heat, J", run.energy.friction_heat_j, known.energy.friction_heat_j, 0.02);
+    assert_balanced(&run, 1e-6);
+}
+
+#[test]
+fn networks_are_those_of_clearance_joints_alone() {
+    let text = text("../../examples/bench-b-mechanism.toml");
+    let with = |text: &str| text.replace("name = \"babbitt\"", "name = \"babbitt\"\nnetwork = \"plastic\"");
+    assert_eq!(parsed(&with(&text)).networks(), [Some(contact::BearingMaterial::Plastic)]);
+    let unknown = with(&text).replace("\"plastic\"", "\"wood\"");
+    let error = Bench::parse("x.toml", &unknown).unwrap_err().to_string();
+    assert!(error.contains("contact.0.network is `wood`; expected one of babbitt, plastic"), "{error}");
+    let guide = with(&text)
+        .replace("kind = \"clearance\"", "kind = \"guide\", height_m = 0.1")
+        .replace("bearing_radius_m = 0.07, ", "");
+    let error = Bench::parse("x.toml", &guide).unwrap_err().to_string();
+    assert!(error.contains("joint.2.contact is `babbitt`; expected a contact without `network`"), "{error}");
 }

@@ -58,6 +58,13 @@ pub(crate) trait SlicedPlant<const N: usize> {
     fn slice_contact(&self, slice: usize, time_s: f64, state: &[f64; N], latched_m_s: f64) -> ContactReading;
     /// Crank and contact angle of a contact.
     fn slice_angles(&self, slice: usize, time_s: f64, state: &[f64; N]) -> ContactAngles;
+    /// Time after `time_s` at which the derivative next changes by itself; infinite if it never
+    /// does.
+    fn next_change_s(&self, _time_s: f64) -> f64 {
+        f64::INFINITY
+    }
+    /// Changes the derivative, at the start and at each of these times.
+    fn change(&self, _time_s: f64, _state: &[f64; N], _latched_m_s: &[Option<f64>]) {}
 }
 
 impl<P: ContactPlant<N>, const N: usize> SlicedPlant<N> for P {

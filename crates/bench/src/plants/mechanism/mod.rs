@@ -17,6 +17,7 @@ mod contact;
 mod described;
 mod energy;
 mod force;
+mod held;
 mod joint;
 mod run;
 mod solve;
@@ -25,6 +26,7 @@ mod suspension;
 pub(crate) use body::Body;
 pub(crate) use builder::Builder;
 pub use energy::MechanismEnergy;
+pub use held::HeldForces;
 pub(crate) use joint::DriveMotion;
 pub(crate) use run::RunOptions;
 pub use run::{BodyState, ContactState, MechanismRun, Snapshot};
@@ -35,6 +37,7 @@ use body::{Frame, dot3, frame};
 use contact::{Contact, Touch};
 use energy::{Flows, QUADRATURES};
 use force::{Load, Spring};
+use held::Held;
 use joint::{IdealJoint, Row};
 use solve::Solver;
 use suspension::{Mobility, Support, Suspension};
@@ -87,6 +90,8 @@ struct Evaluation {
     accelerations: Vec<[f64; 3]>,
     rows: Vec<Row>,
     solver: Solver,
+    /// Held action of each contact whose forces do not come from its laws.
+    held: Vec<Option<Held>>,
 }
 
 impl Mechanism {
@@ -122,7 +127,8 @@ impl Mechanism {
 
     /// Memory for evaluations.
     fn evaluation(&self) -> Evaluation {
-        Evaluation { solver: Solver::new(self.joints.iter()), ..Evaluation::default() }
+        let held = vec![None; self.contacts.len()];
+        Evaluation { solver: Solver::new(self.joints.iter()), held, ..Evaluation::default() }
     }
 
     /// Frame of a body under a prescribed motion at a state, with the carrier of its pivot.
@@ -245,7 +251,11 @@ impl Mechanism {
         let mut flows = Flows::default();
         evaluation.place(self, time_s, state);
         self.add_applied(time_s, &evaluation.frames, &mut evaluation.force, &mut flows);
-        for (contact, latched) in self.contacts.iter().zip(latched_m_s) {
+        for (i, (contact, latched)) in self.contacts.iter().zip(latched_m_s).enumerate() {
+            if let Some(held) = &evaluation.held[i] {
+                held.act(contact, time_s, &evaluation.frames, &mut evaluation.force, &mut flows);
+                continue;
+            }
             let bristle = contact.bristle.map(|index| self.works() + QUADRATURES + index);
             let Some(latched) = *latched else {
                 // Without a load a bristle keeps its deflection.

@@ -2,10 +2,12 @@
 
 use super::body::{Frame, frame};
 use super::contact::Contact;
+use super::held::HeldForces;
 use super::{Evaluation, Mechanism, MechanismEnergy, QUADRATURES};
 use crate::integrate::{
     ContactAngles, ContactReading, Impact, IntegrationError, SlicedPlant, Tolerances, integrate_slices,
 };
+use crate::plants::transmission::BearingForces;
 use std::cell::RefCell;
 
 /// Position and motion of a body at one time.
@@ -72,12 +74,25 @@ pub(crate) struct RunOptions {
 }
 
 /// A mechanism in a state of fixed size: the states beyond its own stay 0.
-struct Padded<'a> {
+struct Padded<'a, 'b> {
     mechanism: &'a Mechanism,
     evaluation: RefCell<Evaluation>,
+    held: Option<RefCell<&'a mut HeldForces<'b>>>,
 }
 
-impl Padded<'_> {
+impl Padded<'_, '_> {
+    /// Held forces of a contact, if its forces are held.
+    fn held(&self, slice: usize) -> Option<BearingForces> {
+        self.held.as_ref()?;
+        self.evaluation.try_borrow().ok()?.held[slice].map(|held| held.forces)
+    }
+
+    /// State of the mechanism; none within an evaluation.
+    fn snapshot(&self, time_s: f64, state: &[f64], latched_m_s: &[Option<f64>]) -> Option<Snapshot> {
+        let mut evaluation = self.evaluation.try_borrow_mut().ok()?;
+        Some(self.mechanism.snapshot(time_s, state, latched_m_s, &mut evaluation))
+    }
+
     /// Reads a contact from the frames of its own bodies, so that the cost of a reading does not
     /// depend on the number of bodies.
     fn read<T>(
@@ -92,7 +107,7 @@ impl Padded<'_> {
     }
 }
 
-impl<const N: usize> SlicedPlant<N> for Padded<'_> {
+impl<const N: usize> SlicedPlant<N> for Padded<'_, '_> {
     fn slices(&self) -> usize {
         self.mechanism.contacts.len()
     }
@@ -115,7 +130,23 @@ impl<const N: usize> SlicedPlant<N> for Padded<'_> {
     }
 
     fn slice_contact(&self, slice: usize, time_s: f64, state: &[f64; N], latched_m_s: f64) -> ContactReading {
-        self.read(slice, (time_s, state), |contact, pair| contact.reading(time_s, pair, latched_m_s))
+        let law =
+            self.read(slice, (time_s, state), |contact, pair| contact.reading(time_s, pair, latched_m_s));
+        ContactReading { force_n: self.held(slice).map_or(law.force_n, |held| held.normal_n), ..law }
+    }
+
+    fn next_change_s(&self, time_s: f64) -> f64 {
+        let step_s = self.held.as_ref().and_then(|held| Some(held.try_borrow().ok()?.step_s));
+        step_s.map_or(f64::INFINITY, |step_s| ((time_s / step_s).round() + 1.0) * step_s)
+    }
+
+    fn change(&self, time_s: f64, state: &[f64; N], latched_m_s: &[Option<f64>]) {
+        let Some(held) = &self.held else { return };
+        if let (Ok(mut source), Ok(mut evaluation)) =
+            (held.try_borrow_mut(), self.evaluation.try_borrow_mut())
+        {
+            self.mechanism.hold(&mut source, (time_s, state), latched_m_s, &mut evaluation);
+        }
     }
 
     fn slice_angles(&self, slice: usize, time_s: f64, state: &[f64; N]) -> ContactAngles {
@@ -126,19 +157,21 @@ impl<const N: usize> SlicedPlant<N> for Padded<'_> {
 }
 
 impl Mechanism {
-    /// Runs the mechanism and records it at ascending times.
+    /// Runs the mechanism and records it at ascending times. The forces of some contacts may be
+    /// held.
     pub(crate) fn run(
         &self,
         samples_s: &[f64],
         options: &RunOptions,
+        held: Option<&mut HeldForces<'_>>,
     ) -> Result<MechanismRun, IntegrationError> {
         // The integrator's state has a size that is fixed at compile time.
         match self.states() {
-            0..=12 => self.run_padded::<12>(samples_s, options),
-            13..=24 => self.run_padded::<24>(samples_s, options),
-            25..=48 => self.run_padded::<48>(samples_s, options),
-            49..=128 => self.run_padded::<128>(samples_s, options),
-            _ => self.run_padded::<MAX_STATES>(samples_s, options),
+            0..=12 => self.run_padded::<12>(samples_s, options, held),
+            13..=24 => self.run_padded::<24>(samples_s, options, held),
+            25..=48 => self.run_padded::<48>(samples_s, options, held),
+            49..=128 => self.run_padded::<128>(samples_s, options, held),
+            _ => self.run_padded::<MAX_STATES>(samples_s, options, held),
         }
     }
 
@@ -146,6 +179,7 @@ impl Mechanism {
         &self,
         samples_s: &[f64],
         options: &RunOptions,
+        held: Option<&mut HeldForces<'_>>,
     ) -> Result<MechanismRun, IntegrationError> {
         let start = self.initial_state(options.is_closed);
         let initial: [f64; N] = std::array::from_fn(|i| start.get(i).copied().unwrap_or_default());
@@ -153,8 +187,8 @@ impl Mechanism {
         let mut samples = Vec::with_capacity(samples_s.len());
         let end_s = options.duration_s;
         let mut latched = vec![None; self.contacts.len()];
-        let mut evaluation = self.evaluation();
-        let plant = Padded { mechanism: self, evaluation: RefCell::new(self.evaluation()) };
+        let held = held.map(RefCell::new);
+        let plant = Padded { mechanism: self, evaluation: RefCell::new(self.evaluation()), held };
         let result = integrate_slices(
             &plant,
             (0.0, end_s),
@@ -163,7 +197,7 @@ impl Mechanism {
             samples_s,
             &self.tolerances(options),
             |t, s, held| {
-                samples.push(self.snapshot(t, s, held, &mut evaluation));
+                samples.extend(plant.snapshot(t, s, held));
                 latched.copy_from_slice(held);
             },
         )?;
@@ -174,7 +208,7 @@ impl Mechanism {
         }
         Ok(MechanismRun {
             samples,
-            end: self.snapshot(end_s, &result.state, &latched, &mut evaluation),
+            end: self.snapshot(end_s, &result.state, &latched, &mut plant.evaluation.into_inner()),
             energy: self.balance((0.0, &initial), (end_s, &result.state)),
             impacts: result.impacts,
             steps: result.steps,
@@ -221,10 +255,13 @@ impl Mechanism {
             position: [frame.position_m[0], frame.position_m[1], frame.angle_rad],
             rate: frame.rates(),
         });
-        let contacts = self.contacts.iter().zip(latched_m_s).map(|(contact, latched)| {
+        let contacts = self.contacts.iter().zip(latched_m_s).enumerate().map(|(i, (contact, latched))| {
             let touch = contact.kind.at(time_s, contact.kind.bodies().map(|body| frame(frames, body)));
             let force = |l: f64| contact.forces_n(&touch, l, self.bristle_m(contact, state));
-            let (normal_n, friction_n) = latched.map_or((0.0, 0.0), force);
+            let (normal_n, friction_n) = match &evaluation.held[i] {
+                Some(held) => (held.forces.normal_n, held.forces.friction_n),
+                None => latched.map_or((0.0, 0.0), force),
+            };
             let (deformation_m, sliding_m_s) = (touch.depth_m, touch.sliding_m_s);
             ContactState { deformation_m, normal_n, friction_n, sliding_m_s }
         });
