@@ -36,7 +36,10 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_no_files() {
         (&["run", "--bench", "slider-crank", "--load-kn", "1"], "--load-kn: found plant `slider-crank`"),
         (&["run", "--bench", "slider-crank", "--record", "a.rec"], "--record: found plant `slider-crank`"),
         (&["record", "--bench", "slider-crank"], "found plant `slider-crank`"),
-        (&["record", "--bench", "four-bar"], "found plant `mechanism`, which only `run` takes"),
+        (
+            &["record", "--bench", "four-bar"],
+            "found plant `mechanism`, which only `run` takes; expected a mechanism with",
+        ),
         (&["run", "--bench", "four-bar", "--record", "a.rec"], "--record: found plant `mechanism`"),
         (
             &["run", "--bench", "four-bar", "--seed", "2"],

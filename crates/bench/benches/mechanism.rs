@@ -64,8 +64,8 @@ fn compare_slider_crank(general: &MechanismBench) {
     let mechanism = || run(general, &[], CRANK_TOLERANCE).end.bodies[2].position[0];
     let [own, other] = best_of([&dedicated, &mechanism], REPETITIONS);
     println!(
-        "slider-crank: dedicated {:.3} wall s per simulated s at {:.1e} m, mechanism {:.3} at {:.1e} m, ratio \
-         {:.2}",
+        "slider-crank: dedicated {:.3} wall s per simulated s at {:.1e} m, mechanism {:.3} at {:.1e} m, \
+         ratio {:.2}",
         own / end_s,
         (dedicated() - REFERENCE_M).abs(),
         other / end_s,

@@ -53,8 +53,8 @@ pub struct RunArgs {
     /// The bench.
     #[command(flatten)]
     pub bench: BenchOptions,
-    /// Source of the bearing force; default: quantised-net. On a mechanism that of the contacts with
-    /// a `network`, law if there is none.
+    /// Source of the bearing force; default: quantised-net. On a mechanism that of the contacts
+    /// with a `network`, law if there is none.
     #[arg(long, value_enum)]
     pub force: Option<ForceSource>,
     /// Controller that runs the estimator.

@@ -3,6 +3,7 @@
 use super::RunArgs;
 use super::force::ForceSource;
 use super::mechanism_networks::{self, NetworkFigures};
+use super::mechanism_sketch::sketch;
 use super::report::number;
 use crate::cli::error::CliError;
 use crate::cli::limits;
@@ -207,6 +208,12 @@ fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars
         number(bench.run.duration_s),
         summary.energy_residual_rel
     ));
+    if let Some(sketch) = sketch(bench, samples) {
+        page.figure(
+            &sketch,
+            "Sketch of the run; arrows are the forces of clearance joints on their journals.",
+        );
+    }
     let names = bench.contact_names().into_iter().enumerate().take(MAX_CURVES);
     let forces: Vec<Series> =
         names.map(|(i, name)| curve(name, &|s| s.contacts.get(i).map_or(0.0, |c| c.normal_n))).collect();

@@ -12,6 +12,7 @@ pub mod force;
 pub mod impacts;
 pub(crate) mod mechanism;
 mod mechanism_networks;
+mod mechanism_sketch;
 pub(crate) mod page;
 pub(crate) mod report;
 pub mod same_signals;

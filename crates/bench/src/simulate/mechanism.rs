@@ -101,6 +101,13 @@ impl MechanismBench {
         distinct(self.joint.iter().flat_map(of_joint).collect())
     }
 
+    /// Returns for each contact in the order of a run whether it is that of a clearance joint.
+    pub(crate) fn are_clearance(&self) -> Vec<bool> {
+        let of_joint =
+            |joint: &JointSection| std::iter::repeat_n(joint.kind == JointKind::Clearance, joint.contacts());
+        self.joint.iter().flat_map(of_joint).collect()
+    }
+
     /// Floor of the latched approach speed of each contact in m/s, in the order of a run.
     pub fn latch_floors_m_s(&self) -> Vec<f64> {
         let floor = |joint: &JointSection| {
@@ -111,10 +118,15 @@ impl MechanismBench {
         self.joint.iter().flat_map(floor).collect()
     }
 
+    /// Joints with a drive without backlash, in the order of a run.
+    pub(crate) fn drives(&self) -> impl Iterator<Item = &JointSection> {
+        self.joint.iter().filter(|joint| joint.is_driven() && joint.backlash_m.is_none())
+    }
+
     /// Name and unit of the force of each drive, in the order of a run; a drive with backlash acts
     /// through its contacts.
     pub fn drive_names(&self) -> Vec<(String, &'static str)> {
-        let drives = self.joint.iter().filter(|joint| joint.is_driven() && joint.backlash_m.is_none());
+        let drives = self.drives();
         let name = |joint: &JointSection| {
             let unit = if joint.kind == JointKind::Prismatic { "n" } else { "nm" };
             (format!("{}_{}", joint.first, joint.second), unit)

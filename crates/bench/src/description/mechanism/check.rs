@@ -42,6 +42,7 @@ impl MechanismBench {
         for (i, load) in self.load.iter().enumerate() {
             self.refuse_name(&format!("load.{i}.body"), &load.body, false, &mut all);
         }
+        self.refuse_measured(&mut all);
         all
     }
 
@@ -150,7 +151,7 @@ fn refuse_offset(path: &str, joint: &JointSection) -> Option<Refusal> {
 
 impl JointSection {
     /// Number of contacts of the joint.
-    pub(crate) const fn contacts(&self) -> usize {
+    pub const fn contacts(&self) -> usize {
         match self.kind {
             JointKind::Clearance => 1,
             JointKind::Guide => 4,

@@ -2,9 +2,12 @@
 
 mod check;
 mod contact;
+mod measured;
 mod plant;
 
 pub use self::contact::ContactEntry;
+pub use self::measured::MeasuredEntry;
+pub(crate) use self::measured::Quantity;
 
 use super::common::plant_description;
 use super::{is_one, is_zero, one};
@@ -232,6 +235,9 @@ plant_description! {
         /// Forces and torques on bodies, constant in the axes of the ground.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         load: Vec<LoadSection>,
+        /// Channels of a recorded log. A mechanism without them has no log.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        measured: Vec<MeasuredEntry>,
     }
 }
 

@@ -141,6 +141,17 @@ impl ContactKind {
         }
     }
 
+    /// Position of the journal from the centre of its bearing in m, in the axes of the ground; 0
+    /// for other contacts.
+    pub(crate) fn offset_m(&self, pair: Pair<'_>) -> [f64; 2] {
+        match self {
+            Self::Journal { bearing, journal, .. } => {
+                subtract(journal.at(pair[1]).position_m, bearing.at(pair[0]).position_m)
+            }
+            _ => [0.0; 2],
+        }
+    }
+
     /// Deformation in m, negative in a gap, and its rate in m/s.
     #[inline]
     pub(crate) fn deformation(&self, time_s: f64, pair: Pair<'_>) -> (f64, f64) {

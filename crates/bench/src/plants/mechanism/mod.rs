@@ -7,9 +7,10 @@
 //! and a friction law; the integrator locates their onsets and separations and latches the approach
 //! speed.
 //!
-//! States: the coordinates that the joints with the ground leave each body, their rates, the works of the energy balance (`energy`), and a deflection for
-//! each contact whose friction law has bristles. SI. Not modelled: flexible bodies, motion out of
-//! the plane, friction in ideal joints, impacts on ideal joints other than through contacts.
+//! States: the coordinates that the joints with the ground leave each body, their rates, the works
+//! of the energy balance (`energy`), and a deflection for each contact whose friction law has
+//! bristles. SI. Not modelled: flexible bodies, motion out of the plane, friction in ideal joints,
+//! impacts on ideal joints other than through contacts.
 
 mod body;
 mod builder;
@@ -291,8 +292,8 @@ impl Mechanism {
         self.suspensions[body].drive.map_or(1.0, |(_, sense)| sense)
     }
 
-    /// Force or torque of a drive in N or N m on its coordinate after an evaluation: its multiplier,
-    /// or by the principle of virtual power what the bodies that it carries need.
+    /// Force or torque of a drive in N or N m on its coordinate after an evaluation: its
+    /// multiplier, or by the principle of virtual power what the bodies that it carries need.
     fn drive_force(&self, drive: &Drive, evaluation: &Evaluation) -> f64 {
         let multipliers = evaluation.solver.multipliers();
         let body = match *drive {

@@ -30,6 +30,9 @@ pub struct ContactState {
     pub friction_n: f64,
     /// Sliding speed in m/s.
     pub sliding_m_s: f64,
+    /// Position of a journal from the centre of its bearing in m, in the axes of the ground; 0 for
+    /// other contacts.
+    pub offset_m: [f64; 2],
 }
 
 /// State of a mechanism at one time.
@@ -256,14 +259,21 @@ impl Mechanism {
             rate: frame.rates(),
         });
         let contacts = self.contacts.iter().zip(latched_m_s).enumerate().map(|(i, (contact, latched))| {
-            let touch = contact.kind.at(time_s, contact.kind.bodies().map(|body| frame(frames, body)));
+            let pair = contact.kind.bodies().map(|body| frame(frames, body));
+            let touch = contact.kind.at(time_s, pair);
             let force = |l: f64| contact.forces_n(&touch, l, self.bristle_m(contact, state));
             let (normal_n, friction_n) = match &evaluation.held[i] {
                 Some(held) => (held.forces.normal_n, held.forces.friction_n),
                 None => latched.map_or((0.0, 0.0), force),
             };
             let (deformation_m, sliding_m_s) = (touch.depth_m, touch.sliding_m_s);
-            ContactState { deformation_m, normal_n, friction_n, sliding_m_s }
+            ContactState {
+                deformation_m,
+                normal_n,
+                friction_n,
+                sliding_m_s,
+                offset_m: contact.kind.offset_m(pair),
+            }
         });
         Snapshot { time_s, bodies: bodies.collect(), contacts: contacts.collect(), drives }
     }
