@@ -668,6 +668,10 @@ fn the_sensors_of_a_mechanism_add_noise_from_the_seed_and_are_simulated_without_
     let errors: Vec<f64> = journal(&first).iter().zip(read).map(|(a, b)| a - b).collect();
     let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
     assert!((0.85e-6..1.15e-6).contains(&rms), "{rms}");
+    let mut early = first;
+    early.time_s[0] = -1e-3;
+    let error = bench::simulate::Inputs::new(&bench, &early).unwrap_err().to_string();
+    assert!(error.contains("t_s from -0.001; expected t_s from 0"), "{error}");
 }
 
 #[test]

@@ -57,6 +57,11 @@ fn read(s: &Snapshot, quantity: Quantity, drives: &[&JointSection], joints: &[&J
 
 impl LoggedPlant for MechanismBench {
     fn inputs(&self, log: &MeasuredLog) -> Result<Inputs, LogError> {
+        if let Some(first_s) = log.time_s.first().filter(|first_s| **first_s < 0.0) {
+            let (file, found) = (log.source.clone(), format!("t_s from {first_s}"));
+            let expected = "t_s from 0, the start of a mechanism, on".into();
+            return Err(LogError::Content { file, found, expected });
+        }
         let still = || Profile::Cycles { stroke: 0.0, period_s: 1.0, cycles: 0.0 };
         let outputs = self.outputs(log).into_iter().filter(|channel| self.simulates(*channel)).collect();
         Ok(Inputs::from_profiles(log, outputs, (still(), still()), FINENESS))
