@@ -57,6 +57,10 @@ fn every_bench_runs_or_is_recorded() {
             assert!(rows("log.csv") == 4001 && rows("impacts.csv") > 5, "{path}");
             let page = std::fs::read_to_string(directory.path().join("out/run/report.html")).unwrap();
             assert!(page.contains("Energy balance"), "{path}");
+            for part in ["data-sketch", "<button", "type=\"range\"", "prefers-reduced-motion"] {
+                assert!(page.contains(part), "{path} {part}");
+            }
+            assert!(!page.contains("NaN") && !page.contains("src="), "{path}");
             continue;
         }
         for name in ["log.csv", "log.parquet", "log.mat"] {
@@ -96,4 +100,42 @@ fn the_sticking_rig_is_recorded_and_diagnosed() {
     // On a sine of one speed the catalogue calls these two confounded: in both cases friction falls
     // after each reversal.
     assert!(causes.contains(&"stribeck-friction") || causes.contains(&"breakaway"), "{diagnosis}");
+}
+
+#[test]
+fn a_mechanism_takes_forces_from_networks_and_is_recorded_but_not_diagnosed() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(examples().join("bench-b-mechanism.toml")).unwrap();
+    let text = text
+        .replace("duration_s = 1.0", "duration_s = 0.1, samples = 500")
+        .replace("name = \"babbitt\"", "name = \"babbitt\"\nnetwork = \"babbitt\"")
+        + "[[measured]]\nchannel = \"journal_z_m\"\nof = \"ground_shaft\"\n\
+           [sensors.journal_z_m]\nnoise = 1e-6\n";
+    std::fs::write(directory.path().join("b.toml"), text).unwrap();
+    let net = host_sim(directory.path(), &["run", "--bench", "b.toml", "--json"]);
+    let law = host_sim(directory.path(), &["run", "--bench", "b.toml", "--force", "law", "--json"]);
+    assert_eq!((&net["force"], &law["force"]), (&"quantised-net".into(), &"law".into()));
+    let [found, known] = [&net, &law].map(|run| run["contacts"][0]["peak_force_n"].as_f64().unwrap());
+    assert!(found != known && (found / known - 1.0).abs() < 0.1, "{found} {known}");
+    assert!(net["networks"]["outside_training_share"].as_f64().is_some_and(|share| share < 0.2), "{net}");
+    assert!(net["energy_residual_rel"].as_f64().is_some_and(|rel| rel < 1e-6), "{net}");
+    let record = |seed: &str| {
+        let written = host_sim(directory.path(), &["record", "--bench", "b.toml", "--seed", seed, "--json"]);
+        assert_eq!((&written["samples"], &written["channels"]), (&500.into(), &["journal_z_m"][..].into()));
+        std::fs::read(directory.path().join("out/record/log.csv")).unwrap()
+    };
+    let first = record("7");
+    assert!(first == record("7") && first != record("8"));
+    let log = "out/record/log.csv";
+    let evaluated = host_sim(directory.path(), &["evaluate", log, "--bench", "b.toml", "--json"]);
+    let rms = evaluated["channels"][0]["rms"].as_f64().unwrap();
+    assert!((0.8e-6..1.2e-6).contains(&rms), "{evaluated}");
+    let refused = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .current_dir(directory.path())
+        .args(["diagnose", log, "--bench", "b.toml"])
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{message}");
+    assert!(message.contains("`run`, `record` and `evaluate`"), "{message}");
 }

@@ -5,6 +5,7 @@
 //! slider's position after 0.6 revolutions. The ratio of the times is printed. Bench B is one cycle
 //! with its analytic law.
 
+use bench::BearingMaterial;
 use bench::description::TwoPlaneSection;
 use bench::description::{SliderCrankBench, TransmissionBench};
 use bench::integrate::{ContactPlant, Touch, integrate};
@@ -12,7 +13,6 @@ use bench::plants::slider_crank::{self, SliderCrank};
 use bench::plants::transmission::Transmission;
 use bench::plants::two_plane::{TwoPlane, run_two_plane};
 use bench::simulate::{DEFAULT_TOLERANCE, run_with_law};
-use bench::{BearingMaterial, Bench};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -134,28 +134,4 @@ fn bench_b_with_the_law(bencher: divan::Bencher<'_, '_>, bearing: &str) {
     let plant = Transmission::new(&bench, bench.drive_profile(), bench.load_profile());
     let times = bench.sample_times_s(1000.0);
     bencher.bench(|| run_with_law(&plant, bench.duration_s(), &times, DEFAULT_TOLERANCE).map(|r| r.steps));
-}
-
-/// Chain of steel links that hang from each other in clearance joints and swing for 0.1 s.
-#[divan::bench(args = [1, 2, 4, 8, 16], sample_count = 3, sample_size = 1)]
-fn chain_with_clearance_joints(bencher: divan::Bencher<'_, '_>, joints: usize) {
-    let mut text = String::from(
-        "plant = \"mechanism\"\nrun = { duration_s = 0.1, gravity_m_s2 = [0, -9.81] }\n\
-         contact = [{ name = \"dry\", dissipation = \"flores\", restitution = 0.5, latch_floor_m_s = 0.01, \
-         coulomb_coefficient = 0.1, regularisation_m_s = 0.01 }]\n",
-    );
-    let at = |i: usize| format!("[{:?}, {:?}]", 0.06 * i as f64, -0.08 * i as f64);
-    for i in 0..joints {
-        let first = if i == 0 { "ground".into() } else { format!("b{}", i - 1) };
-        text += &format!(
-            "[[body]]\nname = \"b{i}\"\nmass_kg = 0.5\nfrom_m = {}\nto_m = {}\n\
-             [[joint]]\nkind = \"clearance\"\nfirst = \"{first}\"\nsecond = \"b{i}\"\nat_m = {}\n\
-             contact = \"dry\"\nbearing_radius_m = 0.01\nclearance_m = 1e-4\n",
-            at(i),
-            at(i + 1),
-            at(i)
-        );
-    }
-    let Ok(Bench::Mechanism(chain)) = Bench::parse("chain", &text) else { return };
-    bencher.bench(|| chain.simulate(&[], chain.run.tolerance).map(|run| run.steps));
 }

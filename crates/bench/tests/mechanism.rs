@@ -4,9 +4,9 @@
 
 use bench::Bench;
 use bench::description::{MechanismBench, TransmissionBench};
-use bench::plants::mechanism::MechanismRun;
-use bench::plants::transmission::Transmission;
-use bench::simulate::run_with_law;
+use bench::plants::mechanism::{HeldForces, MechanismRun};
+use bench::plants::transmission::{ContactView, Transmission};
+use bench::simulate::{run_with_held_force, run_with_law};
 use contact::{Dissipation, produced_restitution};
 
 fn text(path: &str) -> String {
@@ -47,35 +47,6 @@ fn the_slider_crank_as_a_mechanism_gives_the_published_figures() {
     assert_balanced(&run, 1e-8);
 }
 
-/// Bench B as a mechanism: Y is x, Z is y, and the angle has the other sign.
-const BENCH_B: &str = r#"
-plant = "mechanism"
-run = { duration_s = 1.0, gravity_m_s2 = [0, -9.81], largest_step_s = 1e-3 }
-body = [
-    { name = "fork", mass_kg = 1, inertia_kg_m2 = 1, at_m = [0, 0.3] },
-    { name = "shaft", mass_kg = 150, inertia_kg_m2 = 60, at_m = [0, -0.4995e-3] },
-]
-joint = [
-    { kind = "prismatic", first = "ground", second = "fork", at_m = [0, 0.3], drive_stroke = 0.172,
-        drive_period_s = 1 },
-    { kind = "slot", first = "fork", second = "shaft", at_m = [0, 0.2995005],
-        axis_rad = 1.5707963267948966 },
-    { kind = "clearance", first = "ground", second = "shaft", at_m = [0, 0], offset_m = [0,
-        -0.4995e-3], contact = "babbitt", bearing_radius_m = 0.07, clearance_m = 0.5e-3, length_m = 0.14 },
-]
-load = [{ body = "shaft", at_m = [0, 0.3595005], force_n = [10e3, 0], ramp_s = 0.05 }]
-[[contact]]
-name = "babbitt"
-stiffness = "hybrid-as-printed"
-dissipation = "zhiying-qishao"
-restitution = 0.4
-youngs_modulus_pa = 50e9
-journal_modulus_pa = 206e9
-coulomb_coefficient = 0.14
-static_coefficient = 0.22
-stribeck_speed_m_s = 0.02
-"#;
-
 /// Both plants integrate the same equations in different coordinates; the figures agree to the
 /// error of the integrator.
 #[test]
@@ -84,7 +55,7 @@ fn the_transmission_bench_as_a_mechanism_gives_the_dedicated_plants_run() {
     let plant = Transmission::new(&dedicated, dedicated.drive_profile(), dedicated.load_profile());
     let times = dedicated.sample_times_s(10_000.0);
     let known = run_with_law(&plant, 1.0, &times, 1e-10).unwrap();
-    let run = parsed(BENCH_B).simulate(&times, 1e-10).unwrap();
+    let run = example("bench-b-mechanism").simulate(&times, 1e-10).unwrap();
     let mut peak_n: f64 = 0.0;
     for (found, known) in run.samples.iter().zip(&known.samples) {
         let shaft = found.bodies[1].position;
@@ -145,7 +116,7 @@ contact = [{{ name = "wall", coefficient = 1e9, restitution = 0.4, dissipation =
         assert_near("restitution", impact.restitution().unwrap(), 1.0, 1e-8);
     }
     assert_near("speed along the guide, m/s", run.end.bodies[0].rate[0], 0.3, 1e-12);
-    let run = guide("flores").simulate(&[], 1e-11).unwrap();
+    let run = guide("flores").simulate(&[], 1e-12).unwrap();
     let produced = produced_restitution(Dissipation::Flores.factor(0.4));
     assert_near("restitution", run.impacts[0].restitution().unwrap(), produced, 1e-7);
     let lost_j = 0.5 * 2.0 * 0.25 * (1.0 - produced * produced);
@@ -525,4 +496,209 @@ contact = [{ name = "wall", coefficient = 1e9, restitution = 0.6, dissipation = 
         assert_near("momentum, N s and N m s", *found, known, 1e-9);
     }
     assert_balanced(&run, 1e-8);
+}
+
+/// A driven crank with coupler and rocker, a driven trolley with a pendulum, and a slider on a
+/// spring. Every joint with the base is solved in closed form if the base is the ground, and with
+/// multipliers if it is a body that is welded to it.
+const ON_A_BASE: &str = r#"
+plant = "mechanism"
+run = { duration_s = 0.4, gravity_m_s2 = [0, -9.81], tolerance = 1e-11, largest_step_s = 1e-3 }
+body = [
+    { name = "base", mass_kg = 3, inertia_kg_m2 = 2, at_m = [0.1, 0.2] },
+    { name = "crank", mass_kg = 0.5, from_m = [0, 0], to_m = [0, 0.1] },
+    { name = "coupler", mass_kg = 1.0, from_m = [0, 0.1], to_m = [0.24, 0.2] },
+    { name = "rocker", mass_kg = 0.8, from_m = [0.25, 0], to_m = [0.24, 0.2] },
+    { name = "trolley", mass_kg = 2, inertia_kg_m2 = 0.1, at_m = [1, 0], angle_rad = 0.3 },
+    { name = "pendulum", mass_kg = 0.7, from_m = [1.1, 0.05], to_m = [1.3, -0.2], speed_rad_s = 2 },
+    { name = "slider", mass_kg = 0.4, inertia_kg_m2 = 0.1, at_m = [2, 0], velocity_m_s = [0.5, 0.5] },
+]
+joint = [
+    { kind = "weld", first = "ground", second = "base", at_m = [0.3, 0.1] },
+    { kind = "revolute", first = "coupler", second = "crank", at_m = [0, 0.1] },
+    { kind = "revolute", first = "BASE", second = "crank", at_m = [0, 0], drive_speed = 7,
+        drive_amplitude = 0.2, drive_period_s = 0.3 },
+    { kind = "revolute", first = "rocker", second = "BASE", at_m = [0.25, 0] },
+    { kind = "revolute", first = "rocker", second = "coupler", at_m = [0.24, 0.2] },
+    { kind = "prismatic", first = "trolley", second = "BASE", at_m = [1, 0], axis_rad = 0.4,
+        drive_stroke = 0.3, drive_period_s = 0.5 },
+    { kind = "revolute", first = "trolley", second = "pendulum", at_m = [1.1, 0.05] },
+    { kind = "prismatic", first = "BASE", second = "slider", at_m = [2, 0], axis_rad = 1.0 },
+]
+spring = [{ first = "ground", second = "slider", from_m = [1.8, 0], to_m = [2, 0], stiffness = 30 }]
+load = [{ body = "pendulum", at_m = [1.3, -0.2], force_n = [3, 1] }, { body = "crank", torque_nm = 0.3 }]
+"#;
+
+/// Independent of each other: coordinates with directions and virtual power, and multipliers.
+#[test]
+fn joints_solved_in_closed_form_give_motion_and_drive_forces_of_the_multipliers() {
+    let times: Vec<f64> = (0..40).map(|i| 0.01 * f64::from(i)).collect();
+    let [closed, multipliers] = ["ground", "base"]
+        .map(|base| parsed(&ON_A_BASE.replace("BASE", base)).simulate(&times, 1e-11).unwrap());
+    assert_eq!(closed.samples.len(), 40);
+    let mut largest_drives = [0.0_f64; 2];
+    for (found, known) in closed.samples.iter().zip(&multipliers.samples) {
+        for (found, known) in found.bodies.iter().zip(&known.bodies) {
+            for k in 0..3 {
+                assert_near("position", found.position[k], known.position[k], 1e-7);
+                assert_near("rate", found.rate[k], known.rate[k], 1e-5);
+            }
+        }
+        for (i, (found, known)) in found.drives.iter().zip(&known.drives).enumerate() {
+            assert_near("drive, N or N m", *found, *known, 1e-4);
+            largest_drives[i] = largest_drives[i].max(known.abs());
+        }
+    }
+    assert!(largest_drives[0] > 1.0 && largest_drives[1] > 10.0, "{largest_drives:?}");
+    assert_near("drive work, J", closed.energy.drive_work_j, multipliers.energy.drive_work_j, 1e-6);
+    assert_balanced(&closed, 1e-7);
+}
+
+/// The law of bench B in place of networks: the dedicated plant holds the same forces with a fixed
+/// step, and latches the approach speed at the end of the step in which the journal lands, 0.1 mm/s
+/// of 4.4 mm/s later.
+#[test]
+fn held_forces_move_bench_b_as_they_move_the_dedicated_plant() {
+    let dedicated = TransmissionBench::open("bench-b").unwrap();
+    let plant = Transmission::new(&dedicated, dedicated.drive_profile(), dedicated.load_profile());
+    let times: Vec<f64> = (0..300).map(|i| 1e-3 * f64::from(i)).collect();
+    let known = run_with_held_force(&plant, 0.3, &times, 1e-5, |view| plant.law(view)).unwrap();
+    let mut bench = example("bench-b-mechanism");
+    bench.run.duration_s = 0.3;
+    let mut calls = 0;
+    let mut force = |contact: usize, view: &ContactView| {
+        assert_eq!((contact, view.radial_clearance_m), (0, 0.07 - 0.0695));
+        calls += 1;
+        plant.law(view)
+    };
+    let held = HeldForces { step_s: 1e-5, contacts: vec![true], force: &mut force };
+    let run = bench.simulate_held(&times, 1e-8, held).unwrap();
+    assert_eq!(calls, 30_000);
+    assert_eq!(run.samples.len(), known.samples.len());
+    for (found, known) in run.samples.iter().zip(&known.samples) {
+        let shaft = found.bodies[1].position;
+        assert_near("journal Y, m", shaft[0], known.y_m, 1e-6);
+        assert_near("journal Z, m", shaft[1], known.z_m, 1e-6);
+        assert_near("normal force, N", found.contacts[0].normal_n, known.forces.normal_n, 100.0);
+        assert_near("friction, N", found.contacts[0].friction_n.abs(), known.forces.friction_n.abs(), 50.0);
+    }
+    let peak_n = run.samples.iter().map(|sample| sample.contacts[0].normal_n).fold(0.0, f64::max);
+    assert!(peak_n > 4000.0, "{peak_n}");
+    assert_near("heat, J", run.energy.friction_heat_j, known.energy.friction_heat_j, 0.02);
+    assert_balanced(&run, 1e-6);
+}
+
+#[test]
+fn networks_are_those_of_clearance_joints_alone() {
+    let text = text("../../examples/bench-b-mechanism.toml");
+    let with = |text: &str| text.replace("name = \"babbitt\"", "name = \"babbitt\"\nnetwork = \"plastic\"");
+    assert_eq!(parsed(&with(&text)).networks(), [Some(contact::BearingMaterial::Plastic)]);
+    let unknown = with(&text).replace("\"plastic\"", "\"wood\"");
+    let error = Bench::parse("x.toml", &unknown).unwrap_err().to_string();
+    assert!(error.contains("contact.0.network is `wood`; expected one of babbitt, plastic"), "{error}");
+    let guide = with(&text)
+        .replace("kind = \"clearance\"", "kind = \"guide\", height_m = 0.1")
+        .replace("bearing_radius_m = 0.07, ", "");
+    let error = Bench::parse("x.toml", &guide).unwrap_err().to_string();
+    assert!(error.contains("joint.2.contact is `babbitt`; expected a contact without `network`"), "{error}");
+}
+
+/// Bench B as a mechanism with the channels of a dedicated log. The angle has the other sign, and
+/// with it the friction torque.
+fn measured_bench_b() -> String {
+    let names =
+        ["journal_y_m", "journal_z_m", "bearing_force_y_n", "bearing_force_z_n", "friction_torque_nm"];
+    let of_joint = names.map(|name| format!("[[measured]]\nchannel = \"{name}\"\nof = \"ground_shaft\"\n"));
+    text("../../examples/bench-b-mechanism.toml")
+        .replace("duration_s = 1.0", "duration_s = 0.4, samples = 400")
+        + &of_joint.concat()
+        + "[[measured]]\nchannel = \"shaft_angle_rad\"\nof = \"shaft\"\n\
+           [[measured]]\nchannel = \"shaft_speed_rad_s\"\nof = \"shaft\"\n\
+           [[measured]]\nchannel = \"position_m\"\nof = \"ground_fork\"\n\
+           [[measured]]\nchannel = \"velocity_m_s\"\nof = \"ground_fork\"\n\
+           [[measured]]\nchannel = \"drive_force_n\"\nof = \"ground_fork\"\n"
+}
+
+#[test]
+fn a_recorded_mechanism_reads_what_the_dedicated_plant_reads() {
+    let mut dedicated = Bench::open("bench-b").unwrap();
+    dedicated.sensors_mut().clear();
+    dedicated.transmission_mut().unwrap().logging.sample_rate_hz = 1000.0;
+    let known = bench::simulate::record(&dedicated, 1).unwrap();
+    let found = bench::simulate::record(&Bench::parse("x.toml", &measured_bench_b()).unwrap(), 1).unwrap();
+    assert_eq!((found.time_s.len(), found.channels.len()), (400, 10));
+    let cases = [
+        ("journal_y_m", "journal_y_m", 1.0, 1e-8),
+        ("journal_z_m", "journal_z_m", 1.0, 1e-8),
+        ("bearing_force_y_n", "bearing_force_y_n", 1.0, 1.0),
+        ("bearing_force_z_n", "bearing_force_z_n", 1.0, 1.0),
+        ("friction_torque_nm", "friction_torque_nm", -1.0, 0.05),
+        ("shaft_angle_rad", "shaft_angle_rad", -1.0, 1e-7),
+        ("shaft_speed_rad_s", "shaft_speed_rad_s", -1.0, 1e-5),
+        ("position_m", "drive_displacement_m", 1.0, 1e-12),
+        ("velocity_m_s", "drive_velocity_m_s", 1.0, 1e-12),
+    ];
+    for (name, of_plant, sign, tolerance) in cases {
+        let channel = |name: &str| bench::signals::Channel::from_name(name).unwrap();
+        let (own, other) = (&found.channels[&channel(name)], &known.channels[&channel(of_plant)]);
+        let largest = other.iter().take(400).fold(0.0_f64, |most, value| most.max(value.abs()));
+        assert!(largest > 100.0 * tolerance, "{name} {largest}");
+        for (time_s, (own, other)) in found.time_s.iter().zip(own.iter().zip(other)) {
+            assert_near(&format!("{name} at {time_s}"), sign * own, *other, tolerance);
+        }
+    }
+}
+
+#[test]
+fn the_sensors_of_a_mechanism_add_noise_from_the_seed_and_are_simulated_without_it() {
+    let text = measured_bench_b() + "[sensors.journal_y_m]\nnoise = 1e-6\noffset = 2e-6\n";
+    let bench = Bench::parse("x.toml", &text).unwrap();
+    let [first, again, other] = [1, 1, 2].map(|seed| bench::simulate::record(&bench, seed).unwrap());
+    assert_eq!(first, again);
+    let journal = |log: &bench::log::MeasuredLog| log.channels[&bench::signals::Channel::JournalY].clone();
+    assert_ne!(journal(&first), journal(&other));
+    assert_eq!(
+        first.channels[&bench::signals::Channel::JournalZ],
+        other.channels[&bench::signals::Channel::JournalZ]
+    );
+    let inputs = bench::simulate::Inputs::new(&bench, &first).unwrap();
+    let simulated = bench::simulate::respond(&bench, &inputs).unwrap();
+    // The drive's motion is an input, and the mechanism follows its description.
+    assert_eq!(simulated.len(), 8);
+    let read = &simulated[&bench::signals::Channel::JournalY];
+    let errors: Vec<f64> = journal(&first).iter().zip(read).map(|(a, b)| a - b).collect();
+    let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+    assert!((0.85e-6..1.15e-6).contains(&rms), "{rms}");
+    let mut early = first;
+    early.time_s[0] = -1e-3;
+    let error = bench::simulate::Inputs::new(&bench, &early).unwrap_err().to_string();
+    assert!(error.contains("t_s from -0.001; expected t_s from 0"), "{error}");
+}
+
+#[test]
+fn wrong_channels_of_a_mechanism_are_refused() {
+    let refused = |from: &str, to: &str| {
+        let text = measured_bench_b();
+        assert!(text.contains(from), "{from}");
+        Bench::parse("x.toml", &text.replacen(from, to, 1)).unwrap_err().to_string()
+    };
+    let error = refused("of = \"shaft\"", "of = \"rudder\"");
+    assert!(error.contains("measured.5.of is `rudder`; expected one of fork, shaft"), "{error}");
+    let error = refused("\"ground_shaft\"", "\"fork\"");
+    assert!(error.contains("measured.0.of is `fork`; expected one of ground_shaft"), "{error}");
+    let error = refused("\"journal_y_m\"", "\"journal_z_m\"");
+    assert!(
+        error.contains("measured.1.channel is `journal_z_m`; expected a channel that no other"),
+        "{error}"
+    );
+    let error = refused("\"journal_y_m\"", "\"load_force_n\"");
+    assert!(error.contains("measured.0.channel is `load_force_n`; expected a channel of which"), "{error}");
+    let error = refused("\"position_m\"", "\"drive_torque_nm\"");
+    assert!(
+        error.contains("measured.7.channel is `drive_torque_nm`; expected a channel of which"),
+        "{error}"
+    );
+    let text = measured_bench_b() + "[sensors.bearing_temperature_c]\nnoise = 1.0\n";
+    let error = Bench::parse("x.toml", &text).unwrap_err().to_string();
+    assert!(error.contains("expected a channel of `[[measured]]`"), "{error}");
 }

@@ -71,10 +71,27 @@ impl BenchOptions {
 
     /// Opens the bench, applies the changes and checks the result.
     pub fn open(&self) -> Result<Bench, CliError> {
+        let bench = self.open_recorded()?;
+        if matches!(bench, Bench::Mechanism(_)) {
+            return Err(CliError::Input(format!(
+                "{}: found plant `mechanism`, which only `run`, `record` and `evaluate` take; expected \
+                 another plant with a log",
+                self.bench
+            )));
+        }
+        Ok(bench)
+    }
+
+    /// Opens the bench as [`Self::open`] does, also a mechanism with `[[measured]]`.
+    pub fn open_recorded(&self) -> Result<Bench, CliError> {
         let mut bench = Bench::open(&self.bench)?;
         if bench.logged().is_none() {
+            let expected = match bench {
+                Bench::Mechanism(_) => "a mechanism with `[[measured]]`, or another plant with a log",
+                _ => "a plant with a log",
+            };
             return Err(CliError::Input(format!(
-                "{}: found plant `{}`, which only `run` takes; expected a plant with a log",
+                "{}: found plant `{}`, which only `run` takes; expected {expected}",
                 self.bench,
                 bench.plant_name()
             )));

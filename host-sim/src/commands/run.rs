@@ -15,7 +15,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     output::check_folder(&args.out)?;
     if matches!(bench, Bench::SliderCrank(_) | Bench::Mechanism(_)) {
         args.bench.check_changes(&bench)?;
-        if args.record.is_some() || args.watch {
+        if matches!(bench, Bench::SliderCrank(_)) && (args.record.is_some() || args.watch) {
             let option = if args.watch { "--watch" } else { "--record" };
             return Err(CliError::Input(format!(
                 "{option}: found plant `{}`; expected `transmission-bench`, which has a controller",

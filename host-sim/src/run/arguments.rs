@@ -53,9 +53,10 @@ pub struct RunArgs {
     /// The bench.
     #[command(flatten)]
     pub bench: BenchOptions,
-    /// Source of the bearing force.
-    #[arg(long, value_enum, default_value = "quantised-net")]
-    pub force: ForceSource,
+    /// Source of the bearing force; default: quantised-net. On a mechanism that of the contacts
+    /// with a `network`, law if there is none.
+    #[arg(long, value_enum)]
+    pub force: Option<ForceSource>,
     /// Controller that runs the estimator.
     #[arg(long, value_enum, default_value = "native", requires_if("attached", "way"))]
     pub controller: ControllerChoice,
@@ -124,6 +125,36 @@ impl RunArgs {
     /// The main job: every option at its default.
     pub fn default_job() -> Self {
         Defaults::parse_from(["host-sim"]).args
+    }
+
+    /// Source of the bearing force of a bench with networks.
+    pub(crate) fn force(&self) -> ForceSource {
+        self.force.unwrap_or(ForceSource::QuantisedNet)
+    }
+
+    /// Refuses the options that have no effect on a mechanism: it has no controller, and a
+    /// communication step only with networks.
+    pub(crate) fn check_mechanism(&self, has_networks: bool) -> Result<(), CliError> {
+        let own = Self::default_job();
+        let with_controller = "`transmission-bench`, which has a controller";
+        let changed = [
+            ("--controller", self.controller != own.controller, with_controller),
+            ("--contact", self.contact != own.contact, with_controller),
+            ("--seed", self.seed != own.seed, "`record`, which reads the sensors"),
+            ("--dropout-share", self.dropout_share != own.dropout_share, with_controller),
+            ("--dropout-samples", self.dropout_samples != own.dropout_samples, with_controller),
+            ("--elf", self.elf.is_some(), with_controller),
+            ("--on-restart", self.on_restart != own.on_restart, with_controller),
+            ("--record", self.record.is_some(), with_controller),
+            ("--watch", self.watch, with_controller),
+            ("--step-us", !has_networks && self.step_us != own.step_us, "a contact with networks"),
+        ];
+        match changed.into_iter().find(|(_, is_changed, _)| *is_changed) {
+            Some((option, _, expected)) => {
+                Err(CliError::Input(format!("{option}: found plant `mechanism`; expected {expected}")))
+            }
+            None => Ok(()),
+        }
     }
 }
 

@@ -1,6 +1,9 @@
 //! `host-sim run` with a mechanism: its contacts, drives and energy balance.
 
 use super::RunArgs;
+use super::force::ForceSource;
+use super::mechanism_networks::{self, NetworkFigures};
+use super::mechanism_sketch::sketch;
 use super::report::number;
 use crate::cli::error::CliError;
 use crate::cli::limits;
@@ -31,7 +34,8 @@ struct ContactSummary {
     share_of_time: f64,
     /// Largest normal force.
     peak_force_n: f64,
-    /// Its numerical error bar, from three tolerances; none if the coarser runs lack the impact.
+    /// Its numerical error bar, from three tolerances, or with networks from three communication
+    /// steps; none if the coarser runs lack the impact.
     error_bar_n: Option<f64>,
     /// Time of the largest force.
     peak_s: f64,
@@ -42,6 +46,11 @@ struct ContactSummary {
 /// Figures of a run.
 #[derive(Clone, Debug, JsonSchema, Serialize)]
 pub(crate) struct MechanismSummary {
+    /// Source of the forces of the contacts with networks; those of the others come from laws.
+    force: ForceSource,
+    /// Figures of the networks; none with laws alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    networks: Option<NetworkFigures>,
     contacts: Vec<ContactSummary>,
     /// Largest magnitude of each drive's force or torque at the log's rows, by name with unit.
     drive_peaks: BTreeMap<String, f64>,
@@ -63,9 +72,18 @@ pub(crate) fn run(bench: &MechanismBench, args: &RunArgs) -> Result<(), CliError
     let count = bench.run.samples;
     let times: Vec<f64> =
         (0..count).map(|i| bench.run.duration_s * f64::from(i) / f64::from(count)).collect();
+    let source = mechanism_networks::source(bench, args)?;
     let started = Instant::now();
-    let result = bench.simulate_with_bars(&times)?;
-    let summary = summary(bench, &result, started.elapsed().as_secs_f64());
+    let (result, networks) = if source == ForceSource::Law {
+        (bench.simulate_with_bars(&times)?, None)
+    } else {
+        let (result, networks) = mechanism_networks::run(bench, (source, args.step_us), &times)?;
+        (result, Some(networks))
+    };
+    let mut summary = summary(bench, &result, started.elapsed().as_secs_f64());
+    if networks.is_some() {
+        (summary.force, summary.networks, summary.tolerance) = (source, networks, bench.run.tolerance);
+    }
     let page = page(bench, &summary, &result).map_err(CliError::Work)?;
     let floors = bench.latch_floors_m_s();
     let floor = |contact: usize| floors.get(contact).copied().unwrap_or_default();
@@ -101,6 +119,8 @@ fn summary(bench: &MechanismBench, result: &RunWithBars, wall_s: f64) -> Mechani
     let bodies = bench.body.iter().zip(&run.end.bodies);
     let energy = run.energy.terms().map(|(name, value)| (name.to_owned(), value));
     MechanismSummary {
+        force: ForceSource::Law,
+        networks: None,
         contacts: contacts(bench, result),
         drive_peaks: drives.map(|(i, (name, unit))| (format!("{name}_{unit}"), drive_peak(i))).collect(),
         end: bodies.map(|(body, state)| (body.name.clone(), state.position)).collect(),
@@ -187,6 +207,12 @@ fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars
         number(bench.run.duration_s),
         summary.energy_residual_rel
     ));
+    if let Some(sketch) = sketch(bench, samples) {
+        page.figure(
+            &sketch,
+            "Sketch of the run; arrows are the forces of clearance joints on their journals.",
+        );
+    }
     let names = bench.contact_names().into_iter().enumerate().take(MAX_CURVES);
     let forces: Vec<Series> =
         names.map(|(i, name)| curve(name, &|s| s.contacts.get(i).map_or(0.0, |c| c.normal_n))).collect();
@@ -208,8 +234,8 @@ fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars
     let rows: Vec<Vec<String>> = contact_rows(summary).into_iter().map(Vec::from).collect();
     page.section("Contacts").table(&CONTACT_HEADER, &rows);
     page.note(
-        "The error bar follows from runs at three tolerances and their observed order of convergence. \
-         impacts.csv contains every impact.",
+        "The error bar follows from runs at three tolerances, or with networks at three communication \
+         steps, and their observed order of convergence. impacts.csv contains every impact.",
     );
     let terms = result.run.energy.terms();
     let rows: Vec<Vec<String>> =

@@ -11,6 +11,8 @@ pub mod exchange;
 pub mod force;
 pub mod impacts;
 pub(crate) mod mechanism;
+mod mechanism_networks;
+mod mechanism_sketch;
 pub(crate) mod page;
 pub(crate) mod report;
 pub mod same_signals;
@@ -78,12 +80,12 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
 
     let bar = progress::bar(progress::PERCENT);
-    bar.set_message(format!("bench with {}", args.force.name()));
-    let forced = force::run_bench(&resolved, args.force, step_s, || bar.inc(1))?;
+    bar.set_message(format!("bench with {}", args.force().name()));
+    let forced = force::run_bench(&resolved, args.force(), step_s, || bar.inc(1))?;
     let mut summary = Summary {
-        figures: Figures::from_run(&resolved, args.force, &forced, SAMPLE_RATE_HZ),
-        tolerance: (args.force == ForceSource::Law).then_some(DEFAULT_TOLERANCE),
-        communication_step_s: (args.force != ForceSource::Law).then_some(step_s),
+        figures: Figures::from_run(&resolved, args.force(), &forced, SAMPLE_RATE_HZ),
+        tolerance: (args.force() == ForceSource::Law).then_some(DEFAULT_TOLERANCE),
+        communication_step_s: (args.force() != ForceSource::Law).then_some(step_s),
         wall_s: forced.wall_s,
         wall_s_per_simulated_s: forced.wall_s / resolved.duration_s(),
         energy: forced
@@ -101,7 +103,7 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         estimator: None,
         against_law: None,
     };
-    let law = if args.force == ForceSource::Law {
+    let law = if args.force() == ForceSource::Law {
         None
     } else {
         let law = force::run_bench(&resolved, ForceSource::Law, step_s, || {})?;

@@ -98,7 +98,7 @@ plants! {
     FrictionRig(FrictionRig),
     /// A slider-crank with a clearance joint; it is run, but neither recorded nor diagnosed.
     SliderCrank(SliderCrankBench),
-    /// A planar mechanism; it is run, but neither recorded nor diagnosed.
+    /// A planar mechanism; it is run and recorded, but not diagnosed.
     Mechanism(MechanismBench),
 }
 

@@ -59,6 +59,8 @@ impl<P: SlicedPlant<N>, const N: usize> ODE<f64, [f64; N]> for Phase<'_, P> {
 #[derive(Default)]
 struct Contact {
     is_touching: bool,
+    /// True if the surface may be reached within the step.
+    is_near: bool,
     /// Index of the open impact.
     impact: usize,
     /// Reading at the start of the step.
@@ -141,22 +143,23 @@ impl<'a, P> Contacts<'a, P> {
             let can_stick = self.phase.touch(slice).slip != Slip::Smooth;
             let Some(contact) = self.contacts.get_mut(slice) else { continue };
             let reach = (to - from) * (contact.before.rate_m_s.abs() + reading.rate_m_s.abs());
-            is_near |= can_stick
+            contact.is_near = can_stick
                 || (reading.depth_m > 0.0) != contact.is_touching
                 || reading.depth_m.abs().min(contact.before.depth_m.abs()) <= reach;
+            is_near |= contact.is_near;
             contact.after = reading;
         }
         is_near
     }
 
-    /// Returns whether any contact touches where it had a gap, or the reverse, or the slip of one
-    /// has ended.
+    /// Returns whether any near contact touches where it had a gap, or the reverse, or the slip of
+    /// one has ended.
     fn has_changed<const N: usize>(&self, time_s: f64, state: &[f64; N]) -> bool
     where
         P: SlicedPlant<N>,
     {
         let plant = self.phase.plant;
-        self.contacts.iter().enumerate().any(|(slice, c)| {
+        self.contacts.iter().enumerate().filter(|(_, c)| c.is_near).any(|(slice, c)| {
             (plant.slice_deformation(slice, time_s, state).0 > 0.0) != c.is_touching
                 || self.phase.has_slip_ended(slice, time_s, state)
         })

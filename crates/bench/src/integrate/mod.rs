@@ -99,6 +99,8 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
         .max_steps(usize::MAX)
         .h_max(tolerances.largest_step_s)
         .h0((end_s - start_s).min(tolerances.largest_step_s) * 1e-3);
+    plant.change(start_s, &initial, &contacts.phase.latched_m_s);
+    let mut change_s = plant.next_change_s(start_s);
     start(&mut method, &contacts.phase, (start_s, end_s), &initial)?;
     let mut next_sample = samples_s.partition_point(|&t| t < start_s);
     let mut steps = 0;
@@ -107,7 +109,7 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
             return Err(IntegrationError::TooManySteps { steps, limit, time_s: method.t() });
         }
         steps += 1;
-        if !advance(&mut method, &contacts.phase, end_s)? {
+        if !advance(&mut method, &contacts.phase, end_s.min(change_s))? {
             continue;
         }
         let (from, reached, last) = (method.t_prev(), method.t(), *method.y());
@@ -129,6 +131,12 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
         contacts.measure((from, to), event.as_ref(), &mut state_at)?;
         let Some((t, mut state)) = event else {
             contacts.complete_step();
+            if change_s < end_s && change_s - reached <= f64::EPSILON * change_s.abs() {
+                plant.change(reached, &last, &contacts.phase.latched_m_s);
+                change_s = plant.next_change_s(change_s);
+                method.h0 = method.h().min(end_s - reached).max(f64::EPSILON * end_s.abs());
+                start(&mut method, &contacts.phase, (reached, end_s), &last)?;
+            }
             continue;
         };
         contacts.switch(t, &mut state, tolerances.largest_step_s)?;

@@ -130,6 +130,13 @@ pub(crate) trait SlicedPlant<const N: usize> {
     fn next_slice_slip(&self, _: usize, _time_s: f64, _state: &mut [f64; N], _touch: Touch) -> Slip {
         Slip::Smooth
     }
+    /// Time after `time_s` at which the derivative next changes by itself; infinite if it never
+    /// does.
+    fn next_change_s(&self, _time_s: f64) -> f64 {
+        f64::INFINITY
+    }
+    /// Changes the derivative, at the start and at each of these times.
+    fn change(&self, _time_s: f64, _state: &[f64; N], _latched_m_s: &[Option<f64>]) {}
 }
 
 impl<P: ContactPlant<N>, const N: usize> SlicedPlant<N> for P {

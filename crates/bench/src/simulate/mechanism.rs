@@ -4,21 +4,63 @@ use super::error_bars::error_bars;
 use super::peaks::TIGHTER;
 use crate::description::{JointKind, JointSection, MechanismBench};
 use crate::integrate::IntegrationError;
-use crate::plants::mechanism::{MechanismRun, RunOptions};
+use crate::plants::mechanism::{HeldForces, MechanismRun, RunOptions};
+use contact::BearingMaterial;
+use std::collections::BTreeMap;
 
 /// Run of a mechanism with the numerical error bar of each peak force.
 #[derive(Clone, Debug)]
 pub struct RunWithBars {
     /// The run, at the tighter tolerance.
     pub run: MechanismRun,
-    /// Error bar of each impact's peak force in N, from three runs; infinite for an impact that
+    /// Error bar of each impact's peak force in N, from three runs of different tolerances or
+    /// communication steps; infinite for an impact that
     /// only the finest run has.
     pub bars_n: Vec<f64>,
+}
+
+impl RunWithBars {
+    /// Error bars of a run from two coarser ones.
+    pub fn new(run: MechanismRun, middle: &MechanismRun, coarse: Option<&MechanismRun>) -> Self {
+        let nth = |run: &MechanismRun, contact: usize, n: usize| {
+            run.impacts.iter().filter(|i| i.contact == contact).nth(n).map(|i| i.peak_force_n)
+        };
+        let mut seen = BTreeMap::new();
+        let mut peaks = Vec::with_capacity(run.impacts.len());
+        for impact in &run.impacts {
+            let count: &mut usize = seen.entry(impact.contact).or_default();
+            let n = *count;
+            *count += 1;
+            let other = |run: &MechanismRun| nth(run, impact.contact, n);
+            peaks.push((impact.peak_force_n, other(middle), coarse.and_then(other)));
+        }
+        let bars_n = error_bars(&peaks);
+        Self { run, bars_n }
+    }
 }
 
 impl MechanismBench {
     /// Runs the described mechanism at a relative tolerance and records it at ascending times.
     pub fn simulate(&self, samples_s: &[f64], tolerance: f64) -> Result<MechanismRun, IntegrationError> {
+        self.simulate_with(samples_s, tolerance, None)
+    }
+
+    /// Runs the described mechanism as [`Self::simulate`], with contact forces that are held.
+    pub fn simulate_held(
+        &self,
+        samples_s: &[f64],
+        tolerance: f64,
+        mut held: HeldForces<'_>,
+    ) -> Result<MechanismRun, IntegrationError> {
+        self.simulate_with(samples_s, tolerance, Some(&mut held))
+    }
+
+    fn simulate_with(
+        &self,
+        samples_s: &[f64],
+        tolerance: f64,
+        held: Option<&mut HeldForces<'_>>,
+    ) -> Result<MechanismRun, IntegrationError> {
         let mechanism = self
             .mechanism()
             .map_err(|error| IntegrationError::Stopped { time_s: 0.0, reason: error.to_string() })?;
@@ -28,7 +70,7 @@ impl MechanismBench {
             largest_step_s: self.run.largest_step_s,
             is_closed: self.run.closed_start,
         };
-        mechanism.run(samples_s, &options)
+        mechanism.run(samples_s, &options, held)
     }
 
     /// Runs the described mechanism at its tolerance, a tighter and a wider one.
@@ -37,21 +79,16 @@ impl MechanismBench {
         // A run that is too coarse to succeed leaves wider bars.
         let coarse = self.simulate(&[], self.run.tolerance / TIGHTER).ok();
         let run = self.simulate(samples_s, self.run.tolerance * TIGHTER)?;
-        let nth = |run: &MechanismRun, contact: usize, n: usize| {
-            run.impacts.iter().filter(|i| i.contact == contact).nth(n).map(|i| i.peak_force_n)
+        Ok(RunWithBars::new(run, &middle, coarse.as_ref()))
+    }
+
+    /// Bearing material whose networks give the forces of each contact, in the order of a run.
+    pub fn networks(&self) -> Vec<Option<BearingMaterial>> {
+        let of_joint = |joint: &JointSection| {
+            let entry = self.contact.iter().find(|entry| Some(&entry.name) == joint.contact.as_ref());
+            std::iter::repeat_n(entry.and_then(|entry| entry.network), joint.contacts())
         };
-        let mut seen = vec![0; self.joint.iter().map(JointSection::contacts).sum()];
-        let mut peaks = Vec::with_capacity(run.impacts.len());
-        for impact in &run.impacts {
-            let n = seen.get(impact.contact).copied().unwrap_or_default();
-            if let Some(count) = seen.get_mut(impact.contact) {
-                *count += 1;
-            }
-            let other = |run: &MechanismRun| nth(run, impact.contact, n);
-            peaks.push((impact.peak_force_n, other(&middle), coarse.as_ref().and_then(other)));
-        }
-        let bars_n = error_bars(&peaks);
-        Ok(RunWithBars { run, bars_n })
+        self.joint.iter().flat_map(of_joint).collect()
     }
 
     /// Names of the contacts in the order of a run: the two bodies, and a number where a joint has
@@ -64,6 +101,13 @@ impl MechanismBench {
         distinct(self.joint.iter().flat_map(of_joint).collect())
     }
 
+    /// Returns for each contact in the order of a run whether it is that of a clearance joint.
+    pub(crate) fn are_clearance(&self) -> Vec<bool> {
+        let of_joint =
+            |joint: &JointSection| std::iter::repeat_n(joint.kind == JointKind::Clearance, joint.contacts());
+        self.joint.iter().flat_map(of_joint).collect()
+    }
+
     /// Floor of the latched approach speed of each contact in m/s, in the order of a run.
     pub fn latch_floors_m_s(&self) -> Vec<f64> {
         let floor = |joint: &JointSection| {
@@ -74,10 +118,15 @@ impl MechanismBench {
         self.joint.iter().flat_map(floor).collect()
     }
 
+    /// Joints with a drive without backlash, in the order of a run.
+    pub(crate) fn drives(&self) -> impl Iterator<Item = &JointSection> {
+        self.joint.iter().filter(|joint| joint.is_driven() && joint.backlash_m.is_none())
+    }
+
     /// Name and unit of the force of each drive, in the order of a run; a drive with backlash acts
     /// through its contacts.
     pub fn drive_names(&self) -> Vec<(String, &'static str)> {
-        let drives = self.joint.iter().filter(|joint| joint.is_driven() && joint.backlash_m.is_none());
+        let drives = self.drives();
         let name = |joint: &JointSection| {
             let unit = if joint.kind == JointKind::Prismatic { "n" } else { "nm" };
             (format!("{}_{}", joint.first, joint.second), unit)

@@ -6,6 +6,7 @@ mod error_bars;
 mod forward_log;
 pub mod impact_table;
 mod mechanism;
+mod mechanism_log;
 pub mod peaks;
 mod record;
 pub(crate) mod respond;

@@ -30,6 +30,7 @@ impl Bench {
         match self {
             Self::Transmission(plant) => Some(&**plant),
             Self::FrictionRig(plant) => Some(&**plant),
+            Self::Mechanism(plant) if !plant.measured.is_empty() => Some(&**plant),
             Self::SliderCrank(_) | Self::Mechanism(_) => None,
         }
     }

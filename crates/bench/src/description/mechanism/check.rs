@@ -42,6 +42,7 @@ impl MechanismBench {
         for (i, load) in self.load.iter().enumerate() {
             self.refuse_name(&format!("load.{i}.body"), &load.body, false, &mut all);
         }
+        self.refuse_measured(&mut all);
         all
     }
 
@@ -125,7 +126,12 @@ impl MechanismBench {
     /// Refuses a contact without a law, or with one that no entry has.
     fn refuse_contact(&self, path: &str, joint: &JointSection, all: &mut Vec<Refusal>) {
         let Some(name) = &joint.contact else { return };
-        if joint.contacts() > 0 && !self.contact.iter().any(|entry| entry.name == *name) {
+        let entry = self.contact.iter().find(|entry| entry.name == *name);
+        if joint.kind != JointKind::Clearance && entry.is_some_and(|entry| entry.network.is_some()) {
+            let expected = "a contact without `network`: networks know the bearing of `clearance` alone";
+            all.push((format!("{path}.contact"), format!("`{name}`"), expected.to_owned()));
+        }
+        if joint.contacts() > 0 && entry.is_none() {
             let known: Vec<&str> = self.contact.iter().map(|entry| entry.name.as_str()).collect();
             let expected = format!("the name of a `[[contact]]`, one of {}", known.join(", "));
             all.push((format!("{path}.contact"), format!("`{name}`"), expected));
@@ -145,7 +151,7 @@ fn refuse_offset(path: &str, joint: &JointSection) -> Option<Refusal> {
 
 impl JointSection {
     /// Number of contacts of the joint.
-    pub(crate) const fn contacts(&self) -> usize {
+    pub const fn contacts(&self) -> usize {
         match self.kind {
             JointKind::Clearance => 1,
             JointKind::Guide => 4,

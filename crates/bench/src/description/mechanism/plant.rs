@@ -1,7 +1,8 @@
 //! A mechanism as one of the plants: its facts and limits.
 
 use super::MechanismBench;
-use crate::description::{PlantDescription, Range, Refusal};
+use crate::description::{DriveChannels, PlantDescription, Range, Refusal};
+use crate::signals::{Channel, Role};
 
 /// Omissions of the model.
 const LIMITS: &[&str] = &[
@@ -44,5 +45,21 @@ impl PlantDescription for MechanismBench {
 
     fn refusals(&self) -> Vec<Refusal> {
         self.structure_refusals()
+    }
+
+    fn sample_rate_hz(&self) -> f64 {
+        if self.measured.is_empty() { 0.0 } else { f64::from(self.run.samples) / self.run.duration_s }
+    }
+
+    fn drive_channels(&self) -> Option<DriveChannels> {
+        // The first drive names the kind; the drives follow the description.
+        let is_sliding = self.drive_names().first().is_some_and(|drive| drive.1 == "n");
+        let turning = DriveChannels { position: Channel::SpindleAngle, speed: Channel::SpindleSpeed };
+        let sliding = DriveChannels { position: Channel::Position, speed: Channel::Velocity };
+        (!self.measured.is_empty()).then_some(if is_sliding { sliding } else { turning })
+    }
+
+    fn simulates(&self, channel: Channel) -> bool {
+        channel.role() == Role::Output && self.measured.iter().any(|entry| entry.channel == channel)
     }
 }

@@ -16,7 +16,7 @@ fn states_at(
     let run = |duration_s: &f64| {
         let options =
             RunOptions { duration_s: *duration_s, tolerance, largest_step_s: 0.01, is_closed: true };
-        mechanism.run(&[], &options).map(|run| run.end)
+        mechanism.run(&[], &options, None).map(|run| run.end)
     };
     times_s.iter().map(run).collect()
 }

@@ -128,7 +128,7 @@ mod tests {
     fn the_published_start_closes_every_loop() {
         let mechanism = squeezer();
         let state = mechanism.initial_state(true);
-        let frames = mechanism.frames(&state);
+        let frames = mechanism.frames(0.0, &state);
         let rows = mechanism.joints.iter().map(|joint| joint.row(0.0, &frames));
         let open = rows.map(|row| row.value.abs()).fold(0.0, f64::max);
         assert!(open < 1e-16, "{open}");

@@ -16,6 +16,19 @@ pub(crate) struct Body {
     pub(crate) start_rate: [f64; 3],
 }
 
+impl Body {
+    /// Masses of the three coordinates.
+    pub(crate) const fn masses(&self) -> [f64; 3] {
+        [self.mass_kg, self.mass_kg, self.inertia_kg_m2]
+    }
+
+    /// Momenta at these rates, or forces at these accelerations.
+    #[inline]
+    pub(crate) fn impulse(&self, [x, y, angle]: [f64; 3]) -> [f64; 3] {
+        [self.mass_kg * x, self.mass_kg * y, self.inertia_kg_m2 * angle]
+    }
+}
+
 /// Position and motion of a body at one state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
@@ -39,27 +52,32 @@ impl Frame {
     };
 
     /// Frame of a body with these coordinates and rates.
+    #[inline]
     pub(crate) fn new([x, y, angle_rad]: [f64; 3], [vx, vy, speed_rad_s]: [f64; 3]) -> Self {
         let (sin, cos) = angle_rad.sin_cos();
         Self { position_m: [x, y], angle_rad, sin, cos, velocity_m_s: [vx, vy], speed_rad_s }
     }
 
     /// Rates of the coordinates.
+    #[inline]
     pub(crate) fn rates(&self) -> [f64; 3] {
         [self.velocity_m_s[0], self.velocity_m_s[1], self.speed_rad_s]
     }
 
     /// A direction fixed to the body, in the axes of the ground.
+    #[inline]
     pub(crate) fn turned(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.cos * x - self.sin * y, self.sin * x + self.cos * y]
     }
 
     /// A direction of the ground, in the axes of the body.
+    #[inline]
     pub(crate) fn turned_back(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.cos * x + self.sin * y, -self.sin * x + self.cos * y]
     }
 
     /// Velocity of a point of the body at an arm from the centre of mass.
+    #[inline]
     pub(crate) fn velocity_at(&self, arm_m: [f64; 2]) -> [f64; 2] {
         let [vx, vy] = self.velocity_m_s;
         [vx - self.speed_rad_s * arm_m[1], vy + self.speed_rad_s * arm_m[0]]
@@ -89,9 +107,9 @@ pub(crate) struct Point {
 }
 
 impl Marker {
-    /// The marker at a state of the bodies.
-    pub(crate) fn at(&self, frames: &[Frame]) -> Point {
-        let frame = frame(frames, self.body);
+    /// The marker on its body.
+    #[inline]
+    pub(crate) fn at(&self, frame: &Frame) -> Point {
         let arm_m = frame.turned(self.local_m);
         let square = frame.speed_rad_s * frame.speed_rad_s;
         Point {
@@ -103,41 +121,53 @@ impl Marker {
     }
 }
 
+/// Frames of two bodies.
+pub(crate) type Pair<'a> = [&'a Frame; 2];
+
 /// Frame of a body, or of the ground.
-pub(crate) fn frame(frames: &[Frame], body: Option<usize>) -> Frame {
-    body.and_then(|body| frames.get(body)).copied().unwrap_or(Frame::GROUND)
+#[inline]
+pub(crate) fn frame(frames: &[Frame], body: Option<usize>) -> &Frame {
+    body.and_then(|body| frames.get(body)).unwrap_or(&Frame::GROUND)
 }
 
 /// Generalised direction on a body of a unit force along `direction` at an arm.
+#[inline]
 pub(crate) fn wrench(direction: [f64; 2], arm_m: [f64; 2]) -> [f64; 3] {
     [direction[0], direction[1], cross(arm_m, direction)]
 }
 
+#[inline]
 pub(crate) fn add(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] + b[0], a[1] + b[1]]
 }
 
+#[inline]
 pub(crate) fn subtract(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 
+#[inline]
 pub(crate) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
+#[inline]
 fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
 /// Direction turned by a quarter of a turn.
+#[inline]
 pub(crate) fn perpendicular([x, y]: [f64; 2]) -> [f64; 2] {
     [-y, x]
 }
 
+#[inline]
 pub(crate) fn dot3(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+#[inline]
 pub(crate) fn scaled<const N: usize>(a: [f64; N], factor: f64) -> [f64; N] {
     a.map(|value| value * factor)
 }

@@ -1,11 +1,12 @@
 //! Construction of a mechanism in its position at the start: all points are given in the axes of
 //! the ground and become fixed to their bodies.
 
-use super::Mechanism;
 use super::body::{Body, Frame, Marker, dot, frame, perpendicular, subtract};
 use super::contact::{Contact, ContactKind};
 use super::force::{Load, Spring, SpringKind};
 use super::joint::{Constraint, DriveMotion, IdealJoint};
+use super::suspension::{Support, Suspension};
+use super::{Drive, Mechanism};
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 
 /// Body of a mechanism, or `None` for the ground.
@@ -19,6 +20,8 @@ pub(crate) type Laws = (JointLaw, Option<BearingFriction>);
 pub(crate) struct Builder {
     mechanism: Mechanism,
     frames: Vec<Frame>,
+    /// Revolute joints that become constraints, unless one of the bodies is driven.
+    pivots: Vec<([BodyIndex; 2], [f64; 2])>,
 }
 
 impl Builder {
@@ -26,12 +29,13 @@ impl Builder {
     /// a rate in 1/s.
     pub(crate) fn new(gravity_m_s2: [f64; 2], stabilisation_per_s: f64) -> Self {
         let mechanism = Mechanism { gravity_m_s2, stabilisation_per_s, ..Mechanism::default() };
-        Self { mechanism, frames: Vec::new() }
+        Self { mechanism, ..Self::default() }
     }
 
     /// Adds a body.
     pub(crate) fn body(&mut self, body: Body) -> BodyIndex {
         self.frames.push(Frame::new(body.start, body.start_rate));
+        self.mechanism.suspensions.push(Suspension::new(&body));
         self.mechanism.bodies.push(body);
         Some(self.mechanism.bodies.len() - 1)
     }
@@ -90,15 +94,40 @@ impl Builder {
         self.joint(bodies, at_m, Constraint::Component { direction, start_m: 0.0 })
     }
 
+    /// Supports a body in closed form and returns true; false if another joint supports it.
+    fn support(&mut self, body: usize, support: Support) -> bool {
+        let Some(suspension) = self.mechanism.suspensions.get_mut(body) else { return false };
+        let is_free = matches!(suspension.support, Support::Free);
+        if is_free {
+            suspension.attach(&self.mechanism.bodies[body], support);
+        }
+        is_free
+    }
+
+    /// Supports a body in closed form on a pivot of the ground or of a driven body.
+    fn support_on(&mut self, carrier: BodyIndex, body: BodyIndex, at_m: [f64; 2]) -> bool {
+        let suspensions = &self.mechanism.suspensions;
+        let is_fixed = carrier.is_none_or(|carrier| suspensions[carrier].is_driven());
+        let Some(body) = body.filter(|_| is_fixed) else { return false };
+        let frame = &self.frames[body];
+        let centre_m = frame.turned_back(subtract(frame.position_m, at_m));
+        self.support(body, Support::Pivot { on: self.marker(carrier, at_m), centre_m })
+    }
+
     /// Adds a revolute joint at a point.
     pub(crate) fn revolute(&mut self, bodies: [BodyIndex; 2], at_m: [f64; 2]) {
-        let joint = self.coincident(bodies, at_m);
-        self.mechanism.joints.extend(joint);
+        let is_of_ground = of_ground(bodies).is_some_and(|(body, _)| self.support_on(None, Some(body), at_m));
+        if !is_of_ground {
+            self.pivots.push((bodies, at_m));
+        }
     }
 
     /// Adds a prismatic joint: the second body slides along an axis of the first and keeps its
     /// angle to it.
     pub(crate) fn prismatic(&mut self, bodies: [BodyIndex; 2], at_m: [f64; 2], axis: [f64; 2]) {
+        if of_ground(bodies).is_some_and(|(body, _)| self.support(body, Support::Slide { axis })) {
+            return;
+        }
         let joint = [self.component(bodies, at_m, perpendicular(axis)), self.angle(bodies, at_m)];
         self.mechanism.joints.extend(joint);
     }
@@ -147,6 +176,15 @@ impl Builder {
         axis: Option<[f64; 2]>,
         motion: DriveMotion,
     ) {
+        if let Some((body, sense)) = of_ground(bodies)
+            && let Some(suspension) = self.mechanism.suspensions.get_mut(body)
+            && suspension.takes_drive(axis)
+        {
+            suspension.drive = Some((motion, sense));
+            self.mechanism.drives.push(Drive::Ground(body));
+            return;
+        }
+        self.mechanism.drives.push(Drive::Row(self.mechanism.joints.len()));
         self.mechanism.joints.push(self.driven(bodies, at_m, axis, motion));
     }
 
@@ -252,7 +290,25 @@ impl Builder {
     }
 
     /// The mechanism.
-    pub(crate) fn build(self) -> Mechanism {
+    pub(crate) fn build(mut self) -> Mechanism {
+        for (bodies, at_m) in std::mem::take(&mut self.pivots) {
+            let [first, second] = bodies;
+            let is_between = first.is_some() && second.is_some();
+            if is_between && (self.support_on(first, second, at_m) || self.support_on(second, first, at_m)) {
+                continue;
+            }
+            let joint = self.coincident(bodies, at_m);
+            self.mechanism.joints.extend(joint);
+        }
         self.mechanism.completed()
+    }
+}
+
+/// The body of a joint with the ground, and 1 if it is the second one, -1 if it is the first.
+const fn of_ground(bodies: [BodyIndex; 2]) -> Option<(usize, f64)> {
+    match bodies {
+        [None, Some(body)] => Some((body, 1.0)),
+        [Some(body), None] => Some((body, -1.0)),
+        _ => None,
     }
 }

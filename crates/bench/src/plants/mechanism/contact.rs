@@ -6,8 +6,9 @@
 //! Both act on the two bodies at their own contact points, so their power is exactly `-F d' + F d_t
 //! + F_f T v`.
 
-use super::body::{Frame, Marker, add, dot, dot3, frame, perpendicular, scaled, subtract, wrench};
+use super::body::{Marker, Pair, add, dot, dot3, perpendicular, scaled, subtract, wrench};
 use super::joint::IdealJoint;
+use crate::integrate::ContactReading;
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
 
 /// Geometry of a contact between two bodies.
@@ -59,10 +60,9 @@ pub(crate) struct Contact {
     pub(crate) bristle: Option<usize>,
 }
 
-/// A contact at one state.
+/// Directions and rates of a contact at one state.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Touch {
-    pub(crate) bodies: [Option<usize>; 2],
     pub(crate) normal: [[f64; 3]; 2],
     pub(crate) tangent: [[f64; 3]; 2],
     /// Deformation in m, negative in a gap.
@@ -73,89 +73,138 @@ pub(crate) struct Touch {
     pub(crate) drive_rate_m_s: f64,
     /// Sliding speed in m/s.
     pub(crate) sliding_m_s: f64,
-    /// Direction of the contact in rad from the first axis.
-    pub(crate) angle_rad: f64,
+}
+
+/// Contact at a point of each body at one state.
+struct Point {
+    /// Direction of the second body into the first.
+    n: [f64; 2],
+    /// Points of contact from the centres of mass.
+    arms_m: [[f64; 2]; 2],
+    /// Velocity of the second body against the first at the point.
+    velocity_m_s: [f64; 2],
+    depth_m: f64,
 }
 
 impl ContactKind {
-    /// The contact at a time and a state of the bodies.
-    pub(crate) fn at(&self, time_s: f64, frames: &[Frame]) -> Touch {
+    /// Bodies of the contact.
+    #[inline]
+    pub(crate) const fn bodies(&self) -> [Option<usize>; 2] {
         match self {
+            Self::Journal { bearing, journal, .. } => [bearing.body, journal.body],
+            Self::Corner { guide, corner, .. } => [guide.body, corner.body],
+            Self::Flank { driven, .. } => [driven.first.body, driven.second.body],
+        }
+    }
+
+    /// Point of contact; none for the flank of a drive.
+    #[inline]
+    fn point(&self, pair: Pair<'_>) -> Option<Point> {
+        let (n, arms_m, depth_m) = match self {
             Self::Journal { bearing, journal, bearing_radius_m, journal_radius_m } => {
-                let (b, j) = (bearing.at(frames), journal.at(frames));
+                let (b, j) = (bearing.at(pair[0]), journal.at(pair[1]));
                 let distance = subtract(j.position_m, b.position_m);
                 let length = dot(distance, distance).sqrt();
                 let n = if length > 0.0 { scaled(distance, 1.0 / length) } else { [0.0; 2] };
                 let arms =
                     [add(b.arm_m, scaled(n, *bearing_radius_m)), add(j.arm_m, scaled(n, *journal_radius_m))];
-                let depth = length - (bearing_radius_m - journal_radius_m);
-                Touch::at_point(frames, [bearing.body, journal.body], n, arms, depth)
+                (n, arms, length - (bearing_radius_m - journal_radius_m))
             }
             Self::Corner { guide, normal, half_width_m, corner } => {
-                let (g, c) = (guide.at(frames), corner.at(frames));
-                let body = frame(frames, guide.body);
-                let n = body.turned(*normal);
+                let (g, c) = (guide.at(pair[0]), corner.at(pair[1]));
+                let n = pair[0].turned(*normal);
                 let depth = dot(n, subtract(c.position_m, g.position_m)) - half_width_m;
-                let arms = [subtract(c.position_m, body.position_m), c.arm_m];
-                Touch::at_point(frames, [guide.body, corner.body], n, arms, depth)
+                (n, [subtract(c.position_m, pair[0].position_m), c.arm_m], depth)
             }
-            Self::Flank { driven, side, radius_m, half_play_m } => {
-                let row = driven.row(time_s, frames);
-                let factor = side * radius_m;
-                let normal = row.jacobian.map(|j| scaled(j, factor));
-                let drive_rate_m_s = factor * row.drive_rate;
-                Touch {
-                    bodies: row.bodies,
-                    normal,
-                    depth_m: factor * row.value - half_play_m,
-                    rate_m_s: along(&normal, row.bodies, frames) + drive_rate_m_s,
-                    drive_rate_m_s,
-                    angle_rad: if *side > 0.0 { 0.0 } else { core::f64::consts::PI },
-                    ..Touch::default()
-                }
+            Self::Flank { .. } => return None,
+        };
+        let velocity_m_s = subtract(pair[1].velocity_at(arms_m[1]), pair[0].velocity_at(arms_m[0]));
+        Some(Point { n, arms_m, velocity_m_s, depth_m })
+    }
+
+    /// The contact at a time and a state of its two bodies.
+    pub(crate) fn at(&self, time_s: f64, pair: Pair<'_>) -> Touch {
+        if let Some(point) = self.point(pair) {
+            return point.touch();
+        }
+        let Self::Flank { driven, side, radius_m, half_play_m } = self else { return Touch::default() };
+        let row = driven.row_of_pair(time_s, pair);
+        let factor = side * radius_m;
+        let drive_rate_m_s = factor * row.drive_rate;
+        let rate = dot3(row.jacobian[0], pair[0].rates()) + dot3(row.jacobian[1], pair[1].rates());
+        Touch {
+            normal: row.jacobian.map(|j| scaled(j, factor)),
+            depth_m: factor * row.value - half_play_m,
+            rate_m_s: factor * rate + drive_rate_m_s,
+            drive_rate_m_s,
+            ..Touch::default()
+        }
+    }
+
+    /// Position of the journal from the centre of its bearing in m, in the axes of the ground; 0
+    /// for other contacts.
+    pub(crate) fn offset_m(&self, pair: Pair<'_>) -> [f64; 2] {
+        match self {
+            Self::Journal { bearing, journal, .. } => {
+                subtract(journal.at(pair[1]).position_m, bearing.at(pair[0]).position_m)
             }
+            _ => [0.0; 2],
+        }
+    }
+
+    /// Deformation in m, negative in a gap, and its rate in m/s.
+    #[inline]
+    pub(crate) fn deformation(&self, time_s: f64, pair: Pair<'_>) -> (f64, f64) {
+        match self.point(pair) {
+            Some(point) => (point.depth_m, dot(point.n, point.velocity_m_s)),
+            None => {
+                let touch = self.at(time_s, pair);
+                (touch.depth_m, touch.rate_m_s)
+            }
+        }
+    }
+
+    /// Direction of the contact in rad from the first axis.
+    pub(crate) fn angle_rad(&self, pair: Pair<'_>) -> f64 {
+        match (self.point(pair), self) {
+            (Some(point), _) => point.n[1].atan2(point.n[0]),
+            (None, Self::Flank { side, .. }) if *side < 0.0 => core::f64::consts::PI,
+            _ => 0.0,
         }
     }
 }
 
-impl Touch {
-    /// Contact at a point of each body, at arms from the centres of mass; `n` points from the
-    /// second body into the first.
-    fn at_point(
-        frames: &[Frame],
-        bodies: [Option<usize>; 2],
-        n: [f64; 2],
-        arms: [[f64; 2]; 2],
-        depth_m: f64,
-    ) -> Self {
-        let t = perpendicular(n);
-        let on = |d: [f64; 2]| [scaled(wrench(d, arms[0]), -1.0), wrench(d, arms[1])];
-        let (normal, tangent) = (on(n), on(t));
-        Self {
-            bodies,
-            normal,
-            tangent,
-            depth_m,
-            rate_m_s: along(&normal, bodies, frames),
+impl Point {
+    #[inline]
+    fn touch(&self) -> Touch {
+        let t = perpendicular(self.n);
+        let on = |d: [f64; 2]| [scaled(wrench(d, self.arms_m[0]), -1.0), wrench(d, self.arms_m[1])];
+        Touch {
+            normal: on(self.n),
+            tangent: on(t),
+            depth_m: self.depth_m,
+            rate_m_s: dot(self.n, self.velocity_m_s),
             drive_rate_m_s: 0.0,
-            sliding_m_s: along(&tangent, bodies, frames),
-            angle_rad: n[1].atan2(n[0]),
+            sliding_m_s: dot(t, self.velocity_m_s),
         }
     }
-}
-
-/// Rate of both bodies along a direction of their coordinates.
-fn along(direction: &[[f64; 3]; 2], bodies: [Option<usize>; 2], frames: &[Frame]) -> f64 {
-    direction.iter().zip(bodies).map(|(d, body)| dot3(*d, frame(frames, body).rates())).sum()
 }
 
 impl Contact {
     /// Normal force and friction force in N, with the latched approach speed and the deflection of
     /// the bristles.
+    #[inline]
     pub(crate) fn forces_n(&self, touch: &Touch, latched_m_s: f64, bristle_m: f64) -> (f64, f64) {
         let normal = self.law.law.force_n(touch.depth_m, touch.rate_m_s, latched_m_s);
         let friction = self.friction.map_or(0.0, |law| law.force_n(normal, touch.sliding_m_s, bristle_m));
         (normal, friction)
+    }
+
+    /// Deformation, its rate and the normal force.
+    #[inline]
+    pub(crate) fn reading(&self, time_s: f64, pair: Pair<'_>, latched_m_s: f64) -> ContactReading {
+        let (depth_m, rate_m_s) = self.kind.deformation(time_s, pair);
+        ContactReading { depth_m, rate_m_s, force_n: self.law.law.force_n(depth_m, rate_m_s, latched_m_s) }
     }
 
     /// Returns whether the friction law has a deflection.

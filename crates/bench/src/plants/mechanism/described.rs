@@ -90,12 +90,7 @@ impl MechanismBench {
         if !joint.is_driven() {
             return Ok(());
         }
-        let motion = DriveMotion {
-            speed: joint.drive_speed.unwrap_or_default(),
-            amplitude: joint.drive_amplitude.unwrap_or_default(),
-            stroke: joint.drive_stroke.unwrap_or_default(),
-            period_s: joint.drive_period_s.unwrap_or(1.0),
-        };
+        let motion = joint.motion();
         let axis = (joint.kind == JointKind::Prismatic).then_some(axis);
         match joint.backlash_m {
             Some(play_m) => {
@@ -105,6 +100,18 @@ impl MechanismBench {
             None => builder.drive(bodies, at_m, axis, motion),
         }
         Ok(())
+    }
+}
+
+impl JointSection {
+    /// Prescribed motion of a driven joint.
+    pub(crate) fn motion(&self) -> DriveMotion {
+        DriveMotion {
+            speed: self.drive_speed.unwrap_or_default(),
+            amplitude: self.drive_amplitude.unwrap_or_default(),
+            stroke: self.drive_stroke.unwrap_or_default(),
+            period_s: self.drive_period_s.unwrap_or(1.0),
+        }
     }
 }
 

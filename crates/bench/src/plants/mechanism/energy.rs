@@ -2,7 +2,7 @@
 //!
 //! `drive + load = stored + damper heat + contact damping + friction heat + residual`, all in J.
 //! The works and losses are quadrature states, integrated with the motion: the drive's work from
-//! the multipliers of its constraint, the losses from the laws. The stored energy (kinetic, of
+//! its force, the losses from the laws. The stored energy (kinetic, of
 //! gravity, springs and contacts) is a function of the first and the last state alone. So the
 //! residual checks equations and integrator together.
 
@@ -25,6 +25,12 @@ pub(crate) struct Flows {
 }
 
 impl Flows {
+    /// Adds the power of a drive in W.
+    pub(super) fn add_drive(&mut self, power_w: f64) {
+        self.drive_work += power_w;
+        self.absolute_work += power_w.abs();
+    }
+
     pub(super) fn to_array(self) -> [f64; QUADRATURES] {
         [
             self.drive_work,

@@ -39,7 +39,7 @@ impl Spring {
         let bodies = [self.first.body, self.second.body];
         match self.kind {
             SpringKind::Linear(free_length_m) => {
-                let (p1, p2) = (self.first.at(frames), self.second.at(frames));
+                let [p1, p2] = [self.first, self.second].map(|end| end.at(frame(frames, end.body)));
                 let distance = subtract(p2.position_m, p1.position_m);
                 let length = dot(distance, distance).sqrt();
                 let n = if length > 0.0 { scaled(distance, 1.0 / length) } else { [0.0; 2] };
@@ -83,11 +83,12 @@ impl Load {
         } else {
             1.0
         };
-        let point = self.at.at(frames);
+        let body = frame(frames, self.at.body);
+        let point = self.at.at(body);
         let force = scaled(self.force_n, share);
         let mut on_body = wrench(force, point.arm_m);
         on_body[2] += self.torque_nm * share;
-        let torque_w = self.torque_nm * share * frame(frames, self.at.body).speed_rad_s;
+        let torque_w = self.torque_nm * share * body.speed_rad_s;
         (on_body, dot(force, point.velocity_m_s) + torque_w)
     }
 }

@@ -5,7 +5,7 @@
 //! expressions follow from differentiating `g` twice (Nikravesh, Computer-Aided Analysis of
 //! Mechanical Systems, 1988, section 4).
 
-use super::body::{Frame, Marker, dot, frame, perpendicular, scaled, subtract, wrench};
+use super::body::{Frame, Marker, Pair, dot, dot3, frame, perpendicular, scaled, subtract, wrench};
 use crate::signals::Motion;
 use core::f64::consts::TAU;
 
@@ -25,7 +25,11 @@ pub(crate) struct DriveMotion {
 
 impl DriveMotion {
     /// Motion at a time.
+    #[inline]
     pub(crate) fn at(&self, time_s: f64) -> Motion {
+        if self.amplitude == 0.0 && self.stroke == 0.0 {
+            return Motion { value: self.speed * time_s, rate: self.speed, acceleration: 0.0 };
+        }
         let w = TAU / self.period_s;
         let (sin, cos) = (w * time_s).sin_cos();
         let (a, half) = (self.amplitude, 0.5 * self.stroke);
@@ -85,15 +89,30 @@ pub(crate) struct IdealJoint {
     pub(crate) drive: Option<DriveMotion>,
 }
 
+impl Row {
+    /// Jacobian times accelerations or rates of the bodies.
+    #[inline]
+    pub(crate) fn applied(&self, values: impl Fn(usize) -> [f64; 3]) -> f64 {
+        let sides = self.bodies.iter().zip(self.jacobian);
+        sides.map(|(body, jacobian)| body.map_or(0.0, |body| dot3(jacobian, values(body)))).sum()
+    }
+}
+
 impl IdealJoint {
-    /// The constraint at a time and a state of the bodies.
+    /// The constraint at a time and a state of all bodies.
+    #[inline]
     pub(crate) fn row(&self, time_s: f64, frames: &[Frame]) -> Row {
+        self.row_of_pair(time_s, [frame(frames, self.first.body), frame(frames, self.second.body)])
+    }
+
+    /// The constraint at a time and a state of its two bodies.
+    #[inline]
+    pub(crate) fn row_of_pair(&self, time_s: f64, [first, second]: Pair<'_>) -> Row {
         let drive = self.drive.map(|drive| drive.at(time_s)).unwrap_or_default();
-        let (p1, p2) = (self.first.at(frames), self.second.at(frames));
+        let (p1, p2) = (self.first.at(first), self.second.at(second));
         let distance = subtract(p2.position_m, p1.position_m);
         let rate = subtract(p2.velocity_m_s, p1.velocity_m_s);
         let centripetal = subtract(p2.centripetal_m_s2, p1.centripetal_m_s2);
-        let first = frame(frames, self.first.body);
         let along = |d: [f64; 2]| [scaled(wrench(d, p1.arm_m), -1.0), wrench(d, p2.arm_m)];
         let (jacobian, value, curvature) = match self.constraint {
             Constraint::Coincident(axis) => (along(axis), dot(axis, distance), dot(axis, centripetal)),
@@ -107,7 +126,7 @@ impl IdealJoint {
                 (jacobian, dot(e, distance) - start_m, curvature)
             }
             Constraint::Angle { start_rad } => {
-                let angle = frame(frames, self.second.body).angle_rad - first.angle_rad;
+                let angle = second.angle_rad - first.angle_rad;
                 ([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], angle - start_rad, 0.0)
             }
             Constraint::Distance { length_m } => {
@@ -153,7 +172,7 @@ mod tests {
             let (t, h) = (0.37, 1e-4);
             let value = |t: f64| joint.row(t, &frames(t)).value;
             let row = joint.row(t, &frames(t));
-            let rate: f64 = (0..2).map(|i| super::super::body::dot3(row.jacobian[i], rates[i])).sum();
+            let rate: f64 = (0..2).map(|i| dot3(row.jacobian[i], rates[i])).sum();
             let difference = (value(t + h) - value(t - h)) / (2.0 * h);
             assert!((rate + row.drive_rate - difference).abs() < 1e-7, "{constraint:?} {rate} {difference}");
             let second = (value(t + h) - 2.0 * value(t) + value(t - h)) / (h * h);

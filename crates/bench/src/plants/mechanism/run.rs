@@ -1,9 +1,14 @@
 //! Runs of a mechanism: the integrator for its number of states, and what a run records.
 
-use super::{Mechanism, MechanismEnergy, QUADRATURES};
+use super::body::{Frame, frame};
+use super::contact::Contact;
+use super::held::HeldForces;
+use super::{Evaluation, Mechanism, MechanismEnergy, QUADRATURES};
 use crate::integrate::{
     ContactAngles, ContactReading, Impact, IntegrationError, SlicedPlant, Tolerances, integrate_slices,
 };
+use crate::plants::transmission::BearingForces;
+use std::cell::RefCell;
 
 /// Position and motion of a body at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +30,9 @@ pub struct ContactState {
     pub friction_n: f64,
     /// Sliding speed in m/s.
     pub sliding_m_s: f64,
+    /// Position of a journal from the centre of its bearing in m, in the axes of the ground; 0 for
+    /// other contacts.
+    pub offset_m: [f64; 2],
 }
 
 /// State of a mechanism at one time.
@@ -69,11 +77,42 @@ pub(crate) struct RunOptions {
 }
 
 /// A mechanism in a state of fixed size: the states beyond its own stay 0.
-struct Padded<'a>(&'a Mechanism);
+struct Padded<'a, 'b> {
+    mechanism: &'a Mechanism,
+    evaluation: RefCell<Evaluation>,
+    held: Option<RefCell<&'a mut HeldForces<'b>>>,
+}
 
-impl<const N: usize> SlicedPlant<N> for Padded<'_> {
+impl Padded<'_, '_> {
+    /// Held forces of a contact, if its forces are held.
+    fn held(&self, slice: usize) -> Option<BearingForces> {
+        self.held.as_ref()?;
+        self.evaluation.try_borrow().ok()?.held[slice].map(|held| held.forces)
+    }
+
+    /// State of the mechanism; none within an evaluation.
+    fn snapshot(&self, time_s: f64, state: &[f64], latched_m_s: &[Option<f64>]) -> Option<Snapshot> {
+        let mut evaluation = self.evaluation.try_borrow_mut().ok()?;
+        Some(self.mechanism.snapshot(time_s, state, latched_m_s, &mut evaluation))
+    }
+
+    /// Reads a contact from the frames of its own bodies, so that the cost of a reading does not
+    /// depend on the number of bodies.
+    fn read<T>(
+        &self,
+        slice: usize,
+        (time_s, state): (f64, &[f64]),
+        read: impl Fn(&Contact, [&Frame; 2]) -> T,
+    ) -> T {
+        let contact = &self.mechanism.contacts[slice];
+        let [first, second] = self.mechanism.pair(contact, time_s, state);
+        read(contact, [&first, &second])
+    }
+}
+
+impl<const N: usize> SlicedPlant<N> for Padded<'_, '_> {
     fn slices(&self) -> usize {
-        self.0.contacts.len()
+        self.mechanism.contacts.len()
     }
 
     fn sliced_derivative(
@@ -83,41 +122,59 @@ impl<const N: usize> SlicedPlant<N> for Padded<'_> {
         latched_m_s: &[Option<f64>],
         derivative: &mut [f64; N],
     ) {
-        self.0.state_derivative(time_s, state, latched_m_s, derivative);
+        // The borrow fails only in a nested evaluation, and none is nested.
+        if let Ok(mut evaluation) = self.evaluation.try_borrow_mut() {
+            self.mechanism.state_derivative((time_s, state), latched_m_s, &mut evaluation, derivative);
+        }
     }
 
     fn slice_deformation(&self, slice: usize, time_s: f64, state: &[f64; N]) -> (f64, f64) {
-        let touch = self.0.contacts[slice].kind.at(time_s, &self.0.frames(state));
-        (touch.depth_m, touch.rate_m_s)
+        self.read(slice, (time_s, state), |contact, pair| contact.kind.deformation(time_s, pair))
     }
 
     fn slice_contact(&self, slice: usize, time_s: f64, state: &[f64; N], latched_m_s: f64) -> ContactReading {
-        let contact = &self.0.contacts[slice];
-        let touch = contact.kind.at(time_s, &self.0.frames(state));
-        let force_n = contact.law.law.force_n(touch.depth_m, touch.rate_m_s, latched_m_s);
-        ContactReading { depth_m: touch.depth_m, rate_m_s: touch.rate_m_s, force_n }
+        let law =
+            self.read(slice, (time_s, state), |contact, pair| contact.reading(time_s, pair, latched_m_s));
+        ContactReading { force_n: self.held(slice).map_or(law.force_n, |held| held.normal_n), ..law }
+    }
+
+    fn next_change_s(&self, time_s: f64) -> f64 {
+        let step_s = self.held.as_ref().and_then(|held| Some(held.try_borrow().ok()?.step_s));
+        step_s.map_or(f64::INFINITY, |step_s| ((time_s / step_s).round() + 1.0) * step_s)
+    }
+
+    fn change(&self, time_s: f64, state: &[f64; N], latched_m_s: &[Option<f64>]) {
+        let Some(held) = &self.held else { return };
+        if let (Ok(mut source), Ok(mut evaluation)) =
+            (held.try_borrow_mut(), self.evaluation.try_borrow_mut())
+        {
+            self.mechanism.hold(&mut source, (time_s, state), latched_m_s, &mut evaluation);
+        }
     }
 
     fn slice_angles(&self, slice: usize, time_s: f64, state: &[f64; N]) -> ContactAngles {
-        let frames = self.0.frames(state);
-        let touch = self.0.contacts[slice].kind.at(time_s, &frames);
-        let crank_rad = frames.first().map_or(0.0, |frame| frame.angle_rad);
-        ContactAngles { crank_rad, contact_rad: touch.angle_rad }
+        let crank_rad = self.mechanism.frames(time_s, state).first().map_or(0.0, |frame| frame.angle_rad);
+        let contact_rad = self.read(slice, (time_s, state), |contact, pair| contact.kind.angle_rad(pair));
+        ContactAngles { crank_rad, contact_rad }
     }
 }
 
 impl Mechanism {
-    /// Runs the mechanism and records it at ascending times.
+    /// Runs the mechanism and records it at ascending times. The forces of some contacts may be
+    /// held.
     pub(crate) fn run(
         &self,
         samples_s: &[f64],
         options: &RunOptions,
+        held: Option<&mut HeldForces<'_>>,
     ) -> Result<MechanismRun, IntegrationError> {
         // The integrator's state has a size that is fixed at compile time.
         match self.states() {
-            0..=32 => self.run_padded::<32>(samples_s, options),
-            33..=96 => self.run_padded::<96>(samples_s, options),
-            _ => self.run_padded::<MAX_STATES>(samples_s, options),
+            0..=12 => self.run_padded::<12>(samples_s, options, held),
+            13..=24 => self.run_padded::<24>(samples_s, options, held),
+            25..=48 => self.run_padded::<48>(samples_s, options, held),
+            49..=128 => self.run_padded::<128>(samples_s, options, held),
+            _ => self.run_padded::<MAX_STATES>(samples_s, options, held),
         }
     }
 
@@ -125,6 +182,7 @@ impl Mechanism {
         &self,
         samples_s: &[f64],
         options: &RunOptions,
+        held: Option<&mut HeldForces<'_>>,
     ) -> Result<MechanismRun, IntegrationError> {
         let start = self.initial_state(options.is_closed);
         let initial: [f64; N] = std::array::from_fn(|i| start.get(i).copied().unwrap_or_default());
@@ -132,15 +190,17 @@ impl Mechanism {
         let mut samples = Vec::with_capacity(samples_s.len());
         let end_s = options.duration_s;
         let mut latched = vec![None; self.contacts.len()];
+        let held = held.map(RefCell::new);
+        let plant = Padded { mechanism: self, evaluation: RefCell::new(self.evaluation()), held };
         let result = integrate_slices(
-            &Padded(self),
+            &plant,
             (0.0, end_s),
             initial,
             &in_contact,
             samples_s,
             &self.tolerances(options),
             |t, s, held| {
-                samples.push(self.snapshot(t, s, held));
+                samples.extend(plant.snapshot(t, s, held));
                 latched.copy_from_slice(held);
             },
         )?;
@@ -151,7 +211,7 @@ impl Mechanism {
         }
         Ok(MechanismRun {
             samples,
-            end: self.snapshot(end_s, &result.state, &latched),
+            end: self.snapshot(end_s, &result.state, &latched, &mut plant.evaluation.into_inner()),
             energy: self.balance((0.0, &initial), (end_s, &result.state)),
             impacts: result.impacts,
             steps: result.steps,
@@ -160,44 +220,62 @@ impl Mechanism {
 
     /// Contacts that touch at the start.
     fn start_contacts(&self, start: &[f64]) -> Vec<bool> {
-        let frames = self.frames(start);
-        self.contacts.iter().map(|contact| contact.kind.at(0.0, &frames).depth_m > 0.0).collect()
+        let frames = self.frames(0.0, start);
+        let touches = |contact: &Contact| {
+            let pair = contact.kind.bodies().map(|body| frame(&frames, body));
+            contact.kind.deformation(0.0, pair).0 > 0.0
+        };
+        self.contacts.iter().map(touches).collect()
     }
 
-    /// Error control: works are not controlled; bristles relative to their own deflection.
+    /// Error control: works are not controlled; bristles relative to their own deflection. The
+    /// method's norm is a mean over all states, so the tolerance is reduced to compensate for those
+    /// that are not controlled.
     fn tolerances<const N: usize>(&self, options: &RunOptions) -> Tolerances<N> {
-        let mut absolute = [options.tolerance * 1e-2; N];
-        absolute[self.works()..].fill(f64::INFINITY);
+        let controlled = self.states() - QUADRATURES;
+        let relative = options.tolerance * (controlled.max(1) as f64 / N as f64).sqrt();
+        let mut absolute = [f64::INFINITY; N];
+        absolute[..self.works()].fill(relative * 1e-2);
         for contact in &self.contacts {
             if let (Some(index), Some(law)) = (contact.bristle, contact.friction) {
                 let deflection_m = law.steady_deflection_m(1.0).abs();
-                absolute[self.works() + QUADRATURES + index] = options.tolerance * deflection_m;
+                absolute[self.works() + QUADRATURES + index] = relative * deflection_m;
             }
         }
-        Tolerances { relative: options.tolerance, absolute, largest_step_s: options.largest_step_s }
+        Tolerances { relative, absolute, largest_step_s: options.largest_step_s }
     }
 
-    fn snapshot(&self, time_s: f64, state: &[f64], latched_m_s: &[Option<f64>]) -> Snapshot {
-        let frames = self.frames(state);
+    fn snapshot(
+        &self,
+        time_s: f64,
+        state: &[f64],
+        latched_m_s: &[Option<f64>],
+        evaluation: &mut Evaluation,
+    ) -> Snapshot {
+        let drives = self.drive_forces(time_s, state, latched_m_s, evaluation);
+        let frames = &evaluation.frames;
         let bodies = frames.iter().map(|frame| BodyState {
             position: [frame.position_m[0], frame.position_m[1], frame.angle_rad],
             rate: frame.rates(),
         });
-        let contacts = self.contacts.iter().zip(latched_m_s).map(|(contact, latched)| {
-            let touch = contact.kind.at(time_s, &frames);
+        let contacts = self.contacts.iter().zip(latched_m_s).enumerate().map(|(i, (contact, latched))| {
+            let pair = contact.kind.bodies().map(|body| frame(frames, body));
+            let touch = contact.kind.at(time_s, pair);
             let force = |l: f64| contact.forces_n(&touch, l, self.bristle_m(contact, state));
-            let (normal_n, friction_n) = latched.map_or((0.0, 0.0), force);
+            let (normal_n, friction_n) = match &evaluation.held[i] {
+                Some(held) => (held.forces.normal_n, held.forces.friction_n),
+                None => latched.map_or((0.0, 0.0), force),
+            };
             let (deformation_m, sliding_m_s) = (touch.depth_m, touch.sliding_m_s);
-            ContactState { deformation_m, normal_n, friction_n, sliding_m_s }
+            ContactState {
+                deformation_m,
+                normal_n,
+                friction_n,
+                sliding_m_s,
+                offset_m: contact.kind.offset_m(pair),
+            }
         });
-        let multipliers = self.multipliers(time_s, state, latched_m_s);
-        let drives = self.joints.iter().zip(multipliers).filter(|(joint, _)| joint.drive.is_some());
-        Snapshot {
-            time_s,
-            bodies: bodies.collect(),
-            contacts: contacts.collect(),
-            drives: drives.map(|(_, multiplier)| multiplier).collect(),
-        }
+        Snapshot { time_s, bodies: bodies.collect(), contacts: contacts.collect(), drives }
     }
 
     /// Refuses contacts that are deeper than the range of their normal law.
