@@ -85,9 +85,10 @@ impl BearingMaterial {
                     rise_growth: 0.15,
                     ..RigFriction::CONSTANT
                 },
-                // No published rate of this pair was found. Archard's coefficient of dry metals that
-                // hardly dissolve in each other is about 1.5e-5 (Rabinowicz, Lubrication Engineering
-                // 37, 1981), over a hardness of 250 MPa. Expansion: tin-based white metal.
+                // No published rate of this pair was found. Archard's coefficient of dry metals
+                // that hardly dissolve in each other is about 1.5e-5 (Rabinowicz, Lubrication
+                // Engineering 37, 1981), over a hardness of 250 MPa. Expansion: tin-based white
+                // metal.
                 lining: Lining { specific_wear_rate_m3_nm: 6e-14, expansion_per_k: 23e-6 },
             },
             Self::Plastic => Properties {

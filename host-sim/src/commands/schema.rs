@@ -7,7 +7,7 @@ use crate::run::mechanism::MechanismSummary;
 use crate::run::slider_crank::SliderCrankSummary;
 use crate::run::summary::Summary;
 use crate::validation::Cases;
-use crate::{accuracy, reproduction, sweep};
+use crate::{accuracy, life, reproduction, sweep};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use diagnosis::{Diagnosis, Evaluation, Inspection};
@@ -20,7 +20,7 @@ use serde_json::json;
 type Entry = (&'static str, &'static str, fn() -> Schema);
 
 /// All schemas.
-const ALL: [Entry; 17] = [
+const ALL: [Entry; 18] = [
     ("accuracy", "accuracy: accuracy.json", schema_of::<accuracy::Outcome>),
     ("accuracy-worlds", "accuracy --worlds: worlds.json", schema_of::<accuracy::worlds::Outcome>),
     ("check", "check: check.json", schema_of::<Inspection>),
@@ -34,6 +34,7 @@ const ALL: [Entry; 17] = [
         schema_of::<reproduction::report::Outcome<'_>>,
     ),
     ("laws", "laws --json", schema_of::<laws::Laws>),
+    ("life", "life: life.json", schema_of::<life::Outcome>),
     ("record", "record --json", schema_of::<record::Written>),
     ("run", "run: run.json", schema_of::<Summary>),
     ("run-mechanism", "run of a mechanism: run.json", schema_of::<MechanismSummary>),

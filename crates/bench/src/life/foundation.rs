@@ -30,7 +30,8 @@ pub struct Unbalanced {
     pub force_n: f64,
 }
 
-/// Stiffness of a lining in N/m3 by its modulus in Pa, Poisson's ratio below 0.5 and thickness in m.
+/// Stiffness of a lining in N/m3 by its modulus in Pa, Poisson's ratio below 0.5 and thickness in
+/// m.
 pub fn layer_modulus_n_m3(youngs_modulus_pa: f64, poisson_ratio: f64, thickness_m: f64) -> f64 {
     let nu = poisson_ratio;
     (1.0 - nu) * youngs_modulus_pa / ((1.0 + nu) * (1.0 - 2.0 * nu) * thickness_m)

@@ -65,8 +65,8 @@ const GROWTH: f64 = 3.0;
 /// Distance from the limits.
 const MARGIN: f64 = 0.9;
 
-/// Runs a system from cycle 0 to an end. `see` gets the first cycle and every accepted one, and ends
-/// the life by returning false. A jump of one cycle is accepted in any case.
+/// Runs a system from cycle 0 to an end. `see` gets the first cycle and every accepted one, and
+/// ends the life by returning false. A jump of one cycle is accepted in any case.
 ///
 /// # Errors
 ///
@@ -167,7 +167,7 @@ mod tests {
             *depth < 3e-5
         });
         assert!(depths.windows(2).all(|pair| pair[1] - pair[0] <= 1e-6 && pair[1] > pair[0]));
-        assert!(depths.len() > 30 && (3e-5..3.2e-5).contains(&end.unwrap()), "ends when it is told to");
+        assert!(depths.len() > 30 && (3e-5..3.2e-5).contains(&end.unwrap()), "ends when the caller ends it");
     }
 
     #[test]

@@ -80,8 +80,8 @@ mod tests {
         assert!((change(0.0, 0.0, 40.0 * 90e-6) + 27.36).abs() < 1e-9);
     }
 
-    /// Crank, table 4.1 and figure 4.6: half of the uptake at `C t/l^2 = 0.197`, and `2 sqrt(C t/(pi
-    /// l^2))` before.
+    /// Crank, table 4.1 and figure 4.6: half of the uptake at `C t/l^2 = 0.197`, and `2 sqrt(C
+    /// t/(pi l^2))` before.
     #[test]
     fn water_enters_by_ficks_law() {
         let share = |depth: f64| uptake_share(depth * 4e-4 / 1e-12, 1e-12, 0.02);

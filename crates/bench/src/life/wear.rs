@@ -131,8 +131,8 @@ mod tests {
         Load { force_n: [0.0, -FORCE_N], shaft_angle_rad, sliding_m }
     }
 
-    /// Without clearance the pressure is `2 F/(pi R L) cos`, worn or not: the bearing wears by `(4/pi)
-    /// k F s/(2 R L)` at its bottom and by the worn volume `(4/pi) k F s`.
+    /// Without clearance the pressure is `2 F/(pi R L) cos`, worn or not: the bearing wears by
+    /// `(4/pi) k F s/(2 R L)` at its bottom and by the worn volume `(4/pi) k F s`.
     #[test]
     fn a_bearing_without_clearance_wears_as_the_cosine_of_the_angle() {
         let wear = wear(7e11, RATE, 0.0);

@@ -3,9 +3,9 @@
 //! The duty cycle runs with the analytic laws and the present clearance: the described one, its
 //! thermal and swelling change, and the wear along the directions of the contact. The latter is the
 //! mean over the time in contact of how much further the journal's centre gets before rigid
-//! surfaces touch. The pressure is that of the worn profile ([`crate::life::foundation`]). The plant
-//! itself knows a round clearance only, and is dry: a film carries a part of the force that does
-//! not wear ([`crate::life::film`]) and changes neither motion nor friction.
+//! surfaces touch. The pressure is that of the worn profile ([`crate::life::foundation`]). The
+//! plant itself knows a round clearance only, and is dry: a film carries a part of the force that
+//! does not wear ([`crate::life::film`]) and changes neither motion nor friction.
 //!
 //! Directions and friction heat of one cycle give the clearance of the next one that is computed.
 

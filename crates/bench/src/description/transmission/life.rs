@@ -21,8 +21,8 @@ section! {
         /// between rigs and surfaces by 3 to 10.
         #[serde(default = "three")]
         factor: f64 [1.0, 1e3],
-        /// Thickness of the lining. Default: 0.04 of the shaft's diameter and 2 mm (Trelleborg, Orkot
-        /// Marine Bearings, engineering manual).
+        /// Thickness of the lining. Default: 0.04 of the shaft's diameter and 2 mm (Trelleborg,
+        /// Orkot Marine Bearings, engineering manual).
         #[serde(default, skip_serializing_if = "Option::is_none")]
         lining_thickness_m: Option<f64> [1e-5, 1.0],
     }
