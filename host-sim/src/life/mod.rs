@@ -63,8 +63,8 @@ pub(crate) struct Outcome {
     pub(crate) clearance_ci95_m: [f64; 2],
     /// Value of the effect `clearance-wear` at the last cycle, `clearance_increase_m`.
     pub(crate) clearance_increase_m: f64,
-    /// Duty cycles that were computed for the described rate.
-    pub(crate) computed_cycles: usize,
+    /// Duties that were computed for the described rate, of `life.duty_cycles` cycles each.
+    pub(crate) computed_duties: usize,
     /// Course with the described rate.
     pub(crate) points: Vec<LifePoint>,
     /// Clearance that the controller tracks.
@@ -124,7 +124,7 @@ pub(crate) fn simulate(described: &TransmissionBench, settings: Settings) -> Res
         clearance_m,
         clearance_ci95_m: [slow.clearance_m(cycles), fast.clearance_m(cycles)],
         clearance_increase_m: clearance_m - bench.bearing.radial_clearance_m,
-        computed_cycles: life.computed,
+        computed_duties: life.computed,
         points: life.points.clone(),
         tracked: tracking::follow(&bench, life, cycles, settings)?,
     };

@@ -93,7 +93,7 @@ pub(crate) fn rows(result: &LifeResult) -> Vec<[String; 2]> {
         row("cycles to the limit", cycles(outcome.limit_cycle)),
         row("earliest", cycles(outcome.limit_cycle_earliest)),
         row("latest", cycles(outcome.limit_cycle_latest)),
-        row("duty cycles computed", outcome.computed_cycles.to_string()),
+        row("duties computed", outcome.computed_duties.to_string()),
         row("clearance-wear: clearance_increase_m", format!("{:.4e}", outcome.clearance_increase_m)),
     ];
     if let Some(point) = last {
@@ -129,7 +129,9 @@ pub(crate) fn page(result: &LifeResult, pictures: &Pictures, bench: &Transmissio
     let table: Vec<Vec<String>> = rows(result).into_iter().map(Vec::from).collect();
     page.section("Figures").table(&["quantity", "value"], &table);
     page.section("Predicted and tracked clearance");
-    output::show(&mut page, &pictures.clearance);
+    for picture in &pictures.clearance {
+        page.figure(&picture.svg, &picture.caption);
+    }
     page.note(
         "The tracked clearance is that of the controller's estimator in this process, from noisy sensors of \
          the bench with the predicted clearance. It starts each time from the clearance tracked before.",

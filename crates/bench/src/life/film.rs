@@ -57,9 +57,9 @@ const CONVERGED: f64 = 1e-7;
 const MAX_SWEEPS: usize = 20_000;
 
 impl Reynolds {
-    /// Grid of the table: forces within 1 % up to an eccentricity of 0.9.
+    /// Grid of the table.
     pub fn tabulated(slenderness: f64) -> Self {
-        Self { slenderness, cavitation: Cavitation::Free, around: 144, along: 12 }
+        Self { slenderness, cavitation: Cavitation::Free, around: 240, along: 8 }
     }
 
     /// Solves for an eccentricity from 0 to below 1 and a direction of the velocity in rad.
@@ -175,13 +175,24 @@ impl FilmTable {
         Self { rows: ECCENTRICITIES.iter().map(row).collect() }
     }
 
-    /// Force at an eccentricity and a direction in rad; beyond the table that of its last row with
-    /// the growth of a short bearing.
+    /// Force at an eccentricity and a direction in rad. Beyond the table it grows by the power of
+    /// `1 - e^2` of the last two rows.
     pub fn force(&self, eccentricity: f64, direction_rad: f64) -> FilmForce {
+        let [.., before, last] = ECCENTRICITIES;
+        let inside = self.interpolated(eccentricity.min(last), direction_rad);
+        if eccentricity <= last {
+            return inside;
+        }
+        let rest = |e: f64| 1.0 - e * e;
+        let growth = inside.size() / self.interpolated(before, direction_rad).size();
+        let power = growth.ln() / (rest(before) / rest(last)).ln();
+        inside.times((rest(last) / rest(eccentricity)).powf(power))
+    }
+
+    fn interpolated(&self, eccentricity: f64, direction_rad: f64) -> FilmForce {
         let turned = direction_rad.rem_euclid(TAU);
         let (direction, side) = if turned > PI { (TAU - turned, -1.0) } else { (turned, 1.0) };
-        let last = ECCENTRICITIES[ECCENTRICITIES.len() - 1];
-        let (row, share) = place(&ECCENTRICITIES, eccentricity.clamp(0.0, last));
+        let (row, share) = place(&ECCENTRICITIES, eccentricity.max(0.0));
         let column = direction / PI * (DIRECTIONS - 1) as f64;
         let left = (column as usize).min(DIRECTIONS - 2);
         let along = |row: usize| self.rows[row][left].mixed(&self.rows[row][left + 1], column - left as f64);
@@ -340,6 +351,9 @@ mod tests {
             let error = (found.radial - exact.radial).hypot(found.tangential - exact.tangential);
             assert!(error < 0.05 * exact.size(), "{eccentricity} {direction}: {found:?} {exact:?}");
         }
+        let fine = Reynolds { around: 1440, ..grid }.force(0.99, PI / 2.0).size();
+        let beyond = table.force(0.99, PI / 2.0).size();
+        assert!((beyond / fine - 1.0).abs() < 0.1, "{beyond} {fine}");
         let approaching = table.force(0.9, 0.0);
         assert!(approaching.radial < 0.0 && table.force(0.9, PI).size() < 0.1 * approaching.size());
     }

@@ -110,6 +110,8 @@ pub fn jump_cycles<S: CyclicSystem>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::Cell;
+    use std::rc::Rc;
 
     /// Wear that slows down as the surfaces conform: `h' = r exp(-h/c)`, so `h = c ln(1 + r n/c)`.
     struct RunningIn {
@@ -158,6 +160,15 @@ mod tests {
     }
 
     #[test]
+    fn a_jump_is_the_result_of_its_halves() {
+        let mut system = RunningIn { cycles_computed: 0 };
+        let control = JumpControl { largest_change: 1.0, tolerance: 1.0, max_jumps: 1 };
+        let end = jump_cycles(&mut system, 0.0, 1.0, &control, |_, _, _| true).unwrap();
+        let halves = 0.5 * RATE * (1.0 + (-0.5 * RATE / SCALE).exp());
+        assert!((end / halves - 1.0).abs() < 1e-9, "{end} {halves}");
+    }
+
+    #[test]
     fn no_jump_changes_more_than_allowed() {
         let mut system = RunningIn { cycles_computed: 0 };
         let control = JumpControl { largest_change: 1e-6, tolerance: 1.0, max_jumps: 1000 };
@@ -175,5 +186,53 @@ mod tests {
         let (found, _) = run(1e-12, 1.0, 50);
         let error = found.unwrap_err();
         assert!(error.jumps == 50 && error.cycle > 0.0 && error.cycle < 1e6, "{error}");
+    }
+
+    /// Wear that is a thousand times faster under a hard layer. It remembers the error and the
+    /// change of the last jump.
+    #[derive(Default)]
+    struct Breakthrough {
+        last: Rc<Cell<[f64; 2]>>,
+    }
+
+    const LAYER: f64 = 1e-7;
+
+    impl CyclicSystem for Breakthrough {
+        type State = f64;
+        type Loads = f64;
+        type Error = TooManyJumps;
+
+        fn loads(&mut self, depth: &f64, _: f64) -> Result<f64, TooManyJumps> {
+            Ok(if *depth < LAYER { 1e-12 } else { 1e-9 })
+        }
+
+        fn advance(&self, depth: &f64, rate: &f64, cycles: f64) -> Result<f64, TooManyJumps> {
+            Ok(depth + rate * cycles)
+        }
+
+        fn difference(&self, a: &f64, b: &f64) -> f64 {
+            let difference = (a - b).abs();
+            self.last.set([self.last.get()[1], difference]);
+            difference
+        }
+    }
+
+    #[test]
+    fn a_jump_over_a_sudden_change_is_repeated_shorter() {
+        for (largest_change, tolerance) in [(2e-7, 1.0), (1.0, 1e-9)] {
+            let control = JumpControl { largest_change, tolerance, max_jumps: 1000 };
+            let mut system = Breakthrough::default();
+            let (last, mut before) = (system.last.clone(), 0.0);
+            let see = |cycle, _: &f64, _: &f64| {
+                let [error, change] = last.get();
+                let is_held = error <= tolerance && change <= largest_change;
+                assert!(is_held || cycle - before <= 1.0, "cycle {cycle}: {error} {change}");
+                before = cycle;
+                true
+            };
+            let end = jump_cycles(&mut system, 0.0, 1.2e5, &control, see).unwrap();
+            let exact = LAYER + 2e4 * 1e-9;
+            assert!((end / exact - 1.0).abs() < 0.1, "{end} {exact}");
+        }
     }
 }

@@ -7,9 +7,10 @@
 //! plant itself knows a round clearance only, and is dry: a film carries a part of the force that
 //! does not wear ([`crate::life::film`]) and changes neither motion nor friction.
 //!
-//! Directions and friction heat of one cycle give the clearance of the next one that is computed.
+//! Directions of the contact in the last eight duties and the friction heat of the last one give the
+//! clearance of the next.
 
-use crate::description::{LifeSection, ThermalSection, TransmissionBench};
+use crate::description::{ThermalSection, TransmissionBench};
 use crate::integrate::IntegrationError;
 use crate::life::film::{FilmTable, MixedFilm};
 use crate::life::foundation::{CELLS, Foundation, Unbalanced, layer_modulus_n_m3};
@@ -20,10 +21,16 @@ use crate::plants::transmission::Snapshot;
 use crate::simulate::{DEFAULT_TOLERANCE, Run, run_bench_with_law};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 
 /// Samples of a cycle.
-const SAMPLES_PER_CYCLE: f64 = 1000.0;
+const SAMPLES_PER_CYCLE: f64 = 500.0;
+/// Computed duties whose directions of the contact give the clearance. One alone would let the
+/// clearance swing where the motion has two forms.
+const RECENT_DUTIES: usize = 8;
+/// Distance between the samples that give the directions.
+const DIRECTION_STEP: usize = 8;
 /// Smallest clearance with which a bench runs, m.
 const MIN_CLEARANCE_M: f64 = 1e-6;
 /// Error of a jump as a share of its largest change.
@@ -76,9 +83,9 @@ pub struct LifePoint {
     pub largest_depth_m: f64,
     /// Worn volume of bearing and journal.
     pub wear_volume_m3: f64,
-    /// Largest contact force of a duty cycle.
+    /// Largest contact force at the samples of a duty.
     pub peak_force_n: f64,
-    /// Largest friction torque of a duty cycle.
+    /// Largest friction torque at the samples of a duty.
     pub friction_torque_nm: f64,
     /// Friction heat of a cycle.
     pub heat_j: f64,
@@ -95,12 +102,12 @@ pub struct Life {
     pub profiles: Vec<Profile>,
     /// Cycle at which the clearance reached its limit; none if the life did not reach it.
     pub limit_cycle: Option<f64>,
-    /// Duty cycles that were computed.
+    /// Duties that were computed, of `life.duty_cycles` cycles each.
     pub computed: usize,
 }
 
-/// A duty cycle and its loads.
-#[derive(Clone, Debug)]
+/// Loads of the cycles that count in a run, and their figures.
+#[derive(Debug)]
 struct Duty {
     loads: Vec<Load>,
     /// Clearance of the unworn bearing at its present temperature.
@@ -116,11 +123,15 @@ struct Duty {
 struct LifeModel {
     bench: TransmissionBench,
     settling: u32,
+    duty_cycles: f64,
     wear: Wear,
     film: Option<MixedFilm>,
     thermal: Option<ThermalSection>,
     radii: Radii,
-    last: Option<Duty>,
+    /// Loads in contact of the last duties.
+    recent: VecDeque<Vec<Load>>,
+    /// Friction heat of a cycle of the last duty.
+    heat_j: f64,
     computed: usize,
 }
 
@@ -211,11 +222,11 @@ impl LifeModel {
         let modulus = layer_modulus_n_m3(bearing.youngs_modulus_pa, bearing.poisson_ratio, lining_m);
         let rate = section.specific_wear_rate_m3_nm.unwrap_or(lining.specific_wear_rate_m3_nm);
         let mut bench = bench.clone();
-        let settling =
-            bench.life.as_ref().map_or(LifeSection::default().settling_cycles, |l| l.settling_cycles);
-        bench.drive.cycles = bench.drive.cycles.saturating_add(settling);
+        let life = bench.life.clone().unwrap_or_default();
+        bench.drive.cycles = life.settling_cycles.saturating_add(life.duty_cycles);
         Ok(Self {
-            settling,
+            settling: life.settling_cycles,
+            duty_cycles: f64::from(life.duty_cycles),
             wear: Wear {
                 foundation: Foundation::new(modulus, bearing.bearing_radius_m, bearing.length_m),
                 bearing_m3_nm: rate_factor * rate,
@@ -231,7 +242,8 @@ impl LifeModel {
             thermal: bench.thermal.clone(),
             radii: Radii { bearing_m: bearing.bearing_radius_m, journal_m, lining_m },
             bench,
-            last: None,
+            recent: VecDeque::new(),
+            heat_j: 0.0,
             computed: 0,
         })
     }
@@ -241,8 +253,7 @@ impl LifeModel {
         let described_m = self.bench.bearing.radial_clearance_m;
         let Some(thermal) = &self.thermal else { return described_m };
         let period_s = self.bench.drive.period_s;
-        let power_w = self.last.as_ref().map_or(0.0, |duty| duty.heat_j / period_s);
-        let rise_k = thermal.ambient_rise_k + thermal.thermal_resistance_k_w * power_w;
+        let rise_k = thermal.ambient_rise_k + thermal.thermal_resistance_k_w * self.heat_j / period_s;
         let share = thermal
             .diffusivity_m2_s
             .map_or(1.0, |diffusivity| uptake_share(cycle * period_s, diffusivity, self.radii.lining_m));
@@ -256,9 +267,31 @@ impl LifeModel {
         described_m + clearance_change_m(&self.radii, &growth)
     }
 
+    /// Runs a duty with the present clearance.
+    fn compute(&mut self, profile: &Profile, cycle: f64) -> Result<Duty, LifeError> {
+        let base_m = self.base_m(cycle);
+        let clearance_m = base_m + self.worn_m(profile, base_m);
+        if base_m.min(clearance_m) < MIN_CLEARANCE_M {
+            return Err(LifeError::Seized { cycle, clearance_m: base_m.min(clearance_m) });
+        }
+        let mut bench = self.bench.clone();
+        bench.bearing.radial_clearance_m = clearance_m;
+        let times_s = bench.sample_times_s(SAMPLES_PER_CYCLE / bench.drive.period_s);
+        let run = run_bench_with_law(&bench, &times_s, DEFAULT_TOLERANCE)
+            .map_err(|source| LifeError::Run { cycle, source })?;
+        let duty = self.duty(&run, (base_m, clearance_m));
+        self.computed += 1;
+        self.heat_j = duty.heat_j;
+        let touching = duty.loads.iter().filter(|load| load.force_n != [0.0, 0.0]);
+        self.recent.push_back(touching.step_by(DIRECTION_STEP).copied().collect());
+        if self.recent.len() > RECENT_DUTIES {
+            self.recent.pop_front();
+        }
+        Ok(duty)
+    }
+
     /// Mean over the contact of how much further the journal gets in a worn bearing, m.
     fn worn_m(&self, profile: &Profile, base_m: f64) -> f64 {
-        let loads = self.last.as_ref().map(|duty| duty.loads.as_slice()).unwrap_or_default();
         let mut gap_m = vec![0.0; CELLS];
         let further = |load: &Load| {
             let force_n = load.force_n[0].hypot(load.force_n[1]);
@@ -266,15 +299,13 @@ impl LifeModel {
             let direction = load.force_n.map(|f| f / force_n);
             self.wear.foundation.rigid_displacement_m(&gap_m, direction) - base_m
         };
-        let touching = loads.iter().filter(|load| load.force_n != [0.0, 0.0]);
-        let depths: Vec<f64> = touching.map(further).collect();
+        let depths: Vec<f64> = self.recent.iter().flatten().map(further).collect();
         depths.iter().sum::<f64>() / depths.len().max(1) as f64
     }
 
     /// Loads and figures of the cycles after settling.
     fn duty(&self, run: &Run, (base_m, clearance_m): (f64, f64)) -> Duty {
         let skipped = (f64::from(self.settling) * SAMPLES_PER_CYCLE) as usize;
-        let cycles = f64::from(self.bench.drive.cycles - self.settling);
         let samples = run.samples.get(skipped..).unwrap_or_default();
         let step_s = self.bench.drive.period_s / SAMPLES_PER_CYCLE;
         let mut loads = Vec::with_capacity(samples.len());
@@ -302,7 +333,7 @@ impl LifeModel {
             clearance_m,
             peak_force_n: largest(|s| s.forces.normal_n),
             friction_torque_nm: largest(|s| s.friction_torque_nm.abs()),
-            heat_j: (run.energy.friction_heat_j - settled_j) / cycles,
+            heat_j: (run.energy.friction_heat_j - settled_j) / self.duty_cycles,
             film_share: if total_n > 0.0 { carried_n / total_n } else { 0.0 },
         }
     }
@@ -320,25 +351,16 @@ impl CyclicSystem for LifeModel {
     type Error = LifeError;
 
     fn loads(&mut self, profile: &Profile, cycle: f64) -> Result<Duty, LifeError> {
-        let base_m = self.base_m(cycle);
-        let clearance_m = base_m + self.worn_m(profile, base_m);
-        if base_m.min(clearance_m) < MIN_CLEARANCE_M {
-            return Err(LifeError::Seized { cycle, clearance_m: base_m.min(clearance_m) });
+        // The heat of the first duty is known after it.
+        if self.computed == 0 && self.thermal.as_ref().is_some_and(|t| t.thermal_resistance_k_w > 0.0) {
+            self.compute(profile, cycle)?;
         }
-        let mut bench = self.bench.clone();
-        bench.bearing.radial_clearance_m = clearance_m;
-        let times_s = bench.sample_times_s(SAMPLES_PER_CYCLE / bench.drive.period_s);
-        let run = run_bench_with_law(&bench, &times_s, DEFAULT_TOLERANCE)
-            .map_err(|source| LifeError::Run { cycle, source })?;
-        let duty = self.duty(&run, (base_m, clearance_m));
-        self.computed += 1;
-        self.last = Some(duty.clone());
-        Ok(duty)
+        self.compute(profile, cycle)
     }
 
     fn advance(&self, profile: &Profile, duty: &Duty, cycles: f64) -> Result<Profile, LifeError> {
         // The loads are those of all cycles of a duty.
-        let repeats = cycles / f64::from(self.bench.drive.cycles - self.settling);
+        let repeats = cycles / self.duty_cycles;
         Ok(self.wear.advance(profile, duty.base_m, &duty.loads, repeats)?)
     }
 

@@ -76,9 +76,12 @@ section! {
         /// Radial clearance that ends the life. Default: twice the described one.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         limit_clearance_m: Option<f64> [1e-9, 10.0],
-        /// Cycles of each run before the one that counts; `drive.cycles` count.
+        /// Cycles of each run before those that count.
         #[serde(default = "two")]
         settling_cycles: u32 [0.0, 1000.0],
+        /// Cycles of each run that count: more for a random course.
+        #[serde(default = "four")]
+        duty_cycles: u32 [1.0, 1000.0],
         /// Largest wear of a cell in a jump as a share of the described clearance; the error of a
         /// jump is at most a tenth of that.
         #[serde(default = "jump_share")]
@@ -106,6 +109,10 @@ fn two() -> u32 {
     2
 }
 
+fn four() -> u32 {
+    4
+}
+
 fn jump_share() -> f64 {
     0.02
 }
@@ -123,7 +130,13 @@ impl Default for WearSection {
 
 impl Default for LifeSection {
     fn default() -> Self {
-        Self { cycles: million(), limit_clearance_m: None, settling_cycles: two(), jump_share: jump_share() }
+        Self {
+            cycles: million(),
+            limit_clearance_m: None,
+            settling_cycles: two(),
+            duty_cycles: four(),
+            jump_share: jump_share(),
+        }
     }
 }
 
