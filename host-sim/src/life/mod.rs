@@ -25,7 +25,7 @@ const EFFECT: &str = "clearance-wear";
 /// Its parameter.
 const PARAMETER: &str = "clearance_increase_m";
 
-/// What does not belong to the bench.
+/// Settings that do not belong to the bench.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
     /// Source of the contact in the estimate.

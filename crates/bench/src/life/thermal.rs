@@ -28,11 +28,11 @@ pub struct Radii {
 /// swelling.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Growth {
-    /// Of the shaft.
+    /// Growth of the shaft.
     pub shaft: f64,
-    /// Of the housing.
+    /// Growth of the housing.
     pub housing: f64,
-    /// Of the lining's thickness.
+    /// Growth of the lining's thickness.
     pub lining: f64,
 }
 

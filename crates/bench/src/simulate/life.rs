@@ -7,8 +7,8 @@
 //! plant itself knows a round clearance only, and is dry: a film carries a part of the force that
 //! does not wear ([`crate::life::film`]) and changes neither motion nor friction.
 //!
-//! Directions of the contact in the last eight duties and the friction heat of the last one give the
-//! clearance of the next.
+//! Directions of the contact in the last eight duties and the friction heat of the last one give
+//! the clearance of the next.
 
 use crate::description::{ThermalSection, TransmissionBench};
 use crate::integrate::IntegrationError;
@@ -40,7 +40,7 @@ const MAX_JUMPS: usize = 20_000;
 /// Largest Poisson's ratio of a lining: a confined incompressible one does not yield.
 const MAX_POISSON: f64 = 0.49;
 
-/// Why a life cannot be computed.
+/// Reason why a life cannot be computed.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum LifeError {
     /// The description does not allow a life: field, found, expected.
