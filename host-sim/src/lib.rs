@@ -15,6 +15,7 @@ mod evaluate;
 pub mod flash;
 mod inspect;
 pub mod journal;
+mod life;
 pub mod program;
 pub mod replay;
 pub mod reproduction;

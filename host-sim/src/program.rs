@@ -4,7 +4,8 @@ use crate::cli::console::ConsoleOptions;
 use crate::cli::error::CliError;
 use crate::cli::progress;
 use crate::commands::{
-    accuracy, check, claims, compare, completions, describe, diagnose, evaluate, figures, flash, laws, link,
+    accuracy, check, claims, compare, completions, describe, diagnose, evaluate, figures, flash, laws, life,
+    link,
     manual, record, replay, run, schema, sweep, update, validate,
 };
 use crate::run::RunArgs;
@@ -66,6 +67,8 @@ enum Command {
     /// Measure the errors of networks and estimator against the law, over clearances, loads and
     /// bearings.
     Accuracy(accuracy::AccuracyArgs),
+    /// Wear the bearing over its life; predict its clearance and track it with the controller.
+    Life(life::LifeArgs),
     /// Write the firmware to a board, or check what would be written.
     Flash(flash::FlashArgs),
     /// List the contact and friction laws that a bench description may name.
@@ -116,6 +119,7 @@ fn dispatch(command: Option<Command>) -> Result<(), CliError> {
         Some(Command::Figures(args)) => figures::run(&args),
         Some(Command::Claims(args)) => claims::run(&args),
         Some(Command::Accuracy(args)) => accuracy::run(&args),
+        Some(Command::Life(args)) => life::run(&args),
         Some(Command::Flash(args)) => flash::run(&args),
         Some(Command::Laws(args)) => laws::run(&args),
         Some(Command::Link(args)) => link::run(&args),

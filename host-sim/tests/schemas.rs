@@ -72,6 +72,7 @@ fn real_results_satisfy_their_schemas() {
         ("run-slider-crank", "run --bench slider-crank --json"),
         ("claims", "claims --runs 1 --json"),
         ("laws", "laws --json"),
+        ("life", "life --bearing plastic --cycles 1e3 --json"),
         ("validate", "validate --json"),
         ("sweep-file", "sweep sweep.toml --json"),
         ("sweep-latch", "sweep latch --json"),

@@ -11,6 +11,7 @@
 //! * [`simulate`]: runs, records and responses of a bench, and the statistics of settled operation.
 //! * [`statistics`]: estimates over cycles, rainflow, bands, transients.
 //! * [`template`]: a description as a template for a log.
+//! * [`life`]: wear, thermal change and film of a bearing over many cycles.
 //! * [`known_answers`]: the plants against published references.
 #![forbid(unsafe_code)]
 
@@ -19,6 +20,7 @@ pub mod description;
 pub mod effects;
 pub mod integrate;
 pub mod known_answers;
+pub mod life;
 pub mod log;
 pub mod plants;
 pub mod reading;

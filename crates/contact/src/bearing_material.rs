@@ -37,6 +37,15 @@ pub struct RigFriction {
     pub slow_onset_m_s: f64,
 }
 
+/// Wear and expansion of a bearing's lining.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lining {
+    /// Worn volume per normal force and sliding distance against the steel shaft, m3/(N m).
+    pub specific_wear_rate_m3_nm: f64,
+    /// Linear thermal expansion, 1/K.
+    pub expansion_per_k: f64,
+}
+
 /// Row of the table.
 struct Properties {
     name: &'static str,
@@ -46,6 +55,7 @@ struct Properties {
     damping_per_mille: u32,
     friction: FrictionLaw,
     rig_friction: RigFriction,
+    lining: Lining,
 }
 
 impl BearingMaterial {
@@ -75,6 +85,11 @@ impl BearingMaterial {
                     rise_growth: 0.15,
                     ..RigFriction::CONSTANT
                 },
+                // No published rate of this pair was found. Archard's coefficient of dry metals
+                // that hardly dissolve in each other is about 1.5e-5 (Rabinowicz, Lubrication
+                // Engineering 37, 1981), over a hardness of 250 MPa. Expansion: tin-based white
+                // metal.
+                lining: Lining { specific_wear_rate_m3_nm: 6e-14, expansion_per_k: 23e-6 },
             },
             Self::Plastic => Properties {
                 name: "plastic",
@@ -94,6 +109,9 @@ impl BearingMaterial {
                     slow_onset_m_s: 0.0035,
                     ..RigFriction::CONSTANT
                 },
+                // Orkot TLM Marine at 10 MPa and 1 m/min in water (Trelleborg, Better than Bronze,
+                // 2021). Expansion: fabric-reinforced thermoset, across its layers.
+                lining: Lining { specific_wear_rate_m3_nm: 6.184e-15, expansion_per_k: 90e-6 },
             },
         }
     }
@@ -161,6 +179,11 @@ impl BearingMaterial {
         self.properties().rig_friction
     }
 
+    /// Wear and expansion of the lining.
+    pub const fn lining(self) -> Lining {
+        self.properties().lining
+    }
+
     /// Normal law of the bench and of the shipped networks: the hybrid stiffness as printed with
     /// the dissipation factor of Zhiying and Qishao.
     pub fn normal_law(self, radial_clearance_m: f64, latch_floor_m_s: f64) -> NormalLaw {
@@ -209,6 +232,9 @@ mod tests {
             let elastic = material.elastic();
             Material::new(elastic.youngs_modulus_pa, elastic.poisson_ratio).unwrap();
             material.friction_law().check().unwrap();
+            let lining = material.lining();
+            assert!((1e-17..1e-12).contains(&lining.specific_wear_rate_m3_nm), "{material:?}");
+            assert!((1e-6..1e-3).contains(&lining.expansion_per_k), "{material:?}");
             assert!((0.0..=1.0).contains(&material.restitution()));
         }
     }

@@ -11,6 +11,7 @@ pub mod evaluate;
 pub mod figures;
 pub mod flash;
 pub mod laws;
+pub mod life;
 pub mod link;
 pub mod manual;
 pub mod record;

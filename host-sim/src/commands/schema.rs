@@ -9,7 +9,7 @@ use crate::run::mechanism::MechanismSummary;
 use crate::run::slider_crank::SliderCrankSummary;
 use crate::run::summary::Summary;
 use crate::validation::Cases;
-use crate::{accuracy, reproduction, sweep};
+use crate::{accuracy, life, reproduction, sweep};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use diagnosis::{Diagnosis, Evaluation, Inspection};
@@ -22,7 +22,7 @@ use serde_json::json;
 type Entry = (&'static str, &'static str, fn() -> Schema);
 
 /// All schemas.
-const ALL: [Entry; 18] = [
+const ALL: [Entry; 19] = [
     ("accuracy", "accuracy: accuracy.json", stamped::<accuracy::Outcome>),
     ("accuracy-worlds", "accuracy --worlds: worlds.json", stamped::<accuracy::worlds::Outcome>),
     ("check", "check: check.json", stamped::<Inspection>),
@@ -37,6 +37,7 @@ const ALL: [Entry; 18] = [
         stamped::<reproduction::report::Outcome<'_>>,
     ),
     ("laws", "laws --json", schema_of::<laws::Laws>),
+    ("life", "life: life.json", stamped::<life::Outcome>),
     ("record", "record --json", schema_of::<record::Written>),
     ("run", "run: run.json", stamped::<Summary>),
     ("run-mechanism", "run of a mechanism: run.json", stamped::<MechanismSummary>),

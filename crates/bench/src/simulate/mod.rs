@@ -5,6 +5,7 @@ mod axis_log;
 mod error_bars;
 mod forward_log;
 pub mod impact_table;
+pub mod life;
 mod mechanism;
 mod mechanism_log;
 pub mod peaks;

@@ -1,12 +1,14 @@
 //! Description of the transmission bench.
 
 mod change;
+mod life;
 mod operation;
 mod plant;
 mod profile;
 mod servo;
 mod start;
 
+pub use life::{FilmSection, LifeSection, ThermalSection, WearSection};
 pub use profile::{CourseKind, CourseSection, LoggedCourses};
 pub use servo::Servo;
 pub use start::Start;
@@ -298,6 +300,18 @@ plant_description! {
         /// Friction of the load cylinder; without it the cylinder is frictionless.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         load_friction: Option<LoadFriction>,
+        /// Wear; only `host-sim life` uses it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        wear: Option<WearSection>,
+        /// Thermal and swelling change of the clearance; only `host-sim life` uses it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        thermal: Option<ThermalSection>,
+        /// Lubricant film; only `host-sim life` uses it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        film: Option<FilmSection>,
+        /// Length of a life and its jumps; only `host-sim life` uses it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        life: Option<LifeSection>,
         /// Log.
         logging: Logging,
     }

@@ -65,6 +65,7 @@ impl PlantDescription for TransmissionBench {
             ranges.push(("fork.backlash_m", fork.backlash_m, 0.0, 0.1 * lever_m));
         }
         ranges.extend(self.start_ranges());
+        ranges.extend(self.life_ranges());
         ranges
     }
 
