@@ -3,7 +3,7 @@
 use crate::golden::Comparison;
 use crate::run::{ChoreError, cargo, run, succeeds};
 use crate::tally::Tally;
-use crate::{budget, cycles, firmware, golden, kernels, language, readme, setup, verify};
+use crate::{budget, c_check, cycles, firmware, golden, kernels, language, readme, setup, verify};
 use std::process::Command;
 use std::time::Instant;
 
@@ -67,6 +67,7 @@ fn checks() -> Result<Vec<String>, ChoreError> {
     language::check()?;
     kernels::kernels()?;
     verify::verify()?;
+    skipped.extend(c_check::check()?);
     for (figures, comparison) in [
         ("instruction counts", golden::check()?),
         ("cycles", cycles::check()?),
