@@ -7,7 +7,7 @@ use crate::run::mechanism::MechanismSummary;
 use crate::run::slider_crank::SliderCrankSummary;
 use crate::run::summary::Summary;
 use crate::validation::Cases;
-use crate::{accuracy, reproduction, sweep};
+use crate::{accuracy, reproduction, shard, sweep};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use diagnosis::{Diagnosis, Evaluation, Inspection};
@@ -20,7 +20,7 @@ use serde_json::json;
 type Entry = (&'static str, &'static str, fn() -> Schema);
 
 /// All schemas.
-const ALL: [Entry; 17] = [
+const ALL: [Entry; 18] = [
     ("accuracy", "accuracy: accuracy.json", schema_of::<accuracy::Outcome>),
     ("accuracy-worlds", "accuracy --worlds: worlds.json", schema_of::<accuracy::worlds::Outcome>),
     ("check", "check: check.json", schema_of::<Inspection>),
@@ -38,6 +38,7 @@ const ALL: [Entry; 17] = [
     ("run", "run: run.json", schema_of::<Summary>),
     ("run-mechanism", "run of a mechanism: run.json", schema_of::<MechanismSummary>),
     ("run-slider-crank", "run --bench slider-crank: run.json", schema_of::<SliderCrankSummary>),
+    ("shard", "sweep --shard, claims --shard", schema_of::<shard::Outcome>),
     ("sweep-file", "sweep FILE: sweep.json", schema_of::<sweep::file::Outcome<'_>>),
     ("sweep-latch", "sweep latch: sweep.json", schema_of::<sweep::latch::Outcome>),
     ("sweep-step", "sweep step: sweep.json", schema_of::<sweep::step::Outcome>),
