@@ -74,7 +74,7 @@ impl Journal {
         })?;
         let mut text = Vec::new();
         file.read_to_end(&mut text).map_err(failed)?;
-        let complete = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+        let complete = complete_length(&text);
         let header = serde_json::to_value(header).map_err(|e| failed(e.into()))?;
         let results = read(&name, text.get(..complete).unwrap_or_default(), &header)?;
         // Cut only now: a file that belongs to other work stays as it is.
@@ -85,6 +85,25 @@ impl Journal {
             journal.append(&header)?;
         }
         Ok((journal, results))
+    }
+
+    /// Returns the results of a complete journal, without opening it for writing.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::open`]; an incomplete last line is left out.
+    pub fn read<R: DeserializeOwned>(path: &Path, header: &impl Serialize) -> Result<Vec<R>, JournalError> {
+        let name = path.display().to_string();
+        let failed = |source| JournalError::Unusable { file: name.clone(), source };
+        let mut file = File::open(path).map_err(failed)?;
+        file.try_lock_shared().map_err(|error| match error {
+            TryLockError::WouldBlock => JournalError::Locked { file: name.clone() },
+            TryLockError::Error(source) => failed(source),
+        })?;
+        let mut text = Vec::new();
+        file.read_to_end(&mut text).map_err(failed)?;
+        let header = serde_json::to_value(header).map_err(|e| failed(e.into()))?;
+        read(&name, text.get(..complete_length(&text)).unwrap_or_default(), &header)
     }
 
     /// Appends a result.
@@ -98,6 +117,11 @@ impl Journal {
         line.push(b'\n');
         self.file.write_all(&line).map_err(failed)
     }
+}
+
+/// Returns the length of the complete lines.
+fn complete_length(text: &[u8]) -> usize {
+    text.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1)
 }
 
 /// Parses the complete lines of a journal.

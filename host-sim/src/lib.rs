@@ -20,6 +20,7 @@ pub mod program;
 pub mod replay;
 pub mod reproduction;
 pub mod run;
+pub mod shard;
 pub mod sweep;
 mod validation;
 pub mod watch;

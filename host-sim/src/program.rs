@@ -5,8 +5,7 @@ use crate::cli::error::CliError;
 use crate::cli::progress;
 use crate::commands::{
     accuracy, check, claims, compare, completions, describe, diagnose, evaluate, figures, flash, laws, life,
-    link,
-    manual, record, replay, run, schema, sweep, update, validate,
+    link, manual, record, replay, run, schema, sweep, update, validate,
 };
 use crate::run::RunArgs;
 use clap::{CommandFactory, Parser, Subcommand};

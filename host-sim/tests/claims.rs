@@ -82,3 +82,34 @@ fn a_campaign_resumes_and_does_not_depend_on_threads_or_interruption() {
     let rig = claims(directory.path(), &["--bench", "slider-crank", "--out", "rig"]);
     assert_eq!(rig.status.code(), Some(2), "{}", String::from_utf8_lossy(&rig.stderr));
 }
+
+#[test]
+fn merged_shards_give_the_bytes_of_one_machine() {
+    let directory = tempfile::tempdir().unwrap();
+    let folder = directory.path();
+    let done = |arguments: &[&str]| {
+        let output = claims(folder, arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        output
+    };
+    done(&["--runs", "3", "--out", "one"]);
+    let shard = done(&["--runs", "3", "--shard", "1/2", "--out", "s1", "--json"]);
+    let shard: Value = serde_json::from_slice(&shard.stdout).unwrap();
+    assert_eq!((&shard["runs"], &shard["campaign_runs"]), (&2.into(), &3.into()));
+    done(&["--runs", "3", "--shard", "2/2", "--out", "s2"]);
+    done(&["merge", "s2", "s1", "--runs", "3", "--out", "merged"]);
+    for name in ["claims.json", "claims.md", "draws.csv", "verdicts.csv", "report.html"] {
+        assert_eq!(read(folder, &format!("one/{name}")), read(folder, &format!("merged/{name}")), "{name}");
+    }
+    for (arguments, expected) in [
+        (&["merge", "s1", "--runs", "3"][..], "found 2 of 3 runs; missing: 1"),
+        (&["merge", "s1", "s2", "--runs", "3", "--seed", "2"], "it belongs to other work: seed"),
+        (&["merge"], "claims: found merge; expected `merge` and the folder of every shard"),
+        (&["s1", "s2"], "claims: found s1; expected `merge`"),
+    ] {
+        let output = claims(folder, arguments);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+    }
+}

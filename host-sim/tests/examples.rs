@@ -57,7 +57,7 @@ fn every_bench_runs_or_is_recorded() {
             assert!(rows("log.csv") == 4001 && rows("impacts.csv") > 5, "{path}");
             let page = std::fs::read_to_string(directory.path().join("out/run/report.html")).unwrap();
             assert!(page.contains("Energy balance"), "{path}");
-            for part in ["data-sketch", "<button", "type=\"range\"", "prefers-reduced-motion"] {
+            for part in ["data-frames", "<button", "type=\"range\"", "prefers-reduced-motion"] {
                 assert!(page.contains(part), "{path} {part}");
             }
             assert!(!page.contains("NaN") && !page.contains("src="), "{path}");

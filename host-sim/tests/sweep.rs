@@ -344,3 +344,78 @@ fn the_examples_are_sweeps() {
         assert_eq!(json.get("runs").and_then(Value::as_array).map(Vec::len), Some(runs), "{name}");
     }
 }
+
+#[test]
+fn merged_shards_give_the_bytes_of_one_machine_and_a_killed_shard_resumes() {
+    let directory = tempfile::tempdir().unwrap();
+    let folder = directory.path();
+    let sweep = SWEEP.replace("count = 4", "count = 2");
+    std::fs::write(folder.join("slow.toml"), format!("force = \"float-net\"\n{sweep}")).unwrap();
+    done(folder, &["sweep", "slow.toml", "--out", "one"]);
+    let shard = |shard: &str, out: &str| {
+        let mut command = Command::new(PROGRAM);
+        command.current_dir(folder).args(["sweep", "slow.toml", "--threads", "1", "--shard", shard]);
+        command.args(["--out", out]).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.spawn().unwrap()
+    };
+    // Two workers at the same time; one is killed after its first runs.
+    let (first, mut second) = (shard("1/2", "s1"), shard("2/2", "s2"));
+    let lines = |name: &str| {
+        std::fs::read_to_string(folder.join(name).join("journal.jsonl")).map_or(0, |t| t.lines().count())
+    };
+    while lines("s2") < 3 && second.try_wait().unwrap().is_none() {
+        std::thread::yield_now();
+    }
+    second.kill().unwrap();
+    assert!(!second.wait().unwrap().success(), "it was killed before its end");
+    assert!((3..7).contains(&lines("s2")), "{}", lines("s2"));
+    let first = first.wait_with_output().unwrap();
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    assert!(text(&first.stdout).starts_with("shard 1/2: 6 of 12 runs, 0 failed"), "{}", text(&first.stdout));
+    assert!(!folder.join("s1/runs.csv").exists(), "a shard has no results");
+    let merge = ["sweep", "merge", "slow.toml", "s1", "s2", "--out", "merged"];
+    let early = host_sim(folder, &merge);
+    assert_eq!(early.status.code(), Some(2));
+    assert!(text(&early.stderr).contains(" of 12 runs; missing: "), "{}", text(&early.stderr));
+    assert!(!folder.join("merged/runs.csv").exists());
+
+    assert!(shard("2/2", "s2").wait().unwrap().success());
+    done(folder, &merge);
+    assert_eq!(files(&folder.join("one")), files(&folder.join("merged")));
+    // Every run of a shard has its remainder.
+    let journal = std::fs::read_to_string(folder.join("s2/journal.jsonl")).unwrap();
+    let indices = journal.lines().skip(1).map(|line| {
+        serde_json::from_str::<Value>(line).unwrap().get("index").and_then(Value::as_u64).unwrap()
+    });
+    assert!(indices.map(|index| index % 2).eq([1; 6]));
+}
+
+#[test]
+fn shards_of_other_sweeps_and_meaningless_arguments_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let folder = directory.path();
+    sweep_in(folder);
+    done(folder, &["sweep", "sweep.toml", "--shard", "1/2", "--out", "s1"]);
+    done(folder, &["sweep", "sweep.toml", "--shard", "2/2", "--out", "s2", "--step-us", "50"]);
+    let refused = |arguments: &[&str], expected: &str| {
+        let output = host_sim(folder, arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+    };
+    refused(
+        &["sweep", "merge", "sweep.toml", "s1", "s2"],
+        "s2/journal.jsonl, line 1: it belongs to other work",
+    );
+    refused(
+        &["sweep", "merge", "sweep.toml", "s1", "s1"],
+        "found it in s1/journal.jsonl and in s1/journal.jsonl; expected it once",
+    );
+    refused(&["sweep", "merge", "sweep.toml", "s1", "s3"], "s3/journal.jsonl: found no journal");
+    refused(&["sweep", "merge", "sweep.toml"], "found no shard");
+    refused(&["sweep", "merge"], "found no shard");
+    refused(&["sweep", "sweep.toml", "s1"], "found s1; expected no more arguments");
+    refused(&["sweep", "latch", "--shard", "1/2"], "found --shard 1/2; expected a file");
+    refused(&["sweep", "merge", "sweep.toml", "s1", "--shard", "1/2"], "found --shard 1/2");
+    refused(&["sweep", "sweep.toml", "--shard", "3/2"], "found `3/2`; expected I/N");
+}

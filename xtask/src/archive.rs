@@ -3,6 +3,7 @@
 //! The archive contains no path of the machine that built it, and its bytes do not depend on the
 //! time of the build.
 
+use crate::c_library;
 use crate::firmware::Firmware;
 use crate::run::{ChoreError, cargo, output_of, root, run, succeeds, target_folder, write_atomically};
 use controller::boards::BOARDS;
@@ -34,6 +35,7 @@ pub(crate) fn archive() -> Result<PathBuf, ChoreError> {
         copy(path, &tree.join("bin").join(program))?;
     }
     firmware(&tree.join("share/pintle/firmware"))?;
+    copy_tree(&c_library::build()?, &tree.join("share/pintle/c-libraries"))?;
     shells(&tree)?;
     for document in DOCUMENTS {
         copy_tree(&root().join(document), &tree.join("share/doc/pintle").join(document))?;
@@ -43,7 +45,7 @@ pub(crate) fn archive() -> Result<PathBuf, ChoreError> {
 }
 
 /// Returns the triple of this machine.
-fn host() -> Result<String, ChoreError> {
+pub(crate) fn host() -> Result<String, ChoreError> {
     let text = output_of(Command::new("rustc").arg("-vV").current_dir(root()))?;
     let triple = text.lines().find_map(|line| line.strip_prefix("host: ")).map(str::to_owned);
     triple.ok_or_else(|| ChoreError::ByHand("`rustc -vV` names no host".into()))

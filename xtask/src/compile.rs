@@ -7,11 +7,21 @@ use std::process::Command;
 
 /// Returns `cargo build` for a target in a folder; the caller adds the package.
 pub(crate) fn build(toolchain: &Toolchain, target: &str, folder: &Path) -> Result<Command, ChoreError> {
+    subcommand("build", toolchain, target, folder)
+}
+
+/// Returns a subcommand of cargo that compiles for a target in a folder.
+pub(crate) fn subcommand(
+    name: &str,
+    toolchain: &Toolchain,
+    target: &str,
+    folder: &Path,
+) -> Result<Command, ChoreError> {
     let mut command = match toolchain {
         Toolchain::Rustup => cargo(),
         Toolchain::Debian => Command::new(DEBIAN_CARGO),
     };
-    command.current_dir(folder).args(["build", "--target", target]);
+    command.current_dir(folder).args([name, "--target", target]);
     if *toolchain == Toolchain::Debian {
         let variable = target.to_uppercase().replace(['-', '.'], "_");
         command

@@ -4,6 +4,8 @@
 mod archive;
 mod boards;
 mod budget;
+mod c_check;
+mod c_library;
 mod campaigns;
 mod compile;
 mod counts;
@@ -77,6 +79,13 @@ enum Command {
     },
     /// Run the tests of the crate `inference` under Miri (nightly toolchain).
     Miri,
+    /// Build the static library for C, for the default controller and for this machine.
+    CLibrary {
+        /// Compile programs in C against the package of `model-quant generate c`, run them here and
+        /// on the emulated controller, and compare their bits with Rust.
+        #[arg(long)]
+        check: bool,
+    },
     /// Verify the shipped model images against laws, float networks and other runtimes.
     Verify,
     /// Measure and write the golden figures, the tables of `docs/figures.md` and the README's run.
@@ -151,6 +160,7 @@ fn main() -> ExitCode {
             .map(|elf| println!("{}", elf.display())),
         Command::Language { paths, by_file } => language::language(&paths, by_file),
         Command::Miri => miri::miri(),
+        Command::CLibrary { check } => c_library::c_library(check),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
         Command::Bless => golden::bless()

@@ -29,6 +29,12 @@ pub(crate) fn setup() -> Result<Toolchain, ChoreError> {
         target(board.microcontroller.target)?;
     }
     emulator()?;
+    for (name, packages) in C_TOOLS {
+        // Without them only the programs in C are not tried, which the tests report.
+        if let Err(error) = program(name, packages) {
+            eprintln!("{name}: {error}");
+        }
+    }
     Ok(toolchain)
 }
 
@@ -85,10 +91,7 @@ pub(crate) fn linker() -> Result<String, ChoreError> {
 }
 
 fn emulator() -> Result<(), ChoreError> {
-    if succeeds(Command::new(EMULATOR).arg("--version")) {
-        return Ok(());
-    }
-    install(&[EMULATOR])
+    program(EMULATOR, &[EMULATOR])
 }
 
 /// Browser that the tests of pages use if it is installed.
@@ -98,6 +101,16 @@ const BROWSER: &str = "chromium";
 pub(crate) fn browser() -> bool {
     succeeds(Command::new(BROWSER).arg("--version")) || install(&[BROWSER]).is_ok()
 }
+
+/// Installs the packages of a program if it does not run.
+pub(crate) fn program(name: &str, packages: &[&str]) -> Result<(), ChoreError> {
+    if succeeds(Command::new(name).arg("--version")) { Ok(()) } else { install(packages) }
+}
+
+/// Tools for the programs in C, which only `cargo xtask c-library --check` needs: their names and
+/// packages.
+pub(crate) const C_TOOLS: [(&str, &[&str]); 2] =
+    [("cmake", &["cmake", "make"]), ("arm-none-eabi-gcc", &["gcc-arm-none-eabi"])];
 
 /// Installs Debian packages; if that is not possible, the error says what to type.
 fn install(packages: &[&str]) -> Result<(), ChoreError> {

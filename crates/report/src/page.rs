@@ -15,6 +15,7 @@ pub struct Page {
     body: String,
     columns: Columns,
     pictures: usize,
+    is_animated: bool,
 }
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;\
@@ -33,7 +34,7 @@ button{font:inherit;font-size:.85rem;color:var(--quiet);background:var(--head);\
 border:1px solid var(--rule);border-radius:3px;cursor:pointer}\
 output{font-size:.85rem;color:var(--quiet);font-variant-numeric:tabular-nums}\
 .u-legend{text-align:left;margin:0 0 0 3rem}\
-.u-legend th,.u-legend td{border:0;background:none}.u-legend .u-series>*{padding:0 .3rem}.u-title{font-size:1rem}.u-select{background:var(--select)}\
+.u-legend th,.u-legend td{border:0;background:none}.u-legend .u-series>*{padding:0 .3rem}.u-title{font-size:1rem}.controls input{flex:1;min-width:0}.tools[hidden]{display:none}.u-select{background:var(--select)}\
 @media screen{.live>svg{display:none}.live>.plot{display:block}}@media print{.tools{display:none}}\
 .pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{flex:1 1 400px;min-width:0;max-width:516px;margin:.5rem 0}\
 @media screen and (max-width:700px){figure>svg{min-width:720px}.pair svg{min-width:0}}";
@@ -42,13 +43,24 @@ output{font-size:.85rem;color:var(--quiet);font-variant-numeric:tabular-nums}\
 const SAVE: &str = "<div class=\"tools\"><button type=\"button\" id=\"save-all\" hidden>Save all pictures \
                     (SVG in a ZIP file)</button></div>\n";
 
+/// Button, slider and time of an animation.
+const CONTROLS: &str = "<div class=\"tools controls\" hidden><button type=\"button\">Play</button>\
+                        <input type=\"range\" min=\"0\" value=\"0\" step=\"1\" aria-label=\"Time\">\
+                        <output></output></div>";
+
 /// Maximum number of words in a cell that counts as a number: `1.5 to 2.5 N m`.
 const NUMBER_WORDS: usize = 5;
 
 impl Page {
     /// Creates an empty page.
     pub fn new(title: &str) -> Self {
-        Self { title: title.into(), body: String::new(), columns: Columns::default(), pictures: 0 }
+        Self {
+            title: title.into(),
+            body: String::new(),
+            columns: Columns::default(),
+            pictures: 0,
+            is_animated: false,
+        }
     }
 
     /// Appends the introductory sentence.
@@ -112,6 +124,20 @@ impl Page {
         self.push(&format!("<figure{chart}>{svg}<figcaption>{}</figcaption></figure>\n", escape(caption)))
     }
 
+    /// Appends a picture that a script animates.
+    ///
+    /// `frames` is a JSON object: `times` in s, and for each time `bodies`, the place and the angle in
+    /// degrees of every element with `data-body`, and `forces`, both ends of every element with
+    /// `data-force`.
+    pub fn animation(&mut self, svg: &str, frames: &str, caption: &str) -> &mut Self {
+        self.is_animated = true;
+        let (frames, caption) = (escape(frames), escape(caption));
+        self.push(&format!(
+            "<figure data-frames=\"{frames}\"><div>{svg}</div>{CONTROLS}<figcaption>{caption}</figcaption>\
+             </figure>\n"
+        ))
+    }
+
     /// Appends pictures, side by side if the window is wide enough.
     pub fn figures(&mut self, pictures: &[(Drawing, &str)]) -> &mut Self {
         self.push("<div class=\"pair\">\n");
@@ -124,7 +150,9 @@ impl Page {
     /// Returns the page as HTML.
     pub fn render(&self) -> String {
         let title = escape(&self.title);
+        let has_scripts = self.is_animated || !self.columns.is_empty();
         let library_style = if self.columns.is_empty() { "" } else { plot::LIBRARY_STYLE };
+        let scripts = if has_scripts { self.columns.render() } else { String::new() };
         let save = if self.pictures > 0 { SAVE } else { "" };
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
@@ -134,7 +162,7 @@ impl Page {
             plot::policy(),
             scheme::style(),
             self.body,
-            self.columns.render(),
+            scripts,
         )
     }
 

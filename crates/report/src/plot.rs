@@ -15,8 +15,8 @@ use std::fmt::Write as _;
 const LIBRARY: &str = include_str!("../vendor/uPlot.iife.min.js");
 /// Its style.
 pub(crate) const LIBRARY_STYLE: &str = include_str!("../vendor/uPlot.min.css");
-/// Script that creates the charts.
-const SCRIPT: &str = include_str!("plot.js");
+/// Scripts that create the charts and play the sketches.
+const SCRIPTS: [&str; 2] = [include_str!("plot.js"), include_str!("sketch.js")];
 /// Notice in place of the library's own, which has an address of the web.
 const NOTICE: &str = "/*! uPlot 1.6.32, (c) 2022 Leon Sorokin, MIT licence */\n";
 
@@ -171,11 +171,8 @@ impl Columns {
         self.columns.is_empty()
     }
 
-    /// Returns the elements for the end of a page: all columns, and the scripts that read them.
+    /// Returns the elements for the end of a page: all columns, and the scripts.
     pub(crate) fn render(&self) -> String {
-        if self.columns.is_empty() {
-            return String::new();
-        }
         let mut out = String::new();
         for (index, (size, text)) in self.columns.iter().enumerate() {
             let _ = writeln!(
@@ -191,7 +188,8 @@ impl Columns {
 /// Returns the library and the script, as they stand in a page.
 fn script() -> String {
     let library = LIBRARY.split_once('\n').map_or(LIBRARY, |(_, code)| code);
-    format!("{NOTICE}{library}\n{SCRIPT}")
+    let [charts, sketches] = SCRIPTS;
+    format!("{NOTICE}{library}\n{charts}{sketches}")
 }
 
 /// Returns the policy of a page: nothing is fetched, and no script runs but that of this crate.

@@ -64,6 +64,13 @@ impl Files {
         Ok(text)
     }
 
+    /// Adds the origin as a file of its own: of results that are the same bytes whether one machine
+    /// or several computed them.
+    pub(crate) fn add_provenance(&mut self) -> Result<(), CliError> {
+        let text = json(&Provenance::of_process())?;
+        self.add("provenance.json", &format!("{text}\n"))
+    }
+
     /// Adds a page, with its origin at the end.
     pub(crate) fn add_page(&mut self, name: &str, mut page: Page) -> Result<(), CliError> {
         Provenance::of_process().add_to(&mut page);

@@ -79,16 +79,15 @@ pub fn run(args: &LifeArgs) -> Result<(), CliError> {
     output::check_folder(&args.out)?;
     let settings = Settings { contact: args.contact.into(), seed: args.seed, threads: args.threads };
     let result = life::simulate(&bench, settings)?;
-    let text = output::json(&result.outcome)?;
     let pictures = pictures::draw(&result)?;
     let mut files = Files::new(&args.out);
     files.leave_out(WORN_BENCH);
     files.add("life.csv", &report::life_csv(&result)?)?;
     files.add("profile.csv", &report::profile_csv(&result))?;
     files.add("tracked.csv", &table::csv(&result.outcome.tracked)?)?;
-    files.add("life.json", &format!("{text}\n"))?;
+    let text = files.add_result("life.json", &result.outcome)?;
     pictures.add_to(&mut files)?;
-    files.add("report.html", &report::page(&result, &pictures, &bench).render())?;
+    files.add_page("report.html", report::page(&result, &pictures, &bench))?;
     if let Some(worn) = life::worn_bench(&bench, &result.outcome) {
         let text = Bench::from(worn).to_toml().map_err(|e| CliError::Work(format!("{WORN_BENCH}: {e}")))?;
         files.add(WORN_BENCH, &text)?;

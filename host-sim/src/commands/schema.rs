@@ -9,7 +9,7 @@ use crate::run::mechanism::MechanismSummary;
 use crate::run::slider_crank::SliderCrankSummary;
 use crate::run::summary::Summary;
 use crate::validation::Cases;
-use crate::{accuracy, life, reproduction, sweep};
+use crate::{accuracy, life, reproduction, shard, sweep};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use diagnosis::{Diagnosis, Evaluation, Inspection};
@@ -22,11 +22,11 @@ use serde_json::json;
 type Entry = (&'static str, &'static str, fn() -> Schema);
 
 /// All schemas.
-const ALL: [Entry; 19] = [
+const ALL: [Entry; 20] = [
     ("accuracy", "accuracy: accuracy.json", stamped::<accuracy::Outcome>),
     ("accuracy-worlds", "accuracy --worlds: worlds.json", stamped::<accuracy::worlds::Outcome>),
     ("check", "check: check.json", stamped::<Inspection>),
-    ("claims", "claims: claims.json", stamped::<reproduction::campaign::report::Outcome>),
+    ("claims", "claims: claims.json", schema_of::<reproduction::campaign::report::Outcome>),
     ("compare", "compare: comparison.json", stamped::<Comparison>),
     ("describe", "describe --json", schema_of::<describe::Described>),
     ("diagnose", "diagnose: diagnosis.json", stamped::<Diagnosis>),
@@ -42,7 +42,8 @@ const ALL: [Entry; 19] = [
     ("run", "run: run.json", stamped::<Summary>),
     ("run-mechanism", "run of a mechanism: run.json", stamped::<MechanismSummary>),
     ("run-slider-crank", "run --bench slider-crank: run.json", stamped::<SliderCrankSummary>),
-    ("sweep-file", "sweep FILE: sweep.json", stamped::<sweep::file::Outcome<'_>>),
+    ("shard", "sweep --shard, claims --shard", schema_of::<shard::Outcome>),
+    ("sweep-file", "sweep FILE: sweep.json", schema_of::<sweep::file::Outcome<'_>>),
     ("sweep-latch", "sweep latch: sweep.json", stamped::<sweep::latch::Outcome>),
     ("sweep-step", "sweep step: sweep.json", stamped::<sweep::step::Outcome>),
     ("validate", "validate: validate.json", schema_of::<Cases>),

@@ -130,7 +130,7 @@ pub(crate) fn page(result: &LifeResult, pictures: &Pictures, bench: &Transmissio
     page.section("Figures").table(&["quantity", "value"], &table);
     page.section("Predicted and tracked clearance");
     for picture in &pictures.clearance {
-        page.figure(&picture.svg, &picture.caption);
+        page.figure(&picture.drawing, &picture.caption);
     }
     page.note(
         "The tracked clearance is that of the controller's estimator in this process, from noisy sensors of \

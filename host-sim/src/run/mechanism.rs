@@ -208,8 +208,9 @@ fn page(bench: &MechanismBench, summary: &MechanismSummary, result: &RunWithBars
         summary.energy_residual_rel
     ));
     if let Some(sketch) = sketch(bench, samples) {
-        page.figure(
-            &sketch,
+        page.animation(
+            &sketch.svg,
+            &sketch.frames,
             "Sketch of the run; arrows are the forces of clearance joints on their journals.",
         );
     }

@@ -1,9 +1,8 @@
 //! Animated sketch of a mechanism's run for its report: the bodies as lines through their points,
 //! the forces of the clearance joints on their journals as arrows.
 //!
-//! An SVG with a small script and no reference to anything outside. It plays the run in [`PLAY_S`]
-//! seconds with at most [`MAX_FRAMES`] frames. Where the reader prefers reduced motion it waits for
-//! the button. Without a script it shows the start.
+//! An SVG and at most [`MAX_FRAMES`] frames, which the script of the page plays. Where the reader
+//! prefers reduced motion it waits for the button. Without scripts the start is shown.
 
 use bench::description::{JointKind, JointSection, MechanismBench};
 use bench::plants::mechanism::Snapshot;
@@ -11,8 +10,6 @@ use std::fmt::Write;
 
 /// Maximum number of frames.
 const MAX_FRAMES: usize = 240;
-/// Duration of the animation in s.
-const PLAY_S: f64 = 8.0;
 /// Length of the largest force's arrow relative to the width of the sketch.
 const ARROW_SHARE: f64 = 0.2;
 /// Margin around the bodies relative to their extent.
@@ -67,13 +64,19 @@ fn short(value: f64, extent: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// Joins values as an array of the script.
+/// Joins values as a JSON array.
 fn array(values: impl Iterator<Item = String>) -> String {
     format!("[{}]", values.collect::<Vec<_>>().join(","))
 }
 
+/// Picture of the start, and the frames as JSON.
+pub(crate) struct Sketch {
+    pub(crate) svg: String,
+    pub(crate) frames: String,
+}
+
 /// Draws the sketch; none for a run without samples.
-pub(crate) fn sketch(bench: &MechanismBench, samples: &[Snapshot]) -> Option<String> {
+pub(crate) fn sketch(bench: &MechanismBench, samples: &[Snapshot]) -> Option<Sketch> {
     let first = samples.first()?;
     let every = samples.len().div_ceil(MAX_FRAMES).max(1);
     let frames: Vec<&Snapshot> = samples.iter().step_by(every).collect();
@@ -137,10 +140,8 @@ pub(crate) fn sketch(bench: &MechanismBench, samples: &[Snapshot]) -> Option<Str
     }));
     let forces = arrows(&frames, &journals, ARROW_SHARE * size[0], extent);
     let times = array(frames.iter().map(|s| format!("{:.6}", s.time_s)));
-    Some(format!(
-        "<div data-sketch>{svg}{CONTROLS}</div><script>{}</script>",
-        script(&times, &bodies, &forces)
-    ))
+    let frames = format!("{{\"times\":{times},\"bodies\":{bodies},\"forces\":{forces}}}");
+    Some(Sketch { svg, frames })
 }
 
 /// Both ends of every arrow in every frame.
@@ -169,28 +170,4 @@ fn arrows(
             array(ends.into_iter().map(|value| short(value, extent)))
         }))
     }))
-}
-
-/// Button, slider and time.
-const CONTROLS: &str = "<p style=\"display:flex;gap:.6rem;align-items:center\"><button type=\"button\" \
-    style=\"min-width:4.5rem\">Play</button><input type=\"range\" min=\"0\" value=\"0\" step=\"1\" \
-    aria-label=\"Time of the sketch\" style=\"flex:1;min-width:0\"><output></output></p>";
-
-fn script(times: &str, bodies: &str, forces: &str) -> String {
-    format!(
-        "(()=>{{const T={times},B={bodies},F={forces},r=document.querySelector('[data-sketch]'),\
-         q=s=>[...r.querySelectorAll(s)],b=q('[data-body]'),f=q('[data-force]'),[p]=q('button'),\
-         [i]=q('input'),[o]=q('output');let k=0,on=false,last=0;i.max=T.length-1;\
-         const draw=()=>{{B[k].forEach(([x,y,a],j)=>b[j].setAttribute('transform',`translate(${{x}} ${{y}}) \
-         rotate(${{a}})`));F[k].forEach((e,j)=>{{\
-         ['x1','y1','x2','y2'].forEach((n,m)=>f[j].setAttribute(n,e[m]));\
-         f[j].style.display=e[0]===e[2]&&e[1]===e[3]?'none':''}});i.value=k;\
-         o.textContent=T[k].toPrecision(4)+' s'}};\
-         const step=t=>{{if(!on)return;if(t-last>={}){{last=t;k=(k+1)%T.length;draw()}}\
-         requestAnimationFrame(step)}};\
-         const set=v=>{{on=v;p.textContent=on?'Pause':'Play';if(on)requestAnimationFrame(step)}};\
-         p.onclick=()=>set(!on);i.oninput=()=>{{set(false);k=+i.value;draw()}};draw();\
-         set(!matchMedia('(prefers-reduced-motion: reduce)').matches)}})()",
-        (1e3 * PLAY_S / MAX_FRAMES as f64).round()
-    )
 }

@@ -3,7 +3,7 @@
 use super::journal::{self, Header, Record};
 use super::options::SweepOptions;
 use super::owner;
-use super::points::points;
+use super::points::{Point, points};
 use super::specification::{Scale, Specification};
 use super::table::{self, Row};
 use super::work;
@@ -13,12 +13,13 @@ use crate::cli::output::{self, Files, Picture};
 use crate::cli::progress;
 use crate::run::force;
 use crate::run::summary::{Figures, PerPeak};
+use crate::shard::{self, Shard};
 use bench::{BearingMaterial, Bench, PRESETS};
 use report::figure::{Chart, Series, Style, lines, lines_log_x};
 use report::page::Page;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Maximum number of runs that a report lists one by one.
 const LISTED: usize = 200;
@@ -33,69 +34,129 @@ pub(crate) struct Outcome<'a> {
 /// Name of the sweep in its results.
 const NAME: &str = "file";
 
-/// Runs the sweep of a file and writes runs.csv, sweep.json, timing.csv and report.html.
-pub(crate) fn run(file: &str, options: &SweepOptions, folder: &Path, json: bool) -> Result<(), CliError> {
-    let step_s = options.step_s()?;
-    let text = std::fs::read_to_string(file).map_err(|e| {
-        CliError::Input(format!(
-            "{file} (neither clearance, load, latch, step nor a file): cannot be read: {e}"
-        ))
-    })?;
-    let mut specification = Specification::parse(file, &text)?;
-    specification.force = options.force.unwrap_or(specification.force);
-    let base = base(file, &specification, options)?;
-    let points = points(file, &specification, &base)?;
-    let header = Header {
-        version: env!("CARGO_PKG_VERSION").into(),
-        bench: base.to_toml().map_err(|e| CliError::Work(format!("{file}: {e}")))?,
-        networks: BearingMaterial::ALL
-            .iter()
-            .map(|b| (b.name().to_owned(), force::identity(specification.force, *b)))
-            .filter(|(_, sum)| !sum.is_empty())
-            .collect(),
-        specification: specification.clone(),
-        step_s,
-    };
-    owner::check(folder, NAME)?;
-    let journal = journal::open(folder, &header, points.len())?;
-    let done = journal.1.len();
-    let bar = progress::bar(points.len() as u64);
-    bar.set_message(format!("runs with {}", specification.force.name()));
-    bar.inc(done as u64);
-    let records = work::run(&points, (specification.force, step_s), options.threads, journal, || bar.inc(1))?;
-    bar.finish_and_clear();
+/// Sweep that is checked and ready to run.
+struct Sweep {
+    file: String,
+    specification: Specification,
+    base: Bench,
+    points: Vec<Point>,
+    header: Header,
+}
 
-    let outcome = Outcome {
-        sweep: NAME,
-        specification: &specification,
-        runs: table::rows(&specification, &points, &records),
-    };
-    let mut files = Files::new(folder);
-    files.add("runs.csv", &table::csv(&outcome.runs)?)?;
-    let text = files.add_result("sweep.json", &outcome)?;
-    files.add("timing.csv", &timing(&records))?;
-    let pictures = pictures(&outcome)?;
-    files.add_pictures(&pictures)?;
-    files.add_page("report.html", page(file, &outcome, &pictures, &base))?;
-    files.publish()?;
-    let failed = records.iter().filter(|r| r.outcome.is_err()).count();
-    if json {
-        print_result!("{text}");
-    } else {
-        if done > 0 {
-            print_line!("{done} of {} runs were already in the journal", records.len());
+impl Sweep {
+    /// Reads and checks the file of a sweep and every bench of it.
+    fn read(file: &str, options: &SweepOptions) -> Result<Self, CliError> {
+        let step_s = options.step_s()?;
+        let text = std::fs::read_to_string(file).map_err(|e| {
+            CliError::Input(format!(
+                "{file} (neither clearance, load, latch, step nor a file): cannot be read: {e}"
+            ))
+        })?;
+        let mut specification = Specification::parse(file, &text)?;
+        specification.force = options.force.unwrap_or(specification.force);
+        let base = base(file, &specification, options)?;
+        let points = points(file, &specification, &base)?;
+        let header = Header {
+            version: env!("CARGO_PKG_VERSION").into(),
+            bench: base.to_toml().map_err(|e| CliError::Work(format!("{file}: {e}")))?,
+            networks: BearingMaterial::ALL
+                .iter()
+                .map(|b| (b.name().to_owned(), force::identity(specification.force, *b)))
+                .filter(|(_, sum)| !sum.is_empty())
+                .collect(),
+            specification: specification.clone(),
+            step_s,
+        };
+        Ok(Self { file: file.into(), specification, base, points, header })
+    }
+
+    /// Executes the missing runs of a shard. Returns the number of runs that were already in the
+    /// journal, and all records of the journal.
+    fn execute(&self, shard: Shard, threads: usize, folder: &Path) -> Result<(usize, Vec<Record>), CliError> {
+        owner::check(folder, NAME)?;
+        let journal = journal::open(folder, &self.header, self.points.len())?;
+        let done = journal.1.len();
+        let runs = (0..self.points.len()).filter(|index| shard.contains(*index)).count();
+        let bar = progress::bar(runs as u64);
+        bar.set_message(format!("runs with {}", self.specification.force.name()));
+        bar.inc(done as u64);
+        let kind = (self.specification.force, self.header.step_s);
+        let records = work::run((&self.points, shard), kind, threads, journal, || bar.inc(1))?;
+        bar.finish_and_clear();
+        Ok((done, records))
+    }
+
+    /// Writes runs.csv, sweep.json, timing.csv and report.html from the records of all runs.
+    fn publish(&self, records: &[Record], folder: &Path, json: bool) -> Result<(), CliError> {
+        let outcome = Outcome {
+            sweep: NAME,
+            specification: &self.specification,
+            runs: table::rows(&self.specification, &self.points, records),
+        };
+        let text = output::json(&outcome)?;
+        let mut files = Files::new(folder);
+        files.add("runs.csv", &table::csv(&outcome.runs)?)?;
+        files.add("sweep.json", &format!("{text}\n"))?;
+        files.add("timing.csv", &timing(records))?;
+        files.add_provenance()?;
+        let pictures = pictures(&outcome)?;
+        files.add_pictures(&pictures)?;
+        files.add("report.html", &page(&self.file, &outcome, &pictures, &self.base).render())?;
+        files.publish()?;
+        if json {
+            print_result!("{text}");
+        } else {
+            print_line!("{}", summary(&outcome));
+            print_line!("report: {}", folder.join("report.html").display());
         }
-        print_line!("{}", summary(&outcome));
-        print_line!("report: {}", folder.join("report.html").display());
+        match records.iter().filter(|r| r.outcome.is_err()).count() {
+            0 => Ok(()),
+            failed => Err(CliError::Work(format!(
+                "{failed} of {} runs failed; the column `error` of {} contains the reason",
+                records.len(),
+                folder.join("runs.csv").display()
+            ))),
+        }
     }
-    if failed > 0 {
-        return Err(CliError::Work(format!(
-            "{failed} of {} runs failed; the column `error` of {} contains the reason",
-            records.len(),
-            folder.join("runs.csv").display()
-        )));
+}
+
+/// Runs the sweep of a file and writes its results.
+pub(crate) fn run(file: &str, options: &SweepOptions, folder: &Path, json: bool) -> Result<(), CliError> {
+    let sweep = Sweep::read(file, options)?;
+    let (done, records) = sweep.execute(Shard::ALL, options.threads, folder)?;
+    if done > 0 && !json {
+        print_line!("{done} of {} runs were already in the journal", records.len());
     }
-    Ok(())
+    sweep.publish(&records, folder, json)
+}
+
+/// Executes one shard of the sweep of a file into the journal of a folder.
+pub(crate) fn run_shard(
+    file: &str,
+    options: &SweepOptions,
+    shard: Shard,
+    folder: &Path,
+    json: bool,
+) -> Result<(), CliError> {
+    let sweep = Sweep::read(file, options)?;
+    let (_, mut records) = sweep.execute(shard, options.threads, folder)?;
+    records.retain(|record| shard.contains(record.index));
+    let failed = records.iter().filter(|record| record.outcome.is_err()).count();
+    shard::report(shard, [records.len(), sweep.points.len(), failed], &folder.join(journal::NAME), json)
+}
+
+/// Merges the shards of the sweep of a file and writes the results of a sweep on one machine.
+pub(crate) fn merge(
+    file: &str,
+    options: &SweepOptions,
+    shards: &[PathBuf],
+    folder: &Path,
+    json: bool,
+) -> Result<(), CliError> {
+    let sweep = Sweep::read(file, options)?;
+    owner::check(folder, NAME)?;
+    let records = shard::merge::<Record>(shards, journal::NAME, &sweep.header, sweep.points.len())?;
+    sweep.publish(&records, folder, json)
 }
 
 /// Opens the base bench: a preset, or a file beside the sweep's file.

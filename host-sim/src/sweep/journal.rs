@@ -4,12 +4,13 @@ use super::specification::Specification;
 use crate::cli::error::CliError;
 use crate::journal::{Journal, JournalError};
 use crate::run::summary::Figures;
+use crate::shard::Numbered;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// File name in the output folder.
-const NAME: &str = "journal.jsonl";
+pub(crate) const NAME: &str = "journal.jsonl";
 
 /// Identity of a sweep. If any field differs, the runs are different ones.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,6 +36,12 @@ pub(crate) struct Record {
     pub(crate) outcome: Result<Figures, String>,
     /// Wall time, s.
     pub(crate) wall_s: f64,
+}
+
+impl Numbered for Record {
+    fn number(&self) -> usize {
+        self.index
+    }
 }
 
 /// Opens the journal of a sweep in a folder and returns the finished runs by number.

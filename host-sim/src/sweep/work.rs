@@ -1,4 +1,4 @@
-//! Runs the points of a sweep on all cores, except those in the journal.
+//! Runs the points of a shard on all cores, except those in the journal.
 
 use super::journal::Record;
 use super::points::Point;
@@ -7,20 +7,22 @@ use crate::cli::parallel;
 use crate::journal::Journal;
 use crate::run::force::{self, ForceSource, SAMPLE_RATE_HZ};
 use crate::run::summary::Figures;
+use crate::shard::Shard;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Runs the missing points and returns every record in the order of the points. A run that fails is
-/// recorded with its reason.
+/// Runs the missing points of a shard and returns every record in the order of the points. A run
+/// that fails is recorded with its reason.
 pub(crate) fn run(
-    points: &[Point],
+    (points, shard): (&[Point], Shard),
     (source, step_s): (ForceSource, f64),
     threads: usize,
     (journal, mut finished): (Journal, BTreeMap<usize, Record>),
     progress: impl Fn() + Sync,
 ) -> Result<Vec<Record>, CliError> {
-    let missing: Vec<usize> = (0..points.len()).filter(|i| !finished.contains_key(i)).collect();
+    let is_missing = |index: &usize| shard.contains(*index) && !finished.contains_key(index);
+    let missing: Vec<usize> = (0..points.len()).filter(is_missing).collect();
     let journal = Mutex::new(journal);
     let fresh = parallel::map(threads, &missing, |_, &index| {
         let point = points.get(index).ok_or_else(|| CliError::Work(format!("no point {index}")))?;

@@ -4,6 +4,7 @@
 
 mod dataset;
 mod export;
+mod generate;
 mod import;
 mod key;
 mod package;
@@ -18,6 +19,7 @@ use crate::data::cleaning_chart::PictureError;
 use crate::data::file_io::{FileError, WriteError};
 use crate::data::friction_source::FrictionError;
 use crate::evaluate::peers::{ResultsError, WindowsError};
+use crate::exchange::c_package::LibrariesError;
 use crate::exchange::key::KeyError;
 use crate::exchange::package::PackageError;
 use crate::network::checkpoint::{Checkpoint, CheckpointError, LoadError, read_checkpoint};
@@ -58,6 +60,7 @@ enum Command {
     Quantize(quantize::Arguments),
     Import(import::Arguments),
     Export(export::Arguments),
+    Generate(generate::Arguments),
     Verify(verify::Arguments),
     Report(report::Arguments),
     Key(key::Arguments),
@@ -85,6 +88,8 @@ pub(crate) enum CliError {
     Random(getrandom::Error),
     #[error("{}: {source}", path.display())]
     Results { path: PathBuf, source: ResultsError },
+    #[error("{0}")]
+    Libraries(#[from] LibrariesError),
     #[error("{0}")]
     Windows(#[from] WindowsError),
     #[error("{0}: found {1}, expected {2}")]
@@ -131,6 +136,7 @@ impl CliError {
             | Self::Read { .. }
             | Self::Image { .. }
             | Self::Results { .. }
+            | Self::Libraries(_)
             | Self::Import(_)
             | Self::Key { .. }
             | Self::Package { .. }
@@ -165,6 +171,7 @@ fn run(arguments: &Arguments) -> Result<(), CliError> {
         Command::Quantize(arguments) => quantize::run(arguments),
         Command::Import(arguments) => import::run(arguments),
         Command::Export(arguments) => export::run(arguments),
+        Command::Generate(arguments) => generate::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
         Command::Key(arguments) => key::run(arguments),
         Command::Package(arguments) => package::run(arguments),

@@ -5,9 +5,11 @@
 //! fixed point, [`interpreter`] evaluates the result with the arithmetic of the engine,
 //! [`rust_source`] and [`card`] write it as Rust source and model card. Export: [`onnx_export`] and
 //! [`safetensors_export`] write networks that were trained here, [`reference_samples`] their
-//! outputs for test windows. [`package`] and [`key`] make signed updates for a controller.
+//! outputs for test windows. [`c_package`] writes images for programs in C. [`package`] and [`key`]
+//! make signed updates for a controller.
 
 pub(crate) mod axes;
+pub(crate) mod c_package;
 pub(crate) mod card;
 mod chain;
 pub(crate) mod constants;

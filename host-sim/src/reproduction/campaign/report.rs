@@ -9,13 +9,14 @@ use crate::cli::limits;
 use crate::cli::output::{self, Files};
 use crate::cli::progress;
 use crate::reproduction::claims::{Claim, Verdict, cycles, evaluate_motion};
+use crate::shard::{self, Shard};
 use bench::description::TransmissionBench;
 use model_quant::report::claims::{friction, torque, training};
 use report::page::Page;
 use report::text_table;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Options of a campaign.
 #[derive(Clone, Debug)]
@@ -50,19 +51,51 @@ pub(crate) struct Outcome {
     claims: Vec<Row>,
 }
 
-/// Runs the campaign and writes claims.json, claims.md, draws.csv, verdicts.csv, the pictures and
-/// report.html.
-pub(crate) fn run(options: &Options, folder: &Path, json: bool) -> Result<(), CliError> {
+/// Runs the campaign, or merges its shards, and writes claims.json, claims.md, draws.csv,
+/// verdicts.csv, the pictures and report.html.
+pub(crate) fn run(options: &Options, shards: &[PathBuf], folder: &Path, json: bool) -> Result<(), CliError> {
     output::check_folder(folder)?;
+    let merged = if shards.is_empty() {
+        None
+    } else {
+        Some(work::merge(&options.base, (options.seed, options.runs), shards)?)
+    };
     let bar = progress::bar(options.runs as u64);
     bar.set_message("at the bench's own parameters");
     let nominal = nominal(&options.base, options.threads)?;
     bar.set_message("draws of the parameter box");
-    let draws = (options.seed, options.runs);
-    let records = work::run(&options.base, draws, options.threads, Some(folder), || bar.inc(1))?;
+    let records = match merged {
+        Some(records) => records,
+        None => options.draw(Shard::ALL, folder, || bar.inc(1))?,
+    };
     bar.finish_and_clear();
+    publish(options, nominal, &records, folder, json)
+}
 
-    let claims = mapped(options.seed, &records);
+/// Judges the draws of one shard into the journal of a folder.
+pub(crate) fn run_shard(options: &Options, shard: Shard, folder: &Path, json: bool) -> Result<(), CliError> {
+    output::check_folder(folder)?;
+    let bar = progress::bar((0..options.runs).filter(|index| shard.contains(*index)).count() as u64);
+    let records = options.draw(shard, folder, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let failed = records.iter().filter(|record| record.outcome.is_err()).count();
+    shard::report(shard, [records.len(), options.runs, failed], &folder.join(work::NAME), json)
+}
+
+impl Options {
+    fn draw(&self, shard: Shard, folder: &Path, progress: impl Fn() + Sync) -> Result<Vec<Record>, CliError> {
+        work::run(&self.base, (self.seed, self.runs, shard), self.threads, Some(folder), progress)
+    }
+}
+
+fn publish(
+    options: &Options,
+    nominal: Vec<(Claim, Nominal)>,
+    records: &[Record],
+    folder: &Path,
+    json: bool,
+) -> Result<(), CliError> {
+    let claims = mapped(options.seed, records);
     let outcome = Outcome {
         seed: options.seed,
         draws: records.len(),
@@ -75,12 +108,14 @@ pub(crate) fn run(options: &Options, folder: &Path, json: bool) -> Result<(), Cl
     };
     let rows = rows(&outcome);
     let maps = pictures::maps(&claims)?;
-    let charts = pictures::over_deciding((options.seed, &records), &claims)?;
+    let charts = pictures::over_deciding((options.seed, records), &claims)?;
+    let text = output::json(&outcome)?;
     let mut files = Files::new(folder);
-    let text = files.add_result("claims.json", &outcome)?;
+    files.add("claims.json", &format!("{text}\n"))?;
+    files.add_provenance()?;
     files.add("claims.md", &markdown(&rows))?;
-    files.add("draws.csv", &draws_csv(options.seed, &records)?)?;
-    files.add("verdicts.csv", &verdicts_csv(&records))?;
+    files.add("draws.csv", &draws_csv(options.seed, records)?)?;
+    files.add("verdicts.csv", &verdicts_csv(records))?;
     files.add_pictures(&maps)?;
     files.add_pictures(&charts)?;
     let mut page = page(&outcome, &rows);
@@ -91,7 +126,7 @@ pub(crate) fn run(options: &Options, folder: &Path, json: bool) -> Result<(), Cl
     output::show(&mut page, &charts);
     details(&mut page, &outcome);
     limits::section(&mut page, &options.base);
-    files.add_page("report.html", page)?;
+    files.add("report.html", &page.render())?;
     files.publish()?;
     if json {
         print_result!("{text}");

@@ -58,8 +58,8 @@ section! {
         /// Poisson's ratio of the journal; that of the bearing without it.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         journal_poisson_ratio: Option<f64> [0.0, 0.5],
-        /// Friction law; Stribeck's without one. As on the transmission bench `coulomb`, `karnopp`
-        /// and `seven-parameter` cannot be integrated.
+        /// Friction law; Stribeck's without one. `coulomb`, `karnopp` and `seven-parameter` are
+        /// refused: a contact of a mechanism does not stick.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         friction: Option<FrictionName>,
         /// Friction coefficient at high speed.

@@ -1,0 +1,44 @@
+//! Static library for C (`crates/c-interface`), for the default controller and for this machine.
+
+use crate::archive::host;
+use crate::run::{ChoreError, root, run, target_folder};
+use crate::setup::{TARGET, Toolchain, target};
+use crate::{c_check, compile};
+use std::path::PathBuf;
+
+/// File of a library in the folder of its platform.
+pub(crate) const FILE: &str = "libpintle_model.a";
+
+/// Builds the libraries and prints their folder, or checks them with programs in C.
+pub(crate) fn c_library(is_checked: bool) -> Result<(), ChoreError> {
+    if is_checked {
+        c_check::check()?.iter().for_each(|what| println!("not compared or run: {what}"));
+    } else {
+        println!("{}", build()?.display());
+    }
+    Ok(())
+}
+
+/// Builds the libraries and returns the folder with `PLATFORM/libpintle_model.a`.
+pub(crate) fn build() -> Result<PathBuf, ChoreError> {
+    let folder = target_folder().join("c-libraries");
+    let host = host()?;
+    for (platform, toolchain) in [(TARGET, target(TARGET)?), (host.as_str(), Toolchain::Rustup)] {
+        let mut command = compile::subcommand("rustc", &toolchain, platform, root())?;
+        command.args(["--quiet", "--locked", "--profile", "c-library", "--package", "c-interface", "--lib"]);
+        command.args(["--crate-type", "staticlib"]);
+        // No path of this machine in the text of an error.
+        command.env("RUSTFLAGS", format!("--remap-path-prefix={}=pintle", root().display()));
+        run(&mut command)?;
+        let built = target_folder().join(platform).join("c-library").join(FILE);
+        let copy = folder.join(platform).join(FILE);
+        std::fs::create_dir_all(folder.join(platform)).and_then(|()| std::fs::copy(&built, &copy)).map_err(
+            |error| ChoreError::File {
+                file: copy.clone(),
+                found: error.to_string(),
+                expected: "a library that can be copied",
+            },
+        )?;
+    }
+    Ok(folder)
+}
