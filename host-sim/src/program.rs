@@ -92,7 +92,7 @@ pub fn main() -> ExitCode {
     let program = Program::parse();
     program.console.apply();
     let start = Instant::now();
-    let result = dispatch(program.command);
+    let result = dispatch(program.command.unwrap_or_else(|| Command::Run(RunArgs::default_job())));
     progress::print_duration(start);
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -103,29 +103,28 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn dispatch(command: Option<Command>) -> Result<(), CliError> {
+fn dispatch(command: Command) -> Result<(), CliError> {
     match command {
-        None => run::run(&RunArgs::default_job()),
-        Some(Command::Run(args)) => run::run(&args),
-        Some(Command::Record(args)) => record::run(&args),
-        Some(Command::Replay(args)) => replay::run(&args),
-        Some(Command::Describe(args)) => describe::run(&args),
-        Some(Command::Check(args)) => check::run(&args),
-        Some(Command::Evaluate(args)) => evaluate::run(&args),
-        Some(Command::Compare(args)) => compare::run(&args),
-        Some(Command::Diagnose(args)) => diagnose::run(&args),
-        Some(Command::Sweep(args)) => sweep::run(&args),
-        Some(Command::Figures(args)) => figures::run(&args),
-        Some(Command::Claims(args)) => claims::run(&args),
-        Some(Command::Accuracy(args)) => accuracy::run(&args),
-        Some(Command::Life(args)) => life::run(&args),
-        Some(Command::Flash(args)) => flash::run(&args),
-        Some(Command::Laws(args)) => laws::run(&args),
-        Some(Command::Link(args)) => link::run(&args),
-        Some(Command::Update(args)) => update::run(&args),
-        Some(Command::Validate(args)) => validate::run(&args),
-        Some(Command::Completions(args)) => completions::run(&args, Program::command()),
-        Some(Command::Schema(args)) => schema::run(&args),
-        Some(Command::Man(args)) => manual::run(&args, Program::command()),
+        Command::Run(args) => run::run(&args),
+        Command::Record(args) => record::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Describe(args) => describe::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
+        Command::Figures(args) => figures::run(&args),
+        Command::Claims(args) => claims::run(&args),
+        Command::Accuracy(args) => accuracy::run(&args),
+        Command::Life(args) => life::run(&args),
+        Command::Flash(args) => flash::run(&args),
+        Command::Laws(args) => laws::run(&args),
+        Command::Link(args) => link::run(&args),
+        Command::Update(args) => update::run(&args),
+        Command::Validate(args) => validate::run(&args),
+        Command::Completions(args) => completions::run(&args, Program::command()),
+        Command::Schema(args) => schema::run(&args),
+        Command::Man(args) => manual::run(&args, Program::command()),
     }
 }

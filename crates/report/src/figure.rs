@@ -15,10 +15,10 @@ pub const COLOURS: [RGBColor; 6] = [
     RGBColor(86, 180, 233),
 ];
 
-/// Picture as SVG text, and the points behind it if a page can show them.
+/// Picture as SVG text, and its points if a page can show them.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// Picture, complete as a file of its own.
+    /// Picture, complete as a separate file.
     pub svg: String,
     pub(crate) plot: Option<Plot>,
 }

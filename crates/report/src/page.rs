@@ -1,8 +1,8 @@
 //! Self-contained HTML page: text, tables and inline pictures; nothing is fetched from elsewhere.
 
 //!
-//! In a browser that runs scripts, charts zoom, show values and hide series. Without scripts, and in
-//! print, the page shows their pictures.
+//! In a browser that runs scripts, charts zoom, show values and hide series. Without scripts, and
+//! in print, the page shows their pictures.
 
 use crate::figure::Drawing;
 use crate::plot::{self, Columns};
@@ -34,9 +34,12 @@ button{font:inherit;font-size:.85rem;color:var(--quiet);background:var(--head);\
 border:1px solid var(--rule);border-radius:3px;cursor:pointer}\
 output{font-size:.85rem;color:var(--quiet);font-variant-numeric:tabular-nums}\
 .u-legend{text-align:left;margin:0 0 0 3rem}\
-.u-legend th,.u-legend td{border:0;background:none}.u-legend .u-series>*{padding:0 .3rem}.u-title{font-size:1rem}.controls input{flex:1;min-width:0}.tools[hidden]{display:none}.u-select{background:var(--select)}\
+.u-legend th,.u-legend td{border:0;background:none}.u-legend .u-series>*{padding:0 .3rem}\
+.u-title{font-size:1rem}.controls input{flex:1;min-width:0}.tools[hidden]{display:none}\
+.u-select{background:var(--select)}\
 @media screen{.live>svg{display:none}.live>.plot{display:block}}@media print{.tools{display:none}}\
-.pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}.pair figure{flex:1 1 400px;min-width:0;max-width:516px;margin:.5rem 0}\
+.pair{display:flex;flex-wrap:wrap;gap:.2rem 1rem}\
+.pair figure{flex:1 1 400px;min-width:0;max-width:516px;margin:.5rem 0}\
 @media screen and (max-width:700px){figure>svg{min-width:720px}.pair svg{min-width:0}}";
 
 /// Button that a script makes visible.
@@ -126,8 +129,8 @@ impl Page {
 
     /// Appends a picture that a script animates.
     ///
-    /// `frames` is a JSON object: `times` in s, and for each time `bodies`, the place and the angle in
-    /// degrees of every element with `data-body`, and `forces`, both ends of every element with
+    /// `frames` is a JSON object: `times` in s, and for each time `bodies`, the place and the angle
+    /// in degrees of every element with `data-body`, and `forces`, both ends of every element with
     /// `data-force`.
     pub fn animation(&mut self, svg: &str, frames: &str, caption: &str) -> &mut Self {
         self.is_animated = true;

@@ -64,7 +64,7 @@ impl Files {
         Ok(text)
     }
 
-    /// Adds the origin as a file of its own: of results that are the same bytes whether one machine
+    /// Adds the origin as a separate file: of results that are the same bytes whether one machine
     /// or several computed them.
     pub(crate) fn add_provenance(&mut self) -> Result<(), CliError> {
         let text = json(&Provenance::of_process())?;

@@ -62,7 +62,7 @@ pub struct Figures {
     pub peak_times_s: PerPeak,
 }
 
-/// How often and how long a contact sticks, in a run with located events.
+/// Number and duration of the times when a contact sticks, in a run with located events.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema, Deserialize)]
 pub struct Sticking {
     /// Number of times.

@@ -24,7 +24,7 @@ pub struct Impact {
     pub energy_lost_j: f64,
     /// Work of the normal force while the deformation grew, J.
     pub compression_work_j: f64,
-    /// How often the contact began to stick; 0 with a friction law that does not stick.
+    /// Number of times the contact began to stick; 0 with a friction law that does not stick.
     pub sticks: usize,
     /// Time in s for which it stuck so far.
     pub stuck_s: f64,

@@ -80,9 +80,9 @@ pub fn jump_cycles<S: CyclicSystem>(
 ) -> Result<S::State, S::Error> {
     let (mut state, mut cycle, mut jump) = (start, 0.0, 1.0_f64);
     let mut loads = system.loads(&state, cycle)?;
-    let mut goes_on = see(cycle, &state, &loads);
+    let mut continues = see(cycle, &state, &loads);
     let mut jumps = 0;
-    while goes_on && cycle < end {
+    while continues && cycle < end {
         jumps += 1;
         if jumps > control.max_jumps {
             return Err(TooManyJumps { jumps: control.max_jumps, cycle }.into());
@@ -102,7 +102,7 @@ pub fn jump_cycles<S: CyclicSystem>(
         }
         (state, cycle) = (two, cycle + length);
         loads = system.loads(&state, cycle)?;
-        goes_on = see(cycle, &state, &loads);
+        continues = see(cycle, &state, &loads);
     }
     Ok(state)
 }

@@ -96,7 +96,7 @@ impl Padded<'_, '_> {
         Some(self.mechanism.snapshot(time_s, state, latched_m_s, &mut evaluation))
     }
 
-    /// Reads a contact from the frames of its own bodies, so that the cost of a reading does not
+    /// Reads a contact from the frames of its two bodies, so that the cost of a reading does not
     /// depend on the number of bodies.
     fn read<T>(
         &self,

@@ -216,8 +216,8 @@ impl Suspension {
         std::array::from_fn(|k| bias[k] + own[k])
     }
 
-    /// Rates of the body per unit rate of a drive: that of its own coordinate, or of the carrier of
-    /// its pivot. None if the drive does not move it.
+    /// Rates of the body per unit rate of a drive: that of its coordinate, or of the carrier of its
+    /// pivot. None if the drive does not move it.
     #[inline]
     pub(super) fn driven_direction(
         &self,
