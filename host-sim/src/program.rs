@@ -2,7 +2,7 @@
 
 use crate::cli::console::ConsoleOptions;
 use crate::cli::error::CliError;
-use crate::cli::progress;
+use crate::cli::{progress, provenance};
 use crate::commands::{
     accuracy, check, claims, compare, completions, describe, diagnose, evaluate, figures, flash, laws, life,
     link, manual, record, replay, run, schema, sweep, update, validate,
@@ -92,7 +92,8 @@ pub fn main() -> ExitCode {
     let program = Program::parse();
     program.console.apply();
     let start = Instant::now();
-    let result = dispatch(program.command.unwrap_or_else(|| Command::Run(RunArgs::default_job())));
+    let command = program.command.unwrap_or_else(|| Command::Run(RunArgs::default_job()));
+    let result = provenance::note_time().and_then(|()| dispatch(command));
     progress::print_duration(start);
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -35,6 +35,8 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_no_files() {
         (&["run", "--bench", "friction-rig"], "expected `transmission-bench`"),
         (&["run", "--bench", "slider-crank", "--load-kn", "1"], "--load-kn: found plant `slider-crank`"),
         (&["run", "--bench", "slider-crank", "--record", "a.rec"], "--record: found plant `slider-crank`"),
+        (&["run", "--bench", "slider-crank", "--seed", "7"], "--seed: found plant `slider-crank`"),
+        (&["run", "--bench", "slider-crank", "--force", "float-net"], "--force: found plant `slider-crank`"),
         (&["record", "--bench", "slider-crank"], "found plant `slider-crank`"),
         (
             &["record", "--bench", "four-bar"],

@@ -44,6 +44,36 @@ fn a_life_is_predicted_tracked_and_written_as_an_effect_with_any_number_of_threa
 }
 
 #[test]
+fn a_life_that_the_controller_cannot_track_keeps_its_result() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = host_sim(folder.path(), "life --clearance-mm 3 --cycles 3 --out o --json");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let tracked = result["tracked"].as_array().unwrap();
+    assert!(tracked.len() == 6 && tracked.iter().all(|t| t["clearance_m"].is_null()), "{tracked:?}");
+    let page = std::fs::read_to_string(folder.path().join("o/report.html")).unwrap();
+    assert!(page.contains("not tracked"));
+}
+
+#[test]
+fn a_change_outside_the_range_of_the_effect_is_said_and_gives_no_bench() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, text) = bench::PRESETS[0];
+    let text = text.replace("[logging]", "[thermal]\nswelling = 0.055\n[logging]");
+    std::fs::write(folder.path().join("b.toml"), text).unwrap();
+    let output = host_sim(
+        folder.path(),
+        "life --bench b.toml --bearing plastic --clearance-mm 0.6 --cycles 3 --out o",
+    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("worn-bench.toml is not written"));
+    let page = std::fs::read_to_string(folder.path().join("o/report.html")).unwrap();
+    assert!(
+        page.contains("worn-bench.toml is not written") && !folder.path().join("o/worn-bench.toml").exists()
+    );
+}
+
+#[test]
 fn a_life_that_cannot_be_is_refused_and_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, field) in [

@@ -243,11 +243,14 @@
     const { min, max } = u.scales.x;
     if (chart.kind === "map") {
       const rows = [["series", chart.x, chart.y].map(cell)];
-      for (const series of chart.series) {
+      const { min: low, max: high } = u.scales.y;
+      chart.series.forEach((series, s) => {
+        if (!u.series[s + 1].show) return;
         column(series.x).forEach((x, i) => {
-          if (x >= min && x <= max) rows.push([cell(series.name), x, column(series.y[0])[i] ?? ""]);
+          const y = column(series.y[0])[i];
+          if (x >= min && x <= max && y >= low && y <= high) rows.push([cell(series.name), x, y]);
         });
-      }
+      });
       return rows.map((row) => row.join(",")).join("\n") + "\n";
     }
     const shown = u.series.map((series, i) => i).filter((i) => i === 0 || u.series[i].show);
@@ -364,8 +367,8 @@
   }
 
   function saveAll() {
-    const files = [...document.querySelectorAll("figure>svg")].map((svg, i) => {
-      const figure = svg.parentElement;
+    const files = [...document.querySelectorAll("figure svg")].map((svg, i) => {
+      const figure = svg.closest("figure");
       const title = figure.dataset.chart ? JSON.parse(figure.dataset.chart).title : "picture";
       const name = `${String(i + 1).padStart(2, "0")}-${fileName(title)}.svg`;
       return { name, text: new XMLSerializer().serializeToString(svg) };

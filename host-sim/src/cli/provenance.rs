@@ -3,6 +3,8 @@
 //! The same command on the same inputs gives the same text all day, on any number of threads and in
 //! any folder.
 
+use super::error::CliError;
+use chrono::{DateTime, Utc};
 use model_quant::exchange::key::digits;
 use report::page::Page;
 use schemars::JsonSchema;
@@ -11,12 +13,21 @@ use sha2::{Digest, Sha256};
 use std::ffi::OsString;
 use std::io::Read;
 use std::path::Path;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::sync::OnceLock;
 
 /// Options that do not change a result, each with a value.
-const WITHOUT_EFFECT: [&str; 4] = ["--out", "-o", "--threads", "--record"];
+const WITHOUT_EFFECT: [&str; 5] = ["--out", "-o", "--threads", "--record", "--color"];
 
-/// Variable with the time of a reproducible build or report, in seconds since 1970.
+/// Options without a value that do not change a result.
+const OF_THE_TERMINAL: [&str; 5] = ["--json", "-q", "--quiet", "-v", "--verbose"];
+
+/// Results in the folder of a run.
+const RESULTS: [&str; 2] = ["run.json", "log.csv"];
+
+/// Time of this process; set once, before the command starts.
+static NOW: OnceLock<DateTime<Utc>> = OnceLock::new();
+
+/// Variable with the time of a reproducible report, in seconds since 1970.
 const EPOCH: &str = "SOURCE_DATE_EPOCH";
 
 /// Origin of a result.
@@ -26,7 +37,7 @@ pub(crate) struct Provenance {
     pub(crate) version: String,
     /// Command line, without the output folder and the number of threads.
     pub(crate) command: String,
-    /// Files that the command line names.
+    /// Files that the command line names, and the results in the folders of runs that it names.
     pub(crate) inputs: Vec<Input>,
     /// Day of the result (UTC), as year-month-day.
     pub(crate) date: String,
@@ -50,25 +61,42 @@ pub(crate) struct Stamped<'a, T> {
     pub(crate) provenance: Provenance,
 }
 
+/// Notes the time of the process's results: that of `SOURCE_DATE_EPOCH`, or now without it.
+///
+/// # Errors
+///
+/// The variable is not a number of seconds after 1970.
+pub(crate) fn note_time() -> Result<(), CliError> {
+    let now = match std::env::var_os(EPOCH) {
+        None => Utc::now(),
+        Some(text) => {
+            let seconds = text.to_str().and_then(|text| text.parse().ok()).filter(|seconds| *seconds >= 0);
+            seconds.and_then(|seconds| DateTime::from_timestamp(seconds, 0)).ok_or_else(|| {
+                CliError::Input(format!("{EPOCH}: found {text:?}; expected a number of seconds after 1970"))
+            })?
+        }
+    };
+    NOW.get_or_init(|| now);
+    Ok(())
+}
+
 impl Provenance {
     /// Returns the origin of a result of this process.
     pub(crate) fn of_process() -> Self {
-        let epoch = std::env::var(EPOCH).ok().and_then(|text| text.parse().ok()).map(Duration::from_secs);
-        let now = epoch.unwrap_or_else(|| SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default());
-        Self::new(std::env::args_os().skip(1), now)
+        Self::new(std::env::args_os().skip(1), *NOW.get_or_init(Utc::now))
     }
 
-    fn new(arguments: impl Iterator<Item = OsString>, since_1970: Duration) -> Self {
+    fn new(arguments: impl Iterator<Item = OsString>, now: DateTime<Utc>) -> Self {
         let kept = with_effect(arguments.map(|text| text.to_string_lossy().into_owned()));
         let words = ["host-sim"].into_iter().chain(kept.iter().map(String::as_str));
-        let seconds = i64::try_from(since_1970.as_secs()).unwrap_or_default();
-        let date = chrono::DateTime::from_timestamp(seconds, 0).unwrap_or_default();
-        let values = kept.iter().map(|word| word.split_once('=').map_or(word.as_str(), |(_, value)| value));
+        // The first word is the command.
+        let values =
+            kept.iter().skip(1).map(|word| word.split_once('=').map_or(word.as_str(), |(_, value)| value));
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
             command: shlex::try_join(words).unwrap_or_default(),
-            inputs: values.filter_map(Input::read).collect(),
-            date: date.format("%Y-%m-%d").to_string(),
+            inputs: values.flat_map(files).filter_map(|path| Input::read(&path)).collect(),
+            date: now.format("%Y-%m-%d").to_string(),
         }
     }
 
@@ -84,13 +112,23 @@ impl Provenance {
     }
 }
 
+/// Returns the path of a file, or of the results in the folder of a run.
+fn files(path: &str) -> Vec<String> {
+    if !Path::new(path).join(RESULTS[0]).is_file() {
+        return vec![path.into()];
+    }
+    RESULTS.iter().map(|name| format!("{}/{name}", path.trim_end_matches('/'))).collect()
+}
+
 /// Returns the arguments without the options that do not change a result.
 fn with_effect(mut arguments: impl Iterator<Item = String>) -> Vec<String> {
     let mut kept = Vec::new();
     while let Some(word) = arguments.next() {
         if WITHOUT_EFFECT.contains(&word.as_str()) {
             arguments.next();
-        } else if !WITHOUT_EFFECT.iter().any(|o| word.strip_prefix(o).is_some_and(|v| v.starts_with('='))) {
+        } else if !OF_THE_TERMINAL.contains(&word.as_str())
+            && !WITHOUT_EFFECT.iter().any(|o| word.strip_prefix(o).is_some_and(|v| v.starts_with('=')))
+        {
             kept.push(word);
         }
     }
@@ -120,7 +158,8 @@ mod tests {
     use super::*;
 
     fn provenance(words: &[&str]) -> Provenance {
-        Provenance::new(words.iter().map(OsString::from), Duration::from_secs(1_795_677_273))
+        let now = DateTime::from_timestamp(1_795_677_273, 0).unwrap();
+        Provenance::new(words.iter().map(OsString::from), now)
     }
 
     #[test]
@@ -130,6 +169,10 @@ mod tests {
         assert_eq!(plain.date, "2026-11-26");
         assert_eq!(provenance(&["sweep", "clearance", "--threads=2", "--seed", "2", "--out", "x"]), plain);
         assert_eq!(provenance(&["sweep", "--out=x", "clearance", "--threads", "7", "--seed", "2"]), plain);
+        assert_eq!(
+            provenance(&["sweep", "clearance", "--json", "--seed", "2", "-q", "--color", "never"]),
+            plain
+        );
         assert_ne!(provenance(&["sweep", "clearance", "--seed", "3"]), plain);
     }
 

@@ -4,7 +4,7 @@ use crate::cli::error::CliError;
 use crate::cli::output::{self, Files};
 use crate::compare::{self, report};
 use clap::Args;
-use report::{columns, figures};
+use report::{columns, figures, texts};
 use std::path::PathBuf;
 
 /// Arguments of `host-sim compare`.
@@ -27,6 +27,14 @@ pub struct CompareArgs {
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> Result<(), CliError> {
     if let Some(folder) = &args.out {
+        let is_run =
+            |run: &&PathBuf| folder.canonicalize().is_ok_and(|out| run.canonicalize().ok() == Some(out));
+        if let Some(run) = args.runs.iter().find(is_run) {
+            let run = run.display();
+            return Err(CliError::Input(format!(
+                "--out: found {run}, one of the runs; expected another folder"
+            )));
+        }
         output::check_folder(folder)?;
     }
     let runs = args.runs.iter().map(|path| compare::read(path)).collect::<Result<Vec<_>, _>>()?;
@@ -46,8 +54,10 @@ pub fn run(args: &CompareArgs) -> Result<(), CliError> {
         print_result!("{json}");
         return Ok(());
     }
-    for (header, rows) in [figures(&comparison), columns(&comparison)] {
-        print_line!("{}", ::report::text_table(header, rows, 1));
+    for (header, rows) in [figures(&comparison), texts(&comparison), columns(&comparison)] {
+        if !rows.is_empty() {
+            print_line!("{}", ::report::text_table(header, rows, 1));
+        }
     }
     if !comparison.missing.is_empty() {
         print_line!("not in all runs: {}", comparison.missing.join(", "));

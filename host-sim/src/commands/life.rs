@@ -87,8 +87,10 @@ pub fn run(args: &LifeArgs) -> Result<(), CliError> {
     files.add("tracked.csv", &table::csv(&result.outcome.tracked)?)?;
     let text = files.add_result("life.json", &result.outcome)?;
     pictures.add_to(&mut files)?;
-    files.add_page("report.html", report::page(&result, &pictures, &bench))?;
-    if let Some(worn) = life::worn_bench(&bench, &result.outcome) {
+    let worn = life::worn_bench(&bench, &result.outcome);
+    let is_written = worn.is_some();
+    files.add_page("report.html", report::page(&result, &pictures, &bench, is_written))?;
+    if let Some(worn) = worn {
         let text = Bench::from(worn).to_toml().map_err(|e| CliError::Work(format!("{WORN_BENCH}: {e}")))?;
         files.add(WORN_BENCH, &text)?;
     }
@@ -98,6 +100,9 @@ pub fn run(args: &LifeArgs) -> Result<(), CliError> {
     } else {
         for [name, value] in report::rows(&result) {
             print_line!("{name:<44} {value:>24}");
+        }
+        if !is_written {
+            print_line!("\n{}", report::effect(&result.outcome, is_written));
         }
         print_line!("\nreport: {}", args.out.join("report.html").display());
     }

@@ -2,6 +2,7 @@
 
 use crate::cli::error::CliError;
 use crate::cli::output::{self, Files};
+use crate::run::force::ForceSource;
 use crate::run::{
     ControllerChoice, RunArgs, estimates, execute, impacts, mechanism, page, report, settled, slider_crank,
     tilt,
@@ -15,12 +16,11 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     output::check_folder(&args.out)?;
     if matches!(bench, Bench::SliderCrank(_) | Bench::Mechanism(_)) {
         args.bench.check_changes(&bench)?;
-        if matches!(bench, Bench::SliderCrank(_)) && (args.record.is_some() || args.watch) {
-            let option = if args.watch { "--watch" } else { "--record" };
-            return Err(CliError::Input(format!(
-                "{option}: found plant `{}`; expected `transmission-bench`, which has a controller",
-                bench.plant_name()
-            )));
+        if matches!(bench, Bench::SliderCrank(_)) {
+            args.check_uncontrolled(bench.plant_name(), false)?;
+            if args.force.is_some_and(|source| source != ForceSource::Law) {
+                return Err(CliError::Input("--force: found plant `slider-crank`; expected law".into()));
+            }
         }
     }
     match &bench {

@@ -15,6 +15,8 @@ const TIME: &str = "t_s";
 pub(crate) struct StoredRun {
     /// Numbers of run.json; the name of a nested one contains the names above it, with points.
     pub(super) figures: Vec<(String, f64)>,
+    /// Texts of run.json, named in the same way.
+    pub(super) texts: Vec<(String, String)>,
     /// Times of the log, s, ascending.
     pub(super) times_s: Vec<f64>,
     /// Columns of the log; a missing value is not a number.
@@ -24,6 +26,10 @@ pub(crate) struct StoredRun {
 impl StoredRun {
     pub(super) fn figure(&self, name: &str) -> Option<f64> {
         self.figures.iter().find(|figure| figure.0 == name).map(|figure| figure.1)
+    }
+
+    pub(super) fn text(&self, name: &str) -> Option<&String> {
+        self.texts.iter().find(|text| text.0 == name).map(|text| &text.1)
     }
 
     pub(super) fn column(&self, name: &str) -> Option<&[f64]> {
@@ -40,10 +46,13 @@ pub(crate) fn read(folder: &Path) -> Result<StoredRun, CliError> {
     let figures = folder.join("run.json");
     let text = text(&figures)?;
     let value: Value = serde_json::from_str(&text).map_err(|e| wrong(&figures, &e))?;
-    let mut numbers = Vec::new();
-    collect(&mut numbers, "", &value);
-    let (times_s, columns) = table(&folder.join("log.csv"))?;
-    Ok(StoredRun { figures: numbers, times_s, columns })
+    if !value.is_object() {
+        return Err(wrong(&figures, &"found no object"));
+    }
+    let mut run = StoredRun { figures: vec![], texts: vec![], times_s: vec![], columns: vec![] };
+    collect(&mut run, "", &value);
+    (run.times_s, run.columns) = table(&folder.join("log.csv"))?;
+    Ok(run)
 }
 
 fn text(path: &Path) -> Result<String, CliError> {
@@ -57,16 +66,24 @@ fn wrong(path: &Path, error: &dyn std::fmt::Display) -> CliError {
     CliError::Input(format!("{}: {error}; expected a file of `host-sim run`", path.display()))
 }
 
-/// Collects the numbers of an object and of the objects in it. Lists belong to one run alone.
-fn collect(numbers: &mut Vec<(String, f64)>, above: &str, value: &Value) {
-    for (name, value) in value.as_object().into_iter().flatten() {
+/// Collects the numbers and texts of an object and of the objects in it. Of lists only objects with
+/// a name are compared, such as contacts; other lists belong to one run alone.
+fn collect(run: &mut StoredRun, above: &str, value: &Value) {
+    let named = |item: &'_ Value| Some((item.get("name")?.as_str()?.to_owned(), item.clone()));
+    let items: Vec<(String, Value)> = match value {
+        Value::Object(items) => items.iter().map(|(name, value)| (name.clone(), value.clone())).collect(),
+        Value::Array(items) => items.iter().filter_map(named).collect(),
+        _ => vec![],
+    };
+    for (name, value) in items {
         if NOT_COMPARED.contains(&name.as_str()) {
             continue;
         }
-        let name = if above.is_empty() { name.clone() } else { format!("{above}.{name}") };
-        match value.as_f64() {
-            Some(number) => numbers.push((name, number)),
-            None => collect(numbers, &name, value),
+        let name = if above.is_empty() { name } else { format!("{above}.{name}") };
+        match &value {
+            Value::Number(number) => run.figures.extend(number.as_f64().map(|number| (name, number))),
+            Value::String(text) => run.texts.push((name, text.clone())),
+            nested => collect(run, &name, nested),
         }
     }
 }

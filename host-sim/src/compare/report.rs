@@ -1,7 +1,7 @@
 //! Table and page of a comparison.
 
 use super::read::StoredRun;
-use super::{Comparison, difference};
+use super::{Comparison, Difference, TextRow, difference};
 use crate::cli::label::label;
 use diagnosis::four_digits;
 use report::figure::{Chart, Series, lines};
@@ -42,22 +42,27 @@ pub(crate) fn figures(comparison: &Comparison) -> (Vec<String>, Vec<Vec<String>>
     (header(comparison, "figure"), rows.collect())
 }
 
+/// Texts that differ.
+pub(crate) fn texts(comparison: &Comparison) -> (Vec<String>, Vec<Vec<String>>) {
+    let row = |row: &TextRow| [words(&row.name)].into_iter().chain(row.values.iter().cloned()).collect();
+    (header(comparison, "text"), comparison.texts.iter().map(row).collect())
+}
+
 /// Differences of the logs' columns from the first run, rms and largest.
 pub(crate) fn columns(comparison: &Comparison) -> (Vec<String>, Vec<Vec<String>>) {
     let rows = comparison.columns.iter().map(|row| {
         let cells = row.differences.iter().enumerate().map(|(run, difference)| match run {
             0 => "reference".to_owned(),
-            _ if difference.max == 0.0 => "equal".to_owned(),
-            _ => format!(
-                "{} rms, {} at {} s",
-                four_digits(difference.rms),
-                four_digits(difference.max),
-                four_digits(difference.time_s)
-            ),
+            _ => difference.map_or_else(|| "no common values".into(), in_words),
         });
         [label(&row.name)].into_iter().chain(cells).collect()
     });
     (header(comparison, "column of the log"), rows.collect())
+}
+
+fn in_words(difference: Difference) -> String {
+    let [rms, max, time_s] = [difference.rms, difference.max, difference.time_s].map(four_digits);
+    if difference.max == 0.0 { "equal".into() } else { format!("{rms} rms, {max} at {time_s} s") }
 }
 
 /// Draws the page. The error describes a failure to draw.
@@ -76,6 +81,9 @@ pub(crate) fn page(comparison: &Comparison, runs: &[StoredRun]) -> Result<Page, 
     };
     page.section("Figures");
     add(&mut page, figures(comparison));
+    if !comparison.texts.is_empty() {
+        add(&mut page, texts(comparison));
+    }
     page.section("Logs");
     add(&mut page, columns(comparison));
     if !comparison.missing.is_empty() {

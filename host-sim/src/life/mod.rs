@@ -57,9 +57,10 @@ pub(crate) struct Outcome {
     pub(crate) limit_cycle_earliest: Option<f64>,
     /// The same with the rate over the factor; none if it does not.
     pub(crate) limit_cycle_latest: Option<f64>,
-    /// Clearance at the last cycle. The upper end of the interval is at most the limit.
+    /// Clearance at the last cycle.
     pub(crate) clearance_m: f64,
-    /// Its interval by the factor of the wear rate.
+    /// Its interval by the factor of the wear rate. The limit stands for a larger upper end: see
+    /// `limit_cycle_earliest`.
     pub(crate) clearance_ci95_m: [f64; 2],
     /// Value of the effect `clearance-wear` at the last cycle, `clearance_increase_m`.
     pub(crate) clearance_increase_m: f64,
@@ -110,11 +111,12 @@ pub(crate) fn simulate(described: &TransmissionBench, settings: Settings) -> Res
     let [slow, life, fast] = &lives;
     let cycles = life.limit_cycle.unwrap_or_else(|| life.points.last().map_or(0.0, |point| point.cycle));
     let clearance_m = life.clearance_m(cycles);
+    let limit_m = limit_clearance_m(&bench);
     let material = bench.bearing.material.lining().specific_wear_rate_m3_nm;
     let outcome = Outcome {
         bearing: BearingMaterial::name(bench.bearing.material),
         described_clearance_m: bench.bearing.radial_clearance_m,
-        limit_clearance_m: limit_clearance_m(&bench),
+        limit_clearance_m: limit_m,
         specific_wear_rate_m3_nm: wear.specific_wear_rate_m3_nm.unwrap_or(material),
         wear_factor: wear.factor,
         cycles,
@@ -122,7 +124,7 @@ pub(crate) fn simulate(described: &TransmissionBench, settings: Settings) -> Res
         limit_cycle_earliest: fast.limit_cycle,
         limit_cycle_latest: slow.limit_cycle,
         clearance_m,
-        clearance_ci95_m: [slow.clearance_m(cycles), fast.clearance_m(cycles)],
+        clearance_ci95_m: [slow, fast].map(|life| life.clearance_m(cycles).min(limit_m.max(clearance_m))),
         clearance_increase_m: clearance_m - bench.bearing.radial_clearance_m,
         computed_duties: life.computed,
         points: life.points.clone(),

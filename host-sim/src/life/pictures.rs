@@ -43,20 +43,20 @@ fn clearance(result: &LifeResult) -> Result<Picture, CliError> {
     let outcome = &result.outcome;
     let um = |cycle: f64, value_m: f64| (cycle, value_m * 1e6);
     let cycles: Vec<f64> = life.points.iter().map(|p| p.cycle).filter(|c| *c <= outcome.cycles).collect();
-    let mut interval: Vec<_> = cycles.iter().map(|c| um(*c, fast.clearance_m(*c))).collect();
+    let limit_m = outcome.limit_clearance_m;
+    let upper_m = |c: f64| fast.clearance_m(c).min(limit_m.max(life.clearance_m(c)));
+    let mut interval: Vec<_> = cycles.iter().map(|c| um(*c, upper_m(*c))).collect();
     interval.extend(cycles.iter().rev().map(|c| um(*c, slow.clearance_m(*c))));
-    let tracked = &outcome.tracked;
-    let edge =
-        |sign: f64| move |t: &super::Tracked| um(t.cycle, t.clearance_m + sign * 2.0 * t.clearance_sd_m);
+    let found = |t: &super::Tracked| Some((t.cycle, t.clearance_m?, t.clearance_sd_m?));
+    let tracked: Vec<(f64, f64, f64)> = outcome.tracked.iter().filter_map(found).collect();
+    let edge = |sign: f64| move |t: &(f64, f64, f64)| um(t.0, t.1 + sign * 2.0 * t.2);
     let mut band: Vec<_> = tracked.iter().map(edge(1.0)).collect();
     band.extend(tracked.iter().rev().map(edge(-1.0)));
-    let limit_m = outcome.limit_clearance_m;
     let series = [
         Series::through("interval of the wear rate", interval).styled(Style::Area),
         Series::through("tracked, two deviations", band).styled(Style::Area),
         Series::through("predicted", cycles.iter().map(|c| um(*c, life.clearance_m(*c))).collect()),
-        Series::through("tracked", tracked.iter().map(|t| um(t.cycle, t.clearance_m)).collect())
-            .styled(Style::Points),
+        Series::through("tracked", tracked.iter().map(|t| um(t.0, t.1)).collect()).styled(Style::Points),
         Series::through("limit", vec![um(0.0, limit_m), um(outcome.cycles, limit_m)]),
     ];
     let chart = Chart { title: "Radial clearance", x: "cycle", y: "radial clearance, um", size: WIDE };

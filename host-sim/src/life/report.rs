@@ -1,7 +1,7 @@
 //! Tables, text and page of a life.
 
-use super::LifeResult;
 use super::pictures::Pictures;
+use super::{LifeResult, Outcome};
 use crate::cli::error::CliError;
 use crate::cli::limits;
 use crate::cli::output;
@@ -101,20 +101,30 @@ pub(crate) fn rows(result: &LifeResult) -> Vec<[String; 2]> {
         rows.push(row("share of the force on the film", format!("{:.3} %", 100.0 * point.film_share)));
     }
     if let Some(tracked) = outcome.tracked.last() {
-        let (found, sd) = (micrometres(tracked.clearance_m), micrometres(tracked.clearance_sd_m));
-        rows.push(row("tracked by the controller", format!("{found} +- {sd}")));
+        let tracked = tracked.clearance_m.zip(tracked.clearance_sd_m).map_or_else(
+            || "not tracked".into(),
+            |(found, sd)| format!("{} +- {}", micrometres(found), micrometres(sd)),
+        );
+        rows.push(row("tracked by the controller", tracked));
     }
     rows
 }
 
 /// Builds the page.
-pub(crate) fn page(result: &LifeResult, pictures: &Pictures, bench: &TransmissionBench) -> Page {
+///
+/// `is_written` states that there is a bench with the effect.
+pub(crate) fn page(
+    result: &LifeResult,
+    pictures: &Pictures,
+    bench: &TransmissionBench,
+    is_written: bool,
+) -> Page {
     let outcome = &result.outcome;
     let mut page = Page::new("Life of the bearing");
     let [low, high] = outcome.clearance_ci95_m.map(micrometres);
     page.lead(&format!(
-        "{}, wear rate {:.2e} m3/(N m): after {:.2e} cycles the radial clearance has grown from {} to {} \
-         (95 % interval {low} to {high}).",
+        "{}, wear rate {:.2e} m3/(N m): after {:.2e} cycles the radial clearance has changed from {} to \
+         {} (95 % interval {low} to {high}).",
         outcome.bearing,
         outcome.specific_wear_rate_m3_nm,
         outcome.cycles,
@@ -141,18 +151,32 @@ pub(crate) fn page(result: &LifeResult, pictures: &Pictures, bench: &Transmissio
     page.section("Duty cycle over the life");
     output::show(&mut page, &pictures.duty);
     page.section("As an effect");
-    page.text(&format!(
-        "worn-bench.toml is the bench with the effect clearance-wear, clearance_increase_m = {:e}. record, \
-         run and diagnose take it.",
-        outcome.clearance_increase_m
-    ));
+    page.text(&effect(outcome, is_written));
     page.section("What a life leaves out").list(&[
         "The plant has a round clearance, the mean in the directions of the contact; the profile determines \
          the pressure alone.",
         "The wear rate is constant: no running-in, no transition, no debris.",
         "The film carries a part of the force; it changes neither the motion nor the friction of a run.",
         "The lining is an elastic foundation; its pockets have no stress peaks at their edges.",
+        "The lining grows by heat and water as if it were free; bonded to a stiff housing it grows in \
+         thickness by up to (1 + nu)/(1 - nu) of that.",
     ]);
+    page.text("The runs of its duty cycles are those of host-sim run, with these limits:");
     limits::section(&mut page, bench);
     page
+}
+
+/// The change as an effect, in words.
+pub(crate) fn effect(outcome: &Outcome, is_written: bool) -> String {
+    let increase_m = outcome.clearance_increase_m;
+    if is_written {
+        return format!(
+            "worn-bench.toml is the bench with the effect clearance-wear, clearance_increase_m = \
+             {increase_m:e}. record, run and diagnose take it."
+        );
+    }
+    format!(
+        "worn-bench.toml is not written: a change of {} lies outside the range of the effect clearance-wear.",
+        micrometres(increase_m)
+    )
 }

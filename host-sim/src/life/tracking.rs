@@ -3,7 +3,7 @@
 //! At each point the bench runs with the effect `clearance-wear` of the predicted size. The
 //! controller of this process gets the noisy sensors. It is configured as it was for the new
 //! bearing, and starts from the clearance that it tracked at the point before, as a controller does
-//! that works through the life.
+//! that works through the life. Where it cannot track, it keeps the clearance it knows.
 
 use super::{Settings, wear_effect};
 use crate::cli::error::CliError;
@@ -32,10 +32,10 @@ pub(crate) struct Tracked {
     pub(crate) cycle: f64,
     /// Predicted clearance, with which the bench ran.
     pub(crate) predicted_m: f64,
-    /// Tracked clearance at the end of the run.
-    pub(crate) clearance_m: f64,
+    /// Tracked clearance at the end of the run; none if the estimator could not track it.
+    pub(crate) clearance_m: Option<f64>,
     /// Its deviation.
-    pub(crate) clearance_sd_m: f64,
+    pub(crate) clearance_sd_m: Option<f64>,
 }
 
 /// Follows a life up to a cycle.
@@ -64,13 +64,14 @@ pub(super) fn follow(
         let configuration = lockstep_configuration(&plant, &configured, SAMPLE_RATE_HZ, settings.contact)?;
         let controller = NativeController::start(configuration).map_err(|e| CliError::Work(e.to_string()))?;
         let found = exchange(Box::new(controller), frames).map_err(|e| CliError::Work(e.to_string()))?;
-        let Some(estimate) = found.estimates.last() else { continue };
-        known_m = estimate.clearance_m.into();
+        let estimate = found.estimates.last().map(|e| [e.clearance_m, e.clearance_sd_m].map(f64::from));
+        let valid = estimate.filter(|[clearance_m, sd_m]| *clearance_m > 0.0 && sd_m.is_finite());
+        known_m = valid.map_or(known_m, |[clearance_m, _]| clearance_m);
         tracked.push(Tracked {
             cycle,
             predicted_m: life.clearance_m(cycle),
-            clearance_m: known_m,
-            clearance_sd_m: estimate.clearance_sd_m.into(),
+            clearance_m: valid.map(|[clearance_m, _]| clearance_m),
+            clearance_sd_m: valid.map(|[_, sd_m]| sd_m),
         });
     }
     Ok(tracked)

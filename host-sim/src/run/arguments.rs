@@ -132,9 +132,9 @@ impl RunArgs {
         self.force.unwrap_or(ForceSource::QuantisedNet)
     }
 
-    /// Refuses the options that have no effect on a mechanism: it has no controller, and a
+    /// Refuses the options that have no effect on a plant without a controller, which has a
     /// communication step only with networks.
-    pub(crate) fn check_mechanism(&self, has_networks: bool) -> Result<(), CliError> {
+    pub(crate) fn check_uncontrolled(&self, plant: &str, has_networks: bool) -> Result<(), CliError> {
         let own = Self::default_job();
         let with_controller = "`transmission-bench`, which has a controller";
         let changed = [
@@ -151,7 +151,7 @@ impl RunArgs {
         ];
         match changed.into_iter().find(|(_, is_changed, _)| *is_changed) {
             Some((option, _, expected)) => {
-                Err(CliError::Input(format!("{option}: found plant `mechanism`; expected {expected}")))
+                Err(CliError::Input(format!("{option}: found plant `{plant}`; expected {expected}")))
             }
             None => Ok(()),
         }

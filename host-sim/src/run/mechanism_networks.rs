@@ -61,7 +61,7 @@ impl Networks {
 /// Chooses the source of the contact forces and refuses one that the mechanism cannot have.
 pub(crate) fn source(bench: &MechanismBench, args: &RunArgs) -> Result<ForceSource, CliError> {
     let has_networks = bench.networks().iter().any(Option::is_some);
-    args.check_mechanism(has_networks && args.force != Some(ForceSource::Law))?;
+    args.check_uncontrolled("mechanism", has_networks && args.force != Some(ForceSource::Law))?;
     let refuse = |source: ForceSource, expected: &str| {
         Err(CliError::Input(format!("--force: found {} on a mechanism; expected {expected}", source.name())))
     };

@@ -109,7 +109,9 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
             return Err(IntegrationError::TooManySteps { steps, limit, time_s: method.t() });
         }
         steps += 1;
-        if !advance(&mut method, &contacts.phase, end_s.min(change_s))? {
+        // A change within rounding of the end would leave no interval to integrate.
+        let is_changed = end_s - change_s > f64::EPSILON * end_s.abs();
+        if !advance(&mut method, &contacts.phase, if is_changed { change_s } else { end_s })? {
             continue;
         }
         let (from, reached, last) = (method.t_prev(), method.t(), *method.y());
@@ -131,7 +133,7 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
         contacts.measure((from, to), event.as_ref(), &mut state_at)?;
         let Some((t, mut state)) = event else {
             contacts.complete_step();
-            if change_s < end_s && change_s - reached <= f64::EPSILON * change_s.abs() {
+            if is_changed && change_s - reached <= f64::EPSILON * change_s.abs() {
                 plant.change(reached, &last, &contacts.phase.latched_m_s);
                 change_s = plant.next_change_s(change_s);
                 method.h0 = method.h().min(end_s - reached).max(f64::EPSILON * end_s.abs());

@@ -147,7 +147,10 @@ impl TransmissionBench {
         let largest_m = 0.1 * bearing.bearing_radius_m;
         let limit = life.and_then(|life| life.limit_clearance_m);
         let limit = limit.map(|m| ("life.limit_clearance_m", m, bearing.radial_clearance_m, largest_m));
-        limit.into_iter().collect()
+        // A film thicker than half of the clearance leaves the journal hardly any path.
+        let film = self.film.as_ref();
+        let film = film.map(|f| ("film.min_film_m", f.min_film_m, 1e-8, 0.5 * bearing.radial_clearance_m));
+        limit.into_iter().chain(film).collect()
     }
 }
 
@@ -169,5 +172,7 @@ mod tests {
         assert!(found.contains("wear.factor is 0.5; expected 1 to 1000"), "{found}");
         let found = error("[film]\nmin_film_m = 1e-6");
         assert!(found.contains("viscosity_pa_s"), "{found}");
+        let found = error("[film]\nviscosity_pa_s = 1.0\nmin_film_m = 1e-3");
+        assert!(found.contains("film.min_film_m is 0.001; expected 1e-8 to 2.5e-4"), "{found}");
     }
 }
