@@ -50,8 +50,8 @@ pub(crate) struct TextRow {
 pub(crate) struct ColumnRow {
     /// Name, as in log.csv.
     pub(crate) name: String,
-    /// Differences from the first run in the order of the runs, that of the first included; none for
-    /// a run without a value at a time within the log of the first.
+    /// Differences from the first run in the order of the runs, that of the first included; none
+    /// for a run without a value at a time within the log of the first.
     pub(crate) differences: Vec<Option<Difference>>,
 }
 
