@@ -6,8 +6,8 @@ set -eu
 sweep=$1
 shards=$2
 out=$3
-seq "$shards" | xargs -P "$4" -I I \
-    host-sim sweep "$sweep" --quiet --threads 1 --shard "I/$shards" --out "$out/shard-I"
+seq "$shards" | xargs -P "$4" -I @SHARD@ \
+    host-sim sweep "$sweep" --quiet --threads 1 --shard "@SHARD@/$shards" --out "$out/shard-@SHARD@"
 set --
 for shard in $(seq "$shards"); do
     set -- "$@" "$out/shard-$shard"

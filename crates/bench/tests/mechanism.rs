@@ -588,6 +588,24 @@ fn held_forces_move_bench_b_as_they_move_the_dedicated_plant() {
     assert_balanced(&run, 1e-6);
 }
 
+/// The works of the impacts are read from forces that jump at every step. Their sum is the damping
+/// of the balance and the elastic energy at the end, which gravity leaves of the potential change.
+#[test]
+fn the_losses_of_impacts_with_held_forces_are_those_of_the_balance() {
+    let dedicated = TransmissionBench::open("bench-b").unwrap();
+    let plant = Transmission::new(&dedicated, dedicated.drive_profile(), dedicated.load_profile());
+    let mut bench = example("bench-b-mechanism");
+    bench.run.duration_s = 0.1;
+    let mut force = |_: usize, view: &ContactView| plant.law(view);
+    let held = HeldForces { step_s: 2e-4, contacts: vec![true], force: &mut force };
+    let run = bench.simulate_held(&[0.0], 1e-8, held).unwrap();
+    let fall_m = run.samples[0].bodies[1].position[1] - run.end.bodies[1].position[1];
+    let elastic_j = run.energy.potential_change_j + 150.0 * 9.81 * fall_m;
+    let lost_j: f64 = run.impacts.iter().map(|impact| impact.energy_lost_j).sum();
+    let work_j: f64 = run.impacts.iter().map(|impact| impact.compression_work_j).sum();
+    assert_near("loss, J", lost_j, run.energy.contact_damping_j + elastic_j, 1e-3 * work_j);
+}
+
 #[test]
 fn networks_are_those_of_clearance_joints_alone() {
     let text = text("../../examples/bench-b-mechanism.toml");

@@ -205,6 +205,12 @@ fn run_planar(
             source.name()
         )));
     }
+    if bench.can_stick() && source == ForceSource::HeldLaw {
+        return Err(CliError::Input(
+            "force: found held-law on a bench whose friction sticks; expected law: held forces do not stick"
+                .into(),
+        ));
+    }
     let plant = &Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let (samples_s, end_s) = (&bench.sample_times_s(SAMPLE_RATE_HZ), bench.duration_s());
     let bearing = bench.bearing.material;

@@ -237,6 +237,17 @@ impl<'a, P> Contacts<'a, P> {
         Ok(())
     }
 
+    /// Reads every contact again after its force has changed by itself.
+    pub(super) fn read_start<const N: usize>(&mut self, time_s: f64, state: &[f64; N])
+    where
+        P: SlicedPlant<N>,
+    {
+        for (slice, contact) in self.contacts.iter_mut().enumerate() {
+            let latched_m_s = self.phase.touch(slice).latched_m_s;
+            contact.before = self.phase.plant.slice_contact(slice, time_s, state, latched_m_s);
+        }
+    }
+
     /// Completes a step without an event.
     pub(super) fn complete_step(&mut self) {
         for contact in &mut self.contacts {

@@ -100,6 +100,7 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
         .h_max(tolerances.largest_step_s)
         .h0((end_s - start_s).min(tolerances.largest_step_s) * 1e-3);
     plant.change(start_s, &initial, &contacts.phase.latched_m_s);
+    contacts.read_start(start_s, &initial);
     let mut change_s = plant.next_change_s(start_s);
     start(&mut method, &contacts.phase, (start_s, end_s), &initial)?;
     let mut next_sample = samples_s.partition_point(|&t| t < start_s);
@@ -135,6 +136,7 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
             contacts.complete_step();
             if is_changed && change_s - reached <= f64::EPSILON * change_s.abs() {
                 plant.change(reached, &last, &contacts.phase.latched_m_s);
+                contacts.read_start(reached, &last);
                 change_s = plant.next_change_s(change_s);
                 method.h0 = method.h().min(end_s - reached).max(f64::EPSILON * end_s.abs());
                 start(&mut method, &contacts.phase, (reached, end_s), &last)?;

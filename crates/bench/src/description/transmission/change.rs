@@ -24,11 +24,20 @@ impl TransmissionBench {
             self.friction.viscous_slope_s_m = friction.viscous_slope_s_m;
         }
         self.friction.viscous_onset_m_s = friction.viscous_onset_m_s;
-        self.friction.regularisation_m_s = friction.regularisation_m_s;
+        // For Karnopp's law the width is that of a band, which no material has.
+        if self.friction.law.is_none_or(|law| law.0 != FrictionKind::Karnopp) {
+            self.friction.regularisation_m_s = friction.regularisation_m_s;
+        }
         // The relative uncertainty of the modulus does not change.
         if let Some(deviation) = self.common.uncertain.get_mut("bearing.youngs_modulus_pa") {
             *deviation *= elastic.youngs_modulus_pa / old_modulus;
         }
+    }
+
+    /// Returns whether the friction law has sliding and sticking that are located as events.
+    pub fn can_stick(&self) -> bool {
+        let kinds = [FrictionKind::Coulomb, FrictionKind::Karnopp, FrictionKind::SevenParameter];
+        self.friction.law.is_some_and(|law| kinds.contains(&law.0))
     }
 
     /// Changes the clearance. Its relative uncertainty does not change.
