@@ -119,16 +119,23 @@ fn named(missing: &[usize]) -> String {
 }
 
 /// Reads the journals `NAME` of some folders and returns the results of all `count` runs in order.
+/// They are to be written to the folder `out`.
 ///
 /// # Errors
 ///
-/// A journal is missing, in use or of another campaign; a run is missing or occurs twice.
+/// A journal is missing, in use or of another campaign, or that in `out` is of another campaign; a
+/// run is missing or occurs twice.
 pub fn merge<R: DeserializeOwned + Numbered>(
     folders: &[PathBuf],
+    out: &Path,
     name: &str,
     header: &impl Serialize,
     count: usize,
 ) -> Result<Vec<R>, MergeError> {
+    let own = out.join(name);
+    if own.is_file() {
+        Journal::read::<R>(&own, header)?;
+    }
     let mut found: BTreeMap<usize, (&Path, R)> = BTreeMap::new();
     for folder in folders {
         let file = folder.join(name);
@@ -230,10 +237,12 @@ mod tests {
                 Journal::open::<(usize, f64)>(&folder(name).join("j"), &header(seed)).unwrap();
             runs.iter().for_each(|run| journal.append(&(*run, *run as f64 / 3.0)).unwrap());
         };
-        let merged = |names: &[&str], count| {
+        let merged_into = |out: &str, names: &[&str], count| {
             let folders: Vec<PathBuf> = names.iter().map(|name| folder(name)).collect();
-            merge::<(usize, f64)>(&folders, "j", &header(1), count).map_err(|error| error.to_string())
+            merge::<(usize, f64)>(&folders, &folder(out), "j", &header(1), count)
+                .map_err(|error| error.to_string())
         };
+        let merged = |names: &[&str], count| merged_into("out", names, count);
         write("a", 1, &[2, 0]);
         write("b", 1, &[3, 1]);
         write("other", 2, &[1, 3]);
@@ -249,6 +258,8 @@ mod tests {
         refused(&["a", "a"], 4, "run 2: found it in ");
         refused(&["a", "other"], 4, "it belongs to other work: seed: found 2, expected 1");
         refused(&["a", "none"], 4, "none/j: found no journal");
+        let error = merged_into("other", &["a", "b"], 4).unwrap_err();
+        assert!(error.contains("it belongs to other work"), "{error}");
         write("a", 1, &[2]);
         refused(&["a", "b"], 4, "run 2: found it in ");
         // A shard that is still running.

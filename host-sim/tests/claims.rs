@@ -101,7 +101,9 @@ fn merged_shards_give_the_bytes_of_one_machine() {
     for name in ["claims.json", "claims.md", "draws.csv", "verdicts.csv", "report.html"] {
         assert_eq!(read(folder, &format!("one/{name}")), read(folder, &format!("merged/{name}")), "{name}");
     }
+    done(&["--runs", "2", "--shard", "1/2", "--seed", "9", "--out", "other"]);
     for (arguments, expected) in [
+        (&["merge", "s1", "s2", "--runs", "3", "--out", "other"][..], "it belongs to other work: seed"),
         (&["merge", "s1", "--runs", "3"][..], "found 2 of 3 runs; missing: 1"),
         (&["merge", "s1", "s2", "--runs", "3", "--seed", "2"], "it belongs to other work: seed"),
         (&["merge"], "claims: found merge; expected `merge` and the folder of every shard"),

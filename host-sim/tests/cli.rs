@@ -25,7 +25,14 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_no_files() {
         "plant = \"transmission-bench\"\n[geometry]\nlever = 3\n",
     )
     .unwrap();
+    let (_, bench_b) = bench::PRESETS[0];
+    let sticking = bench_b.replace("\n[drive]", "law = \"coulomb\"\n\n[drive]");
+    std::fs::write(directory.path().join("sticking.toml"), sticking).unwrap();
     for (arguments, expected) in [
+        (
+            &["run", "--bench", "sticking.toml", "--force", "held-law"][..],
+            "found held-law on a bench whose friction",
+        ),
         (&["run", "--clearance-mm", "-1"][..], "bearing.radial_clearance_m is -0.001; expected"),
         (&["run", "--clearance-mm", "9"], "bearing.radial_clearance_m"),
         (&["run", "--load-kn", "nan"], "load.force_n is NaN; expected"),

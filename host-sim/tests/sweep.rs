@@ -411,6 +411,10 @@ fn shards_of_other_sweeps_and_meaningless_arguments_are_refused() {
         &["sweep", "merge", "sweep.toml", "s1", "s1"],
         "found it in s1/journal.jsonl and in s1/journal.jsonl; expected it once",
     );
+    refused(
+        &["sweep", "merge", "sweep.toml", "s1", "--out", "s2"],
+        "s2/journal.jsonl, line 1: it belongs to other work",
+    );
     refused(&["sweep", "merge", "sweep.toml", "s1", "s3"], "s3/journal.jsonl: found no journal");
     refused(&["sweep", "merge", "sweep.toml"], "found no shard");
     refused(&["sweep", "merge"], "found no shard");

@@ -27,6 +27,12 @@ fn a_folder_has_every_platform_and_the_chosen_image() {
     }
     assert!(files.iter().all(|file| folder.join("out").join(file).is_file()));
     assert!(!files.iter().any(|file| file.contains("babbitt")));
+    // An image of an earlier call stays in the folder, but is no target of the package.
+    let both = ["--libraries", "libraries", "--out", "out"];
+    assert!(generate(folder, &both).status.success() && generate(folder, &arguments).status.success());
+    let config = std::fs::read_to_string(folder.join("out/cmake/pintle-model-config.cmake")).expect("config");
+    assert!(config.contains("IN ITEMS plastic)") && !config.contains("file(GLOB"), "{config}");
+    assert!(config.contains("set(_pintle_platforms one)"), "{config}");
 }
 
 #[test]

@@ -225,6 +225,28 @@ fn the_balance_closes_on_every_drive_and_shaft() {
     }
 }
 
+/// An effect that depends on the direction of sliding must not jump when the spring breaks: the
+/// contact would slide back, stick and break again.
+#[test]
+fn effects_on_friction_do_not_make_the_spring_of_a_contact_chatter() {
+    let plain = bench("seven-parameter", 0.14, 0.22, "");
+    let text =
+        bench_text(&plain).replace("bristle_stiffness_per_m = 10000.0", "bristle_stiffness_per_m = 1e5");
+    for effect in [
+        "",
+        "[[effects]]\nname = \"stribeck-friction\"\ncoefficient_rise = 0.3\nspeed_m_s = 0.02\n",
+        "[[effects]]\nname = \"coulomb-asymmetry\"\nasymmetry = 0.5\n",
+    ] {
+        let bench = Bench::parse("x.toml", &format!("{text}\n{effect}")).unwrap().resolved();
+        let Bench::Transmission(bench) = bench else { panic!("bench-b") };
+        let found = run(&bench, 1.0, &every(1e-3, 1.0));
+        assert!(found.energy.residual_rel < 1e-6, "{effect}: {:?}", found.energy);
+        // Stick-slip of the spring has periods of milliseconds.
+        let (sticks, stuck_s) = stuck(&found);
+        assert!(sticks >= 2 && stuck_s / sticks as f64 > 1e-3, "{effect}: {sticks} sticks, {stuck_s} s");
+    }
+}
+
 #[test]
 fn effects_on_friction_act_on_both_slips() {
     let effect = |text: &str| format!("\n[[effects]]\n{text}\n");

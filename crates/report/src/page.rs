@@ -1,5 +1,4 @@
 //! Self-contained HTML page: text, tables and inline pictures; nothing is fetched from elsewhere.
-
 //!
 //! In a browser that runs scripts, charts zoom, show values and hide series. Without scripts, and
 //! in print, the page shows their pictures.

@@ -69,18 +69,17 @@ fn wrong(path: &Path, error: &dyn std::fmt::Display) -> CliError {
 /// Collects the numbers and texts of an object and of the objects in it. Of lists only objects with
 /// a name are compared, such as contacts; other lists belong to one run alone.
 fn collect(run: &mut StoredRun, above: &str, value: &Value) {
-    let named = |item: &'_ Value| Some((item.get("name")?.as_str()?.to_owned(), item.clone()));
-    let items: Vec<(String, Value)> = match value {
-        Value::Object(items) => items.iter().map(|(name, value)| (name.clone(), value.clone())).collect(),
-        Value::Array(items) => items.iter().filter_map(named).collect(),
+    let items: Vec<(&str, &Value)> = match value {
+        Value::Object(items) => items.iter().map(|(name, value)| (name.as_str(), value)).collect(),
+        Value::Array(items) => items.iter().filter_map(|v| Some((v.get("name")?.as_str()?, v))).collect(),
         _ => vec![],
     };
     for (name, value) in items {
-        if NOT_COMPARED.contains(&name.as_str()) {
+        if NOT_COMPARED.contains(&name) {
             continue;
         }
-        let name = if above.is_empty() { name } else { format!("{above}.{name}") };
-        match &value {
+        let name = if above.is_empty() { name.to_owned() } else { format!("{above}.{name}") };
+        match value {
             Value::Number(number) => run.figures.extend(number.as_f64().map(|number| (name, number))),
             Value::String(text) => run.texts.push((name, text.clone())),
             nested => collect(run, &name, nested),

@@ -124,13 +124,20 @@ pub(crate) fn simulate(described: &TransmissionBench, settings: Settings) -> Res
         limit_cycle_earliest: fast.limit_cycle,
         limit_cycle_latest: slow.limit_cycle,
         clearance_m,
-        clearance_ci95_m: [slow, fast].map(|life| life.clearance_m(cycles).min(limit_m.max(clearance_m))),
+        clearance_ci95_m: interval_m(&lives, limit_m, cycles),
         clearance_increase_m: clearance_m - bench.bearing.radial_clearance_m,
         computed_duties: life.computed,
         points: life.points.clone(),
         tracked: tracking::follow(&bench, life, cycles, settings)?,
     };
     Ok(LifeResult { lives, outcome })
+}
+
+/// Interval of the clearance at a cycle. The life with the larger rate ends at its limit, which
+/// then stands for the upper end.
+fn interval_m([slow, life, fast]: &[Life; 3], limit_m: f64, cycle: f64) -> [f64; 2] {
+    let largest_m = limit_m.max(life.clearance_m(cycle));
+    [slow.clearance_m(cycle), fast.clearance_m(cycle).min(largest_m)]
 }
 
 /// The bench with its wear at the end as an effect; none if the effect does not go so far.

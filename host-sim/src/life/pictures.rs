@@ -1,7 +1,7 @@
 //! Pictures of a life: predicted and tracked clearance, worn profiles, figures of the duty cycle.
 
-use super::LifeResult;
 use super::report::shown_points;
+use super::{LifeResult, interval_m};
 use crate::cli::error::CliError;
 use crate::cli::output::{Files, Picture};
 use bench::life::foundation::cell_angle_rad;
@@ -39,17 +39,17 @@ pub(crate) fn draw(result: &LifeResult) -> Result<Pictures, CliError> {
 
 /// Predicted clearance with its interval, its limit, and the tracked clearance with two deviations.
 fn clearance(result: &LifeResult) -> Result<Picture, CliError> {
-    let [slow, life, fast] = &result.lives;
+    let life = &result.lives[1];
     let outcome = &result.outcome;
     let um = |cycle: f64, value_m: f64| (cycle, value_m * 1e6);
     let cycles: Vec<f64> = life.points.iter().map(|p| p.cycle).filter(|c| *c <= outcome.cycles).collect();
     let limit_m = outcome.limit_clearance_m;
-    let upper_m = |c: f64| fast.clearance_m(c).min(limit_m.max(life.clearance_m(c)));
-    let mut interval: Vec<_> = cycles.iter().map(|c| um(*c, upper_m(*c))).collect();
-    interval.extend(cycles.iter().rev().map(|c| um(*c, slow.clearance_m(*c))));
+    let end = |c: f64, i: usize| um(c, interval_m(&result.lives, limit_m, c)[i]);
+    let mut interval: Vec<_> = cycles.iter().map(|c| end(*c, 1)).collect();
+    interval.extend(cycles.iter().rev().map(|c| end(*c, 0)));
     let found = |t: &super::Tracked| Some((t.cycle, t.clearance_m?, t.clearance_sd_m?));
     let tracked: Vec<(f64, f64, f64)> = outcome.tracked.iter().filter_map(found).collect();
-    let edge = |sign: f64| move |t: &(f64, f64, f64)| um(t.0, t.1 + sign * 2.0 * t.2);
+    let edge = |sign: f64| move |&(cycle, found_m, sd_m): &_| um(cycle, found_m + sign * 2.0 * sd_m);
     let mut band: Vec<_> = tracked.iter().map(edge(1.0)).collect();
     band.extend(tracked.iter().rev().map(edge(-1.0)));
     let series = [

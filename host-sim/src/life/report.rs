@@ -1,7 +1,7 @@
 //! Tables, text and page of a life.
 
 use super::pictures::Pictures;
-use super::{LifeResult, Outcome};
+use super::{LifeResult, Outcome, interval_m};
 use crate::cli::error::CliError;
 use crate::cli::limits;
 use crate::cli::output;
@@ -40,13 +40,12 @@ struct Row {
 
 /// The course with its interval as CSV.
 pub(crate) fn life_csv(result: &LifeResult) -> Result<String, CliError> {
-    let [slow, life, fast] = &result.lives;
-    let row = |point: &LifePoint| Row {
-        point: *point,
-        clearance_low_m: slow.clearance_m(point.cycle),
-        clearance_high_m: fast.clearance_m(point.cycle),
+    let row = |point: &LifePoint| {
+        let limit_m = result.outcome.limit_clearance_m;
+        let [clearance_low_m, clearance_high_m] = interval_m(&result.lives, limit_m, point.cycle);
+        Row { point: *point, clearance_low_m, clearance_high_m }
     };
-    table::csv(&life.points.iter().map(row).collect::<Vec<_>>())
+    table::csv(&result.lives[1].points.iter().map(row).collect::<Vec<_>>())
 }
 
 /// The profiles of bearing and journal at some cycles as CSV.

@@ -8,6 +8,7 @@ use bench::plants::transmission::{BearingForces, ContactView, Transmission};
 use bench::plants::two_plane::{TwoPlane, TwoPlaneSnapshot, run_two_plane};
 use bench::simulate::peaks::{Peak, peaks_with_bars};
 use bench::simulate::{DEFAULT_TOLERANCE, Run, run_bench_with_law, run_with_held_force, snapshots};
+use bench::sticking_plants;
 use clap::ValueEnum;
 use inference::{ContactState, Flags, Model, Pair, shipped};
 use model_quant::network::float_pair::FloatPair;
@@ -205,7 +206,8 @@ fn run_planar(
             source.name()
         )));
     }
-    if bench.can_stick() && source == ForceSource::HeldLaw {
+    let sticks = bench.friction.law.is_some_and(|law| sticking_plants(law.0.entry().name).is_some());
+    if sticks && source == ForceSource::HeldLaw {
         return Err(CliError::Input(
             "force: found held-law on a bench whose friction sticks; expected law: held forces do not stick"
                 .into(),

@@ -155,7 +155,7 @@ pub(crate) fn merge(
 ) -> Result<(), CliError> {
     let sweep = Sweep::read(file, options)?;
     owner::check(folder, NAME)?;
-    let records = shard::merge::<Record>(shards, journal::NAME, &sweep.header, sweep.points.len())?;
+    let records = shard::merge::<Record>(shards, folder, journal::NAME, &sweep.header, sweep.points.len())?;
     sweep.publish(&records, folder, json)
 }
 

@@ -92,7 +92,8 @@ pub(super) struct Contacts<'a, P> {
 }
 
 impl<'a, P> Contacts<'a, P> {
-    /// Contacts at the start of a run; one that starts in contact has the latched speed 0.
+    /// Contacts at the start of a run, not yet read; one that starts in contact has the latched
+    /// speed 0.
     pub(super) fn new<const N: usize>(
         plant: &'a P,
         start_s: f64,
@@ -124,7 +125,6 @@ impl<'a, P> Contacts<'a, P> {
             contacts.contacts.push(Contact {
                 is_touching,
                 impact: contacts.impacts.len().saturating_sub(1),
-                before: plant.slice_contact(slice, start_s, initial, 0.0),
                 ..Contact::default()
             });
         }
@@ -237,7 +237,7 @@ impl<'a, P> Contacts<'a, P> {
         Ok(())
     }
 
-    /// Reads every contact again after its force has changed by itself.
+    /// Reads every contact at the start of a run, and again after its force has changed by itself.
     pub(super) fn read_start<const N: usize>(&mut self, time_s: f64, state: &[f64; N])
     where
         P: SlicedPlant<N>,

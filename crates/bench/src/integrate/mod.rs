@@ -111,8 +111,8 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
         }
         steps += 1;
         // A change within rounding of the end would leave no interval to integrate.
-        let is_changed = end_s - change_s > f64::EPSILON * end_s.abs();
-        if !advance(&mut method, &contacts.phase, if is_changed { change_s } else { end_s })? {
+        let has_change = end_s - change_s > f64::EPSILON * end_s.abs();
+        if !advance(&mut method, &contacts.phase, if has_change { change_s } else { end_s })? {
             continue;
         }
         let (from, reached, last) = (method.t_prev(), method.t(), *method.y());
@@ -132,23 +132,28 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
             next_sample += 1;
         }
         contacts.measure((from, to), event.as_ref(), &mut state_at)?;
-        let Some((t, mut state)) = event else {
-            contacts.complete_step();
-            if is_changed && change_s - reached <= f64::EPSILON * change_s.abs() {
-                plant.change(reached, &last, &contacts.phase.latched_m_s);
-                contacts.read_start(reached, &last);
-                change_s = plant.next_change_s(change_s);
-                method.h0 = method.h().min(end_s - reached).max(f64::EPSILON * end_s.abs());
-                start(&mut method, &contacts.phase, (reached, end_s), &last)?;
+        let is_at_change = has_change && change_s - to <= f64::EPSILON * change_s.abs();
+        let mut state = last;
+        if let Some((_, located)) = event {
+            state = located;
+            contacts.switch(to, &mut state, tolerances.largest_step_s)?;
+            if to >= end_s {
+                return Ok(Integration { state, impacts: contacts.impacts, steps });
             }
-            continue;
-        };
-        contacts.switch(t, &mut state, tolerances.largest_step_s)?;
-        if t >= end_s {
-            return Ok(Integration { state, impacts: contacts.impacts, steps });
+            method.h0 = (reached - from).min(end_s - to).max(f64::EPSILON * end_s.abs()) * RESTART_SHARE;
+        } else {
+            contacts.complete_step();
+            if !is_at_change {
+                continue;
+            }
+            method.h0 = method.h().min(end_s - to).max(f64::EPSILON * end_s.abs());
         }
-        method.h0 = (reached - from).min(end_s - t).max(f64::EPSILON * end_s.abs()) * RESTART_SHARE;
-        start(&mut method, &contacts.phase, (t, end_s), &state)?;
+        if is_at_change {
+            plant.change(to, &state, &contacts.phase.latched_m_s);
+            contacts.read_start(to, &state);
+            change_s = plant.next_change_s(change_s);
+        }
+        start(&mut method, &contacts.phase, (to, end_s), &state)?;
     }
     Ok(Integration { state: *method.y(), impacts: contacts.impacts, steps })
 }

@@ -112,6 +112,15 @@ impl StickingLaw {
         }
     }
 
+    /// Stretch of the seven-parameter law's spring as a share, -1 to 1, of the stretch at which it
+    /// breaks. Effects that depend on the direction of sliding take it while the contact sticks, so
+    /// they do not jump at the break-away.
+    pub(crate) fn elastic_sign(&self, slip: Slip, time_s: f64, memory: f64) -> f64 {
+        let Self::SevenParameter(law) = self else { return 0.0 };
+        let limit = state(slip, time_s, memory).map_or(0.0, |state| law.break_away_coefficient(&state));
+        (law.stiffness_per_m * memory / limit.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0)
+    }
+
     /// Friction in N of steady sliding, for a contact whose history is unknown; 0 at standstill.
     pub(crate) fn steady_n(&self, normal_n: f64, sliding_m_s: f64) -> f64 {
         let slip = self.sliding(sliding_m_s);

@@ -58,7 +58,7 @@ pub(crate) fn run(options: &Options, shards: &[PathBuf], folder: &Path, json: bo
     let merged = if shards.is_empty() {
         None
     } else {
-        Some(work::merge(&options.base, (options.seed, options.runs), shards)?)
+        Some(work::merge(&options.base, (options.seed, options.runs), shards, folder)?)
     };
     let bar = progress::bar(options.runs as u64);
     bar.set_message("at the bench's own parameters");

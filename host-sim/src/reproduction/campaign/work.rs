@@ -89,6 +89,7 @@ pub(crate) fn merge(
     base: &TransmissionBench,
     (seed, runs): (u64, usize),
     shards: &[PathBuf],
+    out: &Path,
 ) -> Result<Vec<Record>, CliError> {
-    Ok(shard::merge(shards, NAME, &header(base, seed)?, runs)?)
+    Ok(shard::merge(shards, out, NAME, &header(base, seed)?, runs)?)
 }

@@ -47,7 +47,9 @@ pub(crate) fn files(images: &[(&[u8], Model<'_>)], libraries: Libraries) -> Vec<
         let version = env!("CARGO_PKG_VERSION");
         let text = template.replace("@NAME@", names.first().unwrap_or(&"")).replace("@VERSION@", version);
         text.replace("@NAMES@", &names.join(" and "))
+            .replace("@BEARINGS@", &names.join(" "))
             .replace("@PLATFORMS@", &libraries.platforms().join(", "))
+            .replace("@LIBRARIES@", &libraries.platforms().join(" "))
     };
     files.push(("README.md".into(), fill(include_str!("README.md")).into_bytes()));
     files.extend(TEMPLATES.iter().map(|(path, text)| ((*path).to_owned(), fill(text).into_bytes())));

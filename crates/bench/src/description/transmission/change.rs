@@ -34,17 +34,28 @@ impl TransmissionBench {
         }
     }
 
-    /// Returns whether the friction law has sliding and sticking that are located as events.
-    pub fn can_stick(&self) -> bool {
-        let kinds = [FrictionKind::Coulomb, FrictionKind::Karnopp, FrictionKind::SevenParameter];
-        self.friction.law.is_some_and(|law| kinds.contains(&law.0))
-    }
-
     /// Changes the clearance. Its relative uncertainty does not change.
     pub fn set_radial_clearance(&mut self, radial_clearance_m: f64) {
         if let Some(deviation) = self.common.uncertain.get_mut("bearing.radial_clearance_m") {
             *deviation *= radial_clearance_m / self.bearing.radial_clearance_m;
         }
         self.bearing.radial_clearance_m = radial_clearance_m;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Bench, PRESETS};
+
+    #[test]
+    fn a_material_replaces_the_width_of_a_law_but_not_the_band_of_karnopp() {
+        for (law, expected_m_s) in [("stribeck-tustin", 1e-3), ("karnopp", 0.0075)] {
+            let text = PRESETS[0].1.replace("\n[drive]", &format!("law = \"{law}\"\n\n[drive]"));
+            let Bench::Transmission(mut bench) = Bench::parse("x", &text).unwrap() else { panic!("bench-b") };
+            bench.friction.regularisation_m_s = 0.0075;
+            bench.set_material(BearingMaterial::Babbitt);
+            assert_eq!(bench.friction.regularisation_m_s, expected_m_s, "{law}");
+        }
     }
 }

@@ -29,7 +29,8 @@ impl Transmission {
             slip => {
                 let sign = match slip {
                     Slip::Sliding { direction, .. } | Slip::BreakingAway { direction } => direction,
-                    Slip::Sticking { .. } | Slip::Smooth => (g.sliding_m_s / self.sign_width_m_s).tanh(),
+                    Slip::Sticking { .. } => law.elastic_sign(slip, time_s, s[BRISTLE]),
+                    Slip::Smooth => (g.sliding_m_s / self.sign_width_m_s).tanh(),
                 };
                 let dry_n = law.force_n(slip, time_s, normal_n, g.sliding_m_s, s[BRISTLE]);
                 let forces = BearingForces { normal_n, friction_n: dry_n * self.friction_level };

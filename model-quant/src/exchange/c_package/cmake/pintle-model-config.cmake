@@ -26,7 +26,7 @@ if(NOT DEFINED PINTLE_MODEL_PLATFORM)
   endif()
 endif()
 
-file(GLOB _pintle_platforms RELATIVE "${_pintle_root}/lib" "${_pintle_root}/lib/*")
+set(_pintle_platforms @LIBRARIES@)
 if(NOT PINTLE_MODEL_PLATFORM IN_LIST _pintle_platforms)
   set(pintle-model_FOUND FALSE)
   set(pintle-model_NOT_FOUND_MESSAGE
@@ -49,13 +49,11 @@ if(NOT TARGET pintle::model)
     INTERFACE_LINK_LIBRARIES "pintle::model-${PINTLE_MODEL_PLATFORM}")
 endif()
 
-file(GLOB _pintle_images "${_pintle_root}/src/pintle_image_*.c")
-foreach(_pintle_image IN LISTS _pintle_images)
-  string(REGEX REPLACE ".*pintle_image_(.*)[.]c$" "\\1" _pintle_bearing "${_pintle_image}")
+foreach(_pintle_bearing IN ITEMS @BEARINGS@)
   if(NOT TARGET pintle::${_pintle_bearing})
     add_library(pintle::${_pintle_bearing} INTERFACE IMPORTED)
     set_target_properties(pintle::${_pintle_bearing} PROPERTIES
-      INTERFACE_SOURCES "${_pintle_image}"
+      INTERFACE_SOURCES "${_pintle_root}/src/pintle_image_${_pintle_bearing}.c"
       INTERFACE_LINK_LIBRARIES "pintle::model")
   endif()
 endforeach()
