@@ -16,6 +16,7 @@ pub mod flash;
 mod inspect;
 pub mod journal;
 mod life;
+mod logs;
 pub mod program;
 pub mod replay;
 pub mod reproduction;

@@ -5,7 +5,7 @@ use crate::cli::error::CliError;
 use crate::cli::{progress, provenance};
 use crate::commands::{
     accuracy, check, claims, compare, completions, describe, diagnose, evaluate, figures, flash, laws, life,
-    link, manual, record, replay, run, schema, sweep, update, validate,
+    link, log, manual, record, replay, run, schema, sweep, update, validate,
 };
 use crate::run::RunArgs;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -48,6 +48,8 @@ enum Command {
     Replay(replay::ReplayArgs),
     /// Write a commented description template for a log.
     Describe(describe::DescribeArgs),
+    /// Show the content of a log file, or convert it to another format.
+    Log(log::LogArgs),
     /// Judge logs and description: data quality, units, parameters that the motion does not show.
     Check(check::CheckArgs),
     /// Simulate a described bench under the inputs of logs and compare; fit nothing.
@@ -78,6 +80,14 @@ enum Command {
     Update(update::UpdateArgs),
     /// Compare the models with published known answers.
     Validate(validate::ValidateArgs),
+    /// Commands about the program itself.
+    #[command(flatten)]
+    Own(OwnCommand),
+}
+
+/// Commands about the program itself.
+#[derive(Subcommand)]
+enum OwnCommand {
     /// Print the completions of the command line for a shell.
     Completions(completions::CompletionsArgs),
     /// Print the JSON schema of a result.
@@ -110,6 +120,7 @@ fn dispatch(command: Command) -> Result<(), CliError> {
         Command::Record(args) => record::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Describe(args) => describe::run(&args),
+        Command::Log(args) => log::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Compare(args) => compare::run(&args),
@@ -124,8 +135,14 @@ fn dispatch(command: Command) -> Result<(), CliError> {
         Command::Link(args) => link::run(&args),
         Command::Update(args) => update::run(&args),
         Command::Validate(args) => validate::run(&args),
-        Command::Completions(args) => completions::run(&args, Program::command()),
-        Command::Schema(args) => schema::run(&args),
-        Command::Man(args) => manual::run(&args, Program::command()),
+        Command::Own(command) => dispatch_own(command),
+    }
+}
+
+fn dispatch_own(command: OwnCommand) -> Result<(), CliError> {
+    match command {
+        OwnCommand::Completions(args) => completions::run(&args, Program::command()),
+        OwnCommand::Schema(args) => schema::run(&args),
+        OwnCommand::Man(args) => manual::run(&args, Program::command()),
     }
 }

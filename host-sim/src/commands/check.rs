@@ -15,7 +15,7 @@ use std::path::PathBuf;
     Prints the quality of the log, suspicious units, signs and axes, the declared parameters that the \
     motion does not show or does not separate, and motions that would. Findings of any kind exit 0.")]
 pub struct CheckArgs {
-    /// Measured logs of one bench: CSV, Parquet or MAT-files (version 5 to 7).
+    /// Measured logs of one bench, in a format that `host-sim log info` reads.
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
     /// The bench as described.

@@ -20,7 +20,7 @@ use std::path::PathBuf;
     `host-sim check log.csv --bench my-bench.toml` judges log and description.\n\
     docs/description.md lists every field.")]
 pub struct DescribeArgs {
-    /// Measured log: CSV or other text, Parquet or MAT-file (version 5 to 7).
+    /// Measured log, in a format that `host-sim log info` reads.
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
     /// Plant; by default the header decides.

@@ -23,7 +23,7 @@ const EXTENDED_BENCH: &str = "extended-bench.toml";
     host-sim diagnose log.csv --fail-on named,unknown --quiet\n\n\
     Without --fail-on any verdict exits 0.")]
 pub struct DiagnoseArgs {
-    /// Measured logs of one bench: CSV, Parquet or MAT-files (version 5 to 7).
+    /// Measured logs of one bench, in a format that `host-sim log info` reads.
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
     /// Logs on which nothing is fitted; without this option a part of each log is held out.

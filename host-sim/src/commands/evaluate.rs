@@ -18,7 +18,7 @@ use std::path::PathBuf;
     Nothing is fitted and no reading is corrected: `diagnose` does both. Rows without a reading are \
     left out.")]
 pub struct EvaluateArgs {
-    /// Measured logs of one bench: CSV, Parquet or MAT-files (version 5 to 7).
+    /// Measured logs of one bench, in a format that `host-sim log info` reads.
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
     /// The bench as described.

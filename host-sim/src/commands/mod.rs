@@ -13,6 +13,7 @@ pub mod flash;
 pub mod laws;
 pub mod life;
 pub mod link;
+pub mod log;
 pub mod manual;
 pub mod record;
 pub mod replay;

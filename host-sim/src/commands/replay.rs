@@ -34,7 +34,7 @@ const SHOWN: usize = 20;
     A log: computes the estimates from journal_y_m, journal_z_m, shaft_angle_rad and load_force_n at 50 to \
     1000 us between samples.")]
 pub struct ReplayArgs {
-    /// A recording of `host-sim run --record`, or a measured log (CSV, Parquet or MAT-file).
+    /// A recording of `host-sim run --record`, or a measured log.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// The controller.

@@ -9,7 +9,7 @@ use crate::run::mechanism::MechanismSummary;
 use crate::run::slider_crank::SliderCrankSummary;
 use crate::run::summary::Summary;
 use crate::validation::Cases;
-use crate::{accuracy, life, reproduction, shard, sweep};
+use crate::{accuracy, life, logs, reproduction, shard, sweep};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use diagnosis::{Diagnosis, Evaluation, Inspection};
@@ -22,7 +22,7 @@ use serde_json::json;
 type Entry = (&'static str, &'static str, fn() -> Schema);
 
 /// All schemas.
-const ALL: [Entry; 20] = [
+const ALL: [Entry; 22] = [
     ("accuracy", "accuracy: accuracy.json", stamped::<accuracy::Outcome>),
     ("accuracy-worlds", "accuracy --worlds: worlds.json", stamped::<accuracy::worlds::Outcome>),
     ("check", "check: check.json", stamped::<Inspection>),
@@ -38,6 +38,8 @@ const ALL: [Entry; 20] = [
     ),
     ("laws", "laws --json", schema_of::<laws::Laws>),
     ("life", "life: life.json", stamped::<life::Outcome>),
+    ("log-convert", "log convert --json", schema_of::<logs::convert::Converted>),
+    ("log-info", "log info --json", schema_of::<logs::LogInfo>),
     ("record", "record --json", schema_of::<record::Written>),
     ("run", "run: run.json", stamped::<Summary>),
     ("run-mechanism", "run of a mechanism: run.json", stamped::<MechanismSummary>),

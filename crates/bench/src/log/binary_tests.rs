@@ -61,7 +61,10 @@ fn element(kind: u32, data: &[u8]) -> Vec<u8> {
 
 /// Returns the MAT-file of a small log, followed by further variables.
 fn mat_with(variables: &[Vec<u8>]) -> Vec<u8> {
-    let mut bytes = mat_write::bytes("a.mat", &small(vec![1.0, 2.0, 4.0])).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mat");
+    small(vec![1.0, 2.0, 4.0]).write(&path).unwrap();
+    let mut bytes = std::fs::read(path).unwrap();
     bytes.extend(variables.concat());
     bytes
 }

@@ -59,4 +59,16 @@ impl LogError {
     pub(super) fn content(file: &str, found: impl Into<String>, expected: impl Into<String>) -> Self {
         Self::Content { file: file.into(), found: found.into(), expected: expected.into() }
     }
+
+    /// Message without the name of the file.
+    pub(super) fn reason(&self) -> String {
+        match self {
+            Self::Io { source, .. } => source.to_string(),
+            Self::Field { place, found, expected, .. } => {
+                format!("found {found} at {place}; expected {expected}")
+            }
+            Self::Columns { flaws, .. } => flaws.join("; "),
+            Self::Content { found, .. } => found.clone(),
+        }
+    }
 }

@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 
 /// Name of the time column, and its key in `[columns]`.
 pub const TIME: &str = "t_s";
+/// Unit of the time column.
+pub(super) const TIME_UNIT: &str = "s";
 
 /// Source of each signal, by the signal's name. A signal that is not listed is read from the column
 /// with its own name.

@@ -1,32 +1,25 @@
-//! Measured logs: one row per sample, one column per channel, as CSV, Parquet or MAT-file. The
-//! format is detected from a file's content for reading and from its extension for writing.
+//! Measured logs: one row per sample, one column per channel. The format is detected from a file's
+//! content for reading and from its extension for writing.
 
-mod detect;
 mod error;
 mod expression;
+mod files;
 mod format;
-mod mat;
-mod mat_write;
-mod number;
-mod parquet;
 mod raw;
 mod reader;
-mod source;
-mod text;
 
 pub use error::LogError;
 pub(crate) use format::columns;
 pub use format::{Column, ColumnId, Columns, LogFormat, Separator, TIME, TextFormat, is_signal};
 
-pub use raw::{RawColumn, RawLog};
+pub use raw::{OtherContent, RawColumn, RawLog};
 
 use crate::atomic;
 use crate::signals::Channel;
+use files::Written;
+use format::TIME_UNIT;
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Maximum number of rows of a log; bounds memory on hostile input.
-const MAX_ROWS: usize = 20_000_000;
 
 /// Log in SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,8 +47,7 @@ impl MeasuredLog {
 
     fn open(path: &Path, format: &LogFormat, strict: bool) -> Result<Self, LogError> {
         let file = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|source| LogError::Io { file: file.clone(), source })?;
-        reader::from_bytes(&file, bytes, format, strict)
+        reader::from_bytes(&file, files::read(path)?, format, strict)
     }
 
     /// Parses a text log as [`MeasuredLog::read`] does; `file` names it in messages.
@@ -88,12 +80,13 @@ impl MeasuredLog {
     /// Writes the log atomically: Parquet to `.parquet`, a MAT-file to `.mat`, else CSV.
     pub fn write(&self, path: &Path) -> Result<(), LogError> {
         let file = path.display().to_string();
-        let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        let bytes = match ending.as_deref() {
-            Some("parquet") => parquet::bytes(self)
-                .map_err(|e| LogError::Io { file: file.clone(), source: std::io::Error::other(e) })?,
-            Some("mat") => mat_write::bytes(&file, self)?,
-            _ => self.to_csv().into_bytes(),
+        let mut columns = vec![Written { name: TIME, unit: TIME_UNIT, values: &self.time_s }];
+        for (channel, values) in &self.channels {
+            columns.push(Written { name: channel.name(), unit: channel.unit(), values });
+        }
+        let bytes = match files::is_text(path) {
+            true => self.to_csv().into_bytes(),
+            false => files::bytes(&file, &columns)?,
         };
         atomic::write(path, &bytes).map_err(|source| LogError::Io { file, source })
     }

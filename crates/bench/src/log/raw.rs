@@ -1,8 +1,9 @@
 //! A log as it was found: all columns that contain numbers, without a description.
 
-use super::number::NO_THOUSANDS;
-use super::source::Source;
+use super::files::{self, NO_THOUSANDS, Written};
 use super::{LogError, TextFormat};
+use crate::atomic;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Column of a log.
@@ -26,28 +27,40 @@ impl RawColumn {
     }
 }
 
-/// Columns of a log that contain numbers.
+/// Content of a log that is no column of numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OtherContent {
+    /// Name; the index from 0 in a text without a header.
+    pub name: String,
+    /// Reason why it is no column of numbers.
+    pub reason: String,
+}
+
+/// Columns of a log that contain numbers. They may have different lengths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawLog {
     /// Origin of the log, for messages.
     pub source: String,
+    /// Format of the file in words.
+    pub file_format: &'static str,
     /// Text format as detected; the default for a binary file, whose columns have names.
     pub format: TextFormat,
     /// Columns with numbers, in the order of the file.
     pub columns: Vec<RawColumn>,
+    /// Other content, in the order of the file.
+    pub others: Vec<OtherContent>,
 }
 
 impl RawLog {
     /// Reads a log and detects its format.
     pub fn read(path: &Path) -> Result<Self, LogError> {
         let file = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|source| LogError::Io { file: file.clone(), source })?;
-        Self::from_bytes(&file, bytes)
+        Self::from_bytes(&file, files::read(path)?)
     }
 
     /// Reads the content of a file, which messages call `file`.
     pub fn from_bytes(file: &str, bytes: Vec<u8>) -> Result<Self, LogError> {
-        let source = Source::open(file, bytes, None)?;
+        let source = files::open(file, bytes, None)?;
         let Some(format) = source.detected() else {
             return Err(LogError::content(
                 file,
@@ -56,22 +69,49 @@ impl RawLog {
                  tabs or blanks",
             ));
         };
-        let count = source.width();
-        let column = |index: usize| {
-            let values = match source.values(file, index, "a column", false) {
-                Err(e @ LogError::Field { expected: NO_THOUSANDS, .. }) => return Some(Err(e)),
-                values => values.ok()?,
-            };
+        let (mut columns, mut others) = (Vec::new(), Vec::new());
+        for index in 0..source.width() {
             let name = source.names().get(index).cloned().unwrap_or_default();
-            let unit = source.unit(index).to_owned();
-            let column = RawColumn { index, name, unit, values };
-            column.values.iter().any(|value| value.is_finite()).then_some(Ok(column))
-        };
-        let columns: Vec<RawColumn> = (0..count).filter_map(column).collect::<Result<_, _>>()?;
+            let reason = match source.values(file, index, "a column", false) {
+                Err(error @ LogError::Field { expected: NO_THOUSANDS, .. }) => return Err(error),
+                Ok(values) if values.iter().any(|value| value.is_finite()) => {
+                    let unit = source.unit(index).to_owned();
+                    columns.push(RawColumn { index, name, unit, values });
+                    continue;
+                }
+                Ok(_) => "no readings".into(),
+                Err(error) => error.reason(),
+            };
+            let name = if name.is_empty() { index.to_string() } else { name };
+            others.push(OtherContent { name, reason });
+        }
         if columns.iter().all(|column| column.values.len() < 2) {
             return Err(LogError::content(file, "fewer than 2 rows of numbers", "at least 2"));
         }
-        Ok(Self { source: file.into(), format, columns })
+        let file_format = source.format();
+        Ok(Self { source: file.into(), file_format, format, columns, others })
+    }
+
+    /// Writes columns atomically, with names and units: Parquet to `.parquet`, a MAT-file to `.mat`,
+    /// else CSV.
+    ///
+    /// # Errors
+    ///
+    /// The columns have different lengths, or the file cannot be written.
+    pub fn write(&self, path: &Path, columns: &[&RawColumn]) -> Result<(), LogError> {
+        let file = path.display().to_string();
+        let lengths: BTreeSet<usize> = columns.iter().map(|column| column.values.len()).collect();
+        if lengths.len() > 1 {
+            let lengths: Vec<String> = lengths.iter().map(usize::to_string).collect();
+            let found = format!("columns of {} rows", lengths.join(" and "));
+            return Err(LogError::content(&self.source, found, "columns of one length"));
+        }
+        let written: Vec<Written<'_>> = columns
+            .iter()
+            .map(|column| Written { name: &column.name, unit: &column.unit, values: &column.values })
+            .collect();
+        let bytes = files::bytes(&file, &written)?;
+        atomic::write(path, &bytes).map_err(|source| LogError::Io { file, source })
     }
 }
 

@@ -1,8 +1,8 @@
 //! Reading of a log: selection of the columns, conversion to SI, checks of the values.
 
 use super::expression::{Expression, SyntaxError};
-use super::source::Source;
-use super::{Column, ColumnId, LogError, LogFormat, MAX_ROWS, MeasuredLog, TIME};
+use super::files::{self, LogFile, MAX_ROWS};
+use super::{Column, ColumnId, LogError, LogFormat, MeasuredLog, TIME};
 use crate::signals::Channel;
 
 /// Reads the content of a file, which messages call `file`. In strict mode missing values and times
@@ -13,7 +13,7 @@ pub(super) fn from_bytes(
     format: &LogFormat,
     strict: bool,
 ) -> Result<MeasuredLog, LogError> {
-    let reader = Reader { file, source: Source::open(file, bytes, format.text.as_ref())?, strict };
+    let reader = Reader { file, source: files::open(file, bytes, format.text.as_ref())?, strict };
     let (time, selected) = reader.select(format)?;
     let mut log =
         MeasuredLog { source: file.into(), time_s: reader.values(&time, None)?, ..MeasuredLog::default() };
@@ -42,7 +42,7 @@ struct Signal {
 /// A file that is being read.
 struct Reader<'a> {
     file: &'a str,
-    source: Source,
+    source: Box<dyn LogFile>,
     strict: bool,
 }
 
@@ -84,7 +84,7 @@ impl Reader<'_> {
         if selected.is_empty() {
             let names = Channel::ALL.iter().map(|c| c.name()).collect::<Vec<_>>().join(", ");
             return Err(self.content(
-                format!("no known channel among the columns {}", self.source.list()),
+                format!("no known channel among the columns {}", files::list(&*self.source)),
                 &format!(
                     "some of {names}, or a [columns] table that maps foreign names{}",
                     self.source.hint()
@@ -109,7 +109,7 @@ impl Reader<'_> {
         if let Some(index) = locate(text) {
             return Ok(Expression::column(index));
         }
-        let (list, hint) = (self.source.list(), self.source.hint());
+        let (list, hint) = (files::list(&*self.source), self.source.hint());
         match Expression::parse(text, &locate) {
             Err(SyntaxError { found, position, expected }) => Err(format!(
                 "`{text}` is neither a column nor an expression: at character {position} found {found}; \

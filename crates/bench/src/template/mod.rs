@@ -10,7 +10,7 @@ mod render;
 mod values;
 
 use crate::description::{AxisKind, FrictionRig, TransmissionBench};
-use crate::log::{LogError, RawLog, TIME};
+use crate::log::{LogError, RawColumn, RawLog, TIME};
 use crate::reading::FILL_IN;
 use crate::signals::Channel;
 use columns::{Chosen, candidates, chambers, choose, motion_kind};
@@ -109,13 +109,19 @@ pub fn template(log: &RawLog, plant: Option<TemplatePlant>) -> Result<Template, 
     }
     let values = values::values(&signals, plant);
     let (toml, to_fill_in) = render::render(log, plant, (&signals, chambers), &values)?;
-    let column = |column: &crate::log::RawColumn| {
+    let column = |column: &RawColumn| {
         let taken = |s: &&Signal<'_>| s.chosen.as_ref().is_some_and(|c| c.column.index == column.index);
         let (min, max) = column.range().unwrap_or_default();
         let signal = signals.iter().find(taken).map(|signal| signal.name);
         TemplateColumn { index: column.index, name: column.name.clone(), min, max, signal }
     };
     Ok(Template { plant: plant.plant(), columns: log.columns.iter().map(column).collect(), to_fill_in, toml })
+}
+
+/// Column of the times of a log with its factor to s, as far as the name or the intervals tell it.
+pub fn time_column(log: &RawLog) -> Option<(&RawColumn, Option<f64>)> {
+    let chosen = choose(&candidates(log), TIME, Some(Quantity::Time), None)?;
+    Some((chosen.column, chosen.scale))
 }
 
 /// Signals of a plant with their columns.

@@ -43,7 +43,7 @@ section! {
         /// Seed of a `spectrum`.
         #[serde(default, skip_serializing_if = "is_seedless")]
         seed: u32 [0.0, 4.294967295e9],
-        /// File of a `log` (CSV, Parquet, MAT), relative to the description.
+        /// File of a `log` (`docs/logs.md`), relative to the description.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         file: String,
         /// Column, or expression of columns, of a `log`. Default: `drive_displacement_m` or

@@ -1,25 +1,28 @@
 //! Text logs: one line per sample, fields with a separator, comments from `#` or `%`, an optional
 //! header line with names, and an optional line with units under it.
 
-use super::LogError;
-use super::detect::detect;
-use super::number::{NO_THOUSANDS, has_thousands, is_missing, is_units, parse};
-use crate::log::{Separator, TextFormat};
+mod detect;
+pub(super) mod number;
+
+use super::file::LogFile;
+use crate::log::{LogError, Separator, TextFormat};
+use detect::detect;
+use number::{NO_THOUSANDS, has_thousands, is_missing, is_units, parse};
 use std::borrow::Cow;
 
 /// Line from 1, and fields.
-pub(super) type Row = (u64, Vec<String>);
+type Row = (u64, Vec<String>);
 
 /// Text split into fields.
 pub(super) struct Text {
-    pub(super) header: Vec<String>,
+    header: Vec<String>,
     /// Fields of the line of units; empty without one.
-    pub(super) units: Vec<String>,
+    units: Vec<String>,
     rows: Vec<Row>,
     format: TextFormat,
     is_described: bool,
     /// The `[log]` table that the text looks like.
-    pub(super) detected: Option<TextFormat>,
+    detected: Option<TextFormat>,
 }
 
 impl Text {
@@ -42,9 +45,34 @@ impl Text {
         }
         Ok(Self { header, units, rows, format, is_described: described.is_some(), detected })
     }
+}
 
-    /// Clause about the format that the file seems to have, if it is read in another one.
-    pub(super) fn hint(&self) -> String {
+impl LogFile for Text {
+    fn format(&self) -> &'static str {
+        "text"
+    }
+
+    fn names(&self) -> &[String] {
+        &self.header
+    }
+
+    fn unit(&self, index: usize) -> &str {
+        self.units.get(index).map_or("", String::as_str)
+    }
+
+    /// Number of names, without a header of fields of the first row.
+    fn width(&self) -> usize {
+        match self.header.len() {
+            0 => self.rows.first().map_or(0, |(_, row)| row.len()),
+            count => count,
+        }
+    }
+
+    fn detected(&self) -> Option<TextFormat> {
+        self.detected
+    }
+
+    fn hint(&self) -> String {
         match self.detected {
             Some(format) if format != self.format => {
                 format!("; the file looks like `[log]` with {}", format.lines().join(", "))
@@ -56,29 +84,22 @@ impl Text {
         }
     }
 
-    /// Number of fields of the first row.
-    pub(super) fn width(&self) -> usize {
-        self.rows.first().map_or(0, |(_, row)| row.len())
+    fn expected_name(&self, name: &str) -> String {
+        format!("a header with `{name}`")
     }
 
-    pub(super) fn line(&self, row: usize) -> u64 {
-        self.rows.get(row).map_or(0, |(line, _)| *line)
+    fn place(&self, row: usize) -> String {
+        format!("line {}", self.rows.get(row).map_or(0, |(line, _)| *line))
     }
 
-    pub(super) fn values(
-        &self,
-        file: &str,
-        index: usize,
-        wanted: &str,
-        strict: bool,
-    ) -> Result<Vec<f64>, LogError> {
-        let cell = Cell { file, index, column: wanted, strict, decimal_comma: self.format.decimal_comma };
+    fn values(&self, file: &str, index: usize, wanted: &str, is_strict: bool) -> Result<Vec<f64>, LogError> {
+        let cell = Cell { file, index, column: wanted, is_strict, decimal_comma: self.format.decimal_comma };
         self.rows.iter().map(|(line, row)| cell.number(*line, row)).collect()
     }
 }
 
 /// Splits a text into rows of trimmed fields.
-pub(super) fn split(text: &str, separator: Separator) -> Result<Vec<Row>, csv::Error> {
+fn split(text: &str, separator: Separator) -> Result<Vec<Row>, csv::Error> {
     let text = without_comments(text.strip_prefix('\u{feff}').unwrap_or(text));
     let delimiter = match separator {
         Separator::Whitespace => {
@@ -134,7 +155,7 @@ struct Cell<'a> {
     index: usize,
     /// Name of the column for messages.
     column: &'a str,
-    strict: bool,
+    is_strict: bool,
     decimal_comma: bool,
 }
 
@@ -148,7 +169,7 @@ impl Cell<'_> {
             expected,
         };
         let Some(field) = row.get(self.index) else {
-            return if self.strict {
+            return if self.is_strict {
                 Err(refuse(format!("only {} fields", row.len()), "a field in every column"))
             } else {
                 Ok(f64::NAN)
@@ -156,7 +177,7 @@ impl Cell<'_> {
         };
         match parse(field, self.decimal_comma) {
             Some(value) => Ok(value),
-            None if !self.strict && is_missing(field) => Ok(f64::NAN),
+            None if !self.is_strict && is_missing(field) => Ok(f64::NAN),
             None => Err(refuse(format!("`{field}`"), self.expected(field))),
         }
     }

@@ -5,42 +5,65 @@
 //! asks for them. Pages may be plain or compressed with Snappy, gzip or LZ4. Logs are written as
 //! required doubles in one row group, without compression.
 
-use super::{LogError, MAX_ROWS, MeasuredLog};
-use crate::log::TIME;
+use super::file::{LogFile, MAX_ROWS, guarded, refused};
+use super::write::Written;
+use crate::log::LogError;
 use bytes::Bytes;
-use parquet::basic::ConvertedType;
+use parquet::basic::{ConvertedType, Repetition, Type as PhysicalType};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::parser::parse_message_type;
+use parquet::schema::types::Type;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// First bytes of a file.
+pub(super) const PARQUET: &[u8] = b"PAR1";
 /// Rows read at a time.
 const BATCH: usize = 16_384;
+/// Key of the units in the metadata of a file.
+const UNITS: &str = "units";
 const READABLE: &str = "complete Parquet with plain, Snappy, gzip or LZ4 pages";
 
 /// An open file.
 pub(super) struct Table {
-    pub(super) names: Vec<String>,
+    names: Vec<String>,
+    units: Vec<String>,
     reader: SerializedFileReader<Bytes>,
 }
 
 impl Table {
     pub(super) fn open(file: &str, bytes: Vec<u8>) -> Result<Self, LogError> {
         let reader = guarded(|| SerializedFileReader::new(Bytes::from(bytes)))
-            .map_err(|e| LogError::content(file, e.to_string(), READABLE))?;
+            .map_err(|found| LogError::content(file, found, READABLE))?;
         let schema = reader.metadata().file_metadata().schema_descr_ptr();
-        let names = schema.columns().iter().map(|c| c.path().string()).collect();
-        Ok(Self { names, reader })
+        let names: Vec<String> = schema.columns().iter().map(|c| c.path().string()).collect();
+        let known = units(&reader);
+        let units = names.iter().map(|name| known.get(name).cloned().unwrap_or_default()).collect();
+        Ok(Self { names, units, reader })
+    }
+}
+
+impl LogFile for Table {
+    fn format(&self) -> &'static str {
+        "Parquet"
     }
 
-    pub(super) fn values(&self, file: &str, index: usize, wanted: &str) -> Result<Vec<f64>, LogError> {
-        let column = |found: String, expected: &str| {
-            LogError::content(file, format!("column `{}` for {wanted}: {found}", self.name(index)), expected)
-        };
+    fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    fn unit(&self, index: usize) -> &str {
+        self.units.get(index).map_or("", String::as_str)
+    }
+
+    fn values(&self, file: &str, index: usize, wanted: &str, _: bool) -> Result<Vec<f64>, LogError> {
+        let name = self.names.get(index).map_or("", String::as_str);
+        let column = |found: String, expected: &str| refused(file, (name, wanted), found, expected);
         let described = self.reader.metadata().file_metadata().schema_descr_ptr();
         let Some(description) = described.columns().get(index) else {
             return Err(column(format!("only {} columns", self.names.len()), "an index below that"));
@@ -73,16 +96,13 @@ impl Table {
         }
         Ok(out)
     }
-
-    fn name(&self, index: usize) -> String {
-        self.names.get(index).cloned().unwrap_or_else(|| index.to_string())
-    }
 }
 
-/// Turns a panic of the library on a damaged file into an ordinary error.
-fn guarded<T>(read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
-    let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(read));
-    result.unwrap_or_else(|_| Err(ParquetError::General("a damaged file".into())))
+/// Units by the name of the column, which this project writes into the file.
+fn units(reader: &SerializedFileReader<Bytes>) -> BTreeMap<String, String> {
+    let stored = reader.metadata().file_metadata().key_value_metadata();
+    let own = stored.and_then(|pairs| pairs.iter().find(|pair| pair.key == UNITS));
+    own.and_then(|pair| serde_json::from_str(pair.value.as_deref()?).ok()).unwrap_or_default()
 }
 
 /// Appends the values of a column in a row group; returns `false` if they are no numbers. Integers
@@ -135,18 +155,27 @@ fn append<T: DataType>(
     }
 }
 
-/// Returns the log as a Parquet file.
-pub(super) fn bytes(log: &MeasuredLog) -> Result<Vec<u8>, ParquetError> {
-    let names = std::iter::once(TIME).chain(log.channels.keys().map(|c| c.name()));
-    let fields: String = names.map(|name| format!("REQUIRED DOUBLE {name};\n")).collect();
-    let schema = parse_message_type(&format!("message log {{\n{fields}}}"))?;
-    let properties = WriterProperties::builder().set_dictionary_enabled(false).build();
+/// Returns columns as a Parquet file.
+pub(super) fn bytes(columns: &[Written<'_>]) -> Result<Vec<u8>, ParquetError> {
+    let field = |column: &Written<'_>| {
+        let builder = Type::primitive_type_builder(column.name, PhysicalType::DOUBLE);
+        Ok(Arc::new(builder.with_repetition(Repetition::REQUIRED).build()?))
+    };
+    let fields = columns.iter().map(field).collect::<Result<Vec<_>, ParquetError>>()?;
+    let schema = Type::group_type_builder("log").with_fields(fields).build()?;
+    let units: BTreeMap<&str, &str> =
+        columns.iter().filter(|c| !c.unit.is_empty()).map(|c| (c.name, c.unit)).collect();
+    let units = serde_json::to_string(&units).map_err(|e| ParquetError::General(e.to_string()))?;
+    let properties = WriterProperties::builder()
+        .set_dictionary_enabled(false)
+        .set_key_value_metadata(Some(vec![KeyValue::new(UNITS.to_owned(), units)]))
+        .build();
     let mut bytes = Vec::new();
     let mut writer = SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
-    let mut columns = std::iter::once(&log.time_s).chain(log.channels.values());
-    while let (Some(mut column), Some(values)) = (group.next_column()?, columns.next()) {
-        column.typed::<DoubleType>().write_batch(values, None, None)?;
+    let mut columns = columns.iter();
+    while let (Some(mut column), Some(written)) = (group.next_column()?, columns.next()) {
+        column.typed::<DoubleType>().write_batch(written.values, None, None)?;
         column.close()?;
     }
     group.close()?;

@@ -6,7 +6,7 @@
 //! `1,5;2,5` has decimal commas.
 
 use super::number::{has_thousands, is_missing, is_units, parse};
-use super::text::{Row, split};
+use super::{Row, split};
 use crate::log::{Separator, TextFormat};
 
 /// Lines that are examined.

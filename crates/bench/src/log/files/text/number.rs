@@ -4,11 +4,11 @@
 const MISSING: [&str; 8] = ["", "nan", "na", "n/a", "null", "none", "inf", "-inf"];
 
 /// Content expected in place of a number with separators of thousands.
-pub(super) const NO_THOUSANDS: &str = "a number without separators of thousands";
+pub(in crate::log) const NO_THOUSANDS: &str = "a number without separators of thousands";
 
 /// Parses a finite number. With `decimal_comma` the comma is the decimal sign, and a point is
 /// refused: it could only separate thousands.
-pub(super) fn parse(field: &str, decimal_comma: bool) -> Option<f64> {
+pub(in crate::log) fn parse(field: &str, decimal_comma: bool) -> Option<f64> {
     let number = match decimal_comma {
         // A comma at the end separates columns of another format.
         true if field.contains('.') || field.ends_with(',') => return None,
@@ -19,13 +19,13 @@ pub(super) fn parse(field: &str, decimal_comma: bool) -> Option<f64> {
 }
 
 /// Returns whether a field stands for a missing reading.
-pub(super) fn is_missing(field: &str) -> bool {
+pub(in crate::log) fn is_missing(field: &str) -> bool {
     MISSING.iter().any(|missing| field.eq_ignore_ascii_case(missing))
 }
 
 /// Returns whether a field is a number with separators of thousands: `1.234,5`, `1,234,567`. A
 /// single group without a decimal part is none, because it may also be a decimal part: `1,234`.
-pub(super) fn has_thousands(field: &str, decimal_comma: bool) -> bool {
+pub(in crate::log) fn has_thousands(field: &str, decimal_comma: bool) -> bool {
     let (decimal, group) = if decimal_comma { (',', '.') } else { ('.', ',') };
     let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
     let (grouped, fraction) = match field.split_once(decimal) {
@@ -43,7 +43,7 @@ pub(super) fn has_thousands(field: &str, decimal_comma: bool) -> bool {
 }
 
 /// Returns whether a line under the header contains units: text in some fields, a number in none.
-pub(super) fn is_units(row: &[String], decimal_comma: bool) -> bool {
+pub(in crate::log) fn is_units(row: &[String], decimal_comma: bool) -> bool {
     let is_number = |field: &String| parse(field, decimal_comma).is_some();
     // A number in another form is no unit: `-1.234,5`.
     let is_other_number = |field: &String| {

@@ -14,19 +14,15 @@
 //! data. Not documented there: a MATLAB object has its name where others have dimensions, and all
 //! objects share a nameless last variable.
 
-use super::{LogError, MAX_ROWS};
+use super::file::{LogFile, MAX_COLUMNS, MAX_NAMES, MAX_VALUES};
+use crate::log::LogError;
 use std::io::Read;
 
+/// First bytes of a file.
+const MAT_5: &[u8] = b"MATLAB 5.0 MAT-file";
 const HEADER_BYTES: usize = 128;
 /// Maximum depth of nested structs.
 const MAX_DEPTH: usize = 8;
-/// Maximum number of listed columns of a matrix.
-const MAX_COLUMNS: usize = 1000;
-/// Maximum number of listed variables and fields.
-const MAX_NAMES: usize = 100_000;
-/// Maximum number of values in a file; a small file of compressed zeros could otherwise fill any
-/// memory.
-const MAX_VALUES: usize = 10 * MAX_ROWS;
 /// Maximum size of a compressed element: a struct or a matrix with all signals of a long log.
 const MAX_BYTES: u64 = 1 << 30;
 
@@ -50,9 +46,16 @@ enum Flaw {
     TooLarge,
 }
 
+/// Returns whether bytes are those of a MAT-file.
+pub(super) fn is_mat(bytes: &[u8]) -> bool {
+    // Other writers begin with their own text; version and byte order follow at its end.
+    let is_marked = matches!(bytes.get(124..128), Some([0, 1, b'I', b'M'] | [1, 0, b'M', b'I']));
+    is_marked || bytes.starts_with(MAT_5)
+}
+
 /// Numeric arrays of a file.
 pub(super) struct Variables {
-    pub(super) names: Vec<String>,
+    names: Vec<String>,
     contents: Vec<Content>,
     values: usize,
 }
@@ -104,19 +107,6 @@ impl Variables {
             self.add(cut, data, None, 0)?;
         }
         Ok(after)
-    }
-
-    pub(super) fn values(&self, file: &str, index: usize, wanted: &str) -> Result<Vec<f64>, LogError> {
-        let name = self.names.get(index).cloned().unwrap_or_else(|| index.to_string());
-        let refuse = |found: &str| {
-            let found = format!("variable `{name}` for {wanted}: {found}");
-            LogError::content(file, found, "a real numeric vector")
-        };
-        match self.contents.get(index) {
-            Some(Ok(values)) => Ok(values.clone()),
-            Some(Err(found)) => Err(refuse(found)),
-            None => Err(refuse(&format!("only {} variables", self.names.len()))),
-        }
     }
 
     fn push(&mut self, name: String, content: Content) -> Result<(), Flaw> {
@@ -219,6 +209,37 @@ impl Variables {
             self.add(cut, data, Some(format!("{name}.{}", String::from_utf8_lossy(field))), depth + 1)?;
         }
         Ok(())
+    }
+}
+
+impl LogFile for Variables {
+    fn format(&self) -> &'static str {
+        "MAT-file of version 5 to 7"
+    }
+
+    fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    fn expected_name(&self, name: &str) -> String {
+        format!("a variable `{name}` (a field of a struct is `data.{name}`, a column `{name}(:,1)`)")
+    }
+
+    fn place(&self, row: usize) -> String {
+        format!("element {}", row + 1)
+    }
+
+    fn values(&self, file: &str, index: usize, wanted: &str, _: bool) -> Result<Vec<f64>, LogError> {
+        let name = self.names.get(index).cloned().unwrap_or_else(|| index.to_string());
+        let refuse = |found: &str| {
+            let found = format!("variable `{name}` for {wanted}: {found}");
+            LogError::content(file, found, "a real numeric vector")
+        };
+        match self.contents.get(index) {
+            Some(Ok(values)) => Ok(values.clone()),
+            Some(Err(found)) => Err(refuse(found)),
+            None => Err(refuse(&format!("only {} variables", self.names.len()))),
+        }
     }
 }
 

@@ -1,0 +1,197 @@
+"""Writes the log files of this folder with libraries that are independent of Pintle.
+
+Every file contains the same signals: `time` in s, 0 to 0.99 s at 100 Hz, `angle` in rad and
+`force` in N. `expected.csv` contains them as text. Run with the versions in requirements.txt:
+
+    python make.py
+"""
+
+import struct
+from pathlib import Path
+
+import asammdf
+import h5py
+import hdf5storage
+import nptdms
+import numpy as np
+import openpyxl
+import pandas
+import pyarrow
+import pyarrow.parquet
+import scipy.io
+
+HERE = Path(__file__).parent
+TIME = np.round(np.arange(100) * 0.01, 2)
+ANGLE = np.round(0.6 * np.sin(2 * np.pi * 2.0 * TIME), 6)
+# Multiples of 1/4, exact in every number type that stores them.
+FORCE = np.round(4 * (5000 * np.sign(np.cos(2 * np.pi * 2.0 * TIME)) + 100 * TIME)) / 4
+RAW = (4 * FORCE).astype(np.int16)
+SIGNALS = {"time": ("s", TIME), "angle": ("rad", ANGLE), "force": ("N", FORCE)}
+assert np.array_equal(RAW / 4, FORCE)
+
+
+def text():
+    rows = zip(TIME, ANGLE, FORCE)
+    lines = ["time,angle,force", *(f"{t},{a},{f}" for t, a, f in rows)]
+    (HERE / "expected.csv").write_text("\n".join(lines) + "\n")
+
+
+def mdf():
+    linear = asammdf.blocks.v4_blocks.ChannelConversion
+    for name, version, compression in [
+        ("mdf-4.10.mf4", "4.10", 0),
+        ("mdf-4.10-deflate.mf4", "4.10", 1),
+        ("mdf-4.11-transposed.mf4", "4.11", 2),
+        ("mdf-3.30.mdf", "3.30", 0),
+    ]:
+        file = asammdf.MDF(version=version)
+        angle = asammdf.Signal(ANGLE, TIME, name="angle", unit="rad")
+        if version.startswith("4"):
+            force = asammdf.Signal(
+                RAW, TIME, name="force", unit="N",
+                conversion=linear(a=0.25, b=0.0, conversion_type=1),
+            )
+        else:
+            force = asammdf.Signal(FORCE, TIME, name="force", unit="N")
+        file.append([angle, force], comment="bench", common_timebase=True)
+        # A slower group with its own time.
+        slow = asammdf.Signal(np.arange(10.0), TIME[::10], name="temperature", unit="degC")
+        file.append([slow], comment="slow", common_timebase=True)
+        file.save(HERE / name, overwrite=True, compression=compression)
+        np.testing.assert_array_equal(asammdf.MDF(HERE / name).get("force").samples, FORCE)
+
+
+def tdms():
+    waveform = {"wf_increment": 0.01, "wf_start_offset": 0.0, "wf_samples": 1}
+    channel = lambda name, data, **more: nptdms.ChannelObject(
+        "bench", name, data, properties={"unit_string": SIGNALS[name][0], **waveform, **more}
+    )
+    with nptdms.TdmsWriter(HERE / "waveform.tdms") as writer:
+        for part in [slice(0, 30), slice(30, 60), slice(60, 100)]:
+            # The first part has a list of objects, later ones only data.
+            writer.write_segment([channel("angle", ANGLE[part]), channel("force", FORCE[part])])
+    scale = {
+        "NI_Number_Of_Scales": 1,
+        "NI_Scale[0]_Scale_Type": "Linear",
+        "NI_Scale[0]_Linear_Slope": 0.25,
+        "NI_Scale[0]_Linear_Y_Intercept": 0.0,
+        "NI_Scale[0]_Linear_Input_Source": 0xFFFFFFFF,
+        "NI_Scaling_Status": "unscaled",
+    }
+    time = nptdms.ChannelObject("bench", "time", TIME, properties={"unit_string": "s"})
+    note = nptdms.ChannelObject("notes", "note", ["start", "end"])
+    with nptdms.TdmsWriter(HERE / "scaled.tdms") as writer:
+        writer.write_segment([time, channel("angle", ANGLE), channel("force", RAW, **scale), note])
+    for name, big, interleaved in [
+        ("interleaved.tdms", False, True), ("big-endian.tdms", True, False),
+        ("big-endian-interleaved.tdms", True, True),
+    ]:
+        (HERE / name).write_bytes(tdms_segment(big, interleaved))
+    (HERE / "daqmx.tdms").write_bytes(tdms_daqmx())
+    for name in ["waveform", "scaled", "interleaved", "big-endian", "big-endian-interleaved", "daqmx"]:
+        group = nptdms.TdmsFile.read(HERE / f"{name}.tdms")["bench"]
+        np.testing.assert_allclose(group["force"][:], FORCE, err_msg=name)
+
+
+def tdms_text(value, order):
+    return struct.pack(order + "I", len(value)) + value.encode()
+
+
+def tdms_head(order, mask, metadata, raw):
+    mask |= 0x40 if order == ">" else 0
+    body = struct.pack("<4sI", b"TDSm", mask)
+    return body + struct.pack(order + "IQQ", 4713, len(metadata) + len(raw), len(metadata))
+
+
+def tdms_segment(big, interleaved):
+    """Returns a segment with angle and force as doubles, which the library does not write so."""
+    order = ">" if big else "<"
+    metadata = struct.pack(order + "I", 4)
+    for path in ["/", "/'bench'"]:
+        metadata += tdms_text(path, order) + struct.pack(order + "II", 0xFFFFFFFF, 0)
+    for name in ["angle", "force"]:
+        metadata += tdms_text(f"/'bench'/'{name}'", order)
+        metadata += struct.pack(order + "IIIQI", 20, 10, 1, len(TIME) // 2, 2)
+        metadata += tdms_text("wf_increment", order) + struct.pack(order + "Id", 10, 0.01)
+        metadata += tdms_text("unit_string", order) + struct.pack(order + "I", 0x20)
+        metadata += tdms_text(SIGNALS[name][0], order)
+    chunks = []
+    for part in [slice(0, 50), slice(50, 100)]:
+        both = np.array([ANGLE[part], FORCE[part]])
+        chunks.append((both.T if interleaved else both).astype(order + "f8").tobytes())
+    raw = b"".join(chunks)
+    return tdms_head(order, 0x0E | (0x20 if interleaved else 0), metadata, raw) + metadata + raw
+
+
+def tdms_daqmx():
+    """Returns a segment as a measuring card streams it: interleaved integers and a scale."""
+    metadata = struct.pack("<I", 4)
+    for path in ["/", "/'bench'"]:
+        metadata += tdms_text(path, "<") + struct.pack("<II", 0xFFFFFFFF, 0)
+    angle = np.round(ANGLE / 2e-5).astype(np.int16)
+    for position, (name, slope) in enumerate([("angle", 2e-5), ("force", 0.25)]):
+        metadata += tdms_text(f"/'bench'/'{name}'", "<")
+        # One scaler: int16 in buffer 0 at its offset in the stride; rows of 4 bytes.
+        metadata += struct.pack("<IIIQ", 0x1269, 0xFFFFFFFF, 1, len(TIME))
+        metadata += struct.pack("<IIIIII", 1, 3, 0, 2 * position, 0, 0)
+        metadata += struct.pack("<II", 1, 4)
+        properties = [
+            ("NI_Number_Of_Scales", 7, struct.pack("<I", 2)),
+            ("NI_Scale[1]_Scale_Type", 0x20, tdms_text("Linear", "<")),
+            ("NI_Scale[1]_Linear_Slope", 10, struct.pack("<d", slope)),
+            ("NI_Scale[1]_Linear_Y_Intercept", 10, struct.pack("<d", 0.0)),
+            ("NI_Scale[1]_Linear_Input_Source", 7, struct.pack("<I", 0)),
+            ("wf_increment", 10, struct.pack("<d", 0.01)),
+        ]
+        metadata += struct.pack("<I", len(properties))
+        for key, kind, value in properties:
+            metadata += tdms_text(key, "<") + struct.pack("<I", kind) + value
+    raw = np.array([angle, RAW]).T.astype("<i2").tobytes()
+    return tdms_head("<", 0xAE, metadata, raw) + metadata + raw
+
+
+def hdf5():
+    with h5py.File(HERE / "groups.h5", "w") as file:
+        group = file.create_group("bench")
+        for name, (unit, values) in SIGNALS.items():
+            data = group.create_dataset(name, data=values, chunks=(32,), compression="gzip", shuffle=True)
+            data.attrs["units"] = unit
+        group.create_dataset("slow", data=np.arange(10, dtype=">i4"))
+        group.create_dataset("note", data="a text")
+    with h5py.File(HERE / "matrix.h5", "w", libver=("earliest", "v114")) as file:
+        file.create_dataset("log", data=np.array([TIME, ANGLE, FORCE]).T, compression="lzf")
+    with h5py.File(HERE / "table.h5", "w") as file:
+        kind = np.dtype([("time", "<f8"), ("angle", ">f8"), ("force", "<f4"), ("count", "<u2")])
+        table = np.zeros(100, kind)
+        table["time"], table["angle"], table["force"] = TIME, ANGLE, FORCE
+        file.create_dataset("log", data=table, chunks=(40,), compression="gzip")
+
+
+def matlab():
+    values = {name: data.reshape(-1, 1) for name, (_, data) in SIGNALS.items()}
+    scipy.io.savemat(HERE / "version-5.mat", values, do_compression=True)
+    matrix = np.array([TIME, ANGLE, FORCE]).T
+    content = {"time": values["time"], "data": {"angle": values["angle"]}, "all": matrix, "note": "a text"}
+    (HERE / "version-7.3.mat").unlink(missing_ok=True)
+    hdf5storage.savemat(str(HERE / "version-7.3.mat"), content, format="7.3", store_python_metadata=False)
+
+
+def tables():
+    frame = pandas.DataFrame({name: data for name, (_, data) in SIGNALS.items()})
+    pyarrow.parquet.write_table(pyarrow.Table.from_pandas(frame), HERE / "frame.parquet")
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.title = "log"
+    sheet.append(list(SIGNALS))
+    sheet.append([unit for unit, _ in SIGNALS.values()])
+    for row in zip(TIME, ANGLE, FORCE):
+        sheet.append([float(value) for value in row])
+    notes = book.create_sheet("notes")
+    notes.append(["who", "when"])
+    notes.append(["a name", "2026-11-27"])
+    book.save(HERE / "sheets.xlsx")
+
+
+if __name__ == "__main__":
+    for write in [text, mdf, tdms, hdf5, matlab, tables]:
+        write()

@@ -1,0 +1,101 @@
+//! Conversion of a log to CSV, Parquet or a MAT-file: as it was found, or in SI with the names of
+//! the signals of a description.
+
+use crate::cli::error::CliError;
+use bench::Bench;
+use bench::log::{MeasuredLog, RawColumn, RawLog};
+use bench::template::time_column;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::Path;
+
+/// Endings of the files that can be written.
+const ENDINGS: [&str; 3] = ["csv", "parquet", "mat"];
+
+/// Converted log.
+#[derive(Clone, Debug, JsonSchema, Serialize)]
+pub(crate) struct Converted {
+    /// File that was written.
+    pub(crate) log: String,
+    /// Columns that were written.
+    pub(crate) columns: Vec<String>,
+    /// Rows that were written.
+    pub(crate) rows: usize,
+    /// Columns of numbers that were left out, with the reason.
+    pub(crate) left_out: Vec<String>,
+}
+
+/// Checks the file to write before the work.
+///
+/// # Errors
+///
+/// Its ending is not known, or it is the log itself.
+pub(crate) fn check(log: &Path, out: &Path) -> Result<(), CliError> {
+    let ending = out.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    if !ending.as_ref().is_some_and(|ending| ENDINGS.contains(&ending.as_str())) {
+        let found = out.display();
+        return Err(CliError::Input(format!("OUT: found {found}; expected a file .csv, .parquet or .mat")));
+    }
+    let same = out.canonicalize().is_ok_and(|out| log.canonicalize().is_ok_and(|log| log == out));
+    if same {
+        return Err(CliError::Input(format!("OUT: found {}, the log; expected another file", out.display())));
+    }
+    Ok(())
+}
+
+/// Converts a log to the signals of a description, in SI.
+///
+/// # Errors
+///
+/// The log does not have the columns, or the file cannot be written.
+pub(crate) fn described(log: &Path, bench: &Bench, out: &Path) -> Result<Converted, CliError> {
+    let measured = MeasuredLog::read_as_found(log, &bench.log_format())?;
+    measured.write(out)?;
+    let names = measured.channels.keys().map(|channel| channel.name().to_owned());
+    Ok(Converted {
+        log: out.display().to_string(),
+        columns: std::iter::once(bench::log::TIME.to_owned()).chain(names).collect(),
+        rows: measured.time_s.len(),
+        left_out: Vec::new(),
+    })
+}
+
+/// Converts the columns of a log as they were found: those with the given names, else all that have
+/// as many rows as the time.
+///
+/// # Errors
+///
+/// A name is no column, the columns have different lengths, or the file cannot be written.
+pub(crate) fn as_found(log: &RawLog, names: &[String], out: &Path) -> Result<Converted, CliError> {
+    let (chosen, left_out) = if names.is_empty() { of_time(log) } else { (named(log, names)?, Vec::new()) };
+    log.write(out, &chosen)?;
+    Ok(Converted {
+        log: out.display().to_string(),
+        columns: chosen.iter().map(|column| column.name.clone()).collect(),
+        rows: chosen.first().map_or(0, |column| column.values.len()),
+        left_out,
+    })
+}
+
+/// Columns with as many rows as the time, else as the longest one, and the others.
+fn of_time(log: &RawLog) -> (Vec<&RawColumn>, Vec<String>) {
+    let longest = log.columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
+    let rows = time_column(log).map_or(longest, |(column, _)| column.values.len());
+    let (chosen, others): (Vec<_>, Vec<_>) = log.columns.iter().partition(|c| c.values.len() == rows);
+    let words = |column: &&RawColumn| format!("{} ({} rows)", column.name, column.values.len());
+    (chosen, others.iter().map(words).collect())
+}
+
+fn named<'a>(log: &'a RawLog, names: &[String]) -> Result<Vec<&'a RawColumn>, CliError> {
+    let find = |name: &String| log.columns.iter().find(|column| column.name == *name);
+    let missing: Vec<&str> = names.iter().filter(|n| find(n).is_none()).map(String::as_str).collect();
+    if !missing.is_empty() {
+        let known: Vec<&str> = log.columns.iter().map(|column| column.name.as_str()).collect();
+        return Err(CliError::Input(format!(
+            "--column: found `{}`; expected columns among `{}`",
+            missing.join("`, `"),
+            known.join("`, `")
+        )));
+    }
+    Ok(names.iter().filter_map(find).collect())
+}
