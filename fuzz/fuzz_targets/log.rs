@@ -1,4 +1,5 @@
-//! Arbitrary bytes through the readers of logs. The bounded run is `crates/bench/tests/log_files.rs`.
+//! Arbitrary bytes through the readers of logs. The bounded run is
+//! `crates/bench/tests/log_files.rs`.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

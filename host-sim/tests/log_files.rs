@@ -37,12 +37,13 @@ fn the_content_of_a_log_is_shown_with_units_ranges_and_rate() {
     let here = directory.path();
     let text = done(here, &["log", "info", &log("mdf-4.10-deflate.mf4")]);
     assert!(text.contains("MDF, 5 columns of numbers"), "{text}");
-    assert!(text.contains("time: `0/time` over 0.99 s, interval 0.01 (100 per second)"), "{text}");
+    assert!(text.contains("time: `0/time` over 0.9900 s, interval 0.01000 (100.00 per second)"), "{text}");
     let found = json(here, &["log", "info", &log("scaled.tdms")]);
     let columns = found["columns"].as_array().unwrap();
     let force = columns.iter().find(|column| column["name"] == "force").unwrap();
     assert_eq!((&force["unit"], &force["rows"], &force["missing"]), (&"N".into(), &100.into(), &0.into()));
-    assert_eq!(found["others"][0]["name"], "note");
+    let texts = "texts, complex numbers or lines of a measuring card";
+    assert_eq!(found["others"][0], serde_json::json!({ "name": "note", "reason": texts }));
     assert_eq!(found["time"]["not_ascending"], 0);
 }
 
@@ -61,6 +62,22 @@ fn a_converted_log_reads_back_with_its_values_and_units() {
     let picked = ["log", "convert", "b.parquet", "d.mat", "--column", "force", "--column", "angle"];
     assert_eq!(json(here, &picked)["columns"], serde_json::json!(["force", "angle"]));
     assert_eq!(columns("d.mat")[0]["max"], columns("a.csv")[2]["max"]);
+}
+
+#[test]
+fn columns_of_several_rates_are_interpolated_to_one() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let text = done(here, &["log", "convert", &log("mdf-4.10.mf4"), "a.csv", "--rate", "50"]);
+    // The groups end at 0.99 s and at 0.9 s.
+    assert!(text.contains("a.csv: 46 rows of t_s, angle, force, temperature"), "{text}");
+    let columns = json(here, &["log", "info", "a.csv"])["columns"].clone();
+    assert_eq!((&columns[0]["max"], &columns[3]["max"]), (&0.9.into(), &9.0.into()));
+    assert_eq!(columns[3]["unit"], "degC");
+    let alone = ["log", "convert", &log("matrix.h5"), "b.csv", "--rate", "50"];
+    assert!(refused(here, &alone).contains("--rate: found no time in seconds for log(:,1)"));
+    let wrong = ["log", "convert", &log("mdf-4.10.mf4"), "b.csv", "--rate", "0"];
+    assert!(refused(here, &wrong).contains("found 0; expected 1e-6 to 1e7"));
 }
 
 #[test]

@@ -95,13 +95,40 @@ fn an_old_or_unfinished_file_is_refused_with_what_is_expected() {
 fn a_description_maps_the_columns_of_every_format() {
     for (file, [time, angle, force], _) in FILES {
         let columns = format!(
-            "t_s = \"{time}\"\nspindle_angle_rad = \"{angle}\"\ndrive_torque_nm = {{ from = \"{force}\", scale = 0.1 }}"
+            "t_s = \"{time}\"\nspindle_angle_rad = \"{angle}\"\n\
+             drive_torque_nm = {{ from = \"{force}\", scale = 0.1 }}"
         );
         let preset = bench::PRESETS.iter().find(|(name, _)| *name == "friction-rig").unwrap().1;
         let bench = bench::Bench::parse("x", &format!("{preset}\n[columns]\n{columns}\n")).unwrap();
         let log =
             MeasuredLog::read(&path(file), &bench.log_format()).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((log.time_s.len(), log.channels.len()), (100, 2), "{file}");
+    }
+}
+
+/// LabVIEW leaves the end of the last segment open until the segment is complete.
+#[test]
+fn an_unfinished_tdms_file_is_read_as_far_as_it_goes() {
+    let unfinished = |name: &str, missing: usize| {
+        let mut bytes = std::fs::read(path(name)).unwrap();
+        bytes[12..20].fill(0xff);
+        bytes.truncate(bytes.len() - missing);
+        RawLog::from_bytes(name, bytes).unwrap()
+    };
+    let expected = read("expected.csv");
+    let expected = columns(&expected);
+    for (file, missing, angles, forces) in [
+        // 24 bytes and a piece are one row and a half.
+        ("interleaved.tdms", 24, 98, 98),
+        ("big-endian-interleaved.tdms", 16, 99, 99),
+        // The last chunk has 50 angles and then 50 forces.
+        ("big-endian.tdms", 8 * 20 + 1, 100, 79),
+        ("big-endian.tdms", 8 * 60, 90, 50),
+    ] {
+        let log = unfinished(file, missing);
+        let found = columns(&log);
+        assert_eq!(found["angle"], &expected["angle"][..angles], "{file}");
+        assert_eq!(found["force"], &expected["force"][..forces], "{file}");
     }
 }
 

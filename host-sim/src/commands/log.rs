@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Arguments of `host-sim log`.
 #[derive(Args, Clone, Debug)]
 pub struct LogArgs {
-    /// What to do with the log.
+    /// Action.
     #[command(subcommand)]
     pub action: LogAction,
 }
@@ -44,9 +44,10 @@ pub struct InfoArgs {
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  host-sim log convert bench.mf4 bench.parquet\n  \
     host-sim log convert bench.tdms bench.csv --column wf_time --column force\n  \
+    host-sim log convert bench.mf4 bench.csv --rate 1000\n  \
     host-sim log convert bench.mat si.csv --bench my-bench.toml\n\n\
     Without --bench the values and names are those of the log; columns with another number of rows\n\
-    than the time are left out. With --bench the file has the signals of the description in SI.")]
+    than the time are left out, unless --rate gives all columns one time. With --bench the file has the signals of the description in SI.")]
 pub struct ConvertArgs {
     /// Log.
     #[arg(value_name = "LOG")]
@@ -60,9 +61,17 @@ pub struct ConvertArgs {
     /// Preset or description whose [log] and [columns] tables map the columns.
     #[arg(long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
+    /// Rate in Hz to which columns of several rates are interpolated linearly.
+    #[arg(long, value_name = "HZ", value_parser = rate, conflicts_with = "bench")]
+    pub rate: Option<f64>,
     /// Print the columns that were written as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok().filter(|rate| (1e-6..=1e7).contains(rate));
+    rate.ok_or_else(|| format!("found {text}; expected 1e-6 to 1e7"))
 }
 
 /// Runs the command.
@@ -87,7 +96,13 @@ fn write(args: &ConvertArgs) -> Result<(), CliError> {
     convert::check(&args.log, &args.out)?;
     let written = match &args.bench {
         Some(bench) => convert::described(&args.log, &Bench::open(bench)?, &args.out)?,
-        None => convert::as_found(&RawLog::read(&args.log)?, &args.column, &args.out)?,
+        None => {
+            let log = RawLog::read(&args.log)?;
+            match args.rate {
+                Some(rate_hz) => convert::resampled(&log, &args.column, rate_hz, &args.out)?,
+                None => convert::as_found(&log, &args.column, &args.out)?,
+            }
+        }
     };
     if args.json {
         print_result!("{}", output::json(&written)?);

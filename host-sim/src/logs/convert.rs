@@ -3,8 +3,8 @@
 
 use crate::cli::error::CliError;
 use bench::Bench;
-use bench::log::{MeasuredLog, RawColumn, RawLog};
-use bench::template::time_column;
+use bench::log::{MeasuredLog, RawColumn, RawLog, Timed, resample};
+use bench::template::{time_column, time_of};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -73,6 +73,47 @@ pub(crate) fn as_found(log: &RawLog, names: &[String], out: &Path) -> Result<Con
         log: out.display().to_string(),
         columns: chosen.iter().map(|column| column.name.clone()).collect(),
         rows: chosen.first().map_or(0, |column| column.values.len()),
+        left_out,
+    })
+}
+
+/// Converts columns to one rate in Hz: those with the given names, else all that have a time.
+///
+/// # Errors
+///
+/// A name is no column or has no time in seconds, the times do not ascend or do not overlap, or the
+/// file cannot be written.
+pub(crate) fn resampled(
+    log: &RawLog,
+    names: &[String],
+    rate_hz: f64,
+    out: &Path,
+) -> Result<Converted, CliError> {
+    let chosen: Vec<&RawColumn> =
+        if names.is_empty() { log.columns.iter().collect() } else { named(log, names)? };
+    let (mut timed, mut left_out) = (Vec::new(), Vec::new());
+    for column in chosen {
+        match time_of(log, column) {
+            Some((time, _)) if time.index == column.index => {}
+            Some((time, Some(scale))) => {
+                timed.push(Timed { column, time_s: time.values.iter().map(|t| scale * t).collect() });
+            }
+            _ => left_out.push(format!("{} (no time in seconds)", column.name)),
+        }
+    }
+    if !names.is_empty() && !left_out.is_empty() || timed.is_empty() {
+        return Err(CliError::Input(format!(
+            "--rate: found no time in seconds for {}; expected a column of times of the same group and \
+             length, with a unit",
+            left_out.join(", ")
+        )));
+    }
+    let columns = resample(&log.source, &timed, rate_hz)?;
+    log.write(out, &columns.iter().collect::<Vec<_>>())?;
+    Ok(Converted {
+        log: out.display().to_string(),
+        columns: columns.iter().map(|column| column.name.clone()).collect(),
+        rows: columns.first().map_or(0, |column| column.values.len()),
         left_out,
     })
 }

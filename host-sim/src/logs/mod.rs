@@ -32,6 +32,9 @@ pub(crate) struct ColumnInfo {
     name: String,
     /// Unit; empty if the file has none.
     unit: String,
+    /// Group whose columns share a time, such as a group of channels or a sheet; empty without
+    /// groups.
+    group: String,
     /// Number of rows.
     rows: usize,
     /// Rows without a reading.
@@ -93,6 +96,7 @@ fn column(column: &RawColumn) -> ColumnInfo {
         index: column.index,
         name: column.name.clone(),
         unit: column.unit.clone(),
+        group: column.group.clone(),
         rows: column.values.len(),
         missing: column.values.iter().filter(|value| !value.is_finite()).count(),
         min,

@@ -7,12 +7,19 @@ use std::fmt::Write as _;
 
 /// Maximum number of other contents that are listed.
 const MAX_OTHERS: usize = 20;
+/// Place of the group in a row, after the other texts.
+const GROUP: usize = 3;
 
 /// Formats the content of a log.
 pub(crate) fn text(info: &LogInfo) -> String {
     let mut out = format!("{}: {}, {} columns of numbers\n", info.log, info.format, info.columns.len());
-    let header = ["index", "column", "unit", "rows", "missing", "smallest", "largest"];
-    let _ = write!(out, "\n{}\n", text_table(header, info.columns.iter().map(row), 3));
+    let has_groups = info.columns.iter().any(|column| !column.group.is_empty());
+    let mut header = vec!["index", "column", "unit", "rows", "missing", "smallest", "largest"];
+    if has_groups {
+        header.insert(GROUP, "group");
+    }
+    let rows = info.columns.iter().map(|column| row(column, has_groups));
+    let _ = write!(out, "\n{}\n", text_table(header, rows, GROUP + usize::from(has_groups)));
     match &info.time {
         Some(time) => push_time(&mut out, time),
         None => out.push_str("\ntime: no column has the name or the unit of a time\n"),
@@ -29,8 +36,8 @@ pub(crate) fn text(info: &LogInfo) -> String {
     out
 }
 
-fn row(column: &ColumnInfo) -> Vec<String> {
-    vec![
+fn row(column: &ColumnInfo, has_groups: bool) -> Vec<String> {
+    let mut cells = vec![
         column.index.to_string(),
         column.name.clone(),
         column.unit.clone(),
@@ -38,7 +45,11 @@ fn row(column: &ColumnInfo) -> Vec<String> {
         column.missing.to_string(),
         four_digits(column.min),
         four_digits(column.max),
-    ]
+    ];
+    if has_groups {
+        cells.insert(GROUP, column.group.clone());
+    }
+    cells
 }
 
 fn push_time(out: &mut String, time: &TimeInfo) {

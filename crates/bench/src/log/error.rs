@@ -60,15 +60,18 @@ impl LogError {
         Self::Content { file: file.into(), found: found.into(), expected: expected.into() }
     }
 
-    /// Message without the name of the file.
-    pub(super) fn reason(&self) -> String {
+    /// Message about a column without the names of file, column and purpose.
+    pub(super) fn reason(&self, wanted: &str) -> String {
         match self {
             Self::Io { source, .. } => source.to_string(),
             Self::Field { place, found, expected, .. } => {
                 format!("found {found} at {place}; expected {expected}")
             }
             Self::Columns { flaws, .. } => flaws.join("; "),
-            Self::Content { found, .. } => found.clone(),
+            Self::Content { found, .. } => {
+                let reason = found.split_once(&format!(" for {wanted}: "));
+                reason.map_or(found.as_str(), |(_, reason)| reason).to_owned()
+            }
         }
     }
 }

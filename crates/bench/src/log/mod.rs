@@ -7,12 +7,14 @@ mod files;
 mod format;
 mod raw;
 mod reader;
+mod resample;
 
 pub use error::LogError;
 pub(crate) use format::columns;
 pub use format::{Column, ColumnId, Columns, LogFormat, Separator, TIME, TextFormat, is_signal};
 
 pub use raw::{OtherContent, RawColumn, RawLog};
+pub use resample::{Timed, resample};
 
 use crate::atomic;
 use crate::signals::Channel;

@@ -6,6 +6,9 @@ use crate::atomic;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+/// Purpose of a column in the messages of the readers.
+const WANTED: &str = "a column";
+
 /// Column of a log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawColumn {
@@ -13,8 +16,10 @@ pub struct RawColumn {
     pub index: usize,
     /// Name; empty in a text without a header.
     pub name: String,
-    /// Unit from a line under the header; empty without one.
+    /// Unit; empty if the file has none.
     pub unit: String,
+    /// Group with a time of its own, such as a group of channels or a sheet; empty without groups.
+    pub group: String,
     /// Readings, NaN where missing.
     pub values: Vec<f64>,
 }
@@ -72,15 +77,16 @@ impl RawLog {
         let (mut columns, mut others) = (Vec::new(), Vec::new());
         for index in 0..source.width() {
             let name = source.names().get(index).cloned().unwrap_or_default();
-            let reason = match source.values(file, index, "a column", false) {
+            let reason = match source.values(file, index, WANTED, false) {
                 Err(error @ LogError::Field { expected: NO_THOUSANDS, .. }) => return Err(error),
                 Ok(values) if values.iter().any(|value| value.is_finite()) => {
                     let unit = source.unit(index).to_owned();
-                    columns.push(RawColumn { index, name, unit, values });
+                    let group = source.group(index).to_owned();
+                    columns.push(RawColumn { index, name, unit, group, values });
                     continue;
                 }
                 Ok(_) => "no readings".into(),
-                Err(error) => error.reason(),
+                Err(error) => error.reason(WANTED),
             };
             let name = if name.is_empty() { index.to_string() } else { name };
             others.push(OtherContent { name, reason });
@@ -92,8 +98,8 @@ impl RawLog {
         Ok(Self { source: file.into(), file_format, format, columns, others })
     }
 
-    /// Writes columns atomically, with names and units: Parquet to `.parquet`, a MAT-file to `.mat`,
-    /// else CSV.
+    /// Writes columns atomically, with names and units: Parquet to `.parquet`, a MAT-file to
+    /// `.mat`, else CSV.
     ///
     /// # Errors
     ///

@@ -13,10 +13,11 @@ pub(super) struct Candidate<'a> {
     pub(super) meaning: Meaning,
 }
 
-/// Returns the columns of a log with their meanings.
+/// Returns the columns of a log with their meanings, of several lengths those of the longest.
 pub(super) fn candidates(log: &RawLog) -> Vec<Candidate<'_>> {
-    let mut all: Vec<Candidate<'_>> =
-        log.columns.iter().map(|column| Candidate { column, meaning: meaning(&named(column)) }).collect();
+    let rows = log.columns.iter().map(|column| column.values.len()).max();
+    let columns = log.columns.iter().filter(|column| Some(column.values.len()) == rows);
+    let mut all: Vec<Candidate<'_>> = columns.map(candidate).collect();
     let is_time =
         |c: &Candidate<'_>| c.meaning.own == Some(TIME) || c.meaning.quantity == Some(Quantity::Time);
     // Without names the first column that always rises is the time.
@@ -27,6 +28,11 @@ pub(super) fn candidates(log: &RawLog) -> Vec<Candidate<'_>> {
         time.meaning.quantity = Some(Quantity::Time);
     }
     all
+}
+
+/// A column with its meaning.
+pub(super) fn candidate(column: &RawColumn) -> Candidate<'_> {
+    Candidate { column, meaning: meaning(&named(column)) }
 }
 
 /// Name of a column with the unit of the line under it.

@@ -118,9 +118,19 @@ pub fn template(log: &RawLog, plant: Option<TemplatePlant>) -> Result<Template, 
     Ok(Template { plant: plant.plant(), columns: log.columns.iter().map(column).collect(), to_fill_in, toml })
 }
 
-/// Column of the times of a log with its factor to s, as far as the name or the intervals tell it.
+/// Column of the times of a log with its factor to s, as far as the name or the intervals state it.
 pub fn time_column(log: &RawLog) -> Option<(&RawColumn, Option<f64>)> {
     let chosen = choose(&candidates(log), TIME, Some(Quantity::Time), None)?;
+    Some((chosen.column, chosen.scale))
+}
+
+/// Column of the times of another column, which has as many rows and is of the same group, with its
+/// factor to s.
+pub fn time_of<'a>(log: &'a RawLog, column: &RawColumn) -> Option<(&'a RawColumn, Option<f64>)> {
+    let is_beside = |c: &&RawColumn| c.group == column.group && c.values.len() == column.values.len();
+    let beside: Vec<columns::Candidate<'_>> =
+        log.columns.iter().filter(is_beside).map(columns::candidate).collect();
+    let chosen = choose(&beside, TIME, Some(Quantity::Time), None)?;
     Some((chosen.column, chosen.scale))
 }
 

@@ -1,7 +1,7 @@
 """Writes the log files of this folder with libraries that are independent of Pintle.
 
 Every file contains the same signals: `time` in s, 0 to 0.99 s at 100 Hz, `angle` in rad and
-`force` in N. `expected.csv` contains them as text. Run with the versions in requirements.txt:
+`force` in N. `expected.csv` contains them as text. Run with the versions in `requirements.txt`:
 
     python make.py
 """

@@ -11,7 +11,7 @@ use std::sync::Once;
 pub(in crate::log) const MAX_ROWS: usize = 20_000_000;
 /// Maximum number of values that a file of a compressed format may unpack to: a small file of
 /// zeros could otherwise fill any memory.
-pub(super) const MAX_VALUES: usize = 10 * MAX_ROWS;
+pub(in crate::log) const MAX_VALUES: usize = 10 * MAX_ROWS;
 /// Maximum number of columns of a file, and of other content that has a name.
 pub(super) const MAX_NAMES: usize = 100_000;
 /// Maximum number of listed columns of a matrix.
@@ -34,6 +34,11 @@ pub(in crate::log) trait LogFile {
 
     /// Unit of a column; empty if the file has none.
     fn unit(&self, _index: usize) -> &str {
+        ""
+    }
+
+    /// Group of a column, whose columns share a time; empty without groups.
+    fn group(&self, _index: usize) -> &str {
         ""
     }
 

@@ -195,6 +195,15 @@ impl LogFile for Hdf5 {
         &self.names
     }
 
+    /// Path of the group, or of a table.
+    fn group(&self, index: usize) -> &str {
+        let Some(column) = self.columns.get(index) else { return "" };
+        match column.part {
+            Part::Whole | Part::Refused(_) => column.path.rsplit_once('/').map_or("", |(group, _)| group),
+            _ => &column.path,
+        }
+    }
+
     fn unit(&self, index: usize) -> &str {
         self.columns.get(index).map_or("", |column| &column.unit)
     }

@@ -35,7 +35,7 @@ const VIRTUAL: [u8; 2] = [3, 6];
 /// Channel of texts or other contents of variable length.
 const VARIABLE: u8 = 1;
 
-const READABLE: &str = "complete MDF of version 4 with sorted records (asammdf: `MDF(file).save(...)`)";
+const READABLE: &str = "complete MDF of version 4; asammdf converts other files";
 
 /// Channels of a file.
 pub(super) struct Mdf {
@@ -44,6 +44,7 @@ pub(super) struct Mdf {
     /// Group and channel of each column.
     places: Vec<(usize, usize)>,
     names: Vec<String>,
+    groups: Vec<String>,
     /// Group whose records were read last.
     records: RefCell<Option<(usize, Vec<u8>)>>,
 }
@@ -77,7 +78,8 @@ impl Mdf {
             return Err(LogError::content(file, "too many channels", format!("at most {MAX_NAMES}")));
         }
         let names = unique_names(&columns);
-        Ok(Self { bytes, index, places, names, records: RefCell::default() })
+        let groups = columns.into_iter().map(|(group, _)| group).collect();
+        Ok(Self { bytes, index, places, names, groups, records: RefCell::default() })
     }
 
     fn channel(&self, index: usize) -> Option<(usize, &IndexedChannelGroup, &IndexedChannel)> {
@@ -145,6 +147,10 @@ impl LogFile for Mdf {
 
     fn names(&self) -> &[String] {
         &self.names
+    }
+
+    fn group(&self, index: usize) -> &str {
+        self.groups.get(index).map_or("", String::as_str)
     }
 
     fn unit(&self, index: usize) -> &str {

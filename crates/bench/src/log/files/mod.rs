@@ -13,7 +13,7 @@ mod write;
 mod xlsx;
 
 use super::{LogError, TextFormat};
-pub(super) use file::{LogFile, MAX_ROWS, list};
+pub(super) use file::{LogFile, MAX_ROWS, MAX_VALUES, list};
 pub(super) use text::number::NO_THOUSANDS;
 pub(super) use write::{Written, bytes, is_text};
 

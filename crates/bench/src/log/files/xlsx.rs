@@ -35,6 +35,7 @@ struct Column {
 pub(super) struct Workbook {
     columns: Vec<Column>,
     names: Vec<String>,
+    sheets: Vec<String>,
 }
 
 impl Workbook {
@@ -61,7 +62,8 @@ impl Workbook {
                 "a row of headers, and numbers below",
             ));
         }
-        Ok(Self { columns, names: unique_names(&places) })
+        let names = unique_names(&places);
+        Ok(Self { columns, names, sheets: places.into_iter().map(|(sheet, _)| sheet).collect() })
     }
 }
 
@@ -72,6 +74,10 @@ impl LogFile for Workbook {
 
     fn names(&self) -> &[String] {
         &self.names
+    }
+
+    fn group(&self, index: usize) -> &str {
+        self.sheets.get(index).map_or("", String::as_str)
     }
 
     fn unit(&self, index: usize) -> &str {

@@ -77,8 +77,8 @@ impl Kind {
         }
     }
 
-    /// Number at the start of `bytes`, a time stamp in s since `origin`; `None` for other content or
-    /// if bytes are missing.
+    /// Number at the start of `bytes`, a time stamp in s since `origin`; `None` for other content
+    /// or if bytes are missing.
     pub(super) fn number(self, bytes: &[u8], is_big: bool, origin: u128) -> Option<f64> {
         macro_rules! read {
             ($type:ty) => {{
@@ -133,7 +133,7 @@ impl<'a> Cursor<'a> {
         Ok(if self.is_big { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) })
     }
 
-    /// Reads a whole number that counts something in memory.
+    /// Reads an integer that counts something in memory.
     pub(super) fn count(&mut self) -> Result<usize, Flaw> {
         usize::try_from(self.u64()?).map_err(|_| Flaw::Damage)
     }

@@ -8,8 +8,8 @@
 //! This is own code because the published reader takes interleaved data for contiguous ones, and
 //! knows neither the other byte order nor scales nor the streams of measuring cards. Layout: "TDMS
 //! File Format Internal Structure", National Instruments; of the streams: npTDMS, which reads the
-//! same files. A file is a sequence of segments: lead-in, list of objects, chunks of data. An object
-//! that a segment does not describe keeps its place in the chunks.
+//! same files. A file is a sequence of segments: lead-in, list of objects, chunks of data. An
+//! object that a segment does not describe keeps its place in the chunks.
 
 mod bytes;
 mod scale;
@@ -94,6 +94,7 @@ pub(in crate::log::files) struct Tdms {
     objects: Vec<Object>,
     columns: Vec<Column>,
     names: Vec<String>,
+    groups: Vec<String>,
 }
 
 impl Tdms {
@@ -106,7 +107,7 @@ impl Tdms {
                 format!("at most {MAX_VALUES} numbers and {MAX_NAMES} objects; divide the log into several"),
             ),
         })?;
-        let mut out = Self { bytes, objects, columns: Vec::new(), names: Vec::new() };
+        let mut out = Self { bytes, objects, columns: Vec::new(), names: Vec::new(), groups: Vec::new() };
         out.list();
         if out.columns.is_empty() {
             return Err(LogError::content(file, "no channels", "a channel for each signal"));
@@ -140,6 +141,7 @@ impl Tdms {
             }
         }
         self.names = unique_names(&places);
+        self.groups = places.into_iter().map(|(group, _)| group).collect();
     }
 
     /// Scales of a channel: its own, else those of its group, else those of the file.
@@ -189,6 +191,10 @@ impl LogFile for Tdms {
 
     fn names(&self) -> &[String] {
         &self.names
+    }
+
+    fn group(&self, index: usize) -> &str {
+        self.groups.get(index).map_or("", String::as_str)
     }
 
     fn unit(&self, index: usize) -> &str {

@@ -76,7 +76,7 @@ impl Scales {
     }
 }
 
-/// Whole number of a property.
+/// Integer of a property.
 fn number(properties: &Properties, name: &str) -> Option<u32> {
     match properties.get(name) {
         Some(Property::Number(value)) if (0.0..=f64::from(u32::MAX)).contains(value) => Some(*value as u32),

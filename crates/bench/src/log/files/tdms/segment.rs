@@ -275,8 +275,8 @@ impl Layout {
         (self.end - self.start).checked_div(chunk_bytes).unwrap_or(0)
     }
 
-    /// Values of one object after those of another. An incomplete last chunk, which a stopped writer
-    /// leaves, is read as far as it goes.
+    /// Values of one object after those of another. An incomplete last chunk, which a stopped
+    /// writer leaves, is read as far as it goes.
     fn contiguous(self, active: &[(usize, Index)]) -> Result<Pieces, Flaw> {
         let plain = |index: &Index| match index {
             Index::Plain { kind, count, bytes } => (*kind, *count, *bytes),

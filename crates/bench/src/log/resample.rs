@@ -1,0 +1,124 @@
+//! Columns of several rates on one time.
+
+use super::{LogError, RawColumn, TIME};
+use crate::log::files::{MAX_ROWS, MAX_VALUES};
+
+/// Column with its times in s.
+#[derive(Clone, Debug)]
+pub struct Timed<'a> {
+    /// Column.
+    pub column: &'a RawColumn,
+    /// Time of each row in s.
+    pub time_s: Vec<f64>,
+}
+
+/// Returns the time `t_s` at a rate in Hz, over the stretch that all columns share, and the columns
+/// interpolated linearly at these times. Rows without time or reading are passed over.
+///
+/// # Errors
+///
+/// Times do not ascend, the columns share no stretch, or it has more rows than a log may have.
+pub fn resample(source: &str, columns: &[Timed<'_>], rate_hz: f64) -> Result<Vec<RawColumn>, LogError> {
+    let mut points = Vec::with_capacity(columns.len());
+    for Timed { column, time_s } in columns {
+        let pairs = time_s.iter().copied().zip(column.values.iter().copied());
+        let pairs: Vec<(f64, f64)> = pairs.filter(|(t, value)| t.is_finite() && value.is_finite()).collect();
+        let falls = |pair: &[(f64, f64)]| matches!(pair, [(before, _), (after, _)] if after <= before);
+        if pairs.windows(2).any(falls) {
+            let found = format!("times of `{}` that do not ascend", column.name);
+            return Err(LogError::content(source, found, "times that ascend strictly"));
+        }
+        points.push(pairs);
+    }
+    let ends = points.iter().map(|pairs| Some((pairs.first()?.0, pairs.last()?.0)));
+    let shared = ends.reduce(|a, b| Some((a?.0.max(b?.0), a?.1.min(b?.1)))).flatten();
+    let Some((start_s, end_s)) = shared.filter(|(start_s, end_s)| end_s > start_s) else {
+        return Err(LogError::content(
+            source,
+            "columns without a common stretch of time",
+            "times that overlap",
+        ));
+    };
+    // A rounding of the last time must not lose its row.
+    let rows = ((end_s - start_s) * rate_hz + 1e-6).floor() + 1.0;
+    let most = MAX_ROWS.min(MAX_VALUES / (columns.len() + 1));
+    if rows > most as f64 {
+        return Err(LogError::content(
+            source,
+            format!("{rows:.0} rows of {} columns at this rate", columns.len()),
+            format!("at most {most} rows; choose columns or a lower rate"),
+        ));
+    }
+    let time_s: Vec<f64> = (0..rows as usize).map(|row| start_s + row as f64 / rate_hz).collect();
+    let own = |index: usize, name: &str, unit: &str, values: Vec<f64>| RawColumn {
+        index,
+        name: name.into(),
+        unit: unit.into(),
+        group: String::new(),
+        values,
+    };
+    let sampled = |(index, (timed, pairs)): (usize, (&Timed<'_>, &Vec<(f64, f64)>))| {
+        own(index + 1, &timed.column.name, &timed.column.unit, interpolated(pairs, &time_s))
+    };
+    let columns: Vec<RawColumn> = columns.iter().zip(&points).enumerate().map(sampled).collect();
+    Ok(std::iter::once(own(0, TIME, "s", time_s.clone())).chain(columns).collect())
+}
+
+/// Linear interpolation between points that ascend, at times that ascend and lie between the ends.
+fn interpolated(points: &[(f64, f64)], time_s: &[f64]) -> Vec<f64> {
+    let mut next = 1;
+    let value = |&t: &f64| {
+        while points.get(next).is_some_and(|(at, _)| *at < t) && next + 1 < points.len() {
+            next += 1;
+        }
+        match (points.get(next - 1), points.get(next)) {
+            (Some((from, a)), Some((to, b))) => a + (b - a) * ((t - from) / (to - from)).clamp(0.0, 1.0),
+            (Some((_, only)), None) => *only,
+            (None, _) => f64::NAN,
+        }
+    };
+    time_s.iter().map(value).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, values: &[f64]) -> RawColumn {
+        let (name, unit, group) = (name.into(), String::new(), String::new());
+        RawColumn { index: 0, name, unit, group, values: values.to_vec() }
+    }
+
+    #[test]
+    fn columns_of_two_rates_share_one_time() {
+        let (fast, slow) = (column("fast", &[0.0, 1.0, f64::NAN, 3.0, 4.0]), column("slow", &[10.0, 20.0]));
+        let timed = [
+            Timed { column: &fast, time_s: vec![0.0, 0.1, 0.2, 0.3, 0.4] },
+            Timed { column: &slow, time_s: vec![0.1, 0.4] },
+        ];
+        let found = resample("a", &timed, 20.0).unwrap();
+        assert_eq!(found.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["t_s", "fast", "slow"]);
+        let near = |values: &[f64], expected: &[f64]| {
+            assert_eq!(values.len(), expected.len(), "{values:?}");
+            values.iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-9, "{values:?}"));
+        };
+        near(&found[0].values, &[0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4]);
+        near(&found[1].values, &[1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0]);
+        near(
+            &found[2].values,
+            &[10.0, 11.6666666667, 13.3333333333, 15.0, 16.6666666667, 18.3333333333, 20.0],
+        );
+    }
+
+    #[test]
+    fn times_that_fall_and_columns_apart_are_refused() {
+        let one = column("one", &[1.0, 2.0, 3.0]);
+        let refused = |times: [&[f64]; 2]| {
+            let timed = times.map(|time_s| Timed { column: &one, time_s: time_s.to_vec() });
+            resample("a", &timed, 10.0).unwrap_err().to_string()
+        };
+        assert!(refused([&[0.0, 2.0, 1.0], &[0.0, 1.0, 2.0]]).contains("times of `one` that do not ascend"));
+        assert!(refused([&[0.0, 1.0, 2.0], &[3.0, 4.0, 5.0]]).contains("without a common stretch"));
+        assert!(refused([&[0.0, 1e9, 2e9], &[0.0, 1e9, 2e9]]).contains("rows of 2 columns at this rate"));
+    }
+}
