@@ -106,6 +106,110 @@ fn a_description_maps_the_columns_of_every_format() {
     }
 }
 
+#[test]
+fn conversions_of_mdf_are_those_of_their_formula_or_table_or_are_refused() {
+    let log = read("conversions.mf4");
+    let found = columns(&log);
+    let nearest = |x: f64| match x {
+        x if x <= 25.0 => 0.0,
+        x if x <= 74.5 => 100.0,
+        _ => 2.0,
+    };
+    let interpolated = |x: f64| if x <= 50.0 { 2.0 * x } else { 100.0 - 2.0 * (x - 50.0) };
+    let marked = |x: f64| if x % 10.0 == 3.0 { f64::NAN } else { x };
+    let status = |x: f64| if x == 99.0 { f64::NAN } else { 0.5 * x - 40.0 };
+    let expected: [(&str, &dyn Fn(f64) -> f64); 9] = [
+        ("linear", &|x| 0.5 * x - 40.0),
+        ("rational", &|x| (2.0 * x + 1.0) / (x + 4.0)),
+        ("formula", &|x| 2.0 * x + 1.0),
+        ("root", &|x| x.sqrt() + 1.0),
+        ("interpolated", &interpolated),
+        ("nearest", &nearest),
+        ("status", &status),
+        ("half", &|x| x / 8.0),
+        ("marked", &marked),
+    ];
+    for (name, reading) in expected {
+        for (stored, value) in
+            found.get(name).unwrap_or_else(|| panic!("{name}: {:?}", log.others)).iter().enumerate()
+        {
+            let expected = reading(stored as f64);
+            let is_same = (value - expected).abs() < 1e-12 || value.is_nan() && expected.is_nan();
+            assert!(is_same, "{name} of {stored}: {value}, {expected}");
+        }
+    }
+    let others: BTreeMap<&str, &str> =
+        log.others.iter().map(|other| (other.name.as_str(), other.reason.as_str())).collect();
+    assert!(others["unknown"].contains("the formula `lookup(X)`"), "{others:?}");
+    assert_eq!((others["words"], others["array"]), ("texts", "an array in each record"));
+}
+
+/// The second group of each file begins 0.5 s after the first and has half its rate.
+#[test]
+fn each_column_has_its_own_time_and_all_times_of_a_file_have_one_origin() {
+    for file in ["two-times.mf4", "two-times.tdms"] {
+        let log = read(file);
+        let column = |name: &str| log.columns.iter().find(|column| column.name == name).unwrap();
+        for name in ["a", "b"] {
+            let column = log.columns.iter().find(|c| c.name == name || c.name == format!("same/{name}"));
+            let column = column.unwrap_or_else(|| panic!("{file}: {:?}", columns(&log).keys()));
+            let time = bench::template::time_of(&log, column).unwrap();
+            for (time, value) in time.0.values.iter().zip(&column.values) {
+                assert!((100.0 * time - value).abs() < 1e-9, "{file}: {name}: {time}, {value}");
+            }
+        }
+        if file.ends_with("tdms") {
+            assert_eq!((column("stamps/a").values[0], column("stamps/b").values[0]), (0.0, 0.5));
+            assert_eq!((column("stamps/b").values[99], column("stamps/b").unit.as_str()), (2.48, "s"));
+        }
+    }
+    let stamps = read("stamps.parquet");
+    assert_eq!((stamps.columns[0].unit.as_str(), stamps.columns[0].values[99]), ("s", 0.99));
+}
+
+#[test]
+fn a_channel_with_other_times_is_refused_with_both() {
+    let preset = bench::PRESETS.iter().find(|(name, _)| *name == "friction-rig").unwrap().1;
+    let read = |file: &str, time: &str| {
+        let columns = format!(
+            "t_s = \"{time}\"\nspindle_angle_rad = \"{}\"",
+            if file.ends_with("mf4") { "b" } else { "same/b" }
+        );
+        let bench = bench::Bench::parse("x", &format!("{preset}\n[columns]\n{columns}\n")).unwrap();
+        MeasuredLog::read(&path(file), &bench.log_format()).map_err(|error| error.to_string())
+    };
+    for (file, own, other) in
+        [("two-times.mf4", "same/time#2", "same/time"), ("two-times.tdms", "same/wf_time#2", "same/wf_time")]
+    {
+        assert_eq!(read(file, own).map(|log| log.time_s[0]), Ok(0.5), "{file}");
+        let refused = read(file, other).unwrap_err();
+        let expected = format!("with the times `{own}`; expected a column with the times `{other}`");
+        assert!(refused.contains(&expected), "{file}: {refused}");
+    }
+}
+
+#[test]
+fn a_channel_of_many_short_segments_is_read_whole() {
+    let (log, expected) = (read("fragments.tdms"), read("expected.csv"));
+    let (found, expected) = (columns(&log), columns(&expected));
+    assert_eq!((found["angle"], found["force"]), (expected["angle"], expected["force"]));
+}
+
+#[test]
+fn objects_and_sparse_arrays_of_matlab_are_no_measured_columns() {
+    let log = read("classes.mat");
+    assert_eq!(columns(&log).into_keys().collect::<Vec<_>>(), ["flag", "time"]);
+    let others: Vec<&str> = log.others.iter().map(|other| other.name.as_str()).collect();
+    assert_eq!(others, ["complex", "label", "when", "sparse"]);
+}
+
+/// Twelve levels of ten links each have 10^12 paths.
+#[test]
+fn groups_that_refer_to_each_other_many_times_are_refused() {
+    let refused = RawLog::read(&path("half.h5")).unwrap_err().to_string();
+    assert!(refused.contains("more than 100000 groups"), "{refused}");
+}
+
 /// LabVIEW leaves the end of the last segment open until the segment is complete.
 #[test]
 fn an_unfinished_tdms_file_is_read_as_far_as_it_goes() {

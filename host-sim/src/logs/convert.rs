@@ -65,9 +65,10 @@ pub(crate) fn described(log: &Path, bench: &Bench, out: &Path) -> Result<Convert
 ///
 /// # Errors
 ///
-/// A name is no column, the columns have different lengths, or the file cannot be written.
+/// A name is no column, the columns have different lengths or times, or the file cannot be written.
 pub(crate) fn as_found(log: &RawLog, names: &[String], out: &Path) -> Result<Converted, CliError> {
     let (chosen, left_out) = if names.is_empty() { of_time(log) } else { (named(log, names)?, Vec::new()) };
+    check_times(log, &chosen)?;
     log.write(out, &chosen)?;
     Ok(Converted {
         log: out.display().to_string(),
@@ -95,17 +96,18 @@ pub(crate) fn resampled(
     for column in chosen {
         match time_of(log, column) {
             Some((time, _)) if time.index == column.index => {}
-            Some((time, Some(scale))) => {
+            Some((time, Some(scale))) if column.values.iter().filter(|v| v.is_finite()).count() > 1 => {
                 timed.push(Timed { column, time_s: time.values.iter().map(|t| scale * t).collect() });
             }
+            Some((_, Some(_))) => left_out.push(format!("{} (fewer than 2 readings)", column.name)),
             _ => left_out.push(format!("{} (no time in seconds)", column.name)),
         }
     }
     if !names.is_empty() && !left_out.is_empty() || timed.is_empty() {
+        let found = if left_out.is_empty() { "only times".to_owned() } else { left_out.join(", ") };
         return Err(CliError::Input(format!(
-            "--rate: found no time in seconds for {}; expected a column of times of the same group and \
-             length, with a unit",
-            left_out.join(", ")
+            "--rate: found {found}; expected columns with two readings at least, beside a column of times of \
+             the same group and length with a unit"
         )));
     }
     let columns = resample(&log.source, &timed, rate_hz)?;
@@ -118,13 +120,40 @@ pub(crate) fn resampled(
     })
 }
 
-/// Columns with as many rows as the time, else as the longest one, and the others.
+/// Columns with the times of the log, else as many rows as the longest one, and the others.
 fn of_time(log: &RawLog) -> (Vec<&RawColumn>, Vec<String>) {
     let longest = log.columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
-    let rows = time_column(log).map_or(longest, |(column, _)| column.values.len());
-    let (chosen, others): (Vec<_>, Vec<_>) = log.columns.iter().partition(|c| c.values.len() == rows);
-    let words = |column: &&RawColumn| format!("{} ({} rows)", column.name, column.values.len());
-    (chosen, others.iter().map(words).collect())
+    let time = time_column(log).map(|(column, _)| column);
+    let rows = time.map_or(longest, |column| column.values.len());
+    let (mut chosen, mut left_out) = (Vec::new(), Vec::new());
+    for column in &log.columns {
+        let own = time_of(log, column).map(|(own, _)| own);
+        match (own, time) {
+            _ if column.values.len() != rows => {
+                left_out.push(format!("{} ({} rows)", column.name, column.values.len()));
+            }
+            (Some(own), Some(time)) if own.values != time.values => {
+                left_out.push(format!("{} (times of {})", column.name, own.name));
+            }
+            _ => chosen.push(column),
+        }
+    }
+    (chosen, left_out)
+}
+
+/// Refuses columns with different times, each of which would be beside those of another.
+fn check_times(log: &RawLog, columns: &[&RawColumn]) -> Result<(), CliError> {
+    let times = columns.iter().filter_map(|column| Some((column, time_of(log, column)?.0)));
+    let mut times = times.filter(|(column, time)| column.index != time.index);
+    let Some((first, of_first)) = times.next() else { return Ok(()) };
+    match times.find(|(_, time)| time.values != of_first.values) {
+        Some((other, of_other)) => Err(CliError::Input(format!(
+            "--column: found `{}` with the times `{}` and `{}` with `{}`; expected columns with the same times, \
+             or --rate to give them one time",
+            first.name, of_first.name, other.name, of_other.name
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn named<'a>(log: &'a RawLog, names: &[String]) -> Result<Vec<&'a RawColumn>, CliError> {

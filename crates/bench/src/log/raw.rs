@@ -1,6 +1,6 @@
 //! A log as it was found: all columns that contain numbers, without a description.
 
-use super::files::{self, NO_THOUSANDS, Written};
+use super::files::{self, MAX_ROWS, MAX_VALUES, NO_THOUSANDS, Written};
 use super::{LogError, TextFormat};
 use crate::atomic;
 use std::collections::BTreeSet;
@@ -18,8 +18,10 @@ pub struct RawColumn {
     pub name: String,
     /// Unit; empty if the file has none.
     pub unit: String,
-    /// Group with a time of its own, such as a group of channels or a sheet; empty without groups.
+    /// Group, such as a group of channels or a sheet; empty without groups.
     pub group: String,
+    /// Index of the column with its times, its own for times; `None` if the file does not state it.
+    pub time: Option<usize>,
     /// Readings, NaN where missing.
     pub values: Vec<f64>,
 }
@@ -74,15 +76,25 @@ impl RawLog {
                  tabs or blanks",
             ));
         };
-        let (mut columns, mut others) = (Vec::new(), Vec::new());
+        let (mut columns, mut others, mut held) = (Vec::new(), Vec::new(), 0);
         for index in 0..source.width() {
             let name = source.names().get(index).cloned().unwrap_or_default();
             let reason = match source.values(file, index, WANTED, false) {
                 Err(error @ LogError::Field { expected: NO_THOUSANDS, .. }) => return Err(error),
+                Ok(values) if values.len() > MAX_ROWS => {
+                    let found = format!("column `{name}` with more than {MAX_ROWS} rows");
+                    return Err(LogError::content(file, found, "a log divided into several"));
+                }
                 Ok(values) if values.iter().any(|value| value.is_finite()) => {
+                    held += values.len();
+                    if held > MAX_VALUES {
+                        let found = format!("more than {MAX_VALUES} numbers in all columns");
+                        return Err(LogError::content(file, found, "a log divided into several"));
+                    }
                     let unit = source.unit(index).to_owned();
                     let group = source.group(index).to_owned();
-                    columns.push(RawColumn { index, name, unit, group, values });
+                    let time = source.time_of(index);
+                    columns.push(RawColumn { index, name, unit, group, time, values });
                     continue;
                 }
                 Ok(_) => "no readings".into(),

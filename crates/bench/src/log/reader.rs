@@ -21,6 +21,7 @@ pub(super) fn from_bytes(
         reader.check_ascending(&log.time_s)?;
     }
     for (channel, signal) in &selected {
+        reader.check_times(&time, signal)?;
         log.channels.insert(*channel, reader.values(signal, Some(log.time_s.len()))?);
     }
     if log.time_s.len() < 2 {
@@ -185,6 +186,30 @@ impl Reader<'_> {
     /// Name of a column, or its index without a name.
     fn name(&self, index: usize) -> String {
         self.source.names().get(index).map_or_else(|| format!("column({index})"), Clone::clone)
+    }
+
+    /// Refuses a signal whose times, as the file states them, are not those of the log.
+    fn check_times(&self, time: &Signal, signal: &Signal) -> Result<(), LogError> {
+        let Some(of_log) = time.expression.columns.iter().find_map(|index| self.source.time_of(*index))
+        else {
+            return Ok(());
+        };
+        for index in &signal.expression.columns {
+            let Some(own) = self.source.time_of(*index).filter(|own| *own != of_log) else { continue };
+            let values = |index: usize| self.source.values(self.file, index, TIME, false);
+            if values(own)? != values(of_log)? {
+                let (column, own) = (self.name(*index), self.name(own));
+                let found = format!("`{column}` for {} with the times `{own}`", signal.name);
+                let of_log = self.name(of_log);
+                return Err(self.content(
+                    found,
+                    &format!(
+                        "a column with the times `{of_log}`; `log convert --rate` gives all columns one time"
+                    ),
+                ));
+            }
+        }
+        Ok(())
     }
 
     fn check_ascending(&self, time_s: &[f64]) -> Result<(), LogError> {

@@ -13,16 +13,18 @@ pub struct Timed<'a> {
 }
 
 /// Returns the time `t_s` at a rate in Hz, over the stretch that all columns share, and the columns
-/// interpolated linearly at these times. Rows without time or reading are passed over.
+/// interpolated linearly at these times. Between a row with a reading and one without, the reading
+/// is missing. Rows without a time are passed over.
 ///
 /// # Errors
 ///
-/// Times do not ascend, the columns share no stretch, or it has more rows than a log may have.
+/// Times do not ascend, a column has fewer than two readings, the columns share no stretch, or it
+/// has more rows than a log may have.
 pub fn resample(source: &str, columns: &[Timed<'_>], rate_hz: f64) -> Result<Vec<RawColumn>, LogError> {
     let mut points = Vec::with_capacity(columns.len());
     for Timed { column, time_s } in columns {
         let pairs = time_s.iter().copied().zip(column.values.iter().copied());
-        let pairs: Vec<(f64, f64)> = pairs.filter(|(t, value)| t.is_finite() && value.is_finite()).collect();
+        let pairs: Vec<(f64, f64)> = pairs.filter(|(t, _)| t.is_finite()).collect();
         let falls = |pair: &[(f64, f64)]| matches!(pair, [(before, _), (after, _)] if after <= before);
         if pairs.windows(2).any(falls) {
             let found = format!("times of `{}` that do not ascend", column.name);
@@ -30,7 +32,11 @@ pub fn resample(source: &str, columns: &[Timed<'_>], rate_hz: f64) -> Result<Vec
         }
         points.push(pairs);
     }
-    let ends = points.iter().map(|pairs| Some((pairs.first()?.0, pairs.last()?.0)));
+    let has_reading = |pair: &&(f64, f64)| pair.1.is_finite();
+    let ends = points.iter().map(|pairs| {
+        let mut found = pairs.iter().filter(has_reading).map(|(t, _)| *t);
+        Some((found.next()?, found.next_back()?))
+    });
     let shared = ends.reduce(|a, b| Some((a?.0.max(b?.0), a?.1.min(b?.1)))).flatten();
     let Some((start_s, end_s)) = shared.filter(|(start_s, end_s)| end_s > start_s) else {
         return Err(LogError::content(
@@ -55,6 +61,7 @@ pub fn resample(source: &str, columns: &[Timed<'_>], rate_hz: f64) -> Result<Vec
         name: name.into(),
         unit: unit.into(),
         group: String::new(),
+        time: Some(0),
         values,
     };
     let sampled = |(index, (timed, pairs)): (usize, (&Timed<'_>, &Vec<(f64, f64)>))| {
@@ -72,9 +79,10 @@ fn interpolated(points: &[(f64, f64)], time_s: &[f64]) -> Vec<f64> {
             next += 1;
         }
         match (points.get(next - 1), points.get(next)) {
-            (Some((from, a)), Some((to, b))) => a + (b - a) * ((t - from) / (to - from)).clamp(0.0, 1.0),
-            (Some((_, only)), None) => *only,
-            (None, _) => f64::NAN,
+            (Some((from, a)), _) if t <= *from => *a,
+            (_, Some((to, b))) if t >= *to => *b,
+            (Some((from, a)), Some((to, b))) => a + (b - a) * (t - from) / (to - from),
+            _ => f64::NAN,
         }
     };
     time_s.iter().map(value).collect()
@@ -86,12 +94,12 @@ mod tests {
 
     fn column(name: &str, values: &[f64]) -> RawColumn {
         let (name, unit, group) = (name.into(), String::new(), String::new());
-        RawColumn { index: 0, name, unit, group, values: values.to_vec() }
+        RawColumn { index: 0, name, unit, group, time: None, values: values.to_vec() }
     }
 
     #[test]
     fn columns_of_two_rates_share_one_time() {
-        let (fast, slow) = (column("fast", &[0.0, 1.0, f64::NAN, 3.0, 4.0]), column("slow", &[10.0, 20.0]));
+        let (fast, slow) = (column("fast", &[f64::NAN, 1.0, 2.0, 3.0, 4.0]), column("slow", &[10.0, 20.0]));
         let timed = [
             Timed { column: &fast, time_s: vec![0.0, 0.1, 0.2, 0.3, 0.4] },
             Timed { column: &slow, time_s: vec![0.1, 0.4] },
@@ -108,6 +116,16 @@ mod tests {
             &found[2].values,
             &[10.0, 11.6666666667, 13.3333333333, 15.0, 16.6666666667, 18.3333333333, 20.0],
         );
+    }
+
+    #[test]
+    fn a_missing_reading_is_not_bridged() {
+        let gap = column("gap", &[0.0, 1.0, f64::NAN, 3.0, 4.0]);
+        let timed = [Timed { column: &gap, time_s: vec![0.0, 0.1, 0.2, 0.3, 0.4] }];
+        let found = resample("a", &timed, 20.0).unwrap();
+        let missing: Vec<bool> = found[1].values.iter().map(|value| value.is_nan()).collect();
+        assert_eq!(missing, [false, false, false, true, true, true, false, false, false]);
+        assert_eq!((found[1].values[2], found[1].values[6]), (1.0, 3.0));
     }
 
     #[test]

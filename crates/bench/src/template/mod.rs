@@ -118,15 +118,30 @@ pub fn template(log: &RawLog, plant: Option<TemplatePlant>) -> Result<Template, 
     Ok(Template { plant: plant.plant(), columns: log.columns.iter().map(column).collect(), to_fill_in, toml })
 }
 
-/// Column of the times of a log with its factor to s, as far as the name or the intervals state it.
+/// Column of the times of a log with its factor to s: the one that the file states for the longest
+/// columns, else as far as the name or the intervals tell it.
 pub fn time_column(log: &RawLog) -> Option<(&RawColumn, Option<f64>)> {
+    let rows = log.columns.iter().map(|column| column.values.len()).max();
+    let longest = log.columns.iter().filter(|column| Some(column.values.len()) == rows);
+    if let Some(time) = longest.filter(|column| column.time != Some(column.index)).find_map(|c| c.time) {
+        return stated(log, time);
+    }
     let chosen = choose(&candidates(log), TIME, Some(Quantity::Time), None)?;
     Some((chosen.column, chosen.scale))
 }
 
-/// Column of the times of another column, which has as many rows and is of the same group, with its
-/// factor to s.
+/// Column of times that the file states, with its factor to s.
+fn stated(log: &RawLog, time: usize) -> Option<(&RawColumn, Option<f64>)> {
+    let column = log.columns.iter().find(|column| column.index == time)?;
+    Some((column, columns::candidate(column).meaning.scale))
+}
+
+/// Column of the times of another column with its factor to s: the one that the file states, else
+/// one of the same group with as many rows.
 pub fn time_of<'a>(log: &'a RawLog, column: &RawColumn) -> Option<(&'a RawColumn, Option<f64>)> {
+    if let Some(time) = column.time {
+        return stated(log, time);
+    }
     let is_beside = |c: &&RawColumn| c.group == column.group && c.values.len() == column.values.len();
     let beside: Vec<columns::Candidate<'_>> =
         log.columns.iter().filter(is_beside).map(columns::candidate).collect();

@@ -1,7 +1,8 @@
 """Writes the log files of this folder with libraries that are independent of Pintle.
 
-Every file contains the same signals: `time` in s, 0 to 0.99 s at 100 Hz, `angle` in rad and
-`force` in N. `expected.csv` contains them as text. Run with the versions in `requirements.txt`:
+Most files contain the same signals: `time` in s, 0 to 0.99 s at 100 Hz, `angle` in rad and
+`force` in N. `expected.csv` contains them as text. The functions `conversions`, `several_times` and
+`classes` write what those files leave out. Run with the versions in `requirements.txt`:
 
     python make.py
 """
@@ -192,6 +193,105 @@ def tables():
     book.save(HERE / "sheets.xlsx")
 
 
+def conversions():
+    """Channels of the stored numbers 0 to 99 with every kind of conversion, and other contents."""
+    from_dict = asammdf.blocks.conversion_utils.from_dict
+    linear = {"a": 0.5, "b": -40.0}
+    channels = {
+        "linear": from_dict(linear),
+        "rational": from_dict({"P1": 0, "P2": 2, "P3": 1, "P4": 0, "P5": 1, "P6": 4}),
+        "formula": from_dict({"formula": "X1*2+1"}),
+        "root": from_dict({"formula": "sqrt(X)+1"}),
+        "unknown": from_dict({"formula": "lookup(X)"}),
+        "interpolated": from_dict({"interpolation": True, **table([0, 50, 99], [0, 100, 2])}),
+        "nearest": from_dict({"interpolation": False, **table([0, 50, 99], [0, 100, 2])}),
+        "status": from_dict({"val_0": 99, "text_0": b"invalid", "default_addr": from_dict(linear)}),
+        "words": from_dict({"val_0": 0, "text_0": b"off", "val_1": 1, "text_1": b"on"}),
+    }
+    stored = np.arange(100, dtype="<u2")
+    signals = [
+        asammdf.Signal(stored, TIME, name=name, conversion=conversion)
+        for name, conversion in channels.items()
+    ]
+    signals.append(asammdf.Signal((stored / 8).astype("<f2"), TIME, name="half"))
+    parts = np.zeros(100, dtype=[("array", "(3,)<f8"), ("axis", "(3,)<f8")])
+    signals.append(asammdf.Signal(parts, TIME, name="array"))
+    marks = asammdf.InvalidationArray(stored % 10 == 3)
+    signals.append(asammdf.Signal(stored, TIME, name="marked", invalidation_bits=marks))
+    file = asammdf.MDF(version="4.10")
+    file.append(signals, common_timebase=True)
+    file.save(HERE / "conversions.mf4", overwrite=True)
+    values = lambda name: asammdf.MDF(HERE / "conversions.mf4").get(name).samples
+    np.testing.assert_array_equal(values("linear"), 0.5 * stored - 40)
+    np.testing.assert_array_equal(values("formula"), 2 * stored + 1)
+    np.testing.assert_allclose(values("rational"), (2 * stored + 1) / (stored + 4))
+    np.testing.assert_allclose(values("interpolated"), np.interp(stored, [0, 50, 99], [0, 100, 2]))
+
+
+def table(keys, values):
+    raw = {f"raw_{index}": key for index, key in enumerate(keys)}
+    return raw | {f"phys_{index}": value for index, value in enumerate(values)}
+
+
+def several_times():
+    """Two groups of equal length with other times: the second 0.5 s later, at half the rate."""
+    other = 0.5 + 2 * TIME
+    file = asammdf.MDF(version="4.10")
+    for name, time in [("a", TIME), ("b", other)]:
+        signal = asammdf.Signal(100 * time, time, name=name)
+        file.append([signal], acq_name="same", common_timebase=True)
+    file.save(HERE / "two-times.mf4", overwrite=True)
+    day = np.datetime64("2026-11-27T12:00:00", "us")
+    starts = {"a": (day, 0.01, TIME), "b": (day + np.timedelta64(500_000, "us"), 0.02, other)}
+    with nptdms.TdmsWriter(HERE / "two-times.tdms") as writer:
+        for name, (start, step, time) in starts.items():
+            properties = {"wf_start_time": start, "wf_increment": step}
+            writer.write_segment([nptdms.ChannelObject("same", name, 100 * time, properties=properties)])
+        for name, (start, _, time) in starts.items():
+            stamps = start + np.round(1e6 * (time - time[0])).astype("timedelta64[us]")
+            writer.write_segment([nptdms.ChannelObject("stamps", name, stamps)])
+    # One value of each channel in a segment.
+    with nptdms.TdmsWriter(HERE / "fragments.tdms") as writer:
+        for index in range(100):
+            row = slice(index, index + 1)
+            parts = [("angle", ANGLE), ("force", FORCE)]
+            writer.write_segment([nptdms.ChannelObject("bench", name, data[row]) for name, data in parts])
+    stamps = day + np.round(1e6 * TIME).astype("timedelta64[us]")
+    frame = pandas.DataFrame({"stamp": stamps.astype("datetime64[ns]"), "force": FORCE})
+    pyarrow.parquet.write_table(pyarrow.Table.from_pandas(frame), HERE / "stamps.parquet")
+
+
+def classes():
+    """Variables that MATLAB stores with the marks of their class, and others of HDF5."""
+    with h5py.File(HERE / "classes.mat", "w", userblock_size=512) as file:
+        def variable(name, data, **attributes):
+            file.create_dataset(name, data=data)
+            for key, value in attributes.items():
+                file[name].attrs[key] = np.bytes_(value) if isinstance(value, str) else value
+
+        variable("time", TIME.reshape(1, -1), MATLAB_class="double")
+        variable("flag", np.uint8([[0, 1] * 50]), MATLAB_class="logical")
+        variable("when", np.uint32([[3_708_000_000, 2, 1, 1, 1, 1]]), MATLAB_class="datetime",
+                 MATLAB_object_decode=np.int32(3))
+        variable("label", np.uint32([[3_708_000_000, 2, 1, 1, 1, 1]]), MATLAB_class="string")
+        z = np.zeros((1, 100), dtype=[("real", "<f8"), ("imag", "<f8")])
+        variable("complex", z, MATLAB_class="double")
+        sparse = file.create_group("sparse")
+        sparse.attrs["MATLAB_class"] = np.bytes_("double")
+        sparse.attrs["MATLAB_sparse"] = np.uint64(3)
+        sparse.create_dataset("data", data=TIME)
+    head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM"
+    with open(HERE / "classes.mat", "r+b") as file:
+        file.write(head)
+    with h5py.File(HERE / "half.h5", "w") as file:
+        file.create_dataset("half", data=(np.arange(100) / 8).astype("<f2"))
+        # Each group refers to the next ten times.
+        for depth in range(12):
+            for link in range(10):
+                file.require_group(f"g{depth + 1}")
+                file.require_group(f"g{depth}")[f"to{link}"] = file[f"g{depth + 1}"]
+
+
 if __name__ == "__main__":
-    for write in [text, mdf, tdms, hdf5, matlab, tables]:
+    for write in [text, mdf, tdms, hdf5, matlab, tables, conversions, several_times, classes]:
         write()

@@ -37,9 +37,14 @@ pub(in crate::log) trait LogFile {
         ""
     }
 
-    /// Group of a column, whose columns share a time; empty without groups.
+    /// Group of a column; empty without groups.
     fn group(&self, _index: usize) -> &str {
         ""
+    }
+
+    /// Column with the times of a column, its own for times; `None` if the file does not state it.
+    fn time_of(&self, _index: usize) -> Option<usize> {
+        None
     }
 
     /// Number of columns.

@@ -8,6 +8,7 @@
 
 use super::file::{LogFile, MAX_COLUMNS, MAX_NAMES, MAX_ROWS, MAX_VALUES, guarded, refused};
 use crate::log::LogError;
+use half::f16;
 use hdf5_pure::{AttrValue, Dataset, Datatype, DatatypeByteOrder, File, Group};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -24,7 +25,12 @@ const MAX_BYTES: u64 = 1 << 31;
 /// Groups of a MAT-file that are not variables.
 const INTERNAL: [&str; 2] = ["#refs#", "#subsystem#"];
 const READABLE: &str = "complete HDF5 with plain, gzip, LZF or shuffled data";
-const NO_NUMBERS: &str = "no numbers (a text, references, an object or an empty array)";
+const NO_NUMBERS: &str = "no numbers (a text, references, an object, an empty array or another type)";
+/// Classes of MATLAB whose variables are numbers.
+const NUMBERS: [&str; 11] =
+    ["double", "single", "logical", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"];
+/// Attributes of variables of MATLAB that contain no plain numbers.
+const OTHER_CONTENT: [&str; 3] = ["MATLAB_empty", "MATLAB_object_decode", "MATLAB_sparse"];
 
 /// Part of a data set that is a column.
 #[derive(Clone, Debug)]
@@ -52,6 +58,8 @@ pub(super) struct Hdf5 {
     is_matlab: bool,
     columns: Vec<Column>,
     names: Vec<String>,
+    /// Number of groups that were listed.
+    groups: usize,
     /// Values of the matrix, or bytes of the table, that was read last.
     matrix: RefCell<Option<(String, Vec<f64>)>>,
     table: RefCell<Option<(String, Vec<u8>)>>,
@@ -67,6 +75,7 @@ impl Hdf5 {
             is_matlab,
             columns: Vec::new(),
             names: Vec::new(),
+            groups: 0,
             matrix: RefCell::default(),
             table: RefCell::default(),
         };
@@ -83,6 +92,10 @@ impl Hdf5 {
         if depth > MAX_DEPTH {
             return Err(format!("groups that are nested more than {MAX_DEPTH} deep"));
         }
+        self.groups += 1;
+        if self.groups > MAX_NAMES {
+            return Err(format!("more than {MAX_NAMES} groups"));
+        }
         let separator = if self.is_matlab { '.' } else { '/' };
         let below = |above: &str, separator: char, own: &str| match above {
             "" => own.to_owned(),
@@ -93,8 +106,16 @@ impl Hdf5 {
             self.add(&dataset, &below(path, '/', &own), &below(name, separator, &own))?;
         }
         for (own, group) in group.iter_groups().map_err(|error| error.to_string())? {
-            if !(self.is_matlab && INTERNAL.contains(&own.as_str())) {
-                self.walk(&group, &below(path, '/', &own), &below(name, separator, &own), depth + 1)?;
+            if self.is_matlab && INTERNAL.contains(&own.as_str()) {
+                continue;
+            }
+            let (path, name) = (below(path, '/', &own), below(name, separator, &own));
+            let attributes = group.attrs().unwrap_or_default();
+            if self.is_matlab && OTHER_CONTENT.iter().any(|other| attributes.contains_key(*other)) {
+                self.columns.push(Column { path, part: Part::Refused(NO_NUMBERS), unit: String::new() });
+                self.names.push(name);
+            } else {
+                self.walk(&group, &path, &name, depth + 1)?;
             }
         }
         Ok(())
@@ -105,8 +126,9 @@ impl Hdf5 {
         let attributes = dataset.attrs().unwrap_or_default();
         let unit = text(&attributes, "units").or_else(|| text(&attributes, "unit")).unwrap_or_default();
         let class = self.is_matlab.then(|| text(&attributes, "MATLAB_class")).flatten();
-        let is_empty = self.is_matlab && attributes.contains_key("MATLAB_empty");
-        let is_other = matches!(class.as_deref(), Some("char" | "cell" | "function_handle" | "table"));
+        let is_marked = OTHER_CONTENT.iter().any(|other| attributes.contains_key(*other));
+        let is_class = class.as_deref().is_some_and(|class| !NUMBERS.contains(&class));
+        let is_other = self.is_matlab && (is_marked || is_class);
         let mut push = |name: String, part: Part| {
             self.columns.push(Column { path: path.to_owned(), part, unit: unit.clone() });
             self.names.push(name);
@@ -124,11 +146,14 @@ impl Hdf5 {
         if is_large || bytes.is_none_or(|bytes| bytes > MAX_BYTES) {
             return push(name.to_owned(), Part::Refused("more values than can be held"));
         }
-        if is_empty || is_other || count == Some(0) {
+        if is_other || count == Some(0) {
             return push(name.to_owned(), Part::Refused(NO_NUMBERS));
         }
         let lengths: Vec<u64> = shape.iter().copied().filter(|length| *length != 1).collect();
         match (&datatype, lengths.as_slice()) {
+            (Datatype::Compound { .. }, _) if self.is_matlab => {
+                push(name.to_owned(), Part::Refused("complex numbers"))
+            }
             (Datatype::Compound { size, members }, [] | [_]) => {
                 for member in members {
                     let offset = usize::try_from(member.byte_offset).map_err(|error| error.to_string())?;
@@ -235,7 +260,8 @@ fn cached<'a, T>(
 /// Values of a data set, or of one of its rows.
 fn values(dataset: &Dataset, row: Option<u64>) -> Result<Vec<f64>, String> {
     let datatype = dataset.datatype().map_err(|error| error.to_string())?;
-    if let Datatype::Enumeration { size, .. } = &datatype {
+    // The library does not return these as numbers.
+    if let Datatype::Enumeration { size, .. } | Datatype::FloatingPoint { size: size @ 2, .. } = &datatype {
         let bytes = match row {
             Some(row) => dataset.read_raw_rows(row, 1),
             None => dataset.read_raw(),
@@ -279,6 +305,9 @@ fn number(datatype: &Datatype, bytes: &[u8]) -> Option<f64> {
                 (8, false) => read!(u64, byte_order) as f64,
                 _ => return None,
             }
+        }
+        Datatype::FloatingPoint { size: 2, byte_order, layout } if layout.exponent_size == 5 => {
+            f16::from_bits(read!(u16, byte_order)).to_f64()
         }
         Datatype::FloatingPoint { size: 4, byte_order, layout } if layout.exponent_size == 8 => {
             f64::from(read!(f32, byte_order))

@@ -2,14 +2,14 @@
 //! nullable or not, in any number of row groups.
 //!
 //! Columns inside groups are named with points (`motor.angle`); lists are refused when a column
-//! asks for them. Pages may be plain or compressed with Snappy, gzip or LZ4. Logs are written as
+//! asks for them. Time stamps are in seconds since the first one of the first such column. Pages may be plain or compressed with Snappy, gzip or LZ4. Logs are written as
 //! required doubles in one row group, without compression.
 
 use super::file::{LogFile, MAX_ROWS, guarded, refused};
 use super::write::Written;
 use crate::log::LogError;
 use bytes::Bytes;
-use parquet::basic::{ConvertedType, Repetition, Type as PhysicalType};
+use parquet::basic::{ConvertedType, LogicalType, Repetition, TimeUnit, Type as PhysicalType};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType};
 use parquet::errors::ParquetError;
@@ -33,6 +33,9 @@ const READABLE: &str = "complete Parquet with plain, Snappy, gzip or LZ4 pages";
 pub(super) struct Table {
     names: Vec<String>,
     units: Vec<String>,
+    /// Stamps per second of each column that has time stamps, and the first stamp of the file.
+    stamps: Vec<Option<f64>>,
+    origin: i64,
     reader: SerializedFileReader<Bytes>,
 }
 
@@ -43,8 +46,34 @@ impl Table {
         let schema = reader.metadata().file_metadata().schema_descr_ptr();
         let names: Vec<String> = schema.columns().iter().map(|c| c.path().string()).collect();
         let known = units(&reader);
-        let units = names.iter().map(|name| known.get(name).cloned().unwrap_or_default()).collect();
-        Ok(Self { names, units, reader })
+        let stamps: Vec<Option<f64>> =
+            schema.columns().iter().map(|c| per_second(c.logical_type_ref(), c.converted_type())).collect();
+        let unit = |(name, stamps): (&String, &Option<f64>)| match stamps {
+            Some(_) => "s".to_owned(),
+            None => known.get(name).cloned().unwrap_or_default(),
+        };
+        let units = names.iter().zip(&stamps).map(unit).collect();
+        let mut out = Self { names, units, stamps, origin: 0, reader };
+        let first = out.stamps.iter().position(Option::is_some);
+        // A damaged column is refused when its values are read.
+        out.origin = first.and_then(|index| guarded(|| out.first_stamp(index)).ok()?).unwrap_or(0);
+        Ok(out)
+    }
+
+    /// First time stamp of a column.
+    fn first_stamp(&self, index: usize) -> Result<Option<i64>, ParquetError> {
+        for group in 0..self.reader.num_row_groups() {
+            let reader = self.reader.get_row_group(group)?.get_column_reader(index)?;
+            let ColumnReader::Int64ColumnReader(mut reader) = reader else { return Ok(None) };
+            let (mut values, mut levels) = (Vec::new(), Vec::new());
+            while values.is_empty() && reader.read_records(BATCH, Some(&mut levels), None, &mut values)?.0 > 0
+            {
+            }
+            if let Some(first) = values.first() {
+                return Ok(Some(*first));
+            }
+        }
+        Ok(None)
     }
 }
 
@@ -81,9 +110,19 @@ impl LogFile for Table {
         );
         let mut out = Vec::new();
         for group in 0..self.reader.num_row_groups() {
+            if out.len() > MAX_ROWS {
+                break;
+            }
             let read = guarded(|| {
                 let reader = self.reader.get_row_group(group)?.get_column_reader(index)?;
-                append_any(reader, unsigned, description.max_def_level(), &mut out)
+                let stamps = self.stamps.get(index).copied().flatten();
+                match (stamps, reader) {
+                    (Some(per_second), ColumnReader::Int64ColumnReader(reader)) => {
+                        let since = |stamp: &i64| stamp.wrapping_sub(self.origin) as f64 / per_second;
+                        append(reader, description.max_def_level(), &mut out, since).map(|()| true)
+                    }
+                    (_, reader) => append_any(reader, unsigned, description.max_def_level(), &mut out),
+                }
             });
             match read {
                 Ok(true) => {}
@@ -95,6 +134,20 @@ impl LogFile for Table {
             }
         }
         Ok(out)
+    }
+}
+
+/// Time stamps per second of a column; `None` if it has none.
+fn per_second(logical: Option<&LogicalType>, converted: ConvertedType) -> Option<f64> {
+    match (logical, converted) {
+        (Some(LogicalType::Timestamp(stamps)), _) => Some(match stamps.unit {
+            TimeUnit::MILLIS => 1e3,
+            TimeUnit::MICROS => 1e6,
+            TimeUnit::NANOS => 1e9,
+        }),
+        (_, ConvertedType::TIMESTAMP_MILLIS) => Some(1e3),
+        (_, ConvertedType::TIMESTAMP_MICROS) => Some(1e6),
+        _ => None,
     }
 }
 
@@ -148,7 +201,7 @@ fn append<T: DataType>(
         } else {
             out.extend(values);
         }
-        // The caller refuses rows beyond the limit; here they must only not fill the memory.
+        // The callers refuse rows beyond the limit; here they must only not fill the memory.
         if out.len() > MAX_ROWS {
             return Ok(());
         }

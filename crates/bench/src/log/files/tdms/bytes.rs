@@ -98,7 +98,7 @@ impl Kind {
             Self::F32 => f64::from(read!(f32)),
             Self::F64 => read!(f64),
             Self::Bool => f64::from(u8::from(read!(u8) != 0)),
-            Self::Timestamp => read!(u128).wrapping_sub(origin).cast_signed() as f64 / 2f64.powi(64),
+            Self::Timestamp => super::seconds(read!(u128), origin),
             Self::Other(_) => return None,
         })
     }

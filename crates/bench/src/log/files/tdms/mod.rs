@@ -24,11 +24,16 @@ use std::collections::HashMap;
 /// First bytes of a file.
 pub(in crate::log::files) const TDMS: &[u8] = b"TDSm";
 const COMPLETE: &str = "a complete TDMS file";
-/// Seconds between two samples of a waveform, and time of the first one.
+/// Seconds between two samples of a waveform, time of the first one since the start, and start.
 const INCREMENT: &str = "wf_increment";
 const OFFSET: &str = "wf_start_offset";
+const START: &str = "wf_start_time";
+/// Unit of the increments, if they are not seconds.
+const UNIT: &str = "wf_xunit_string";
 /// Name of the column of times.
 const TIMES: &str = "wf_time";
+/// Fractions of a second in a time stamp.
+const STAMPS_PER_S: f64 = 18_446_744_073_709_551_616.0;
 
 /// Reason to stop parsing a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +46,8 @@ enum Flaw {
 #[derive(Clone, Debug, PartialEq)]
 enum Property {
     Number(f64),
+    /// Time since 1904 in 2^-64 s.
+    Stamp(u128),
     Text(String),
     Other,
 }
@@ -62,6 +69,28 @@ struct Piece {
     chunk_bytes: usize,
 }
 
+impl Piece {
+    /// Appends values that follow at the same distances, so that a file of many short segments
+    /// needs little memory; returns `false` for others.
+    fn continues(&mut self, next: &Self) -> bool {
+        let distance = next.start.saturating_sub(self.start);
+        let is_alike = (self.kind, self.is_big, self.count, self.stride)
+            == (next.kind, next.is_big, next.count, next.stride);
+        let is_even = match self.chunks {
+            1 => distance > 0,
+            chunks => self.chunk_bytes.checked_mul(chunks) == Some(distance),
+        };
+        if !is_alike || !is_even || next.chunks != 1 {
+            return false;
+        }
+        if self.chunks == 1 {
+            self.chunk_bytes = distance;
+        }
+        self.chunks += 1;
+        true
+    }
+}
+
 /// Object of a file: the file itself, a group or a channel.
 #[derive(Debug, Default)]
 struct Object {
@@ -80,12 +109,42 @@ impl Object {
     fn number(&self, name: &str) -> Option<f64> {
         if let Some(Property::Number(value)) = self.properties.get(name) { Some(*value) } else { None }
     }
+
+    fn text(&self, name: &str) -> &str {
+        if let Some(Property::Text(text)) = self.properties.get(name) { text } else { "" }
+    }
+
+    /// Start of a waveform; `None` if it is not set.
+    fn start(&self) -> Option<u128> {
+        match self.properties.get(START) {
+            Some(Property::Stamp(start)) if *start != 0 => Some(*start),
+            _ => None,
+        }
+    }
+
+    /// Times of the samples of a waveform since an origin.
+    fn times(&self, origin: u128) -> Option<Times> {
+        let increment_s = self.number(INCREMENT).filter(|increment_s| *increment_s > 0.0)?;
+        let start_s = self.start().map_or(0.0, |start| seconds(start, origin));
+        let offset_s = start_s + self.number(OFFSET).unwrap_or(0.0);
+        let unit = if self.text(UNIT).is_empty() { "s" } else { self.text(UNIT) };
+        Some(Times { increment_s, offset_s, count: self.len(), unit: unit.into() })
+    }
+}
+
+/// Times of a waveform.
+#[derive(Clone, Debug, PartialEq)]
+struct Times {
+    increment_s: f64,
+    offset_s: f64,
+    count: usize,
+    unit: String,
 }
 
 /// Column of a file.
 enum Column {
     Channel(usize),
-    Times { increment_s: f64, offset_s: f64, count: usize },
+    Times(Times),
 }
 
 /// Channels of a file.
@@ -95,6 +154,10 @@ pub(in crate::log::files) struct Tdms {
     columns: Vec<Column>,
     names: Vec<String>,
     groups: Vec<String>,
+    /// Column with the times of each column.
+    times: Vec<Option<usize>>,
+    /// Earliest start of a waveform or first time stamp of a channel.
+    origin: u128,
 }
 
 impl Tdms {
@@ -107,7 +170,10 @@ impl Tdms {
                 format!("at most {MAX_VALUES} numbers and {MAX_NAMES} objects; divide the log into several"),
             ),
         })?;
-        let mut out = Self { bytes, objects, columns: Vec::new(), names: Vec::new(), groups: Vec::new() };
+        let (names, groups) = (Vec::new(), Vec::new());
+        let mut out =
+            Self { bytes, objects, columns: Vec::new(), names, groups, times: Vec::new(), origin: 0 };
+        out.origin = out.objects.iter().filter_map(|object| out.first_stamp(object)).min().unwrap_or(0);
         out.list();
         if out.columns.is_empty() {
             return Err(LogError::content(file, "no channels", "a channel for each signal"));
@@ -115,29 +181,36 @@ impl Tdms {
         Ok(out)
     }
 
-    /// Lists the columns: channels with content, and times of waveforms, each once.
+    /// Earliest time that an object states: start of a waveform, else first stamp of a channel.
+    fn first_stamp(&self, object: &Object) -> Option<u128> {
+        let piece = object.pieces.first().filter(|piece| piece.kind == Kind::Timestamp);
+        let first = piece.map(|piece| piece.kind.stamp(self.after(piece.start), piece.is_big));
+        let start = object.start().filter(|_| object.number(INCREMENT).is_some());
+        start.or(first)
+    }
+
+    /// Lists the columns: channels, and times of waveforms, each once.
     fn list(&mut self) {
         let mut places = Vec::new();
-        let mut known: HashMap<(&str, u64, u64), usize> = HashMap::new();
+        let mut known: HashMap<(&str, u64, u64, usize), usize> = HashMap::new();
         for (index, object) in self.objects.iter().enumerate() {
             let [group, channel] = object.path.as_slice() else { continue };
-            let count = object.len();
-            if count == 0 && object.refusal.is_none() {
-                continue;
-            }
             places.push((group.clone(), channel.clone()));
             self.columns.push(Column::Channel(index));
-            let increment_s = object.number(INCREMENT).filter(|increment_s| *increment_s > 0.0);
-            let Some(increment_s) = increment_s.filter(|_| object.refusal.is_none()) else { continue };
-            let offset_s = object.number(OFFSET).unwrap_or(0.0);
-            let found = known.get(&(group.as_str(), increment_s.to_bits(), offset_s.to_bits()));
-            match found.and_then(|place| self.columns.get_mut(*place)) {
-                Some(Column::Times { count: known, .. }) => *known = count.max(*known),
-                _ => {
-                    known.insert((group, increment_s.to_bits(), offset_s.to_bits()), self.columns.len());
-                    places.push((group.clone(), TIMES.into()));
-                    self.columns.push(Column::Times { increment_s, offset_s, count });
-                }
+            let times = object.times(self.origin).filter(|times| object.refusal.is_none() && times.count > 0);
+            let Some(times) = times else {
+                self.times.push(None);
+                continue;
+            };
+            let key = (group.as_str(), times.increment_s.to_bits(), times.offset_s.to_bits(), times.count);
+            let found = known.get(&key).copied();
+            let place = found.unwrap_or(self.columns.len());
+            self.times.push(Some(place));
+            if found.is_none() {
+                known.insert(key, place);
+                places.push((group.clone(), TIMES.into()));
+                self.columns.push(Column::Times(times));
+                self.times.push(Some(place));
             }
         }
         self.names = unique_names(&places);
@@ -159,7 +232,7 @@ impl Tdms {
         self.bytes.get(at..).unwrap_or_default()
     }
 
-    /// Numbers of a channel; time stamps are in s since the first one.
+    /// Numbers of a channel; time stamps are in s since the first one of the file.
     fn numbers(&self, channel: &Object) -> Result<Vec<f64>, String> {
         if let Some(refusal) = channel.refusal {
             return Err(refusal.into());
@@ -168,14 +241,12 @@ impl Tdms {
             return Err(format!("more than {MAX_ROWS} values"));
         }
         let scales = self.scales(channel)?;
-        let first = |piece: &Piece| piece.kind.stamp(self.after(piece.start), piece.is_big);
-        let origin = channel.pieces.first().map_or(0, first);
         let mut out = Vec::with_capacity(channel.len());
         for piece in &channel.pieces {
             for chunk in 0..piece.chunks {
                 for index in 0..piece.count {
                     let at = piece.start + chunk * piece.chunk_bytes + index * piece.stride;
-                    let stored = piece.kind.number(self.after(at), piece.is_big, origin);
+                    let stored = piece.kind.number(self.after(at), piece.is_big, self.origin);
                     out.push(scales.value(stored.ok_or("content that is no number")?));
                 }
             }
@@ -197,13 +268,18 @@ impl LogFile for Tdms {
         self.groups.get(index).map_or("", String::as_str)
     }
 
+    fn time_of(&self, index: usize) -> Option<usize> {
+        self.times.get(index).copied().flatten()
+    }
+
     fn unit(&self, index: usize) -> &str {
         match self.columns.get(index) {
-            Some(Column::Times { .. }) => "s",
-            Some(Column::Channel(channel)) => {
-                let unit = self.objects.get(*channel).and_then(|o| o.properties.get("unit_string"));
-                if let Some(Property::Text(unit)) = unit { unit } else { "" }
-            }
+            Some(Column::Times(times)) => &times.unit,
+            Some(Column::Channel(channel)) => match self.objects.get(*channel) {
+                Some(object) if object.pieces.first().is_some_and(|p| p.kind == Kind::Timestamp) => "s",
+                Some(object) => object.text("unit_string"),
+                None => "",
+            },
             None => "",
         }
     }
@@ -212,7 +288,7 @@ impl LogFile for Tdms {
         let name = self.names.get(index).map_or("", String::as_str);
         let refuse = |found: String| refused(file, (name, wanted), found, "numbers with a linear scale");
         match self.columns.get(index) {
-            Some(Column::Times { increment_s, offset_s, count }) => {
+            Some(Column::Times(Times { increment_s, offset_s, count, .. })) => {
                 Ok((0..*count).map(|i| offset_s + i as f64 * increment_s).collect())
             }
             Some(Column::Channel(channel)) => {
@@ -222,4 +298,9 @@ impl LogFile for Tdms {
             None => Err(refuse(format!("only {} columns", self.columns.len()))),
         }
     }
+}
+
+/// Seconds from one time stamp to another.
+fn seconds(stamp: u128, origin: u128) -> f64 {
+    stamp.wrapping_sub(origin).cast_signed() as f64 / STAMPS_PER_S
 }

@@ -23,6 +23,8 @@ const CARD_LINES: u32 = 0x126A;
 const CARD_TYPE: u32 = u32::MAX;
 /// Maximum number of passes times objects, which bounds the time that a file can take.
 const MAX_STEPS: usize = 1_000_000_000;
+/// Maximum number of stretches of values that do not follow each other evenly.
+const MAX_PIECES: usize = 5_000_000;
 /// Maximum number of buffers and numbers of a card in one channel.
 const MAX_CARD: u32 = 1024;
 
@@ -56,6 +58,7 @@ struct File {
     /// Objects with data in the current segment, in order.
     active: Vec<usize>,
     values: usize,
+    pieces: usize,
     steps: usize,
 }
 
@@ -175,8 +178,12 @@ impl File {
             if self.values > MAX_VALUES {
                 return Err(Flaw::TooLarge);
             }
-            if values > 0 {
+            if values > 0 && !object.pieces.last_mut().is_some_and(|last| last.continues(&piece)) {
+                self.pieces += 1;
                 object.pieces.push(piece);
+            }
+            if self.pieces > MAX_PIECES {
+                return Err(Flaw::TooLarge);
             }
         }
         Ok(())
@@ -253,7 +260,10 @@ fn property(cursor: &mut Cursor<'_>) -> Result<Property, Flaw> {
         Kind::Other(0) => Property::Text(cursor.text()?),
         kind => {
             let bytes = cursor.take(kind.size())?;
-            kind.number(bytes, cursor.is_big, 0).map_or(Property::Other, Property::Number)
+            match kind {
+                Kind::Timestamp => Property::Stamp(kind.stamp(bytes, cursor.is_big)),
+                _ => kind.number(bytes, cursor.is_big, 0).map_or(Property::Other, Property::Number),
+            }
         }
     })
 }
