@@ -47,7 +47,8 @@ pub struct InfoArgs {
     host-sim log convert bench.mf4 bench.csv --rate 1000\n  \
     host-sim log convert bench.mat si.csv --bench my-bench.toml\n\n\
     Without --bench the values and names are those of the log; columns with another number of rows\n\
-    than the time are left out, unless --rate gives all columns one time. With --bench the file has the signals of the description in SI.")]
+    or other times than the time are left out, unless --rate gives all columns one time. With --bench\n\
+    the file has the signals of the description in SI.")]
 pub struct ConvertArgs {
     /// Log.
     #[arg(value_name = "LOG")]

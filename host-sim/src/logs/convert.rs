@@ -72,7 +72,7 @@ pub(crate) fn as_found(log: &RawLog, names: &[String], out: &Path) -> Result<Con
     log.write(out, &chosen)?;
     Ok(Converted {
         log: out.display().to_string(),
-        columns: chosen.iter().map(|column| column.name.clone()).collect(),
+        columns: chosen.iter().map(|column| column.label()).collect(),
         rows: chosen.first().map_or(0, |column| column.values.len()),
         left_out,
     })
@@ -114,7 +114,7 @@ pub(crate) fn resampled(
     log.write(out, &columns.iter().collect::<Vec<_>>())?;
     Ok(Converted {
         log: out.display().to_string(),
-        columns: columns.iter().map(|column| column.name.clone()).collect(),
+        columns: columns.iter().map(|column| column.label()).collect(),
         rows: columns.first().map_or(0, |column| column.values.len()),
         left_out,
     })
@@ -130,10 +130,11 @@ fn of_time(log: &RawLog) -> (Vec<&RawColumn>, Vec<String>) {
         let own = time_of(log, column).map(|(own, _)| own);
         match (own, time) {
             _ if column.values.len() != rows => {
-                left_out.push(format!("{} ({} rows)", column.name, column.values.len()));
+                left_out.push(format!("{} ({} rows)", column.label(), column.values.len()));
             }
             (Some(own), Some(time)) if own.values != time.values => {
-                left_out.push(format!("{} (times of {})", column.name, own.name));
+                let reason = if own.index == column.index { "other times" } else { &own.name };
+                left_out.push(format!("{} ({reason})", column.label()));
             }
             _ => chosen.push(column),
         }
@@ -157,10 +158,10 @@ fn check_times(log: &RawLog, columns: &[&RawColumn]) -> Result<(), CliError> {
 }
 
 fn named<'a>(log: &'a RawLog, names: &[String]) -> Result<Vec<&'a RawColumn>, CliError> {
-    let find = |name: &String| log.columns.iter().find(|column| column.name == *name);
+    let find = |name: &String| log.columns.iter().find(|column| column.label() == *name);
     let missing: Vec<&str> = names.iter().filter(|n| find(n).is_none()).map(String::as_str).collect();
     if !missing.is_empty() {
-        let known: Vec<&str> = log.columns.iter().map(|column| column.name.as_str()).collect();
+        let known: Vec<String> = log.columns.iter().map(RawColumn::label).collect();
         return Err(CliError::Input(format!(
             "--column: found `{}`; expected columns among `{}`",
             missing.join("`, `"),

@@ -109,7 +109,9 @@ fn time(column: &RawColumn, scale: Option<f64>) -> TimeInfo {
     let steps = || column.values.windows(2).filter_map(|pair| Some(factor * (pair.get(1)? - pair.first()?)));
     let mut sorted: Vec<f64> = steps().filter(|step| step.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
-    let ends = column.values.first().zip(column.values.last());
+    let mut finite = column.values.iter().filter(|value| value.is_finite());
+    let first = finite.next();
+    let ends = first.zip(finite.next_back().or(first));
     let falls = || steps().enumerate().filter(|(_, step)| step.is_nan() || *step <= 0.0);
     TimeInfo {
         index: column.index,

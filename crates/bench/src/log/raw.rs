@@ -27,6 +27,11 @@ pub struct RawColumn {
 }
 
 impl RawColumn {
+    /// Name, `column_0` and so on without one.
+    pub fn label(&self) -> String {
+        if self.name.is_empty() { format!("column_{}", self.index) } else { self.name.clone() }
+    }
+
     /// Smallest and largest reading; `None` without readings.
     pub fn range(&self) -> Option<(f64, f64)> {
         let readings = || self.values.iter().copied().filter(|value| value.is_finite());
@@ -124,9 +129,11 @@ impl RawLog {
             let found = format!("columns of {} rows", lengths.join(" and "));
             return Err(LogError::content(&self.source, found, "columns of one length"));
         }
+        let names: Vec<String> = columns.iter().map(|column| column.label()).collect();
         let written: Vec<Written<'_>> = columns
             .iter()
-            .map(|column| Written { name: &column.name, unit: &column.unit, values: &column.values })
+            .zip(&names)
+            .map(|(column, name)| Written { name, unit: &column.unit, values: &column.values })
             .collect();
         let bytes = files::bytes(&file, &written)?;
         atomic::write(path, &bytes).map_err(|source| LogError::Io { file, source })

@@ -32,19 +32,7 @@ pub fn resample(source: &str, columns: &[Timed<'_>], rate_hz: f64) -> Result<Vec
         }
         points.push(pairs);
     }
-    let has_reading = |pair: &&(f64, f64)| pair.1.is_finite();
-    let ends = points.iter().map(|pairs| {
-        let mut found = pairs.iter().filter(has_reading).map(|(t, _)| *t);
-        Some((found.next()?, found.next_back()?))
-    });
-    let shared = ends.reduce(|a, b| Some((a?.0.max(b?.0), a?.1.min(b?.1)))).flatten();
-    let Some((start_s, end_s)) = shared.filter(|(start_s, end_s)| end_s > start_s) else {
-        return Err(LogError::content(
-            source,
-            "columns without a common stretch of time",
-            "times that overlap",
-        ));
-    };
+    let (start_s, end_s) = shared(source, columns, &points)?;
     // A rounding of the last time must not lose its row.
     let rows = ((end_s - start_s) * rate_hz + 1e-6).floor() + 1.0;
     let most = MAX_ROWS.min(MAX_VALUES / (columns.len() + 1));
@@ -69,6 +57,29 @@ pub fn resample(source: &str, columns: &[Timed<'_>], rate_hz: f64) -> Result<Vec
     };
     let columns: Vec<RawColumn> = columns.iter().zip(&points).enumerate().map(sampled).collect();
     Ok(std::iter::once(own(0, TIME, "s", time_s.clone())).chain(columns).collect())
+}
+
+/// First and last time that all columns have.
+fn shared(source: &str, columns: &[Timed<'_>], points: &[Vec<(f64, f64)>]) -> Result<(f64, f64), LogError> {
+    let mut ends = Vec::new();
+    for (Timed { column, .. }, pairs) in columns.iter().zip(points) {
+        let mut times = pairs.iter().filter(|(_, value)| value.is_finite()).map(|(t, _)| *t);
+        let Some((first, last)) = times.next().zip(times.next_back()) else {
+            let found = format!("fewer than 2 readings of `{}`", column.name);
+            return Err(LogError::content(source, found, "at least 2"));
+        };
+        ends.push((first, last, column.name.as_str()));
+    }
+    let latest = ends.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    let earliest = ends.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    match latest.zip(earliest) {
+        Some(((start_s, ..), (_, end_s, _))) if end_s > start_s => Ok((*start_s, *end_s)),
+        Some(((start_s, _, late), (_, end_s, early))) => {
+            let found = format!("`{late}` from {start_s} s on and `{early}` until {end_s} s");
+            Err(LogError::content(source, found, "columns with a common stretch of time"))
+        }
+        None => Err(LogError::content(source, "no columns with times", "at least one")),
+    }
 }
 
 /// Linear interpolation between points that ascend, at times that ascend and lie between the ends.
@@ -136,7 +147,9 @@ mod tests {
             resample("a", &timed, 10.0).unwrap_err().to_string()
         };
         assert!(refused([&[0.0, 2.0, 1.0], &[0.0, 1.0, 2.0]]).contains("times of `one` that do not ascend"));
-        assert!(refused([&[0.0, 1.0, 2.0], &[3.0, 4.0, 5.0]]).contains("without a common stretch"));
+        assert!(
+            refused([&[0.0, 1.0, 2.0], &[3.0, 4.0, 5.0]]).contains("`one` from 3 s on and `one` until 2 s")
+        );
         assert!(refused([&[0.0, 1e9, 2e9], &[0.0, 1e9, 2e9]]).contains("rows of 2 columns at this rate"));
     }
 }

@@ -75,7 +75,8 @@ impl Chosen<'_> {
     }
 }
 
-/// Chooses the column of a signal: that with its name, or the first of its quantity with a unit.
+/// Chooses the column of a signal: that with its name, or the first of its quantity with a unit,
+/// rather one whose name has a word for the quantity (of `delay [s]` and `time [s]` the second).
 pub(super) fn choose<'a>(
     candidates: &[Candidate<'a>],
     name: &str,
@@ -92,7 +93,9 @@ pub(super) fn choose<'a>(
         c.meaning.quantity == Some(quantity) && (quantity == Quantity::Load || !is_other_kind)
     };
     let mut fit = candidates.iter().filter(suits);
-    let first = fit.clone().find(|c| c.meaning.scale.is_some()).or_else(|| fit.next())?;
+    let mut with_unit = fit.clone().filter(|c| c.meaning.scale.is_some());
+    let named = with_unit.clone().find(|c| c.meaning.is_named);
+    let first = named.or_else(|| with_unit.next()).or_else(|| fit.next())?;
     let mut scale = first.meaning.scale;
     if quantity == Quantity::Time && scale.is_none() && interval(&first.column.values) < MAX_INTERVAL_S {
         scale = Some(1.0);

@@ -103,6 +103,8 @@ pub(super) struct Meaning {
     pub(super) kind: Option<MotionKind>,
     /// Factor to SI, if the name has a known unit.
     pub(super) scale: Option<f64>,
+    /// True if a word of the name indicates the quantity, not its unit alone.
+    pub(super) is_named: bool,
 }
 
 /// Returns what a column's name indicates.
@@ -128,7 +130,9 @@ pub(super) fn meaning(name: &str) -> Meaning {
         (None, Some((_, _, quantities, _))) if quantities.len() == 1 => quantities.first().copied(),
         _ => None,
     };
-    Meaning { own: None, quantity, kind: found.and_then(|unit| unit.3), scale: found.map(|unit| unit.1) }
+    let is_named = by_word.is_some_and(|(word, _)| Some(*word) == quantity);
+    let (kind, scale) = (found.and_then(|unit| unit.3), found.map(|unit| unit.1));
+    Meaning { own: None, quantity, kind, scale, is_named }
 }
 
 /// Returns whether a name is that of a pressure.

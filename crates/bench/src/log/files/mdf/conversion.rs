@@ -207,12 +207,37 @@ fn table(values: &[f64], is_interpolated: bool) -> Result<Conversion, Flaw> {
 /// Formula of one stored number.
 fn formula(text: &str) -> Result<Conversion, Flaw> {
     let refuse = || format!("a conversion by the formula `{text}`, which is not known");
-    let parsed = FlatEx::<f64>::parse(&text.replace("**", "^")).map_err(|_| refuse())?;
+    let parsed = FlatEx::<f64>::parse(&without_exponents(&text.replace("**", "^"))).map_err(|_| refuse())?;
     match parsed.var_names() {
         [] => Ok(Conversion::Formula(Box::new(parsed))),
         [name] if VARIABLES.contains(&name.as_str()) => Ok(Conversion::Formula(Box::new(parsed))),
         _ => Err(refuse()),
     }
+}
+
+/// Formula with numbers such as `1.5e-3` in full, as the parser expects them.
+fn without_exponents(text: &str) -> String {
+    let is_of_number = |letter: char| letter.is_ascii_digit() || letter == '.';
+    let (mut out, mut rest) = (String::new(), text);
+    while let Some(start) = rest.find(is_of_number) {
+        let (before, number) = rest.split_at(start);
+        let digits = number.find(|letter| !is_of_number(letter)).unwrap_or(number.len());
+        let exponent =
+            number.get(digits..).and_then(|rest| rest.strip_prefix(['e', 'E'])).map_or(0, |rest| {
+                let signed = rest.strip_prefix(['+', '-']).unwrap_or(rest);
+                let count = signed.find(|letter: char| !letter.is_ascii_digit()).unwrap_or(signed.len());
+                if count == 0 { 0 } else { 1 + rest.len() - signed.len() + count }
+            });
+        let is_of_name = before.ends_with(|letter: char| letter.is_alphanumeric() || letter == '_');
+        let (number, after) = number.split_at(if is_of_name { digits } else { digits + exponent });
+        out.push_str(before);
+        match number.parse::<f64>() {
+            Ok(value) if !is_of_name => out.push_str(&value.to_string()),
+            _ => out.push_str(number),
+        }
+        rest = after;
+    }
+    out + rest
 }
 
 #[cfg(test)]
@@ -228,6 +253,8 @@ mod tests {
         assert_eq!(value("1/X", 1e-20), Ok(1e20));
         assert_eq!(value("2^X - 1", 3.0), Ok(7.0));
         assert_eq!(value("X**2 / 2", 4.0), Ok(8.0));
+        assert_eq!(value("1.5e-3*X1 + 2E+2", 2.0), Ok(200.003));
+        assert_eq!(value("exp(X)", 0.0), Ok(1.0));
         for refused in ["X1+X2", "pow(X,2)", "", "X*", "Y"] {
             let found = value(refused, 1.0);
             assert!(

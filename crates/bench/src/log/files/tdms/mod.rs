@@ -141,6 +141,14 @@ struct Times {
     unit: String,
 }
 
+impl Times {
+    /// First time in units of a thousandth of an increment, less than which no two waveforms are
+    /// taken to be apart: a measuring card states starts that differ by a rounding.
+    fn first_mark(&self) -> i64 {
+        (1000.0 * self.offset_s / self.increment_s).round() as i64
+    }
+}
+
 /// Column of a file.
 enum Column {
     Channel(usize),
@@ -192,7 +200,7 @@ impl Tdms {
     /// Lists the columns: channels, and times of waveforms, each once.
     fn list(&mut self) {
         let mut places = Vec::new();
-        let mut known: HashMap<(&str, u64, u64, usize), usize> = HashMap::new();
+        let mut known: HashMap<(&str, u64, i64, usize), usize> = HashMap::new();
         for (index, object) in self.objects.iter().enumerate() {
             let [group, channel] = object.path.as_slice() else { continue };
             places.push((group.clone(), channel.clone()));
@@ -202,7 +210,7 @@ impl Tdms {
                 self.times.push(None);
                 continue;
             };
-            let key = (group.as_str(), times.increment_s.to_bits(), times.offset_s.to_bits(), times.count);
+            let key = (group.as_str(), times.increment_s.to_bits(), times.first_mark(), times.count);
             let found = known.get(&key).copied();
             let place = found.unwrap_or(self.columns.len());
             self.times.push(Some(place));
