@@ -4,6 +4,7 @@
 //! time of the build.
 
 use crate::c_library;
+use crate::compile::host;
 use crate::firmware::Firmware;
 use crate::run::{ChoreError, cargo, output_of, root, run, succeeds, target_folder, write_atomically};
 use controller::boards::BOARDS;
@@ -42,13 +43,6 @@ pub(crate) fn archive() -> Result<PathBuf, ChoreError> {
     }
     check_programs(&tree.join("bin"))?;
     pack(&folder, &name)
-}
-
-/// Returns the triple of this machine.
-pub(crate) fn host() -> Result<String, ChoreError> {
-    let text = output_of(Command::new("rustc").arg("-vV").current_dir(root()))?;
-    let triple = text.lines().find_map(|line| line.strip_prefix("host: ")).map(str::to_owned);
-    triple.ok_or_else(|| ChoreError::ByHand("`rustc -vV` names no host".into()))
 }
 
 /// Builds the programs without a path of this machine and returns where they are.

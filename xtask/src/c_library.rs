@@ -1,23 +1,12 @@
 //! Static library for C (`crates/c-interface`), for the default controller and for this machine.
 
-use crate::archive::host;
+use crate::compile::{self, host};
 use crate::run::{ChoreError, root, run, target_folder};
 use crate::setup::{TARGET, Toolchain, target};
-use crate::{c_check, compile};
 use std::path::PathBuf;
 
 /// File of a library in the folder of its platform.
 pub(crate) const FILE: &str = "libpintle_model.a";
-
-/// Builds the libraries and prints their folder, or checks them with programs in C.
-pub(crate) fn c_library(is_checked: bool) -> Result<(), ChoreError> {
-    if is_checked {
-        c_check::check()?.iter().for_each(|what| println!("not compared or run: {what}"));
-    } else {
-        println!("{}", build()?.display());
-    }
-    Ok(())
-}
 
 /// Builds the libraries and returns the folder with `PLATFORM/libpintle_model.a`.
 pub(crate) fn build() -> Result<PathBuf, ChoreError> {

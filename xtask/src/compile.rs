@@ -1,6 +1,6 @@
 //! Building for a controller, with rustup's core library or with Debian's sources.
 
-use crate::run::{ChoreError, cargo};
+use crate::run::{ChoreError, cargo, output_of, root};
 use crate::setup::{DEBIAN_CARGO, DEBIAN_RUSTC, Toolchain, linker};
 use std::path::Path;
 use std::process::Command;
@@ -32,4 +32,11 @@ pub(crate) fn subcommand(
             .env_remove("RUSTUP_TOOLCHAIN");
     }
     Ok(command)
+}
+
+/// Returns the triple of this machine.
+pub(crate) fn host() -> Result<String, ChoreError> {
+    let text = output_of(Command::new("rustc").arg("-vV").current_dir(root()))?;
+    let triple = text.lines().find_map(|line| line.strip_prefix("host: ")).map(str::to_owned);
+    triple.ok_or_else(|| ChoreError::ByHand("`rustc -vV` names no host".into()))
 }

@@ -160,7 +160,11 @@ fn main() -> ExitCode {
             .map(|elf| println!("{}", elf.display())),
         Command::Language { paths, by_file } => language::language(&paths, by_file),
         Command::Miri => miri::miri(),
-        Command::CLibrary { check } => c_library::c_library(check),
+        Command::CLibrary { check: false } => {
+            c_library::build().map(|folder| println!("{}", folder.display()))
+        }
+        Command::CLibrary { check: true } => c_check::check()
+            .map(|skipped| skipped.iter().for_each(|what| println!("not compared or run: {what}"))),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
         Command::Bless => golden::bless()

@@ -26,7 +26,7 @@ pub use inspection::channels::ChannelQuality;
 pub use inspection::motions::MotionAdvice;
 pub use inspection::parameters::DeclaredParameter;
 pub use inspection::{Inspection, LogSummary, inspect};
-pub use result::{Diagnosis, DiagnosisError, Verdict};
+pub use result::{Diagnosis, DiagnosisError};
 pub use verdict::acceptance::Rejection;
 pub use verdict::causes::{Cause, EffectName, EquivalentEffect, ParameterEstimate};
 pub use verdict::estimates::{CalibratedParameter, LogNuisance};
@@ -37,6 +37,7 @@ pub use verdict::ranking::RankedCandidate;
 pub use verdict::remaining_structure::RemainingStructure;
 pub use verdict::residual_bins::{BinnedResidual, ResidualBin};
 pub use verdict::series::Series;
+pub use verdict::verdict_kind::Verdict;
 
 use bench::{Bench, MeasuredLog};
 use check::{Checked, check};

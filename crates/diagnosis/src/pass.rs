@@ -24,7 +24,7 @@ use crate::fit::held_out_gain::gains;
 use crate::fit::model::{Candidate, Model};
 use crate::fit::simulation::simulate;
 use crate::progress::{self, Step};
-use crate::result::{Diagnosis, DiagnosisError, Verdict};
+use crate::result::{Diagnosis, DiagnosisError};
 use crate::search::contender::Contender;
 use crate::search::parts::PartSearch;
 use crate::search::score::candidates;
@@ -45,10 +45,9 @@ use crate::verdict::remaining_structure::is_confined_to_held_out;
 use crate::verdict::residual_bins::binned_residuals;
 use crate::verdict::series::series;
 use crate::verdict::tolerance::{Numbers, OutOfTolerance};
+use crate::verdict::tuning::MIN_UNKNOWN_PROBABILITY;
+use crate::verdict::verdict_kind::Verdict;
 use bench::Bench;
-
-/// Probability of an unknown cause, at least, where the rules of acceptance reject the causes.
-const EVEN: f64 = 0.5;
 
 /// Settings of one pass.
 #[derive(Clone, Copy)]
@@ -207,7 +206,7 @@ impl Pass<'_> {
         let (_, (share, _)) = gains(data, &explanation.noise, &described.residual, &explanation.residual);
         let share = share.unwrap_or_default();
         let unknown = match parts.verdict {
-            Verdict::Partial => share_probability(share).max(EVEN),
+            Verdict::Partial => share_probability(share).max(MIN_UNKNOWN_PROBABILITY),
             _ => unknown_probability(data, explanation, share),
         };
         let is_named =

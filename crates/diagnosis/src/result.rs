@@ -13,6 +13,7 @@ use crate::verdict::ranking::RankedCandidate;
 use crate::verdict::remaining_structure::RemainingStructure;
 use crate::verdict::residual_bins::BinnedResidual;
 use crate::verdict::series::Series;
+use crate::verdict::verdict_kind::Verdict;
 use bench::Bench;
 use bench::log::LogError;
 use bench::simulate::RespondError;
@@ -31,35 +32,6 @@ pub enum DiagnosisError {
     /// No log was given.
     #[error("no log given; expected at least one")]
     NoLog,
-}
-
-/// Verdict of a diagnosis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The causes explain the residual, or most of it.
-    Named,
-    /// Several causes fit equally.
-    Ambiguous,
-    /// Some causes certainly help, and an error remains that no known effect explains.
-    Partial,
-    /// The logs show an error of the simulation that no known effect explains.
-    Unknown,
-    /// The simulation agrees with the logs within the declared uncertainty.
-    None,
-}
-
-impl Verdict {
-    /// Name in JSON and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Named => "named",
-            Self::Ambiguous => "ambiguous",
-            Self::Partial => "partial",
-            Self::Unknown => "unknown",
-            Self::None => "none",
-        }
-    }
 }
 
 /// Result of a diagnosis.

@@ -149,8 +149,8 @@ fn check_times(log: &RawLog, columns: &[&RawColumn]) -> Result<(), CliError> {
     let Some((first, of_first)) = times.next() else { return Ok(()) };
     match times.find(|(_, time)| time.values != of_first.values) {
         Some((other, of_other)) => Err(CliError::Input(format!(
-            "--column: found `{}` with the times `{}` and `{}` with `{}`; expected columns with the same times, \
-             or --rate to give them one time",
+            "--column: found `{}` with the times `{}` and `{}` with `{}`; expected columns with the \
+             same times, or --rate to give them one time",
             first.name, of_first.name, other.name, of_other.name
         ))),
         None => Ok(()),

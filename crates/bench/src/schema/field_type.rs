@@ -149,14 +149,6 @@ impl FieldType for contact::BearingMaterial {
     }
 }
 
-impl FieldType for crate::signals::Channel {
-    const KIND: FieldKind = FieldKind::Name(|| Self::ALL.iter().map(|channel| channel.name()).collect());
-
-    fn text(&self) -> String {
-        self.name().into()
-    }
-}
-
 /// Implements [`FieldType`] for enumerations that serde writes by a name.
 macro_rules! named_field {
     ($type:ty { $($variant:ident $name:literal),* $(,)? }) => {

@@ -1,5 +1,6 @@
 //! Signals of a measured log: names with units, inputs and outputs.
 
+use crate::schema::{FieldKind, FieldType};
 use core::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -68,5 +69,13 @@ impl Channel {
 impl fmt::Display for Channel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+impl FieldType for Channel {
+    const KIND: FieldKind = FieldKind::Name(|| Self::ALL.iter().map(|channel| channel.name()).collect());
+
+    fn text(&self) -> String {
+        self.name().into()
     }
 }

@@ -119,7 +119,7 @@ pub fn template(log: &RawLog, plant: Option<TemplatePlant>) -> Result<Template, 
 }
 
 /// Column of the times of a log with its factor to s: the one that the file states for the longest
-/// columns, else as far as the name or the intervals tell it.
+/// columns, else as far as the name or the intervals indicate it.
 pub fn time_column(log: &RawLog) -> Option<(&RawColumn, Option<f64>)> {
     let rows = log.columns.iter().map(|column| column.values.len()).max();
     let longest = log.columns.iter().filter(|column| Some(column.values.len()) == rows);

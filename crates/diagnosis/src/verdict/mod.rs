@@ -20,3 +20,4 @@ pub(crate) mod signature;
 pub(crate) mod size_consistency;
 pub(crate) mod tolerance;
 pub(crate) mod tuning;
+pub(crate) mod verdict_kind;

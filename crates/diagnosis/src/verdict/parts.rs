@@ -27,12 +27,12 @@ use crate::fit::least_squares::Fit;
 use crate::fit::model::{Candidate, Model};
 use crate::fit::standard_deviations::standard_deviations;
 use crate::fit::tuning::Z_95;
-use crate::result::Verdict;
 use crate::search::contender::Contender;
 use crate::search::marginality::{is_generalisation, main_effect};
 use crate::search::parts::{PartSearch, Set};
 use crate::search::selection::Selection;
 use crate::search::stage::Stage;
+use crate::verdict::verdict_kind::Verdict;
 use bench::simulate::RespondError;
 
 /// Causes beside an error that remains.

@@ -5,6 +5,9 @@
 
 use crate::search::tuning::FAMILY_ERROR;
 
+/// Probability of an unknown cause, at least, where the rules of acceptance reject the causes.
+/// Chosen by hand, not measured.
+pub(crate) const MIN_UNKNOWN_PROBABILITY: f64 = 0.5;
 /// Time constants after which an effect has settled to 5 %. Derived: `exp(-3)`.
 pub(crate) const SETTLED_TIME_CONSTANTS: f64 = 3.0;
 /// Share of a sensor limit from which on a reading reaches it. Chosen by hand, not measured.

@@ -329,10 +329,10 @@ impl TransmissionBench {
         let count = (CHECKED_PER_PERIOD * run_s / period_s).min(MAX_CHECKED).ceil();
         let at = |i: usize| course.at(i as f64 * run_s / count).value.abs();
         let reach_m = (0..=count as usize).map(at).fold(0.0, f64::max);
-        let most_m = 0.99 * self.geometry.drive_lever_radius_m;
-        (reach_m > most_m).then(|| {
+        let max_m = 0.99 * self.geometry.drive_lever_radius_m;
+        (reach_m > max_m).then(|| {
             let found = format!("a course that reaches {} m", format_number(reach_m));
-            let expected = format!("at most {} m, 0.99 of the drive crank", format_number(most_m));
+            let expected = format!("at most {} m, 0.99 of the drive crank", format_number(max_m));
             ("drive_profile".into(), found, expected)
         })
     }

@@ -2,8 +2,9 @@
 //! nullable or not, in any number of row groups.
 //!
 //! Columns inside groups are named with points (`motor.angle`); lists are refused when a column
-//! asks for them. Time stamps are in seconds since the first one of the first such column. Pages may be plain or compressed with Snappy, gzip or LZ4. Logs are written as
-//! required doubles in one row group, without compression.
+//! asks for them. Time stamps are in seconds since the first one of the first such column. Pages
+//! may be plain or compressed with Snappy, gzip or LZ4. Logs are written as required doubles in one
+//! row group, without compression.
 
 use super::file::{LogFile, MAX_ROWS, guarded, refused};
 use super::write::Written;

@@ -85,10 +85,6 @@ impl Transmission {
     }
 
     /// Contact at a state; `latched_m_s` is the latch of the integrator.
-    pub fn contact_view(&self, time_s: f64, s: &State, latched_m_s: f64) -> ContactView {
-        self.view(&self.geometry(time_s, s), latched_m_s)
-    }
-
     pub(crate) fn view(&self, g: &Geometry, latched_m_s: f64) -> ContactView {
         ContactView {
             radial_clearance_m: self.radial_clearance_m,

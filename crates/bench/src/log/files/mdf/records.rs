@@ -55,7 +55,7 @@ impl Stream<'_> {
             }
             b"HL" => self.add(block.link(0))?,
             b"DL" => return self.list(block),
-            b"LD" => return Err("values of each channel in a block of its own".into()),
+            b"LD" => return Err("a separate block for the values of each channel".into()),
             _ => return Err(format!("a damaged block at byte {place}")),
         }
         Ok(())
