@@ -75,9 +75,48 @@ fn columns_of_several_rates_are_interpolated_to_one() {
     assert_eq!((&columns[0]["max"], &columns[3]["max"]), (&0.9.into(), &9.0.into()));
     assert_eq!(columns[3]["unit"], "degC");
     let alone = ["log", "convert", &log("matrix.h5"), "b.csv", "--rate", "50"];
-    assert!(refused(here, &alone).contains("--rate: found no time in seconds for log(:,1)"));
+    assert!(refused(here, &alone).contains("--rate: found log(:,1) (no time in seconds)"));
     let wrong = ["log", "convert", &log("mdf-4.10.mf4"), "b.csv", "--rate", "0"];
     assert!(refused(here, &wrong).contains("found 0; expected 1e-6 to 1e7"));
+}
+
+/// The second group begins 0.5 s after the first and has half its rate, and as many rows.
+#[test]
+fn columns_with_other_times_are_left_out_or_get_one_time() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    for (file, second) in [("two-times.mf4", "b"), ("two-times.tdms", "same/b")] {
+        let found = json(here, &["log", "convert", &log(file), "a.csv"]);
+        let columns = found["columns"].as_array().unwrap();
+        assert_eq!(columns.len(), 2, "{found}");
+        assert!(
+            !columns.contains(&second.into()) && found["left_out"].to_string().contains(second),
+            "{found}"
+        );
+        done(here, &["log", "convert", &log(file), "b.csv", "--rate", "50"]);
+        let text = std::fs::read_to_string(here.join("b.csv")).unwrap();
+        let row = |line: &str| line.split(',').map(|field| field.parse().unwrap()).collect::<Vec<f64>>();
+        let rows: Vec<Vec<f64>> = text.lines().skip(2).map(row).collect();
+        assert_eq!(rows.len(), 25, "0.5 to 0.99 s: {text}");
+        for row in rows {
+            // Both columns are their time times 100.
+            assert!(row.iter().take(3).all(|value| value / row[0] < 100.0 + 1e-9), "{file}: {row:?}");
+            assert!((row[1] - row[2]).abs() < 1e-6, "{file}: {row:?}");
+        }
+    }
+}
+
+#[test]
+fn a_text_without_a_header_is_converted_by_the_numbers_of_its_columns() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    std::fs::write(here.join("a.csv"), "0;1,5\n1;2,5\n2;3,5\n").unwrap();
+    let text =
+        done(here, &["log", "convert", "a.csv", "b.csv", "--column", "column_1", "--column", "column_0"]);
+    assert!(text.contains("b.csv: 3 rows of column_1, column_0"), "{text}");
+    assert!(std::fs::read_to_string(here.join("b.csv")).unwrap().starts_with("column_1,column_0\n"));
+    let unknown = refused(here, &["log", "convert", "a.csv", "c.csv", "--column", "x"]);
+    assert!(unknown.contains("expected columns among `column_0`, `column_1`"), "{unknown}");
 }
 
 #[test]
@@ -90,7 +129,6 @@ fn a_description_converts_a_log_to_its_signals_in_si() {
     assert!(described.contains("bench/angle") && described.contains("bench/time"), "{described}");
     let columns = "t_s = \"bench/time\"\nspindle_angle_rad = \"bench/angle\"\n\
                    drive_torque_nm = \"`bench/force` * 0.1\"\n";
-    done(here, &["record", "--bench", "friction-rig", "--out", "rig.csv"]);
     let rig = bench::PRESETS.iter().find(|(name, _)| *name == "friction-rig").unwrap().1;
     std::fs::write(here.join("rig.toml"), format!("{rig}\n[columns]\n{columns}")).unwrap();
     let text = done(here, &["log", "convert", &template, "si.csv", "--bench", "rig.toml"]);
@@ -112,7 +150,7 @@ fn a_conversion_that_cannot_be_is_refused_and_writes_nothing() {
         (&["a.mf4", "b.csv", "--column", "x"], "--column: found `x`; expected columns among `0/time`"),
         (
             &["a.mf4", "b.csv", "--column", "angle", "--column", "temperature"],
-            "columns of 10 and 100 rows; expected columns of one length",
+            "found `angle` with the times `0/time` and `temperature` with `1/time`; expected columns with the",
         ),
         (&["none.mf4", "b.csv"], "none.mf4: "),
     ] {
