@@ -58,3 +58,25 @@ impl LiveViews {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::serve::feed;
+
+    #[test]
+    fn an_impact_that_ends_with_the_run_is_shown_as_well_and_none_twice() {
+        let (feed, sent) = feed::recorded();
+        let mut views = LiveViews::new(None, Some(feed), Pace::new(1e3).unwrap()).unwrap();
+        let impact = |number| ImpactRecord { number, ..ImpactRecord::default() };
+        let all = [impact(0), impact(1), impact(2)];
+        for (sequence, ended) in [(0, &all[..1]), (1, &[]), (2, &all[1..2])] {
+            let sample = SensorFrame { sequence, time_us: 100 * sequence, ..SensorFrame::default() };
+            assert!(views.observe(&sample, &EstimateFrame::default(), ended).is_continue());
+        }
+        views.finish(&all);
+        let (impacts, samples) = sent();
+        assert_eq!((impacts, samples), (vec![0, 1, 2], 3));
+        assert!(LiveViews::new(None, None, Pace::new(1.0).unwrap()).is_none());
+    }
+}

@@ -160,21 +160,25 @@ pub(crate) fn execute_live(args: &RunArgs, server: Option<&Server>) -> Result<Fi
 
 /// Title of a run's live views.
 fn title(bench: &TransmissionBench, args: &RunArgs) -> String {
-    let title = format!(
-        "{}, {:.2} mm, {:+.1} kN, {:?}",
+    format!(
+        "{}, {:.2} mm, {:+.1} kN, {}",
         bench.bearing.material.name(),
         bench.bearing.radial_clearance_m * 1e3,
         bench.load.force_n * 1e-3,
-        args.controller,
-    );
-    title.to_lowercase()
+        transport(args),
+    )
+}
+
+/// Name of a run's transport.
+fn transport(args: &RunArgs) -> String {
+    format!("{:?}", args.controller).to_lowercase()
 }
 
 /// Begins the live view of a run on a server.
 fn feed(server: &Server, bench: &TransmissionBench, samples: usize, (args, pace): (&RunArgs, Pace)) -> Feed {
     let start = Start {
         title: title(bench, args),
-        controller: format!("{:?}", args.controller).to_lowercase(),
+        controller: transport(args),
         duration_s: bench.duration_s(),
         clearance_nm: bench.bearing.radial_clearance_m * 1e9,
         sample_rate_hz: SAMPLE_RATE_HZ,

@@ -42,3 +42,31 @@ impl Drop for Feed {
         }
     }
 }
+
+/// Creates a feed, and a function that returns the numbers of the impacts and the count of the
+/// samples that it has sent.
+#[cfg(test)]
+pub(crate) fn recorded() -> (Feed, impl Fn() -> (Vec<u64>, u64)) {
+    use super::history::Position;
+    let history = Arc::new(History::new("r".into(), usize::MAX));
+    let start = Start {
+        title: String::new(),
+        controller: String::new(),
+        duration_s: 1.0,
+        clearance_nm: 0.0,
+        sample_rate_hz: 1e4,
+        block_samples: 0,
+        flags: Vec::new(),
+    };
+    let feed = Feed::begin(Arc::clone(&history), start, 3, 1e3);
+    let sent = move || {
+        let text = history.read(Position::After(0), std::time::Duration::ZERO).text;
+        let data = text.lines().filter_map(|line| line.strip_prefix("data: "));
+        let events: Vec<serde_json::Value> =
+            data.filter_map(|data| serde_json::from_str(data).ok()).collect();
+        let impacts = events.iter().filter_map(|event| event["number"].as_u64()).collect();
+        let samples = events.iter().filter_map(|event| event["samples"].as_array());
+        (impacts, samples.flatten().filter_map(serde_json::Value::as_u64).sum())
+    };
+    (feed, sent)
+}

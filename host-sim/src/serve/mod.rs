@@ -27,7 +27,7 @@ use connection::{OpenConnections, Shared};
 use event::{End, Event, Start};
 use feed::Feed;
 use history::History;
-use options::ServeOptions;
+use options::{Checked, ServeOptions};
 use std::hash::{BuildHasher, RandomState};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
@@ -40,6 +40,8 @@ const DRAIN_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Open server.
 pub(crate) struct Server {
+    /// Address of the page.
+    url: String,
     shared: Arc<Shared>,
     stay: Option<Duration>,
 }
@@ -52,11 +54,17 @@ impl Server {
     /// An option is wrong, or the address cannot be used.
     pub(crate) fn open(options: &ServeOptions) -> Result<Option<Self>, CliError> {
         let Some(options) = options.check()? else { return Ok(None) };
+        let server = Self::open_with(&options, HISTORY_BYTES)?;
+        print(&format!("live view: {}", server.url));
+        Ok(Some(server))
+    }
+
+    fn open_with(options: &Checked, history_bytes: usize) -> Result<Self, CliError> {
         let failed = |error| unusable(options.address, &error);
         let listener = TcpListener::bind(options.address).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
         let shared = Arc::new(Shared {
-            history: Arc::new(History::new(run_id(), HISTORY_BYTES)),
+            history: Arc::new(History::new(run_id(), history_bytes)),
             page: page::page(),
             access: Access::new(address.ip(), options.token.as_deref()),
             open: OpenConnections::default(),
@@ -65,8 +73,7 @@ impl Server {
         let thread = std::thread::Builder::new().name("live view".into());
         thread.spawn(move || connection::accept(&listener, &accepting)).map_err(failed)?;
         let query = if options.token.is_some() { "?token=TOKEN" } else { "" };
-        print(&format!("live view: http://{address}/{query}"));
-        Ok(Some(Self { shared, stay: options.stay }))
+        Ok(Self { url: format!("http://{address}/{query}"), shared, stay: options.stay })
     }
 
     /// Begins a run of so many samples, shown at `speed` simulated seconds per second.
@@ -83,7 +90,7 @@ impl Server {
         match stay {
             Some(stay) => std::thread::sleep(stay),
             None => {
-                print("live view: the run has ended; control-C closes the view");
+                print(&format!("live view: stays at {}; control-C closes it", self.url));
                 loop {
                     std::thread::park();
                 }
@@ -112,5 +119,121 @@ fn run_id() -> String {
 fn print(message: &str) {
     if !console::is_quiet() {
         anstream::eprintln!("{message}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use link::{EstimateFrame, SensorFrame};
+    use std::io::{Read, Write};
+    use std::net::TcpStream;
+
+    fn server(history_bytes: usize) -> (Server, TcpStream) {
+        let address = "127.0.0.1:0".parse().unwrap();
+        let options = Checked { address, token: None, stay: Some(Duration::ZERO) };
+        let server = Server::open_with(&options, history_bytes).unwrap();
+        let address = server.url.trim_start_matches("http://").trim_end_matches('/');
+        let mut page = TcpStream::connect(address).unwrap();
+        page.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        page.write_all(b"GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+        (server, page)
+    }
+
+    fn start() -> Start {
+        Start {
+            title: "t".into(),
+            controller: "native".into(),
+            duration_s: 1.0,
+            clearance_nm: 5e5,
+            sample_rate_hz: 1e4,
+            block_samples: 0,
+            flags: Vec::new(),
+        }
+    }
+
+    /// Shows samples, without a wait for the page.
+    fn show(server: &Server, samples: u32) {
+        let mut feed = server.feed(start(), samples.into(), 1e3);
+        for sequence in 0..samples {
+            let sample = SensorFrame { sequence, time_us: 100 * sequence, ..SensorFrame::default() };
+            feed.observe(&sample, &EstimateFrame { normal_force_n: sequence as f32, ..Default::default() });
+        }
+    }
+
+    /// Events of a stream up to its end.
+    fn events(page: &mut TcpStream) -> Vec<serde_json::Value> {
+        let mut text = String::new();
+        page.read_to_string(&mut text).unwrap();
+        let lines = text.lines().filter_map(|line| line.strip_prefix("data: "));
+        lines.map(|data| serde_json::from_str(data).unwrap()).collect()
+    }
+
+    #[test]
+    fn a_page_that_reads_nothing_until_the_end_holds_nothing_up_and_learns_what_it_missed() {
+        let samples = 2_000_000;
+        let (server, mut page) = server(1 << 20);
+        // Some 20 MB: more than the history and the buffers of the system.
+        show(&server, samples);
+        let end = std::thread::spawn(move || server.finish(None));
+        let events = events(&mut page);
+        end.join().unwrap();
+        assert_eq!((&events[0]["event"], &events.last().unwrap()["event"]), (&"start".into(), &"end".into()));
+        let (mut next, mut missing) = (0, 0);
+        for event in &events[1..events.len() - 1] {
+            // An event has 100 blocks of 10 samples here.
+            match event["missing_events"].as_u64() {
+                Some(count) => (next, missing) = (next + 1000 * count, missing + count),
+                None => {
+                    assert_eq!(event["first_sequence"][0].as_u64(), Some(next));
+                    next += 1000;
+                }
+            }
+        }
+        assert_eq!(next, u64::from(samples));
+        assert!(missing > 0, "the history was large enough: the test shows nothing");
+    }
+
+    #[test]
+    fn the_history_has_room_for_the_longest_run() {
+        // 20,000,000 samples in 200,000 blocks, with numbers of full length.
+        let blocks = {
+            let mut sampler = blocks::DownSampler::new(blocks::Sizes { block_samples: 1, event_blocks: 100 });
+            (0..100).find_map(|i| {
+                let sample = SensorFrame {
+                    sequence: 19_999_000 + i,
+                    time_us: 1_999_999_900 + i,
+                    journal_y_nm: -519_718,
+                    journal_z_nm: -519_718,
+                    ..SensorFrame::default()
+                };
+                let estimate = EstimateFrame {
+                    normal_force_n: 10_001.234,
+                    normal_force_sd_n: 123.456_79,
+                    friction_torque_nm: -10.001_234,
+                    flags: u32::MAX,
+                    ..EstimateFrame::default()
+                };
+                sampler.push(&sample, &estimate)
+            })
+        };
+        let event = serde_json::to_string(&Event::Blocks(blocks.unwrap())).unwrap();
+        assert!(event.len() * 2000 < HISTORY_BYTES * 2 / 3, "{}", event.len());
+    }
+
+    #[test]
+    fn a_run_that_fails_states_its_error_and_does_not_stay() {
+        let (mut server, mut page) = server(1 << 20);
+        server.stay = None;
+        show(&server, 15);
+        server.finish(Some(&CliError::Work("the controller restarted".into())));
+        let events = events(&mut page);
+        assert_eq!(events[1]["samples"], serde_json::json!([10, 5]));
+        assert_eq!(events[2]["error"], "the controller restarted");
+    }
+
+    #[test]
+    fn ids_of_runs_differ() {
+        assert_ne!(run_id(), run_id());
     }
 }
