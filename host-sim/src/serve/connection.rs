@@ -20,6 +20,8 @@ const KEEP_ALIVE: Duration = Duration::from_secs(2);
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 /// Maximum number of bytes that are read after a response.
 const MAX_UNREAD_BYTES: usize = 1 << 20;
+/// Time that a connection without room may take.
+const BUSY_TIMEOUT: Duration = Duration::from_millis(50);
 /// Stack of a connection's thread.
 const STACK_BYTES: usize = 256 << 10;
 /// Pause after a connection that cannot be accepted, as without free file handles.
@@ -99,8 +101,7 @@ pub(super) fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             continue;
         };
         if !shared.open.enter() {
-            // The answer fits into the buffer of the system, so this does not wait.
-            let _ = stream.set_nonblocking(true).and_then(|()| Refusal::Busy.write(&mut stream));
+            let _ = refuse_busy(&mut stream);
             continue;
         }
         let entered = Entered(Arc::clone(shared));
@@ -112,6 +113,15 @@ pub(super) fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             let _ = close(&mut stream);
         });
     }
+}
+
+/// Refuses a connection without a thread for it. Its request is read, as far as it has arrived soon:
+/// an unread one would reset the connection before the answer is read.
+fn refuse_busy(stream: &mut TcpStream) -> io::Result<()> {
+    stream.set_read_timeout(Some(BUSY_TIMEOUT))?;
+    stream.set_write_timeout(Some(BUSY_TIMEOUT))?;
+    let _ = stream.read(&mut [0; 8192]);
+    Refusal::Busy.write(stream)
 }
 
 /// Answers one request.
@@ -173,6 +183,7 @@ fn close(stream: &mut TcpStream) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::serve::event::{End, Event};
 
     #[test]
     fn there_is_room_for_a_number_of_connections_and_none_after_the_end() {
@@ -184,6 +195,32 @@ mod tests {
         open.close(Duration::from_millis(1));
         open.leave();
         assert!(!open.enter(), "closed");
+    }
+
+    /// Output that ends the run as soon as it has a sign of life.
+    struct Alive<'a>(&'a History, Vec<u8>);
+
+    impl Write for Alive<'_> {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.1.extend_from_slice(bytes);
+            if self.1.ends_with(b":\n\n") {
+                self.0.end(&Event::End(End { error: None }));
+            }
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_stream_without_events_shows_signs_of_life() {
+        let history = History::new("r".into(), 1000);
+        let mut out = Alive(&history, Vec::new());
+        write_events(&mut out, &history, Position::Beginning).unwrap();
+        let text = String::from_utf8(out.1).unwrap();
+        assert_eq!(text, ":\n\nid: r-1\ndata: {\"event\":\"end\",\"error\":null}\n\n");
     }
 
     #[test]

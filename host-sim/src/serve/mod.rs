@@ -137,6 +137,8 @@ mod tests {
         let mut page = TcpStream::connect(address).unwrap();
         page.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
         page.write_all(b"GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+        // The connection counts from its first byte.
+        page.read_exact(&mut [0; 9]).unwrap();
         (server, page)
     }
 
