@@ -288,6 +288,8 @@ fn requests_other_than_those_of_a_page_are_refused() {
         (serving.get("/../Cargo.toml", ""), "404 Not Found"),
         (serving.get("/", &format!("X: {padding}\r\n")), "431 Request Header Fields Too Large"),
         (serving.get(&format!("/{padding}"), ""), "431 Request Header Fields Too Large"),
+        // More than is read before the answer: the rest must not reset the connection.
+        (serving.get("/", &format!("X: {}\r\n", "x".repeat(500_000))), "431 Request Header Fields Too Large"),
         (serving.response("nonsense\r\n\r\n"), "400 Bad Request"),
         (serving.response("GET / HTTP/1.1\r\n"), "408 Request Timeout"),
     ] {

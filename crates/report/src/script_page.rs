@@ -1,5 +1,5 @@
 //! Page that a script of the caller fills, with the styles, colours and drawing library of the
-//! other pages. It fetches nothing but data of the server that it came from.
+//! other pages. It fetches data from its own server alone.
 
 use crate::page::{STYLE, escape};
 use crate::plot::{self, sha256};

@@ -92,6 +92,8 @@ mod tests {
             "[::1",
         ] {
             assert_eq!(access.check(&get(host, None)), Err(Refusal::Host), "{host}");
+            let secured = Access::new(LOCAL, Some("0123456789abcdef"));
+            assert_eq!(secured.check(&get(host, Some("0123456789abcdef"))), Err(Refusal::Host), "{host}");
         }
         assert_eq!(Access::new(ANY, None).check(&get("bench-pc:8750", None)), Ok(()));
     }

@@ -217,7 +217,8 @@ mod tests {
             events.extend(sampler.finish());
             let mut expected = readings.chunks(block_samples as usize);
             let mut next = 0;
-            for (event, i) in events.iter().flat_map(|event| (0..event.samples.len()).map(move |i| (event, i))) {
+            let each = |event: &Blocks| 0..event.samples.len();
+            for (event, i) in events.iter().flat_map(|event| each(event).map(move |i| (event, i))) {
                 let block: &[Reading] = expected.next().unwrap();
                 let (first, last) = (next, next + block.len() as u32 - 1);
                 next = last + 1;

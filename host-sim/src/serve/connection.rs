@@ -115,8 +115,8 @@ pub(super) fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
     }
 }
 
-/// Refuses a connection without a thread for it. Its request is read, as far as it has arrived soon:
-/// an unread one would reset the connection before the answer is read.
+/// Refuses a connection without a thread for it. Its request is read, as far as it arrives soon: an
+/// unread one would reset the connection before the answer is read.
 fn refuse_busy(stream: &mut TcpStream) -> io::Result<()> {
     stream.set_read_timeout(Some(BUSY_TIMEOUT))?;
     stream.set_write_timeout(Some(BUSY_TIMEOUT))?;
@@ -160,8 +160,7 @@ fn write_events(out: &mut impl Write, history: &History, mut position: Position)
     }
 }
 
-/// Ends a connection so that the other side receives everything: data that nobody reads would reset
-/// it.
+/// Ends a connection so that the other side receives everything: unread data would reset it.
 fn close(stream: &mut TcpStream) -> io::Result<()> {
     stream.shutdown(Shutdown::Write)?;
     let deadline = Instant::now() + CLOSE_TIMEOUT;

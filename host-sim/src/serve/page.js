@@ -191,7 +191,7 @@
       return item;
     });
     element("flags").replaceChildren(...items);
-    element("flags-note").textContent = `Over ${x.length} blocks of ${run.block_samples} samples. Bright: in the last block.`;
+    element("flags-note").textContent = `Over ${x.length} blocks of ${run.block_samples} samples. Bold: in the last block.`;
   }
 
   function drawOrbit() {
@@ -222,7 +222,7 @@
     context.fillText("z", side / 2 + 6 * devicePixelRatio, 16 * devicePixelRatio);
     context.strokeStyle = colour("series-1");
     const half = Math.max(1, orbit.length - TRAIL / 4);
-    for (const [from, to, alpha] of [[0, half, 0.35], [half - 1, orbit.length, 1]]) {
+    for (const [from, to, alpha] of [[0, half, 0.5], [half - 1, orbit.length, 1]]) {
       context.globalAlpha = alpha;
       context.beginPath();
       for (let i = from; i < to; i++) context.lineTo(...place(orbit[i]));

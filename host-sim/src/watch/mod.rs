@@ -1,8 +1,8 @@
 //! Live view of `host-sim run --watch`: draws the estimates in the terminal.
 //!
 //! [`scene`] contains the data and the drawing, without a terminal. This file contains the
-//! terminal and the keys; the pace is that of [`crate::live`]. `q` or escape closes the view and the run continues without
-//! it; control-C ends the run.
+//! terminal and the keys; `live` has the pace. `q` or escape closes the view and the run continues
+//! without it; control-C ends the run.
 
 pub mod scene;
 
