@@ -29,7 +29,7 @@
     element("gap").hidden = true;
     element("impacts").tBodies[0].replaceChildren();
     element("orbit-caption").textContent = `Journal centre in the bearing, y to the right, z up. Circle: `
-      + `the clearance of ${(start.clearance_nm * 1e-3).toFixed(0)} µm. Recent points are brighter.`;
+      + `the clearance of ${(start.clearance_nm * 1e-3).toFixed(0)} µm. Recent points are drawn stronger.`;
     whole = true;
     createPlot();
   }
