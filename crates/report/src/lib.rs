@@ -6,6 +6,7 @@ pub mod heat;
 pub mod page;
 mod plot;
 mod scheme;
+pub mod script_page;
 mod text_table;
 
 pub use text_table::text_table;

@@ -17,7 +17,8 @@ pub struct Page {
     is_animated: bool,
 }
 
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;\
+/// Style of all pages.
+pub(crate) const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1080px;margin:2rem auto;\
 padding:0 1rem;color:var(--text);background:var(--paper)}\
 h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem;\
 border-bottom:1px solid var(--rule)}\
@@ -174,7 +175,8 @@ impl Page {
     }
 }
 
-fn escape(text: &str) -> String {
+/// Escapes text for HTML.
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

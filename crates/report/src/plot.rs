@@ -187,17 +187,27 @@ impl Columns {
 
 /// Returns the library and the script, as they stand in a page.
 fn script() -> String {
-    let library = LIBRARY.split_once('\n').map_or(LIBRARY, |(_, code)| code);
     let [charts, sketches] = SCRIPTS;
-    format!("{NOTICE}{library}\n{charts}{sketches}")
+    format!("{}\n{charts}{sketches}", library())
+}
+
+/// Returns the library with its notice.
+pub(crate) fn library() -> String {
+    let library = LIBRARY.split_once('\n').map_or(LIBRARY, |(_, code)| code);
+    format!("{NOTICE}{library}")
+}
+
+/// Returns the hash of an inline script or style, as a policy names it.
+pub(crate) fn sha256(code: &str) -> String {
+    format!("sha256-{}", STANDARD.encode(Sha256::digest(code)))
 }
 
 /// Returns the policy of a page: nothing is fetched, and no script runs but that of this crate.
 pub(crate) fn policy() -> String {
-    let hash = STANDARD.encode(Sha256::digest(script()));
     format!(
-        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{hash}'; img-src data: blob:; \
-         base-uri 'none'; form-action 'none'"
+        "default-src 'none'; style-src 'unsafe-inline'; script-src '{}'; img-src data: blob:; base-uri \
+         'none'; form-action 'none'",
+        sha256(&script())
     )
 }
 

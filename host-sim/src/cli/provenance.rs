@@ -15,11 +15,15 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Options that do not change a result, each with a value.
-const WITHOUT_EFFECT: [&str; 5] = ["--out", "-o", "--threads", "--record", "--color"];
+/// Options that do not change a result, each with a value. A token must not be in a result.
+const WITHOUT_EFFECT: [&str; 8] =
+    ["--out", "-o", "--threads", "--record", "--color", "--watch-speed", "--serve-token", "--serve-for"];
 
 /// Options without a value that do not change a result.
-const OF_THE_TERMINAL: [&str; 5] = ["--json", "-q", "--quiet", "-v", "--verbose"];
+const OF_THE_TERMINAL: [&str; 6] = ["--json", "-q", "--quiet", "-v", "--verbose", "--watch"];
+
+/// Option that does not change a result, with a value or without one.
+const SERVE: &str = "--serve";
 
 /// Results in the folder of a run.
 const RESULTS: [&str; 2] = ["run.json", "log.csv"];
@@ -121,13 +125,18 @@ fn files(path: &str) -> Vec<String> {
 }
 
 /// Returns the arguments without the options that do not change a result.
-fn with_effect(mut arguments: impl Iterator<Item = String>) -> Vec<String> {
+fn with_effect(arguments: impl Iterator<Item = String>) -> Vec<String> {
+    let mut arguments = arguments.peekable();
     let mut kept = Vec::new();
     while let Some(word) = arguments.next() {
+        let is_joined = |o: &str| word.strip_prefix(o).is_some_and(|value| value.starts_with('='));
         if WITHOUT_EFFECT.contains(&word.as_str()) {
             arguments.next();
+        } else if word == SERVE {
+            arguments.next_if(|value| !value.starts_with('-'));
         } else if !OF_THE_TERMINAL.contains(&word.as_str())
-            && !WITHOUT_EFFECT.iter().any(|o| word.strip_prefix(o).is_some_and(|v| v.starts_with('=')))
+            && !WITHOUT_EFFECT.iter().any(|o| is_joined(o))
+            && !is_joined(SERVE)
         {
             kept.push(word);
         }
@@ -174,6 +183,19 @@ mod tests {
             plain
         );
         assert_ne!(provenance(&["sweep", "clearance", "--seed", "3"]), plain);
+    }
+
+    #[test]
+    fn a_live_view_and_its_token_are_no_part_of_the_origin() {
+        let plain = provenance(&["run", "--seed", "2"]);
+        for words in [
+            &["run", "--serve", "--seed", "2"][..],
+            &["run", "--serve", "127.0.0.1:0", "--serve-token", "secret", "--seed", "2", "--serve-for", "1"],
+            &["run", "--serve=0", "--serve-token=secret", "--serve-for=1", "--seed", "2", "--serve"],
+            &["run", "--watch", "--watch-speed", "0.5", "--seed", "2"],
+        ] {
+            assert_eq!(provenance(words), plain, "{words:?}");
+        }
     }
 
     #[test]

@@ -4,9 +4,10 @@ use crate::cli::error::CliError;
 use crate::cli::output::{self, Files};
 use crate::run::force::ForceSource;
 use crate::run::{
-    ControllerChoice, RunArgs, estimates, execute, impacts, mechanism, page, report, settled, slider_crank,
-    tilt,
+    ControllerChoice, RunArgs, estimates, execute_live, impacts, mechanism, page, report, settled,
+    slider_crank, tilt,
 };
+use crate::serve::Server;
 use bench::Bench;
 use bench::simulate::impact_table;
 
@@ -28,11 +29,26 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         Bench::Mechanism(plant) => return mechanism::run(plant, args),
         _ => {}
     }
-    if args.controller == ControllerChoice::None && (args.record.is_some() || args.watch) {
-        let option = if args.watch { "--watch" } else { "--record" };
+    let needing = [
+        ("--watch", args.watch),
+        ("--serve", args.serve.serve.is_some()),
+        ("--record", args.record.is_some()),
+    ];
+    let needing = needing.into_iter().find(|(_, is_given)| *is_given);
+    if let (ControllerChoice::None, Some((option, _))) = (args.controller, needing) {
         return Err(CliError::Input(format!("{option}: found --controller none; expected a controller")));
     }
-    let finished = execute(args)?;
+    let server = Server::open(&args.serve)?;
+    let result = run_transmission(args, server.as_ref());
+    if let Some(server) = server {
+        server.finish(result.as_ref().err());
+    }
+    result
+}
+
+/// Runs a bench with a controller, and writes and prints its results.
+fn run_transmission(args: &RunArgs, server: Option<&Server>) -> Result<(), CliError> {
+    let finished = execute_live(args, server)?;
     let contacts = impact_table::to_csv(&finished.forced.run.impacts, finished.bench.contact.latch_floor_m_s);
     let page = page::page(&finished).map_err(CliError::Work)?;
     let mut files = Files::new(&args.out);

@@ -8,6 +8,7 @@ use crate::compare::Comparison;
 use crate::run::mechanism::MechanismSummary;
 use crate::run::slider_crank::SliderCrankSummary;
 use crate::run::summary::Summary;
+use crate::serve::event::Event;
 use crate::validation::Cases;
 use crate::{accuracy, life, logs, reproduction, shard, sweep};
 use clap::Args;
@@ -22,7 +23,7 @@ use serde_json::json;
 type Entry = (&'static str, &'static str, fn() -> Schema);
 
 /// All schemas.
-const ALL: [Entry; 22] = [
+const ALL: [Entry; 23] = [
     ("accuracy", "accuracy: accuracy.json", stamped::<accuracy::Outcome>),
     ("accuracy-worlds", "accuracy --worlds: worlds.json", stamped::<accuracy::worlds::Outcome>),
     ("check", "check: check.json", stamped::<Inspection>),
@@ -44,6 +45,7 @@ const ALL: [Entry; 22] = [
     ("run", "run: run.json", stamped::<Summary>),
     ("run-mechanism", "run of a mechanism: run.json", stamped::<MechanismSummary>),
     ("run-slider-crank", "run --bench slider-crank: run.json", stamped::<SliderCrankSummary>),
+    ("serve", "run --serve: an event of the stream", schema_of::<Event>),
     ("shard", "sweep --shard, claims --shard", schema_of::<shard::Outcome>),
     ("sweep-file", "sweep FILE: sweep.json", schema_of::<sweep::file::Outcome<'_>>),
     ("sweep-latch", "sweep latch: sweep.json", stamped::<sweep::latch::Outcome>),

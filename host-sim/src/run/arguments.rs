@@ -5,7 +5,8 @@ use super::force::ForceSource;
 use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
 use crate::controller::choice::ProbeOptions;
-use clap::{Args, Parser, ValueEnum};
+use crate::serve::options::ServeOptions;
+use clap::{ArgGroup, Args, Parser, ValueEnum};
 use link::ContactSource;
 use std::path::PathBuf;
 
@@ -44,10 +45,14 @@ impl From<ContactChoice> for ContactSource {
 
 /// Arguments of `host-sim run`.
 #[derive(Args, Clone, Debug)]
+#[command(group(ArgGroup::new("live").args(["watch", "serve"]).multiple(true)))]
 #[command(after_help = "Examples:\n  host-sim run\n  \
     host-sim run --force law --bearing plastic --clearance-mm 1 --load-kn -5\n  \
     host-sim run --controller emulated --json\n  \
     host-sim run --controller emulated --watch --watch-speed 0.2\n  \
+    host-sim run --cycles 20 --serve\n  \
+    host-sim run --serve 127.0.0.1:0 --watch-speed 0.1 --serve-for 60\n  \
+    HOST_SIM_SERVE_TOKEN=$(openssl rand -hex 16) host-sim run --serve 0.0.0.0:8750\n  \
     host-sim run --controller attached --port /dev/ttyUSB0 --on-restart continue --record out/run/link.rec")]
 pub struct RunArgs {
     /// The bench.
@@ -97,15 +102,18 @@ pub struct RunArgs {
     /// pace; q closes the view.
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
-    /// Simulated seconds per second of the live view.
+    /// Simulated seconds per second of the live views, in the terminal and in browsers.
     #[arg(
         long,
         default_value_t = 1.0,
         value_name = "FACTOR",
-        requires = "watch",
+        requires = "live",
         allow_negative_numbers = true
     )]
     pub watch_speed: f64,
+    /// Server of the live view in browsers.
+    #[command(flatten)]
+    pub serve: ServeOptions,
     /// Folder for log.csv, estimates.csv, impacts.csv, estimated_impacts.csv, run.json and
     /// report.html; of three or more cycles cycles.csv; on a bench in two planes tilt.csv.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
@@ -147,6 +155,7 @@ impl RunArgs {
             ("--on-restart", self.on_restart != own.on_restart, with_controller),
             ("--record", self.record.is_some(), with_controller),
             ("--watch", self.watch, with_controller),
+            ("--serve", self.serve.serve.is_some(), with_controller),
             ("--step-us", !has_networks && self.step_us != own.step_us, "a contact with networks"),
         ];
         match changed.into_iter().find(|(_, is_changed, _)| *is_changed) {

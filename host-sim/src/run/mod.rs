@@ -28,6 +28,11 @@ pub use arguments::{ControllerChoice, RunArgs};
 use crate::cli::error::CliError;
 use crate::cli::progress;
 use crate::controller::Recording;
+use crate::live::LiveViews;
+use crate::live::pace::Pace;
+use crate::serve::Server;
+use crate::serve::event::{FlagName, Start};
+use crate::serve::feed::Feed;
 use crate::watch::Watch;
 use crate::watch::scene::Scene;
 use arguments::communication_step_s;
@@ -72,6 +77,12 @@ impl Finished {
 
 /// Runs the bench and the estimator.
 pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
+    execute_live(args, None)
+}
+
+/// Runs the bench and the estimator, and shows them on a server.
+pub(crate) fn execute_live(args: &RunArgs, server: Option<&Server>) -> Result<Finished, CliError> {
+    let pace = Pace::new(args.watch_speed)?;
     let bench = args.bench.open_transmission()?;
     let step_s = communication_step_s(args.step_us)?;
     let drop_out = drop_out(args)?;
@@ -116,18 +127,22 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
         configuration::lockstep_configuration(&plant, &resolved, SAMPLE_RATE_HZ, args.contact.into())?;
     let frames = sensing::samples(&described, &forced.run.samples, args.seed, drop_out);
     let (mut exchange, mut recording) = (None, None);
-    let mut watch = if args.watch {
+    let watch = if args.watch {
         bar.finish_and_clear();
-        Some(Watch::open(scene(&resolved, &forced, args), args.watch_speed)?)
+        Some(Watch::open(scene(&resolved, &forced, args))?)
     } else {
         None
     };
-    let mut see = watch
+    let feed = server.map(|server| feed(server, &resolved, frames.len(), (args, pace)));
+    let mut views = LiveViews::new(watch, feed, pace);
+    let mut see = views
         .as_mut()
-        .map(|watch| |sample: &_, estimate: &_, ended: &[_]| watch.observe(sample, estimate, ended));
+        .map(|views| |sample: &_, estimate: &_, ended: &[_]| views.observe(sample, estimate, ended));
     let see = see.as_mut().map(|see| see as &mut Observer<'_>);
     let estimated = estimator::estimate(args, configuration, &frames, see)?;
-    drop(watch);
+    if let (Some(views), Some(estimated)) = (views, &estimated) {
+        views.finish(&estimated.exchange.impacts);
+    }
     if let Some(estimated) = estimated {
         let seen = frames.iter().map(|sampled| sampled.frame);
         summary.estimator = Some(EstimatorSummary::from_exchange(
@@ -143,17 +158,40 @@ pub fn execute(args: &RunArgs) -> Result<Finished, CliError> {
     Ok(Finished { bench: resolved, summary, forced, law, exchange, recording })
 }
 
-/// Creates the live view of a run.
-fn scene(bench: &TransmissionBench, forced: &ForcedRun, args: &RunArgs) -> Scene {
-    let title = format!(
-        "{}, {:.2} mm, {:+.1} kN, {:?}",
+/// Title of a run's live views.
+fn title(bench: &TransmissionBench, args: &RunArgs) -> String {
+    format!(
+        "{}, {:.2} mm, {:+.1} kN, {}",
         bench.bearing.material.name(),
         bench.bearing.radial_clearance_m * 1e3,
         bench.load.force_n * 1e-3,
-        args.controller,
-    );
+        transport(args),
+    )
+}
+
+/// Name of a run's transport.
+fn transport(args: &RunArgs) -> String {
+    format!("{:?}", args.controller).to_lowercase()
+}
+
+/// Begins the live view of a run on a server.
+fn feed(server: &Server, bench: &TransmissionBench, samples: usize, (args, pace): (&RunArgs, Pace)) -> Feed {
+    let start = Start {
+        title: title(bench, args),
+        controller: transport(args),
+        duration_s: bench.duration_s(),
+        clearance_nm: bench.bearing.radial_clearance_m * 1e9,
+        sample_rate_hz: SAMPLE_RATE_HZ,
+        block_samples: 0,
+        flags: FlagName::all(),
+    };
+    server.feed(start, samples as u64, pace.speed())
+}
+
+/// Creates the live view of a run in the terminal.
+fn scene(bench: &TransmissionBench, forced: &ForcedRun, args: &RunArgs) -> Scene {
     let truth = forced.run.samples.iter().map(|s| (s.time_s, s.forces.normal_n));
-    Scene::new(title.to_lowercase(), bench.duration_s(), bench.bearing.radial_clearance_m, truth)
+    Scene::new(title(bench, args), bench.duration_s(), bench.bearing.radial_clearance_m, truth)
 }
 
 /// Checks the options for drop-outs.

@@ -1,9 +1,8 @@
-//! Live view of `host-sim run --watch`: draws the estimates in the terminal, paced to the bench's
-//! own time.
+//! Live view of `host-sim run --watch`: draws the estimates in the terminal.
 //!
 //! [`scene`] contains the data and the drawing, without a terminal. This file contains the
-//! terminal, the keys and the clock. `q` or escape closes the view and the run continues without
-//! it; control-C ends the run.
+//! terminal and the keys; `live` has the pace. `q` or escape closes the view and the run continues
+//! without it; control-C ends the run.
 
 pub mod scene;
 
@@ -23,41 +22,35 @@ const PICTURE: Duration = Duration::from_millis(40);
 pub struct Watch {
     terminal: Option<DefaultTerminal>,
     scene: Scene,
-    /// Simulated seconds per second.
-    speed: f64,
-    started: Instant,
     drawn: Option<Instant>,
 }
 
 impl Watch {
-    /// Opens the terminal. `speed` is in simulated seconds per second.
+    /// Opens the terminal.
     ///
     /// # Errors
     ///
-    /// The output is not a terminal, or the speed is out of range.
-    pub fn open(scene: Scene, speed: f64) -> Result<Self, CliError> {
-        if !(1e-3..=1e3).contains(&speed) {
-            return Err(CliError::Input(format!("--watch-speed: found {speed}; expected 0.001 to 1000")));
-        }
+    /// The output is not a terminal.
+    pub fn open(scene: Scene) -> Result<Self, CliError> {
         if !stdout().is_terminal() {
             return Err(CliError::Input("--watch: found an output that is no terminal; expected one".into()));
         }
         let terminal = ratatui::try_init().map_err(|e| CliError::Work(format!("terminal: {e}")))?;
-        Ok(Self { terminal: Some(terminal), scene, speed, started: Instant::now(), drawn: None })
+        Ok(Self { terminal: Some(terminal), scene, drawn: None })
     }
 
-    /// Takes a sample, its estimate and the impacts that have ended, waits for the sample's time,
+    /// Takes a sample, its estimate and the impacts that have ended, waits until the sample is due,
     /// and draws from time to time. `Break` ends the run.
     pub fn observe(
         &mut self,
         sample: &SensorFrame,
         estimate: &EstimateFrame,
         ended: &[ImpactRecord],
+        due: Instant,
     ) -> ControlFlow<()> {
         self.scene.observe(sample, estimate);
         self.scene.add_impacts(ended);
         let Some(terminal) = &mut self.terminal else { return ControlFlow::Continue(()) };
-        let due = self.started + Duration::from_secs_f64(self.scene.time_s() / self.speed);
         loop {
             let now = Instant::now();
             if self.drawn.is_none_or(|drawn| now >= drawn + PICTURE) {

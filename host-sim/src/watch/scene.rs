@@ -96,11 +96,6 @@ impl Scene {
         self.last = *estimate;
     }
 
-    /// Time of the last sample, s.
-    pub const fn time_s(&self) -> f64 {
-        self.time_s
-    }
-
     /// Draws the view.
     pub fn draw(&self, frame: &mut Frame<'_>) {
         let heights =
