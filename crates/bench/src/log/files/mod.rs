@@ -41,8 +41,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, LogError> {
     })
 }
 
-/// Reads to the end; `None` if it is after `max` bytes. The length is what the file states: a device
-/// states 0.
+/// Reads to the end; `None` if it is after `max` bytes. The length is what the file states: a
+/// device states 0.
 fn read_at_most(source: impl Read, length: u64, max: u64) -> std::io::Result<Option<Vec<u8>>> {
     if length > max {
         return Ok(None);

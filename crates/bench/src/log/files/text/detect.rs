@@ -68,8 +68,8 @@ impl<'a> Body<'a> {
         Some(Self { first, rows, decimal_comma })
     }
 
-    /// Number of columns, share of numbers among the fields, and presence of a header: a first row with
-    /// text in a column of numbers. `None` without rows.
+    /// Number of columns, share of numbers among the fields, and presence of a header: a first row
+    /// with text in a column of numbers. `None` without rows.
     fn quality(&self) -> Option<(usize, f64, bool)> {
         let count = self.first.len();
         if count == 0 || self.rows.is_empty() {

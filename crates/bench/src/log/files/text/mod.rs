@@ -3,6 +3,7 @@
 
 mod detect;
 pub(super) mod number;
+mod numbers;
 pub(super) mod records;
 mod table;
 

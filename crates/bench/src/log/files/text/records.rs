@@ -32,9 +32,17 @@ pub(super) fn for_each_row(
         .flexible(true)
         .from_reader(text.as_bytes());
     while reader.read_record(&mut record).map_err(|error| (error.to_string(), "readable CSV"))? {
-        add(record.position().map_or(0, csv::Position::line), &record)?;
+        let line = record.position().map_or(0, |start| start.line() + empty_lines(text, start.byte()));
+        add(line, &record)?;
     }
     Ok(())
+}
+
+/// Number of empty lines from a byte, which the reader counts as the begin of the next row.
+fn empty_lines(text: &str, byte: u64) -> u64 {
+    let rest = usize::try_from(byte).ok().and_then(|start| text.as_bytes().get(start..));
+    let ends = rest.into_iter().flatten().take_while(|byte| matches!(byte, b'\r' | b'\n'));
+    ends.filter(|byte| **byte == b'\n').count() as u64
 }
 
 /// Fields of a row.
@@ -43,8 +51,8 @@ pub(super) fn fields(record: &StringRecord) -> Vec<String> {
 }
 
 /// Removes the byte order mark and replaces comments by empty lines, so that the other lines keep
-/// their numbers. The separator that a spreadsheet states in the first line counts as a comment too,
-/// a line that begins with a quote does not.
+/// their numbers. The separator that a spreadsheet states in the first line counts as a comment
+/// too, a line that begins with a quote does not.
 pub(super) fn without_comments(text: &str) -> Cow<'_, str> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // `%name` may be the name of a column.
@@ -88,6 +96,18 @@ pub(super) fn marked_lines(text: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_after_empty_lines_and_comments_have_their_line() {
+        let text = "# a\n\nt,x\n\"0\n\",1\r\n\r\n# b\r\n2,3\n4,5";
+        let mut lines = Vec::new();
+        let add = |line, _: &StringRecord| {
+            lines.push(line);
+            Ok(())
+        };
+        for_each_row(&without_comments(text), Separator::Comma, add).unwrap();
+        assert_eq!(lines, [3, 4, 8, 9]);
+    }
 
     #[test]
     fn marked_lines_are_those_before_lines_without_quotes() {

@@ -2,6 +2,7 @@
 
 use super::Refusal;
 use super::number::{NO_THOUSANDS, has_thousands, is_missing, parse};
+use super::numbers::Numbers;
 use crate::log::files::file::{MAX_NAMES, MAX_ROWS, MAX_VALUES};
 use csv::StringRecord;
 
@@ -18,7 +19,7 @@ pub(super) struct Flaw {
 #[derive(Default)]
 struct Column {
     /// Numbers, NaN where missing; empty with a text.
-    values: Vec<f64>,
+    values: Numbers,
     /// First field that is neither a number nor a missing value.
     text: Option<Flaw>,
     /// First missing value.
@@ -37,7 +38,7 @@ impl Column {
             Some(field) if !is_missing(field) => {
                 let expected = expected(field, decimal_comma);
                 self.text = Some(Flaw { row, found: format!("`{field}`"), expected });
-                self.values = Vec::new();
+                self.values = Numbers::default();
             }
             _ if self.gap.is_some() => {}
             Some(field) => {
@@ -130,7 +131,7 @@ impl Table {
         let gap = column.gap.as_ref().filter(|_| is_strict);
         match column.text.iter().chain(gap).min_by_key(|flaw| flaw.row) {
             Some(flaw) => Err(flaw.clone()),
-            None => Ok(column.values.clone()),
+            None => Ok(column.values.values()),
         }
     }
 }

@@ -79,8 +79,8 @@ impl Column {
         (first >= 1.0 && !self.has_durations).then_some(first)
     }
 
-    /// Converts dates into seconds since the earliest date of the workbook, times without a day into
-    /// seconds since the first one of the column.
+    /// Converts dates into seconds since the earliest date of the workbook, times without a day
+    /// into seconds since the first one of the column.
     pub(super) fn count_seconds(&mut self, earliest_date: Option<f64>) {
         if self.kind != Some(Kind::Dates) {
             return;

@@ -1,8 +1,8 @@
 //! Header and units of a sheet: the rows above its data.
 //!
 //! The data begin at the first row in which at least half of the used columns have a number or a
-//! date, and the next row too. Rows with numbers directly above belong to the data. The row of texts
-//! above the data names the columns. It contains the units if it looks like units and the row
+//! date, and the next row too. Rows with numbers directly above belong to the data. The row of
+//! texts above the data names the columns. It contains the units if it looks like units and the row
 //! directly above it has a text for each of them. Other rows above are titles.
 
 use super::field::Field;
@@ -63,7 +63,14 @@ fn first_data(rows: &[Row]) -> Option<usize> {
     {
         first = above;
     }
-    Some(first)
+    // A row of units with the number 1 for a dimensionless column.
+    let has_units = match rows.split_at_checked(first) {
+        Some(([.., names], [units, next, ..])) => {
+            are_units(names, units) && has_text_above_readings(units, next)
+        }
+        _ => false,
+    };
+    Some(first + usize::from(has_units))
 }
 
 /// Contents of a row.
@@ -121,6 +128,8 @@ mod tests {
             // Rows with few numbers are data.
             ("t a b c d\n0 1\n1 2\n2 3 4 5 6\n3 4 5 6 7", "t a b c d", "", 1),
             ("t a b\n0 start x\n1 2 3\n2 3 4", "t a b", "", 1),
+            ("t mu\ns 1\n0 1\n1 2", "t mu", "s 1", 2),
+            ("name v\na 1\na 2", "name v", "", 1),
             ("name v\na b", "name v", "", 1),
             ("t a b c d\n0\n1\n2 1", "t a b c d", "", 1),
         ] {

@@ -1,10 +1,10 @@
 //! Workbooks of Excel 2007 and later, LibreOffice and others (`.xlsx`).
 //!
 //! A column is listed by its header or, where two sheets have the same one, as `sheet/header`;
-//! without a header by its letters. An empty cell and an error are missing values, a formula has the
-//! value that the workbook stores with it. A column of numbers with a text is refused. Dates are in
-//! s since the earliest one of the workbook, times without a day in s since the first one of their
-//! column.
+//! without a header by its letters. An empty cell and an error are missing values, a formula has
+//! the value that the workbook stores with it. A column of numbers with a text is refused. Dates
+//! are in s since the earliest one of the workbook, times without a day in s since the first one of
+//! their column.
 
 mod column;
 mod field;

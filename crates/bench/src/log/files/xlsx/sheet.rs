@@ -108,8 +108,8 @@ impl Sheet {
         Ok(())
     }
 
-    /// Columns with a header or with content, all of the sheet's length. A column without a header is
-    /// called by its letters.
+    /// Columns with a header or with content, all of the sheet's length. A column without a header
+    /// is called by its letters.
     fn named_columns(mut self) -> Vec<(String, Column)> {
         let head = self.head.unwrap_or_default();
         self.columns.resize_with(self.columns.len().max(head.names.len()), Column::default);

@@ -34,9 +34,8 @@ fn sheet(table: &str) -> String {
         format!(r#"<row r="{}">{}</row>"#, row + 1, cells.collect::<String>())
     };
     let rows: String = table.lines().enumerate().map(row).collect();
-    format!(
-        r#"<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData>{rows}</sheetData></worksheet>"#
-    )
+    let main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
+    format!(r#"<worksheet xmlns="{main}"><sheetData>{rows}</sheetData></worksheet>"#)
 }
 
 /// Workbook of sheets with names.
@@ -58,10 +57,9 @@ fn workbook(sheets: &[(&str, String)]) -> Vec<u8> {
     relations += &format!(r#"<Relationship Id="s" Type="{namespace}/styles" Target="styles.xml"/>"#);
     let relations = format!(r#"<Relationships xmlns="{package}">{relations}</Relationships>"#);
     parts.push((super::WORKBOOK.into(), book));
-    let root = format!(
-        r#"<Relationships xmlns="{package}"><Relationship Id="b" Type="{namespace}/officeDocument" Target="{}"/></Relationships>"#,
-        super::WORKBOOK
-    );
+    let kind = format!("{namespace}/officeDocument");
+    let root = format!(r#"<Relationship Id="b" Type="{kind}" Target="{}"/>"#, super::WORKBOOK);
+    let root = format!(r#"<Relationships xmlns="{package}">{root}</Relationships>"#);
     parts.push(("_rels/.rels".into(), root));
     parts.push(("xl/_rels/workbook.xml.rels".into(), relations));
     parts.push(("xl/styles.xml".into(), STYLES.into()));
