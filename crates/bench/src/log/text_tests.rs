@@ -173,6 +173,29 @@ fn wrong_columns_are_refused_together_with_their_entries() {
 }
 
 #[test]
+fn a_row_with_more_fields_than_the_header_is_refused_with_its_line() {
+    let expected = "a.csv: 3 fields in line 3; expected at most 2, as many as columns";
+    for text in ["t_s,position_m\n0,1\n1,2,999\n2,3\n3,4\n4,5\n", "0,1\n\n1,2,999\n2,3\n3,4\n4,5\n5,6\n"] {
+        assert_eq!(refused(text, "t_s = \"column(0)\"\nposition_m = \"column(1)\""), expected);
+        assert_eq!(RawLog::from_bytes("a.csv", text.into()).unwrap_err().to_string(), expected);
+    }
+    let empty = "t_s,position_m\n0,1,\n1,2,,\n2,3\n";
+    assert_eq!(read(empty.as_bytes(), "").unwrap().channels[&Channel::Position], [1.0, 2.0, 3.0]);
+    // Without a known format the first fields may be those of another separator.
+    let error = refused("t_s,position_m\n0,a,5\n1,b,6\n2,c,7\n", "");
+    assert_eq!(error, "a.csv: line 2, t_s: found 3 fields; expected at most one for each column");
+}
+
+#[test]
+fn one_column_of_numbers_is_read() {
+    for (text, name, unit) in [("x\nmm\n1.5\nnan\n2.5\n", "x", "mm"), ("1.5\nnan\n2.5\n", "", "")] {
+        let log = RawLog::from_bytes("a.csv", text.into()).unwrap();
+        let [column] = log.columns.as_slice() else { panic!("{:?}", log.columns) };
+        assert_eq!((column.name.as_str(), column.unit.as_str(), column.values.len()), (name, unit, 3));
+    }
+}
+
+#[test]
 fn texts_of_doubtful_meaning_are_refused() {
     for (text, expected) in [
         (

@@ -14,6 +14,9 @@ mod xlsx;
 
 use super::{LogError, TextFormat};
 pub(super) use file::{LogFile, MAX_ROWS, MAX_VALUES, list};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 pub(super) use text::number::NO_THOUSANDS;
 pub(super) use write::{Written, bytes, is_text};
 
@@ -26,15 +29,28 @@ const READABLE: &str =
     "CSV text, Parquet, a MAT-file of version 5 to 7.3, HDF5, MDF of version 4, TDMS or a workbook (.xlsx)";
 
 /// Reads the bytes of a file.
-pub(super) fn read(path: &std::path::Path) -> Result<Vec<u8>, LogError> {
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, LogError> {
     let file = path.display().to_string();
     let io = |source| LogError::Io { file: file.clone(), source };
-    let length = std::fs::metadata(path).map_err(io)?.len();
-    if length > MAX_FILE_BYTES {
+    let opened = File::open(path).map_err(io)?;
+    let length = opened.metadata().map_err(io)?.len();
+    let bytes = read_at_most(opened, length, MAX_FILE_BYTES).map_err(io)?;
+    bytes.ok_or_else(|| {
         let most = format!("at most {} MB; divide the log into several", MAX_FILE_BYTES >> 20);
-        return Err(LogError::content(&file, format!("{} MB", length >> 20), most));
+        LogError::content(&file, format!("more than {} MB", MAX_FILE_BYTES >> 20), most)
+    })
+}
+
+/// Reads to the end; `None` if it is after `max` bytes. The length is what the file states: a
+/// device states 0.
+fn read_at_most(source: impl Read, length: u64, max: u64) -> std::io::Result<Option<Vec<u8>>> {
+    if length > max {
+        return Ok(None);
     }
-    std::fs::read(path).map_err(io)
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(usize::try_from(length).unwrap_or(0))?;
+    source.take(max + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= max).then_some(bytes))
 }
 
 /// Opens a file and splits it into columns; a text in the described format or a detected one.
@@ -87,4 +103,19 @@ fn decoded(bytes: Vec<u8>) -> Option<String> {
         }
     };
     Some(String::from_utf8(bytes).unwrap_or_else(other))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reading_ends_after_the_maximum() {
+        for (length, expected) in [(9, Some(9)), (10, Some(10)), (11, None)] {
+            let bytes = read_at_most(&[7_u8; 11][..length], 0, 10).unwrap();
+            assert_eq!(bytes.map(|bytes| bytes.len()), expected);
+        }
+        assert_eq!(read_at_most(std::io::repeat(0), 0, 1000).unwrap(), None);
+        assert_eq!(read_at_most(std::io::empty(), 1001, 1000).unwrap(), None);
+    }
 }

@@ -3,10 +3,10 @@
 //! The first lines are divided with each separator, as reading does. The format with the largest
 //! share of numbers counts; of equally good ones the first in the order comma, semicolon, tab,
 //! whitespace, and a decimal point before a decimal comma. So `1,2,3` is separated by commas, and
-//! `1,5;2,5` has decimal commas.
+//! `1,5;2,5` has decimal commas. A text that no separator divides may be one column of numbers.
 
-use super::number::{has_thousands, is_missing, is_units, parse};
-use super::{Row, split};
+use super::number::{is_units, is_value};
+use super::records::{fields, for_each_row, marked_lines, without_comments};
 use crate::log::{Separator, TextFormat};
 
 /// Lines that are examined.
@@ -17,58 +17,76 @@ const MIN_NUMBER_SHARE: f64 = 0.8;
 /// Detects the format of a text; `None` if no separator divides it into columns of numbers.
 pub(super) fn detect(text: &str) -> Option<TextFormat> {
     let end = text.match_indices('\n').nth(EXAMINED_LINES).map_or(text.len(), |(end, _)| end);
-    let examined = text.get(..end)?;
+    let examined = without_comments(text.get(..end)?);
+    let marked = marked_lines(&examined);
     let separators = [Separator::Comma, Separator::Semicolon, Separator::Tab, Separator::Whitespace];
     let candidates = separators.into_iter().flat_map(|separator| {
-        let rows = split(examined, separator).unwrap_or_default();
+        let rows = split(&examined, separator);
         let commas = if separator == Separator::Comma { &[false][..] } else { &[false, true] };
-        let candidate = move |&decimal_comma: &bool| {
-            let (share, header) = Body::new(&rows, decimal_comma)?.quality()?;
-            (share >= MIN_NUMBER_SHARE).then_some((share, TextFormat { separator, header, decimal_comma }))
+        let candidate = |&decimal_comma: &bool| {
+            let (width, share, header) = Body::new(&rows, marked, decimal_comma)?.quality()?;
+            let format = TextFormat { separator, header: header || marked > 0, decimal_comma };
+            let is_possible = width > 1 || separator == Separator::Comma;
+            (is_possible && share >= MIN_NUMBER_SHARE).then_some((width > 1, share, format))
         };
         commas.iter().filter_map(candidate).collect::<Vec<_>>()
     });
-    let better = |best: (f64, TextFormat), next: (f64, TextFormat)| if next.0 > best.0 { next } else { best };
-    Some(candidates.reduce(better)?.1)
+    let is_better =
+        |next: &(bool, f64, TextFormat), best: &(bool, f64, TextFormat)| (next.0, next.1) > (best.0, best.1);
+    Some(candidates.reduce(|best, next| if is_better(&next, &best) { next } else { best })?.2)
+}
+
+/// Rows of a text; none if it cannot be split.
+fn split(text: &str, separator: Separator) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    let add = |_, row: &csv::StringRecord| {
+        rows.push(fields(row));
+        Ok(())
+    };
+    match for_each_row(text, separator, add) {
+        Ok(()) => rows,
+        Err(_) => Vec::new(),
+    }
 }
 
 /// Rows as a format divides them.
 struct Body<'a> {
     first: &'a [String],
     /// Rows after the first one and after the units.
-    rows: &'a [Row],
+    rows: &'a [Vec<String>],
     decimal_comma: bool,
 }
 
 impl<'a> Body<'a> {
-    fn new(rows: &'a [Row], decimal_comma: bool) -> Option<Self> {
-        let ((_, first), mut rows) = rows.split_first()?;
-        if let Some(((_, units), after)) = rows.split_first()
-            && is_units(units, decimal_comma)
+    fn new(rows: &'a [Vec<String>], marked: usize, decimal_comma: bool) -> Option<Self> {
+        let (first, mut rows) = rows.split_first()?;
+        if let Some((units, after)) = rows.split_first()
+            && (is_units(units, decimal_comma) || marked == 2)
         {
             rows = after;
         }
         Some(Self { first, rows, decimal_comma })
     }
 
-    /// Share of numbers among the fields, and presence of a header: a first row with text in a
-    /// column of numbers. `None` with fewer than two columns.
-    fn quality(&self) -> Option<(f64, bool)> {
+    /// Number of columns, share of numbers among the fields, and presence of a header: a first row
+    /// with text in a column of numbers. `None` without rows.
+    fn quality(&self) -> Option<(usize, f64, bool)> {
         let count = self.first.len();
-        if count < 2 || self.rows.is_empty() {
+        if count == 0 || self.rows.is_empty() {
             return None;
         }
         // A row of another length has no number in its place.
-        let is_fit = |row: &&Row| row.1.len() == count;
+        let is_fit = |row: &&Vec<String>| row.len() == count;
         let numbers_of = |column: usize| {
-            let fields = self.rows.iter().filter(is_fit).filter_map(|(_, row)| row.get(column));
-            fields.filter(|field| self.is_value(field)).count()
+            let fields = self.rows.iter().filter(is_fit).filter_map(|row| row.get(column));
+            fields.filter(|field| is_value(field, self.decimal_comma)).count()
         };
         let numbers: Vec<usize> = (0..count).map(numbers_of).collect();
-        let is_text = |(field, numbers): (&String, &usize)| !self.is_value(field) && *numbers > 0;
+        let is_text =
+            |(field, numbers): (&String, &usize)| !is_value(field, self.decimal_comma) && *numbers > 0;
         let header = self.first.iter().zip(&numbers).any(is_text) || self.counts_columns();
         let total = numbers.iter().sum::<usize>() as f64;
-        Some((total / (count * self.rows.len()) as f64, header))
+        Some((count, total / (count * self.rows.len()) as f64, header))
     }
 
     /// Returns whether the first row numbers the columns from 0, as data frames without names are
@@ -77,13 +95,6 @@ impl<'a> Body<'a> {
         let named = self.first.strip_prefix(&[String::new()]).unwrap_or(self.first);
         let least = if named.len() == self.first.len() { 3 } else { 1 };
         named.len() >= least && named.iter().enumerate().all(|(column, field)| *field == column.to_string())
-    }
-
-    /// Returns whether a field is a number or a missing value. Thousands are refused when they are
-    /// read, with a message.
-    fn is_value(&self, field: &str) -> bool {
-        let comma = self.decimal_comma;
-        parse(field, comma).is_some() || is_missing(field) || has_thousands(field, comma)
     }
 }
 
@@ -119,12 +130,15 @@ mod tests {
             // A name may begin with a sign of comments.
             ("%time,x\n0,1\n1,2\n", Separator::Comma, true, false),
             ("sep=;\nt;x\n0;1\n1;2\n", Separator::Semicolon, true, false),
+            ("\" 1\",\" 2\"\n0,1\n1,2\n", Separator::Comma, true, false),
+            ("one column\n1\n2\n", Separator::Comma, true, false),
+            ("1.5\n2.5\n", Separator::Comma, false, false),
         ] {
             assert_eq!(detect(text), Some(TextFormat { separator, header, decimal_comma }), "{text}");
         }
         for text in [
             "",
-            "one column\n1\n2\n",
+            "one column\na\nb\n",
             "a b\nfree text here\n",
             "t;x\n0,5;1.5\n1,5;2.5\n",
             "t_s, x\n0, 1,\n1, 2,\n",

@@ -3,22 +3,26 @@
 
 mod detect;
 pub(super) mod number;
+mod numbers;
+pub(super) mod records;
+mod table;
 
 use super::file::LogFile;
-use crate::log::{LogError, Separator, TextFormat};
+use crate::log::{LogError, TextFormat};
 use detect::detect;
-use number::{NO_THOUSANDS, has_thousands, is_missing, is_units, parse};
-use std::borrow::Cow;
+use number::is_units;
+use records::{fields, for_each_row, marked_lines, without_comments};
+use table::{Flaw, Table};
 
-/// Line from 1, and fields.
-type Row = (u64, Vec<String>);
+/// Reason to refuse a text: the content found and expected.
+type Refusal = (String, &'static str);
 
-/// Text split into fields.
+/// Text split into columns.
 pub(super) struct Text {
     header: Vec<String>,
     /// Fields of the line of units; empty without one.
     units: Vec<String>,
-    rows: Vec<Row>,
+    table: Table,
     format: TextFormat,
     is_described: bool,
     /// The `[log]` table that the text looks like.
@@ -31,19 +35,45 @@ impl Text {
     pub(super) fn open(file: &str, text: &str, described: Option<&TextFormat>) -> Result<Self, LogError> {
         let detected = detect(text);
         let format = described.copied().or(detected).unwrap_or_default();
-        let readable = |e: csv::Error| LogError::content(file, e.to_string(), "readable CSV");
-        let mut rows = split(text, format.separator).map_err(readable)?;
-        let (mut header, mut units) = (Vec::new(), Vec::new());
-        if format.header {
-            if rows.is_empty() {
-                return Err(LogError::content(file, "an empty file", "a header line with channel names"));
+        let refuse = |(found, expected): Refusal| LogError::content(file, found, expected);
+        let text = without_comments(text);
+        let marked = marked_lines(&text);
+        let (mut header, mut units, mut table) = (None, Vec::new(), None);
+        let new_table = |width| Table::new(width, format.decimal_comma, text.len());
+        for_each_row(&text, format.separator, |line, row| {
+            if format.header && header.is_none() {
+                header = Some(fields(row));
+                return Ok(());
             }
-            header = rows.remove(0).1;
-            if rows.first().is_some_and(|(_, row)| is_units(row, format.decimal_comma)) {
-                units = rows.remove(0).1;
+            if header.is_some() && table.is_none() && units.is_empty() {
+                let row = fields(row);
+                if is_units(&row, format.decimal_comma) || marked == 2 {
+                    units = row;
+                    return Ok(());
+                }
             }
+            let table = match &mut table {
+                Some(table) => table,
+                None => table.insert(new_table(header.as_ref().map_or(row.len(), Vec::len))?),
+            };
+            table.add(line, row)
+        })
+        .map_err(refuse)?;
+        if format.header && header.is_none() {
+            return Err(LogError::content(file, "an empty file", "a header line with channel names"));
         }
-        Ok(Self { header, units, rows, format, is_described: described.is_some(), detected })
+        let header = header.unwrap_or_default();
+        let table = table.map_or_else(|| new_table(header.len()), Ok).map_err(refuse)?;
+        let text = Self { header, units, table, format, is_described: described.is_some(), detected };
+        match text.table.surplus() {
+            // In another format the reader names the missing columns first.
+            Some(surplus) if detected == Some(format) => {
+                let found = format!("{} in line {}", surplus.found, text.table.line(surplus.row));
+                let expected = format!("at most {}, as many as columns", text.table.width());
+                Err(LogError::content(file, found, expected))
+            }
+            _ => Ok(text),
+        }
     }
 }
 
@@ -62,10 +92,7 @@ impl LogFile for Text {
 
     /// Number of names, without a header of fields of the first row.
     fn width(&self) -> usize {
-        match self.header.len() {
-            0 => self.rows.first().map_or(0, |(_, row)| row.len()),
-            count => count,
-        }
+        self.table.width()
     }
 
     fn detected(&self) -> Option<TextFormat> {
@@ -89,109 +116,18 @@ impl LogFile for Text {
     }
 
     fn place(&self, row: usize) -> String {
-        format!("line {}", self.rows.get(row).map_or(0, |(line, _)| *line))
+        format!("line {}", self.table.line(row))
     }
 
     fn values(&self, file: &str, index: usize, wanted: &str, is_strict: bool) -> Result<Vec<f64>, LogError> {
-        let cell = Cell { file, index, column: wanted, is_strict, decimal_comma: self.format.decimal_comma };
-        self.rows.iter().map(|(line, row)| cell.number(*line, row)).collect()
-    }
-}
-
-/// Splits a text into rows of trimmed fields.
-fn split(text: &str, separator: Separator) -> Result<Vec<Row>, csv::Error> {
-    let text = without_comments(text.strip_prefix('\u{feff}').unwrap_or(text));
-    let delimiter = match separator {
-        Separator::Whitespace => {
-            let rows = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-            let fields = |line: &str| line.split_whitespace().map(str::to_owned).collect();
-            return Ok(rows.map(|(i, line)| (i as u64 + 1, fields(line))).collect());
-        }
-        Separator::Comma => b',',
-        Separator::Semicolon => b';',
-        Separator::Tab => b'\t',
-    };
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .delimiter(delimiter)
-        .trim(csv::Trim::All)
-        .flexible(true)
-        .from_reader(text.as_bytes());
-    let mut out = Vec::new();
-    for record in reader.records() {
-        let record = record?;
-        let line = record.position().map_or(0, csv::Position::line);
-        out.push((line, record.iter().map(str::to_owned).collect()));
-    }
-    Ok(out)
-}
-
-/// Replaces comments by empty lines, so that the other lines keep their numbers. The separator that
-/// a spreadsheet states in the first line counts as a comment too.
-fn without_comments(text: &str) -> Cow<'_, str> {
-    // `%name` may be the name of a column.
-    let is_comment = |line: &str| {
-        let after = |sign| line.strip_prefix(sign);
-        after('#').is_some()
-            || after('%').is_some_and(|rest| !rest.starts_with(|c: char| c.is_alphanumeric()))
-    };
-    let is_separator = text.starts_with("sep=") && text.lines().next().is_some_and(|line| line.len() == 5);
-    if !is_separator && !text.lines().any(is_comment) {
-        return Cow::Borrowed(text);
-    }
-    let mut out = String::with_capacity(text.len());
-    for (index, line) in text.lines().enumerate() {
-        if !(is_comment(line) || is_separator && index == 0) {
-            out.push_str(line);
-        }
-        out.push('\n');
-    }
-    Cow::Owned(out)
-}
-
-/// Place and form of a number in each row.
-struct Cell<'a> {
-    file: &'a str,
-    index: usize,
-    /// Name of the column for messages.
-    column: &'a str,
-    is_strict: bool,
-    decimal_comma: bool,
-}
-
-impl Cell<'_> {
-    fn number(&self, line: u64, row: &[String]) -> Result<f64, LogError> {
-        let refuse = |found: String, expected| LogError::Field {
-            file: self.file.into(),
-            place: format!("line {line}"),
-            column: self.column.into(),
+        let surplus = self.table.surplus().cloned().map_or(Ok(()), Err);
+        let values = surplus.and_then(|()| self.table.values(index, is_strict));
+        values.map_err(|Flaw { row, found, expected }| LogError::Field {
+            file: file.into(),
+            place: self.place(row),
+            column: wanted.into(),
             found,
             expected,
-        };
-        let Some(field) = row.get(self.index) else {
-            return if self.is_strict {
-                Err(refuse(format!("only {} fields", row.len()), "a field in every column"))
-            } else {
-                Ok(f64::NAN)
-            };
-        };
-        match parse(field, self.decimal_comma) {
-            Some(value) => Ok(value),
-            None if !self.is_strict && is_missing(field) => Ok(f64::NAN),
-            None => Err(refuse(format!("`{field}`"), self.expected(field))),
-        }
-    }
-
-    /// Content expected in place of a field that is no number.
-    fn expected(&self, field: &str) -> &'static str {
-        if has_thousands(field, self.decimal_comma) {
-            NO_THOUSANDS
-        } else if self.decimal_comma && parse(field, false).is_some() {
-            "a number with a decimal comma and without separators of thousands"
-        } else if !self.decimal_comma && parse(field, true).is_some() {
-            "a number with a decimal point; for decimal commas set `decimal_comma = true` in `[log]`"
-        } else {
-            "a finite number"
-        }
+        })
     }
 }

@@ -23,6 +23,12 @@ pub(in crate::log) fn is_missing(field: &str) -> bool {
     MISSING.iter().any(|missing| field.eq_ignore_ascii_case(missing))
 }
 
+/// Returns whether a field is a number or a missing value. Thousands are refused when they are
+/// read, with a message.
+pub(in crate::log::files) fn is_value(field: &str, decimal_comma: bool) -> bool {
+    parse(field, decimal_comma).is_some() || is_missing(field) || has_thousands(field, decimal_comma)
+}
+
 /// Returns whether a field is a number with separators of thousands: `1.234,5`, `1,234,567`. A
 /// single group without a decimal part is none, because it may also be a decimal part: `1,234`.
 pub(in crate::log) fn has_thousands(field: &str, decimal_comma: bool) -> bool {
