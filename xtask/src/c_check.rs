@@ -18,6 +18,16 @@ const INPUTS: usize = 1500;
 /// Statuses of the wrong calls in `bits.c`, in its order.
 const WRONG_CALLS: [i32; 7] = [1, 2, 26, 16, 20, 3, 1];
 
+/// Builds the libraries and prints their folder, or checks them with programs in C.
+pub(crate) fn build_or_check(is_checked: bool) -> Result<(), ChoreError> {
+    if is_checked {
+        check()?.iter().for_each(|what| println!("not compared or run: {what}"));
+    } else {
+        println!("{}", c_library::build()?.display());
+    }
+    Ok(())
+}
+
 /// Compares the programs and prints the size of the example. Returns what was skipped.
 pub(crate) fn check() -> Result<Vec<String>, ChoreError> {
     crate::setup::setup()?;

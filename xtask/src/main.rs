@@ -160,11 +160,7 @@ fn main() -> ExitCode {
             .map(|elf| println!("{}", elf.display())),
         Command::Language { paths, by_file } => language::language(&paths, by_file),
         Command::Miri => miri::miri(),
-        Command::CLibrary { check: false } => {
-            c_library::build().map(|folder| println!("{}", folder.display()))
-        }
-        Command::CLibrary { check: true } => c_check::check()
-            .map(|skipped| skipped.iter().for_each(|what| println!("not compared or run: {what}"))),
+        Command::CLibrary { check } => c_check::build_or_check(check),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
         Command::Bless => golden::bless()
