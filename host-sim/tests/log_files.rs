@@ -68,8 +68,51 @@ fn a_converted_log_reads_back_with_its_values_and_units() {
 fn columns_of_several_rates_are_interpolated_to_one() {
     let directory = tempfile::tempdir().unwrap();
     let here = directory.path();
-    let columns = ["--column", "column_1", "--column", "column_0"];
-    let text = done(here, &[&["log", "convert", "a.csv", "b.csv"][..], &columns].concat());
+    let text = done(here, &["log", "convert", &log("mdf-4.10.mf4"), "a.csv", "--rate", "50"]);
+    // The groups end at 0.99 s and at 0.9 s.
+    assert!(text.contains("a.csv: 46 rows of t_s, angle, force, temperature"), "{text}");
+    let columns = json(here, &["log", "info", "a.csv"])["columns"].clone();
+    assert_eq!((&columns[0]["max"], &columns[3]["max"]), (&0.9.into(), &9.0.into()));
+    assert_eq!(columns[3]["unit"], "degC");
+    let alone = ["log", "convert", &log("matrix.h5"), "b.csv", "--rate", "50"];
+    assert!(refused(here, &alone).contains("--rate: found log(:,1) (no time in seconds)"));
+    let wrong = ["log", "convert", &log("mdf-4.10.mf4"), "b.csv", "--rate", "0"];
+    assert!(refused(here, &wrong).contains("found 0; expected 1e-6 to 1e7"));
+}
+
+/// The second group begins 0.5 s after the first and has half its rate, and as many rows.
+#[test]
+fn columns_with_other_times_are_left_out_or_get_one_time() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    for (file, second) in [("two-times.mf4", "b"), ("two-times.tdms", "same/b")] {
+        let found = json(here, &["log", "convert", &log(file), "a.csv"]);
+        let columns = found["columns"].as_array().unwrap();
+        assert_eq!(columns.len(), 2, "{found}");
+        assert!(
+            !columns.contains(&second.into()) && found["left_out"].to_string().contains(second),
+            "{found}"
+        );
+        done(here, &["log", "convert", &log(file), "b.csv", "--rate", "50"]);
+        let text = std::fs::read_to_string(here.join("b.csv")).unwrap();
+        let row = |line: &str| line.split(',').map(|field| field.parse().unwrap()).collect::<Vec<f64>>();
+        let rows: Vec<Vec<f64>> = text.lines().skip(2).map(row).collect();
+        assert_eq!(rows.len(), 25, "0.5 to 0.99 s: {text}");
+        for row in rows {
+            // Both columns are their time times 100.
+            assert!(row.iter().take(3).all(|value| value / row[0] < 100.0 + 1e-9), "{file}: {row:?}");
+            assert!((row[1] - row[2]).abs() < 1e-6, "{file}: {row:?}");
+        }
+    }
+}
+
+#[test]
+fn a_text_without_a_header_is_converted_by_the_numbers_of_its_columns() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    std::fs::write(here.join("a.csv"), "0;1,5\n1;2,5\n2;3,5\n").unwrap();
+    let text =
+        done(here, &["log", "convert", "a.csv", "b.csv", "--column", "column_1", "--column", "column_0"]);
     assert!(text.contains("b.csv: 3 rows of column_1, column_0"), "{text}");
     assert!(std::fs::read_to_string(here.join("b.csv")).unwrap().starts_with("column_1,column_0\n"));
     let unknown = refused(here, &["log", "convert", "a.csv", "c.csv", "--column", "x"]);
@@ -107,7 +150,7 @@ fn a_conversion_that_cannot_be_is_refused_and_writes_nothing() {
         (&["a.mf4", "b.csv", "--column", "x"], "--column: found `x`; expected columns among `0/time`"),
         (
             &["a.mf4", "b.csv", "--column", "angle", "--column", "temperature"],
-            "found `angle` with the times `0/time` and `temperature` with `1/time`; expected columns with the",
+            "found `angle` with the times `0/time` and `temperature` with `1/time`; expected columns",
         ),
         (&["none.mf4", "b.csv"], "none.mf4: "),
     ] {

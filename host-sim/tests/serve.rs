@@ -1,6 +1,9 @@
 //! Live view of a run in browsers: real processes, real sockets, and the page in Chromium.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
+#[cfg(target_os = "linux")]
+mod twin;
+
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -232,6 +235,24 @@ fn a_page_that_reconnects_misses_nothing_and_gets_nothing_twice() {
     // After the last event nothing follows; an id of another run begins anew.
     assert_eq!(serving.events(Some(&complete.last().unwrap().0)).count(), 0);
     assert_eq!(serving.events(Some("0123456789abcdef-3")).count(), complete.len());
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn an_attached_controller_is_shown_like_the_native_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let twin = twin::Twin::start(vec![], 1);
+    let blocks = |controller: &str| {
+        let arguments = format!("--force law --watch-speed 1000 --serve-for 0 --controller {controller}");
+        let events: Vec<_> = Serving::start(folder.path(), &arguments).events(None).collect();
+        let start = events[0].1.clone();
+        let forces: Vec<Value> = of_kind(&events, "blocks").into_iter().cloned().collect();
+        (start["controller"].as_str().unwrap().to_owned(), forces)
+    };
+    let attached = blocks(&format!("attached --port {}", twin.port.display()));
+    let native = blocks("native");
+    assert_eq!((attached.0.as_str(), native.0.as_str()), ("attached", "native"));
+    assert!(attached.1.len() >= 10 && attached.1 == native.1);
 }
 
 #[test]
