@@ -259,7 +259,7 @@ fn a_truncated_file_has_no_column_that_is_cut() {
     }
 }
 
-/// Every file with changed bytes: an error or numbers, never a panic, a hang or much memory.
+/// Every file with changed bytes: an error or numbers, never a panic or a run without end.
 #[test]
 fn a_damaged_file_is_refused_or_read() {
     let mut seed = 1_u64;
