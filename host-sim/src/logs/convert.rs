@@ -4,7 +4,7 @@
 use crate::cli::error::CliError;
 use bench::Bench;
 use bench::log::{MeasuredLog, RawColumn, RawLog, Timed, resample};
-use bench::template::{time_column, time_of};
+use bench::template::{other_time, time_column, time_of};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -67,8 +67,13 @@ pub(crate) fn described(log: &Path, bench: &Bench, out: &Path) -> Result<Convert
 ///
 /// A name is no column, the columns have different lengths or times, or the file cannot be written.
 pub(crate) fn as_found(log: &RawLog, names: &[String], out: &Path) -> Result<Converted, CliError> {
-    let (chosen, left_out) = if names.is_empty() { of_time(log) } else { (named(log, names)?, Vec::new()) };
-    check_times(log, &chosen)?;
+    let (chosen, left_out) = match names {
+        [] => of_time(log),
+        names => (named(log, names)?, Vec::new()),
+    };
+    if !names.is_empty() {
+        check_times(log, &chosen)?;
+    }
     log.write(out, &chosen)?;
     Ok(Converted {
         log: out.display().to_string(),
@@ -97,7 +102,7 @@ pub(crate) fn resampled(
         match time_of(log, column) {
             Some((time, _)) if time.index == column.index => {}
             Some((time, Some(scale))) if column.values.iter().filter(|v| v.is_finite()).count() > 1 => {
-                timed.push(Timed { column, time_s: time.values.iter().map(|t| scale * t).collect() });
+                timed.push(Timed { column, times: &time.values, scale });
             }
             Some((_, Some(_))) => left_out.push(format!("{} (fewer than 2 readings)", column.name)),
             _ => left_out.push(format!("{} (no time in seconds)", column.name)),
@@ -127,16 +132,13 @@ fn of_time(log: &RawLog) -> (Vec<&RawColumn>, Vec<String>) {
     let rows = time.map_or(longest, |column| column.values.len());
     let (mut chosen, mut left_out) = (Vec::new(), Vec::new());
     for column in &log.columns {
-        let own = time_of(log, column).map(|(own, _)| own);
-        match (own, time) {
-            _ if column.values.len() != rows => {
-                left_out.push(format!("{} ({} rows)", column.label(), column.values.len()));
-            }
-            (Some(own), Some(time)) if own.values != time.values => {
-                let reason = if own.index == column.index { "other times" } else { &own.name };
-                left_out.push(format!("{} ({reason})", column.label()));
-            }
-            _ => chosen.push(column),
+        if column.values.len() != rows {
+            left_out.push(format!("{} ({} rows)", column.label(), column.values.len()));
+        } else if let Some(own) = time.and_then(|time| other_time(log, column, time)) {
+            let reason = if own.index == column.index { "other times" } else { &own.name };
+            left_out.push(format!("{} ({reason})", column.label()));
+        } else {
+            chosen.push(column);
         }
     }
     (chosen, left_out)

@@ -3,13 +3,24 @@
 use super::{LogError, RawColumn, TIME};
 use crate::log::files::{MAX_ROWS, MAX_VALUES};
 
-/// Column with its times in s.
-#[derive(Clone, Debug)]
+/// Column with its times.
+#[derive(Clone, Copy, Debug)]
 pub struct Timed<'a> {
     /// Column.
     pub column: &'a RawColumn,
-    /// Time of each row in s.
-    pub time_s: Vec<f64>,
+    /// Time of each row.
+    pub times: &'a [f64],
+    /// Seconds in a unit of the times.
+    pub scale: f64,
+}
+
+impl Timed<'_> {
+    /// Times in s and readings of the rows that have a time, readings NaN where missing.
+    fn points(&self) -> Vec<(f64, f64)> {
+        let rows = self.times.iter().zip(&self.column.values);
+        let rows = rows.map(|(time, value)| (self.scale * time, *value));
+        rows.filter(|(time_s, _)| time_s.is_finite()).collect()
+    }
 }
 
 /// Returns the time `t_s` at a rate in Hz, over the stretch that all columns share, and the columns
@@ -21,18 +32,8 @@ pub struct Timed<'a> {
 /// Times do not ascend, a column has fewer than two readings, the columns share no stretch, or it
 /// has more rows than a log may have.
 pub fn resample(source: &str, columns: &[Timed<'_>], rate_hz: f64) -> Result<Vec<RawColumn>, LogError> {
-    let mut points = Vec::with_capacity(columns.len());
-    for Timed { column, time_s } in columns {
-        let pairs = time_s.iter().copied().zip(column.values.iter().copied());
-        let pairs: Vec<(f64, f64)> = pairs.filter(|(t, _)| t.is_finite()).collect();
-        let falls = |pair: &[(f64, f64)]| matches!(pair, [(before, _), (after, _)] if after <= before);
-        if pairs.windows(2).any(falls) {
-            let found = format!("times of `{}` that do not ascend", column.name);
-            return Err(LogError::content(source, found, "times that ascend strictly"));
-        }
-        points.push(pairs);
-    }
-    let (start_s, end_s) = shared(source, columns, &points)?;
+    let ends = columns.iter().map(|timed| ends(source, timed)).collect::<Result<Vec<_>, _>>()?;
+    let (start_s, end_s) = shared(source, &ends)?;
     // A rounding of the last time must not lose its row.
     let rows = ((end_s - start_s) * rate_hz + 1e-6).floor() + 1.0;
     let most = MAX_ROWS.min(MAX_VALUES / (columns.len() + 1));
@@ -52,24 +53,30 @@ pub fn resample(source: &str, columns: &[Timed<'_>], rate_hz: f64) -> Result<Vec
         time: Some(0),
         values,
     };
-    let sampled = |(index, (timed, pairs)): (usize, (&Timed<'_>, &Vec<(f64, f64)>))| {
-        own(index + 1, &timed.column.name, &timed.column.unit, interpolated(pairs, &time_s))
+    let sampled = |(index, timed): (usize, &Timed<'_>)| {
+        own(index + 1, &timed.column.name, &timed.column.unit, interpolated(&timed.points(), &time_s))
     };
-    let columns: Vec<RawColumn> = columns.iter().zip(&points).enumerate().map(sampled).collect();
+    let columns: Vec<RawColumn> = columns.iter().enumerate().map(sampled).collect();
     Ok(std::iter::once(own(0, TIME, "s", time_s.clone())).chain(columns).collect())
 }
 
-/// First and last time that all columns have.
-fn shared(source: &str, columns: &[Timed<'_>], points: &[Vec<(f64, f64)>]) -> Result<(f64, f64), LogError> {
-    let mut ends = Vec::new();
-    for (Timed { column, .. }, pairs) in columns.iter().zip(points) {
-        let mut times = pairs.iter().filter(|(_, value)| value.is_finite()).map(|(t, _)| *t);
-        let Some((first, last)) = times.next().zip(times.next_back()) else {
-            let found = format!("fewer than 2 readings of `{}`", column.name);
-            return Err(LogError::content(source, found, "at least 2"));
-        };
-        ends.push((first, last, column.name.as_str()));
+/// First and last time of a column's readings, with its name.
+fn ends<'a>(source: &str, timed: &Timed<'a>) -> Result<(f64, f64, &'a str), LogError> {
+    let name = timed.column.name.as_str();
+    let points = timed.points();
+    let falls = |pair: &[(f64, f64)]| matches!(pair, [(before, _), (after, _)] if after <= before);
+    if points.windows(2).any(falls) {
+        let found = format!("times of `{name}` that do not ascend");
+        return Err(LogError::content(source, found, "times that ascend strictly"));
     }
+    let mut times = points.iter().filter(|(_, value)| value.is_finite()).map(|(time_s, _)| *time_s);
+    let ends = times.next().zip(times.next_back());
+    let few = || LogError::content(source, format!("fewer than 2 readings of `{name}`"), "at least 2");
+    ends.map(|(first, last)| (first, last, name)).ok_or_else(few)
+}
+
+/// First and last time that all columns have.
+fn shared(source: &str, ends: &[(f64, f64, &str)]) -> Result<(f64, f64), LogError> {
     let latest = ends.iter().max_by(|a, b| a.0.total_cmp(&b.0));
     let earliest = ends.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     match latest.zip(earliest) {
@@ -112,8 +119,8 @@ mod tests {
     fn columns_of_two_rates_share_one_time() {
         let (fast, slow) = (column("fast", &[f64::NAN, 1.0, 2.0, 3.0, 4.0]), column("slow", &[10.0, 20.0]));
         let timed = [
-            Timed { column: &fast, time_s: vec![0.0, 0.1, 0.2, 0.3, 0.4] },
-            Timed { column: &slow, time_s: vec![0.1, 0.4] },
+            Timed { column: &fast, times: &[0.0, 100.0, 200.0, 300.0, 400.0], scale: 1e-3 },
+            Timed { column: &slow, times: &[0.1, 0.4], scale: 1.0 },
         ];
         let found = resample("a", &timed, 20.0).unwrap();
         assert_eq!(found.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["t_s", "fast", "slow"]);
@@ -132,7 +139,7 @@ mod tests {
     #[test]
     fn a_missing_reading_is_not_bridged() {
         let gap = column("gap", &[0.0, 1.0, f64::NAN, 3.0, 4.0]);
-        let timed = [Timed { column: &gap, time_s: vec![0.0, 0.1, 0.2, 0.3, 0.4] }];
+        let timed = [Timed { column: &gap, times: &[0.0, 0.1, 0.2, 0.3, 0.4], scale: 1.0 }];
         let found = resample("a", &timed, 20.0).unwrap();
         let missing: Vec<bool> = found[1].values.iter().map(|value| value.is_nan()).collect();
         assert_eq!(missing, [false, false, false, true, true, true, false, false, false]);
@@ -143,7 +150,7 @@ mod tests {
     fn times_that_fall_and_columns_apart_are_refused() {
         let one = column("one", &[1.0, 2.0, 3.0]);
         let refused = |times: [&[f64]; 2]| {
-            let timed = times.map(|time_s| Timed { column: &one, time_s: time_s.to_vec() });
+            let timed = times.map(|times| Timed { column: &one, times, scale: 1.0 });
             resample("a", &timed, 10.0).unwrap_err().to_string()
         };
         assert!(refused([&[0.0, 2.0, 1.0], &[0.0, 1.0, 2.0]]).contains("times of `one` that do not ascend"));

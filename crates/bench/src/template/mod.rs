@@ -82,7 +82,7 @@ struct Signal<'a> {
 
 /// Writes the template for a log. Without `plant` the header decides.
 pub fn template(log: &RawLog, plant: Option<TemplatePlant>) -> Result<Template, LogError> {
-    let candidates = candidates(log);
+    let candidates = of_one_time(log);
     let is_of_bench = |name: &str| {
         let is_input = name == Channel::DriveDisplacement.name() || name == Channel::DriveVelocity.name();
         is_input || name == Channel::ShaftAngle.name() || name == Channel::JournalY.name()
@@ -147,6 +147,28 @@ pub fn time_of<'a>(log: &'a RawLog, column: &RawColumn) -> Option<(&'a RawColumn
         log.columns.iter().filter(is_beside).map(columns::candidate).collect();
     let chosen = choose(&beside, TIME, Some(Quantity::Time), None)?;
     Some((chosen.column, chosen.scale))
+}
+
+/// Times of a column if they are not those of another column of times.
+pub fn other_time<'a>(log: &'a RawLog, column: &RawColumn, time: &RawColumn) -> Option<&'a RawColumn> {
+    if column.time.is_none() && column.group == time.group {
+        return None;
+    }
+    let (own, _) = time_of(log, column)?;
+    (own.index != time.index && own.values != time.values).then_some(own)
+}
+
+/// Columns with the times of the log, which may be in one description.
+fn of_one_time(log: &RawLog) -> Vec<columns::Candidate<'_>> {
+    let mut candidates = candidates(log);
+    if let Some((time, _)) = time_column(log) {
+        candidates.retain(|c| match c.meaning.quantity {
+            _ if c.column.index == time.index => true,
+            Some(Quantity::Time) => false,
+            _ => other_time(log, c.column, time).is_none(),
+        });
+    }
+    candidates
 }
 
 /// Signals of a plant with their columns.

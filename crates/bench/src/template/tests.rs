@@ -102,3 +102,30 @@ fn comments_of_a_template_are_at_most_100_columns_wide() {
         assert_eq!(template.toml.lines().find(is_wide), None, "{name}");
     }
 }
+
+/// Two groups of equal length: the second one begins later, and states a delay in seconds.
+#[test]
+fn a_template_has_the_columns_of_one_time() {
+    let column = |index: usize, name: &str, unit: &str, group: &str, values: [f64; 3]| RawColumn {
+        index,
+        name: name.into(),
+        unit: unit.into(),
+        group: group.into(),
+        time: None,
+        values: values.to_vec(),
+    };
+    let mut log = raw("t_s,x\n0,0\n1,1\n");
+    log.columns = vec![
+        column(0, "delay", "s", "a", [0.5, 0.5, 0.5]),
+        column(1, "a/time", "s", "a", [0.0, 0.1, 0.2]),
+        column(2, "b/time", "s", "b", [5.0, 5.1, 5.2]),
+        column(3, "b/position", "mm", "b", [1.0, 2.0, 3.0]),
+        column(4, "a/position", "mm", "a", [1.0, 2.0, 3.0]),
+        column(5, "force", "N", "a", [1.0, 2.0, 3.0]),
+    ];
+    let template = template(&log, None).unwrap();
+    let signal = |index: usize| template.columns[index].signal;
+    assert_eq!((signal(0), signal(1), signal(2), signal(3)), (None, Some("t_s"), None, None));
+    assert_eq!((signal(4), signal(5)), (Some("position_m"), Some("drive_force_n")));
+    assert_eq!(time_of(&log, &log.columns[3]).map(|(time, _)| time.index), Some(2));
+}
