@@ -2,7 +2,7 @@
 //!
 //! * [`schema`]: fields of a description as data.
 //! * [`signals`]: channels, motions over time, sensors, white noise.
-//! * [`log`]: measured logs as CSV, Parquet and MAT files.
+//! * [`log`]: measured logs in eight formats (`docs/logs.md`).
 //! * [`description`]: the data of a bench description, [`Bench`], and the facts of its plants.
 //! * [`effects`]: deviations from the nominal model, by name.
 //! * [`integrate`]: error-controlled integration with located contacts.

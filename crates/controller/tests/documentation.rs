@@ -9,8 +9,9 @@ const TEXT: &str = include_str!("../../../docs/firmware.md");
 
 #[test]
 fn every_flag_is_explained() {
-    for (_, name) in NAMES {
-        assert!(TEXT.contains(&format!("| `{name}` | ")), "{name}");
+    for (flag, name) in NAMES {
+        let bit = flag.bits().trailing_zeros();
+        assert!(TEXT.contains(&format!("| `{name}` | {bit} | ")), "{name}");
     }
     let section = TEXT.split("## Flags of an estimate").nth(1).unwrap().split("\n## ").next().unwrap();
     let rows = section.lines().filter(|line| line.starts_with("| `")).count();

@@ -66,7 +66,8 @@ pub struct Options<'a> {
 /// logs, the second half of the cycles of each log is held out. Up to three passes follow:
 ///
 /// 1. Causes are selected with the second half held out and the noise inflated by the residual.
-/// 2. If that names no cause, samples are held out in interleaved blocks instead.
+/// 2. If that names no cause and there are no `held_out` logs, samples are held out in interleaved
+///    blocks instead.
 ///    Transmission-bench logs are expensive to simulate, so they are split again only if the error
 ///    is confined to the second half. The second pass counts if it names a cause that the first one
 ///    could not learn: a change in the second half, an effect too slow to settle in the first half,

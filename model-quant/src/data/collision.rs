@@ -6,8 +6,9 @@
 //! test part measures new combinations and not values in between. No row occurs twice.
 //!
 //! Range `bench`: row `k` of each part is the one that [`crate::data::rows::draw_row`] draws for
-//! the seed. The shipped models were trained on these rows. A state whose force exceeds the range
-//! is drawn again.
+//! the seed. The shipped models were trained on the first 2^18 of these rows, which
+//! `train::sources` draws directly; this type serves `dataset collision` and `--set full`. A state
+//! whose force exceeds the range is drawn again.
 //!
 //! Limit of the ratio: Table 2 sets no bound to the rate over the approach speed. The approach
 //! speed is first raised to the law's floor (1 mm/s); a rate beyond 6 times that speed is then

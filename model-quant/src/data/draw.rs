@@ -37,9 +37,9 @@ pub enum Purpose {
     DatasetSamples = 13,
 }
 
-/// Set of windows whose histories have a stream of [`Purpose::FixedHistories`] each. The numbers
-/// are part of the recipe and must not change. Validation sets have number 0, with the number of
-/// the training's stream before it.
+/// Set of windows with fixed histories; each set has its own stream of
+/// [`Purpose::FixedHistories`]. The numbers are part of the recipe and must not change. Validation
+/// has the number 0, which the number of the training's stream precedes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HistorySet {
     /// Calibration of the activations' ranges.

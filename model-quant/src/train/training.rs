@@ -58,7 +58,7 @@ pub struct Training<'a> {
     validation: Windows,
     /// Number of the random stream, so that two trainings do not share draws.
     pub(super) stream: u64,
-    /// Root mean square of the targets; the network learns targets in this unit.
+    /// Root mean square of the validation targets; the network learns targets in this unit.
     unit: f32,
     pub(super) trainer: Trainer,
     pub(super) best: Option<Best>,

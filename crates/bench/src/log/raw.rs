@@ -1,4 +1,4 @@
-//! A log as it was found: all columns that contain numbers, without a description.
+//! All columns of a log that contain numbers, without a description.
 
 use super::files::{self, MAX_ROWS, MAX_VALUES, NO_THOUSANDS, Written};
 use super::{LogError, TextFormat};
