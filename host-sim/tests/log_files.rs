@@ -107,6 +107,17 @@ fn columns_with_other_times_are_left_out_or_get_one_time() {
 }
 
 #[test]
+fn a_missing_time_does_not_separate_the_columns() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    std::fs::write(here.join("a.csv"), "t [s],x,y\n0,1,2\n,2,3\n2,3,4\n3,4,5\n").unwrap();
+    let columns = ["--column", "t [s]", "--column", "x", "--column", "y"];
+    let named = done(here, &[&["log", "convert", "a.csv", "b.csv"][..], &columns].concat());
+    let all = done(here, &["log", "convert", "a.csv", "b.csv"]);
+    assert!(named.contains("4 rows of t [s], x, y") && named == all, "{named}{all}");
+}
+
+#[test]
 fn a_text_without_a_header_is_converted_by_the_numbers_of_its_columns() {
     let directory = tempfile::tempdir().unwrap();
     let here = directory.path();

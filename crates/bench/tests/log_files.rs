@@ -164,7 +164,48 @@ fn each_column_has_its_own_time_and_all_times_of_a_file_have_one_origin() {
         }
     }
     let stamps = read("stamps.parquet");
-    assert_eq!((stamps.columns[0].unit.as_str(), stamps.columns[0].values[99]), ("s", 0.99));
+    let found = columns(&stamps);
+    for name in ["stamp_ms", "stamp_us", "stamp_ns", "clock"] {
+        // The date of the same day began 12 h before the first stamp.
+        let origin = if name == "clock" { 0.0 } else { 43_200.0 };
+        assert!((found[name][99] - origin - 0.99).abs() < 1e-6, "{name}: {}", found[name][99]);
+        assert!(
+            stamps.columns.iter().all(|column| column.unit == if column.name == "force" { "" } else { "s" })
+        );
+    }
+    assert_eq!((found["date"][99], found.contains_key("none")), (0.0, false));
+}
+
+#[test]
+fn a_waveform_that_begins_anew_has_no_times() {
+    let log = read("segments.tdms");
+    let found = columns(&log);
+    assert!((found["on/wf_time"][99] - 0.99).abs() < 1e-9, "{:?}", found["on/wf_time"]);
+    assert_eq!((found["spectrum/wf_time"][0], found["spectrum/wf_time"][4]), (0.0, 1.0));
+    let reason = |name: &str| log.others.iter().find(|other| other.name == name).unwrap().reason.as_str();
+    for name in ["again/wf_time", "rate/wf_time"] {
+        assert_eq!(reason(name), "a waveform that begins anew or changes its increment");
+    }
+    assert!(reason("none/wf_time").starts_with("a waveform without a start time"));
+    for name in ["again", "rate", "none"] {
+        let column = log.columns.iter().find(|column| column.name == name).unwrap();
+        assert!(bench::template::time_of(&log, column).is_none(), "{name}");
+    }
+}
+
+#[test]
+fn a_log_without_readable_columns_has_the_reason() {
+    let bytes = std::fs::read(path("mdf-4.10.mf4")).unwrap();
+    let text =
+        |bytes: &[u8], from: &[u8]| bytes.windows(from.len()).position(|window| window == from).unwrap();
+    // The list of records of both groups.
+    let mut damaged = bytes.clone();
+    while damaged.windows(4).any(|window| window == b"##DT") {
+        let at = text(&damaged, b"##DT");
+        damaged[at..at + 4].copy_from_slice(b"##XX");
+    }
+    let refused = RawLog::from_bytes("a.mf4", damaged).unwrap_err().to_string();
+    assert!(refused.contains("no columns of numbers (`0/time`: a damaged block at byte"), "{refused}");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use crate::cli::error::CliError;
 use bench::Bench;
 use bench::log::{MeasuredLog, RawColumn, RawLog, Timed, resample};
-use bench::template::{other_time, time_column, time_of};
+use bench::template::{has_time, time_column, time_of};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -134,8 +134,12 @@ fn of_time(log: &RawLog) -> (Vec<&RawColumn>, Vec<String>) {
     for column in &log.columns {
         if column.values.len() != rows {
             left_out.push(format!("{} ({} rows)", column.label(), column.values.len()));
-        } else if let Some(own) = time.and_then(|time| other_time(log, column, time)) {
-            let reason = if own.index == column.index { "other times" } else { &own.name };
+        } else if time.is_some_and(|time| !has_time(log, column, time)) {
+            let reason = match time_of(log, column) {
+                Some((own, _)) if own.index != column.index => format!("times of {}", own.label()),
+                Some(_) => "other times".into(),
+                None => "no time".into(),
+            };
             left_out.push(format!("{} ({reason})", column.label()));
         } else {
             chosen.push(column);
@@ -149,7 +153,7 @@ fn check_times(log: &RawLog, columns: &[&RawColumn]) -> Result<(), CliError> {
     let times = columns.iter().filter_map(|column| Some((column, time_of(log, column)?.0)));
     let mut times = times.filter(|(column, time)| column.index != time.index);
     let Some((first, of_first)) = times.next() else { return Ok(()) };
-    match times.find(|(_, time)| time.values != of_first.values) {
+    match times.find(|(_, time)| !time.has_values_of(of_first)) {
         Some((other, of_other)) => Err(CliError::Input(format!(
             "--column: found `{}` with the times `{}` and `{}` with `{}`; expected columns with the \
              same times, or --rate to give them one time",

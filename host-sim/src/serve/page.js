@@ -271,33 +271,48 @@
     }
   }
 
-  const source = new EventSource(`events${location.search}`);
-  source.onopen = () => {
-    showState("receiving", run ? "receiving" : "connected; the run is being prepared");
-  };
-  source.onerror = () => {
-    const isClosed = source.readyState === EventSource.CLOSED;
-    if (isClosed) showState("failed", "the server refused the connection; is the token in the address?");
-    else showState("reconnecting", "the connection is lost; trying again");
-  };
-  source.onmessage = ({ data }) => {
-    const event = JSON.parse(data);
-    if (event.event === "start") reset(event);
-    if (event.event === "blocks") addBlocks(event);
-    if (event.event === "impact") addImpact(event);
-    if (event.event === "gap") {
-      element("gap").textContent = `${event.missing_events} earlier events are missing: the server no longer has them.`;
-      element("gap").hidden = false;
-    }
-    if (event.event === "end") {
-      source.close();
-      if (event.error == null) showState("complete", "the run is complete; everything was received");
-      else showState("failed", `the run failed: ${event.error}`);
-    } else {
-      showState("receiving", "receiving");
-    }
-    schedule();
-  };
+  let missing = 0;
+
+  // A browser tries again after a lost connection, but not after a refusal, such as that of a
+  // server whose connections are all taken. A new source begins with `start`, which resets the page.
+  function connect() {
+    const source = new EventSource(`events${location.search}`);
+    source.onopen = () => {
+      showState("receiving", run ? "receiving" : "connected; the run is being prepared");
+    };
+    source.onerror = () => {
+      if (source.readyState === EventSource.CLOSED) {
+        showState("failed", "the server refused the connection (is the token in the address?); trying again");
+        setTimeout(connect, 3000);
+      } else {
+        showState("reconnecting", "the connection is lost; trying again");
+      }
+    };
+    source.onmessage = ({ data }) => {
+      const event = JSON.parse(data);
+      if (event.event === "start") {
+        reset(event);
+        missing = 0;
+        element("gap").hidden = true;
+      }
+      if (event.event === "blocks") addBlocks(event);
+      if (event.event === "impact") addImpact(event);
+      if (event.event === "gap") {
+        missing += event.missing_events;
+        element("gap").textContent = `${missing} events are missing: the server no longer has them.`;
+        element("gap").hidden = false;
+      }
+      if (event.event === "end") {
+        source.close();
+        if (event.error == null) showState("complete", "the run is complete; everything was received");
+        else showState("failed", `the run failed: ${event.error}`);
+      } else {
+        showState("receiving", "receiving");
+      }
+      schedule();
+    };
+  }
+  connect();
 
   new ResizeObserver(() => {
     if (plot && plot.width !== plotSize().width) plot.setSize(plotSize());

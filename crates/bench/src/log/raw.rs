@@ -6,6 +6,8 @@ use crate::atomic;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+/// Maximum number of reasons in the error of a log without columns of numbers.
+const MAX_REASONS: usize = 3;
 /// Purpose of a column in the messages of the readers.
 const WANTED: &str = "a column";
 
@@ -30,6 +32,13 @@ impl RawColumn {
     /// Name, `column_0` and so on without one.
     pub fn label(&self) -> String {
         if self.name.is_empty() { format!("column_{}", self.index) } else { self.name.clone() }
+    }
+
+    /// Returns whether another column has the same values, missing ones included.
+    pub fn has_values_of(&self, other: &Self) -> bool {
+        let is_same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+        let pairs = || self.values.iter().zip(&other.values);
+        self.index == other.index || self.values.len() == other.values.len() && pairs().all(is_same)
     }
 
     /// Smallest and largest reading; `None` without readings.
@@ -107,6 +116,12 @@ impl RawLog {
             };
             let name = if name.is_empty() { index.to_string() } else { name };
             others.push(OtherContent { name, reason });
+        }
+        if columns.is_empty() && !others.is_empty() {
+            let reason = |other: &OtherContent| format!("`{}`: {}", other.name, other.reason);
+            let reasons: Vec<String> = others.iter().take(MAX_REASONS).map(reason).collect();
+            let found = format!("no columns of numbers ({})", reasons.join("; "));
+            return Err(LogError::content(file, found, "columns of numbers"));
         }
         if columns.iter().all(|column| column.values.len() < 2) {
             return Err(LogError::content(file, "fewer than 2 rows of numbers", "at least 2"));

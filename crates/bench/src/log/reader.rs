@@ -194,19 +194,20 @@ impl Reader<'_> {
         else {
             return Ok(());
         };
+        let of_log_name = self.name(of_log);
+        let expected = format!(
+            "a column with the times `{of_log_name}`; `log convert` gives all columns one time with --rate"
+        );
         for index in &signal.expression.columns {
-            let Some(own) = self.source.time_of(*index).filter(|own| *own != of_log) else { continue };
+            let name = self.name(*index);
+            let Some(own) = self.source.time_of(*index) else {
+                let found = format!("`{name}` for {}, a column without times", signal.name);
+                return Err(self.content(found, &expected));
+            };
             let values = |index: usize| self.source.values(self.file, index, TIME, false);
-            if values(own)? != values(of_log)? {
-                let (column, own) = (self.name(*index), self.name(own));
-                let found = format!("`{column}` for {} with the times `{own}`", signal.name);
-                let of_log = self.name(of_log);
-                return Err(self.content(
-                    found,
-                    &format!(
-                        "a column with the times `{of_log}`; `log convert --rate` gives all columns one time"
-                    ),
-                ));
+            if own != of_log && values(own)? != values(of_log)? {
+                let found = format!("`{name}` for {} with the times `{}`", signal.name, self.name(own));
+                return Err(self.content(found, &expected));
             }
         }
         Ok(())

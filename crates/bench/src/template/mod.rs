@@ -142,20 +142,26 @@ pub fn time_of<'a>(log: &'a RawLog, column: &RawColumn) -> Option<(&'a RawColumn
     if let Some(time) = column.time {
         return stated(log, time);
     }
-    let is_beside = |c: &&RawColumn| c.group == column.group && c.values.len() == column.values.len();
+    // Times that the file states are those of the columns for which it states them.
+    let is_beside =
+        |c: &&RawColumn| c.time.is_none() && c.group == column.group && c.values.len() == column.values.len();
     let beside: Vec<columns::Candidate<'_>> =
         log.columns.iter().filter(is_beside).map(columns::candidate).collect();
     let chosen = choose(&beside, TIME, Some(Quantity::Time), None)?;
     Some((chosen.column, chosen.scale))
 }
 
-/// Times of a column if they are not those of another column of times.
-pub fn other_time<'a>(log: &'a RawLog, column: &RawColumn, time: &RawColumn) -> Option<&'a RawColumn> {
-    if column.time.is_none() && column.group == time.group {
-        return None;
+/// Returns whether a column has the times of a column of times, as far as the file states it: a column
+/// without a time has not those that the file states for others.
+pub fn has_time(log: &RawLog, column: &RawColumn, time: &RawColumn) -> bool {
+    let is_stated = time.time == Some(time.index);
+    if column.time.is_none() && column.group == time.group && !is_stated {
+        return true;
     }
-    let (own, _) = time_of(log, column)?;
-    (own.index != time.index && own.values != time.values).then_some(own)
+    match time_of(log, column) {
+        Some((own, _)) => own.has_values_of(time),
+        None => !is_stated,
+    }
 }
 
 /// Columns with the times of the log, which may be in one description.
@@ -165,7 +171,7 @@ fn of_one_time(log: &RawLog) -> Vec<columns::Candidate<'_>> {
         candidates.retain(|c| match c.meaning.quantity {
             _ if c.column.index == time.index => true,
             Some(Quantity::Time) => false,
-            _ => other_time(log, c.column, time).is_none(),
+            _ => has_time(log, c.column, time),
         });
     }
     candidates

@@ -257,8 +257,32 @@ def several_times():
             parts = [("angle", ANGLE), ("force", FORCE)]
             writer.write_segment([nptdms.ChannelObject("bench", name, data[row]) for name, data in parts])
     stamps = day + np.round(1e6 * TIME).astype("timedelta64[us]")
-    frame = pandas.DataFrame({"stamp": stamps.astype("datetime64[ns]"), "force": FORCE})
-    pyarrow.parquet.write_table(pyarrow.Table.from_pandas(frame), HERE / "stamps.parquet")
+    columns = {f"stamp_{unit}": pyarrow.array(stamps.astype(f"datetime64[{unit}]")) for unit in ["ms", "us", "ns"]}
+    columns["date"] = pyarrow.array(stamps.astype("datetime64[D]"))
+    columns["clock"] = pyarrow.array((1000 * TIME).round().astype(np.int32), pyarrow.time32("ms"))
+    columns["none"] = pyarrow.array([None] * len(TIME), pyarrow.timestamp("s"))
+    table = pyarrow.table({"none": columns.pop("none"), **columns, "force": FORCE})
+    pyarrow.parquet.write_table(table, HERE / "stamps.parquet")
+    # Waveforms in two segments: one continues, one begins anew after a gap, one changes its rate, one
+    # has no start; a spectrum that starts later.
+    first, second = slice(0, 50), slice(50, 100)
+    with nptdms.TdmsWriter(HERE / "segments.tdms") as writer:
+        for part, later in [(first, 0), (second, 500_000)]:
+            start = day + np.timedelta64(later, "us")
+            again = day + np.timedelta64(20 * later, "us")
+            channels = {
+                "on": {"wf_start_time": start, "wf_increment": 0.01},
+                "again": {"wf_start_time": again, "wf_increment": 0.01},
+                "rate": {"wf_start_time": day, "wf_increment": 0.02 if later else 0.01},
+                "none": {"wf_increment": 0.01},
+                "spectrum": {"wf_start_time": day + np.timedelta64(2, "s"), "wf_increment": 0.25,
+                             "wf_xunit_string": "Hz"},
+            }
+            # Each channel has a group, so that each has its own times.
+            writer.write_segment([
+                nptdms.ChannelObject(name, name, 100 * TIME[part], properties=properties)
+                for name, properties in channels.items()
+            ])
 
 
 def classes():

@@ -2,7 +2,7 @@
 
 use crate::log::{LogError, TextFormat};
 use std::cell::Cell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Display;
 use std::panic;
 use std::sync::Once;
@@ -105,7 +105,20 @@ pub(super) fn unique_names(columns: &[(String, String)]) -> Vec<String> {
         *count += 1;
         if *count == 1 { format!("{group}/{name}") } else { format!("{group}/{name}#{count}") }
     };
-    columns.iter().map(&mut unique).collect()
+    distinct(columns.iter().map(&mut unique).collect())
+}
+
+/// Names of which none repeats another one: a name that is taken has a number after it.
+pub(super) fn distinct(names: Vec<String>) -> Vec<String> {
+    let mut taken: HashSet<String> = HashSet::new();
+    let free = |name: String| {
+        let numbered = (2..).map(|number| format!("{name}#{number}"));
+        let mut choices = std::iter::once(name.clone()).chain(numbered);
+        let found = choices.find(|choice| !taken.contains(choice)).unwrap_or(name);
+        taken.insert(found.clone());
+        found
+    };
+    names.into_iter().map(free).collect()
 }
 
 thread_local! {
@@ -140,5 +153,12 @@ mod tests {
         let columns = [("a", "time"), ("a", "angle"), ("b", "time"), ("b", "force"), ("b", "time")]
             .map(|(group, name)| (group.to_owned(), name.to_owned()));
         assert_eq!(unique_names(&columns), ["a/time", "angle", "b/time", "force", "b/time#2"]);
+    }
+
+    #[test]
+    fn no_two_columns_have_one_name() {
+        let columns =
+            [("a", "x"), ("b", "x"), ("c", "a/x"), ("c", "a/x#2")].map(|(g, n)| (g.to_owned(), n.to_owned()));
+        assert_eq!(unique_names(&columns), ["a/x", "b/x", "a/x#2", "a/x#2#2"]);
     }
 }

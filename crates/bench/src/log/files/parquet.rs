@@ -2,11 +2,11 @@
 //! nullable or not, in any number of row groups.
 //!
 //! Columns inside groups are named with points (`motor.angle`); lists are refused when a column
-//! asks for them. Time stamps are in seconds since the first one of the first such column. Pages
-//! may be plain or compressed with Snappy, gzip or LZ4. Logs are written as required doubles in one
-//! row group, without compression.
+//! asks for them. Time stamps and dates are in seconds since the earliest first one of a column,
+//! times of day in seconds. Pages may be plain or compressed with Snappy, gzip or LZ4. Logs are
+//! written as required doubles in one row group, without compression.
 
-use super::file::{LogFile, MAX_ROWS, guarded, refused};
+use super::file::{LogFile, MAX_ROWS, distinct, guarded, refused};
 use super::write::Written;
 use crate::log::LogError;
 use bytes::Bytes;
@@ -24,6 +24,7 @@ use std::sync::Arc;
 
 /// First bytes of a file.
 pub(super) const PARQUET: &[u8] = b"PAR1";
+const NS_PER_DAY: i128 = 86_400_000_000_000;
 /// Rows read at a time.
 const BATCH: usize = 16_384;
 /// Key of the units in the metadata of a file.
@@ -34,9 +35,9 @@ const READABLE: &str = "complete Parquet with plain, Snappy, gzip or LZ4 pages";
 pub(super) struct Table {
     names: Vec<String>,
     units: Vec<String>,
-    /// Stamps per second of each column that has time stamps, and the first stamp of the file.
-    stamps: Vec<Option<f64>>,
-    origin: i64,
+    /// Clock of each column that has times, and the earliest first time stamp of the file in ns.
+    clocks: Vec<Option<Clock>>,
+    origin_ns: i128,
     reader: SerializedFileReader<Bytes>,
 }
 
@@ -47,17 +48,21 @@ impl Table {
         let schema = reader.metadata().file_metadata().schema_descr_ptr();
         let names: Vec<String> = schema.columns().iter().map(|c| c.path().string()).collect();
         let known = units(&reader);
-        let stamps: Vec<Option<f64>> =
-            schema.columns().iter().map(|c| per_second(c.logical_type_ref(), c.converted_type())).collect();
-        let unit = |(name, stamps): (&String, &Option<f64>)| match stamps {
+        let clocks: Vec<Option<Clock>> =
+            schema.columns().iter().map(|c| Clock::of(c.logical_type_ref(), c.converted_type())).collect();
+        let unit = |(name, clock): (&String, &Option<Clock>)| match clock {
             Some(_) => "s".to_owned(),
             None => known.get(name).cloned().unwrap_or_default(),
         };
-        let units = names.iter().zip(&stamps).map(unit).collect();
-        let mut out = Self { names, units, stamps, origin: 0, reader };
-        let first = out.stamps.iter().position(Option::is_some);
+        let units = names.iter().zip(&clocks).map(unit).collect();
+        let mut out = Self { names: distinct(names), units, clocks, origin_ns: 0, reader };
         // A damaged column is refused when its values are read.
-        out.origin = first.and_then(|index| guarded(|| out.first_stamp(index)).ok()?).unwrap_or(0);
+        let first = |(index, clock): (usize, &Option<Clock>)| {
+            let clock = clock.as_ref().filter(|clock| clock.has_date)?;
+            let first = guarded(|| out.first_stamp(index)).ok()??;
+            Some(i128::from(first) * clock.ns)
+        };
+        out.origin_ns = out.clocks.iter().enumerate().filter_map(first).min().unwrap_or(0);
         Ok(out)
     }
 
@@ -65,13 +70,13 @@ impl Table {
     fn first_stamp(&self, index: usize) -> Result<Option<i64>, ParquetError> {
         for group in 0..self.reader.num_row_groups() {
             let reader = self.reader.get_row_group(group)?.get_column_reader(index)?;
-            let ColumnReader::Int64ColumnReader(mut reader) = reader else { return Ok(None) };
-            let (mut values, mut levels) = (Vec::new(), Vec::new());
-            while values.is_empty() && reader.read_records(BATCH, Some(&mut levels), None, &mut values)?.0 > 0
-            {
-            }
-            if let Some(first) = values.first() {
-                return Ok(Some(*first));
+            let first = match reader {
+                ColumnReader::Int64ColumnReader(reader) => first_value(reader)?,
+                ColumnReader::Int32ColumnReader(reader) => first_value(reader)?.map(i64::from),
+                _ => None,
+            };
+            if first.is_some() {
+                return Ok(first);
             }
         }
         Ok(None)
@@ -116,14 +121,20 @@ impl LogFile for Table {
             }
             let read = guarded(|| {
                 let reader = self.reader.get_row_group(group)?.get_column_reader(index)?;
-                let stamps = self.stamps.get(index).copied().flatten();
-                match (stamps, reader) {
-                    (Some(per_second), ColumnReader::Int64ColumnReader(reader)) => {
-                        let since = |stamp: &i64| stamp.wrapping_sub(self.origin) as f64 / per_second;
-                        append(reader, description.max_def_level(), &mut out, since).map(|()| true)
+                let (most, out) = (description.max_def_level(), &mut out);
+                let Some(clock) = self.clocks.get(index).and_then(Option::as_ref) else {
+                    return append_any(reader, unsigned, most, out);
+                };
+                let origin_ns = if clock.has_date { self.origin_ns } else { 0 };
+                let since = |stamp: i64| (i128::from(stamp) * clock.ns - origin_ns) as f64 / 1e9;
+                match reader {
+                    ColumnReader::Int64ColumnReader(reader) => append(reader, most, out, |v| since(*v))?,
+                    ColumnReader::Int32ColumnReader(reader) => {
+                        append(reader, most, out, |v| since((*v).into()))?
                     }
-                    (_, reader) => append_any(reader, unsigned, description.max_def_level(), &mut out),
+                    _ => return Ok(false),
                 }
+                Ok(true)
             });
             match read {
                 Ok(true) => {}
@@ -138,18 +149,41 @@ impl LogFile for Table {
     }
 }
 
-/// Time stamps per second of a column; `None` if it has none.
-fn per_second(logical: Option<&LogicalType>, converted: ConvertedType) -> Option<f64> {
-    match (logical, converted) {
-        (Some(LogicalType::Timestamp(stamps)), _) => Some(match stamps.unit {
-            TimeUnit::MILLIS => 1e3,
-            TimeUnit::MICROS => 1e6,
-            TimeUnit::NANOS => 1e9,
-        }),
-        (_, ConvertedType::TIMESTAMP_MILLIS) => Some(1e3),
-        (_, ConvertedType::TIMESTAMP_MICROS) => Some(1e6),
-        _ => None,
+/// Unit of the times of a column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Clock {
+    ns: i128,
+    /// True for dates and time stamps, false for times of day.
+    has_date: bool,
+}
+
+impl Clock {
+    /// Clock of a column; `None` if it has no times.
+    fn of(logical: Option<&LogicalType>, converted: ConvertedType) -> Option<Self> {
+        let ns = |unit: &TimeUnit| match unit {
+            TimeUnit::MILLIS => 1_000_000,
+            TimeUnit::MICROS => 1000,
+            TimeUnit::NANOS => 1,
+        };
+        let (ns, has_date) = match (logical, converted) {
+            (Some(LogicalType::Timestamp(times)), _) => (ns(&times.unit), true),
+            (Some(LogicalType::Time(times)), _) => (ns(&times.unit), false),
+            (_, ConvertedType::TIMESTAMP_MILLIS) => (1_000_000, true),
+            (_, ConvertedType::TIMESTAMP_MICROS) => (1000, true),
+            (_, ConvertedType::TIME_MILLIS) => (1_000_000, false),
+            (_, ConvertedType::TIME_MICROS) => (1000, false),
+            (_, ConvertedType::DATE) => (NS_PER_DAY, true),
+            _ => return None,
+        };
+        Some(Self { ns, has_date })
     }
+}
+
+/// First value of a column in a row group.
+fn first_value<T: DataType>(mut reader: ColumnReaderImpl<T>) -> Result<Option<T::T>, ParquetError> {
+    let (mut values, mut levels) = (Vec::new(), Vec::new());
+    while values.is_empty() && reader.read_records(BATCH, Some(&mut levels), None, &mut values)?.0 > 0 {}
+    Ok(values.into_iter().next())
 }
 
 /// Units by the name of the column, which this project writes into the file.

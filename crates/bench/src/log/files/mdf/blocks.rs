@@ -86,9 +86,15 @@ pub(super) fn text(bytes: &[u8], place: u64) -> String {
     let Some(block) = Block::at(bytes, place).ok().filter(|_| place != 0) else { return String::new() };
     let data = block.data.split(|byte| *byte == 0).next().unwrap_or_default();
     let text = String::from_utf8_lossy(data);
-    let inner = |text: &str| Some(text.split_once("<TX>")?.1.split_once("</TX>")?.0.to_owned());
+    let inner = |text: &str| Some(plain(text.split_once("<TX>")?.1.split_once("</TX>")?.0));
     let found = if block.kind == b"MD" { inner(&text).unwrap_or_default() } else { text.into_owned() };
     found.trim().to_owned()
+}
+
+/// Text of XML without the entities that every document knows.
+fn plain(xml: &str) -> String {
+    let known = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&apos;", "'"), ("&amp;", "&")];
+    known.iter().fold(xml.to_owned(), |text, (entity, letter)| text.replace(entity, letter))
 }
 
 /// Channels that share their records.
@@ -138,8 +144,8 @@ pub(super) struct Channel {
     pub(super) flags: u32,
     pub(super) mark_bit: usize,
     pub(super) conversion: u64,
-    /// True if each record has several values.
-    pub(super) is_array: bool,
+    /// Content of a record that is not one number, in words.
+    pub(super) refusal: Option<&'static str>,
 }
 
 /// Groups of a file with their channels, at most `most` channels.
@@ -218,7 +224,12 @@ impl<'a> File<'a> {
             let block = self.next(place, b"CN")?;
             let inner = block.link(1);
             let inner_kind = if inner == 0 { &b""[..] } else { Block::at(self.bytes, inner)?.kind };
-            out.push(channel(self.bytes, &block, inner_kind == b"CA")?);
+            let refusal = match inner_kind {
+                b"" | b"CN" => None,
+                b"CA" => Some("an array in each record"),
+                _ => Some("a variant, a union or a list in each record"),
+            };
+            out.push(channel(self.bytes, &block, refusal)?);
             self.channels += 1;
             if self.channels > self.most {
                 return Err(format!("more than {} channels", self.most));
@@ -232,7 +243,7 @@ impl<'a> File<'a> {
     }
 }
 
-fn channel(bytes: &[u8], block: &Block<'_>, is_array: bool) -> Result<Channel, Flaw> {
+fn channel(bytes: &[u8], block: &Block<'_>, refusal: Option<&'static str>) -> Result<Channel, Flaw> {
     Ok(Channel {
         name: text(bytes, block.link(2)),
         unit: text(bytes, block.link(6)),
@@ -245,6 +256,6 @@ fn channel(bytes: &[u8], block: &Block<'_>, is_array: bool) -> Result<Channel, F
         flags: block.u32(12)?,
         mark_bit: block.u32(16)? as usize,
         conversion: block.link(4),
-        is_array,
+        refusal,
     })
 }

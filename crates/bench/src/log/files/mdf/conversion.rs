@@ -11,6 +11,9 @@ use exmex::{Express, FlatEx};
 const MAX_DEPTH: usize = 8;
 /// Maximum number of conversions of one channel.
 const MAX_CONVERSIONS: usize = 10_000;
+/// Maximum length of a formula, and maximum number of keys or ranges of a table.
+const MAX_FORMULA: usize = 1000;
+const MAX_RANGES: usize = 4096;
 /// Names of the stored number in a formula.
 const VARIABLES: [&str; 4] = ["X", "X1", "x", "x1"];
 
@@ -149,6 +152,9 @@ impl Reader<'_> {
             2 => Conversion::Rational(*values.first_chunk().ok_or_else(short)?),
             3 => formula(&text(self.bytes, block.link(4)))?,
             kind @ (4 | 5) => table(&values, kind == 4)?,
+            6..=8 if values.len() > 3 * MAX_RANGES => {
+                return Err(format!("a table with more than {MAX_RANGES} ranges"));
+            }
             6 => {
                 let (ranges, default) = values.as_chunks::<3>();
                 let linear = |value: f64| Conversion::Linear(value, 0.0);
@@ -206,13 +212,43 @@ fn table(values: &[f64], is_interpolated: bool) -> Result<Conversion, Flaw> {
 
 /// Formula of one stored number.
 fn formula(text: &str) -> Result<Conversion, Flaw> {
+    if text.len() > MAX_FORMULA {
+        return Err(format!("a conversion by a formula of more than {MAX_FORMULA} letters"));
+    }
     let refuse = || format!("a conversion by the formula `{text}`, which is not known");
-    let parsed = FlatEx::<f64>::parse(&without_exponents(&text.replace("**", "^"))).map_err(|_| refuse())?;
+    let parsed = signed(&text.replace("**", "^")).map(|text| without_exponents(&text)).ok_or_else(refuse)?;
+    let parsed = FlatEx::<f64>::parse(&parsed).map_err(|_| refuse())?;
     match parsed.var_names() {
         [] => Ok(Conversion::Formula(Box::new(parsed))),
         [name] if VARIABLES.contains(&name.as_str()) => Ok(Conversion::Formula(Box::new(parsed))),
         _ => Err(refuse()),
     }
+}
+
+/// Formula in which a sign at the start or after a bracket is a difference from 0, because the
+/// parser applies a sign before a power. `None` if a sign follows another operator and there are
+/// powers.
+fn signed(text: &str) -> Option<String> {
+    let has_power = text.contains('^');
+    let (mut out, mut before) = (String::new(), '(');
+    for (place, letter) in text.char_indices() {
+        let is_exponent = matches!(before, 'e' | 'E')
+            && text.get(..place).is_some_and(|text| {
+                text.trim_end_matches(['e', 'E']).ends_with(|c: char| c.is_ascii_digit() || c == '.')
+            });
+        if matches!(letter, '-' | '+') && !is_exponent {
+            match before {
+                '(' | ',' => out.push('0'),
+                '+' | '-' | '*' | '/' | '^' if has_power => return None,
+                _ => {}
+            }
+        }
+        out.push(letter);
+        if !letter.is_whitespace() {
+            before = letter;
+        }
+    }
+    Some(out)
 }
 
 /// Formula with numbers such as `1.5e-3` in full, as the parser expects them.
@@ -255,7 +291,10 @@ mod tests {
         assert_eq!(value("X**2 / 2", 4.0), Ok(8.0));
         assert_eq!(value("1.5e-3*X1 + 2E+2", 2.0), Ok(200.003));
         assert_eq!(value("exp(X)", 0.0), Ok(1.0));
-        for refused in ["X1+X2", "pow(X,2)", "", "X*", "Y"] {
+        assert_eq!(value("-X^2", 3.0), Ok(-9.0));
+        assert_eq!(value("2 * ( -X1**2 )", 3.0), Ok(-18.0));
+        assert_eq!(value("-1e-1*X*-2", 3.0), Ok(0.6000000000000001));
+        for refused in ["X1+X2", "pow(X,2)", "", "X*", "Y", "2*-X^2", "2^-X"] {
             let found = value(refused, 1.0);
             assert!(
                 found.as_ref().is_err_and(|e| e.contains(&format!("`{refused}`"))),

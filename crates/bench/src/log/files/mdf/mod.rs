@@ -105,15 +105,18 @@ impl Mdf {
         if channel.kind == VARIABLE || channel.kind > LAST {
             return Err("contents of variable length".into());
         }
-        if channel.is_array {
-            return Err("an array in each record".into());
+        if let Some(refusal) = channel.refusal {
+            return Err(refusal.into());
         }
         let conversion = Conversion::read(&self.bytes, channel.conversion)?;
         if !conversion.has_numbers() {
             return Err("texts".into());
         }
         if [VIRTUAL_MASTER, VIRTUAL].contains(&channel.kind) {
-            return Ok((0..group.count).map(|row| conversion.value(row as f64, true)).collect());
+            return match channel.flags & (values::ALL_INVALID | values::HAS_MARK) {
+                0 => Ok((0..group.count).map(|row| conversion.value(row as f64, true)).collect()),
+                _ => Err("marks of invalid values without stored values".into()),
+            };
         }
         let field = Field::of(group, channel)?;
         let mut cached = self.records.borrow_mut();

@@ -19,11 +19,12 @@ pub(super) fn records(bytes: &[u8], group: &Group) -> Result<Vec<u8>, Flaw> {
         stream.most = wanted;
     }
     stream.add(group.records)?;
-    let found = if group.number_bytes == 0 { stream.out } else { sorted(&stream.out, group)? };
-    match found.get(..wanted) {
-        Some(found) => Ok(found.to_vec()),
-        None => Err(format!("{} bytes of records in place of {wanted}", found.len())),
+    let mut found = if group.number_bytes == 0 { stream.out } else { sorted(&stream.out, group)? };
+    if found.len() < wanted {
+        return Err(format!("{} bytes of records in place of {wanted}", found.len()));
     }
+    found.truncate(wanted);
+    Ok(found)
 }
 
 /// Blocks of records that are put together.

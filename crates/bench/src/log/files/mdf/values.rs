@@ -4,8 +4,8 @@ use super::blocks::{Channel, Flaw, Group};
 use half::f16;
 
 /// Flags of a channel: no value is valid, and a bit marks those that are invalid.
-const ALL_INVALID: u32 = 1;
-const HAS_MARK: u32 = 2;
+pub(super) const ALL_INVALID: u32 = 1;
+pub(super) const HAS_MARK: u32 = 2;
 
 /// Layout of a stored number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +48,9 @@ impl Field {
             .then_some((group.value_bytes.saturating_add(channel.mark_bit / 8), 1 << (channel.mark_bit % 8)));
         if start.checked_add(bytes).is_none_or(|end| end > group.value_bytes) {
             return Err("values beyond the end of their records".into());
+        }
+        if mark.is_some_and(|(byte, _)| byte >= group.record_bytes()) {
+            return Err("marks of invalid values beyond the end of their records".into());
         }
         let is_all_invalid = channel.flags & ALL_INVALID != 0;
         Ok(Self { kind, is_big, start, bytes, shift, bits, mark, is_all_invalid })

@@ -30,6 +30,8 @@ const OFFSET: &str = "wf_start_offset";
 const START: &str = "wf_start_time";
 /// Unit of the increments, if they are not seconds.
 const UNIT: &str = "wf_xunit_string";
+/// Units of time with their number in a second.
+const UNITS: [(&str, f64); 5] = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("\u{b5}s", 1e6), ("ns", 1e9)];
 /// Name of the column of times.
 const TIMES: &str = "wf_time";
 /// Fractions of a second in a time stamp.
@@ -99,6 +101,8 @@ struct Object {
     pieces: Vec<Piece>,
     /// Content that cannot be read as numbers.
     refusal: Option<&'static str>,
+    /// True if a waveform begins anew or changes its increment.
+    has_changed_times: bool,
 }
 
 impl Object {
@@ -122,21 +126,46 @@ impl Object {
         }
     }
 
+    /// Sets a property. A waveform may state its start again in a later segment; a start that does
+    /// not continue it, and another increment, end the times of the channel.
+    fn set(&mut self, name: String, value: Property) {
+        if !self.pieces.is_empty() && self.number(INCREMENT).is_some() {
+            let continues = match (name.as_str(), &value, self.start()) {
+                (INCREMENT, value, _) => self.properties.get(INCREMENT) == Some(value),
+                (START, Property::Stamp(new), Some(old)) if *new == old => true,
+                (START, Property::Stamp(new), Some(old)) => {
+                    let increment_s = self.number(INCREMENT).unwrap_or(0.0);
+                    let expected_s = increment_s * self.len() as f64;
+                    if (seconds(*new, old) - expected_s).abs() <= 0.5 * increment_s {
+                        return;
+                    }
+                    false
+                }
+                (START, ..) => false,
+                _ => true,
+            };
+            self.has_changed_times |= !continues;
+        }
+        self.properties.insert(name, value);
+    }
+
     /// Times of the samples of a waveform since an origin.
     fn times(&self, origin: u128) -> Option<Times> {
-        let increment_s = self.number(INCREMENT).filter(|increment_s| *increment_s > 0.0)?;
-        let start_s = self.start().map_or(0.0, |start| seconds(start, origin));
-        let offset_s = start_s + self.number(OFFSET).unwrap_or(0.0);
+        let increment = self.number(INCREMENT).filter(|increment| *increment > 0.0)?;
         let unit = if self.text(UNIT).is_empty() { "s" } else { self.text(UNIT) };
-        Some(Times { increment_s, offset_s, count: self.len(), unit: unit.into() })
+        // A start is no part of another axis, such as the frequencies of a spectrum.
+        let per_second = UNITS.iter().find(|(name, _)| *name == unit).map_or(0.0, |(_, factor)| *factor);
+        let start = self.start().map_or(0.0, |start| per_second * seconds(start, origin));
+        let offset = start + self.number(OFFSET).unwrap_or(0.0);
+        Some(Times { increment, offset, count: self.len(), unit: unit.into() })
     }
 }
 
 /// Times of a waveform.
 #[derive(Clone, Debug, PartialEq)]
 struct Times {
-    increment_s: f64,
-    offset_s: f64,
+    increment: f64,
+    offset: f64,
     count: usize,
     unit: String,
 }
@@ -145,7 +174,7 @@ impl Times {
     /// First time in units of a thousandth of an increment, less than which no two waveforms are
     /// taken to be apart: a measuring card states starts that differ by a rounding.
     fn first_mark(&self) -> i64 {
-        (1000.0 * self.offset_s / self.increment_s).round() as i64
+        (1000.0 * self.offset / self.increment).round() as i64
     }
 }
 
@@ -153,6 +182,8 @@ impl Times {
 enum Column {
     Channel(usize),
     Times(Times),
+    /// Times that the file does not state, with the reason.
+    Unknown(&'static str),
 }
 
 /// Channels of a file.
@@ -200,6 +231,7 @@ impl Tdms {
     /// Lists the columns: channels, and times of waveforms, each once.
     fn list(&mut self) {
         let mut places = Vec::new();
+        let has_starts = self.objects.iter().any(|o| o.start().is_some() && o.number(INCREMENT).is_some());
         let mut known: HashMap<(&str, u64, i64, usize), usize> = HashMap::new();
         for (index, object) in self.objects.iter().enumerate() {
             let [group, channel] = object.path.as_slice() else { continue };
@@ -210,7 +242,23 @@ impl Tdms {
                 self.times.push(None);
                 continue;
             };
-            let key = (group.as_str(), times.increment_s.to_bits(), times.first_mark(), times.count);
+            let flaw = match () {
+                () if object.has_changed_times => {
+                    Some("a waveform that begins anew or changes its increment")
+                }
+                () if has_starts && object.start().is_none() => {
+                    Some("a waveform without a start time, while others of the file have one")
+                }
+                () => None,
+            };
+            if let Some(flaw) = flaw {
+                self.times.push(None);
+                places.push((group.clone(), TIMES.into()));
+                self.columns.push(Column::Unknown(flaw));
+                self.times.push(None);
+                continue;
+            }
+            let key = (group.as_str(), times.increment.to_bits(), times.first_mark(), times.count);
             let found = known.get(&key).copied();
             let place = found.unwrap_or(self.columns.len());
             self.times.push(Some(place));
@@ -288,7 +336,7 @@ impl LogFile for Tdms {
                 Some(object) => object.text("unit_string"),
                 None => "",
             },
-            None => "",
+            Some(Column::Unknown(_)) | None => "",
         }
     }
 
@@ -296,9 +344,10 @@ impl LogFile for Tdms {
         let name = self.names.get(index).map_or("", String::as_str);
         let refuse = |found: String| refused(file, (name, wanted), found, "numbers with a linear scale");
         match self.columns.get(index) {
-            Some(Column::Times(Times { increment_s, offset_s, count, .. })) => {
-                Ok((0..*count).map(|i| offset_s + i as f64 * increment_s).collect())
+            Some(Column::Times(Times { increment, offset, count, .. })) => {
+                Ok((0..*count).map(|i| offset + i as f64 * increment).collect())
             }
+            Some(Column::Unknown(flaw)) => Err(refuse((*flaw).into())),
             Some(Column::Channel(channel)) => {
                 let channel = self.objects.get(*channel).ok_or_else(|| refuse("no channel".into()))?;
                 self.numbers(channel).map_err(refuse)

@@ -123,7 +123,7 @@ impl File {
                 let name = cursor.text()?;
                 let value = property(cursor)?;
                 if let Some(object) = self.objects.get_mut(object) {
-                    object.properties.insert(name, value);
+                    object.set(name, value);
                 }
             }
         }
