@@ -151,8 +151,8 @@ pub fn time_of<'a>(log: &'a RawLog, column: &RawColumn) -> Option<(&'a RawColumn
     Some((chosen.column, chosen.scale))
 }
 
-/// Returns whether a column has the times of a column of times, as far as the file states it: a column
-/// without a time has not those that the file states for others.
+/// Returns whether a column has the times of a column of times, as far as the file states it: a
+/// column without a time has not those that the file states for others.
 pub fn has_time(log: &RawLog, column: &RawColumn, time: &RawColumn) -> bool {
     let is_stated = time.time == Some(time.index);
     if column.time.is_none() && column.group == time.group && !is_stated {

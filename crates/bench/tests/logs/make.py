@@ -263,8 +263,8 @@ def several_times():
     columns["none"] = pyarrow.array([None] * len(TIME), pyarrow.timestamp("s"))
     table = pyarrow.table({"none": columns.pop("none"), **columns, "force": FORCE})
     pyarrow.parquet.write_table(table, HERE / "stamps.parquet")
-    # Waveforms in two segments: one continues, one begins anew after a gap, one changes its rate, one
-    # has no start; a spectrum that starts later.
+    # Waveforms in two segments: one continues, one begins anew after a gap, one changes its rate,
+    # one has no start; a spectrum that starts later.
     first, second = slice(0, 50), slice(50, 100)
     with nptdms.TdmsWriter(HERE / "segments.tdms") as writer:
         for part, later in [(first, 0), (second, 500_000)]:
