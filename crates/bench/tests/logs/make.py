@@ -257,7 +257,8 @@ def several_times():
             parts = [("angle", ANGLE), ("force", FORCE)]
             writer.write_segment([nptdms.ChannelObject("bench", name, data[row]) for name, data in parts])
     stamps = day + np.round(1e6 * TIME).astype("timedelta64[us]")
-    columns = {f"stamp_{unit}": pyarrow.array(stamps.astype(f"datetime64[{unit}]")) for unit in ["ms", "us", "ns"]}
+    units = ["ms", "us", "ns"]
+    columns = {f"stamp_{unit}": pyarrow.array(stamps.astype(f"datetime64[{unit}]")) for unit in units}
     columns["date"] = pyarrow.array(stamps.astype("datetime64[D]"))
     columns["clock"] = pyarrow.array((1000 * TIME).round().astype(np.int32), pyarrow.time32("ms"))
     columns["none"] = pyarrow.array([None] * len(TIME), pyarrow.timestamp("s"))
