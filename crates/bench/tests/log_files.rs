@@ -182,6 +182,11 @@ fn a_waveform_that_begins_anew_has_no_times() {
     let found = columns(&log);
     assert!((found["on/wf_time"][99] - 0.99).abs() < 1e-9, "{:?}", found["on/wf_time"]);
     assert_eq!((found["spectrum/wf_time"][0], found["spectrum/wf_time"][4]), (0.0, 1.0));
+    let mut reversed = log.clone();
+    reversed.columns.reverse();
+    for log in [&log, &reversed] {
+        assert_eq!(bench::template::time_column(log).unwrap().0.name, "on/wf_time");
+    }
     let reason = |name: &str| log.others.iter().find(|other| other.name == name).unwrap().reason.as_str();
     for name in ["again/wf_time", "rate/wf_time"] {
         assert_eq!(reason(name), "a waveform that begins anew or changes its increment");

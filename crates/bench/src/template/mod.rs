@@ -119,12 +119,19 @@ pub fn template(log: &RawLog, plant: Option<TemplatePlant>) -> Result<Template, 
 }
 
 /// Column of the times of a log with its factor to s: the one that the file states for the longest
-/// columns, else as far as the name or the intervals indicate it.
+/// columns, rather one in a unit of time, else as far as the name or the intervals indicate it.
 pub fn time_column(log: &RawLog) -> Option<(&RawColumn, Option<f64>)> {
     let rows = log.columns.iter().map(|column| column.values.len()).max();
     let longest = log.columns.iter().filter(|column| Some(column.values.len()) == rows);
-    if let Some(time) = longest.filter(|column| column.time != Some(column.index)).find_map(|c| c.time) {
-        return stated(log, time);
+    let times = longest.filter_map(|column| column.time.filter(|time| *time != column.index));
+    let mut known = times.filter_map(|time| stated(log, time));
+    // The axis of a spectrum has no unit of time.
+    if let Some(first) = known.next() {
+        return Some(if first.1.is_some() {
+            first
+        } else {
+            known.find(|time| time.1.is_some()).unwrap_or(first)
+        });
     }
     let chosen = choose(&candidates(log), TIME, Some(Quantity::Time), None)?;
     Some((chosen.column, chosen.scale))
