@@ -143,6 +143,7 @@ impl Reader<'_> {
         let block = Block::of(self.bytes, place, b"CC")?;
         let values = values(&block)?;
         let short = || "a conversion with too few parameters".to_owned();
+        let too_many = || format!("a table with more than {MAX_RANGES} ranges");
         Ok(match block.u8(0)? {
             0 => Conversion::Identity,
             1 => match values.as_slice() {
@@ -152,9 +153,9 @@ impl Reader<'_> {
             2 => Conversion::Rational(*values.first_chunk().ok_or_else(short)?),
             3 => formula(&text(self.bytes, block.link(4)))?,
             kind @ (4 | 5) => table(&values, kind == 4)?,
-            6..=8 if values.len() > 3 * MAX_RANGES => {
-                return Err(format!("a table with more than {MAX_RANGES} ranges"));
-            }
+            6 if values.len() / 3 > MAX_RANGES => return Err(too_many()),
+            7 if values.len() > MAX_RANGES => return Err(too_many()),
+            8 if values.len() / 2 > MAX_RANGES => return Err(too_many()),
             6 => {
                 let (ranges, default) = values.as_chunks::<3>();
                 let linear = |value: f64| Conversion::Linear(value, 0.0);

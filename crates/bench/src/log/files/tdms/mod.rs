@@ -99,6 +99,8 @@ struct Object {
     path: Vec<String>,
     properties: Properties,
     pieces: Vec<Piece>,
+    /// Number of values in all pieces.
+    count: usize,
     /// Content that cannot be read as numbers.
     refusal: Option<&'static str>,
     /// True if a waveform begins anew or changes its increment.
@@ -106,10 +108,6 @@ struct Object {
 }
 
 impl Object {
-    fn len(&self) -> usize {
-        self.pieces.iter().map(|piece| piece.count * piece.chunks).sum()
-    }
-
     fn number(&self, name: &str) -> Option<f64> {
         if let Some(Property::Number(value)) = self.properties.get(name) { Some(*value) } else { None }
     }
@@ -135,7 +133,7 @@ impl Object {
                 (START, Property::Stamp(new), Some(old)) if *new == old => true,
                 (START, Property::Stamp(new), Some(old)) => {
                     let increment_s = self.number(INCREMENT).unwrap_or(0.0);
-                    let expected_s = increment_s * self.len() as f64;
+                    let expected_s = increment_s * self.count as f64;
                     if (seconds(*new, old) - expected_s).abs() <= 0.5 * increment_s {
                         return;
                     }
@@ -157,7 +155,7 @@ impl Object {
         let per_second = UNITS.iter().find(|(name, _)| *name == unit).map_or(0.0, |(_, factor)| *factor);
         let start = self.start().map_or(0.0, |start| per_second * seconds(start, origin));
         let offset = start + self.number(OFFSET).unwrap_or(0.0);
-        Some(Times { increment, offset, count: self.len(), unit: unit.into() })
+        Some(Times { increment, offset, count: self.count, unit: unit.into() })
     }
 }
 
@@ -293,11 +291,11 @@ impl Tdms {
         if let Some(refusal) = channel.refusal {
             return Err(refusal.into());
         }
-        if channel.len() > MAX_ROWS {
+        if channel.count > MAX_ROWS {
             return Err(format!("more than {MAX_ROWS} values"));
         }
         let scales = self.scales(channel)?;
-        let mut out = Vec::with_capacity(channel.len());
+        let mut out = Vec::with_capacity(channel.count);
         for piece in &channel.pieces {
             for chunk in 0..piece.chunks {
                 for index in 0..piece.count {

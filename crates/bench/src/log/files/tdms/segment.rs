@@ -178,6 +178,7 @@ impl File {
             if self.values > MAX_VALUES {
                 return Err(Flaw::TooLarge);
             }
+            object.count += values;
             if values > 0 && !object.pieces.last_mut().is_some_and(|last| last.continues(&piece)) {
                 self.pieces += 1;
                 object.pieces.push(piece);
