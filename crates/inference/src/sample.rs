@@ -1,6 +1,6 @@
 //! Input of one step.
 
-/// Physical inputs of one sample as integers, as the controller measures them.
+/// Physical inputs of one sample as integers. On the controller the filter estimates them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sample {
     /// Radial clearance `R_B - R_J` in nm.

@@ -4,9 +4,10 @@
 //! COBS removes all zeros from it, and one zero byte ends it. The zero appears nowhere else, so a
 //! receiver that lost its place finds the next frame. The CRC rejects damaged frames.
 //!
-//! The host sends [`ToController`], the controller sends [`ToHost`]. Samples go in lockstep: one
-//! [`SensorFrame`] out, one [`NumberedEstimate`] (or a [`Fault`]) back. The time in a sensor frame
-//! is the controller's time. Lengths travel as integer nanometres and angles as integer
+//! The host sends [`ToController`], the controller sends [`ToHost`]. In lockstep the host sends one
+//! [`SensorFrame`] and receives one [`NumberedEstimate`] (or a [`Fault`]). A controller that samples
+//! its own sensors sends its estimates without being asked. The time in a sensor frame is the
+//! controller's time. Lengths travel as integer nanometres and angles as integer
 //! nanoradians, so nothing is lost between sensor and estimator. Commands are numbered and
 //! acknowledged (see [`Command`]). Estimates and slow telemetry are numbered separately, so each
 //! side knows what it missed.

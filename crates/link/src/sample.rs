@@ -1,7 +1,8 @@
 //! The two frames of a tick: one sample of the sensors and its estimate.
 //!
 //! An estimate has a fixed layout on the wire ([`EstimateLayout`]): one byte for its kind, then
-//! words, so that it can be encoded word by word ([`crate::encode_estimate`]).
+//! words, so that it can be encoded word by word ([`crate::encode_estimate`]). In the name of an
+//! integer `_nm` means nanometres, in the name of a float newton metres.
 
 use serde::{Deserialize, Serialize};
 

@@ -46,6 +46,8 @@ mod app {
 
     #[shared]
     struct Shared {
+        #[expect(unsafe_code, reason = "the campaign of faults looks for the symbol's name")]
+        #[unsafe(export_name = "PINTLE_SESSION")]
         exchange: SharedSession<Sensors>,
         attendance: Attendance,
     }
@@ -73,7 +75,11 @@ mod app {
         SerialAndProbe(Ports<SerialTransport, Probe>),
     }
 
-    #[init(local = [byte_queue: Queue<u8, BYTES> = Queue::new()])]
+    #[init(local = [
+        #[expect(unsafe_code, reason = "the campaign of faults looks for the symbol's name")]
+        #[unsafe(export_name = "PINTLE_RECEIVED_BYTES")]
+        byte_queue: Queue<u8, BYTES> = Queue::new(),
+    ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let Board {
             identity,

@@ -157,7 +157,7 @@ impl Inbox {
 pub struct Transmitter(());
 
 impl Transmitter {
-    /// Sends bytes, waiting a bounded time for each. Returns false if the port did not take all.
+    /// Sends bytes, with a timeout for each. Returns false if the port did not take all.
     #[must_use]
     pub fn write(&mut self, bytes: &[u8]) -> bool {
         const FULL: u32 = 1;

@@ -5,11 +5,24 @@ use object::{Object, ObjectSection, ObjectSymbol};
 use std::ops::Range;
 use std::path::Path;
 
-/// Symbols of static memory that the controller does not use in lockstep: the emulator's
-/// replacement of flash, the buffers of the serial port and of the log, the stack of the fault
-/// handler.
-const UNUSED_STATE: [&str; 6] =
-    ["RAM_SLOTS", "RAM_PLACES", "EMERGENCY", "BUFFER", "byte_queue", "SEGGER_RTT"];
+/// Symbol of the session, which the firmware exports.
+const SESSION: &str = "PINTLE_SESSION";
+
+/// Function that frames every message but estimates.
+const ANSWERING: &str = "link::encode::encode";
+
+/// Static memory that the controller does not use in lockstep: the emulator's replacement of flash,
+/// the buffers of the serial port and of the log, the stack of the fault handler.
+const UNUSED_STATE: [&str; 8] = [
+    "firmware::boards::model_memory::RAM_SLOTS",
+    "firmware::boards::model_memory::RAM_PLACES",
+    "firmware::boards::memory::EMERGENCY",
+    "firmware::boards::rtt::LOG_BUFFER",
+    "firmware::boards::rtt::DOWN_BUFFER",
+    "firmware::boards::rtt::UP_BUFFER",
+    "PINTLE_RECEIVED_BYTES",
+    "_SEGGER_RTT",
+];
 
 /// Addresses in an image.
 #[derive(Clone, Debug, Default)]
@@ -40,14 +53,13 @@ impl Image {
             .filter_map(|symbol| {
                 let begin =
                     symbol.address() as u32 & if symbol.kind() == object::SymbolKind::Text { !1 } else { !0 };
-                Some((symbol.name().ok()?.to_owned(), begin..begin.saturating_add(symbol.size() as u32)))
+                // The alternate form is the path without the compiler's hash.
+                let name = format!("{:#}", rustc_demangle::demangle(symbol.name().ok()?));
+                Some((name, begin..begin.saturating_add(symbol.size() as u32)))
             })
             .collect();
-        // A reference may have the same name as its target, which is larger.
-        let find = |part: &str| {
-            let named = symbols.iter().filter(|(name, _)| name.contains(part));
-            named.max_by_key(|(_, range)| range.len()).map(|(_, range)| range.clone())
-        };
+        let find =
+            |wanted: &str| symbols.iter().find(|(name, _)| name == wanted).map(|(_, range)| range.clone());
         let section = |name: &str| {
             file.section_by_name(name).map(|s| s.address() as u32..(s.address() + s.size()) as u32)
         };
@@ -56,21 +68,24 @@ impl Image {
         let text = section(".text").ok_or_else(|| missing("a section of code"))?;
         let constants = section(".rodata").ok_or_else(|| missing("a section of constants"))?;
         let code = std::iter::once(text).chain(without(constants, &table)).collect();
-        let session = find("shared_resource_exchange").ok_or_else(|| missing("the session"))?;
+        let session = find(SESSION).ok_or_else(|| missing("the session"))?;
         let ram = [".data", ".bss", ".uninit"].into_iter().filter_map(section).collect::<Vec<_>>();
+        // A renamed one would silently be struck.
+        let is_known = |name: &&str| find(name).is_some();
+        if !UNUSED_STATE.iter().all(is_known) {
+            return Err(missing("the static memory that lockstep does not use"));
+        }
         let other_state = symbols
             .iter()
             .filter(|(name, range)| {
                 !range.is_empty()
                     && *range != session
                     && ram.iter().any(|ram| ram.contains(&range.start))
-                    && !UNUSED_STATE.iter().any(|part| name.contains(part))
+                    && !UNUSED_STATE.contains(&name.as_str())
             })
             .map(|(_, range)| range.clone())
             .collect();
-        let answering = find(&mangled_path(&["link", "encode", "encode"]))
-            .ok_or_else(|| missing("the function link::encode::encode"))?
-            .start;
+        let answering = find(ANSWERING).ok_or_else(|| missing("the function that frames answers"))?.start;
         let stack_top = find("_stack_start").ok_or_else(|| missing("a stack"))?.start;
         Ok(Self { answering, weights: weights.clone(), code, session, other_state, stack_top })
     }
@@ -95,11 +110,6 @@ fn without(range: Range<u32>, others: &[Range<u32>]) -> Vec<Range<u32>> {
     let starts = std::iter::once(range.start).chain(others.iter().map(|other| other.end));
     let ends = others.iter().map(|other| other.start).chain([range.end]);
     starts.zip(ends).map(|(start, end)| start..end).filter(|part| !part.is_empty()).collect()
-}
-
-/// Returns the part of a mangled symbol name that stands for a path, in either mangling scheme.
-fn mangled_path(path: &[&str]) -> String {
-    path.iter().map(|name| format!("{}{name}", name.len())).collect()
 }
 
 /// Returns the address of a byte, counted through several ranges.

@@ -51,13 +51,15 @@ impl Functions {
         let symbols: Vec<_> = file
             .symbols()
             .filter_map(|symbol| {
-                Some((symbol.address() as u32, symbol.size() as u32, symbol.kind(), symbol.name().ok()?))
+                // The alternate form is the path without the compiler's hash.
+                let name = format!("{:#}", rustc_demangle::demangle(symbol.name().ok()?));
+                Some((symbol.address() as u32, symbol.size() as u32, symbol.kind(), name))
             })
             .collect();
         let find = |wanted: &str| {
             symbols
                 .iter()
-                .find(|(.., name)| name.contains(wanted))
+                .find(|(.., name)| name == wanted)
                 .ok_or_else(|| wrong(format!("no symbol {wanted}")))
         };
 
@@ -67,12 +69,12 @@ impl Functions {
         let data_in_code: BTreeMap<u32, bool> = symbols
             .iter()
             .filter(|(.., name)| name.starts_with("$t") || name.starts_with("$d"))
-            .map(|&(address, .., name)| (address & !1, name.starts_with("$d")))
+            .map(|(address, .., name)| (address & !1, name.starts_with("$d")))
             .collect();
         let extents: BTreeMap<u32, (u32, &str)> = symbols
             .iter()
             .filter(|(_, size, kind, _)| *kind == SymbolKind::Text && *size > 0)
-            .map(|&(address, size, _, name)| (address & !1, (size, name)))
+            .map(|(address, size, _, name)| (address & !1, (*size, name.as_str())))
             .collect();
         let mut by_address = BTreeMap::new();
         for (&start, &(size, name)) in &extents {
@@ -88,7 +90,7 @@ impl Functions {
             .map(|word| u32::from_le_bytes(*word))
             .collect();
         let reserved = find("_stack_start")?.0.saturating_sub(find("_stack_end")?.0);
-        let emergency = find("EMERGENCY")?.1;
+        let emergency = find("firmware::boards::memory::EMERGENCY")?.1;
         Ok(Self { by_address, vectors, reserved, emergency })
     }
 }

@@ -229,6 +229,7 @@ impl Plausibility {
             config.channels.iter_mut().zip(steps.into_iter().zip(sensors))
         {
             // Scaled so that the limit has 10 to 11 bits: its clipped square then has 28 at most.
+            // The binary point depends on the limit, so no type of `fixed` can carry it.
             let noise_shift = 22_u32.saturating_sub(noise.leading_zeros()).saturating_sub(1);
             let scaled = noise >> noise_shift;
             *channel = ChannelLimits {

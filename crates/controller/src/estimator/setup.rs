@@ -111,7 +111,8 @@ impl Setup {
         self.blend_n = blend_n(model);
     }
 
-    /// Converts a calibrated sample. `is_usable` is false if the motion in it cannot be trusted.
+    /// Converts a calibrated sample. If the motion in it is not usable, the journal's position is
+    /// NaN, which the filter leaves out.
     #[inline]
     pub(super) fn measurement(&self, frame: &SensorFrame, load_n: f32, is_usable: bool) -> Measurement {
         let angle_nrad = frame.shaft_angle_nrad.wrapping_sub(self.crank_vertical_nrad);

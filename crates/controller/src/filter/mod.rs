@@ -27,7 +27,7 @@ pub use measurement::Measurement;
 
 use crate::integrity::{Checksum, Words};
 pub(crate) use model::NetworkForces;
-use model::{Model, State};
+use model::{BenchModel, State};
 
 /// The filter of one bench.
 #[derive(Clone, Debug)]
@@ -52,7 +52,7 @@ const MAX_SKIPPED: u32 = i32::MAX.cast_unsigned();
 
 /// Constants of the filter of one bench, apart from its state.
 #[derive(Clone, Debug)]
-pub(crate) struct FilterModel(Model);
+pub(crate) struct FilterModel(BenchModel);
 
 impl Words for FilterModel {
     fn add_to(&self, sum: &mut impl Checksum) {
@@ -68,7 +68,7 @@ impl FilterModel {
     /// A value of the configuration is out of range.
     pub(crate) fn new(config: &FilterConfiguration) -> Result<Self, FilterError> {
         config.check()?;
-        Ok(Self(Model::new(config)))
+        Ok(Self(BenchModel::new(config)))
     }
 
     /// Takes one sample and estimates. A sample with a missing value (not a number) is only

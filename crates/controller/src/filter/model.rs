@@ -103,15 +103,15 @@ impl State {
 
 /// Constants of a bench.
 #[derive(Clone, Debug)]
-pub(super) struct Model {
+pub(super) struct BenchModel {
     config: FilterConfiguration,
     dynamics: Dynamics,
     drive: DriveModel,
     levels: NoiseLevels,
 }
-words!(Model { config, dynamics, drive, levels });
+words!(BenchModel { config, dynamics, drive, levels });
 
-impl Model {
+impl BenchModel {
     /// Derives the constants from a configuration that has been checked.
     pub(super) fn new(config: &FilterConfiguration) -> Self {
         Self {

@@ -5,8 +5,8 @@
 //! the last trusted one ([`safe_state`]). Every finding is a flag of its sample and is counted
 //! ([`Monitor::health`]); [`Monitor::report`] gives the tracked quantities.
 //!
-//! Samples are calibrated: those of `host-sim` are, and on the controller the configuration's
-//! calibration is applied first.
+//! Samples are already calibrated. The session applies the configuration's calibration to the
+//! readings of the controller's own sensors; `host-sim` sends calibrated samples.
 
 mod alarm;
 mod limits;

@@ -1,6 +1,6 @@
 //! Sequence of a flash controller's erase and program operations, with timeouts.
 //!
-//! Every wait is a bounded number of polls, every outcome has a name. The trait [`FlashPort`]
+//! A timeout is a number of polls. Every outcome has a name. The trait [`FlashPort`]
 //! separates the registers, so that the host tests the sequence. Order and keys: RM0090 section 3.6
 //! (embedded flash memory interface, program and erase operations).
 

@@ -50,7 +50,7 @@ pub mod device {
 /// Board code of model packages.
 pub const PACKAGES_FOR: u16 = model_package::board::STM32F405;
 
-/// Starts the board. Every wait has a bound.
+/// Starts the board. Every wait has a timeout.
 #[must_use]
 pub fn start(core: cortex_m::Peripherals, device: device::Peripherals) -> Board {
     guard::set(&core.MPU);

@@ -143,7 +143,7 @@ impl Inbox {
 }
 
 impl Transmitter {
-    /// Sends bytes, waiting a bounded time for each. Returns false if the port did not take all.
+    /// Sends bytes, with a timeout for each. Returns false if the port did not take all.
     #[must_use]
     pub fn write(&mut self, bytes: &[u8]) -> bool {
         bytes.iter().all(|&byte| {
