@@ -5,12 +5,12 @@
 //! receiver that lost its place finds the next frame. The CRC rejects damaged frames.
 //!
 //! The host sends [`ToController`], the controller sends [`ToHost`]. In lockstep the host sends one
-//! [`SensorFrame`] and receives one [`NumberedEstimate`] (or a [`Fault`]). A controller that samples
+//! [`SensorFrame`] and receives one [`NumberedEstimate`] (or a [`Fault`]). A controller that reads
 //! its own sensors sends its estimates without being asked. The time in a sensor frame is the
-//! controller's time. Lengths travel as integer nanometres and angles as integer
-//! nanoradians, so nothing is lost between sensor and estimator. Commands are numbered and
-//! acknowledged (see [`Command`]). Estimates and slow telemetry are numbered separately, so each
-//! side knows what it missed.
+//! controller's time. Lengths travel as integer nanometres and angles as integer nanoradians, so
+//! nothing is lost between sensor and estimator. Commands are numbered and acknowledged (see
+//! [`Command`]). Estimates and slow telemetry are numbered separately, so each side knows what it
+//! missed.
 //!
 //! Limits: a frame has at most [`MAX_FRAME`] bytes, and CRC-32 misses one damaged frame in four
 //! thousand million. The link does not authenticate either side.

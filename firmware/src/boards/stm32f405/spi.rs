@@ -3,8 +3,8 @@
 //!
 //! The peripheral's clock is 42 MHz with the PLL: the converter is read at 10.5 MHz (at most 17),
 //! the encoder at 5.25 MHz (at most 10). A sample of three inputs and the angle has 14 bytes, 12 us
-//! of clocks. Every wait has a timeout: a transaction ends at the first byte that does not arrive. The
-//! drivers detect an absent device.
+//! of clocks. Every wait has a timeout: a transaction ends at the first byte that does not arrive.
+//! The drivers detect an absent device.
 //!
 //! Sources: RM0090 section 28 (SPI); AS5047P v1-11 (350 ns from select to clock, and between two
 //! selects).
