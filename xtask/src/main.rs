@@ -2,6 +2,7 @@
 //! else.
 
 mod archive;
+mod board_tables;
 mod boards;
 mod budget;
 mod c_check;
@@ -166,7 +167,8 @@ fn main() -> ExitCode {
         Command::Bless => golden::bless()
             .and_then(|()| cycles::bless())
             .and_then(|()| budget::bless())
-            .and_then(|()| readme::bless()),
+            .and_then(|()| readme::bless())
+            .and_then(|()| board_tables::bless()),
         Command::Insn { json } => insn::insn(json),
         Command::Cycles { image: Some(image), .. } => cycles::image(&image),
         Command::Cycles { json, image: None } => cycles::cycles(json),

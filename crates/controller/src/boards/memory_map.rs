@@ -3,7 +3,7 @@
 /// A linker script with a `MEMORY` command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryMap {
-    /// Path of the script from the workspace's root.
+    /// Path of the script, or of the file with its text, from the workspace's root.
     pub path: &'static str,
     /// Content of the script.
     pub text: &'static str,

@@ -1,7 +1,7 @@
 //! Boards and their microcontrollers.
 //!
 //! Sources: Adafruit product 4382, Olimex STM32-H405 user's manual, Netduino Plus 2 schematic,
-//! RM0090 table 5 (flash sectors of the STM32F405).
+//! RM0090 table 5 (flash sectors of the STM32F405), Arm DAI 0505 (memories of the AN505).
 
 use super::memory_map::MemoryMap;
 use super::signals::{Port, SIGNALS};
@@ -97,9 +97,20 @@ static STM32F405: Microcontroller = Microcontroller {
 static MPS2_AN505: Microcontroller = Microcontroller {
     feature: "mps2-an505",
     target: "thumbv8m.main-none-eabihf",
+    // Secure aliases of the code memory (SSRAM1) and of the internal RAM. The stack lies at the
+    // bottom of the RAM, as on the other boards. The core's stack limit guards it.
     memory_map: MemoryMap {
-        path: "firmware/memory/mps2-an505.x",
-        text: include_str!("../../../../firmware/memory/mps2-an505.x"),
+        path: "crates/controller/src/boards/table.rs",
+        text: "
+MEMORY
+{
+  FLASH : ORIGIN = 0x10000000, LENGTH = 4M
+  STACK : ORIGIN = 0x38000000, LENGTH = 48K
+  RAM   : ORIGIN = 0x3800C000, LENGTH = 80K
+}
+_stack_end = ORIGIN(STACK);
+_stack_start = ORIGIN(STACK) + LENGTH(STACK);
+",
     },
     flash_sectors: &[],
     handler_cycles: None,

@@ -1,4 +1,4 @@
-//! The table against itself and against `docs/firmware.md`.
+//! The table against itself.
 
 use super::*;
 
@@ -51,29 +51,6 @@ fn flash_sectors_begin_with_the_flash_and_ascend_within_it() {
         let flash = map.region("FLASH").unwrap();
         assert_eq!(sectors.first(), Some(&flash.origin));
         assert!(sectors.is_sorted() && sectors.iter().all(|&sector| flash.contains(sector.into(), 1)));
-    }
-}
-
-#[test]
-fn the_documentation_has_the_same_tables() {
-    let text = include_str!("../../../../docs/firmware.md");
-    let labelled: Vec<_> = BOARDS.iter().filter_map(|board| Some((board.title, board.labels?))).collect();
-    let titles: String = labelled.iter().map(|(title, _)| format!(" {title} |")).collect();
-    let mut rows = vec![format!("| signal | pin |{titles}")];
-    for (index, signal) in SIGNALS.iter().enumerate() {
-        let labels: String = labelled.iter().map(|(_, labels)| format!(" {} |", labels[index])).collect();
-        rows.push(format!("| {} | P{:?}{} |{labels}", signal.name, signal.port, signal.pin));
-    }
-    for board in &BOARDS {
-        let crystal = board.crystal_mhz.map_or("-".into(), |mhz| format!("{mhz} MHz"));
-        let light = board.light.map_or("-".into(), |light| {
-            let level = if light.is_active_low { "low" } else { "high" };
-            format!("P{:?}{}, on when {level}", light.port, light.pin)
-        });
-        rows.push(format!("| `{}` | {} | {crystal} | {light} |", board.name, board.title));
-    }
-    for row in rows {
-        assert!(text.contains(&row), "docs/firmware.md: {row}");
     }
 }
 
