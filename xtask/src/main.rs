@@ -23,6 +23,7 @@ mod miri;
 mod readme;
 mod run;
 mod seal;
+mod sensitivity;
 mod setup;
 mod size;
 mod stack;
@@ -143,6 +144,15 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
+    /// Halve and double the tuned constants of the diagnosis, and record the tests that fail.
+    ///
+    /// Takes about a minute for each constant. A stopped run continues.
+    Sensitivity {
+        /// Modules of the diagnosis; default: all
+        #[arg(value_name = "MODULE")]
+        #[arg(value_parser = sensitivity::MODULES, default_values = sensitivity::MODULES)]
+        modules: Vec<String>,
+    },
     /// Build the release archive: programs, firmware, completions, manual pages, documents.
     Archive,
     /// Report flash, RAM and stack of the image, and whether it contains a reachable panic.
@@ -164,16 +174,14 @@ fn main() -> ExitCode {
         Command::CLibrary { check } => c_check::build_or_check(check),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
-        Command::Bless => golden::bless()
-            .and_then(|()| cycles::bless())
-            .and_then(|()| budget::bless())
-            .and_then(|()| readme::bless())
-            .and_then(|()| board_tables::bless()),
+        Command::Bless => bless(),
         Command::Insn { json } => insn::insn(json),
-        Command::Cycles { image: Some(image), .. } => cycles::image(&image),
-        Command::Cycles { json, image: None } => cycles::cycles(json),
+        Command::Cycles { json, image } => {
+            image.map_or_else(|| cycles::cycles(json), |image| cycles::image(&image))
+        }
         Command::Flash(args) => flash::flash(&args),
         Command::Stack { json } => stack::stack(json),
+        Command::Sensitivity { modules } => sensitivity::sensitivity(&modules),
         Command::Archive => archive::archive().map(|path| println!("{}", path.display())),
         Command::Size { json } => size::size(json),
         Command::Faults { arguments } => return exit(campaigns::emulated("faults", &arguments)),
@@ -184,6 +192,16 @@ fn main() -> ExitCode {
         Command::Mystery { arguments } => return exit(campaigns::computed("mystery", &arguments)),
     };
     exit(result.map(|()| ExitCode::SUCCESS))
+}
+
+/// Writes all golden figures and the blocks of documents.
+fn bless() -> Result<(), run::ChoreError> {
+    golden::bless()?;
+    cycles::bless()?;
+    budget::bless()?;
+    readme::bless()?;
+    board_tables::bless()?;
+    sensitivity::bless()
 }
 
 /// Returns the exit code of a command and prints the error, if any.

@@ -106,9 +106,30 @@ pub(crate) fn spawn_piped(command: &mut Command) -> Result<(Child, String), Chor
     Ok((child, line))
 }
 
+/// End of a program that ran with a timeout.
+pub(crate) struct Ended {
+    /// Exit status.
+    pub(crate) status: std::process::ExitStatus,
+    /// False if it was killed at the timeout.
+    pub(crate) is_in_time: bool,
+    /// Output if it is piped.
+    pub(crate) text: String,
+}
+
 /// Runs a program with a timeout, after which it is killed. Returns the program's output if it is
 /// piped.
 pub(crate) fn run_with_timeout(command: &mut Command, timeout: Duration) -> Result<String, ChoreError> {
+    let Ended { status, is_in_time, text } = output_with_timeout(command, timeout)?;
+    if status.success() {
+        return Ok(text);
+    }
+    let late = if is_in_time { String::new() } else { format!(" after {} s", timeout.as_secs()) };
+    let printed = if text.is_empty() { String::new() } else { format!("; it printed: {text}") };
+    Err(ChoreError::Failed { line: line(command), status: format!("{status}{late}{printed}") })
+}
+
+/// Runs a program with a timeout, after which it is killed. A failure of the program is no error.
+pub(crate) fn output_with_timeout(command: &mut Command, timeout: Duration) -> Result<Ended, ChoreError> {
     let line = line(command);
     let failed = |status: String| ChoreError::Failed { line: line.clone(), status };
     let cause = |error: std::io::Error| failed(error.to_string());
@@ -121,7 +142,7 @@ pub(crate) fn run_with_timeout(command: &mut Command, timeout: Duration) -> Resu
         })
     });
     let start = Instant::now();
-    let (status, in_time) = loop {
+    let (status, is_in_time) = loop {
         match child.try_wait().map_err(cause)? {
             Some(status) => break (status, true),
             None if start.elapsed() > timeout => {
@@ -135,13 +156,7 @@ pub(crate) fn run_with_timeout(command: &mut Command, timeout: Duration) -> Resu
     let text = output.map_or(Ok(String::new()), |output| {
         output.join().unwrap_or_else(|_| Err(std::io::Error::other("its output could not be read")))
     });
-    let text = text.map_err(cause)?;
-    if status.success() {
-        return Ok(text);
-    }
-    let late = if in_time { String::new() } else { format!(" after {} s", timeout.as_secs()) };
-    let printed = if text.is_empty() { String::new() } else { format!("; it printed: {text}") };
-    Err(failed(format!("{status}{late}{printed}")))
+    Ok(Ended { status, is_in_time, text: text.map_err(cause)? })
 }
 
 /// Writes a file atomically: under another name, then renamed.
