@@ -28,7 +28,6 @@ use crate::fit::model::{Candidate, Model};
 use crate::fit::standard_deviations::standard_deviations;
 use crate::fit::tuning::Z_95;
 use crate::search::contender::Contender;
-use crate::search::marginality::{is_generalisation, main_effect};
 use crate::search::parts::{PartSearch, Set};
 use crate::search::selection::Selection;
 use crate::search::stage::Stage;
@@ -187,9 +186,7 @@ impl Parts {
 fn rivals(stage: &Stage) -> impl Iterator<Item = &Contender> {
     let best = stage.contenders.first();
     let is_needless = move |c: &Contender| {
-        best.is_some_and(|b| {
-            is_generalisation(c.candidate.kind.name, b.candidate.kind.name) && c.bic >= b.bic
-        })
+        best.is_some_and(|b| c.candidate.kind.generalises == Some(b.candidate.kind.name) && c.bic >= b.bic)
     };
     stage.equivalents().filter(move |c| !is_needless(c))
 }
@@ -244,7 +241,7 @@ fn are_clear(views: &Views, stage: &Stage, causes: &[Candidate]) -> bool {
 /// Returns whether the last effect of a fit is the main effect of another one.
 fn is_main_effect(fit: &Fit) -> bool {
     let Some((last, others)) = fit.model.effects.split_last() else { return false };
-    others.iter().any(|other| main_effect(other.kind.name) == Some(last.kind.name))
+    others.iter().any(|other| other.kind.refines == Some(last.kind.name))
 }
 
 /// Mean square of held-out samples in units of the noise floors.
