@@ -1,8 +1,8 @@
 //! Motion of the drive: its course, and order and position of a rudder servo.
 
-use super::summary::rms;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
+use bench::statistics::rms;
 use report::figure::{Chart, Series, lines};
 use report::page::Page;
 use schemars::JsonSchema;

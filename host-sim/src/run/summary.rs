@@ -10,6 +10,7 @@ use bench::plants::transmission::Snapshot;
 use bench::signals::Motion;
 use bench::simulate::peaks::Peak;
 use bench::simulate::settled::Settled;
+use bench::statistics::{mean, rms};
 use bench::sticking_plants;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -207,12 +208,6 @@ pub fn peak(samples: &[Snapshot], read: impl Fn(&Snapshot) -> f64) -> f64 {
     samples.iter().map(|s| read(s).abs()).fold(0.0, f64::max)
 }
 
-/// Root mean square.
-pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0_usize), |(s, n), v| (s + v * v, n + 1));
-    if count > 0 { (sum / count as f64).sqrt() } else { 0.0 }
-}
-
 impl Figures {
     /// Computes the figures of a run whose samples have the rate `rate_hz`.
     pub fn from_run(bench: &TransmissionBench, force: ForceSource, forced: &ForcedRun, rate_hz: f64) -> Self {
@@ -311,7 +306,7 @@ pub fn fluctuation_rms_n(samples: &[Snapshot], rate_hz: f64, (from_s, to_s): (f6
     let high = samples.partition_point(|s| s.time_s <= to_s);
     rms((low..high).filter_map(|i| {
         let window = samples.get(i.checked_sub(half)?..=i + half)?;
-        let mean = window.iter().map(|s| s.forces.normal_n).sum::<f64>() / window.len() as f64;
+        let mean = mean(window.iter().map(|s| s.forces.normal_n));
         Some(samples.get(i)?.forces.normal_n - mean)
     }))
 }
