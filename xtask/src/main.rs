@@ -2,12 +2,12 @@
 //! else.
 
 mod archive;
-mod boards;
 mod budget;
 mod c_check;
 mod c_library;
 mod campaigns;
 mod compile;
+mod cores;
 mod counts;
 mod cycles;
 mod document;
