@@ -111,18 +111,18 @@ impl PerPeak {
 
     /// Describes the largest error bars of some runs.
     pub fn largest_bars<'a>(runs: impl Iterator<Item = &'a Figures> + Clone) -> String {
-        let most = |read: fn(&Self) -> Option<f64>, unit: f64| {
+        let largest = |read: fn(&Self) -> Option<f64>, unit: f64| {
             let bar = runs.clone().map(|f| read(&f.error_bars)).try_fold(0.0_f64, |m, b| Some(m.max(b?)));
             bar.map_or_else(|| "unknown".into(), |bar| format!("{:.1e}", bar * unit))
         };
         format!(
             "numerical error bars of the peaks, the largest: contact force {} N, Y {} N, Z {} N, torque {} N \
              m, deformation {} um; from three tolerances, with networks from three communication steps",
-            most(|b| b.peak_contact_force_n, 1.0),
-            most(|b| b.peak_force_y_n, 1.0),
-            most(|b| b.peak_force_z_n, 1.0),
-            most(|b| b.peak_friction_torque_nm, 1.0),
-            most(|b| b.max_deformation_m, 1e6)
+            largest(|b| b.peak_contact_force_n, 1.0),
+            largest(|b| b.peak_force_y_n, 1.0),
+            largest(|b| b.peak_force_z_n, 1.0),
+            largest(|b| b.peak_friction_torque_nm, 1.0),
+            largest(|b| b.max_deformation_m, 1e6)
         )
     }
 }
