@@ -62,7 +62,7 @@ fn render(figures: &Figures) -> String {
 pub(crate) fn check() -> Result<Comparison, ChoreError> {
     let found = measure()?;
     within_budgets(DEFAULT.0.name, &found.sizes)?;
-    within_budgets(OTHER_CORE.0.name, &Sizes::of(&OTHER_CORE.build()?)?)?;
+    within_budgets(OTHER_CORE.0.name, &Sizes::read(&OTHER_CORE.build()?)?)?;
     if target(TARGET)? == Toolchain::Debian {
         return Ok(Comparison::BudgetsOnly);
     }

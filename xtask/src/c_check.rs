@@ -1,8 +1,8 @@
 //! Programs in C against the package of `model-quant generate c`: the same bits as Rust, on this
 //! machine and on the emulated Cortex-M4.
 
-use crate::boards::COUNTED;
 use crate::c_library;
+use crate::cores::COUNTED;
 use crate::run::{ChoreError, output_of, root, run, succeeds, target_folder, write_atomically};
 use crate::setup::{C_TOOLS, program};
 use crate::workspace;

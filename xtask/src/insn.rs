@@ -3,7 +3,7 @@
 //! Counted are the reference network, its layers, the shipped pairs of networks, and a controller
 //! tick. The tick runs over a cycle of bench B with either bearing, and over disturbed samples.
 
-use crate::boards::COUNTED;
+use crate::cores::COUNTED;
 use crate::counts::{Counts, Figure};
 use crate::kernels::SmallestImage;
 use crate::run::{ChoreError, output_of};

@@ -1,6 +1,6 @@
 //! Comparison of the kernels between cores, and what the crate `inference` adds to an image.
 
-use crate::boards::{BOARDS, Board, COUNTED};
+use crate::cores::{CORES, COUNTED, EmulatedCore};
 use crate::run::ChoreError;
 use crate::setup;
 use inference::kernel::{Native, Portable};
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 /// Number of seeds that the image runs.
 const SEEDS: u64 = 4;
 
-/// Compares the digests of every board with those of the host, for every shape, mode and engine;
+/// Compares the digests of every core with those of the host, for every shape, mode and engine;
 /// then checks the smallest image.
 pub(crate) fn kernels() -> Result<(), ChoreError> {
     setup::setup()?;
@@ -24,27 +24,27 @@ pub(crate) fn kernels() -> Result<(), ChoreError> {
         }
     }
     let filter = format!("filter {:016x}\n", on_target::filter::digest().unwrap_or(0));
-    for board in BOARDS {
-        let found = board.run(&board.build("agree")?)?;
-        let expected = if board.has_fpu() { format!("{expected}{filter}") } else { expected.clone() };
+    for core in CORES {
+        let found = core.run(&core.build("agree")?)?;
+        let expected = if core.has_fpu() { format!("{expected}{filter}") } else { expected.clone() };
         if found != expected {
             return Err(ChoreError::Differs {
-                what: format!("digests on {} ({})", board.name, board.core),
+                what: format!("digests on {} ({})", core.board, core.name),
                 found,
                 expected,
             });
         }
         println!(
             "{:<14} {:<10} portable and SMLAD kernels{} agree with the host: {SEEDS} seeds",
-            board.name,
-            board.core,
-            if board.has_fpu() { " and the filter" } else { "" }
+            core.board,
+            core.name,
+            if core.has_fpu() { " and the filter" } else { "" }
         );
     }
     let image = SmallestImage::build(COUNTED)?;
     println!("smallest image: flash {} bytes, no reachable panic", image.flash_bytes);
     // On a core without FPU the compiler calls a routine for every float operation.
-    SmallestImage::build(Board { target: "thumbv7em-none-eabi", ..COUNTED })?.has_no_float()?;
+    SmallestImage::build(EmulatedCore { target: "thumbv7em-none-eabi", ..COUNTED })?.has_no_float()?;
     println!("smallest image without FPU: no floating-point routine");
     Ok(())
 }
@@ -57,9 +57,9 @@ pub(crate) struct SmallestImage {
 }
 
 impl SmallestImage {
-    /// Builds the image for a board and rejects a reachable panic.
-    pub(crate) fn build(board: Board) -> Result<Self, ChoreError> {
-        let file = board.build("estimate")?;
+    /// Builds the image for a core and rejects a reachable panic.
+    pub(crate) fn build(core: EmulatedCore) -> Result<Self, ChoreError> {
+        let file = core.build("estimate")?;
         let wrong = |found: String| ChoreError::File {
             file: file.clone(),
             found,

@@ -3,12 +3,12 @@
 
 mod archive;
 mod board_tables;
-mod boards;
 mod budget;
 mod c_check;
 mod c_library;
 mod campaigns;
 mod compile;
+mod cores;
 mod counts;
 mod cycles;
 mod document;

@@ -92,6 +92,34 @@ mod tests {
         assert_eq!(picture("<svg a>x</svg>"), None);
     }
 
+    /// First cells of a document's table rows, each with the numbers of the second cell.
+    fn rows(file: &str) -> Vec<(String, Vec<String>)> {
+        let text = read(root().join(file)).unwrap();
+        let rows = text.lines().filter_map(|line| line.strip_prefix("| ")?.split_once(" | "));
+        let numbers = |cell: &str| {
+            let parts = cell.split(|c: char| !c.is_ascii_digit() && c != '.').map(str::to_owned);
+            parts.filter(|part| part.parse::<f64>().is_ok()).collect()
+        };
+        rows.map(|(first, rest)| (first.to_owned(), numbers(rest.split(" |").next().unwrap()))).collect()
+    }
+
+    #[test]
+    fn the_readme_shows_the_accuracy_of_the_page_of_figures_rounded() {
+        let (readme, page) = (rows("README.md"), rows("docs/figures.md"));
+        for name in ["all parameters", "clearance:", "nothing:"] {
+            let [(_, shown), (_, figures)] =
+                [&readme, &page].map(|rows| rows.iter().find(|(first, _)| first.contains(name)).unwrap());
+            let rounded = shown.iter().zip(figures).map(|(shown, figure)| {
+                let decimals = shown.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+                format!("{:.decimals$}", figure.parse::<f64>().unwrap())
+            });
+            assert!(
+                !shown.is_empty() && *shown == rounded.collect::<Vec<_>>(),
+                "{name}: {shown:?} {figures:?}"
+            );
+        }
+    }
+
     #[test]
     fn the_readme_has_at_most_a_thousand_words() {
         let readme = read(root().join("README.md")).unwrap();

@@ -37,7 +37,7 @@ pub(crate) struct Figures {
 
 impl Sizes {
     /// Reads an image.
-    pub(crate) fn of(path: &Path) -> Result<Self, ChoreError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, ChoreError> {
         let wrong =
             |found: String| ChoreError::File { file: path.into(), found, expected: "the firmware's image" };
         let bytes = std::fs::read(path).map_err(|e| wrong(e.to_string()))?;
@@ -65,7 +65,7 @@ impl Sizes {
 
 /// Builds the default board's image and measures it.
 pub(crate) fn measure() -> Result<Figures, ChoreError> {
-    let sizes = Sizes::of(&firmware::DEFAULT.build()?)?;
+    let sizes = Sizes::read(&firmware::DEFAULT.build()?)?;
     let stack = stack::measure()?;
     let (stack_bound_bytes, stack_painted_bytes) = (stack.stack_bound_bytes, stack.stack_painted_bytes);
     Ok(Figures { sizes, stack_bound_bytes, stack_painted_bytes })

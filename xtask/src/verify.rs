@@ -1,6 +1,6 @@
 //! `model-quant verify` with the emulated core as one of the runtimes.
 
-use crate::boards::COUNTED;
+use crate::cores::COUNTED;
 use crate::run::{ChoreError, run, target_folder};
 use crate::workspace;
 use inference::{BearingMaterial, shipped};

@@ -9,7 +9,7 @@
 //! * [`plants`]: equations of motion, friction and energy of each plant.
 //! * [`reading`]: presets, parsing and checking of a description.
 //! * [`simulate`]: runs, records and responses of a bench, and the statistics of settled operation.
-//! * [`statistics`]: estimates over cycles, rainflow, bands, transients.
+//! * [`statistics`]: samples, estimates over cycles, rainflow, bands, transients.
 //! * [`template`]: a description as a template for a log.
 //! * [`life`]: wear, thermal change and film of a bearing over many cycles.
 //! * [`known_answers`]: the plants against published references.

@@ -64,7 +64,7 @@ fn values(field: &FieldEntry) -> String {
             format!("`[x, y]`{}", range.unwrap_or_default())
         }
         FieldKind::Text => "text".into(),
-        other => other.words(),
+        other => other.describe(),
     }
 }
 

@@ -219,7 +219,7 @@ fn the_effort_stays_within_its_limit_and_the_integral_does_not_wind_up() {
     let effort = &response[&Channel::DriveForce];
     assert!(effort.iter().all(|f| f.abs() <= 10.0) && effort.contains(&10.0));
     let x = &response[&Channel::Position];
-    let overshoot = x.iter().fold(0.0_f64, |most, x| most.max(x - 0.5));
+    let overshoot = x.iter().fold(0.0_f64, |max, x| max.max(x - 0.5));
     assert!(overshoot < 0.05, "{overshoot}");
     assert!((x.last().unwrap() - 0.5).abs() < 1e-3, "{:?}", x.last());
 }
@@ -364,7 +364,7 @@ fn a_record_has_the_channels_of_its_direction_and_is_the_same_again() {
         ["position_m", "velocity_m_s", "ordered_position_m", "load_force_n", "drive_force_n"]
     );
     let log = record(&effort, 1).unwrap();
-    let peak = log.channels[&Channel::DriveForce].iter().fold(0.0_f64, |most, f| most.max(*f));
+    let peak = log.channels[&Channel::DriveForce].iter().fold(0.0_f64, |max, f| max.max(*f));
     assert!((peak - 10.0).abs() < 1e-3, "{peak}");
     for bench in [effort, voltage, order] {
         assert_eq!(record(&bench, 1).unwrap(), record(&bench, 1).unwrap());
@@ -372,11 +372,11 @@ fn a_record_has_the_channels_of_its_direction_and_is_the_same_again() {
         let log = record(&bench, 1).unwrap();
         let response = respond(&bench, &Inputs::new(&bench, &log).unwrap()).unwrap();
         for (channel, values) in response {
-            let largest = log.channels[&channel].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            let largest = log.channels[&channel].iter().fold(0.0_f64, |max, v| max.max(v.abs()));
             let off = log.channels[&channel]
                 .iter()
                 .zip(&values)
-                .fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+                .fold(0.0_f64, |max, (a, b)| max.max((a - b).abs()));
             assert!(off < 2e-3 * largest, "{channel}: {off} of {largest}");
         }
     }

@@ -197,13 +197,13 @@ impl Pass<'_> {
     pub(crate) fn parts(&self, result: &PassResult) -> Result<Option<Diagnosis>, DiagnosisError> {
         let search = &result.search;
         let Search { views, floors, nominal, candidates, selection } = search;
-        let (described, accepted) = (&result.explanations[0], &result.explanations[result.accepted]);
+        let (calibrated, accepted) = (&result.explanations[0], &result.explanations[result.accepted]);
         let part_search = PartSearch { views, floors, nominal, candidates, held: &[] };
-        let Some(parts) = Parts::find(&part_search, selection, (described, accepted))? else {
+        let Some(parts) = Parts::find(&part_search, selection, (calibrated, accepted))? else {
             return Ok(None);
         };
         let (data, explanation) = (&views.all, &parts.explanation);
-        let (_, (share, _)) = gains(data, &explanation.noise, &described.residual, &explanation.residual);
+        let (_, (share, _)) = gains(data, &explanation.noise, &calibrated.residual, &explanation.residual);
         let share = share.unwrap_or_default();
         let unknown = match parts.verdict {
             Verdict::Partial => share_probability(share).max(MIN_UNKNOWN_PROBABILITY),
@@ -223,7 +223,7 @@ impl Pass<'_> {
                 .and_then(|(stage, (cause, _))| self.experiment(data, stage, (*cause, explanation))),
             findings: result.diagnosis.checks.iter().filter(|f| f.kind == "immaterial").cloned().collect(),
         };
-        let mut diagnosis = self.report(search, described, answer)?;
+        let mut diagnosis = self.report(search, calibrated, answer)?;
         if let Some(front) = diagnosis.causes.get_mut(..=parts.main) {
             front.rotate_right(1);
         }

@@ -1,16 +1,7 @@
-//! Statistics that several modules use.
-//!
-//! `statrs` provides the distributions. Its mean and variance are running ones and its median is
-//! interpolated, so their last digits differ from these, which the published results come from.
+//! Robust and other statistics that several modules use, beside those of [`bench::statistics`].
 
 /// Standard deviations of a normal distribution in its median absolute value: 1/0.67449.
 const SIGMAS_PER_MEDIAN: f64 = 1.4826;
-
-/// Mean; 0 without values.
-pub(crate) fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len().max(1) as f64;
-    values.sum::<f64>() / count
-}
 
 /// Sum of the squared deviations from `mean`.
 pub(crate) fn square_deviations(values: &[f64], mean: f64) -> f64 {
@@ -19,12 +10,7 @@ pub(crate) fn square_deviations(values: &[f64], mean: f64) -> f64 {
 
 /// Median of the finite values (the upper of two); 0 without values.
 pub(crate) fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    bench::statistics::median(values.filter(|v| v.is_finite())).unwrap_or_default()
 }
 
 /// Lower quartile: the value with a quarter of the others below it; `None` without values.
@@ -79,10 +65,7 @@ mod tests {
     #[test]
     fn no_values_have_no_statistics() {
         let none = || std::iter::empty::<f64>();
-        assert_eq!(
-            (mean([].into_iter()), median(none()), robust_deviation(none()), range(&[])),
-            (0.0, 0.0, 0.0, 0.0)
-        );
+        assert_eq!((median(none()), robust_deviation(none()), range(&[])), (0.0, 0.0, 0.0));
         assert_eq!((lower_quartile(vec![]), robust_slope(&[0.0], &[1.0])), (None, None));
     }
 }

@@ -102,17 +102,17 @@ impl Series {
 
     /// Returns the lowest and the highest point of every section, so that no peak is lost. Points
     /// that are not finite are ignored.
-    pub(crate) fn thinned(&self, most: usize) -> Vec<(f64, f64)> {
-        if self.points.len() <= most || matches!(self.style, Style::Points | Style::Both) {
+    pub(crate) fn thinned(&self, max: usize) -> Vec<(f64, f64)> {
+        if self.points.len() <= max || matches!(self.style, Style::Points | Style::Both) {
             return self.points.clone();
         }
         if matches!(self.style, Style::Area | Style::Shade) {
             // An outline runs forth and back, so the extremes of a section have no order.
-            let every = self.points.len().div_ceil(most);
+            let every = self.points.len().div_ceil(max);
             return self.points.iter().copied().step_by(every).collect();
         }
-        let stretch = self.points.len().div_ceil(most / 2);
-        let mut out = Vec::with_capacity(most);
+        let stretch = self.points.len().div_ceil(max / 2);
+        let mut out = Vec::with_capacity(max);
         for chunk in self.points.chunks(stretch) {
             let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
             let finite = || chunk.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
@@ -174,8 +174,8 @@ fn scaled(chart: &Chart, series: &[Series], scales: Scales) -> Result<Drawing, S
 /// Draws curves with equal scales on both axes, such as an orbit; x and y have the same unit.
 pub fn map(chart: &Chart, series: &[Series]) -> Result<Drawing, String> {
     let sizes = values(series).flat_map(|p| [p.0.abs(), p.1.abs()]).filter(|size| size.is_finite());
-    let most = sizes.fold(0.0, f64::max);
-    let half = if most > 0.0 { 1.02 * most } else { 1.0 };
+    let max = sizes.fold(0.0, f64::max);
+    let half = if max > 0.0 { 1.02 * max } else { 1.0 };
     let axis = Axis::linear([-half, half].into_iter());
     let svg = draw(chart, series, &axis, &axis, false)?;
     Ok(Drawing { svg, plot: Plot::new(chart, series, Scales { equal: true, ..Scales::default() }) })

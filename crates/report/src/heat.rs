@@ -108,8 +108,8 @@ fn colour(value: f64, scale: Scale) -> RGBColor {
             let share = value.abs() / limit;
             if share <= 1.0 { (blue, 0.75 * share) } else { (orange, 0.4 + 0.6 * (share - 1.0)) }
         }
-        Scale::Sign(most) => {
-            (if value < 0.0 { blue } else { orange }, 0.1 + 0.75 * (value.abs() / most).min(1.0))
+        Scale::Sign(max) => {
+            (if value < 0.0 { blue } else { orange }, 0.1 + 0.75 * (value.abs() / max).min(1.0))
         }
     };
     // A value that is not finite has the strongest colour.

@@ -91,11 +91,13 @@ impl Provenance {
     }
 
     fn new(arguments: impl Iterator<Item = OsString>, now: DateTime<Utc>) -> Self {
-        let kept = with_effect(arguments.map(|text| text.to_string_lossy().into_owned()));
-        let words = ["host-sim"].into_iter().chain(kept.iter().map(String::as_str));
+        let effective = with_effect(arguments.map(|text| text.to_string_lossy().into_owned()));
+        let words = ["host-sim"].into_iter().chain(effective.iter().map(String::as_str));
         // The first word is the command.
-        let values =
-            kept.iter().skip(1).map(|word| word.split_once('=').map_or(word.as_str(), |(_, value)| value));
+        let values = effective
+            .iter()
+            .skip(1)
+            .map(|word| word.split_once('=').map_or(word.as_str(), |(_, value)| value));
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
             command: shlex::try_join(words).unwrap_or_default(),
@@ -127,7 +129,7 @@ fn files(path: &str) -> Vec<String> {
 /// Returns the arguments without the options that do not change a result.
 fn with_effect(arguments: impl Iterator<Item = String>) -> Vec<String> {
     let mut arguments = arguments.peekable();
-    let mut kept = Vec::new();
+    let mut effective = Vec::new();
     while let Some(word) = arguments.next() {
         let is_joined = |o: &str| word.strip_prefix(o).is_some_and(|value| value.starts_with('='));
         if WITHOUT_EFFECT.contains(&word.as_str()) {
@@ -138,10 +140,10 @@ fn with_effect(arguments: impl Iterator<Item = String>) -> Vec<String> {
             && !WITHOUT_EFFECT.iter().any(|o| is_joined(o))
             && !is_joined(SERVE)
         {
-            kept.push(word);
+            effective.push(word);
         }
     }
-    kept
+    effective
 }
 
 impl Input {

@@ -3,6 +3,7 @@
 mod read;
 pub(crate) mod report;
 
+use bench::statistics::rms;
 use read::StoredRun;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -141,11 +142,10 @@ fn difference(first: &StoredRun, run: &StoredRun, name: &str) -> Option<Vec<(f64
 
 /// Summary of differences; `None` if there are none.
 fn largest(points: &[(f64, f64)]) -> Option<Difference> {
-    let squares: f64 = points.iter().map(|point| point.1 * point.1).sum();
     let by_size = |a: &&(f64, f64), b: &&(f64, f64)| a.1.abs().total_cmp(&b.1.abs());
     let (time_s, value) = points.iter().max_by(by_size).copied()?;
-    let samples = points.len();
-    Some(Difference { samples, rms: (squares / samples as f64).sqrt(), max: value.abs(), time_s })
+    let rms = rms(points.iter().map(|point| point.1));
+    Some(Difference { samples: points.len(), rms, max: value.abs(), time_s })
 }
 
 #[cfg(test)]

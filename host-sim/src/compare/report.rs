@@ -12,7 +12,7 @@ const DIFFERENCE_SIZE: (u32, u32) = (1040, 200);
 
 /// Name of a nested figure in words: `error_bars.peak_n` is `error bars: peak, N`, and of
 /// `peak_times_s.peak_n` the group has the unit.
-fn words(name: &str) -> String {
+fn nested_label(name: &str) -> String {
     let Some((above, name)) = name.rsplit_once('.') else { return label(name) };
     let (above, name) = (label(&above.replace('.', "_")), label(name));
     match (above.split_once(", "), name.split_once(", ")) {
@@ -37,14 +37,15 @@ pub(crate) fn figures(comparison: &Comparison) -> (Vec<String>, Vec<Vec<String>>
                 _ => format!("{} ({sign}{})", four_digits(*value), four_digits(*difference)),
             }
         });
-        [words(&row.name)].into_iter().chain(cells).collect()
+        [nested_label(&row.name)].into_iter().chain(cells).collect()
     });
     (header(comparison, "figure"), rows.collect())
 }
 
 /// Texts that differ.
 pub(crate) fn texts(comparison: &Comparison) -> (Vec<String>, Vec<Vec<String>>) {
-    let row = |row: &TextRow| [words(&row.name)].into_iter().chain(row.values.iter().cloned()).collect();
+    let row =
+        |row: &TextRow| [nested_label(&row.name)].into_iter().chain(row.values.iter().cloned()).collect();
     (header(comparison, "text"), comparison.texts.iter().map(row).collect())
 }
 
@@ -130,8 +131,8 @@ mod tests {
 
     #[test]
     fn nested_figures_have_the_unit_of_their_group_if_it_has_one() {
-        assert_eq!(words("peak_contact_force_n"), "peak contact force, N");
-        assert_eq!(words("error_bars.peak_contact_force_n"), "error bars: peak contact force, N");
-        assert_eq!(words("peak_times_s.peak_contact_force_n"), "peak times: peak contact force, s");
+        assert_eq!(nested_label("peak_contact_force_n"), "peak contact force, N");
+        assert_eq!(nested_label("error_bars.peak_contact_force_n"), "error bars: peak contact force, N");
+        assert_eq!(nested_label("peak_times_s.peak_contact_force_n"), "peak times: peak contact force, s");
     }
 }

@@ -158,20 +158,21 @@ impl Conversation {
     }
 
     fn receive_hello(&mut self, hello: Hello) -> Received {
-        let started = hello.token == 0;
-        let asked = matches!(self.pending, Some(ToController::Identify { token }) if token == hello.token);
-        if !(started || asked) {
+        let is_start = hello.token == 0;
+        let is_requested =
+            matches!(self.pending, Some(ToController::Identify { token }) if token == hello.token);
+        if !(is_start || is_requested) {
             return self.stray();
         }
         self.last_command = hello.last_command;
         // The hello of a start does not answer a pending `Identify`; that answer is still to come.
-        if asked || !matches!(self.pending, Some(ToController::Identify { .. })) {
+        if is_requested || !matches!(self.pending, Some(ToController::Identify { .. })) {
             self.pending = None;
         }
-        if hello.state == State::Waiting || started {
+        if hello.state == State::Waiting || is_start {
             (self.estimate, self.slow, self.impact) = (None, None, None);
         }
-        if started { Received::Started(hello) } else { Received::Identified(hello) }
+        if is_start { Received::Started(hello) } else { Received::Identified(hello) }
     }
 
     fn stray(&mut self) -> Received {

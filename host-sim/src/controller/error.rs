@@ -71,14 +71,14 @@ pub enum ControllerError {
     },
     /// No answer within the timeout.
     #[error(
-        "no answer to {waiting_for} within {bound_s} s; last sequence number answered: {last}. {cause}",
+        "no answer to {waiting_for} within {timeout_s} s; last sequence number answered: {last}. {cause}",
         last = last(*last_sequence)
     )]
     TimedOut {
         /// The request.
         waiting_for: &'static str,
         /// Timeout in s, rounded up.
-        bound_s: u64,
+        timeout_s: u64,
         /// The last sample that was answered.
         last_sequence: Option<u32>,
         /// The likely cause.

@@ -42,7 +42,7 @@ impl Drop for Process {
     }
 }
 
-/// A deadline with what is awaited, for the error message.
+/// A timeout with what is awaited, for the error message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wait {
     pub(super) what: &'static str,
@@ -52,7 +52,7 @@ pub(super) struct Wait {
 }
 
 impl Wait {
-    /// Creates a deadline `timeout` from now.
+    /// Starts a timeout now.
     pub(super) fn new(what: &'static str, timeout: Duration, cause: &'static str) -> Self {
         Self { what, until: Instant::now() + timeout, timeout, cause }
     }
@@ -164,14 +164,14 @@ impl Line {
         }
     }
 
-    /// Fails if the deadline has passed.
+    /// Fails if the timeout has passed.
     pub(super) fn check(&self, wait: &Wait) -> Result<(), ControllerError> {
         if Instant::now() < wait.until {
             return Ok(());
         }
         Err(ControllerError::TimedOut {
             waiting_for: wait.what,
-            bound_s: wait.timeout.as_secs_f64().ceil() as u64,
+            timeout_s: wait.timeout.as_secs_f64().ceil() as u64,
             last_sequence: self.last_sequence,
             cause: wait.cause,
         })

@@ -230,8 +230,13 @@ impl RemoteController {
     fn settle(&mut self, frame: &SensorFrame) -> Result<Option<EstimateFrame>, ControllerError> {
         let expected = self.conversation.last_command();
         let now = match self.identify() {
-            Err(ControllerError::TimedOut { bound_s, last_sequence, cause, .. }) => {
-                return Err(ControllerError::TimedOut { waiting_for: SAMPLE, bound_s, last_sequence, cause });
+            Err(ControllerError::TimedOut { timeout_s, last_sequence, cause, .. }) => {
+                return Err(ControllerError::TimedOut {
+                    waiting_for: SAMPLE,
+                    timeout_s,
+                    last_sequence,
+                    cause,
+                });
             }
             other => other?,
         };

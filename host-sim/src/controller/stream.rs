@@ -73,20 +73,20 @@ impl Stream {
         }
     }
 
-    /// Waits until the stream can be read (`IN`) or written (`OUT`). Returns false after `at_most`,
-    /// or where only a trial shows it.
-    pub(super) fn ready(&self, for_what: PollFlags, at_most: Duration) -> Result<bool> {
+    /// Waits until the stream can be read (`IN`) or written (`OUT`). Returns false after
+    /// `timeout`, or where only a trial shows it.
+    pub(super) fn ready(&self, for_what: PollFlags, timeout: Duration) -> Result<bool> {
         let file = match self {
             Self::Port(port) => port.as_fd(),
             Self::Pipes { to_controller, .. } if for_what == PollFlags::OUT => to_controller.as_fd(),
             Self::Pipes { to_host, .. } => to_host.as_fd(),
             #[cfg(feature = "probe")]
             Self::Probe(_) => {
-                std::thread::sleep(at_most.min(super::probe::PAUSE));
+                std::thread::sleep(timeout.min(super::probe::PAUSE));
                 return Ok(false);
             }
         };
-        let moment = Timespec { tv_sec: 0, tv_nsec: at_most.as_nanos() as i64 };
+        let moment = Timespec { tv_sec: 0, tv_nsec: timeout.as_nanos() as i64 };
         match poll(&mut [PollFd::from_borrowed_fd(file, for_what)], Some(&moment)) {
             Ok(ready) => Ok(ready > 0),
             Err(rustix::io::Errno::INTR) => Ok(true),

@@ -237,7 +237,7 @@ mod tests {
             if lost {
                 return Err(ControllerError::TimedOut {
                     waiting_for: "the models",
-                    bound_s: 5,
+                    timeout_s: 5,
                     last_sequence: None,
                     cause: "",
                 });

@@ -20,7 +20,7 @@ pub(crate) const CORE: usize = 0;
 /// Pause between two reads of the log.
 const PAUSE: Duration = Duration::from_millis(20);
 /// Timeout of the log's set-up after a reset.
-const START: Duration = Duration::from_secs(2);
+const START_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Converts an error of the library; names the attempted operation and the causes.
 pub(crate) fn failed<E: std::error::Error>(what: &'static str) -> impl Fn(E) -> FlashError {
@@ -114,7 +114,7 @@ pub fn follow(session: &mut Session, image: &Path, mut show: impl FnMut(&str)) -
 
 /// Attaches to the buffers after the controller has set them up.
 pub(crate) fn attach(core: &mut Core, block: u64, what: &'static str) -> Result<Rtt, FlashError> {
-    let deadline = Instant::now() + START;
+    let deadline = Instant::now() + START_TIMEOUT;
     loop {
         match Rtt::attach_at(core, block) {
             Ok(rtt) => return Ok(rtt),

@@ -65,10 +65,10 @@ pub fn controller_configuration(
     contact: ContactSource,
 ) -> Result<ControllerConfiguration, CliError> {
     let configuration = bench_configuration(plant, bench, rate_hz, contact)?;
-    let longest_s = f64::from(u16::MAX) * 1e-3;
-    if bench.drive.period_s > longest_s {
+    let max_s = f64::from(u16::MAX) * 1e-3;
+    if bench.drive.period_s > max_s {
         let found = bench.drive.period_s;
-        return Err(CliError::Input(format!("drive.period_s: found {found}; expected at most {longest_s}")));
+        return Err(CliError::Input(format!("drive.period_s: found {found}; expected at most {max_s}")));
     }
     let bearing = Material::new(bench.bearing.youngs_modulus_pa, bench.bearing.poisson_ratio)
         .map_err(|e| CliError::Input(format!("bearing: {e}")))?;

@@ -4,10 +4,11 @@ use crate::controller::Losses;
 use crate::run::exchange::ExchangeResult;
 use crate::run::impacts::ImpactSummary;
 use crate::run::same_signals::{Forces, OnSignals};
-use crate::run::summary::{after_start, peak, rms};
+use crate::run::summary::{after_start, peak};
 use bench::description::TransmissionBench;
 use bench::integrate::Impact;
 use bench::plants::transmission::Snapshot;
+use bench::statistics::rms;
 use controller::emulator::TICKS_PER_INSTRUCTION;
 use controller::flags::{MODEL_MISFIT, SENSOR_FAULT};
 use inference::Flags;
@@ -150,12 +151,12 @@ impl Differences {
     /// Evaluates pairs of a normal force in N and a friction torque in N m.
     pub fn from_pairs(pairs: impl Iterator<Item = [Forces; 2]> + Clone) -> Self {
         let apart = |i: usize| pairs.clone().map(move |[a, b]| a[i] - b[i]);
-        let most = |i: usize| apart(i).fold(0.0, |most: f64, value| most.max(value.abs()));
+        let largest = |i: usize| apart(i).fold(0.0, |max: f64, value| max.max(value.abs()));
         Self {
             force_rms_n: rms(apart(0)),
-            force_max_n: most(0),
+            force_max_n: largest(0),
             torque_rms_nm: rms(apart(1)),
-            torque_max_nm: most(1),
+            torque_max_nm: largest(1),
         }
     }
 }

@@ -113,10 +113,10 @@ pub fn run_bench(
     step_s: f64,
     tick: impl FnMut(),
 ) -> Result<ForcedRun, CliError> {
-    let longest_s = if bench.two_plane.is_some() { MAX_TILTING_S } else { MAX_S };
-    if bench.duration_s() > longest_s {
+    let max_s = if bench.two_plane.is_some() { MAX_TILTING_S } else { MAX_S };
+    if bench.duration_s() > max_s {
         return Err(CliError::Input(format!(
-            "drive.cycles: found {} of drive.period_s {}; expected a run of at most {longest_s} s",
+            "drive.cycles: found {} of drive.period_s {}; expected a run of at most {max_s} s",
             bench.drive.cycles, bench.drive.period_s
         )));
     }

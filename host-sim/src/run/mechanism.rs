@@ -113,7 +113,7 @@ pub(crate) fn run(bench: &MechanismBench, args: &RunArgs) -> Result<(), CliError
 fn summary(bench: &MechanismBench, result: &RunWithBars, wall_s: f64) -> MechanismSummary {
     let run = &result.run;
     let drive_peak = |i: usize| {
-        run.samples.iter().filter_map(|s| s.drives.get(i)).fold(0.0, |most: f64, force| most.max(force.abs()))
+        run.samples.iter().filter_map(|s| s.drives.get(i)).fold(0.0, |max: f64, force| max.max(force.abs()))
     };
     let drives = bench.drive_names().into_iter().enumerate();
     let bodies = bench.body.iter().zip(&run.end.bodies);

@@ -1,8 +1,8 @@
 //! Motion of the drive: its course, and order and position of a rudder servo.
 
-use super::summary::rms;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
+use bench::statistics::rms;
 use report::figure::{Chart, Series, lines};
 use report::page::Page;
 use schemars::JsonSchema;
@@ -28,7 +28,7 @@ impl ServoFigures {
         let errors: Vec<f64> = samples.iter().map(|s| order.at(s.time_s).value - s.drive.value).collect();
         Some(Self {
             rms_error_m: rms(errors.iter().copied()),
-            largest_error_m: errors.iter().fold(0.0, |most, error| error.abs().max(most)),
+            largest_error_m: errors.iter().fold(0.0, |max, error| error.abs().max(max)),
         })
     }
 }

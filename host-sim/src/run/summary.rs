@@ -10,6 +10,7 @@ use bench::plants::transmission::Snapshot;
 use bench::signals::Motion;
 use bench::simulate::peaks::Peak;
 use bench::simulate::settled::Settled;
+use bench::statistics::{mean, rms};
 use bench::sticking_plants;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -110,18 +111,18 @@ impl PerPeak {
 
     /// Describes the largest error bars of some runs.
     pub fn largest_bars<'a>(runs: impl Iterator<Item = &'a Figures> + Clone) -> String {
-        let most = |read: fn(&Self) -> Option<f64>, unit: f64| {
+        let largest = |read: fn(&Self) -> Option<f64>, unit: f64| {
             let bar = runs.clone().map(|f| read(&f.error_bars)).try_fold(0.0_f64, |m, b| Some(m.max(b?)));
             bar.map_or_else(|| "unknown".into(), |bar| format!("{:.1e}", bar * unit))
         };
         format!(
             "numerical error bars of the peaks, the largest: contact force {} N, Y {} N, Z {} N, torque {} N \
              m, deformation {} um; from three tolerances, with networks from three communication steps",
-            most(|b| b.peak_contact_force_n, 1.0),
-            most(|b| b.peak_force_y_n, 1.0),
-            most(|b| b.peak_force_z_n, 1.0),
-            most(|b| b.peak_friction_torque_nm, 1.0),
-            most(|b| b.max_deformation_m, 1e6)
+            largest(|b| b.peak_contact_force_n, 1.0),
+            largest(|b| b.peak_force_y_n, 1.0),
+            largest(|b| b.peak_force_z_n, 1.0),
+            largest(|b| b.peak_friction_torque_nm, 1.0),
+            largest(|b| b.max_deformation_m, 1e6)
         )
     }
 }
@@ -205,12 +206,6 @@ pub fn after_start<'a>(bench: &TransmissionBench, samples: &'a [Snapshot]) -> &'
 /// Returns the largest magnitude of a reading.
 pub fn peak(samples: &[Snapshot], read: impl Fn(&Snapshot) -> f64) -> f64 {
     samples.iter().map(|s| read(s).abs()).fold(0.0, f64::max)
-}
-
-/// Root mean square.
-pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0_usize), |(s, n), v| (s + v * v, n + 1));
-    if count > 0 { (sum / count as f64).sqrt() } else { 0.0 }
 }
 
 impl Figures {
@@ -311,7 +306,7 @@ pub fn fluctuation_rms_n(samples: &[Snapshot], rate_hz: f64, (from_s, to_s): (f6
     let high = samples.partition_point(|s| s.time_s <= to_s);
     rms((low..high).filter_map(|i| {
         let window = samples.get(i.checked_sub(half)?..=i + half)?;
-        let mean = window.iter().map(|s| s.forces.normal_n).sum::<f64>() / window.len() as f64;
+        let mean = mean(window.iter().map(|s| s.forces.normal_n));
         Some(samples.get(i)?.forces.normal_n - mean)
     }))
 }

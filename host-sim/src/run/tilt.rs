@@ -2,6 +2,7 @@
 
 use bench::description::TransmissionBench;
 use bench::plants::two_plane::TwoPlaneSnapshot;
+use bench::statistics::mean;
 use report::figure::{Chart, Series, Style, lines};
 use report::page::Page;
 
@@ -33,7 +34,7 @@ fn line_load(sample: &TwoPlaneSnapshot, slice: usize) -> f64 {
 }
 
 fn mean_load(sample: &TwoPlaneSnapshot) -> f64 {
-    sample.slices.iter().map(|s| s.line_load_n_m).sum::<f64>() / sample.slices.len().max(1) as f64
+    mean(sample.slices.iter().map(|s| s.line_load_n_m))
 }
 
 fn edge_load(sample: &TwoPlaneSnapshot) -> f64 {

@@ -1,4 +1,4 @@
-//! Connections of browsers: one thread each, at most [`MAX_CONNECTIONS`], every wait with a limit.
+//! Connections of browsers: one thread each, at most [`MAX_CONNECTIONS`]. Every wait has a timeout.
 
 use super::access::Access;
 use super::history::{History, Position};
@@ -12,15 +12,15 @@ use std::time::{Duration, Instant};
 
 /// Maximum number of open connections.
 const MAX_CONNECTIONS: usize = 32;
-/// Time after which a page that takes nothing loses its connection.
+/// Timeout of a write: a page that takes nothing loses its connection.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Time between two signs of life of a stream without events.
 const KEEP_ALIVE: Duration = Duration::from_secs(2);
-/// Time for which the end of a connection waits for the other side.
+/// Timeout of the other side at the end of a connection.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 /// Maximum number of bytes that are read after a response.
 const MAX_UNREAD_BYTES: usize = 1 << 20;
-/// Time that a connection without room may take.
+/// Timeout of a connection for which there is no room.
 const BUSY_TIMEOUT: Duration = Duration::from_millis(50);
 /// Stack of a connection's thread.
 const STACK_BYTES: usize = 256 << 10;
@@ -69,7 +69,7 @@ impl OpenConnections {
         self.changed.notify_all();
     }
 
-    /// Accepts no further connection, and waits at most so long until none is open.
+    /// Accepts no further connection, and waits until none is open or until the timeout.
     pub(super) fn close(&self, timeout: Duration) {
         let mut count = self.count();
         count.is_closed = true;

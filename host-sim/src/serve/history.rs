@@ -94,7 +94,8 @@ impl History {
         }
     }
 
-    /// Returns the events after a position. If there are none, waits for them at most so long.
+    /// Returns the events after a position. If there are none, waits for them until the
+    /// timeout.
     pub(super) fn read(&self, position: Position, timeout: Duration) -> Part {
         let deadline = Instant::now() + timeout;
         let mut state = self.state();

@@ -35,7 +35,7 @@ use std::time::Duration;
 
 /// Maximum number of bytes of the history. The blocks of the longest run take about half of it.
 const HISTORY_BYTES: usize = 64 << 20;
-/// Maximum time for which the end of the process waits for connected pages.
+/// Timeout of the wait for connected pages at the end of the process.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Open server.

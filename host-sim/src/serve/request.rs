@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 const MAX_HEAD_BYTES: usize = 8192;
 /// Maximum number of headers; browsers send about 20.
 const MAX_HEADERS: usize = 64;
-/// Time within which the head must be complete.
+/// Timeout of the head of a request.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Request, as far as the server needs it.

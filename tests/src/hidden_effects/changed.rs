@@ -107,10 +107,10 @@ fn shuffled(log: &MeasuredLog, nominal: &Diagnosis, noise: &mut Noise) -> Measur
             others.swap(i, (noise.uniform() * (i + 1) as f64) as usize);
         }
         // The engine may have left out samples.
-        let mut kept = series.time_s.iter().zip(series.before.iter().zip(&others)).peekable();
+        let mut points = series.time_s.iter().zip(series.before.iter().zip(&others)).peekable();
         let values = log.channels.get_mut(&series.channel).into_iter().flatten();
         for (time, value) in log.time_s.iter().zip(values) {
-            if let Some((_, (own, other))) = kept.next_if(|(t, _)| *t == time) {
+            if let Some((_, (own, other))) = points.next_if(|(t, _)| *t == time) {
                 *value += other - own;
             }
         }

@@ -12,7 +12,7 @@ const RAM_BYTES: usize = 128 * 1024;
 struct Memory(Vec<u8>);
 
 impl Memory {
-    fn of(board: &Board) -> Self {
+    fn dump(board: &Board) -> Self {
         board.monitor(&format!("pmemsave {RAM:#x} {RAM_BYTES:#x} memory"));
         Self(std::fs::read(board.folder.path().join("memory")).unwrap())
     }
@@ -30,7 +30,7 @@ fn log_of(board: &Board) -> (Vec<u8>, Vec<u8>) {
     let image = std::fs::read(EmulatedController::default_elf()).unwrap();
     let file = object::File::parse(&*image).unwrap();
     let block = file.symbol_by_name("_SEGGER_RTT").unwrap().address() as usize;
-    let memory = Memory::of(board);
+    let memory = Memory::dump(board);
     assert_eq!(memory.bytes(block, 16), b"SEGGER RTT\0\0\0\0\0\0");
     assert_eq!((memory.word(block + 16), memory.word(block + 20)), (2, 1), "channels up and down");
     let [buffer, size, written, read] = [28, 32, 36, 40].map(|offset| memory.word(block + offset));

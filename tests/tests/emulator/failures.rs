@@ -125,8 +125,8 @@ fn a_silent_controller_times_out_and_the_error_states_the_last_sample() {
     let took = started.elapsed();
     assert!(took >= Duration::from_secs(5) && took < Duration::from_secs(7), "{took:?}");
     match &error {
-        ControllerError::TimedOut { last_sequence, bound_s, waiting_for, .. } => {
-            assert_eq!((*last_sequence, *bound_s, *waiting_for), (Some(frames[9].sequence), 5, "a sample"));
+        ControllerError::TimedOut { last_sequence, timeout_s, waiting_for, .. } => {
+            assert_eq!((*last_sequence, *timeout_s, *waiting_for), (Some(frames[9].sequence), 5, "a sample"));
         }
         other => panic!("{other:?}"),
     }

@@ -182,7 +182,7 @@ fn an_interrupted_update_is_continued() {
                 let cause = "The cable was pulled.";
                 return Err(host_sim::controller::ControllerError::TimedOut {
                     waiting_for: "the models",
-                    bound_s: 5,
+                    timeout_s: 5,
                     last_sequence: None,
                     cause,
                 });

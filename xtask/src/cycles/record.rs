@@ -2,7 +2,7 @@
 
 use super::Maxima;
 use super::trace::{Image, Section, read};
-use crate::boards::COUNTED;
+use crate::cores::COUNTED;
 use crate::counts::Figure;
 use crate::firmware;
 use crate::run::{ChoreError, output_of, run, target_folder};

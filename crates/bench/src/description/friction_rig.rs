@@ -225,18 +225,18 @@ impl PlantDescription for FrictionRig {
     fn dependent_ranges(&self) -> Vec<Range> {
         let axis = &self.axis;
         // A sweep has no standstill.
-        let longest_dwell_s = if axis.last_period_s > 0.0 { 0.0 } else { 1e6 };
-        let shortest_last_period_s = if axis.last_period_s == 0.0 { 0.0 } else { 1e-3 };
+        let max_dwell_s = if axis.last_period_s > 0.0 { 0.0 } else { 1e6 };
+        let min_last_period_s = if axis.last_period_s == 0.0 { 0.0 } else { 1e-3 };
         // A simulated motion has a rigid drive.
-        let largest_play = if self.forward().is_some() { 0.0 } else { HUGE };
-        let largest_moment = if axis.kind == AxisKind::Rotary { HUGE } else { 0.0 };
+        let max_play = if self.forward().is_some() { 0.0 } else { HUGE };
+        let max_moment = if axis.kind == AxisKind::Rotary { HUGE } else { 0.0 };
         vec![
-            ("axis.play", axis.play, 0.0, largest_play),
-            ("axis.coupling_compliance", axis.coupling_compliance, 0.0, largest_play),
-            ("axis.gravity_cos", axis.gravity_cos, -largest_moment, largest_moment),
-            ("axis.gravity_sin", axis.gravity_sin, -largest_moment, largest_moment),
-            ("axis.dwell_s", axis.dwell_s, 0.0, longest_dwell_s),
-            ("axis.last_period_s", axis.last_period_s, shortest_last_period_s, 1e6),
+            ("axis.play", axis.play, 0.0, max_play),
+            ("axis.coupling_compliance", axis.coupling_compliance, 0.0, max_play),
+            ("axis.gravity_cos", axis.gravity_cos, -max_moment, max_moment),
+            ("axis.gravity_sin", axis.gravity_sin, -max_moment, max_moment),
+            ("axis.dwell_s", axis.dwell_s, 0.0, max_dwell_s),
+            ("axis.last_period_s", axis.last_period_s, min_last_period_s, 1e6),
             self.inertia_range(),
             log_rate(&self.logging, self.duration_s()),
         ]

@@ -11,7 +11,7 @@
 //! over the distance. Confounded with Stribeck friction (which also peaks before a reversal) and,
 //! without standstills, with pre-sliding.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure, Values};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure, Values};
 use crate::description::{BreakawayTerm, Plant};
 use crate::signals::Channel;
 
@@ -27,7 +27,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "Static friction grows with the time at standstill and is lost by sliding.",
     shows_in: Some(Channel::FrictionTorque),
     confounded_with: &["coulomb-level", "presliding-hysteresis", "stribeck-friction"],
-    guess: Guess::Defaults,
+    generalises: Some("coulomb-level"),
     actions: &[
         Action {
             plants: &[Plant::Planar],
@@ -53,6 +53,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             }),
         },
     ],
+    ..EffectKind::DEFAULT
 };
 
 fn term(excess: &str, parameter: &Values<'_>) -> BreakawayTerm {

@@ -7,7 +7,7 @@
 //! `journal_y_m` and `journal_z_m` show it first. Confounded with a softer contact (both allow more
 //! displacement under load) and, with one journal axis alone, with that sensor's offset.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -23,7 +23,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "sensor-offset",
         "squeeze-film",
     ],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::TRANSMISSION,
         parameters: &[EffectParameter::size("clearance_increase_m", "m", 1e-5, [-4e-4, 2e-3], 2e-4)],
@@ -31,4 +30,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             bench.bearing.radial_clearance_m += parameter("clearance_increase_m")
         }),
     }],
+    ..EffectKind::DEFAULT
 };

@@ -7,7 +7,7 @@
 //! at 10 kN. Confounded with the clearance if the force hardly varies, and with the gain of the
 //! journal's sensors.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -23,7 +23,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "sensor-gain",
         "squeeze-film",
     ],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::TRANSMISSION,
         parameters: &[EffectParameter::size("relative_change", "1", 0.02, [-0.8, 4.0], 0.3)],
@@ -31,4 +30,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             bench.bearing.youngs_modulus_pa *= 1.0 + parameter("relative_change")
         }),
     }],
+    ..EffectKind::DEFAULT
 };

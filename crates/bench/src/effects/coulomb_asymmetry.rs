@@ -7,7 +7,7 @@
 //! during any motion, absent at standstill. Confounded with an offset of the effort's sensor, from
 //! which only standstills and reversals distinguish it.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -22,7 +22,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "sensor-offset",
         "viscous-asymmetry",
     ],
-    guess: Guess::Defaults,
+    refines: Some("coulomb-level"),
     actions: &[
         Action {
             plants: Plant::TRANSMISSION,
@@ -38,4 +38,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             apply: Apply::Axis(|rig, parameter| rig.axis.coulomb_asymmetry += parameter("asymmetry_effort")),
         },
     ],
+    ..EffectKind::DEFAULT
 };

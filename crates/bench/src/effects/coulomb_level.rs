@@ -7,7 +7,7 @@
 //! load-dependent friction at a constant load, with the gain of the torque sensor, and with a step
 //! or a drift in a short log.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -25,7 +25,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "stribeck-friction",
         "thermal-friction-drift",
     ],
-    guess: Guess::Defaults,
     actions: &[
         Action {
             plants: Plant::TRANSMISSION,
@@ -41,4 +40,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             apply: Apply::Axis(|rig, parameter| rig.axis.coulomb_effort += parameter("coulomb_effort")),
         },
     ],
+    ..EffectKind::DEFAULT
 };

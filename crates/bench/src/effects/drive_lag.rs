@@ -6,7 +6,7 @@
 //! that shows it, with viscous friction and inertia under sinusoidal motion, and with a compliant
 //! drive if the force follows the speed.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -24,7 +24,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "sensor-delay",
         "viscous-friction",
     ],
-    guess: Guess::Defaults,
     actions: &[
         Action {
             plants: Plant::TRANSMISSION,
@@ -37,4 +36,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             apply: Apply::Axis(|rig, parameter| rig.extension.drive_lag_s += parameter("lag_s")),
         },
     ],
+    ..EffectKind::DEFAULT
 };

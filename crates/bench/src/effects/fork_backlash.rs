@@ -9,7 +9,7 @@
 //! offset remains. Confounded with pre-sliding and a drive lag if it changes sides, with a
 //! compliant column, and otherwise with an offset of the angle's sensor.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -18,10 +18,10 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "There is play between fork and crank pin.",
     shows_in: Some(Channel::ShaftAngle),
     confounded_with: &["drive-lag", "hydraulic-compliance", "presliding-hysteresis", "sensor-offset"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: &[Plant::Planar],
         parameters: &[EffectParameter::size("backlash_m", "m", 2e-5, [0.0, 5e-3], 1e-4)],
         apply: Apply::Transmission(|bench, parameter| bench.extension.backlash_m += parameter("backlash_m")),
     }],
+    ..EffectKind::DEFAULT
 };

@@ -20,6 +20,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "Dry friction changes at one time.",
     shows_in: Some(Channel::FrictionTorque),
     confounded_with: &["coulomb-level", "sensor-drift", "thermal-friction-drift"],
+    generalises: Some("coulomb-level"),
     guess: Guess::Onset("coulomb-level"),
     actions: &[
         Action {
@@ -41,6 +42,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             }),
         },
     ],
+    ..EffectKind::DEFAULT
 };
 
 fn term(change: &str, parameter: &Values<'_>) -> StepTerm {

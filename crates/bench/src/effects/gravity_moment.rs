@@ -7,7 +7,7 @@
 //! depends on the angle, with the period of a turn. Confounded with a spring and an offset over a
 //! small range of angles, with inertia under one sine, and with a ripple over a turn.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -16,7 +16,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "A moment of gravity that turns with the axis is missing.",
     shows_in: Some(Channel::DriveTorque),
     confounded_with: &["inertia-mismatch", "position-ripple", "sensor-offset", "spring-effort"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: &[Plant::Rotary],
         parameters: &[
@@ -28,4 +27,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             rig.axis.gravity_sin += parameter("sin_effort");
         }),
     }],
+    ..EffectKind::DEFAULT
 };

@@ -9,7 +9,7 @@
 //! from those of the drive's displacement, in proportion to the drive force. Confounded with play
 //! of the fork, with a drive lag if the force follows the speed, and with a flexible shaft.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -18,7 +18,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "The hydraulic column between drive cylinder and fork is compliant.",
     shows_in: Some(Channel::ShaftAngle),
     confounded_with: &["drive-lag", "fork-backlash", "sensor-offset", "shaft-flexibility"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: &[Plant::Planar],
         parameters: &[EffectParameter::size("compliance_m_n", "m/N", 5e-10, [0.0, 1e-6], 1e-7)],
@@ -26,4 +25,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             bench.extension.hydraulic_compliance_m_n += parameter("compliance_m_n")
         }),
     }],
+    ..EffectKind::DEFAULT
 };

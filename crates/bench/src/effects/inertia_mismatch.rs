@@ -7,7 +7,7 @@
 //! sensor if inertia dominates, and with a delay or a lag (under sinusoidal motion the acceleration
 //! is proportional to the negative position).
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -25,7 +25,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "shaft-flexibility",
         "viscous-asymmetry",
     ],
-    guess: Guess::Defaults,
     actions: &[
         Action {
             plants: Plant::TRANSMISSION,
@@ -41,4 +40,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             apply: Apply::Axis(|rig, parameter| rig.axis.inertia += parameter("inertia_change")),
         },
     ],
+    ..EffectKind::DEFAULT
 };

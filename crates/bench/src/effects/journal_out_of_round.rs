@@ -11,7 +11,7 @@
 //! clearance wear (the crank turns through 35 degrees only, so part of it looks constant) and with
 //! offsets of the journal's sensors.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -20,7 +20,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "The journal is oval: its radius varies over the shaft's angle.",
     shows_in: Some(Channel::JournalY),
     confounded_with: &["clearance-wear", "contact-stiffness", "sensor-gain", "sensor-offset"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: &[Plant::Planar],
         parameters: &[
@@ -32,4 +31,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             bench.extension.out_of_round_m[1] += parameter("sine_m");
         }),
     }],
+    ..EffectKind::DEFAULT
 };

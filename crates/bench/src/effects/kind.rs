@@ -185,6 +185,15 @@ pub struct EffectKind {
     /// Effects that look alike on some trajectories. It is sufficient if one of two effects names
     /// the other; [`EffectKind::confounded`] returns both directions.
     pub confounded_with: &'static [&'static str],
+    /// Main effect that this one refines: friction that grows with load refines dry friction. A
+    /// diagnosis selects the main effect first.
+    pub refines: Option<&'static str>,
+    /// Effect that this one equals but for its shape: friction that falls with speed, is lost by
+    /// sliding, or changes at a time or with the temperature contains a level.
+    pub generalises: Option<&'static str>,
+    /// True if it has a shape and depends on the speed alone, so that its size is the same for
+    /// rising and falling speed.
+    pub is_function_of_speed: bool,
     /// Source of the initial value.
     pub guess: Guess,
     /// Actions, at most one for each plant. The effect is refused on every other plant.
@@ -192,6 +201,19 @@ pub struct EffectKind {
 }
 
 impl EffectKind {
+    /// Defaults of the fields that most effects leave out. An effect gives the others.
+    pub(super) const DEFAULT: Self = Self {
+        name: "",
+        summary: "",
+        shows_in: None,
+        confounded_with: &[],
+        refines: None,
+        generalises: None,
+        is_function_of_speed: false,
+        guess: Guess::Defaults,
+        actions: &[],
+    };
+
     /// Returns whether it acts on one sensor.
     pub fn is_per_channel(&self) -> bool {
         self.actions.iter().all(|action| matches!(action.apply, Apply::Sensor(_)))

@@ -5,7 +5,7 @@
 //! change in proportion to the load, `F_L R_l/R_d`. Confounded with the gain of the load cell or of
 //! the force sensors, and under a constant load with their offsets.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -21,7 +21,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "sensor-offset",
         "shaft-flexibility",
     ],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::TRANSMISSION,
         parameters: &[EffectParameter::size("relative_change", "1", 0.002, [-0.3, 0.3], 0.02)],
@@ -29,4 +28,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             bench.geometry.load_lever_radius_m *= 1.0 + parameter("relative_change")
         }),
     }],
+    ..EffectKind::DEFAULT
 };

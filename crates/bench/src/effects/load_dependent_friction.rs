@@ -6,7 +6,7 @@
 //! polymers (Bowden and Tabor). In a log: friction that is not proportional to the load; visible
 //! only if the load varies. Confounded with the level of dry friction under a constant load.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -21,7 +21,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "stribeck-friction",
         "thermal-friction-drift",
     ],
-    guess: Guess::Defaults,
+    refines: Some("coulomb-level"),
     actions: &[
         Action {
             plants: Plant::TRANSMISSION,
@@ -36,4 +36,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             apply: Apply::Axis(|rig, parameter| rig.axis.load_coefficient += parameter("load_coefficient")),
         },
     ],
+    ..EffectKind::DEFAULT
 };

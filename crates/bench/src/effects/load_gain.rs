@@ -7,7 +7,7 @@
 //! confounded with an offset of the effort under a constant load, and with dry friction that
 //! depends on the load if the axis moves in one direction only.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -16,11 +16,11 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "The effort contains another share of the load than described.",
     shows_in: Some(Channel::DriveForce),
     confounded_with: &["load-dependent-friction", "load-ripple", "sensor-gain", "sensor-offset"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::AXES,
         parameters: &[EffectParameter::size("gain_change", "N/N or N m/N", 1e-3, [-1e3, 1e3], 3.0)
             .in_log(Measure::LoadGain)],
         apply: Apply::Axis(|rig, parameter| rig.axis.load_gain += parameter("gain_change")),
     }],
+    ..EffectKind::DEFAULT
 };

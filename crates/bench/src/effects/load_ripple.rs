@@ -42,6 +42,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             apply: Apply::Axis(|rig, parameter| rig.extension.load_ripples.push(term(parameter))),
         },
     ],
+    ..EffectKind::DEFAULT
 };
 
 fn term(parameter: &Values<'_>) -> RippleTerm {

@@ -10,7 +10,7 @@
 //! negative give the same log. Offset cranks tilt the shaft and distinguish the two. Confounded
 //! with clearance and contact stiffness.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -19,7 +19,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "The bearing's axis is not parallel to the machine's.",
     shows_in: Some(Channel::JournalY),
     confounded_with: &["clearance-wear", "contact-stiffness", "sensor-offset"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: &[Plant::TwoPlane],
         parameters: &[
@@ -33,4 +32,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             }
         }),
     }],
+    ..EffectKind::DEFAULT
 };

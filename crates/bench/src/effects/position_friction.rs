@@ -8,7 +8,7 @@
 //! level of friction if the neutral position lies outside the stroke, and with friction over time
 //! if the log has one stroke only.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -17,11 +17,11 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "Dry friction changes along the stroke.",
     shows_in: Some(Channel::DriveForce),
     confounded_with: &["coulomb-level", "friction-step", "thermal-friction-drift", "viscous-asymmetry"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::AXES,
         parameters: &[EffectParameter::size("friction_slope", "N/m or N m/rad", 1e-3, [-1e12, 1e12], 3.0)
             .in_log(Measure::Stiffness)],
         apply: Apply::Axis(|rig, parameter| rig.extension.friction_slope += parameter("friction_slope")),
     }],
+    ..EffectKind::DEFAULT
 };

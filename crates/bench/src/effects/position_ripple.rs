@@ -59,4 +59,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             }),
         },
     ],
+    ..EffectKind::DEFAULT
 };

@@ -11,7 +11,7 @@
 //! Confounded with play (which also delays friction by a distance), with a delay of the friction's
 //! sensor, and with breakaway or Stribeck friction of the opposite sign.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -20,7 +20,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "Friction reverses over a distance instead of at once.",
     shows_in: Some(Channel::FrictionTorque),
     confounded_with: &["breakaway", "drive-lag", "fork-backlash", "sensor-delay", "stribeck-friction"],
-    guess: Guess::Defaults,
     actions: &[
         Action {
             plants: &[Plant::Planar],
@@ -40,4 +39,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             }),
         },
     ],
+    ..EffectKind::DEFAULT
 };

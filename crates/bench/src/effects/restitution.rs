@@ -6,7 +6,7 @@
 //! impact or a change of sign decays faster or more slowly; at standstill nothing changes.
 //! Confounded with a squeeze film, which also damps the normal motion.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -15,7 +15,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "The restitution of the contact differs from its description.",
     shows_in: Some(Channel::JournalZ),
     confounded_with: &["contact-stiffness", "squeeze-film"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::TRANSMISSION,
         parameters: &[EffectParameter::size("restitution_change", "1", 0.02, [-0.35, 0.55], 0.1)],
@@ -24,4 +23,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             bench.bearing.restitution = restitution.clamp(0.05, 1.0);
         }),
     }],
+    ..EffectKind::DEFAULT
 };

@@ -10,7 +10,7 @@
 //! `bearing_force_y_n`, not in the bearing's friction torque. Confounded with the lever ratio, and
 //! with friction of the bearing if its torque is not measured.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::{LoadFriction, Plant};
 use crate::signals::Channel;
 
@@ -22,7 +22,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "Friction of the seals of a cylinder is missing.",
     shows_in: Some(Channel::DriveForce),
     confounded_with: &["coulomb-level", "lever-ratio", "load-dependent-friction", "sensor-offset"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::TRANSMISSION,
         parameters: &[EffectParameter::size("seal_force_n", "N", 10.0, [0.0, 1e6], 200.0)],
@@ -35,4 +34,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             friction.coulomb_n += parameter("seal_force_n");
         }),
     }],
+    ..EffectKind::DEFAULT
 };

@@ -5,18 +5,17 @@
 //! Confounded with a lag of the drive, and under sinusoidal motion with viscous friction or
 //! inertia.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-delay",
     summary: "A sensor is delayed.",
-    shows_in: None,
     confounded_with: &["drive-lag", "inertia-mismatch", "presliding-hysteresis", "viscous-friction"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::ALL,
         parameters: &[EffectParameter::size("delay_s", "s", 2e-4, [-0.5, 0.5], 0.01)],
         apply: Apply::Sensor(|sensor, parameter| sensor.delay_s += parameter("delay_s")),
     }],
+    ..EffectKind::DEFAULT
 };

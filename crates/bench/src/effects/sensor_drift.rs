@@ -6,18 +6,17 @@
 //! of the motion. Confounded with an offset in a short log, and with drifting friction if the
 //! motion has one direction.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-drift",
     summary: "A sensor's offset drifts.",
-    shows_in: None,
     confounded_with: &["coulomb-asymmetry", "friction-step", "sensor-offset", "thermal-friction-drift"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::ALL,
         parameters: &[EffectParameter::size("drift_per_s", "channel/s", 1.0, [-1e12, 1e12], 1e3)],
         apply: Apply::Sensor(|sensor, parameter| sensor.drift_per_s += parameter("drift_per_s")),
     }],
+    ..EffectKind::DEFAULT
 };

@@ -5,13 +5,12 @@
 //! effects that scale that channel alone: the friction level (torque), inertia (force), stiffness
 //! (journal).
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-gain",
     summary: "A sensor's gain is wrong.",
-    shows_in: None,
     confounded_with: &[
         "clearance-wear",
         "contact-stiffness",
@@ -22,10 +21,10 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "sensor-saturation",
         "viscous-friction",
     ],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::ALL,
         parameters: &[EffectParameter::size("relative_change", "1", 0.01, [-0.99, 0.99], 0.1)],
         apply: Apply::Sensor(|sensor, parameter| sensor.gain *= 1.0 + parameter("relative_change")),
     }],
+    ..EffectKind::DEFAULT
 };

@@ -5,13 +5,12 @@
 //! channel deviates by a constant, all others are right. Confounded with effects that shift that
 //! one channel: asymmetric friction, play that never changes sides, a lever under constant load.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-offset",
     summary: "A sensor has a constant offset.",
-    shows_in: None,
     confounded_with: &[
         "clearance-wear",
         "coulomb-asymmetry",
@@ -24,10 +23,10 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "sensor-drift",
         "viscous-asymmetry",
     ],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::ALL,
         parameters: &[EffectParameter::size("offset", "channel", 1.0, [-1e12, 1e12], 1e3)],
         apply: Apply::Sensor(|sensor, parameter| sensor.offset += parameter("offset")),
     }],
+    ..EffectKind::DEFAULT
 };

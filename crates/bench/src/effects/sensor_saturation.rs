@@ -12,7 +12,6 @@ use crate::description::Plant;
 pub(super) const EFFECT: EffectKind = EffectKind {
     name: "sensor-saturation",
     summary: "A sensor's reading is limited.",
-    shows_in: None,
     confounded_with: &["sensor-gain"],
     guess: Guess::LargestReading,
     actions: &[Action {
@@ -22,4 +21,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             sensor.inverse_limit = sensor.inverse_limit.max(parameter("inverse_limit"))
         }),
     }],
+    ..EffectKind::DEFAULT
 };

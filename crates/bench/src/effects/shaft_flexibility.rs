@@ -15,7 +15,7 @@
 //! a compliant shaft. Confounded with a compliant hydraulic column (a spring on the other side of
 //! the same inertia) and, far below the resonance, with inertia.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -24,7 +24,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "The shaft is flexible in torsion between drive crank and load crank.",
     shows_in: Some(Channel::DriveForce),
     confounded_with: &["hydraulic-compliance", "inertia-mismatch", "lever-ratio"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: &[Plant::Planar],
         parameters: &[EffectParameter::size("compliance_rad_nm", "rad/(N m)", 2e-8, [0.0, 1e-5], 1e-6)],
@@ -32,4 +31,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             bench.extension.shaft_compliance_rad_nm += parameter("compliance_rad_nm")
         }),
     }],
+    ..EffectKind::DEFAULT
 };

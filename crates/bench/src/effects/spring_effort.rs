@@ -8,7 +8,7 @@
 //! with inertia under one sine (the acceleration is proportional to the negative position), until
 //! the frequency changes.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -17,11 +17,11 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "A spring, or another effort proportional to the position, is missing.",
     shows_in: Some(Channel::DriveForce),
     confounded_with: &["inertia-mismatch", "position-ripple", "load-gain"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: Plant::AXES,
         parameters: &[EffectParameter::size("stiffness", "N/m or N m/rad", 1e-3, [-1e12, 1e12], 3.0)
             .in_log(Measure::Stiffness)],
         apply: Apply::Axis(|rig, parameter| rig.axis.spring_stiffness += parameter("stiffness")),
     }],
+    ..EffectKind::DEFAULT
 };

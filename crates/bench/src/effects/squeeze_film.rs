@@ -9,7 +9,7 @@
 //! `journal_z_m`, a softer landing at the start. The film's force is part of the bearing force.
 //! Confounded with restitution: in sustained contact both damp the normal motion.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess};
+use super::kind::{Action, Apply, EffectKind, EffectParameter};
 use crate::description::{FilmTerm, Plant};
 use crate::signals::Channel;
 
@@ -18,7 +18,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "A lubricant film in the clearance damps the normal motion.",
     shows_in: Some(Channel::JournalZ),
     confounded_with: &["clearance-wear", "contact-stiffness", "restitution"],
-    guess: Guess::Defaults,
     actions: &[Action {
         plants: &[Plant::Planar],
         parameters: &[
@@ -32,4 +31,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             });
         }),
     }],
+    ..EffectKind::DEFAULT
 };

@@ -10,7 +10,7 @@
 //! side only), with pre-sliding, and over a narrow range of speeds with viscous friction of
 //! negative sign.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure, Values};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure, Values};
 use crate::description::{Plant, StribeckTerm};
 use crate::signals::Channel;
 
@@ -30,7 +30,8 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "presliding-hysteresis",
         "viscous-friction",
     ],
-    guess: Guess::Defaults,
+    generalises: Some("coulomb-level"),
+    is_function_of_speed: true,
     actions: &[
         Action {
             plants: Plant::TRANSMISSION,
@@ -52,6 +53,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             apply: Apply::Axis(|rig, parameter| rig.extension.stribeck.push(term("effort_rise", parameter))),
         },
     ],
+    ..EffectKind::DEFAULT
 };
 
 fn term(rise: &str, parameter: &Values<'_>) -> StribeckTerm {

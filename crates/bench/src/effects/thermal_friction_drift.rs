@@ -9,7 +9,7 @@
 //! In a log: friction drifts over many cycles, fast where much heat is generated. Confounded with a
 //! step of friction, a drift of the torque's sensor, and in a short log with the level of friction.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Values};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Values};
 use crate::description::{Plant, ThermalTerm};
 use crate::signals::Channel;
 
@@ -24,7 +24,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "Friction depends on the temperature rise that it causes.",
     shows_in: Some(Channel::FrictionTorque),
     confounded_with: &["coulomb-level", "friction-step", "load-dependent-friction", "sensor-drift"],
-    guess: Guess::Defaults,
+    generalises: Some("coulomb-level"),
     actions: &[
         Action {
             plants: &[Plant::Planar],
@@ -37,6 +37,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             apply: Apply::Axis(|rig, parameter| rig.extension.thermal = Some(term(parameter))),
         },
     ],
+    ..EffectKind::DEFAULT
 };
 
 fn term(parameter: &Values<'_>) -> ThermalTerm {

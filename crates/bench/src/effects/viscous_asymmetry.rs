@@ -8,7 +8,7 @@
 //! Confounded with asymmetric dry friction at a nearly constant speed, and with an offset of the
 //! effort's sensor.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -23,7 +23,7 @@ pub(super) const EFFECT: EffectKind = EffectKind {
         "sensor-offset",
         "viscous-friction",
     ],
-    guess: Guess::Defaults,
+    refines: Some("viscous-friction"),
     actions: &[
         Action {
             plants: Plant::TRANSMISSION,
@@ -47,4 +47,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             }),
         },
     ],
+    ..EffectKind::DEFAULT
 };

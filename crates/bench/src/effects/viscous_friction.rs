@@ -8,7 +8,7 @@
 //! Stribeck friction of the opposite sign, and with asymmetric viscous friction if the motion is
 //! mostly in one direction.
 
-use super::kind::{Action, Apply, EffectKind, EffectParameter, Guess, Measure};
+use super::kind::{Action, Apply, EffectKind, EffectParameter, Measure};
 use crate::description::Plant;
 use crate::signals::Channel;
 
@@ -17,7 +17,6 @@ pub(super) const EFFECT: EffectKind = EffectKind {
     summary: "A friction force proportional to speed is missing.",
     shows_in: Some(Channel::FrictionTorque),
     confounded_with: &["drive-lag", "sensor-delay", "sensor-gain", "stribeck-friction", "viscous-asymmetry"],
-    guess: Guess::Defaults,
     actions: &[
         Action {
             plants: Plant::TRANSMISSION,
@@ -39,4 +38,5 @@ pub(super) const EFFECT: EffectKind = EffectKind {
             apply: Apply::Axis(|rig, parameter| rig.axis.viscous_effort += parameter("viscous_effort")),
         },
     ],
+    ..EffectKind::DEFAULT
 };

@@ -36,12 +36,12 @@ pub fn resample(source: &str, columns: &[Timed<'_>], rate_hz: f64) -> Result<Vec
     let (start_s, end_s) = shared(source, &ends)?;
     // A rounding of the last time must not lose its row.
     let rows = ((end_s - start_s) * rate_hz + 1e-6).floor() + 1.0;
-    let most = MAX_ROWS.min(MAX_VALUES / (columns.len() + 1));
-    if rows > most as f64 {
+    let max_rows = MAX_ROWS.min(MAX_VALUES / (columns.len() + 1));
+    if rows > max_rows as f64 {
         return Err(LogError::content(
             source,
             format!("{rows:.0} rows of {} columns at this rate", columns.len()),
-            format!("at most {most} rows; choose columns or a lower rate"),
+            format!("at most {max_rows} rows; choose columns or a lower rate"),
         ));
     }
     let time_s: Vec<f64> = (0..rows as usize).map(|row| start_s + row as f64 / rate_hz).collect();

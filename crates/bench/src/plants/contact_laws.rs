@@ -40,7 +40,7 @@ impl JointLaw {
         mass_kg: f64,
     ) -> Result<Self, LawError> {
         let missing = |law, quantity| LawError::Missing { law, quantity };
-        let Some(whole) = section.law else {
+        let Some(complete_law) = section.law else {
             let parameters =
                 StiffnessParameters { joint, coefficient: section.coefficient, exponent: section.exponent };
             let elastic = section.stiffness.0.build(&parameters)?;
@@ -54,11 +54,11 @@ impl JointLaw {
             };
             return Ok(Self { law, elastic });
         };
-        let name = whole.0.entry().name;
+        let name = complete_law.0.entry().name;
         let coefficient = section.coefficient.ok_or(missing(name, "a coefficient"))?;
         let damping = section.damping_n_s_m.ok_or(missing(name, "damping_n_s_m"));
         let linear = Stiffness::Linear { coefficient };
-        Ok(match whole.0 {
+        Ok(match complete_law.0 {
             CompleteLawKind::KelvinVoigt => Self {
                 law: ContactLaw::SpringDashpot(SpringDashpot::kelvin_voigt(coefficient, damping?)?),
                 elastic: linear,

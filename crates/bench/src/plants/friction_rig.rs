@@ -309,7 +309,7 @@ mod tests {
         let change = |distance_m: f64| -> Vec<f64> {
             run(distance_m).iter().zip(&without).map(|(a, b)| a.friction - b.friction).collect()
         };
-        let largest = |change: &[f64]| change.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        let largest = |change: &[f64]| change.iter().fold(0.0_f64, |max, c| max.max(c.abs()));
         let level = largest(&without.iter().map(|e| e.friction).collect::<Vec<_>>());
         assert!(largest(&change(1e-12)) < 1e-4 * level, "{}", largest(&change(1e-12)));
         assert!(largest(&change(1e-5)) > 5e-3 * level, "{}", largest(&change(1e-5)));

@@ -28,7 +28,7 @@ pub enum FieldKind {
 
 impl FieldKind {
     /// Values allowed, as a noun.
-    pub fn words(self) -> String {
+    pub fn describe(self) -> String {
         match self {
             Self::Number => "a number".into(),
             Self::Integer => "an integer".into(),

@@ -101,7 +101,7 @@ impl FieldEntry {
 
     /// Values allowed, with the unit: `a number, 0 to 10 s`.
     pub fn expected(&self) -> String {
-        let kind = self.kind.words();
+        let kind = self.kind.describe();
         match self.range_words() {
             Some(range) => format!("{kind}, {range}"),
             None if self.unit().is_empty() => kind,

@@ -44,7 +44,7 @@ pub fn deviation(squares: &mut [f64]) -> f64 {
 /// White noise of a signal at ascending times, one standard deviation; above 0.
 pub(crate) fn estimate(time_s: &[f64], values: &[f64]) -> f64 {
     let mut squares = squares(time_s, values);
-    let size = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let size = values.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
     let rounding = (1e-14 * size).max(f64::MIN_POSITIVE);
     let found = deviation(&mut squares);
     if found > rounding {

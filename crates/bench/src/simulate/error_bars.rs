@@ -15,6 +15,8 @@
 //! Against references at much tighter tolerances the bars cover at least 95 % of the peaks
 //! (`tests/error_bars.rs`). The model's errors are not included.
 
+use crate::statistics::median;
+
 /// Safety factor on the extrapolated error.
 const SAFETY: f64 = 2.0;
 /// Safety factor on the change from the middle run if there is no coarse one.
@@ -34,18 +36,12 @@ pub(super) fn error_bars(quantities: &[Convergence]) -> Vec<f64> {
     };
     let ratio = |(last, first): (f64, Option<f64>)| Some(last / first.filter(|&first| first > 0.0)?);
     let ratios = quantities.iter().filter_map(changes).filter_map(ratio);
-    let observed = median(ratios.collect()).map(|q| q.min(MAX_RATIO));
+    let observed = median(ratios).map(|q| q.min(MAX_RATIO));
     let bar = |(last, first): (f64, Option<f64>)| match observed.zip(first) {
         Some((q, first)) => SAFETY * last.max(q * first) * (q / (1.0 - q)).max(1.0),
         None => SAFETY_OF_TWO_RUNS * last,
     };
     quantities.iter().map(|quantity| changes(quantity).map_or(f64::INFINITY, bar)).collect()
-}
-
-/// Median of some values, the upper one of two; `None` without any.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ use crate::life::thermal::{Growth, Radii, clearance_change_m, uptake_share};
 use crate::life::wear::{Load, Profile, Wear};
 use crate::plants::transmission::Snapshot;
 use crate::simulate::{DEFAULT_TOLERANCE, Run, run_bench_with_law};
+use crate::statistics::mean;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -300,7 +301,7 @@ impl LifeModel {
             self.wear.foundation.rigid_displacement_m(&gap_m, direction) - base_m
         };
         let depths: Vec<f64> = self.recent.iter().flatten().map(further).collect();
-        depths.iter().sum::<f64>() / depths.len().max(1) as f64
+        mean(&depths)
     }
 
     /// Loads and figures of the cycles after settling.

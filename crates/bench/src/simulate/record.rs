@@ -72,7 +72,7 @@ mod tests {
         let coarse = log_from_samples(&bench, (&samples(&times), 1), 3);
         let torque = |log: &MeasuredLog| log.channels[&Channel::FrictionTorque].clone();
         let off =
-            torque(&log).iter().zip(&torque(&coarse)).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+            torque(&log).iter().zip(&torque(&coarse)).fold(0.0_f64, |max, (a, b)| max.max((a - b).abs()));
         assert!(off > 4.0, "ten deviations of the noise: {off}");
     }
 }

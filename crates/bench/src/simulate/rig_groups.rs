@@ -62,6 +62,7 @@ impl RigGroup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::median;
 
     #[test]
     fn twenty_groups_have_noise_outliers_and_a_torque_against_the_motion() {
@@ -72,9 +73,7 @@ mod tests {
             for group in &groups {
                 let torque = group.friction_torque_nm();
                 assert!(torque.len() > 2048 && torque.len() == group.log.time_s.len());
-                let mut sorted: Vec<f64> = torque.to_vec();
-                sorted.sort_by(f64::total_cmp);
-                let median = sorted[sorted.len() / 2];
+                let median = median(torque.iter().copied()).unwrap();
                 assert_eq!(median < 0.0, group.forward, "{} {median}", group.log.source);
                 let coefficient = (median.abs() - 15.0) / (group.load_n.abs().max(1.0) * 0.07);
                 assert!(group.load_n == 0.0 || (least..0.25).contains(&coefficient), "{coefficient}");

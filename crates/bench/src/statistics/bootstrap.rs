@@ -5,6 +5,7 @@
 //! cycles are too narrow; they are expanded to the level at which the interval of a mean of normal
 //! values is that of Student. Below [`MIN_CYCLES`] cycles there is no interval.
 
+use super::samples::sorted_quantile;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use schemars::JsonSchema;
@@ -75,28 +76,9 @@ fn expanded_side(count: usize) -> f64 {
     }
 }
 
-/// Mean of some values.
-pub(crate) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-/// Quantile of some values, interpolated between neighbours.
-pub(crate) fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted_quantile(&sorted, share)
-}
-
-fn sorted_quantile(sorted: &[f64], share: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else { return 0.0 };
-    let place = share.clamp(0.0, 1.0) * last as f64;
-    let below = place.floor() as usize;
-    let at = |i: usize| sorted.get(i.min(last)).copied().unwrap_or_default();
-    at(below) + (place - below as f64) * (at(below + 1) - at(below))
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::samples::{mean, quantile};
     use super::*;
     use rand_distr::{Distribution, StandardNormal};
 
@@ -113,7 +95,7 @@ mod tests {
                     value
                 })
                 .collect();
-            estimate(&values, seed, mean).interval.is_some_and(|[low, high]| low <= 0.0 && 0.0 <= high)
+            estimate(&values, seed, |v| mean(v)).interval.is_some_and(|[low, high]| low <= 0.0 && 0.0 <= high)
         };
         (0..runs).filter(|&seed| covers(seed)).count() as f64 / runs as f64
     }
@@ -137,9 +119,9 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_interval_and_few_cycles_give_none() {
         let values = [1.0, 3.0, 2.0, 5.0, 4.0, 2.5, 3.1, 1.7, 2.2, 4.4, 3.3, 2.9];
-        assert_eq!(estimate(&values, 7, mean), estimate(&values, 7, mean));
-        assert_ne!(estimate(&values, 7, mean).interval, estimate(&values, 8, mean).interval);
-        assert_eq!(estimate(&values[..4], 7, mean), Estimate { value: 2.75, interval: None });
+        assert_eq!(estimate(&values, 7, |v| mean(v)), estimate(&values, 7, |v| mean(v)));
+        assert_ne!(estimate(&values, 7, |v| mean(v)).interval, estimate(&values, 8, |v| mean(v)).interval);
+        assert_eq!(estimate(&values[..4], 7, |v| mean(v)), Estimate { value: 2.75, interval: None });
     }
 
     #[test]
@@ -148,11 +130,5 @@ mod tests {
         let high = |v: &[f64]| quantile(v, 0.9);
         assert!(estimate_tail(&values, 1, high).interval.is_some());
         assert_eq!(estimate_tail(&values[..29], 1, high).interval, None);
-    }
-
-    #[test]
-    fn a_quantile_is_interpolated() {
-        assert_eq!(quantile(&[4.0, 1.0, 3.0, 2.0], 0.5), 2.5);
-        assert_eq!(quantile(&[4.0, 1.0], 1.0), 4.0);
     }
 }

@@ -4,6 +4,8 @@
 //! The cycles count as independent. Largest values whose tail is not exponential (bounded by the
 //! motion, or heavier) are over- or underestimated.
 
+use super::samples::mean;
+
 /// Euler-Mascheroni constant.
 const EULER: f64 = 0.577_215_664_901_532_9;
 
@@ -11,8 +13,7 @@ const EULER: f64 = 0.577_215_664_901_532_9;
 pub(crate) fn largest_in(cycles: f64, peaks: &[f64]) -> f64 {
     let mut sorted = peaks.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let count = sorted.len() as f64;
-    let mean = sorted.iter().sum::<f64>() / count;
+    let (count, mean) = (sorted.len() as f64, mean(&sorted));
     if sorted.len() < 2 {
         return mean;
     }

@@ -5,6 +5,8 @@
 //! and variance `s^2` of the `n - d` cycles that remain. Without the resolution of 1 %, a sequence
 //! that converges to a periodic motion would lose cycles as long as it converges at all.
 
+use super::samples::mean;
+
 /// Differences below this share of the mean count as none.
 const RESOLUTION: f64 = 1e-2;
 
@@ -15,7 +17,7 @@ pub(crate) fn transient_length(values: &[f64]) -> (usize, bool) {
     let criterion = |d: usize| {
         let rest = values.get(d..).unwrap_or_default();
         let count = rest.len() as f64;
-        let mean = rest.iter().sum::<f64>() / count;
+        let mean = mean(rest);
         let variance = rest.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count;
         (variance + (RESOLUTION * mean).powi(2)) / count
     };

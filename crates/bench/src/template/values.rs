@@ -6,6 +6,7 @@ use crate::description::AxisKind;
 use crate::log::TIME;
 use crate::reading::PRESETS;
 use crate::signals::{Channel, Role, white_noise};
+use crate::statistics::mean;
 use std::collections::BTreeMap;
 
 /// Width of the regularised sign as a share of the largest speed.
@@ -95,7 +96,7 @@ pub(super) fn values(signals: &[Signal<'_>], plant: TemplatePlant) -> Values {
     let load = chosen(Channel::LoadForce.name());
     match load {
         Some(load) => {
-            let mean = load.values().map(|v| v.iter().sum::<f64>() / v.len().max(1) as f64);
+            let mean = load.values().map(|v| mean(v));
             values.set_number("load.force_n", mean, "mean of the log, which is used where it is recorded");
         }
         None if plant != TemplatePlant::Transmission => {
@@ -110,7 +111,7 @@ pub(super) fn values(signals: &[Signal<'_>], plant: TemplatePlant) -> Values {
         let readings = signal.chosen.as_ref().and_then(|chosen| chosen.values());
         if let (true, Some(time_s), Some(readings)) = (is_output, time_s.as_deref(), readings) {
             let noise = white_noise::deviation(&mut white_noise::squares(time_s, &readings));
-            let largest = readings.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            let largest = readings.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
             if noise > MIN_NOISE_SHARE * largest {
                 values.noise.push((signal.name, rounded(noise)));
             }

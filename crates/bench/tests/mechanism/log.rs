@@ -54,7 +54,7 @@ fn a_recorded_mechanism_reads_what_the_dedicated_plant_reads() {
     for (name, of_plant, sign, tolerance) in cases {
         let channel = |name: &str| bench::signals::Channel::from_name(name).unwrap();
         let (own, other) = (&found.channels[&channel(name)], &known.channels[&channel(of_plant)]);
-        let largest = other.iter().take(400).fold(0.0_f64, |most, value| most.max(value.abs()));
+        let largest = other.iter().take(400).fold(0.0_f64, |max, value| max.max(value.abs()));
         assert!(largest > 100.0 * tolerance, "{name} {largest}");
         for (time_s, (own, other)) in found.time_s.iter().zip(own.iter().zip(other)) {
             assert_near(&format!("{name} at {time_s}"), sign * own, *other, tolerance);

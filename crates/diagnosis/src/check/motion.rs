@@ -9,7 +9,8 @@
 //! Limit: no relation is found in a log whose rows come in bursts of a few with gaps in between.
 
 use super::tuning;
-use crate::statistics::{mean, median};
+use crate::statistics::median;
+use bench::statistics::mean;
 use bench::{Bench, Channel, MeasuredLog};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -76,7 +77,7 @@ pub(super) fn relation(time_s: &[f64], value: &[f64], rate: &[f64]) -> Option<Re
     let centred = |values: &[f64]| {
         let centred_run = |run: &Range<usize>| {
             let values = values.get(run.clone()).unwrap_or_default();
-            let mean = mean(values.iter().copied());
+            let mean = mean(values);
             values.iter().map(move |v| v - mean).collect::<Vec<_>>()
         };
         DVector::from_vec(runs.iter().flat_map(centred_run).collect())

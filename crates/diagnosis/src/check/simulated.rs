@@ -6,8 +6,9 @@
 
 use super::tuning;
 use crate::data::tuning::{END_MARGIN_S, START_MARGIN_S};
-use crate::statistics::{mean, median, robust_slope};
+use crate::statistics::{median, robust_slope};
 use bench::simulate::{Inputs, Response, respond};
+use bench::statistics::mean;
 use bench::{Bench, Channel, MeasuredLog};
 
 /// Channels of both axes of a quantity.

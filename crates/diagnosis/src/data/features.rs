@@ -3,8 +3,8 @@
 use super::logs::{Columns, Data, Log};
 use super::split::Use;
 use super::tuning;
-use crate::statistics::mean;
 use bench::Channel;
+use bench::statistics::mean;
 
 /// Quantity that a residual may depend on.
 pub(crate) struct Feature {

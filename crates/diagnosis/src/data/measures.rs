@@ -50,29 +50,29 @@ impl Measures {
         };
         let efforts = data.channels.iter().filter(|c| is_effort(**c)).map(|&channel| {
             let blocks = data.blocks.iter().filter(|b| b.channel == channel);
-            rms(blocks.flat_map(|b| b.measured.iter().copied()))
+            finite_rms(blocks.flat_map(|b| b.measured.iter().copied()))
         });
         let given = rig
             .forward()
-            .map(|drive| rms(data.logs.iter().flat_map(|log| log.inputs.driving_efforts(rig, drive))));
+            .map(|drive| finite_rms(data.logs.iter().flat_map(|log| log.inputs.driving_efforts(rig, drive))));
         let positions = || data.logs.iter().flat_map(|log| log.position.iter().copied());
         let highest = positions().fold(f64::NEG_INFINITY, f64::max);
         let lowest = positions().fold(f64::INFINITY, f64::min);
         let measured = efforts.fold(0.0, f64::max);
         let effort = positive(if measured > 0.0 { measured } else { given.unwrap_or_default() });
-        let load = rms(data.logs.iter().flat_map(|log| log.load.iter().copied()));
+        let load = finite_rms(data.logs.iter().flat_map(|log| log.load.iter().copied()));
         Self {
             effort,
             travel: [lowest, highest],
             half_range: positive(0.5 * (highest - lowest)),
-            speed: positive(rms(data.logs.iter().flat_map(|log| log.speed.iter().copied()))),
+            speed: positive(finite_rms(data.logs.iter().flat_map(|log| log.speed.iter().copied()))),
             largest_speed: positive(
-                data.logs.iter().map(|log| rms(log.speed.iter().copied())).fold(0.0, f64::max),
+                data.logs.iter().map(|log| finite_rms(log.speed.iter().copied())).fold(0.0, f64::max),
             ),
             effort_per_load: positive(
                 rig.axis.load_gain.abs() + rig.axis.load_coefficient.abs() * rig.axis.friction_radius_m,
             ),
-            largest_load: data.logs.iter().flat_map(|log| &log.load).fold(0.0, |most, f| most.max(f.abs())),
+            largest_load: data.logs.iter().flat_map(|log| &log.load).fold(0.0, |max, f| max.max(f.abs())),
             load_gain: positive(effort / load),
             friction_radius: positive(rig.axis.friction_radius_m),
         }
@@ -113,13 +113,8 @@ impl Measures {
 }
 
 /// Rms of finite values; 0 without values.
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0usize);
-    for value in values.filter(|v| v.is_finite()) {
-        sum += value * value;
-        count += 1;
-    }
-    (sum / count.max(1) as f64).sqrt()
+fn finite_rms(values: impl Iterator<Item = f64>) -> f64 {
+    bench::statistics::rms(values.filter(|v| v.is_finite()))
 }
 
 /// A finite positive value, or 1.

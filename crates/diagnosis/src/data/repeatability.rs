@@ -15,8 +15,9 @@
 use super::logs::{Columns, Data, Log};
 use super::split::Use;
 use super::tuning;
-use crate::statistics::{lower_quartile, mean, square_deviations};
+use crate::statistics::{lower_quartile, square_deviations};
 use bench::Channel;
+use bench::statistics::mean;
 
 /// Noise and repeatable part of a channel.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +46,7 @@ pub(crate) fn repeatability(data: &Data, residual: &Columns, channel: Channel) -
             if n < 2.0 {
                 continue;
             }
-            let mean = mean(column.iter().copied());
+            let mean = mean(&column);
             repeating += mean * mean - square_deviations(&column, mean) / (n * (n - 1.0));
             total += column.iter().map(|v| v * v).sum::<f64>() / n;
         }
@@ -89,7 +90,7 @@ fn cycle_rows(log: &Log, values: &[f64]) -> Option<Vec<Vec<Option<f64>>>> {
         .map(|k| {
             let column: Vec<f64> =
                 rows.iter().filter_map(|r| r.get(k).copied().flatten()).map(|c| c.0).collect();
-            (!column.is_empty()).then(|| mean(column.iter().copied()))
+            (!column.is_empty()).then(|| mean(&column))
         })
         .collect();
     let at = |k: usize| mean_cycle.get(k % points).copied().flatten();
@@ -107,7 +108,7 @@ fn pure_error(one: &[Option<f64>], next: &[Option<f64>]) -> Option<f64> {
     if n < tuning::MIN_COMMON_SHARE * one.len() as f64 || n < 2.0 {
         return None;
     }
-    let mean = mean(differences.iter().copied());
+    let mean = mean(&differences);
     Some(0.5 * square_deviations(&differences, mean) / (n - 1.0))
 }
 

@@ -61,8 +61,8 @@ pub(super) fn advise(
     };
     while !open.is_empty() {
         let count = |t: &Tried| open.iter().filter(|r| resolves(t, r)).count();
-        let most = tried.iter().map(count).max().unwrap_or_default();
-        let Some(best) = tried.iter().find(|t| count(t) == most && most > 0) else { break };
+        let max = tried.iter().map(count).max().unwrap_or_default();
+        let Some(best) = tried.iter().find(|t| count(t) == max && max > 0) else { break };
         let (done, left): (Vec<_>, Vec<_>) = open.into_iter().partition(|r| resolves(best, r));
         advice.push(MotionAdvice {
             parameters: names(&done),

@@ -3,22 +3,6 @@
 use super::contender::Contender;
 use bench::simulate::RespondError;
 
-/// The main effect that an effect refines: friction that grows with load refines dry friction.
-pub(crate) fn main_effect(name: &str) -> Option<&'static str> {
-    match name {
-        "load-dependent-friction" | "coulomb-asymmetry" => Some("coulomb-level"),
-        "viscous-asymmetry" => Some("viscous-friction"),
-        _ => None,
-    }
-}
-
-/// Returns whether an effect is another one with a shape beyond: friction that is lost by sliding,
-/// that falls with speed, or that changes at a time or with the temperature contains a level.
-pub(crate) fn is_generalisation(name: &str, of: &str) -> bool {
-    let level = ["breakaway", "stribeck-friction", "friction-step", "thermal-friction-drift"];
-    of == "coulomb-level" && level.contains(&name)
-}
-
 /// Moves the main effect of the best contender to the front if it is a cause by itself, as
 /// `is_cause` decides.
 ///
@@ -29,7 +13,7 @@ pub(super) fn move_main_effect_first(
     contenders: &mut [Contender],
     is_cause: impl Fn(&Contender) -> Result<bool, RespondError>,
 ) -> Result<(), RespondError> {
-    let main = contenders.first().and_then(|c| main_effect(c.candidate.kind.name));
+    let main = contenders.first().and_then(|c| c.candidate.kind.refines);
     let index = contenders.iter().position(|c| Some(c.candidate.kind.name) == main);
     if let Some(better) = index.and_then(|i| contenders.get_mut(..=i))
         && let [refinement, .., main] = &*better

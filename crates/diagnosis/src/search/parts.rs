@@ -74,7 +74,7 @@ impl PartSearch<'_> {
                 continue;
             };
             let error = second.fit.objective_with(&self.views.fitted, self.floors);
-            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+            if best.as_ref().is_none_or(|(min, _)| error < *min) {
                 best = Some((error, (second.fit.model, second.fit.z)));
             }
         }

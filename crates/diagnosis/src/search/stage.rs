@@ -134,8 +134,8 @@ pub(crate) fn run_stage(
         if let (Some(first_cycle), false) = (&views.first_cycle, is_resumed) {
             start = fit(first_cycle, &noise, model.clone(), start)?.z;
         }
-        let kept = incumbent.iter().cloned().chain(best_so_far.take());
-        let current = Round::run(views, &noise, (model, &start), &addable, kept)?;
+        let incumbents = incumbent.iter().cloned().chain(best_so_far.take());
+        let current = Round::run(views, &noise, (model, &start), &addable, incumbents)?;
         let best = current.best();
         let has_candidate = best.model.effects.len() > model.effects.len();
         if has_candidate {
@@ -176,13 +176,13 @@ impl Round {
         noise: &NoiseModel,
         (model, start): (&Model, &[f64]),
         candidates: &[Candidate],
-        kept: impl Iterator<Item = (Model, Vec<f64>)>,
+        incumbents: impl Iterator<Item = (Model, Vec<f64>)>,
     ) -> Result<Self, RespondError> {
         let data = &views.fitted;
         let base = fit(data, noise, model.clone(), start.to_vec())?;
         let scored = scores(data, noise, &base, candidates)?;
         let (mut fits, others) = refine(views, noise, &base, &scored)?;
-        for (model, z) in kept {
+        for (model, z) in incumbents {
             keep_better(data, noise, &mut fits, (model, z))?;
         }
         fits.retain(|f| is_plausible(data, f));

@@ -121,8 +121,8 @@ pub(crate) fn accept(data: &Data, explanations: &[Explanation]) -> (usize, Optio
 }
 
 /// Returns whether an explanation alone would be accepted.
-pub(crate) fn is_acceptable(data: &Data, described: &Explanation, explanation: &Explanation) -> bool {
-    bound_reason(explanation).is_none() && share_reason(data, described, explanation).is_none()
+pub(crate) fn is_acceptable(data: &Data, calibrated: &Explanation, explanation: &Explanation) -> bool {
+    bound_reason(explanation).is_none() && share_reason(data, calibrated, explanation).is_none()
 }
 
 /// The best candidate of a first stage without a cause, if its evidence is clear, and the reason
@@ -140,10 +140,10 @@ pub(crate) fn nearest_candidate(first: &Stage) -> Option<Rejection> {
 /// Returns whether structure remains, the first of two causes is acceptable alone, and the second
 /// explains little of what it leaves.
 fn is_second_unnecessary(data: &Data, explanations: &[Explanation]) -> bool {
-    let [described, first, second] = explanations else { return false };
+    let [calibrated, first, second] = explanations else { return false };
     second.remaining.is_some()
         && bound_reason(first).is_none()
-        && share_reason(data, described, first).is_none()
+        && share_reason(data, calibrated, first).is_none()
         && !explains_most(data, first, second)
 }
 
@@ -158,16 +158,16 @@ fn bound_reason(explanation: &Explanation) -> Option<RejectionReason> {
 
 /// Reason for rejection from what an explanation explains: everything is required if no structure
 /// remains, else most of it.
-fn share_reason(data: &Data, described: &Explanation, explanation: &Explanation) -> Option<RejectionReason> {
+fn share_reason(data: &Data, calibrated: &Explanation, explanation: &Explanation) -> Option<RejectionReason> {
     let found = explanation.inconsistency;
     let (inconsistent, is_enough) = match explanation.remaining {
         None => (
             found.is_significant.then_some(RejectionReason::SizeDiffers),
-            may_explain_all(data, described, explanation),
+            may_explain_all(data, calibrated, explanation),
         ),
         Some(_) => (
             found.is_hysteretic.then_some(RejectionReason::NoMemory),
-            explains_most(data, described, explanation),
+            explains_most(data, calibrated, explanation),
         ),
     };
     inconsistent.or((!is_enough).then_some(RejectionReason::ExplainsTooLittle))

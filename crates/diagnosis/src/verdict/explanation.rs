@@ -91,7 +91,7 @@ pub(crate) fn explanations(
     let first = &selection.first;
     let mut out = vec![Explanation::new(views, floors, (&first.base, &first.noise), Vec::new(), Vec::new())?];
     let mut causes = Vec::new();
-    let described = out.first().map(|e| e.residual.clone()).unwrap_or_default();
+    let calibrated = out.first().map(|e| e.residual.clone()).unwrap_or_default();
     for (k, stage) in selection.stages().enumerate().filter(|(_, stage)| stage.has_cause) {
         let Some(best) = stage.contenders.first() else { break };
         causes.push((best.candidate, best.probability));
@@ -102,7 +102,7 @@ pub(crate) fn explanations(
             if loss <= stage.threshold {
                 causes.remove(0);
                 let fitted = (&second_alone, &stage.noise);
-                let without = vec![described.clone()];
+                let without = vec![calibrated.clone()];
                 out.push(Explanation::new(views, floors, fitted, causes.clone(), without)?);
                 continue;
             }

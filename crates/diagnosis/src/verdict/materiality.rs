@@ -70,7 +70,7 @@ pub(crate) fn without_immaterial(
     for (which, ((candidate, _), without)) in explanation.causes.iter().zip(&explanation.without).enumerate()
     {
         let change = largest_change(data, floors, without, &explanation.residual);
-        match note(&words(explanation, which), change) {
+        match note(&cause_with_parameters(explanation, which), change) {
             Some(note) => notes.push(note),
             None => others.push(*candidate),
         }
@@ -78,13 +78,13 @@ pub(crate) fn without_immaterial(
     let has_others = |k: &usize| explanations[*k].causes.iter().map(|(c, _)| c).eq(&others);
     let is_accepted = |k: &usize| *k == 0 || is_acceptable(data, &explanations[0], &explanations[*k]);
     match (0..accepted).find(|k| has_others(k) && is_accepted(k)) {
-        Some(kept) if !notes.is_empty() => (kept, notes),
+        Some(remaining) if !notes.is_empty() => (remaining, notes),
         _ => (accepted, Vec::new()),
     }
 }
 
 /// A cause with its parameters.
-fn words(explanation: &Explanation, which: usize) -> String {
+fn cause_with_parameters(explanation: &Explanation, which: usize) -> String {
     let estimates = explanation.model.effect_parameters(which).into_iter().map(|i| {
         let p = &explanation.model.parameters[i];
         format!("{} = {} {}", p.name(), four_digits(p.value(explanation.z[i])), p.unit)

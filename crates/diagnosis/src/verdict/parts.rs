@@ -28,7 +28,6 @@ use crate::fit::model::{Candidate, Model};
 use crate::fit::standard_deviations::standard_deviations;
 use crate::fit::tuning::Z_95;
 use crate::search::contender::Contender;
-use crate::search::marginality::{is_generalisation, main_effect};
 use crate::search::parts::{PartSearch, Set};
 use crate::search::selection::Selection;
 use crate::search::stage::Stage;
@@ -55,7 +54,7 @@ impl Parts {
     pub(crate) fn find(
         search: &PartSearch<'_>,
         selection: &Selection,
-        (described, accepted): (&Explanation, &Explanation),
+        (calibrated, accepted): (&Explanation, &Explanation),
     ) -> Result<Option<Self>, RespondError> {
         let views = search.views;
         let is_kept = |stage: &Stage| is_kept(views, stage);
@@ -63,9 +62,9 @@ impl Parts {
             let mut starts: Vec<Set> = Vec::new();
             starts.extend(selection.selected().map(|fit| (fit.model.clone(), fit.z.clone())));
             starts.extend(search.best_pair(&selection.first, &is_kept)?);
-            Self::best(search, starts, (described, accepted), &is_kept)?
+            Self::best(search, starts, (calibrated, accepted), &is_kept)?
         } else {
-            Self::beside(search, (described, accepted), &is_kept)?
+            Self::beside(search, (calibrated, accepted), &is_kept)?
         };
         let Some(parts) = found else { return Ok(None) };
         let (noise, before) = (&parts.explanation.noise, &accepted.residual);
@@ -79,11 +78,11 @@ impl Parts {
     /// otherwise.
     fn beside(
         search: &PartSearch<'_>,
-        (described, accepted): (&Explanation, &Explanation),
+        (calibrated, accepted): (&Explanation, &Explanation),
         is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
     ) -> Result<Option<Self>, RespondError> {
         let start = || vec![(accepted.model.clone(), accepted.z.clone())];
-        let free = Self::best(search, start(), (described, accepted), is_kept)?;
+        let free = Self::best(search, start(), (calibrated, accepted), is_kept)?;
         if free.as_ref().is_none_or(|parts| parts.verdict != Verdict::Partial) {
             return Ok(free);
         }
@@ -94,14 +93,14 @@ impl Parts {
         let clear: Vec<Candidate> = clear.map(|(_, cause)| *cause).collect();
         let is_kept_beside = |stage: &Stage| Ok(is_kept(stage)? && are_clear(search.views, stage, &clear));
         let search = PartSearch { held: &held, ..*search };
-        Self::best(&search, start(), (described, accepted), &is_kept_beside)
+        Self::best(&search, start(), (calibrated, accepted), &is_kept_beside)
     }
 
     /// The parts from the start that leads to the smallest error.
     fn best(
         search: &PartSearch<'_>,
         starts: Vec<Set>,
-        (described, accepted): (&Explanation, &Explanation),
+        (calibrated, accepted): (&Explanation, &Explanation),
         is_kept: &impl Fn(&Stage) -> Result<bool, RespondError>,
     ) -> Result<Option<Self>, RespondError> {
         let (views, floors) = (search.views, search.floors);
@@ -110,12 +109,12 @@ impl Parts {
             let stages = search.run(start, is_kept)?;
             let Some(fit) = complete_fit(&stages) else { continue };
             let error = fit.objective_with(&views.fitted, floors);
-            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+            if best.as_ref().is_none_or(|(min, _)| error < *min) {
                 best = Some((error, stages));
             }
         }
         match best {
-            Some((_, stages)) => Self::new(views, floors, stages, (described, accepted)),
+            Some((_, stages)) => Self::new(views, floors, stages, (calibrated, accepted)),
             None => Ok(None),
         }
     }
@@ -124,7 +123,7 @@ impl Parts {
         views: &Views,
         floors: &NoiseModel,
         stages: Vec<Stage>,
-        (described, accepted): (&Explanation, &Explanation),
+        (calibrated, accepted): (&Explanation, &Explanation),
     ) -> Result<Option<Self>, RespondError> {
         let causes = stages.iter().filter_map(|s| s.contenders.first()).map(|c| (c.candidate, c.probability));
         let causes: Vec<(Candidate, f64)> = causes.collect();
@@ -144,7 +143,7 @@ impl Parts {
         explanation.alternatives = stages.iter().map(names).collect();
         let is_in_set = |(own, _): &(Candidate, f64)| explanation.causes.iter().any(|(c, _)| c == own);
         let contains_accepted = !accepted.causes.is_empty() && accepted.causes.iter().all(is_in_set);
-        let is_complete = contains_accepted || is_acceptable(&views.all, described, &explanation);
+        let is_complete = contains_accepted || is_acceptable(&views.all, calibrated, &explanation);
         let mut parts = Self { explanation, stages, main, verdict: Verdict::Partial };
         if is_complete {
             let is_alone = parts.equivalents().next().is_none();
@@ -187,9 +186,7 @@ impl Parts {
 fn rivals(stage: &Stage) -> impl Iterator<Item = &Contender> {
     let best = stage.contenders.first();
     let is_needless = move |c: &Contender| {
-        best.is_some_and(|b| {
-            is_generalisation(c.candidate.kind.name, b.candidate.kind.name) && c.bic >= b.bic
-        })
+        best.is_some_and(|b| c.candidate.kind.generalises == Some(b.candidate.kind.name) && c.bic >= b.bic)
     };
     stage.equivalents().filter(move |c| !is_needless(c))
 }
@@ -244,7 +241,7 @@ fn are_clear(views: &Views, stage: &Stage, causes: &[Candidate]) -> bool {
 /// Returns whether the last effect of a fit is the main effect of another one.
 fn is_main_effect(fit: &Fit) -> bool {
     let Some((last, others)) = fit.model.effects.split_last() else { return false };
-    others.iter().any(|other| main_effect(other.kind.name) == Some(last.kind.name))
+    others.iter().any(|other| other.kind.refines == Some(last.kind.name))
 }
 
 /// Mean square of held-out samples in units of the noise floors.

@@ -18,8 +18,9 @@ use crate::data::logs::{Block, Columns, Data};
 use crate::data::noise::NoiseModel;
 use crate::data::split::Use;
 use crate::data::tuning::RMS_SIGMAS;
-use crate::statistics::{mean, square_deviations};
+use crate::statistics::square_deviations;
 use bench::Channel;
+use bench::statistics::mean;
 use schemars::JsonSchema;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
@@ -136,7 +137,7 @@ fn repeatable_structure(
                 .collect();
             let k = full.len() as f64;
             if k >= 2.0 {
-                let mean = mean(full.iter().copied());
+                let mean = mean(&full);
                 let scatter = square_deviations(&full, mean);
                 between += k * mean * mean;
                 bins += 1.0;

@@ -25,7 +25,7 @@ pub(crate) fn names_late_cause(first: &[Series], causes: &[Cause]) -> bool {
     };
     let spans: Vec<(f64, f64)> = first.iter().filter_map(fitted_span).collect();
     let first_end_s = spans.iter().fold(f64::INFINITY, |min, (_, end)| min.min(*end));
-    let longest_s = spans.iter().fold(0.0_f64, |max, (start, end)| max.max(end - start));
+    let max_s = spans.iter().fold(0.0_f64, |max, (start, end)| max.max(end - start));
     let is_limit_late = |channel: Channel, limit: f64| {
         let own = first.iter().filter(|series| series.channel == channel);
         let readings = own.flat_map(|series| series.measured.iter().zip(&series.held_out));
@@ -40,7 +40,7 @@ pub(crate) fn names_late_cause(first: &[Series], causes: &[Cause]) -> bool {
         cause.parameters.iter().any(|p| match (guess, cause.channel) {
             (Some(Guess::Onset(_)), _) => p.name == ONSET && p.value >= first_end_s,
             (Some(Guess::LargestReading), Some(channel)) => is_limit_late(channel, 1.0 / p.value),
-            _ => p.name == TIME_CONSTANT && tuning::SETTLED_TIME_CONSTANTS * p.value >= longest_s,
+            _ => p.name == TIME_CONSTANT && tuning::SETTLED_TIME_CONSTANTS * p.value >= max_s,
         })
     };
     causes.iter().any(is_late)

@@ -32,9 +32,6 @@ pub(crate) struct Inconsistency {
     pub(crate) is_hysteretic: bool,
 }
 
-/// Effects with a shape that depend on the speed alone.
-const SPEED_ONLY_EFFECTS: &[&str] = &["stribeck-friction"];
-
 /// Change of the magnitude of the speed: positive while it rises.
 const SPEED_CHANGE: Feature = Feature {
     name: "change of speed",
@@ -74,7 +71,7 @@ fn inconsistency_from(
         let (sizes, shapes): (Vec<usize>, Vec<usize>) =
             model.effect_parameters(which).into_iter().partition(|&i| model.parameters[i].is_size());
         let features = if shapes.is_empty() { FEATURES } else { &[] };
-        let is_of_speed = shapes.is_empty() || SPEED_ONLY_EFFECTS.contains(&candidate.kind.name);
+        let is_of_speed = shapes.is_empty() || candidate.kind.is_function_of_speed;
         let speed_change = is_of_speed.then_some((&SPEED_CHANGE, true));
         let Some(effect) = test.effect(&sizes) else { continue };
         for (feature, is_speed_change) in features.iter().map(|f| (f, false)).chain(speed_change) {

@@ -136,8 +136,8 @@ impl OutOfTolerance {
         }
         let Some(&(candidate, _)) = causes.last() else { return Ok(None) };
         let without = |dropped: Option<usize>| -> Result<Fit, RespondError> {
-            let kept = (0..causes.len()).filter(|i| dropped.is_some_and(|d| d != *i));
-            let (model, z) = model.without_effects().with_effects_of((&model, &z), kept, floors);
+            let retained = (0..causes.len()).filter(|i| dropped.is_some_and(|d| d != *i));
+            let (model, z) = model.without_effects().with_effects_of((&model, &z), retained, floors);
             fit(data, noise, model, z)
         };
         let described = Explanation::new(views, floors, (&without(None)?, noise), Vec::new(), Vec::new())?;

@@ -4,11 +4,12 @@
 use super::{axis, diagnosed, effect, logged, with};
 use bench::{Bench, Channel, MeasuredLog};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
 
-/// A nearly normal number: the sum of twelve uniform ones, less its mean.
+/// Normally distributed number with mean 0 and deviation 1.
 pub(super) fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| f64::from(rng.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
+    StandardNormal.sample(rng)
 }
 
 /// A log of an axis near its description, with noise of a colour; 0 is white.

@@ -28,10 +28,10 @@ impl Limit {
     /// Returns whether a value meets the limit; one that is not a number does not.
     fn is_met(self, value: f64) -> bool {
         match self {
-            Self::AtMost(most) => value <= most,
-            Self::AtLeast(least) => value >= least,
+            Self::AtMost(max) => value <= max,
+            Self::AtLeast(min) => value >= min,
             Self::Above(bound) => value > bound,
-            Self::Within(least, most) => (least..=most).contains(&value),
+            Self::Within(min, max) => (min..=max).contains(&value),
         }
     }
 
@@ -43,7 +43,7 @@ impl Limit {
         match self {
             Self::AtMost(_) => value,
             Self::AtLeast(_) | Self::Above(_) => -value,
-            Self::Within(least, most) => (least - value).max(value - most),
+            Self::Within(min, max) => (min - value).max(value - max),
         }
     }
 }
@@ -279,7 +279,7 @@ const GOALS: &[Goal] = &[
 ];
 
 /// Evaluates every goal.
-pub fn judge(cases: &[Case]) -> Vec<Verdict> {
+pub fn verdicts(cases: &[Case]) -> Vec<Verdict> {
     GOALS.iter().map(|goal| verdict(goal, (goal.figures)(cases))).collect()
 }
 
@@ -311,11 +311,11 @@ mod tests {
 
     #[test]
     fn the_worst_figure_decides() {
-        let most = goal(Limit::AtMost(2.0), &[1.0, 3.0, 2.0]);
-        assert_eq!((most.met, most.within, most.figures), (Some(false), 2, 3));
-        assert_eq!((most.worst.unwrap().of.as_str(), most.median), ("3", Some(2.0)));
-        let least = goal(Limit::AtLeast(2.0), &[4.0, 3.0, 2.0]);
-        assert_eq!((least.met, least.worst.unwrap().value), (Some(true), 2.0));
+        let max = goal(Limit::AtMost(2.0), &[1.0, 3.0, 2.0]);
+        assert_eq!((max.met, max.within, max.figures), (Some(false), 2, 3));
+        assert_eq!((max.worst.unwrap().of.as_str(), max.median), ("3", Some(2.0)));
+        let min = goal(Limit::AtLeast(2.0), &[4.0, 3.0, 2.0]);
+        assert_eq!((min.met, min.worst.unwrap().value), (Some(true), 2.0));
         assert_eq!(goal(Limit::Above(0.0), &[1.0, 0.0]).met, Some(false));
         let within = goal(Limit::Within(0.9, 0.99), &[0.95, 0.995, 0.91]);
         assert_eq!((within.met, within.worst.unwrap().value), (Some(false), 0.995));
@@ -358,11 +358,11 @@ mod tests {
 
     #[test]
     fn a_perfect_estimate_meets_every_goal_and_each_goal_fails_in_its_own_worlds_only() {
-        assert!(judge(&perfect()).iter().all(|verdict| verdict.met == Some(true)));
+        assert!(verdicts(&perfect()).iter().all(|verdict| verdict.met == Some(true)));
         let failing = |is_bad: &dyn Fn(&Case) -> bool, spoil: fn(&mut Case)| {
             let mut cases = perfect();
             cases.iter_mut().filter(|case| is_bad(case)).for_each(spoil);
-            let failed = judge(&cases).into_iter().filter(|verdict| verdict.met == Some(false));
+            let failed = verdicts(&cases).into_iter().filter(|verdict| verdict.met == Some(false));
             failed.map(|verdict| verdict.name).collect::<Vec<_>>()
         };
         let in_world = |world: &'static str| {

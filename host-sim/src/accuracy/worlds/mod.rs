@@ -114,7 +114,7 @@ pub(crate) fn run(
     bar.set_message("worlds");
     let cases = measure(&points, settings, || bar.inc(1))?;
     bar.finish_and_clear();
-    let goals = goals::judge(&cases);
+    let goals = goals::verdicts(&cases);
     let outcome = Outcome { worlds: settings.draws, seed: settings.seed, goals, cases };
     let pictures = pictures::draw(&outcome)?;
     let mut files = Files::new(out);

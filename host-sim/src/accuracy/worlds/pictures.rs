@@ -92,17 +92,17 @@ impl Shown {
 
     fn pictures(&self) -> Result<Pictures, CliError> {
         let (force, torque): (Read, Read) = (|e| e.force_n[0], |e| e.torque_nm);
-        let whole = (START_S, self.rows.last().map_or(START_S, |row| row.time_s));
-        let middle = 0.5 * whole.1;
+        let run = (START_S, self.rows.last().map_or(START_S, |row| row.time_s));
+        let middle = 0.5 * run.1;
         let nearest = |a: &f64, b: &f64| (a - middle).abs().total_cmp(&(b - middle).abs());
         let reversal = reversals_s(&self.rows).min_by(nearest).unwrap_or(middle);
         let near = (reversal - AROUND_S, reversal + AROUND_S);
         let title = format!("Contact force along Y, {}", self.title);
         let chart = Chart { title: &title, x: "time, s", y: "N", size: WIDE };
         let over = [
-            self.curve("truth", whole, |_, row| row.force_y_n).styled(Style::Wide),
-            self.curve("estimate", whole, |i, _| force(&self.network[i])),
-            self.curve("with the law", whole, |i, _| force(&self.law[i])),
+            self.curve("truth", run, |_, row| row.force_y_n).styled(Style::Wide),
+            self.curve("estimate", run, |i, _| force(&self.network[i])),
+            self.curve("with the law", run, |i, _| force(&self.law[i])),
         ];
         let enlarged = [
             self.curve("truth", near, |_, row| row.force_y_n).styled(Style::Wide),
@@ -110,8 +110,8 @@ impl Shown {
             self.band(near, |i, _| force(&self.network[i]), 0),
         ];
         let error = [
-            self.curve("error of the estimate", whole, |i, row| force(&self.network[i]) - row.force_y_n),
-            self.band(whole, |_, _| 0.0, 0),
+            self.curve("error of the estimate", run, |i, row| force(&self.network[i]) - row.force_y_n),
+            self.band(run, |_, _| 0.0, 0),
         ];
         let torques = [
             self.curve("truth", near, |_, row| row.friction_torque_nm).styled(Style::Wide),

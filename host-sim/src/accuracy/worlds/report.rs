@@ -9,6 +9,7 @@ use super::score::{Case, START_S};
 use crate::cli::{limits, output};
 use ::worlds::{Deviations, Sensors};
 use bench::description::TransmissionBench;
+use bench::statistics::mean;
 use model_quant::evaluate::bench_loop::Spread;
 use report::page::Page;
 use report::text_table;
@@ -65,10 +66,10 @@ impl<'a> Selection<'a> {
     }
 
     fn spread(&self, estimator: EstimatorKind, value: fn(&Case) -> f64) -> Spread {
-        Spread::from_values(self.of(estimator).map(value))
+        Spread::from_values(self.of_estimator(estimator).map(value))
     }
 
-    fn of(&self, estimator: EstimatorKind) -> impl Iterator<Item = &'a Case> {
+    fn of_estimator(&self, estimator: EstimatorKind) -> impl Iterator<Item = &'a Case> {
         self.0.iter().copied().filter(move |case| case.estimator == estimator)
     }
 
@@ -82,8 +83,8 @@ impl<'a> Selection<'a> {
 
     /// Mean coverage with the networks.
     fn inside(&self, value: fn(&Case) -> Option<f64>) -> Option<f64> {
-        let inside: Vec<f64> = self.of(Network).filter_map(value).collect();
-        (!inside.is_empty()).then(|| inside.iter().sum::<f64>() / inside.len() as f64)
+        let inside: Vec<f64> = self.of_estimator(Network).filter_map(value).collect();
+        (!inside.is_empty()).then(|| mean(inside))
     }
 }
 
@@ -145,7 +146,7 @@ fn world_rows(outcome: &Outcome, set: Set) -> Rows {
     }
     let row = |name: &&str| {
         let of_world = Selection::new(&outcome.cases, |case| case.set == set && case.world == *name);
-        let inside = of_world.of(Network).filter_map(|case| case.inside_2sd).reduce(f64::min);
+        let inside = of_world.of_estimator(Network).filter_map(|case| case.inside_2sd).reduce(f64::min);
         vec![
             (*name).to_owned(),
             of_world.median(Network, Case::force_share),

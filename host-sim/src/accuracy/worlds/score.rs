@@ -2,8 +2,8 @@
 
 use super::cases::{OperatingPoint, RealWorld, Set};
 use super::estimators::{Estimate, EstimatorKind};
-use crate::run::summary::rms;
 use ::worlds::Row;
+use bench::statistics::rms;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -182,7 +182,7 @@ fn map(
 ) -> Result<Picture, CliError> {
     let values: Vec<Vec<Option<f64>>> =
         curves.iter().rev().map(|c| c.points.iter().map(|p| Some(1e-3 * p.1)).collect()).collect();
-    let largest = values.iter().flatten().flatten().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let largest = values.iter().flatten().flatten().fold(0.0_f64, |max, v| max.max(v.abs()));
     let title = format!("Fig. 12 ({letter}) Friction torque in kN m, {}", bearing.name());
     let columns = curves.first().map(|c| &c.points);
     let columns = columns.into_iter().flatten().map(|p| format!("{:.2}", degrees(p.0, radius_m))).collect();

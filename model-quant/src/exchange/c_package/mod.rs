@@ -75,13 +75,13 @@ fn fill_image(template: &str, image: &[u8], header: &Header, checksum: u32) -> S
         ("@SLIDING@", number(header.sliding_speed_m_s().high)),
         ("@FORCE@", number(header.normal_force_n().high)),
         ("@FLOOR@", number(header.latch_floor_m_s())),
-        ("@WORDS@", words(image)),
+        ("@WORDS@", array_words(image)),
     ];
     replacements.iter().fold(template.to_owned(), |text, (mark, value)| text.replace(mark, value))
 }
 
 /// Formats an image, whose length is divisible by 4, as the words of an array.
-fn words(image: &[u8]) -> String {
+fn array_words(image: &[u8]) -> String {
     let mut text = String::new();
     for line in image.as_chunks::<4>().0.chunks(WORDS_IN_A_LINE) {
         let line: Vec<String> =

@@ -307,11 +307,11 @@ impl Cut {
 }
 
 /// Inflates a compressed element.
-fn inflate(data: &[u8], most: u64) -> Result<Vec<u8>, Flaw> {
+fn inflate(data: &[u8], max_bytes: u64) -> Result<Vec<u8>, Flaw> {
     let mut out = Vec::new();
-    let mut inflater = flate2::read::ZlibDecoder::new(data).take(most + 1);
+    let mut inflater = flate2::read::ZlibDecoder::new(data).take(max_bytes + 1);
     inflater.read_to_end(&mut out).map_err(|_| Flaw::Damage)?;
-    if out.len() as u64 > most { Err(Flaw::TooLarge) } else { Ok(out) }
+    if out.len() as u64 > max_bytes { Err(Flaw::TooLarge) } else { Ok(out) }
 }
 
 #[cfg(test)]

@@ -48,8 +48,11 @@ impl Table {
         let schema = reader.metadata().file_metadata().schema_descr_ptr();
         let names: Vec<String> = schema.columns().iter().map(|c| c.path().string()).collect();
         let known = units(&reader);
-        let clocks: Vec<Option<Clock>> =
-            schema.columns().iter().map(|c| Clock::of(c.logical_type_ref(), c.converted_type())).collect();
+        let clocks: Vec<Option<Clock>> = schema
+            .columns()
+            .iter()
+            .map(|c| Clock::from_types(c.logical_type_ref(), c.converted_type()))
+            .collect();
         let unit = |(name, clock): (&String, &Option<Clock>)| match clock {
             Some(_) => "s".to_owned(),
             None => known.get(name).cloned().unwrap_or_default(),
@@ -121,16 +124,16 @@ impl LogFile for Table {
             }
             let read = guarded(|| {
                 let reader = self.reader.get_row_group(group)?.get_column_reader(index)?;
-                let (most, out) = (description.max_def_level(), &mut out);
+                let (max_level, out) = (description.max_def_level(), &mut out);
                 let Some(clock) = self.clocks.get(index).and_then(Option::as_ref) else {
-                    return append_any(reader, unsigned, most, out);
+                    return append_any(reader, unsigned, max_level, out);
                 };
                 let origin_ns = if clock.has_date { self.origin_ns } else { 0 };
                 let since = |stamp: i64| (i128::from(stamp) * clock.ns - origin_ns) as f64 / 1e9;
                 match reader {
-                    ColumnReader::Int64ColumnReader(reader) => append(reader, most, out, |v| since(*v))?,
+                    ColumnReader::Int64ColumnReader(reader) => append(reader, max_level, out, |v| since(*v))?,
                     ColumnReader::Int32ColumnReader(reader) => {
-                        append(reader, most, out, |v| since((*v).into()))?
+                        append(reader, max_level, out, |v| since((*v).into()))?
                     }
                     _ => return Ok(false),
                 }
@@ -159,7 +162,7 @@ struct Clock {
 
 impl Clock {
     /// Clock of a column; `None` if it has no times.
-    fn of(logical: Option<&LogicalType>, converted: ConvertedType) -> Option<Self> {
+    fn from_types(logical: Option<&LogicalType>, converted: ConvertedType) -> Option<Self> {
         let ns = |unit: &TimeUnit| match unit {
             TimeUnit::MILLIS => 1_000_000,
             TimeUnit::MICROS => 1000,

@@ -22,7 +22,7 @@ pub(in crate::log) fn bytes(file: &str, columns: &[Written<'_>]) -> Result<Vec<u
         file: file.to_owned(),
         source: std::io::Error::other(error.to_string()),
     };
-    match Kind::of(Path::new(file)) {
+    match Kind::from_path(Path::new(file)) {
         Kind::Parquet => parquet::bytes(columns).map_err(|e| failed(&e)),
         Kind::Mat => mat_write::bytes(file, columns),
         Kind::Text => Ok(csv(columns)),
@@ -38,7 +38,7 @@ enum Kind {
 }
 
 impl Kind {
-    fn of(path: &Path) -> Self {
+    fn from_path(path: &Path) -> Self {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
         match ending.as_deref() {
             Some("parquet") => Self::Parquet,
@@ -50,7 +50,7 @@ impl Kind {
 
 /// Returns whether a file is written as text.
 pub(in crate::log) fn is_text(path: &Path) -> bool {
-    Kind::of(path) == Kind::Text
+    Kind::from_path(path) == Kind::Text
 }
 
 /// Returns CSV text: names, units if there are any, and shortest numbers that read back exactly.

@@ -265,7 +265,7 @@ mod tests {
 
     /// Largest and mean difference of friction, relative to its largest value.
     fn difference(a: impl Iterator<Item = Effort>, b: &[Effort]) -> (f64, f64) {
-        let level = b.iter().fold(0.0_f64, |most, e| most.max(e.friction.abs()));
+        let level = b.iter().fold(0.0_f64, |max, e| max.max(e.friction.abs()));
         let off: Vec<f64> = a.zip(b).map(|(a, b)| (a.friction - b.friction).abs() / level).collect();
         (off.iter().copied().fold(0.0, f64::max), off.iter().sum::<f64>() / off.len() as f64)
     }

@@ -28,9 +28,9 @@ impl Shaft {
     pub(super) fn from_bench(bench: &TransmissionBench) -> Option<Self> {
         let compliance = bench.extension.shaft_compliance_rad_nm;
         (compliance > MIN_COMPLIANCE).then(|| {
-            let (whole, stiffness) = (bench.shaft.inertia_kg_m2, 1.0 / compliance);
-            let (drive, load) = ((1.0 - LOAD_SHARE) * whole, LOAD_SHARE * whole);
-            let damping = 2.0 * DAMPING_RATIO * (stiffness * drive * load / whole).sqrt();
+            let (inertia, stiffness) = (bench.shaft.inertia_kg_m2, 1.0 / compliance);
+            let (drive, load) = ((1.0 - LOAD_SHARE) * inertia, LOAD_SHARE * inertia);
+            let damping = 2.0 * DAMPING_RATIO * (stiffness * drive * load / inertia).sqrt();
             Self { drive_kg_m2: drive, load_kg_m2: load, stiffness, damping }
         })
     }

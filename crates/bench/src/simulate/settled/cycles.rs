@@ -2,7 +2,7 @@
 
 use super::Course;
 use crate::plants::transmission::Snapshot;
-use crate::statistics::Band;
+use crate::statistics::{Band, rms};
 
 /// Edges of the bands of oscillation in Hz: half decades.
 const EDGES_HZ: [f64; 7] = [3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0];
@@ -41,11 +41,8 @@ pub(super) fn boundaries(course: &Course<'_>) -> Vec<usize> {
 /// All quantities of the cycles between some boundaries.
 pub(super) fn columns(course: &Course<'_>, boundaries: &[usize]) -> Vec<Column> {
     let force: Vec<f64> = course.samples.iter().map(|s| s.forces.normal_n).collect();
-    let rms = |history: &[f64]| {
-        per_cycle(boundaries, |from, to| {
-            let part = history.get(from..to).unwrap_or_default();
-            (part.iter().map(|v| v * v).sum::<f64>() / part.len().max(1) as f64).sqrt()
-        })
+    let rms_of_cycles = |history: &[f64]| {
+        per_cycle(boundaries, |from, to| rms(history.get(from..to).unwrap_or_default().iter().copied()))
     };
     let mut columns = vec![
         peak(course, boundaries, "peak_contact_force_n", |s| s.forces.normal_n),
@@ -53,12 +50,12 @@ pub(super) fn columns(course: &Course<'_>, boundaries: &[usize]) -> Vec<Column> 
         peak(course, boundaries, "peak_drive_force_n", |s| s.drive_force_n),
     ];
     let all = Band { low_hz: EDGES_HZ[0], high_hz: f64::INFINITY };
-    columns.push(Column::plain("oscillation_rms_n", rms(&all.filter(&force, course.rate_hz))));
+    columns.push(Column::plain("oscillation_rms_n", rms_of_cycles(&all.filter(&force, course.rate_hz))));
     for edges in EDGES_HZ.windows(2) {
         let &[low_hz, high_hz] = edges else { continue };
         let band = Band { low_hz, high_hz };
         let name = format!("oscillation_{low_hz}_{high_hz}_hz_n");
-        columns.push(Column::plain(&name, rms(&band.filter(&force, course.rate_hz))));
+        columns.push(Column::plain(&name, rms_of_cycles(&band.filter(&force, course.rate_hz))));
     }
     columns.push(Column::plain(
         "without_contact_share",

@@ -132,7 +132,7 @@ impl Settled {
             Quantity {
                 name: column.name.clone(),
                 first_cycle: column.values.first().copied().unwrap_or_default(),
-                mean: estimate(settled, seed, mean),
+                mean: estimate(settled, seed, |v| mean(v)),
                 smallest: settled.iter().copied().fold(f64::INFINITY, f64::min),
                 median: estimate(settled, seed, |v| quantile(v, 0.5)),
                 quantile_90: estimate_tail(settled, seed, |v| quantile(v, 0.9)),

@@ -67,7 +67,7 @@ pub(super) fn counts(course: &Course<'_>, boundaries: &[usize], seed: u64) -> Ve
                 share >= from && (share < to || is_last)
             };
             let numbers = per_cycle(&|c| if is_in(c) { c.count } else { 0.0 });
-            let per_cycle = estimate(&numbers, seed, mean);
+            let per_cycle = estimate(&numbers, seed, |n| mean(n));
             RangeBin { from: from * largest_range, to: to * largest_range, per_cycle }
         };
         RangeCount {

@@ -40,7 +40,7 @@ impl<'a> Block<'a> {
     }
 
     /// Reads the block of a kind at a place.
-    pub(super) fn of(bytes: &'a [u8], place: u64, kind: &[u8]) -> Result<Self, Flaw> {
+    pub(super) fn read(bytes: &'a [u8], place: u64, kind: &[u8]) -> Result<Self, Flaw> {
         let block = Self::at(bytes, place)?;
         if block.kind == kind { Ok(block) } else { Err(format!("a damaged block at byte {place}")) }
     }
@@ -149,9 +149,9 @@ pub(super) struct Channel {
 }
 
 /// Groups of a file with their channels, at most `most` channels.
-pub(super) fn groups(bytes: &[u8], most: usize) -> Result<Vec<Group>, Flaw> {
-    let mut file = File { bytes, known: HashSet::new(), groups: Vec::new(), channels: 0, most };
-    let mut place = Block::of(bytes, FIRST, b"HD")?.link(0);
+pub(super) fn groups(bytes: &[u8], max_channels: usize) -> Result<Vec<Group>, Flaw> {
+    let mut file = File { bytes, known: HashSet::new(), groups: Vec::new(), channels: 0, max_channels };
+    let mut place = Block::read(bytes, FIRST, b"HD")?.link(0);
     while place != 0 {
         let data_group = file.next(place, b"DG")?;
         file.data_group(&data_group)?;
@@ -167,7 +167,7 @@ struct File<'a> {
     known: HashSet<u64>,
     groups: Vec<Group>,
     channels: usize,
-    most: usize,
+    max_channels: usize,
 }
 
 impl<'a> File<'a> {
@@ -176,7 +176,7 @@ impl<'a> File<'a> {
         if !self.known.insert(place) {
             return Err("blocks that refer to each other in a circle".into());
         }
-        Block::of(self.bytes, place, kind)
+        Block::read(self.bytes, place, kind)
     }
 
     /// Reads the groups that share a list of records.
@@ -231,8 +231,8 @@ impl<'a> File<'a> {
             };
             out.push(channel(self.bytes, &block, refusal)?);
             self.channels += 1;
-            if self.channels > self.most {
-                return Err(format!("more than {} channels", self.most));
+            if self.channels > self.max_channels {
+                return Err(format!("more than {} channels", self.max_channels));
             }
             if inner_kind == b"CN" {
                 self.list(inner, depth + 1, out)?;

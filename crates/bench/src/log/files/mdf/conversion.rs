@@ -114,12 +114,12 @@ fn looked_up(points: &[(f64, f64)], is_interpolated: bool, stored: f64) -> f64 {
 pub(super) fn unit(bytes: &[u8], place: u64) -> String {
     let mut place = place;
     for _ in 0..MAX_DEPTH {
-        let Some(block) = Block::of(bytes, place, b"CC").ok().filter(|_| place != 0) else { break };
+        let Some(block) = Block::read(bytes, place, b"CC").ok().filter(|_| place != 0) else { break };
         let own = text(bytes, block.link(1));
         if !own.is_empty() {
             return own;
         }
-        let is_conversion = |place: &u64| *place != 0 && Block::of(bytes, *place, b"CC").is_ok();
+        let is_conversion = |place: &u64| *place != 0 && Block::read(bytes, *place, b"CC").is_ok();
         place = block.links_from(4).into_iter().rfind(is_conversion).unwrap_or(0);
     }
     String::new()
@@ -140,7 +140,7 @@ impl Reader<'_> {
         if depth > MAX_DEPTH {
             return Err(format!("conversions that are nested more than {MAX_DEPTH} deep"));
         }
-        let block = Block::of(self.bytes, place, b"CC")?;
+        let block = Block::read(self.bytes, place, b"CC")?;
         let values = values(&block)?;
         let short = || "a conversion with too few parameters".to_owned();
         let too_many = || format!("a table with more than {MAX_RANGES} ranges");

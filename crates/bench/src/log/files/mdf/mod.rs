@@ -118,7 +118,7 @@ impl Mdf {
                 _ => Err("marks of invalid values without stored values".into()),
             };
         }
-        let field = Field::of(group, channel)?;
+        let field = Field::new(group, channel)?;
         let mut cached = self.records.borrow_mut();
         if cached.as_ref().is_none_or(|(known, _)| *known != number) {
             *cached = Some((number, records::records(&self.bytes, group)?));

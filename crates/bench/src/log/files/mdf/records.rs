@@ -14,9 +14,9 @@ pub(super) fn records(bytes: &[u8], group: &Group) -> Result<Vec<u8>, Flaw> {
     let wanted = usize::try_from(group.count).ok().and_then(|count| count.checked_mul(size));
     let wanted = wanted.filter(|wanted| *wanted <= MAX_BYTES);
     let wanted = wanted.ok_or_else(|| format!("more than {} MB of records", MAX_BYTES >> 20))?;
-    let mut stream = Stream { bytes, known: HashSet::new(), out: Vec::new(), most: MAX_BYTES };
+    let mut stream = Stream { bytes, known: HashSet::new(), out: Vec::new(), max_bytes: MAX_BYTES };
     if group.number_bytes == 0 {
-        stream.most = wanted;
+        stream.max_bytes = wanted;
     }
     stream.add(group.records)?;
     let mut found = if group.number_bytes == 0 { stream.out } else { sorted(&stream.out, group)? };
@@ -33,20 +33,20 @@ struct Stream<'a> {
     known: HashSet<u64>,
     out: Vec<u8>,
     /// Bytes that are wanted.
-    most: usize,
+    max_bytes: usize,
 }
 
 impl Stream<'_> {
     /// Appends the records of a block or of a list of blocks.
     fn add(&mut self, place: u64) -> Result<(), Flaw> {
-        if place == 0 || self.out.len() >= self.most {
+        if place == 0 || self.out.len() >= self.max_bytes {
             return Ok(());
         }
         if !self.known.insert(place) {
             return Err("blocks that refer to each other in a circle".into());
         }
         let block = Block::at(self.bytes, place)?;
-        let left = self.most - self.out.len();
+        let left = self.max_bytes - self.out.len();
         match block.kind {
             b"DT" | b"DV" => self.out.extend(block.data.iter().take(left)),
             b"DZ" => {
@@ -70,13 +70,13 @@ impl Stream<'_> {
                 self.add(place)?;
             }
             let next = list.link(0);
-            if next == 0 || self.out.len() >= self.most {
+            if next == 0 || self.out.len() >= self.max_bytes {
                 return Ok(());
             }
             if !self.known.insert(next) {
                 return Err("blocks that refer to each other in a circle".into());
             }
-            list = Block::of(self.bytes, next, b"DL")?;
+            list = Block::read(self.bytes, next, b"DL")?;
         }
     }
 }
@@ -105,11 +105,11 @@ fn sorted(stream: &[u8], group: &Group) -> Result<Vec<u8>, Flaw> {
 
 /// Unpacks a compressed block, of which at most `most` bytes and some more are of interest. In a
 /// transposed block the bytes of the same place in all rows follow each other.
-fn unzipped(block: &Block<'_>, most: usize) -> Option<Vec<u8>> {
+fn unzipped(block: &Block<'_>, max_bytes: usize) -> Option<Vec<u8>> {
     let kind = block.u8(2).ok()?;
     let width = block.u32(4).ok()? as usize;
     let length = usize::try_from(block.u64(8).ok()?).ok()?;
-    if length > MAX_BYTES || length > most.checked_add(1 << 24)? {
+    if length > MAX_BYTES || length > max_bytes.checked_add(1 << 24)? {
         return None;
     }
     let mut data = Vec::new();

@@ -30,7 +30,7 @@ pub(super) struct Field {
 
 impl Field {
     /// Field of a channel; the error says what the channel contains.
-    pub(super) fn of(group: &Group, channel: &Channel) -> Result<Self, Flaw> {
+    pub(super) fn new(group: &Group, channel: &Channel) -> Result<Self, Flaw> {
         let (kind, is_big) = match channel.data_type {
             0 | 1 => (Kind::Unsigned, channel.data_type == 1),
             2 | 3 => (Kind::Signed, channel.data_type == 3),

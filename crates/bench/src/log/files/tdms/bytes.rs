@@ -26,7 +26,7 @@ const TIMESTAMP_BYTES: usize = 16;
 
 impl Kind {
     /// Kind of a data type of the format.
-    pub(super) fn of(code: u32) -> Result<Self, Flaw> {
+    pub(super) fn from_code(code: u32) -> Result<Self, Flaw> {
         Ok(match code {
             1 => Self::I8,
             2 => Self::I16,

@@ -276,9 +276,9 @@ impl Tdms {
         let of = |depth: usize| {
             let path = channel.path.get(..depth)?;
             let object = self.objects.iter().find(|object| object.path == path)?;
-            Scales::of(&object.properties)
+            Scales::from_properties(&object.properties)
         };
-        let own = Scales::of(&channel.properties);
+        let own = Scales::from_properties(&channel.properties);
         own.or_else(|| of(1)).or_else(|| of(0)).unwrap_or_else(|| Ok(Scales::default()))
     }
 

@@ -21,7 +21,7 @@ impl Scales {
     /// # Errors
     ///
     /// The reason why a scale cannot be applied.
-    pub(super) fn of(properties: &Properties) -> Option<Result<Self, String>> {
+    pub(super) fn from_properties(properties: &Properties) -> Option<Result<Self, String>> {
         let count = number(properties, "NI_Number_Of_Scales").filter(|count| *count > 0)?;
         if matches!(properties.get("NI_Scaling_Status"), Some(Property::Text(status)) if status == "scaled") {
             return Some(Ok(Self::default()));
@@ -110,16 +110,17 @@ mod tests {
             ("NI_Scale[1]_Linear_Y_Intercept", Property::Number(-5.0)),
             ("NI_Scale[1]_Linear_Input_Source", Property::Number(0.0)),
         ];
-        let scales = Scales::of(&properties(&items)).unwrap().unwrap();
+        let scales = Scales::from_properties(&properties(&items)).unwrap().unwrap();
         assert_eq!(scales.value(2.0), 10.0 * (1.0 + 4.0 + 12.0) - 5.0);
         items.push(("NI_Scaling_Status", text("scaled")));
-        assert_eq!(Scales::of(&properties(&items)), Some(Ok(Scales::default())));
-        assert_eq!(Scales::of(&properties(&[])), None);
+        assert_eq!(Scales::from_properties(&properties(&items)), Some(Ok(Scales::default())));
+        assert_eq!(Scales::from_properties(&properties(&[])), None);
     }
 
     #[test]
     fn a_scale_that_cannot_be_applied_is_refused_with_its_reason() {
-        let refused = |items: &[(&str, Property)]| Scales::of(&properties(items)).unwrap().unwrap_err();
+        let refused =
+            |items: &[(&str, Property)]| Scales::from_properties(&properties(items)).unwrap().unwrap_err();
         let one = ("NI_Number_Of_Scales", Property::Number(1.0));
         let thermocouple = refused(&[one.clone(), ("NI_Scale[0]_Scale_Type", text("Thermocouple"))]);
         assert_eq!(thermocouple, "a scale of the type `Thermocouple`");

@@ -216,7 +216,7 @@ fn parts(path: &str) -> Vec<String> {
 }
 
 fn plain(cursor: &mut Cursor<'_>) -> Result<Index, Flaw> {
-    let kind = Kind::of(cursor.u32()?)?;
+    let kind = Kind::from_code(cursor.u32()?)?;
     let (dimension, count) = (cursor.u32()?, cursor.count()?);
     if dimension != 1 {
         return Err(Flaw::Damage);
@@ -233,7 +233,7 @@ fn plain(cursor: &mut Cursor<'_>) -> Result<Index, Flaw> {
 fn card(cursor: &mut Cursor<'_>, has_numbers: bool) -> Result<Index, Flaw> {
     let (data_type, dimension, count) = (cursor.u32()?, cursor.u32()?, cursor.count()?);
     let scalers = cursor.u32()?;
-    if data_type != CARD_TYPE && Kind::of(data_type).is_err() || dimension != 1 || scalers > MAX_CARD {
+    if data_type != CARD_TYPE && Kind::from_code(data_type).is_err() || dimension != 1 || scalers > MAX_CARD {
         return Err(Flaw::Damage);
     }
     let mut numbers = Vec::new();
@@ -257,7 +257,7 @@ fn card(cursor: &mut Cursor<'_>, has_numbers: bool) -> Result<Index, Flaw> {
 
 fn property(cursor: &mut Cursor<'_>) -> Result<Property, Flaw> {
     let code = cursor.u32()?;
-    Ok(match Kind::of(code)? {
+    Ok(match Kind::from_code(code)? {
         Kind::Other(0) => Property::Text(cursor.text()?),
         kind => {
             let bytes = cursor.take(kind.size())?;

@@ -93,8 +93,9 @@ impl<'a> Body<'a> {
     /// written: `0,1,2` or `,0,1`. A first sample of this form counts as a header too.
     fn counts_columns(&self) -> bool {
         let named = self.first.strip_prefix(&[String::new()]).unwrap_or(self.first);
-        let least = if named.len() == self.first.len() { 3 } else { 1 };
-        named.len() >= least && named.iter().enumerate().all(|(column, field)| *field == column.to_string())
+        let min_columns = if named.len() == self.first.len() { 3 } else { 1 };
+        named.len() >= min_columns
+            && named.iter().enumerate().all(|(column, field)| *field == column.to_string())
     }
 }
 

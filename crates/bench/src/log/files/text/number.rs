@@ -41,10 +41,10 @@ pub(in crate::log) fn has_thousands(field: &str, decimal_comma: bool) -> bool {
     let mut groups = grouped.trim_start_matches(['+', '-']).split(group);
     let is_first = groups.next().is_some_and(|first| (1..=3).contains(&first.len()) && is_digits(first));
     let mut others = groups.clone();
-    let least = if fraction.is_some() { 1 } else { 2 };
+    let min_groups = if fraction.is_some() { 1 } else { 2 };
     is_first
         && fraction.is_none_or(is_digits)
-        && groups.count() >= least
+        && groups.count() >= min_groups
         && others.all(|group| group.len() == 3 && is_digits(group))
 }
 
