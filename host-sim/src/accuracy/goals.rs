@@ -89,6 +89,17 @@ pub struct Verdict {
     pub held_out: Standing,
 }
 
+/// Result of `host-sim accuracy`, as printed and stored.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome {
+    pub(crate) step_us: f64,
+    pub(crate) seed: u64,
+    pub(crate) goals: Vec<Verdict>,
+    /// Number of runs in which the analytic law has the smaller error on the same signals.
+    pub(crate) law_wins: usize,
+    pub(crate) runs: Vec<Accuracy>,
+}
+
 /// Evaluates every goal.
 pub fn evaluate_goals(outcomes: &[Accuracy]) -> Vec<Verdict> {
     let one = |goal: &Goal| {

@@ -11,7 +11,8 @@ use crate::run::conditions::{
     BEARINGS, CLEARANCE_LOAD_KN, CLEARANCES_MM, LOAD_CLEARANCE_MM, LOADS_KN, variant,
 };
 use crate::run::force::{self, ForceSource, SAMPLE_RATE_HZ};
-use crate::run::summary::{self, AgainstLaw, Figures, after_start};
+use crate::run::magnitude::after_start;
+use crate::run::summary::{self, AgainstLaw, Figures};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;

@@ -3,8 +3,8 @@
 use crate::controller::Losses;
 use crate::run::exchange::ExchangeResult;
 use crate::run::impacts::ImpactSummary;
+use crate::run::magnitude::{after_start, peak, rms};
 use crate::run::same_signals::{Forces, OnSignals};
-use crate::run::summary::{after_start, peak, rms};
 use bench::description::TransmissionBench;
 use bench::integrate::Impact;
 use bench::plants::transmission::Snapshot;

@@ -1,6 +1,6 @@
 //! Motion of the drive: its course, and order and position of a rudder servo.
 
-use super::summary::rms;
+use super::magnitude::rms;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
 use report::figure::{Chart, Series, lines};

@@ -2,6 +2,7 @@
 
 use crate::run::estimator_summary::EstimatorSummary;
 use crate::run::force::{ForceSource, ForcedRun, Tilt};
+use crate::run::magnitude::{after_start, peak, rms};
 use crate::run::servo::ServoFigures;
 use bench::BearingMaterial;
 use bench::description::{FrictionSection, TransmissionBench};
@@ -194,23 +195,6 @@ pub struct AgainstLaw {
     pub force_rms_difference_n: f64,
     /// Rms difference of the journal's position, after the start.
     pub journal_rms_difference_m: f64,
-}
-
-/// Returns the samples from the end of the load's ramp on.
-pub fn after_start<'a>(bench: &TransmissionBench, samples: &'a [Snapshot]) -> &'a [Snapshot] {
-    let start = samples.partition_point(|s| s.time_s < bench.load.ramp_s);
-    samples.get(start..).unwrap_or_default()
-}
-
-/// Returns the largest magnitude of a reading.
-pub fn peak(samples: &[Snapshot], read: impl Fn(&Snapshot) -> f64) -> f64 {
-    samples.iter().map(|s| read(s).abs()).fold(0.0, f64::max)
-}
-
-/// Root mean square.
-pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0_usize), |(s, n), v| (s + v * v, n + 1));
-    if count > 0 { (sum / count as f64).sqrt() } else { 0.0 }
 }
 
 impl Figures {

@@ -2,7 +2,7 @@
 
 use super::cases::{OperatingPoint, RealWorld, Set};
 use super::estimators::{Estimate, EstimatorKind};
-use crate::run::summary::rms;
+use crate::run::magnitude::rms;
 use ::worlds::Row;
 use schemars::JsonSchema;
 use serde::Serialize;
