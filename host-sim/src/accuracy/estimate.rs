@@ -98,7 +98,7 @@ pub fn follow(condition: &Condition, law: &LawRun, seed: Option<u64>) -> Result<
 
 impl EstimateAccuracy {
     /// Evaluates the ticks with noisy and with perfect sensors.
-    pub fn from_ticks(noisy: &[Tick], perfect: &[Tick]) -> Self {
+    pub(crate) fn from_ticks(noisy: &[Tick], perfect: &[Tick]) -> Self {
         let truth: Vec<Snapshot> = noisy.iter().map(|tick| tick.truth).collect();
         let scales @ [force_n, torque_nm] =
             [peak(&truth, |s| s.forces.normal_n), peak(&truth, |s| s.friction_torque_nm)];

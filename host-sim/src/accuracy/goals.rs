@@ -22,7 +22,7 @@ pub struct Goal {
 }
 
 /// All goals.
-pub const GOALS: [Goal; 4] = [
+pub(crate) const GOALS: [Goal; 4] = [
     Goal {
         name: "peak_change",
         what: "networks in place of the law move the peak contact force by at most 2 %",
@@ -101,7 +101,7 @@ pub(crate) struct Outcome {
 }
 
 /// Evaluates every goal.
-pub fn evaluate_goals(outcomes: &[Accuracy]) -> Vec<Verdict> {
+pub(crate) fn evaluate_goals(outcomes: &[Accuracy]) -> Vec<Verdict> {
     let one = |goal: &Goal| {
         let set =
             |held_out| standing(goal, outcomes.iter().filter(|a| a.condition.held_out == held_out).collect());

@@ -99,7 +99,7 @@ impl PaperRuns {
     }
 
     /// Returns the runs of a series with a bearing, in the paper's order.
-    pub fn of_bearing(&self, series: Series, bearing: BearingMaterial) -> Vec<&PaperRun> {
+    pub(crate) fn of_bearing(&self, series: Series, bearing: BearingMaterial) -> Vec<&PaperRun> {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
         let find = |clearance: f64, load: f64| {
             self.0.iter().find(|r| {
@@ -143,13 +143,9 @@ impl PaperRun {
             samples,
         })
     }
-
-    /// Angular acceleration of the shaft over time, from the speed at neighbouring samples.
-    pub fn joint_acceleration(&self) -> Vec<(f64, f64)> {
-        joint_acceleration(after_start(&self.bench, &self.samples))
-    }
 }
 
+/// Angular acceleration of the shaft over time, from the speed at neighbouring samples.
 pub(super) fn joint_acceleration(samples: &[Snapshot]) -> Vec<(f64, f64)> {
     let slope = |(a, b): (&Snapshot, &Snapshot)| {
         let (from, to) = (a.time_s, b.time_s);

@@ -162,7 +162,7 @@ impl Differences {
 
 impl EstimatorSummary {
     /// Compares the estimates with the true forces and with the alternatives on the same signals.
-    pub fn from_exchange(
+    pub(crate) fn from_exchange(
         bench: &TransmissionBench,
         (truth, impacts): (&[Snapshot], &[Impact]),
         exchange: &ExchangeResult,

@@ -4,7 +4,7 @@ use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
 
 /// Returns the samples from the end of the load's ramp on.
-pub fn after_start<'a>(bench: &TransmissionBench, samples: &'a [Snapshot]) -> &'a [Snapshot] {
+pub(crate) fn after_start<'a>(bench: &TransmissionBench, samples: &'a [Snapshot]) -> &'a [Snapshot] {
     let start = samples.partition_point(|s| s.time_s < bench.load.ramp_s);
     samples.get(start..).unwrap_or_default()
 }

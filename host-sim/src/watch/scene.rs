@@ -68,7 +68,7 @@ impl Scene {
     }
 
     /// Takes the impacts that have ended.
-    pub fn add_impacts(&mut self, ended: &[ImpactRecord]) {
+    pub(crate) fn add_impacts(&mut self, ended: &[ImpactRecord]) {
         for impact in ended {
             self.impacts.push((f64::from(impact.peak_us) * 1e-6, f64::from(impact.peak_force_n) * 1e-3));
             self.last_impact = Some(*impact);

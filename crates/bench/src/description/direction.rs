@@ -11,7 +11,7 @@ impl FrictionRig {
     }
 
     /// Input channel of a simulated motion; none if the motion is the input.
-    pub fn input_channel(&self) -> Option<Channel> {
+    pub(crate) fn input_channel(&self) -> Option<Channel> {
         Some(match (self.forward()?.input, self.axis.kind) {
             (DriveInput::Effort, _) => self.channels().2,
             (DriveInput::Voltage, _) => Channel::DriveVoltage,
