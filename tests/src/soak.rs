@@ -36,7 +36,7 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Maximum growth of this process's memory, in bytes.
-pub const GROWTH_BYTES: u64 = 8 << 20;
+pub(crate) const GROWTH_BYTES: u64 = 8 << 20;
 /// Maximum instructions of a tick.
 pub const TICK_INSTRUCTIONS: f64 = 18_500.0;
 /// Drive cycles up to the one that is repeated.

@@ -214,3 +214,26 @@ fn exit(result: Result<ExitCode, run::ChoreError>) -> ExitCode {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Cli;
+    use clap::Parser;
+
+    #[test]
+    fn the_commands_in_the_readmes_are_accepted() {
+        let readmes = [include_str!("../README.md"), include_str!("../../firmware/README.md")];
+        let commands: Vec<&str> = readmes
+            .iter()
+            .flat_map(|text| text.lines())
+            .filter_map(|line| line.trim_start_matches("$ ").strip_prefix("cargo xtask "))
+            .filter_map(|line| line.contains(" #").then(|| line.split('#').next()).flatten())
+            .collect();
+        assert!(commands.len() >= 9, "{commands:?}");
+        for command in commands {
+            let words = std::iter::once("xtask").chain(command.split_whitespace());
+            let parsed = Cli::try_parse_from(words);
+            assert!(parsed.is_ok(), "{command}: {:?}", parsed.err());
+        }
+    }
+}

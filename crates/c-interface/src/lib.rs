@@ -1,8 +1,4 @@
-//! C interface of the contact networks, declared and documented in `include/pintle_model.h`.
-//!
-//! Every function checks its pointers before it uses them and returns a status. The caller owns
-//! all memory: the model's storage, the image, inputs and outputs. No function allocates, panics or
-//! keeps a pointer, except that a model reads its image in place.
+#![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), no_std)]
 #![allow(unsafe_code, reason = "the boundary to C: each function checks the pointers that it gets")]
 

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod axis;
+mod chart;
 pub mod figure;
 pub mod heat;
 pub mod page;

@@ -3,7 +3,7 @@
 //! A figure carries the description of its chart. Its columns stand at the end of the page in
 //! base64 and are shared by all charts.
 
-use crate::figure::{Chart, Series, Style};
+use crate::chart::{Chart, Series, Style};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;

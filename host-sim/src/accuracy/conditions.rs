@@ -15,9 +15,9 @@ use serde::Serialize;
 /// Preset of the bench.
 pub const BENCH: &str = "bench-b";
 /// Noise of the journal's position sensors at the controller's rate, m.
-pub const POSITION_NOISE_M: f64 = 0.2e-6;
+pub(crate) const POSITION_NOISE_M: f64 = 0.2e-6;
 /// Noise of the shaft's angle sensor at the controller's rate, degrees.
-pub const ANGLE_NOISE_DEG: f64 = 0.01;
+pub(crate) const ANGLE_NOISE_DEG: f64 = 0.01;
 
 /// One condition of bench B.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
@@ -90,7 +90,7 @@ impl Condition {
     }
 
     /// Runs it with the analytic law.
-    pub fn law_run(&self) -> Result<LawRun, CliError> {
+    pub(crate) fn law_run(&self) -> Result<LawRun, CliError> {
         let bench = self.bench()?;
         let forced = force::run_bench(&bench, ForceSource::Law, DEFAULT_STEP_S, || {})?;
         Ok(LawRun { bench, forced })

@@ -10,9 +10,9 @@ use super::conditions::{Condition, LawRun};
 use crate::cli::error::CliError;
 use crate::run::configuration::controller_configuration;
 use crate::run::force::SAMPLE_RATE_HZ;
+use crate::run::magnitude::peak;
 use crate::run::same_signals::{self, Forces};
 use crate::run::sensing;
-use crate::run::summary::peak;
 use bench::Bench;
 use bench::plants::transmission::{Snapshot, Transmission};
 use bench::statistics::rms;
@@ -99,7 +99,7 @@ pub fn follow(condition: &Condition, law: &LawRun, seed: Option<u64>) -> Result<
 
 impl EstimateAccuracy {
     /// Evaluates the ticks with noisy and with perfect sensors.
-    pub fn from_ticks(noisy: &[Tick], perfect: &[Tick]) -> Self {
+    pub(crate) fn from_ticks(noisy: &[Tick], perfect: &[Tick]) -> Self {
         let truth: Vec<Snapshot> = noisy.iter().map(|tick| tick.truth).collect();
         let scales @ [force_n, torque_nm] =
             [peak(&truth, |s| s.forces.normal_n), peak(&truth, |s| s.friction_torque_nm)];

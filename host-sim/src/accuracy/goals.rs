@@ -22,7 +22,7 @@ pub struct Goal {
 }
 
 /// All goals.
-pub const GOALS: [Goal; 4] = [
+pub(crate) const GOALS: [Goal; 4] = [
     Goal {
         name: "peak_change",
         what: "networks in place of the law move the peak contact force by at most 2 %",
@@ -89,8 +89,19 @@ pub struct Verdict {
     pub held_out: Standing,
 }
 
+/// Result of `host-sim accuracy`, as printed and stored.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Outcome {
+    pub(crate) step_us: f64,
+    pub(crate) seed: u64,
+    pub(crate) goals: Vec<Verdict>,
+    /// Number of runs in which the analytic law has the smaller error on the same signals.
+    pub(crate) law_wins: usize,
+    pub(crate) runs: Vec<Accuracy>,
+}
+
 /// Evaluates every goal.
-pub fn evaluate_goals(outcomes: &[Accuracy]) -> Vec<Verdict> {
+pub(crate) fn evaluate_goals(outcomes: &[Accuracy]) -> Vec<Verdict> {
     let one = |goal: &Goal| {
         let set =
             |held_out| standing(goal, outcomes.iter().filter(|a| a.condition.held_out == held_out).collect());

@@ -30,7 +30,7 @@ use crate::cli::parallel;
 use conditions::Condition;
 use estimate::EstimateAccuracy;
 use gap::GapAccuracy;
-use goals::Verdict;
+pub(crate) use goals::Outcome;
 use in_the_loop::LoopAccuracy;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -58,17 +58,6 @@ pub struct Settings {
     pub seed: u64,
     /// Threads; 0 uses one per core. The result does not depend on it.
     pub threads: usize,
-}
-
-/// Result of `host-sim accuracy`, as printed and stored.
-#[derive(Serialize, JsonSchema)]
-pub(crate) struct Outcome {
-    pub(crate) step_us: f64,
-    pub(crate) seed: u64,
-    pub(crate) goals: Vec<Verdict>,
-    /// Number of runs in which the analytic law has the smaller error on the same signals.
-    pub(crate) law_wins: usize,
-    pub(crate) runs: Vec<Accuracy>,
 }
 
 /// Measures all conditions; `finished` is called after each.

@@ -6,7 +6,7 @@ use crate::run::force::{ForceSource, identity};
 use model_quant::evaluate::bench_loop::{BenchLoop, LoopSet, Spread};
 
 /// Returns the figures of the shipped image of every measured bearing.
-pub fn bench_loops(runs: &[Accuracy], settings: Settings) -> Vec<BenchLoop> {
+pub(crate) fn bench_loops(runs: &[Accuracy], settings: Settings) -> Vec<BenchLoop> {
     let of = |bearing| {
         let set = |held_out| {
             let inside = |a: &&Accuracy| a.condition.bearing == bearing && a.condition.held_out == held_out;

@@ -11,7 +11,7 @@ const VERBOSE: u8 = 2;
 
 /// Amount of text and colours.
 #[derive(Args, Clone, Copy, Debug)]
-pub struct ConsoleOptions {
+pub(crate) struct ConsoleOptions {
     /// Print errors and results in JSON only: no summary, no progress.
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
@@ -25,7 +25,7 @@ pub struct ConsoleOptions {
 impl ConsoleOptions {
     /// Makes the options those of the process. The variable `NO_COLOR` counts unless `--color` is
     /// given.
-    pub fn apply(self) {
+    pub(crate) fn apply(self) {
         self.color.write_global();
         let level = match (self.quiet, self.verbose) {
             (true, _) => QUIET,

@@ -50,7 +50,7 @@ pub struct BenchOptions {
 
 impl BenchOptions {
     /// Refuses the changes that a plant does not have.
-    pub fn check_changes(&self, bench: &Bench) -> Result<(), CliError> {
+    pub(crate) fn check_changes(&self, bench: &Bench) -> Result<(), CliError> {
         let (load, transmission) = ("a plant with a load", "`transmission-bench`");
         let (has_load, is_transmission) = (bench.load().is_some(), bench.transmission().is_some());
         let changes = [
@@ -83,7 +83,7 @@ impl BenchOptions {
     }
 
     /// Opens the bench as [`Self::open`] does, also a mechanism with `[[measured]]`.
-    pub fn open_recorded(&self) -> Result<Bench, CliError> {
+    pub(crate) fn open_recorded(&self) -> Result<Bench, CliError> {
         let mut bench = Bench::open(&self.bench)?;
         if bench.logged().is_none() {
             let expected = match bench {
@@ -117,7 +117,7 @@ impl BenchOptions {
     }
 
     /// Opens the bench as [`Self::open`] does, and refuses every plant without a controller.
-    pub fn open_transmission(&self) -> Result<TransmissionBench, CliError> {
+    pub(crate) fn open_transmission(&self) -> Result<TransmissionBench, CliError> {
         Ok(TransmissionBench::from_bench(self.open()?, &self.bench)?)
     }
 }

@@ -6,6 +6,7 @@ use crate::cli::output::{self, Files};
 use crate::controller::Recording;
 use crate::controller::choice::{self, ControllerKind, ProbeOptions};
 use crate::controller::recording::MAGIC;
+use crate::impact_text;
 use crate::replay::{Difference, Replayed, log, replay};
 use crate::run::configuration::lockstep_configuration;
 use crate::run::estimates;
@@ -196,7 +197,7 @@ fn print_log(
     let totals = ImpactTotals::new(exchanged);
     print_line!("impacts: {}; lost records {}", totals.records, totals.lost);
     for record in exchanged.impacts.iter().take(SHOWN) {
-        print_line!("  {}", impacts::line(record));
+        print_line!("  {}", impact_text::line(record));
     }
     if exchanged.impacts.len() > SHOWN {
         print_line!("  and {} more in {}", exchanged.impacts.len() - SHOWN, impacts::FILE_NAME);

@@ -246,3 +246,13 @@ impl From<ControllerError> for CliError {
         }
     }
 }
+
+/// Returns a conversion of a system's error.
+pub(super) fn system(what: &'static str) -> impl Fn(std::io::Error) -> ControllerError {
+    move |source| ControllerError::System { what, source }
+}
+
+/// Returns the error of an answer other than the expected one.
+pub(super) fn unexpected(found: &impl std::fmt::Debug, expected: &str) -> ControllerError {
+    ControllerError::Unexpected { found: format!("{found:?}"), expected: expected.into() }
+}

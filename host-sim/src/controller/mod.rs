@@ -16,6 +16,8 @@ mod native;
 mod one_core;
 #[cfg(feature = "probe")]
 mod probe;
+#[cfg(feature = "probe")]
+mod probe_channels;
 mod recorder;
 pub mod recording;
 mod remote;
@@ -29,14 +31,14 @@ pub use line::Timeouts;
 pub use native::NativeController;
 #[cfg(feature = "probe")]
 pub use probe::ProbedController;
+use recorder::framed;
 pub use recorder::{Direction, RecordedFrame, Recorder};
 pub use recording::Recording;
 pub use remote::RemoteController;
 
+use error::{system, unexpected};
 use link::track::SensorStatus;
-use link::{
-    Answer, Command, Counters, EstimateFrame, Hello, ImpactRecord, MAX_FRAME, SensorFrame, SlowFrame, encode,
-};
+use link::{Answer, Command, Counters, EstimateFrame, Hello, ImpactRecord, SensorFrame, SlowFrame};
 
 /// A configured controller.
 pub trait Controller {
@@ -69,20 +71,4 @@ pub(crate) fn stopped(answer: Answer) -> Result<Counters, ControllerError> {
         Answer::Stopped(counters) => Ok(counters),
         other => Err(unexpected(&other, "the counters")),
     }
-}
-
-fn system(what: &'static str) -> impl Fn(std::io::Error) -> ControllerError {
-    move |source| ControllerError::System { what, source }
-}
-
-fn unexpected(found: &impl std::fmt::Debug, expected: &str) -> ControllerError {
-    ControllerError::Unexpected { found: format!("{found:?}"), expected: expected.into() }
-}
-
-/// Encodes a message as a frame.
-fn framed<'a>(
-    message: &impl serde::Serialize,
-    buffer: &'a mut [u8; MAX_FRAME],
-) -> Result<&'a [u8], ControllerError> {
-    encode(message, buffer).map_err(|error| unexpected(&error, "a message that fits a frame"))
 }

@@ -11,23 +11,17 @@
 //! controller counts the late ticks.
 
 use super::line::{Line, Timeouts};
+use super::probe_channels::{Channels, channels};
 use super::stream::Stream;
 use super::{ControllerError, RemoteController, attached};
 use crate::flash::FlashError;
-use crate::flash::probe::{CORE, attach, failed, found, open, with_causes};
+use crate::flash::probe::{CORE, attach, failed, found, open};
 use controller::boards::Board;
 use object::{Object, ObjectSection, ObjectSymbol};
 use probe_rs::probe::Probe;
-use probe_rs::rtt::{DownChannel, Error as RttError, Rtt, UpChannel};
-use probe_rs::{Core, MemoryInterface, Permissions, Session};
-use std::io::{Error, ErrorKind, Result as Outcome};
+use probe_rs::{Core, MemoryInterface, Permissions};
 use std::path::Path;
-use std::time::Duration;
 
-/// Pause between two reads of a buffer: less than a read takes over USB.
-pub(super) const PAUSE: Duration = Duration::from_micros(100);
-/// Name of the link's channels.
-const LINK: &str = "link";
 /// Reads that empty a buffer: more than a sending controller can fill meanwhile.
 const EMPTYING: usize = 64;
 
@@ -144,61 +138,6 @@ fn build_name(bytes: &[u8]) -> String {
     match name {
         Some(name) if !name.is_empty() && name.chars().all(|c| c.is_ascii_graphic()) => name.into(),
         _ => "without a name".into(),
-    }
-}
-
-/// The link's channels.
-fn channels(rtt: Rtt) -> Option<(UpChannel, DownChannel)> {
-    let up = rtt.up_channels.into_iter().find(|channel| channel.name() == Some(LINK))?;
-    let down = rtt.down_channels.into_iter().find(|channel| channel.name() == Some(LINK))?;
-    Some((up, down))
-}
-
-/// The two buffers of the link.
-#[derive(Debug)]
-pub(super) struct Channels {
-    session: Session,
-    block: u64,
-    /// None during a restart of the controller.
-    open: Option<(UpChannel, DownChannel)>,
-}
-
-impl Channels {
-    /// Reads bytes from the controller.
-    pub(super) fn read(&mut self, buffer: &mut [u8]) -> Outcome<usize> {
-        self.with(|core, (up, _)| up.read(core, buffer))
-    }
-
-    /// Writes as many bytes as there is room for.
-    pub(super) fn write(&mut self, bytes: &[u8]) -> Outcome<usize> {
-        self.with(|core, (_, down)| down.write(core, bytes))
-    }
-
-    fn with(
-        &mut self,
-        transfer: impl FnOnce(&mut Core, &mut (UpChannel, DownChannel)) -> Result<usize, RttError>,
-    ) -> Outcome<usize> {
-        let mut core = self.session.core(CORE).map_err(|error| Error::other(with_causes(&error)))?;
-        let moved = match &mut self.open {
-            Some(open) => transfer(&mut core, open),
-            // The next call may transfer bytes.
-            None => Rtt::attach_at(&mut core, self.block).map(|rtt| {
-                self.open = channels(rtt);
-                0
-            }),
-        };
-        match moved {
-            Ok(0) => Err(ErrorKind::WouldBlock.into()),
-            Ok(count) => Ok(count),
-            Err(error @ (RttError::Probe(_) | RttError::MemoryRead(_))) => {
-                Err(Error::other(with_causes(&error)))
-            }
-            // The controller is restarting: its buffers have moved or do not exist yet.
-            Err(_) => {
-                self.open = None;
-                Err(ErrorKind::WouldBlock.into())
-            }
-        }
     }
 }
 

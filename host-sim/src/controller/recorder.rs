@@ -1,8 +1,9 @@
 //! Records a link session: every frame in both directions, with the sequence number of the sample
 //! that it belongs to.
 
-use super::{ControllerError, framed};
-use link::{MAX_FRAME, ToController, ToHost};
+use super::ControllerError;
+use super::error::unexpected;
+use link::{MAX_FRAME, ToController, ToHost, encode};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Direction of a frame.
@@ -66,4 +67,12 @@ impl Received {
         self.frames.push(RecordedFrame { way, sequence: self.sequence, bytes });
         Ok(())
     }
+}
+
+/// Encodes a message as a frame.
+pub(super) fn framed<'a>(
+    message: &impl serde::Serialize,
+    buffer: &'a mut [u8; MAX_FRAME],
+) -> Result<&'a [u8], ControllerError> {
+    encode(message, buffer).map_err(|error| unexpected(&error, "a message that fits a frame"))
 }

@@ -4,7 +4,7 @@
 //! [`Stream::ready`] waits.
 
 #[cfg(feature = "probe")]
-use super::probe::Channels;
+use super::probe_channels::Channels;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use serial2::SerialPort;
 use std::fs::File;
@@ -82,7 +82,7 @@ impl Stream {
             Self::Pipes { to_host, .. } => to_host.as_fd(),
             #[cfg(feature = "probe")]
             Self::Probe(_) => {
-                std::thread::sleep(timeout.min(super::probe::PAUSE));
+                std::thread::sleep(timeout.min(super::probe_channels::PAUSE));
                 return Ok(false);
             }
         };

@@ -4,7 +4,7 @@ use super::describe;
 use super::info::{optional_report, track};
 use crate::cli::error::CliError;
 use crate::controller::{Controller, RemoteController};
-use crate::run::impacts::line;
+use crate::impact_text::line;
 use link::{Answer, Command, NumberedEstimate, ReportKind, SlowReport};
 use serde_json::json;
 use std::time::Duration;

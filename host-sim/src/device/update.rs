@@ -13,7 +13,7 @@ use link::update::{
 use model_quant::exchange::package::Package;
 
 /// Maximum number of consecutive attempts without progress.
-pub const ATTEMPTS: u32 = 5;
+pub(crate) const ATTEMPTS: u32 = 5;
 
 /// A connection that can ask a controller about models.
 pub trait Ask {

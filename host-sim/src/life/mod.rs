@@ -13,28 +13,15 @@ use crate::cli::error::CliError;
 use crate::cli::{parallel, progress};
 use bench::BearingMaterial;
 use bench::Bench;
-use bench::description::{Effect, TransmissionBench};
+use bench::description::TransmissionBench;
 use bench::simulate::life::{Life, LifeError, LifePoint, limit_clearance_m, run_life};
-use link::ContactSource;
 use schemars::JsonSchema;
 use serde::Serialize;
-use tracking::Tracked;
+pub(crate) use tracking::Settings;
+use tracking::{Tracked, wear_effect};
 
-/// Effect that a life ends in.
-const EFFECT: &str = "clearance-wear";
-/// Its parameter.
-const PARAMETER: &str = "clearance_increase_m";
-
-/// Settings that do not belong to the bench.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Settings {
-    /// Source of the contact in the estimate.
-    pub(crate) contact: ContactSource,
-    /// Seed of the sensors' noise.
-    pub(crate) seed: u64,
-    /// Threads; 0: one per core.
-    pub(crate) threads: usize,
-}
+/// Profiles in `profile.csv` and in the pictures.
+const PROFILES: usize = 5;
 
 /// Result of a life.
 #[derive(Clone, Debug, JsonSchema, Serialize)]
@@ -79,6 +66,21 @@ pub(crate) struct LifeResult {
     pub(crate) lives: [Life; 3],
     /// Figures.
     pub(crate) outcome: Outcome,
+}
+
+impl LifeResult {
+    /// Points of the life whose profiles are shown: evenly over the largest depth.
+    pub(super) fn shown_points(&self) -> Vec<usize> {
+        let points = &self.lives[1].points;
+        let end_m = points.last().map_or(0.0, |point| point.largest_depth_m);
+        let after = |i: usize| {
+            let depth_m = end_m * i as f64 / (PROFILES - 1) as f64;
+            points.iter().position(|point| point.largest_depth_m >= depth_m)
+        };
+        let mut shown: Vec<usize> = (0..PROFILES).filter_map(after).collect();
+        shown.dedup();
+        shown
+    }
 }
 
 impl From<LifeError> for CliError {
@@ -147,10 +149,4 @@ pub(crate) fn worn_bench(bench: &TransmissionBench, outcome: &Outcome) -> Option
     let mut worn = bench.clone();
     worn.common.effects.push(effect);
     Some(worn)
-}
-
-/// Effect of a larger clearance.
-fn wear_effect(increase_m: f64) -> Effect {
-    let parameters = [(PARAMETER.to_owned(), increase_m)].into();
-    Effect { name: EFFECT.into(), channel: None, parameters }
 }

@@ -1,6 +1,5 @@
 //! Pictures of a life: predicted and tracked clearance, worn profiles, figures of the duty cycle.
 
-use super::report::shown_points;
 use super::{LifeResult, interval_m};
 use crate::cli::error::CliError;
 use crate::cli::output::{Files, Picture};
@@ -74,7 +73,7 @@ fn unrolled(result: &LifeResult) -> Result<Picture, CliError> {
         let name = format!("{:.2e} cycles", life.points[index].cycle);
         Series::through(name, depths.iter().enumerate().map(point).collect())
     };
-    let series: Vec<Series> = shown_points(result).into_iter().map(depths).collect();
+    let series: Vec<Series> = result.shown_points().into_iter().map(depths).collect();
     let (x, y) = ("angle from +Y towards +Z, degrees", "wear depth, um");
     let chart = Chart { title: "Profile of the bearing", x, y, size: HALF };
     Picture::draw(lines, "profile", &chart, &series, "Depth of the bearing; 270 degrees is its bottom.")
@@ -97,7 +96,7 @@ fn polar(result: &LifeResult) -> Result<Picture, CliError> {
         points.extend(points.first().copied());
         Series::through(name, points)
     };
-    let series: Vec<Series> = shown_points(result).into_iter().map(around).collect();
+    let series: Vec<Series> = result.shown_points().into_iter().map(around).collect();
     let chart = Chart { title: "Worn bore", x: "y over the radius", y: "z over the radius", size: SQUARE };
     let caption = format!("Depth enlarged: {:.1} um are a third of the radius.", end_m * 1e6);
     Picture::draw(map, "bore", &chart, &series, &caption)

@@ -13,22 +13,6 @@ use report::page::Page;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Profiles in `profile.csv` and in the pictures.
-const PROFILES: usize = 5;
-
-/// Points of the life whose profiles are shown: evenly over the largest depth.
-pub(super) fn shown_points(result: &LifeResult) -> Vec<usize> {
-    let points = &result.lives[1].points;
-    let end_m = points.last().map_or(0.0, |point| point.largest_depth_m);
-    let after = |i: usize| {
-        let depth_m = end_m * i as f64 / (PROFILES - 1) as f64;
-        points.iter().position(|point| point.largest_depth_m >= depth_m)
-    };
-    let mut shown: Vec<usize> = (0..PROFILES).filter_map(after).collect();
-    shown.dedup();
-    shown
-}
-
 /// Point of the life with the interval of its clearance.
 #[derive(Serialize)]
 struct Row {
@@ -52,7 +36,7 @@ pub(crate) fn life_csv(result: &LifeResult) -> Result<String, CliError> {
 pub(crate) fn profile_csv(result: &LifeResult) -> String {
     let mut csv = String::from("cycle,angle_rad,bearing_depth_m,journal_depth_m\n");
     let life = &result.lives[1];
-    for index in shown_points(result) {
+    for index in result.shown_points() {
         let (Some(point), Some(profile)) = (life.points.get(index), life.profiles.get(index)) else {
             continue;
         };

@@ -5,7 +5,6 @@
 //! bearing, and starts from the clearance that it tracked at the point before, as a controller does
 //! that works through the life. Where it cannot track, it keeps the clearance it knows.
 
-use super::{Settings, wear_effect};
 use crate::cli::error::CliError;
 use crate::cli::{parallel, progress};
 use crate::controller::NativeController;
@@ -14,16 +13,32 @@ use crate::run::exchange::exchange;
 use crate::run::force::SAMPLE_RATE_HZ;
 use crate::run::sensing;
 use bench::Bench;
-use bench::description::TransmissionBench;
+use bench::description::{Effect, TransmissionBench};
 use bench::plants::transmission::Transmission;
 use bench::simulate::life::Life;
 use bench::simulate::{DEFAULT_TOLERANCE, run_bench_with_law};
-use link::SensorFrame;
+use link::{ContactSource, SensorFrame};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Points of a life that are followed.
 const POINTS: u32 = 6;
+
+/// Effect that a life ends in.
+const EFFECT: &str = "clearance-wear";
+/// Its parameter.
+const PARAMETER: &str = "clearance_increase_m";
+
+/// Settings that do not belong to the bench.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Settings {
+    /// Source of the contact in the estimate.
+    pub(crate) contact: ContactSource,
+    /// Seed of the sensors' noise.
+    pub(crate) seed: u64,
+    /// Threads; 0: one per core.
+    pub(crate) threads: usize,
+}
 
 /// Clearance at one point of a life.
 #[derive(Clone, Copy, Debug, JsonSchema, Serialize)]
@@ -84,4 +99,10 @@ fn sensed(bench: &TransmissionBench, clearance_m: f64, seed: u64) -> Result<Vec<
     let worn = worn.resolved();
     let run = run_bench_with_law(&worn, &worn.sample_times_s(SAMPLE_RATE_HZ), DEFAULT_TOLERANCE)?;
     Ok(sensing::frames(&Bench::from(worn), &run.samples, seed))
+}
+
+/// Effect of a larger clearance.
+pub(super) fn wear_effect(increase_m: f64) -> Effect {
+    let parameters = [(PARAMETER.to_owned(), increase_m)].into();
+    Effect { name: EFFECT.into(), channel: None, parameters }
 }

@@ -11,7 +11,8 @@ use crate::run::conditions::{
     BEARINGS, CLEARANCE_LOAD_KN, CLEARANCES_MM, LOAD_CLEARANCE_MM, LOADS_KN, variant,
 };
 use crate::run::force::{self, ForceSource, SAMPLE_RATE_HZ};
-use crate::run::summary::{self, AgainstLaw, Figures, after_start};
+use crate::run::magnitude::after_start;
+use crate::run::summary::{self, AgainstLaw, Figures};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::Snapshot;
@@ -98,7 +99,7 @@ impl PaperRuns {
     }
 
     /// Returns the runs of a series with a bearing, in the paper's order.
-    pub fn of_bearing(&self, series: Series, bearing: BearingMaterial) -> Vec<&PaperRun> {
+    pub(crate) fn of_bearing(&self, series: Series, bearing: BearingMaterial) -> Vec<&PaperRun> {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
         let find = |clearance: f64, load: f64| {
             self.0.iter().find(|r| {
@@ -142,13 +143,9 @@ impl PaperRun {
             samples,
         })
     }
-
-    /// Angular acceleration of the shaft over time, from the speed at neighbouring samples.
-    pub fn joint_acceleration(&self) -> Vec<(f64, f64)> {
-        joint_acceleration(after_start(&self.bench, &self.samples))
-    }
 }
 
+/// Angular acceleration of the shaft over time, from the speed at neighbouring samples.
 pub(super) fn joint_acceleration(samples: &[Snapshot]) -> Vec<(f64, f64)> {
     let slope = |(a, b): (&Snapshot, &Snapshot)| {
         let (from, to) = (a.time_s, b.time_s);

@@ -131,7 +131,7 @@ struct Defaults {
 
 impl RunArgs {
     /// The main job: every option at its default.
-    pub fn default_job() -> Self {
+    pub(crate) fn default_job() -> Self {
         Defaults::parse_from(["host-sim"]).args
     }
 

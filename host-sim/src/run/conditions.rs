@@ -4,13 +4,13 @@ use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 
 /// Clearances of Figs. 17 and 18, mm.
-pub const CLEARANCES_MM: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
+pub(crate) const CLEARANCES_MM: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 /// Load of Figs. 17 and 18, kN.
-pub const CLEARANCE_LOAD_KN: f64 = 10.0;
+pub(crate) const CLEARANCE_LOAD_KN: f64 = 10.0;
 /// Loads of Figs. 19 and 20, and -1 kN, which the paper's list leaves out.
-pub const LOADS_KN: [f64; 6] = [10.0, 5.0, 1.0, -1.0, -5.0, -10.0];
+pub(crate) const LOADS_KN: [f64; 6] = [10.0, 5.0, 1.0, -1.0, -5.0, -10.0];
 /// Clearance of Figs. 19 and 20, mm.
-pub const LOAD_CLEARANCE_MM: f64 = 1.0;
+pub(crate) const LOAD_CLEARANCE_MM: f64 = 1.0;
 /// Both bearings, in the order of the paper.
 pub const BEARINGS: [BearingMaterial; 2] = [BearingMaterial::Babbitt, BearingMaterial::Plastic];
 

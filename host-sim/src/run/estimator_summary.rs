@@ -3,8 +3,8 @@
 use crate::controller::Losses;
 use crate::run::exchange::ExchangeResult;
 use crate::run::impacts::ImpactSummary;
+use crate::run::magnitude::{after_start, peak};
 use crate::run::same_signals::{Forces, OnSignals};
-use crate::run::summary::{after_start, peak};
 use bench::description::TransmissionBench;
 use bench::integrate::Impact;
 use bench::plants::transmission::Snapshot;
@@ -163,7 +163,7 @@ impl Differences {
 
 impl EstimatorSummary {
     /// Compares the estimates with the true forces and with the alternatives on the same signals.
-    pub fn from_exchange(
+    pub(crate) fn from_exchange(
         bench: &TransmissionBench,
         (truth, impacts): (&[Snapshot], &[Impact]),
         exchange: &ExchangeResult,

@@ -95,7 +95,7 @@ pub fn identity(source: ForceSource, material: BearingMaterial) -> String {
 }
 
 /// Inputs of the networks for a contact.
-pub fn contact_state(view: &ContactView) -> ContactState {
+pub(crate) fn contact_state(view: &ContactView) -> ContactState {
     ContactState {
         radial_clearance_m: view.radial_clearance_m as f32,
         deformation_m: view.deformation_m as f32,

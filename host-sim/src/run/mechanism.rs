@@ -2,9 +2,9 @@
 
 use super::RunArgs;
 use super::force::ForceSource;
+use super::magnitude::number;
 use super::mechanism_networks::{self, NetworkFigures};
 use super::mechanism_sketch::sketch;
-use super::report::number;
 use crate::cli::error::CliError;
 use crate::cli::limits;
 use crate::cli::output::Files;

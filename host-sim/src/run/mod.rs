@@ -10,6 +10,7 @@ pub mod estimator_summary;
 pub mod exchange;
 pub mod force;
 pub mod impacts;
+pub mod magnitude;
 pub(crate) mod mechanism;
 mod mechanism_networks;
 mod mechanism_sketch;

@@ -9,7 +9,7 @@ use super::report::{
 };
 use super::{Finished, servo, settled, tilt};
 use crate::cli::limits;
-use crate::run::summary::after_start;
+use crate::run::magnitude::after_start;
 use bench::plants::transmission::Snapshot;
 use link::{EstimateFrame, ImpactRecord};
 use report::figure::{Chart, Series, Style, lines, map};

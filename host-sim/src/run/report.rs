@@ -4,6 +4,7 @@ use super::{Finished, settled};
 use crate::cli::label::label;
 use crate::run::estimator_summary::{Differences, EstimatorSummary, Tracked};
 use crate::run::impacts::{TABLE_HEADER, pairs, table_rows};
+use crate::run::magnitude::number;
 use crate::run::summary::{PeakRow, Sticking, Summary};
 use bench::integrate::Impact;
 use report::text_table;
@@ -164,17 +165,6 @@ fn flatten(name: &str, value: &serde_json::Value, rows: &mut Vec<Vec<String>>) {
 
 /// Maximum number of contacts in the list.
 const LISTED: usize = 30;
-
-/// Formats a number with five significant digits.
-pub(super) fn number(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 || (1e-2..1e6).contains(&size) {
-        let digits = (4.0 - size.max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
-        format!("{value:.digits$}")
-    } else {
-        format!("{value:.3e}")
-    }
-}
 
 const IMPACT_HEADER: [&str; 7] = [
     "onset, s",

@@ -1,7 +1,7 @@
 //! Settled operation of a run of several cycles: table, page section and file of its cycles.
 
 use super::force::SAMPLE_RATE_HZ;
-use super::report::number;
+use super::magnitude::number;
 use crate::cli::label::label;
 use bench::description::TransmissionBench;
 use bench::simulate::Run;

@@ -2,6 +2,7 @@
 
 use crate::run::estimator_summary::EstimatorSummary;
 use crate::run::force::{ForceSource, ForcedRun, Tilt};
+use crate::run::magnitude::{after_start, peak};
 use crate::run::servo::ServoFigures;
 use bench::BearingMaterial;
 use bench::description::{FrictionSection, TransmissionBench};
@@ -110,7 +111,7 @@ impl PerPeak {
     }
 
     /// Describes the largest error bars of some runs.
-    pub fn largest_bars<'a>(runs: impl Iterator<Item = &'a Figures> + Clone) -> String {
+    pub(crate) fn largest_bars<'a>(runs: impl Iterator<Item = &'a Figures> + Clone) -> String {
         let largest = |read: fn(&Self) -> Option<f64>, unit: f64| {
             let bar = runs.clone().map(|f| read(&f.error_bars)).try_fold(0.0_f64, |m, b| Some(m.max(b?)));
             bar.map_or_else(|| "unknown".into(), |bar| format!("{:.1e}", bar * unit))
@@ -197,20 +198,14 @@ pub struct AgainstLaw {
     pub journal_rms_difference_m: f64,
 }
 
-/// Returns the samples from the end of the load's ramp on.
-pub fn after_start<'a>(bench: &TransmissionBench, samples: &'a [Snapshot]) -> &'a [Snapshot] {
-    let start = samples.partition_point(|s| s.time_s < bench.load.ramp_s);
-    samples.get(start..).unwrap_or_default()
-}
-
-/// Returns the largest magnitude of a reading.
-pub fn peak(samples: &[Snapshot], read: impl Fn(&Snapshot) -> f64) -> f64 {
-    samples.iter().map(|s| read(s).abs()).fold(0.0, f64::max)
-}
-
 impl Figures {
     /// Computes the figures of a run whose samples have the rate `rate_hz`.
-    pub fn from_run(bench: &TransmissionBench, force: ForceSource, forced: &ForcedRun, rate_hz: f64) -> Self {
+    pub(crate) fn from_run(
+        bench: &TransmissionBench,
+        force: ForceSource,
+        forced: &ForcedRun,
+        rate_hz: f64,
+    ) -> Self {
         let peak = |name: &str| forced.peaks.iter().find(|p| p.name == name);
         let value = |name: &str| peak(name).map_or(0.0, |p| p.value);
         Self {
@@ -257,7 +252,7 @@ impl AgainstLaw {
 }
 
 /// Angular acceleration of the crank with the journal centred, rad/s2.
-pub fn ideal_angular_acceleration(bench: &TransmissionBench, time_s: f64) -> f64 {
+pub(crate) fn ideal_angular_acceleration(bench: &TransmissionBench, time_s: f64) -> f64 {
     angular_acceleration(bench.geometry.drive_lever_radius_m, &bench.drive_profile().at(time_s))
 }
 
@@ -271,7 +266,7 @@ fn angular_acceleration(lever: f64, motion: &Motion) -> f64 {
 
 /// Times of the sign changes of the crank's angular acceleration in the first cycle, with the
 /// journal centred, s.
-pub fn acceleration_reversals_s(bench: &TransmissionBench) -> Vec<f64> {
+pub(crate) fn acceleration_reversals_s(bench: &TransmissionBench) -> Vec<f64> {
     let step = bench.drive.period_s * 1e-4;
     // A random course is expensive to build, so it is built once.
     let drive = bench.drive_profile();
@@ -289,7 +284,7 @@ fn first_acceleration_reversal_s(bench: &TransmissionBench) -> Option<f64> {
 }
 
 /// Window in which the oscillation after a reversal is measured, s.
-pub fn oscillation_window_s(bench: &TransmissionBench, reversal_s: f64) -> (f64, f64) {
+pub(crate) fn oscillation_window_s(bench: &TransmissionBench, reversal_s: f64) -> (f64, f64) {
     let period = bench.drive.period_s;
     (reversal_s - OSCILLATION_WINDOW.0 * period, reversal_s + OSCILLATION_WINDOW.1 * period)
 }
@@ -300,7 +295,7 @@ fn oscillation_rms_n(bench: &TransmissionBench, samples: &[Snapshot], rate_hz: f
 }
 
 /// Rms of the contact force less its 20 ms moving mean, between two times.
-pub fn fluctuation_rms_n(samples: &[Snapshot], rate_hz: f64, (from_s, to_s): (f64, f64)) -> f64 {
+pub(crate) fn fluctuation_rms_n(samples: &[Snapshot], rate_hz: f64, (from_s, to_s): (f64, f64)) -> f64 {
     let half = (0.5 * OSCILLATION_MEAN_S * rate_hz).round() as usize;
     let low = samples.partition_point(|s| s.time_s < from_s);
     let high = samples.partition_point(|s| s.time_s <= to_s);

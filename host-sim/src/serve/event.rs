@@ -3,7 +3,7 @@
 //! Times are in us and positions in nm, as the controller's frames have them; the rest is in SI
 //! units. A number that is infinite is written as null.
 
-use crate::run::impacts;
+use crate::impact_text;
 use controller::flags::NAMES;
 use link::ImpactRecord;
 use schemars::JsonSchema;
@@ -141,7 +141,7 @@ impl From<&ImpactRecord> for Impact {
             energy_lost_j: r.energy_lost_j,
             speed_ratio: r.speed_ratio(),
             flags: r.flags,
-            end: impacts::end(r.end),
+            end: impact_text::end(r.end),
         }
     }
 }

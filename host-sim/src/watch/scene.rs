@@ -1,7 +1,7 @@
 //! Content of the live view: contact force over time, the journal's orbit in its clearance, the
 //! flags.
 
-use crate::run::impacts;
+use crate::impact_text;
 use controller::flags::NAMES;
 use inference::Flags;
 use link::{EstimateFrame, ImpactRecord, SensorFrame};
@@ -68,7 +68,7 @@ impl Scene {
     }
 
     /// Takes the impacts that have ended.
-    pub fn add_impacts(&mut self, ended: &[ImpactRecord]) {
+    pub(crate) fn add_impacts(&mut self, ended: &[ImpactRecord]) {
         for impact in ended {
             self.impacts.push((f64::from(impact.peak_us) * 1e-6, f64::from(impact.peak_force_n) * 1e-3));
             self.last_impact = Some(*impact);
@@ -115,7 +115,7 @@ impl Scene {
     /// Number of impacts, the largest peak and the last impact.
     fn impacts(&self) -> Paragraph<'_> {
         let largest_n = self.impacts.iter().fold(0.0_f64, |largest, (_, peak)| largest.max(1e3 * peak));
-        let text = self.last_impact.as_ref().map_or_else(|| "none so far".into(), impacts::line);
+        let text = self.last_impact.as_ref().map_or_else(|| "none so far".into(), impact_text::line);
         let title = match self.impacts.len() {
             0 => "impacts".into(),
             count => format!("{count} impacts, largest peak {largest_n:.0} N; the last one"),

@@ -4,7 +4,9 @@ mod collision;
 mod friction;
 mod progress;
 
-use super::{CliError, parse_bearing, print_json};
+use crate::cli::checkpoint::parse_bearing;
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::csv::table;
 use crate::data::draw::Purpose;
 use crate::data::features::FloatFeatures;
@@ -111,7 +113,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.json {
         return print_json(&summary);
     }
-    super::print(format_args!(
+    print(format_args!(
         "{}: {} rows, normal force mean {mean:.1} N, largest {largest:.1} N",
         out.display(),
         set.len()

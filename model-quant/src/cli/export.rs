@@ -1,6 +1,8 @@
 //! `model-quant export`: trained networks as ONNX and safetensors.
 
-use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
+use crate::cli::checkpoint::{bearings, checkpoint, parse_bearing};
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::file_io::write_atomically;
 use crate::exchange::description::{describe_network, describe_origin};
 use crate::exchange::layout::Layout;

@@ -1,6 +1,8 @@
 //! `model-quant generate c`: a model for programs in C or C++.
 
-use super::{CliError, bearings, parse_bearing, print, print_json};
+use crate::cli::checkpoint::{bearings, parse_bearing};
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::file_io::{check_directory, write_atomically};
 use crate::exchange::c_package::{Libraries, files};
 use crate::quantise::image::AlignedImage;

@@ -1,106 +1,25 @@
 //! `model-quant import`: checks and quantises a network from an ONNX file and writes it as Rust
 //! source.
 
+mod arguments;
 mod replace;
 
-use super::{CliError, parse_bearing, print, print_json};
+pub(crate) use arguments::Arguments;
+
+use crate::cli::error::{CliError, ImportError, MAX_FILE_BYTES};
+use crate::cli::output::{print, print_json};
 use crate::data::file_io::write_atomically;
 use crate::exchange::card::{CardContents, card};
-use crate::exchange::error::OnnxError;
 use crate::exchange::input_scale::InputScale;
 use crate::exchange::onnx_import::{Imported, import, one_line};
 use crate::exchange::quantised::{QuantisationError, quantise_imported};
 use crate::exchange::rust_source::{SourceContents, is_module_name, source};
-use crate::exchange::samples::{Difference, Samples, SamplesError};
+use crate::exchange::samples::{Difference, Samples};
 use crate::quantise::mode::{Mode, Packing, Plan};
-use inference::BearingMaterial;
 use serde_json::json;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-
-/// Maximum size of an ONNX or safetensors file in bytes.
-const MAX_FILE_BYTES: u64 = 64 << 20;
-
-/// Import a network from ONNX: check it, quantise it, write it as Rust source
-///
-/// Accepts the output of PyTorch (torch.onnx) and Keras (tf2onnx) for a chain of 1-D convolutions
-/// (stride 1, all 'valid' or all 'same') with ReLU, flattening in either order and dense layers.
-/// Anything else is refused with the name of the node: exit 2.
-///
-/// --samples is a safetensors file with two f32 tensors: `inputs`, samples x the axes of the ONNX
-/// file's input, and `outputs`, samples x outputs of the framework. The network must agree with
-/// them (--tolerance, else exit 1). They also calibrate the scales between the layers; the full
-/// scale of every input is their largest value plus a sixteenth. A few hundred samples that cover
-/// the range of use are enough. In Python:
-///
-///   safetensors.numpy.save_file({"inputs": x, "outputs": y}, "samples.safetensors")
-///
-/// Writes NAME.layers (bytes for the engine), NAME.rs (type, scales and self-test, for a `no_std`
-/// crate that depends on `inference`) and NAME.md (model card). Without --samples the command only
-/// prints a description of the network.
-///
-/// --bearing replaces the network of the same shape in that bearing's float checkpoint and writes
-/// BEARING.float for `model-quant quantize`. The network must have the inputs and the output of
-/// the shipped one (`model-quant export` lists them in the metadata). The recipe in that file
-/// remains that of the checkpoint: it describes the ranges and the other network, not the training
-/// of the imported one.
-#[derive(Debug, clap::Args)]
-#[command(
-    verbatim_doc_comment,
-    after_help = "Examples:\n  model-quant import model.onnx\n  \
-                  model-quant import model.onnx --samples samples.safetensors --out src/network\n  \
-                  model-quant import model.onnx --samples samples.safetensors --full-scale 1.5,0.02 \
-                  --mode w16a16 --json\n  \
-                  model-quant import friction.onnx --samples samples.safetensors --bearing babbitt \
-                  --out models"
-)]
-pub(crate) struct Arguments {
-    /// ONNX file
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
-    /// Inputs and outputs of the framework as safetensors
-    #[arg(long, value_name = "FILE")]
-    samples: Option<PathBuf>,
-    /// Output directory
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    out: PathBuf,
-    /// Name of the files; default: that of the ONNX file
-    #[arg(long)]
-    name: Option<String>,
-    /// Largest allowed difference from the samples, relative to their largest output
-    #[arg(long, value_name = "X", default_value_t = 1e-5)]
-    tolerance: f64,
-    /// Full scale of every value of a column; default: from the samples
-    #[arg(long, value_name = "X,X,...", value_delimiter = ',', requires = "samples")]
-    full_scale: Option<Vec<f32>>,
-    /// Widths of weights and activations
-    #[arg(long, value_enum, default_value_t)]
-    mode: Mode,
-    /// Storage of 8-bit weights for 16-bit activations
-    #[arg(long, value_enum, default_value_t)]
-    packing: Packing,
-    /// Replace a network of this bearing's float checkpoint instead: babbitt or plastic
-    #[arg(long, value_parser = parse_bearing, conflicts_with_all = ["full_scale", "mode", "packing", "name"])]
-    bearing: Option<BearingMaterial>,
-    /// Float checkpoint; the shipped one if not given
-    #[arg(long, value_name = "FILE", requires = "bearing")]
-    checkpoint: Option<PathBuf>,
-    /// Print the result as JSON
-    #[arg(long)]
-    json: bool,
-}
-
-/// Input file that was refused.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ImportError {
-    #[error("{}: {source}", path.display())]
-    Onnx { path: PathBuf, source: Box<OnnxError> },
-    #[error("{}: {source}", path.display())]
-    Samples { path: PathBuf, source: SamplesError },
-    #[error("{}: found more bytes, expected at most {MAX_FILE_BYTES}", .0.display())]
-    Length(PathBuf),
-}
 
 fn read(path: &Path) -> Result<Vec<u8>, CliError> {
     let mut bytes = Vec::new();

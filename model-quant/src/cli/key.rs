@@ -1,6 +1,7 @@
 //! `model-quant key`: key pairs for signing packages.
 
-use super::{CliError, print, print_json};
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::file_io::{WriteError, temporary};
 use crate::exchange::key::{digits, parse, text};
 use ed25519_dalek::SigningKey;

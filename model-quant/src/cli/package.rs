@@ -1,7 +1,8 @@
 //! `model-quant package`: one signed file with images and self-tests for a controller.
 
 use super::key::read as read_key;
-use super::{CliError, print, print_json};
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::file_io::write_atomically;
 use crate::exchange::key::{DEVELOPMENT, digits, parse};
 use crate::exchange::package::{Package, PackageProperties};

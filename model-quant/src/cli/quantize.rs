@@ -1,6 +1,8 @@
 //! `model-quant quantize`: model images and cards from float checkpoints.
 
-use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
+use crate::cli::checkpoint::{bearings, checkpoint, parse_bearing};
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::file_io::{check_directory, write_atomically};
 use crate::evaluate::bench_loop;
 use crate::evaluate::layers::{LAYER_ROWS, LayerError, layer_errors};

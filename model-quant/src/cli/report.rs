@@ -1,6 +1,8 @@
 //! `model-quant report`: writes the training report.
 
-use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
+use crate::cli::checkpoint::{bearings, checkpoint, parse_bearing};
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::file_io::{check_directory, write_atomically};
 use crate::report::claims::training::TrainingFacts;
 use crate::report::claims::{friction, torque, training};

@@ -1,6 +1,7 @@
 //! `model-quant completions` and `man`: the command line for a shell and as manual pages.
 
-use super::{CliError, print};
+use crate::cli::error::CliError;
+use crate::cli::output::print;
 use crate::data::file_io::WriteError;
 use clap::Command;
 use clap_complete::{Shell, generate};

@@ -1,6 +1,8 @@
 //! `model-quant verify`: compares images with laws, float networks and other runtimes.
 
-use super::{CliError, bearings, checkpoint, parse_bearing, print, print_json};
+use crate::cli::checkpoint::{bearings, checkpoint, parse_bearing};
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::file_io::write_atomically;
 use crate::evaluate::errors::{Errors, FRICTION_RADIUS_M};
 use crate::evaluate::goals::Goal;

@@ -4,4 +4,5 @@
 pub mod card;
 pub mod claims;
 pub mod paper;
+pub(crate) mod torque;
 pub(crate) mod training;

@@ -29,14 +29,14 @@ const LAST_COMMAND: u32 = 4;
 
 /// A controller that is stopped before a sample.
 #[derive(Debug)]
-pub struct Prepared {
+pub(crate) struct Prepared {
     /// The emulator.
     pub emulator: Emulator,
 }
 
 impl Prepared {
     /// Starts an image and stops it before a sample; the later samples are queued.
-    pub fn start(
+    pub(crate) fn start(
         elf: &Path,
         image: &Image,
         scenario: &Scenario,

@@ -32,9 +32,9 @@ use link::{Answer, EstimateFrame, NumberedEstimate, SlowReport, ToHost};
 use serde::{Deserialize, Serialize};
 
 /// Error of an estimate up to which it is not wrong, as a share of full scale.
-pub const BOUND_SHARE: f64 = 0.05;
+pub(crate) const BOUND_SHARE: f64 = 0.05;
 /// Error of the tracked clearance that reports a fault, in standard deviations.
-pub const CLEARANCE_DEVIATIONS: f64 = 4.0;
+pub(crate) const CLEARANCE_DEVIATIONS: f64 = 4.0;
 
 /// Class of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -107,7 +107,7 @@ impl Emulator {
     }
 
     /// Returns the debugger connection.
-    pub fn gdb(&mut self) -> Result<&mut Gdb, CampaignError> {
+    pub(crate) fn gdb(&mut self) -> Result<&mut Gdb, CampaignError> {
         self.gdb
             .as_mut()
             .ok_or(CampaignError::Debugger { found: "none".into(), expected: "an emulator with one" })

@@ -19,14 +19,14 @@ const THUMB: u32 = 2;
 
 /// Connection to a debugger stub. Every call but [`Gdb::resume`] needs a stopped core.
 #[derive(Debug)]
-pub struct Gdb {
+pub(crate) struct Gdb {
     stream: UnixStream,
     received: Vec<u8>,
 }
 
 impl Gdb {
     /// Connects as soon as the emulator has created its socket.
-    pub fn connect(path: &Path) -> Result<Self, CampaignError> {
+    pub(crate) fn connect(path: &Path) -> Result<Self, CampaignError> {
         let until = Instant::now() + TIMEOUT;
         let stream = loop {
             match UnixStream::connect(path) {
@@ -42,32 +42,32 @@ impl Gdb {
     }
 
     /// Returns the socket, to poll it together with others.
-    pub const fn stream(&self) -> &UnixStream {
+    pub(crate) const fn stream(&self) -> &UnixStream {
         &self.stream
     }
 
     /// Reads memory.
-    pub fn read(&mut self, address: u32, length: usize) -> Result<Vec<u8>, CampaignError> {
+    pub(crate) fn read(&mut self, address: u32, length: usize) -> Result<Vec<u8>, CampaignError> {
         let reply = self.request(&format!("m{address:x},{length:x}"))?;
         let bytes = from_hexadecimal(&reply).filter(|bytes| bytes.len() == length);
         bytes.ok_or_else(|| unexpected(&reply, "the bytes of a memory"))
     }
 
     /// Writes memory, also flash.
-    pub fn write(&mut self, address: u32, bytes: &[u8]) -> Result<(), CampaignError> {
+    pub(crate) fn write(&mut self, address: u32, bytes: &[u8]) -> Result<(), CampaignError> {
         let text: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
         self.command(&format!("M{address:x},{:x}:{text}", bytes.len()))
     }
 
     /// Flips a bit of a byte in memory.
-    pub fn flip(&mut self, address: u32, bit: u8) -> Result<(), CampaignError> {
+    pub(crate) fn flip(&mut self, address: u32, bit: u8) -> Result<(), CampaignError> {
         let before = self.read(address, 1)?;
         let after: Vec<u8> = before.iter().map(|byte| byte ^ (1 << (bit & 7))).collect();
         self.write(address, &after)
     }
 
     /// Reads a core register: 13 is the stack pointer, 15 the program counter.
-    pub fn register(&mut self, number: u32) -> Result<u32, CampaignError> {
+    pub(crate) fn register(&mut self, number: u32) -> Result<u32, CampaignError> {
         // The stub reads single registers only for clients that know its register description.
         let reply = self.request("g")?;
         let bytes = from_hexadecimal(&reply).unwrap_or_default();
@@ -76,17 +76,17 @@ impl Gdb {
     }
 
     /// Sets a breakpoint: the core stops before the instruction at an address.
-    pub fn set_breakpoint(&mut self, address: u32) -> Result<(), CampaignError> {
+    pub(crate) fn set_breakpoint(&mut self, address: u32) -> Result<(), CampaignError> {
         self.command(&format!("Z0,{address:x},{THUMB:x}"))
     }
 
     /// Removes a breakpoint.
-    pub fn clear_breakpoint(&mut self, address: u32) -> Result<(), CampaignError> {
+    pub(crate) fn clear_breakpoint(&mut self, address: u32) -> Result<(), CampaignError> {
         self.command(&format!("z0,{address:x},{THUMB:x}"))
     }
 
     /// Executes one instruction.
-    pub fn step(&mut self) -> Result<(), CampaignError> {
+    pub(crate) fn step(&mut self) -> Result<(), CampaignError> {
         let reply = self.request("s")?;
         if reply.starts_with('T') || reply.starts_with('S') {
             Ok(())
@@ -96,18 +96,18 @@ impl Gdb {
     }
 
     /// Resets the machine through the emulator's monitor.
-    pub fn reset(&mut self) -> Result<(), CampaignError> {
+    pub(crate) fn reset(&mut self) -> Result<(), CampaignError> {
         let command: String = "system_reset".bytes().map(|byte| format!("{byte:02x}")).collect();
         self.command(&format!("qRcmd,{command}"))
     }
 
     /// Lets the core run. [`Gdb::has_stopped`] reports when it stops.
-    pub fn resume(&mut self) -> Result<(), CampaignError> {
+    pub(crate) fn resume(&mut self) -> Result<(), CampaignError> {
         self.send("c")
     }
 
     /// Returns whether the core has stopped since [`Gdb::resume`]; does not wait.
-    pub fn has_stopped(&mut self) -> Result<bool, CampaignError> {
+    pub(crate) fn has_stopped(&mut self) -> Result<bool, CampaignError> {
         match self.packet()? {
             Some(text) if text.starts_with('T') || text.starts_with('S') => Ok(true),
             // The emulation has ended; the caller checks the process.

@@ -100,7 +100,7 @@ impl Kind {
 
     /// Returns the kind of a fault number.
     #[must_use]
-    pub fn for_number(number: u64) -> Self {
+    pub(crate) fn for_number(number: u64) -> Self {
         let round = Self::ALL.iter().map(|kind| kind.share()).sum::<u64>();
         // The factor is coprime to the round, so it mixes the kinds.
         let mut place = number.wrapping_mul(7) % round;
@@ -115,7 +115,7 @@ impl Kind {
 
     /// Returns whether a sensor fails.
     #[must_use]
-    pub const fn is_sensor_fault(self) -> bool {
+    pub(crate) const fn is_sensor_fault(self) -> bool {
         matches!(
             self,
             Self::SensorStuck

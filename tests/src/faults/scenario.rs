@@ -20,9 +20,9 @@ use link::{
 /// Number of samples.
 pub const SAMPLES: usize = 6_500;
 /// First sample before which a fault may occur: the journal has landed and the load is applied.
-pub const FAULTS_FROM: usize = 1_000;
+pub(crate) const FAULTS_FROM: usize = 1_000;
 /// End of the samples before which a fault may occur.
-pub const FAULTS_BEFORE: usize = 2_000;
+pub(crate) const FAULTS_BEFORE: usize = 2_000;
 
 /// Samples with the estimates without fault.
 #[derive(Debug)]

@@ -21,7 +21,7 @@ const BEFORE_S: f64 = 0.2;
 
 /// An axis with its true parameters.
 #[derive(Clone, Copy, Debug)]
-pub struct RealAxis {
+pub(crate) struct RealAxis {
     /// True for a rotary axis.
     pub rotary: bool,
     /// Inertia, kg or kg m2.
@@ -121,7 +121,7 @@ fn wave((cosine, sine, period): (f64, f64, f64), at: f64) -> f64 {
 
 impl RealAxis {
     /// Returns the true signals of a record on an even grid.
-    pub fn run(&self, run: &Run, hidden: &[HiddenEffect]) -> Signals {
+    pub(crate) fn run(&self, run: &Run, hidden: &[HiddenEffect]) -> Signals {
         let axis = Self {
             inertia: self.inertia + total(hidden, "inertia-mismatch", "inertia_change"),
             coulomb: self.coulomb + total(hidden, "coulomb-level", "coulomb_effort"),

@@ -33,7 +33,7 @@ pub const EFFECTS: &[&str] = &[
 ];
 
 /// The same for the bench whose shaft may tilt.
-pub const TILTING: &[&str] = &[
+pub(crate) const TILTING: &[&str] = &[
     "clearance-wear",
     "contact-stiffness",
     "restitution",

@@ -68,7 +68,7 @@ impl Conditions {
     }
 
     /// Returns the sample rate of an axis, Hz.
-    pub const fn axis_rate_hz(self) -> f64 {
+    pub(crate) const fn axis_rate_hz(self) -> f64 {
         match self {
             Self::Usual => 250.0,
             Self::Hard => 200.0,

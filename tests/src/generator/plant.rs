@@ -1,7 +1,7 @@
 //! The simulated plants: their descriptions, uncertain parameters and outputs.
 
 /// Channel, noise and resolution of every sensor of a transmission bench.
-pub const BENCH_SENSORS: &[(&str, f64, f64)] = &[
+pub(crate) const BENCH_SENSORS: &[(&str, f64, f64)] = &[
     ("drive_displacement_m", 0.0, 1e-8),
     ("drive_velocity_m_s", 0.0, 1e-6),
     ("load_force_n", 0.5, 0.1),
@@ -16,7 +16,7 @@ pub const BENCH_SENSORS: &[(&str, f64, f64)] = &[
 ];
 
 /// Names of the outputs of a transmission bench, in the order of [`BENCH_SENSORS`].
-pub const BENCH_OUTPUTS: &[&str] = &[
+pub(crate) const BENCH_OUTPUTS: &[&str] = &[
     "shaft_angle_rad",
     "shaft_speed_rad_s",
     "journal_y_m",
@@ -84,7 +84,7 @@ impl Plant {
     /// and bounces, s.
     ///
     /// The times of the bounces depend on every parameter, so this time does not count.
-    pub const fn landing_s(self) -> f64 {
+    pub(crate) const fn landing_s(self) -> f64 {
         match self {
             Self::Rotary | Self::Linear => 0.0,
             Self::Bench | Self::TwoPlane => 0.06,

@@ -10,7 +10,7 @@ use super::record::Record;
 use std::f64::consts::TAU;
 
 /// Returns the parameters that define the size of an effect; the others define its shape.
-pub fn size_parameters(effect: &str) -> &'static [&'static str] {
+pub(crate) fn size_parameters(effect: &str) -> &'static [&'static str] {
     match effect {
         "clearance-wear" => &["clearance_increase_m"],
         "restitution" => &["restitution_change"],

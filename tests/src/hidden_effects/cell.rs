@@ -14,7 +14,7 @@ pub const PAIRS: &[(Plant, &str, &str)] = &[
     (Plant::Rotary, "coulomb-level", "load-dependent-friction"),
 ];
 /// Changes, in the order of a cell's variants.
-pub const CHANGES: [&str; 7] = ["units", "time", "order", "twice", "more", "shuffled", "counter"];
+pub(crate) const CHANGES: [&str; 7] = ["units", "time", "order", "twice", "more", "shuffled", "counter"];
 
 /// Kind of a cell: what is hidden, and what the diagnosis must find.
 #[derive(

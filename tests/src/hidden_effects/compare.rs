@@ -170,7 +170,7 @@ impl Outcome {
     }
 
     /// Decides whether the causes are the hidden effects under other names.
-    pub fn score_equivalence(&mut self, scale: &Scale<'_>, answer: &Diagnosis) {
+    pub(crate) fn score_equivalence(&mut self, scale: &Scale<'_>, answer: &Diagnosis) {
         if answer.causes.is_empty() || self.in_group + self.partial_right > 0 || self.hidden.is_empty() {
             return;
         }

@@ -17,7 +17,7 @@ pub struct Goal {
 
 impl Goal {
     /// Returns the distance of the figure from the accepted range.
-    pub fn missed_by(&self) -> Option<f64> {
+    pub(crate) fn missed_by(&self) -> Option<f64> {
         let (min, max) = self.wanted;
         self.found.map(|v| (min - v).max(v - max).max(0.0))
     }

@@ -28,9 +28,9 @@ pub const LOG: &str = "log.csv";
 /// File of the user's description of the plant.
 pub const BENCH: &str = "bench.toml";
 /// File of the label.
-pub const LABEL: &str = "label/label.json";
+pub(crate) const LABEL: &str = "label/label.json";
 /// File that must exist before the label is shown.
-pub const DIAGNOSIS: &str = "diagnosis.json";
+pub(crate) const DIAGNOSIS: &str = "diagnosis.json";
 
 /// Content of a log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

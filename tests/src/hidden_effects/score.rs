@@ -125,7 +125,7 @@ pub struct Figures {
 
 impl Figures {
     /// Deleted causes for which a cause is named: share with a wrong name.
-    pub fn wrong_among_named(&self) -> Share {
+    pub(crate) fn wrong_among_named(&self) -> Share {
         let count = |share: f64| (share * self.deleted.cells as f64).round();
         let (wrong, equivalent) = (count(self.deleted.wrong), count(self.deleted.equivalent));
         let named = wrong + equivalent;

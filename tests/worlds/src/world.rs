@@ -136,7 +136,7 @@ impl World {
     }
 
     /// Returns the load along +Y in N.
-    pub fn load_at(&self, time_s: f64) -> f64 {
+    pub(crate) fn load_at(&self, time_s: f64) -> f64 {
         let share = time_s / self.load_ramp_s;
         let load_n = if share < 1.0 { 0.5 * self.load_n * (1.0 - (PI * share).cos()) } else { self.load_n };
         if self.load_swing_n == 0.0 {
@@ -146,7 +146,7 @@ impl World {
     }
 
     /// Returns displacement, velocity and acceleration of the drive in m and s.
-    pub fn drive_at(&self, time_s: f64) -> [f64; 3] {
+    pub(crate) fn drive_at(&self, time_s: f64) -> [f64; 3] {
         let t = time_s - self.drive_lag_s;
         if t < 0.0 {
             return [0.0; 3];

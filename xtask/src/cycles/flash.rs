@@ -11,7 +11,7 @@
 //! lower bound stores every line and prefetches what the cache lacks. A read that has begun is not
 //! broken off.
 
-use super::Bound;
+use super::bound::Bound;
 use std::ops::Range;
 
 /// Bytes of a flash line, as a power of two.

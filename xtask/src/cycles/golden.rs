@@ -5,9 +5,10 @@
 //! checkout's path, their order decides where code and constants lie, and that place decides which
 //! lines of the flash are read twice. With another compiler only the budgets are compared.
 
-use super::record::Work;
+use super::measure;
+use super::placement::Placement;
 use super::report::{Cycles, Report};
-use super::{Placement, measure};
+use super::work::Work;
 use crate::document::Block;
 use crate::golden::Comparison;
 use crate::run::{ChoreError, root, write_atomically};

@@ -15,7 +15,7 @@
 //! | barriers beyond their first cycle | 0 | 4 |
 //! | registers of the FPU are saved and restored with an interrupt | no | yes |
 
-use super::Bound;
+use super::bound::Bound;
 use super::decode::{Instruction, Kind};
 use super::flash::Memory;
 use super::trace::{Access, Section, Step};

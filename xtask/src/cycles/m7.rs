@@ -8,7 +8,7 @@
 //! delay of a loaded word as 1 cycle for the next instruction. The latency of results of the FPU is
 //! not public and left out, so the upper figure is no bound for chains of floats.
 
-use super::Bound;
+use super::bound::Bound;
 use super::decode::{Instruction, Kind};
 use super::trace::{Section, Step};
 use std::collections::HashMap;

@@ -6,192 +6,27 @@
 //! trace holds neither operands nor the state of a pipeline. Nothing here has been compared with
 //! this project's own code on silicon.
 
+mod bound;
 mod decode;
 mod flash;
 mod golden;
 mod m4;
 mod m7;
+mod maxima;
+mod placement;
 mod record;
 mod report;
 mod trace;
+mod work;
 
 use crate::run::ChoreError;
-use controller::clock::PLL_HZ;
-use flash::Memory;
 pub(crate) use golden::{bless, check};
-use m4::CortexM4;
-use m7::CortexM7;
-use record::{Runs, Work};
-use report::{BoardCycles, Cycles, PlacementCycles, Report};
-use std::collections::BTreeMap;
-use std::ops::Range;
+use maxima::{Maxima, not_seen};
+use placement::Placement;
+use record::Runs;
+use report::{Cycles, Report};
 use std::path::Path;
-use trace::Section;
-
-/// Period of 10 kHz, us.
-const PERIOD_US: u64 = 100;
-
-/// End of a range of documented timings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Bound {
-    /// The fastest case.
-    Lower,
-    /// The slowest case.
-    Upper,
-}
-
-impl Bound {
-    const ALL: [Self; 2] = [Self::Lower, Self::Upper];
-
-    const fn pick(self, lower: u64, upper: u64) -> u64 {
-        match self {
-            Self::Lower => lower,
-            Self::Upper => upper,
-        }
-    }
-}
-
-/// Board and the places of code and data on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Placement {
-    /// STM32F405 at 168 MHz as shipped: code, constants and weights in flash.
-    WeightsInFlash,
-    /// The same with the weights in RAM or in core-coupled memory.
-    WeightsInRam,
-    /// The same without any wait state: the limit of every placement.
-    NoWaitStates,
-    /// STM32H743 at 480 MHz: code in the instruction TCM, data in the data TCM. There is no port.
-    TightlyCoupled,
-}
-
-impl Placement {
-    const ALL: [Self; 4] =
-        [Self::WeightsInFlash, Self::WeightsInRam, Self::NoWaitStates, Self::TightlyCoupled];
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::WeightsInFlash => "weights in flash, as shipped",
-            Self::WeightsInRam => "weights in RAM",
-            Self::NoWaitStates => "no wait states",
-            Self::TightlyCoupled => "tightly coupled memories, no port yet",
-        }
-    }
-
-    /// Returns the board, its core and its frequency.
-    const fn board(self) -> (&'static str, &'static str, u32) {
-        match self {
-            Self::TightlyCoupled => ("stm32h743", "Cortex-M7", 480_000_000),
-            _ => ("stm32f405", "Cortex-M4", PLL_HZ),
-        }
-    }
-
-    /// Creates the model of the core; `weights` are their addresses in the traced image.
-    fn pricer(self, bound: Bound, weights: &Range<u32>) -> Pricer {
-        /// Wait states of the flash at 168 MHz and 3.3 V.
-        const WAIT_STATES: u64 = 5;
-        let memory =
-            |wait_states, is_in_flash| Memory::new(wait_states, bound, Some((weights.clone(), is_in_flash)));
-        match self {
-            Self::WeightsInFlash => Pricer::M4(CortexM4::new(bound, memory(WAIT_STATES, true))),
-            Self::WeightsInRam => Pricer::M4(CortexM4::new(bound, memory(WAIT_STATES, false))),
-            Self::NoWaitStates => Pricer::M4(CortexM4::new(bound, memory(0, false))),
-            Self::TightlyCoupled => Pricer::M7(CortexM7::new(bound)),
-        }
-    }
-}
-
-/// Model of a core.
-enum Pricer {
-    M4(CortexM4),
-    M7(CortexM7),
-}
-
-impl Pricer {
-    fn price(&mut self, section: &Section) -> u64 {
-        match self {
-            Self::M4(core) => core.price(section),
-            Self::M7(core) => core.price(section),
-        }
-    }
-}
-
-/// Maxima over the sections of each work: instructions, and cycles by placement.
-struct Maxima {
-    pricers: Vec<(Placement, Bound, Pricer)>,
-    instructions: BTreeMap<Work, u64>,
-    cycles: BTreeMap<(Work, usize), Cycles>,
-}
-
-impl Maxima {
-    fn new() -> Self {
-        Self { pricers: vec![], instructions: BTreeMap::new(), cycles: BTreeMap::new() }
-    }
-
-    /// Prepares the models for an image with its weights at these addresses.
-    fn set_weights(&mut self, weights: &Range<u32>) {
-        let bounds = |placement: Placement| {
-            Bound::ALL.map(|bound| (placement, bound, placement.pricer(bound, weights)))
-        };
-        self.pricers = Placement::ALL.into_iter().flat_map(bounds).collect();
-    }
-
-    /// Prices a section.
-    fn add(&mut self, work: Work, section: &Section) {
-        let instructions = self.instructions.entry(work).or_default();
-        *instructions = (*instructions).max(section.steps.len() as u64);
-        for (placement, bound, pricer) in &mut self.pricers {
-            // Arm publishes no entry for the Cortex-M7: that of the Cortex-M4 stands for both.
-            let around = if work == Work::Handler { CortexM4::interrupt(*bound) } else { 0 };
-            let cycles = pricer.price(section) + around;
-            let max = self.cycles.entry((work, *placement as usize)).or_default();
-            match bound {
-                Bound::Lower => max.lower = max.lower.max(cycles),
-                Bound::Upper => max.upper = max.upper.max(cycles),
-            }
-        }
-    }
-
-    /// Returns the figures; a work that was not seen is an error.
-    fn report(&self) -> Result<Report, ChoreError> {
-        if let Some(work) = Work::ALL.into_iter().find(|work| !self.instructions.contains_key(work)) {
-            return Err(not_seen(work.name()));
-        }
-        let mut boards: Vec<BoardCycles> = vec![];
-        for placement in Placement::ALL {
-            let of_work = |work: Work| {
-                let cycles = self.cycles.get(&(work, placement as usize)).copied().unwrap_or_default();
-                (work.name().to_owned(), cycles)
-            };
-            let cycles: BTreeMap<_, _> = Work::ALL.into_iter().map(of_work).collect();
-            let name = placement.board().0;
-            if boards.last().is_none_or(|board| board.board != name) {
-                boards.push(board(placement, &cycles));
-            }
-            if let Some(board) = boards.last_mut() {
-                board.placements.push(PlacementCycles { placement: placement.name().into(), cycles });
-            }
-        }
-        let instructions = self.instructions.iter().map(|(work, &count)| (work.name().to_owned(), count));
-        Ok(Report { instructions: instructions.collect(), boards })
-    }
-}
-
-/// Returns the figures of a board from those of its first placement.
-fn board(placement: Placement, cycles: &BTreeMap<String, Cycles>) -> BoardCycles {
-    let (board, core, core_hz) = placement.board();
-    let upper = |work: Work| cycles.get(work.name()).map_or(0, |cycles| cycles.upper);
-    BoardCycles {
-        board: board.into(),
-        core: core.into(),
-        core_hz,
-        period_cycles: u64::from(core_hz) * PERIOD_US / 1_000_000,
-        tick_max: upper(Work::Tick).max(upper(Work::DisturbedTick)),
-        handler_max: upper(Work::Handler),
-        reference_window: upper(Work::ReferenceWindow),
-        reference_stream: upper(Work::ReferenceStream),
-        placements: vec![],
-    }
-}
+use work::Work;
 
 /// Traces and prices everything.
 fn measure() -> Result<Report, ChoreError> {
@@ -211,15 +46,6 @@ pub(crate) fn cycles(json: bool) -> Result<(), ChoreError> {
         print!("{}", report.render());
     }
     Ok(())
-}
-
-/// Error for a work without a section in the trace.
-fn not_seen(work: &str) -> ChoreError {
-    ChoreError::Differs {
-        what: format!("trace of {work}"),
-        found: "no section".into(),
-        expected: "two reads of SysTick's counter around it".into(),
-    }
 }
 
 /// Prices an image that reads SysTick's counter before and after its work, and prints the cycles.

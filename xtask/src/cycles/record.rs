@@ -1,7 +1,8 @@
 //! Runs of the emulator with the plugin `trace.c`: what is traced, and which sections are priced.
 
-use super::Maxima;
+use super::maxima::Maxima;
 use super::trace::{Image, Section, read};
+use super::work::Work;
 use crate::cores::COUNTED;
 use crate::counts::Figure;
 use crate::firmware;
@@ -14,63 +15,6 @@ use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-
-/// Work that is traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Work {
-    /// Tick in lockstep over a cycle of bench B, from the sample to its frame.
-    Tick,
-    /// The same over disturbed samples.
-    DisturbedTick,
-    /// Handler of the timer's interrupt with own samples.
-    Handler,
-    /// Reference network over a complete window.
-    ReferenceWindow,
-    /// Reference network for each new column.
-    ReferenceStream,
-    /// Sample of the Kalman filter.
-    Filter,
-    /// Sample of the Kalman filter with a measured drive force.
-    FilterDriveForce,
-    /// Another image.
-    Image,
-}
-
-impl Work {
-    /// Works of the project.
-    pub(super) const ALL: [Self; 7] = [
-        Self::Tick,
-        Self::DisturbedTick,
-        Self::Handler,
-        Self::ReferenceWindow,
-        Self::ReferenceStream,
-        Self::Filter,
-        Self::FilterDriveForce,
-    ];
-
-    /// Works of the counting image with the interval of the inputs that are priced. The networks
-    /// execute the same instructions for every input; the filter does not.
-    const COUNTING: [(Self, usize); 4] = [
-        (Self::ReferenceWindow, 500),
-        (Self::ReferenceStream, 50),
-        (Self::Filter, 1),
-        (Self::FilterDriveForce, 1),
-    ];
-
-    /// Name in the JSON and, for works of the counting image, in its output.
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Tick => "tick",
-            Self::DisturbedTick => "troubled_tick",
-            Self::Handler => "handler",
-            Self::ReferenceWindow => "reference_window",
-            Self::ReferenceStream => "reference_stream",
-            Self::Filter => "filter",
-            Self::FilterDriveForce => "filter_drive_force",
-            Self::Image => "image",
-        }
-    }
-}
 
 /// Number of inputs of every figure of the counting image.
 const INPUTS: usize = 1000;

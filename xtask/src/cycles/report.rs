@@ -1,6 +1,6 @@
 //! Cycles as data and as a table.
 
-use super::record::Work;
+use super::work::Work;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;

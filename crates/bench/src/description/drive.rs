@@ -1,4 +1,4 @@
-//! Direction of an axis' simulation, and the drive and controller of a simulated motion.
+//! Drive and controller of an axis' simulated motion.
 //!
 //! The controller is a position PID whose output is the effort, or the ordered speed of a cascade:
 //! `y = kp e + ki int(e) - kd v + speed_feedforward dw/dt` with `e = w - x`, the order `w`, the
@@ -9,9 +9,8 @@
 //!
 //! While the effort is limited, an integral whose input would raise it further is held.
 
-use super::{AxisKind, FrictionRig, Range, Refusal, is_one, is_zero, one};
+use super::{Refusal, is_one, is_zero, one};
 use crate::schema::{HUGE, TINY, named_field, section};
-use crate::signals::{Channel, Role};
 use serde::{Deserialize, Serialize};
 
 /// Number of time constants after which a start is forgotten.
@@ -184,53 +183,5 @@ impl Drive {
             "speed_ki" if self.speed_gain > 0.0 => Some(&mut self.speed_ki),
             _ => None,
         }
-    }
-}
-
-impl FrictionRig {
-    /// The drive of a simulated motion; none if the motion is the input.
-    pub fn forward(&self) -> Option<&Drive> {
-        self.drive.as_ref().filter(|drive| drive.simulates == Simulated::Motion)
-    }
-
-    /// Input channel of a simulated motion; none if the motion is the input.
-    pub fn input_channel(&self) -> Option<Channel> {
-        Some(match (self.forward()?.input, self.axis.kind) {
-            (DriveInput::Effort, _) => self.channels().2,
-            (DriveInput::Voltage, _) => Channel::DriveVoltage,
-            (DriveInput::Order, AxisKind::Rotary) => Channel::OrderedAngle,
-            (DriveInput::Order, AxisKind::Linear) => Channel::OrderedPosition,
-        })
-    }
-
-    /// Role of a channel: that of the motion and of the drive depends on the direction.
-    pub(super) fn role_of(&self, channel: Channel) -> Role {
-        let Some(drive) = self.forward() else { return channel.role() };
-        let (position, speed, effort) = self.channels();
-        if channel == position || channel == speed {
-            Role::Output
-        } else if Some(channel) == self.input_channel() {
-            Role::Input
-        } else if channel == effort || channel == Channel::DriveVoltage {
-            // Beside a voltage, a measured effort is an output; beside an effort, a voltage has no
-            // part in the simulation.
-            if drive.input == DriveInput::Effort { Role::Input } else { Role::Output }
-        } else {
-            channel.role()
-        }
-    }
-
-    /// Returns whether a simulated motion has a channel as an output.
-    pub(super) fn simulates_forward(&self, channel: Channel) -> bool {
-        let is_output = self.role_of(channel) == Role::Output;
-        let (position, speed, effort) = self.channels();
-        is_output
-            && [position, speed, effort, Channel::DriveVoltage, Channel::FrictionTorque].contains(&channel)
-    }
-
-    /// Range of the inertia: a motion needs one.
-    pub(super) fn inertia_range(&self) -> Range {
-        let min = if self.forward().is_some() { TINY } else { 0.0 };
-        ("axis.inertia", self.axis.inertia, min, 1e9)
     }
 }

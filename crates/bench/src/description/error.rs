@@ -2,6 +2,9 @@
 
 use std::fmt::Write as _;
 
+/// Field, value found and value expected of an entry that is not allowed.
+pub type Refusal = (String, String, String);
+
 /// Wrong or missing entry of a description.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flaw {

@@ -1,7 +1,7 @@
 //! Terms that the nominal plants leave out and effects switch on. Without any term a plant is
 //! nominal. Their equations are in `crate::effects`; their use is in `crate::plants`.
 
-use super::LoggedCourses;
+use crate::signals::Profile;
 
 /// Maximum factor of dry friction over temperature, against thermal runaway.
 const MAX_LEVEL: f64 = 3.0;
@@ -112,6 +112,13 @@ pub struct FilmTerm {
     pub viscosity_pa_s: f64,
     /// Minimum thickness, due to roughness, m.
     pub min_thickness_m: f64,
+}
+
+/// Courses that were read from files.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoggedCourses {
+    pub(super) drive: Option<Profile>,
+    pub(super) load: Option<Profile>,
 }
 
 /// Terms of the transmission bench.

@@ -1,7 +1,7 @@
 //! Description of a single driven axis with a measured effort.
 
-use super::common::plant_description;
 use super::plant::log_rate;
+use super::plant::plant_description;
 use super::{
     AxisExtension, Drive, DriveChannels, DriveInput, Field, Load, Logging, Plant, PlantDescription, Range,
     Refusal, is_zero,

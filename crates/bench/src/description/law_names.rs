@@ -62,7 +62,7 @@ impl DampingName {
     }
 
     /// Returns whether this is the form of the literature.
-    pub fn is_latched(&self) -> bool {
+    pub(crate) fn is_latched(&self) -> bool {
         *self == Self::default()
     }
 }

@@ -3,6 +3,7 @@
 
 mod bench;
 mod common;
+mod direction;
 mod drive;
 mod effect;
 mod error;
@@ -20,13 +21,13 @@ pub use bench::Bench;
 pub use common::Common;
 pub use drive::{Drive, DriveInput, Simulated};
 pub use effect::{Effect, Plant};
-pub use error::{DescriptionError, Flaw};
+pub use error::{DescriptionError, Flaw, Refusal};
 pub use extension::*;
 pub use friction_rig::*;
 pub use law_names::{CompleteLawName, DampingName, DissipationName, FrictionName, StiffnessName};
 pub use mechanism::*;
 pub use nuisances::Nuisances;
-pub use plant::{CommonSections, DriveChannels, Field, PlantDescription, Range, Refusal};
+pub use plant::{CommonSections, DriveChannels, Field, PlantDescription, Range};
 pub use slider_crank::*;
 pub use transmission::*;
 

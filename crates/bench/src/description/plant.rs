@@ -1,6 +1,6 @@
 //! Interface of a plant's description: facts that its readers need, whatever the plant.
 
-use super::{Common, Load, Logging, Plant};
+use super::{Common, Load, Logging, Plant, Refusal};
 use crate::log::MeasuredLog;
 use crate::signals::{Channel, Role};
 
@@ -9,9 +9,6 @@ pub type Field<'a> = (&'static str, &'a mut f64);
 
 /// Dotted name of a number, its value, minimum and maximum.
 pub type Range = (&'static str, f64, f64, f64);
-
-/// Field, value found and value expected of an entry that is not allowed.
-pub type Refusal = (String, String, String);
 
 /// Maximum number of samples of a log.
 const MAX_SAMPLES: f64 = 1e7;
@@ -125,3 +122,98 @@ pub trait PlantDescription: CommonSections {
         (start_s, end_s)
     }
 }
+
+/// Defines a plant's description: its name, its own sections, the [`Common`] ones and its
+/// extension.
+///
+/// `#[serde(flatten)]` would accept unknown fields and lose line and column. So the file is read
+/// into a private struct that lists all sections side by side, and converted.
+macro_rules! plant_description {
+    (
+        $(#[$meta:meta])*
+        $name:ident as $file:ident $file_name:literal, plant $plant:literal, extension $extension:ty {
+            $($(#[$field_meta:meta])* $field:ident : $type:ty,)*
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(from = $file_name, into = $file_name)]
+        pub struct $name {
+            $($(#[$field_meta])* pub $field: $type,)*
+            /// Sections that every plant has.
+            pub common: $crate::description::Common,
+            /// Terms that effects switch on; never in a file.
+            pub extension: $extension,
+        }
+
+        impl $name {
+            /// Name of the plant, as `plant` in a description.
+            pub const PLANT: &str = $plant;
+        }
+
+        impl $name {
+            /// Sections of the description: the plant's own, then those of every plant.
+            pub fn sections() -> Vec<$crate::schema::SectionEntry> {
+                let own = vec![$($crate::schema::SectionEntry::new::<$type>(
+                    stringify!($field),
+                    $crate::schema::meaning(&[$(stringify!($field_meta)),*]),
+                    <$type as $crate::schema::Content>::SHAPE,
+                )),*];
+                let sections = own.into_iter().filter(|section| section.name != "plant");
+                sections.chain($crate::description::common::sections()).collect()
+            }
+        }
+
+        impl $crate::description::CommonSections for $name {
+            fn plant_name(&self) -> &'static str {
+                Self::PLANT
+            }
+
+            fn common(&self) -> &$crate::description::Common {
+                &self.common
+            }
+
+            fn common_mut(&mut self) -> &mut $crate::description::Common {
+                &mut self.common
+            }
+        }
+
+        #[derive(serde::Serialize, serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct $file {
+            $($(#[$field_meta])* $field: $type,)*
+            #[serde(default)]
+            sensors: std::collections::BTreeMap<$crate::signals::Channel, $crate::signals::Sensor>,
+            #[serde(default)]
+            uncertain: std::collections::BTreeMap<String, f64>,
+            #[serde(default, skip_serializing_if = "crate::description::Nuisances::is_empty")]
+            nuisances: $crate::description::Nuisances,
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            log: Option<$crate::log::TextFormat>,
+            #[serde(default, skip_serializing_if = "crate::log::Columns::is_empty")]
+            #[serde(deserialize_with = "crate::log::columns")]
+            columns: $crate::log::Columns,
+            #[serde(default, skip_serializing_if = "Vec::is_empty")]
+            effects: Vec<$crate::description::Effect>,
+        }
+
+        impl From<$file> for $name {
+            fn from(file: $file) -> Self {
+                let $file { $($field,)* sensors, uncertain, nuisances, log, columns, effects } = file;
+                let common =
+                    $crate::description::Common { sensors, uncertain, nuisances, log, columns, effects };
+                Self { $($field,)* common, extension: <$extension>::default() }
+            }
+        }
+
+        impl From<$name> for $file {
+            fn from(bench: $name) -> Self {
+                let $name { $($field,)* common, extension: _ } = bench;
+                let $crate::description::Common { sensors, uncertain, nuisances, log, columns, effects } =
+                    common;
+                Self { $($field,)* sensors, uncertain, nuisances, log, columns, effects }
+            }
+        }
+    };
+}
+pub(super) use plant_description;

@@ -1,7 +1,7 @@
 //! Description of the slider-crank with a clearance joint.
 
-use super::common::plant_description;
 use super::law_names::{DissipationName, StiffnessName};
+use super::plant::plant_description;
 use super::{FrictionSection, PlantDescription, Range};
 use crate::schema::{TINY, section};
 

@@ -6,13 +6,10 @@
 //! follows.
 
 use super::measure::Span;
-use super::{ContactReading, Impact, IntegrationError, SlicedPlant, Slip, Touch};
+use super::{CHATTER_CONTACTS, ContactReading, Impact, IntegrationError, SlicedPlant, Slip, Touch};
 use differential_equations::prelude::ODE;
 use std::collections::VecDeque;
 
-/// Onsets of one contact within one largest step at which a run counts as chattering; and changes
-/// of its slip.
-pub const CHATTER_CONTACTS: usize = 500;
 /// Parts of a step at whose ends a grazing contact is noticed.
 const PROBES: usize = 4;
 /// Bisections of an event's bracket: more than a double has binary digits.

@@ -15,8 +15,7 @@ mod measure;
 mod outcome;
 mod plant;
 
-pub use contacts::CHATTER_CONTACTS;
-pub use outcome::{Impact, Integration, IntegrationError};
+pub use outcome::{CHATTER_CONTACTS, Impact, Integration, IntegrationError};
 pub(crate) use plant::SlicedPlant;
 pub use plant::{ContactAngles, ContactPlant, ContactReading, Slip, Touch};
 

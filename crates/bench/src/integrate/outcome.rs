@@ -1,6 +1,10 @@
 //! Results of an integration: impacts, final state, errors.
 
-use super::{CHATTER_CONTACTS, ContactAngles};
+use super::ContactAngles;
+
+/// Onsets of one contact within one largest step at which a run counts as chattering; and changes
+/// of its slip.
+pub const CHATTER_CONTACTS: usize = 500;
 
 /// One period in contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -51,7 +51,7 @@ pub enum Slip {
 
 impl Slip {
     /// Returns whether the contact sticks.
-    pub const fn is_sticking(&self) -> bool {
+    pub(crate) const fn is_sticking(&self) -> bool {
         matches!(self, Self::Sticking { .. })
     }
 }

@@ -58,7 +58,7 @@ const MAX_SWEEPS: usize = 20_000;
 
 impl Reynolds {
     /// Grid of the table.
-    pub fn tabulated(slenderness: f64) -> Self {
+    pub(crate) fn tabulated(slenderness: f64) -> Self {
         Self { slenderness, cavitation: Cavitation::Free, around: 240, along: 8 }
     }
 
@@ -228,7 +228,7 @@ impl FilmForce {
 /// The film thins under load until the roughness touches at `min_film_m`. It carries what it can at
 /// this thickness, and the dry contact carries the remainder.
 #[derive(Clone, Debug)]
-pub struct MixedFilm {
+pub(crate) struct MixedFilm {
     /// Table for the bearing's length over its diameter.
     pub table: FilmTable,
     /// Viscosity, Pa s.
@@ -244,7 +244,7 @@ pub struct MixedFilm {
 impl MixedFilm {
     /// Largest force in N that the film carries at a clearance in m and an entraining speed `w/2 -
     /// g'` in rad/s.
-    pub fn capacity_n(&self, clearance_m: f64, entrainment_rad_s: f64) -> f64 {
+    pub(crate) fn capacity_n(&self, clearance_m: f64, entrainment_rad_s: f64) -> f64 {
         let eccentricity = (1.0 - self.min_film_m / clearance_m).max(0.0);
         let rate = eccentricity * entrainment_rad_s.abs();
         let slope = self.radius_m / clearance_m;
@@ -253,7 +253,7 @@ impl MixedFilm {
     }
 
     /// Share of a normal force in N that the film carries, 0 to 1.
-    pub fn share(&self, force_n: f64, clearance_m: f64, entrainment_rad_s: f64) -> f64 {
+    pub(crate) fn share(&self, force_n: f64, clearance_m: f64, entrainment_rad_s: f64) -> f64 {
         let capacity_n = self.capacity_n(clearance_m, entrainment_rad_s);
         if capacity_n >= force_n { 1.0 } else { capacity_n / force_n }
     }

@@ -14,7 +14,7 @@ use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::TAU;
 
 /// Cells around the circumference: 0.5 degrees each.
-pub const CELLS: usize = 720;
+pub(crate) const CELLS: usize = 720;
 /// Iterations of the balance. It usually takes fewer than ten.
 const MAX_ITERATIONS: usize = 100;
 /// Halvings of a step that does not decrease the energy.
@@ -32,7 +32,7 @@ pub struct Unbalanced {
 
 /// Stiffness of a lining in N/m3 by its modulus in Pa, Poisson's ratio below 0.5 and thickness in
 /// m.
-pub fn layer_modulus_n_m3(youngs_modulus_pa: f64, poisson_ratio: f64, thickness_m: f64) -> f64 {
+pub(crate) fn layer_modulus_n_m3(youngs_modulus_pa: f64, poisson_ratio: f64, thickness_m: f64) -> f64 {
     let nu = poisson_ratio;
     (1.0 - nu) * youngs_modulus_pa / ((1.0 + nu) * (1.0 - 2.0 * nu) * thickness_m)
 }
@@ -65,12 +65,12 @@ impl Foundation {
     }
 
     /// Area of a cell in m2.
-    pub fn cell_area_m2(&self) -> f64 {
+    pub(crate) fn cell_area_m2(&self) -> f64 {
         self.cell_area_m2
     }
 
     /// Displacement in the direction of a force at which rigid surfaces touch.
-    pub fn rigid_displacement_m(&self, gap_m: &[f64], direction: [f64; 2]) -> f64 {
+    pub(crate) fn rigid_displacement_m(&self, gap_m: &[f64], direction: [f64; 2]) -> f64 {
         let direction = Vector2::from(direction);
         let reach = |cell: usize| self.normals[cell].dot(&direction).max(1e-3);
         self.facing(&direction).map(|cell| gap_m[cell] / reach(cell)).fold(f64::INFINITY, f64::min)
@@ -85,7 +85,7 @@ impl Foundation {
     ///
     /// No displacement balances the force: a profile without any gap, or numbers that are not
     /// finite.
-    pub fn pressure_pa(
+    pub(crate) fn pressure_pa(
         &self,
         gap_m: &[f64],
         force_n: [f64; 2],

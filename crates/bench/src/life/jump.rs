@@ -8,7 +8,7 @@
 //! (2010) 643.
 
 /// A system that changes slowly from cycle to cycle.
-pub trait CyclicSystem {
+pub(crate) trait CyclicSystem {
     /// Slow state.
     type State: Clone;
     /// Result of a cycle that determines the change.
@@ -41,7 +41,7 @@ pub trait CyclicSystem {
 
 /// Limits of a jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JumpControl {
+pub(crate) struct JumpControl {
     /// Largest change of a jump.
     pub largest_change: f64,
     /// Largest difference between one jump and two halves.
@@ -71,7 +71,7 @@ const MARGIN: f64 = 0.9;
 /// # Errors
 ///
 /// The system's errors, and too many jumps.
-pub fn jump_cycles<S: CyclicSystem>(
+pub(crate) fn jump_cycles<S: CyclicSystem>(
     system: &mut S,
     start: S::State,
     end: f64,

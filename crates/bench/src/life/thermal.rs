@@ -37,7 +37,7 @@ pub struct Growth {
 }
 
 /// Change of the radial clearance in m.
-pub fn clearance_change_m(radii: &Radii, growth: &Growth) -> f64 {
+pub(crate) fn clearance_change_m(radii: &Radii, growth: &Growth) -> f64 {
     growth.housing * (radii.bearing_m + radii.lining_m)
         - growth.lining * radii.lining_m
         - growth.shaft * radii.journal_m
@@ -45,7 +45,7 @@ pub fn clearance_change_m(radii: &Radii, growth: &Growth) -> f64 {
 
 /// Share of the saturation swelling after a time in s, at a diffusivity in m2/s, for a lining of a
 /// thickness in m that is wet on one side.
-pub fn uptake_share(time_s: f64, diffusivity_m2_s: f64, thickness_m: f64) -> f64 {
+pub(crate) fn uptake_share(time_s: f64, diffusivity_m2_s: f64, thickness_m: f64) -> f64 {
     let depth = diffusivity_m2_s * time_s / (thickness_m * thickness_m);
     if depth < 1e-3 {
         // The sheet is as good as infinitely thick.

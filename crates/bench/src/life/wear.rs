@@ -23,7 +23,7 @@ pub struct Profile {
 
 impl Profile {
     /// Creates a profile without wear.
-    pub fn unworn() -> Self {
+    pub(crate) fn unworn() -> Self {
         Self { bearing_m: vec![0.0; CELLS], journal_m: vec![0.0; CELLS] }
     }
 
@@ -33,7 +33,7 @@ impl Profile {
     }
 
     /// Largest difference of a cell from another profile in m.
-    pub fn difference_m(&self, other: &Self) -> f64 {
+    pub(crate) fn difference_m(&self, other: &Self) -> f64 {
         let surfaces = [(&self.bearing_m, &other.bearing_m), (&self.journal_m, &other.journal_m)];
         let pairs = surfaces.into_iter().flat_map(|(a, b)| a.iter().zip(b));
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)

@@ -3,6 +3,7 @@
 
 use super::tests::{own, small};
 use super::*;
+use crate::signals::Channel;
 
 /// Returns a Parquet file with one column of each type under a schema.
 fn parquet_of(schema: &str, times: &[f64], counts: &[i32], long: &[i64]) -> Vec<u8> {

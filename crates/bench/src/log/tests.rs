@@ -3,7 +3,9 @@
 
 use super::*;
 use crate::log::{Separator, TextFormat};
+use crate::signals::Channel;
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
 pub(super) fn own() -> LogFormat {
     LogFormat::default()

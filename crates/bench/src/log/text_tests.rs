@@ -2,7 +2,9 @@
 
 use super::tests::own;
 use super::*;
+use crate::signals::Channel;
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
 const PLAIN: &str = "t_s,position_m,drive_force_n\n0,1.5,-20\n0.5,2.25,\n1,-3e-3,40.125\n";
 

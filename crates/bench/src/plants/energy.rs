@@ -47,7 +47,7 @@ pub struct EnergyAudit {
 impl EnergyAudit {
     /// Same terms with the loss of a held force in J, and the residuals of them all.
     #[must_use]
-    pub fn with_hold_loss(self, hold_loss_j: f64) -> Self {
+    pub(crate) fn with_hold_loss(self, hold_loss_j: f64) -> Self {
         Self { hold_loss_j, ..self }.with_residuals()
     }
 

@@ -1,7 +1,13 @@
 //! Types of fields.
 
-use super::{Placeholder, format_number};
 use toml::Value;
+
+/// Choice between two valid values of a field that is missing or wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Placeholder {
+    Low,
+    High,
+}
 
 /// Type of a field's value.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +73,15 @@ impl FieldKind {
             Self::Text => Value::String(if is_low { "first" } else { "second" }.into()),
             Self::Pair => Value::Array(vec![Value::Float(number), Value::Float(number)]),
         }
+    }
+}
+
+/// Formats a number for a message: plainly, or with a power of ten if that is shorter.
+pub(crate) fn format_number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e7).contains(&value.abs()) || !value.is_finite() {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
     }
 }
 

@@ -10,8 +10,8 @@
 mod field_type;
 mod units;
 
-pub(crate) use field_type::named_field;
 pub use field_type::{FieldKind, FieldType};
+pub(crate) use field_type::{Placeholder, format_number, named_field};
 
 /// Lower bound for values that must be above 0.
 pub(crate) const TINY: f64 = 1e-12;
@@ -117,15 +117,6 @@ impl FieldEntry {
     }
 }
 
-/// Formats a number for a message: plainly, or with a power of ten if that is shorter.
-pub(crate) fn format_number(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e7).contains(&value.abs()) || !value.is_finite() {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
-    }
-}
-
 /// Text of documentation attributes, one paragraph.
 pub(crate) fn meaning(attributes: &[&str]) -> String {
     let line = |a: &&str| {
@@ -152,13 +143,6 @@ pub trait Section: Sized + serde::de::DeserializeOwned {
         let table = placeholders(Self::FIELDS, Placeholder::Low);
         table.try_into::<Self>().map(|section| section.values()).unwrap_or_default()
     }
-}
-
-/// Choice between two valid values of a field that is missing or wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Placeholder {
-    Low,
-    High,
 }
 
 impl Placeholder {

@@ -3,6 +3,7 @@
 mod axis_motion;
 mod channel;
 mod motion;
+mod profile;
 mod schedule;
 mod sensor;
 mod spectrum;
@@ -12,8 +13,9 @@ pub mod white_noise;
 
 pub(crate) use axis_motion::{follow, smoothed};
 pub use channel::{Channel, Role};
-pub(crate) use motion::sweep_s;
-pub use motion::{Motion, Profile};
+pub use motion::Motion;
+pub use profile::Profile;
+pub(crate) use profile::sweep_s;
 pub use schedule::{Course, Schedule};
 pub use sensor::Sensor;
 pub(crate) use spectrum::SeaState;

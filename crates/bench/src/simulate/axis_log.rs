@@ -1,16 +1,14 @@
 //! Logs of a driven axis with a given motion: recording, and simulation under the inputs of a log.
 //! [`super::forward_log`] is the other direction.
 
+use super::axis_inputs::{FINENESS, axis_load, measured_motion};
 use super::forward_log;
-use super::respond::{Inputs, LoggedPlant, Response, Truth, refined, smooth_load};
+use super::respond::{Inputs, LoggedPlant, Response, Truth, refined};
 use crate::description::{FrictionRig, PlantDescription};
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
 use crate::plants::friction_rig::{Given, efforts, efforts_along};
-use crate::signals::{Channel, Motion, Profile, follow, smoothed};
-
-/// Number of simulated intervals per sample.
-pub(super) const FINENESS: usize = 4;
+use crate::signals::{Channel, Profile};
 
 impl LoggedPlant for FrictionRig {
     fn inputs(&self, log: &MeasuredLog) -> Result<Inputs, LogError> {
@@ -59,24 +57,6 @@ impl LoggedPlant for FrictionRig {
     }
 }
 
-/// Smoothed motion of a log; none if it has neither position nor speed.
-pub(super) fn measured_motion(rig: &FrictionRig, log: &MeasuredLog) -> Option<Profile> {
-    let (position, speed, _) = rig.channels();
-    match (log.channels.get(&position), log.channels.get(&speed)) {
-        (Some(x), v) => Some(follow(&log.time_s, x, v.map(Vec::as_slice))),
-        (None, Some(v)) => Some(integrated(&log.time_s, v)),
-        (None, None) => None,
-    }
-}
-
-/// Smoothed load of a log; the described one if none is logged.
-pub(super) fn axis_load(rig: &FrictionRig, log: &MeasuredLog) -> Profile {
-    match log.channels.get(&Channel::LoadForce) {
-        Some(values) => smooth_load(&log.time_s, values),
-        None => Profile::Ramp { level: rig.load.force_n, ramp_s: f64::MIN_POSITIVE },
-    }
-}
-
 /// Outputs of an axis at every `every`-th place of its course.
 fn axis_outputs(rig: &FrictionRig, inputs: &Inputs, every: usize) -> Response {
     let (_, _, effort_channel) = rig.channels();
@@ -90,21 +70,4 @@ fn axis_outputs(rig: &FrictionRig, inputs: &Inputs, every: usize) -> Response {
         }
     }
     response
-}
-
-/// Motion whose rate is measured and whose value is not needed.
-fn integrated(time_s: &[f64], rate: &[f64]) -> Profile {
-    let smooth = smoothed(time_s, rate);
-    let mut value = 0.0;
-    let mut nodes: Vec<Motion> = Vec::with_capacity(time_s.len());
-    let mut last: Option<(f64, f64)> = None;
-    for &t in time_s {
-        let here = smooth.at(t);
-        if let Some((t0, v0)) = last {
-            value += 0.5 * (v0 + here.value) * (t - t0);
-        }
-        last = Some((t, here.value));
-        nodes.push(Motion { value, rate: here.value, acceleration: here.rate });
-    }
-    Profile::Curve { time_s: time_s.to_vec(), nodes }
 }

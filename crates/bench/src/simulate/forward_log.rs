@@ -6,8 +6,8 @@
 //! speed of the log's first sample (the order and its speed if neither is logged), and a controller
 //! with the effort of the first sample (without one, with the effort that holds the axis).
 
-use super::axis_log::{FINENESS, axis_load, measured_motion};
-use super::respond::{Inputs, Response, Truth, refined};
+use super::axis_inputs::{FINENESS, axis_load, measured_motion};
+use super::respond::{Command, Inputs, Response, Truth, refined};
 use crate::description::{Drive, DriveInput, FrictionRig};
 use crate::log::{LogError, MeasuredLog};
 use crate::plants::forward_axis::{Moved, Start, motions_along};
@@ -21,17 +21,6 @@ use rand_distr::{Distribution, StandardNormal};
 const DISTURBED_STARTS: u64 = 16;
 /// Samples of a log from which its start is smoothed, at most.
 const START_SAMPLES: usize = 64;
-
-/// Input of a simulated motion, and the motion at the start.
-#[derive(Clone, Debug)]
-pub(crate) struct Command {
-    profile: Profile,
-    /// Noise of a sample of the input.
-    noise: f64,
-    start: Start,
-    /// Standard deviations of position and speed at the start.
-    start_noise: [f64; 2],
-}
 
 /// Takes the inputs of a simulated motion from a log. Its measured motion serves the comparison
 /// alone, but for the start.

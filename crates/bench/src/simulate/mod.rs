@@ -1,6 +1,7 @@
 //! Simulation of a bench: runs with all states, records as its sensors would log them, and
 //! responses to a measured log.
 
+mod axis_inputs;
 mod axis_log;
 mod error_bars;
 mod forward_log;

@@ -3,9 +3,9 @@
 use crate::description::Bench;
 use crate::integrate::IntegrationError;
 use crate::log::{LogError, MeasuredLog};
+use crate::plants::forward_axis::Start;
 use crate::plants::friction_rig::Given;
 use crate::signals::{Channel, Motion, Profile, Sensor};
-use crate::simulate::forward_log::Command;
 use std::collections::BTreeMap;
 
 /// Simulated outputs by channel, one value per sample of the log.
@@ -57,6 +57,17 @@ pub(crate) fn read_samples(sensor: &Sensor, fine_s: &[f64], truth: &[f64], finen
 
 /// Half window in s of the polynomial that smooths a load.
 const LOAD_HALF_WINDOW_S: f64 = 0.003;
+
+/// Input of a simulated motion, and the motion at the start.
+#[derive(Clone, Debug)]
+pub(crate) struct Command {
+    pub(super) profile: Profile,
+    /// Noise of a sample of the input.
+    pub(super) noise: f64,
+    pub(super) start: Start,
+    /// Standard deviations of position and speed at the start.
+    pub(super) start_noise: [f64; 2],
+}
 
 /// Inputs of a log, smoothed once for many simulations.
 #[derive(Clone, Debug)]

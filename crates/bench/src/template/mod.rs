@@ -1,48 +1,25 @@
 //! Template of a bench description for a log: every required field with its meaning, unit and
 //! range, filled in as far as the log's header and amplitudes determine it.
 //!
-//! A value that the user has to fill in is [`FILL_IN`]. A description with such a value is refused
-//! with the list of all of them.
+//! A value that the user has to fill in is [`FILL_IN`](crate::reading::FILL_IN). A description with
+//! such a value is refused with the list of all of them.
 
 mod columns;
 mod names;
 mod render;
+mod signals;
 mod values;
 
-use crate::description::{AxisKind, FrictionRig, TransmissionBench};
+pub use signals::TemplatePlant;
+
+use crate::description::AxisKind;
 use crate::log::{LogError, RawColumn, RawLog, TIME};
-use crate::reading::FILL_IN;
 use crate::signals::Channel;
-use columns::{Chosen, candidates, chambers, choose, motion_kind};
+use columns::{candidates, chambers, choose, motion_kind};
 use names::{MotionKind, Quantity};
 use schemars::JsonSchema;
 use serde::Serialize;
-
-/// Plant of a template.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TemplatePlant {
-    /// A single driven axis.
-    Axis(AxisKind),
-    /// The transmission bench.
-    Transmission,
-}
-
-impl TemplatePlant {
-    /// Plants with their names.
-    pub const ALL: &[(&str, Self)] = &[
-        ("linear-axis", Self::Axis(AxisKind::Linear)),
-        ("rotary-axis", Self::Axis(AxisKind::Rotary)),
-        ("transmission-bench", Self::Transmission),
-    ];
-
-    /// Name of the plant in a description.
-    const fn plant(self) -> &'static str {
-        match self {
-            Self::Axis(_) => FrictionRig::PLANT,
-            Self::Transmission => TransmissionBench::PLANT,
-        }
-    }
-}
+use signals::{Signal, signals};
 
 /// Column of a log as a template uses it.
 #[derive(Clone, Debug, JsonSchema, Serialize)]
@@ -70,14 +47,6 @@ pub struct Template {
     pub to_fill_in: Vec<String>,
     /// The description as TOML with comments.
     pub toml: String,
-}
-
-/// A signal of the plant and the column that may hold it.
-struct Signal<'a> {
-    name: &'static str,
-    /// True if the plant cannot be simulated or compared without it.
-    is_needed: bool,
-    chosen: Option<Chosen<'a>>,
 }
 
 /// Writes the template for a log. Without `plant` the header decides.
@@ -182,61 +151,6 @@ fn of_one_time(log: &RawLog) -> Vec<columns::Candidate<'_>> {
         });
     }
     candidates
-}
-
-/// Signals of a plant with their columns.
-fn signals<'a>(candidates: &[columns::Candidate<'a>], plant: TemplatePlant) -> Vec<Signal<'a>> {
-    let time = (TIME, Some(Quantity::Time), true);
-    let (kind, wanted) = match plant {
-        TemplatePlant::Axis(kind) => {
-            let [position, speed, effort] = match kind {
-                AxisKind::Rotary => [Channel::SpindleAngle, Channel::SpindleSpeed, Channel::DriveTorque],
-                AxisKind::Linear => [Channel::Position, Channel::Velocity, Channel::DriveForce],
-            };
-            let kind = match kind {
-                AxisKind::Rotary => MotionKind::Rotary,
-                AxisKind::Linear => MotionKind::Linear,
-            };
-            let wanted = vec![
-                time,
-                (position.name(), Some(Quantity::Position), true),
-                (speed.name(), Some(Quantity::Speed), false),
-                (Channel::LoadForce.name(), Some(Quantity::Load), false),
-                (effort.name(), Some(Quantity::Effort), true),
-            ];
-            (Some(kind), wanted)
-        }
-        TemplatePlant::Transmission => {
-            let is_of_axis = |c: &&Channel| {
-                use Channel::{
-                    BearingTemperature, DriveTorque, DriveVoltage, OrderedAngle, OrderedPosition, Position,
-                    SpindleAngle, SpindleSpeed, Velocity,
-                };
-                matches!(
-                    c,
-                    SpindleAngle
-                        | SpindleSpeed
-                        | Position
-                        | Velocity
-                        | OrderedAngle
-                        | OrderedPosition
-                        | DriveVoltage
-                        | DriveTorque
-                        | BearingTemperature
-                )
-            };
-            let is_needed = |c: &Channel| matches!(c, Channel::DriveDisplacement | Channel::LoadForce);
-            let channels = Channel::ALL.iter().filter(|c| !is_of_axis(c));
-            let wanted = std::iter::once(time).chain(channels.map(|c| (c.name(), None, is_needed(c))));
-            (None, wanted.collect())
-        }
-    };
-    let signal = |(name, quantity, is_needed): (&'static str, Option<Quantity>, bool)| Signal {
-        name,
-        is_needed,
-        chosen: choose(candidates, name, quantity, kind),
-    };
-    wanted.into_iter().map(signal).collect()
 }
 
 #[cfg(test)]

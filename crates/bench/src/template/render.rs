@@ -1,9 +1,10 @@
 //! Text of a template.
 
+use super::signals::{Signal, TemplatePlant};
 use super::values::{Values, rounded};
-use super::{FILL_IN, Signal, TemplatePlant};
 use crate::description::{AxisKind, Bench};
 use crate::log::{LogError, RawColumn, RawLog};
+use crate::reading::FILL_IN;
 use crate::schema::{FieldEntry, SectionEntry, Shape};
 use crate::signals::Channel;
 use std::fmt::Write as _;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use super::*;
+use crate::reading::FILL_IN;
 use crate::simulate::record;
 use crate::{Bench, MeasuredLog};
 use toml::{Table, Value};

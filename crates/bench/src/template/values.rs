@@ -1,7 +1,7 @@
 //! Values that a log determines, by dotted name, with a note for the template.
 
 use super::columns::{Chosen, interval, period_s};
-use super::{Signal, TemplatePlant};
+use super::signals::{Signal, TemplatePlant};
 use crate::description::AxisKind;
 use crate::log::TIME;
 use crate::reading::PRESETS;

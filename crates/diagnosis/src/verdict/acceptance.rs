@@ -15,7 +15,7 @@
 //!   another one. If this rejects the last cause only, the causes before it are examined without
 //!   it.
 
-use super::causes::EffectName;
+use super::effect_name::EffectName;
 use super::explanation::Explanation;
 use super::tuning;
 use crate::data::logs::Data;

@@ -1,9 +1,9 @@
 //! Causes of a diagnosis with their parameters.
 
+use super::effect_name::EffectName;
 use super::explanation::Explanation;
 use crate::data::logs::Data;
 use crate::fit::held_out_gain::{Gain, gains};
-use crate::fit::model::Candidate;
 use crate::fit::tuning::Z_95;
 use crate::search::contender::Contender;
 use bench::Channel;
@@ -64,22 +64,6 @@ impl EquivalentEffect {
             probability: known * contender.probability,
             correlation: contender.correlation,
         }
-    }
-}
-
-/// Name of an effect, with its sensor.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct EffectName {
-    /// Effect in kebab-case.
-    pub effect: String,
-    /// Sensor, for sensor effects.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub channel: Option<Channel>,
-}
-
-impl From<&Candidate> for EffectName {
-    fn from(candidate: &Candidate) -> Self {
-        Self { effect: candidate.kind.name.into(), channel: candidate.channel }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Explanations: the calibrated bench without a cause or with some, and the tests on its
 //! residual.
 
-use super::causes::EffectName;
+use super::effect_name::EffectName;
 use super::remaining_structure::{self, RemainingStructure};
 use super::size_consistency::{Inconsistency, inconsistency};
 use crate::data::logs::{Columns, Data};

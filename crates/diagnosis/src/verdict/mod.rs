@@ -3,6 +3,7 @@
 
 pub(crate) mod acceptance;
 pub(crate) mod causes;
+pub(crate) mod effect_name;
 pub(crate) mod estimates;
 pub(crate) mod explanation;
 pub(crate) mod identifiability;

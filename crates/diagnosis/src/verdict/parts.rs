@@ -13,7 +13,7 @@
 //! the parts are what helps beside them and leaves their sizes clear.
 
 use super::acceptance::is_acceptable;
-use super::causes::EffectName;
+use super::effect_name::EffectName;
 use super::explanation::Explanation;
 use super::probability::{Hypothesis, Shares};
 use super::size_consistency::last_inconsistency;

@@ -14,7 +14,7 @@
 //!   model consists of the means over bins of the cycle's phase, or of time, in any of the
 //!   channels, with the BIC penalty for every bin.
 
-use super::causes::EffectName;
+use super::effect_name::EffectName;
 use super::explanation::Explanation;
 use super::tuning;
 use crate::data::logs::{Columns, Data};

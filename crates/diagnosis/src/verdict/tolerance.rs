@@ -10,7 +10,8 @@
 //! reported beside the cause.
 
 use super::acceptance::is_acceptable;
-use super::causes::{EffectName, EquivalentEffect};
+use super::causes::EquivalentEffect;
+use super::effect_name::EffectName;
 use super::explanation::Explanation;
 use super::materiality::{largest_change, note};
 use super::probability::{Hypothesis, Shares};

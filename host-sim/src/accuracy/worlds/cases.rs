@@ -59,7 +59,7 @@ impl OperatingPoint {
 
     /// Returns the bench as the estimators know it. The clearance is as uncertain as the worlds are
     /// drawn: by 10 um at every clearance.
-    pub fn described_bench(&self) -> Result<TransmissionBench, CliError> {
+    pub(crate) fn described_bench(&self) -> Result<TransmissionBench, CliError> {
         let base = TransmissionBench::open("bench-b")?;
         let mut bench = variant(&base, self.material(), self.clearance_mm, self.load_kn).resolved();
         let drawn_m = Deviations::BENCH_B.clearance_m;
@@ -68,7 +68,7 @@ impl OperatingPoint {
     }
 
     /// Returns the same bench as a world.
-    pub const fn described_world(&self) -> World {
+    pub(crate) const fn described_world(&self) -> World {
         World::bench_b(self.bearing, 1e-3 * self.clearance_mm, 1e3 * self.load_kn)
     }
 }
@@ -131,15 +131,15 @@ pub fn worlds(point: &OperatingPoint, draws: u32, seed: u64) -> Vec<RealWorld> {
 }
 
 /// Friction coefficient larger by .06 at standstill; the rise decays over 10 mm/s.
-pub const STRIBECK_RISE: &str = "stribeck-rise";
+pub(crate) const STRIBECK_RISE: &str = "stribeck-rise";
 /// Sensor noise with a correlation of .9 from reading to reading.
-pub const CORRELATED_NOISE: &str = "correlated-noise";
+pub(crate) const CORRELATED_NOISE: &str = "correlated-noise";
 /// Position probes late by 100 us.
-pub const POSITION_DELAY: &str = "position-delay";
+pub(crate) const POSITION_DELAY: &str = "position-delay";
 /// Exponent of the elastic force larger by .15.
-pub const LAW_EXPONENT: &str = "law-exponent";
+pub(crate) const LAW_EXPONENT: &str = "law-exponent";
 /// Drive late by 1 ms.
-pub const DRIVE_LAG: &str = "drive-lag";
+pub(crate) const DRIVE_LAG: &str = "drive-lag";
 
 #[cfg(test)]
 mod tests {

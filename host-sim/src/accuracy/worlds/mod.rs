@@ -14,24 +14,22 @@
 pub mod cases;
 pub mod estimators;
 pub mod goals;
+mod outcome;
 mod pictures;
+mod recorded;
 mod report;
 pub mod score;
 
 use crate::cli::error::CliError;
 use crate::cli::output::{self, Files};
 use crate::cli::{parallel, progress};
-use crate::run::force::SAMPLE_RATE_HZ;
-use ::worlds::random::subseed;
-use ::worlds::{Reading, Row};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use cases::{OperatingPoint, RealWorld};
-use estimators::{Estimate, EstimatorKind};
-use goals::Verdict;
-use schemars::JsonSchema;
+use estimators::EstimatorKind;
+pub(crate) use outcome::Outcome;
+use recorded::Recorded;
 use score::Case;
-use serde::Serialize;
 use std::path::Path;
 
 /// Options of the measurement.
@@ -43,36 +41,6 @@ pub struct Settings {
     pub seed: u64,
     /// Threads; 0 uses one per core. The result does not depend on it.
     pub threads: usize,
-}
-
-/// Result of `host-sim accuracy --worlds`, as printed and stored.
-#[derive(Serialize, JsonSchema)]
-pub(crate) struct Outcome {
-    worlds: u32,
-    seed: u64,
-    goals: Vec<Verdict>,
-    cases: Vec<Case>,
-}
-
-/// A world that has been run and read.
-struct Recorded {
-    rows: Vec<Row>,
-    readings: Vec<Reading>,
-}
-
-impl Recorded {
-    /// Runs a world for one cycle. The noise depends on the seed, the operating point and the
-    /// world's name.
-    fn new(point: &OperatingPoint, real: &RealWorld, seed: u64) -> Self {
-        let rows = real.world.run(real.world.period_s, SAMPLE_RATE_HZ);
-        let seed = subseed(subseed(seed, &point.name()), &real.name);
-        let readings = real.sensors.read(&rows, seed);
-        Self { rows, readings }
-    }
-
-    fn estimates(&self, point: &OperatingPoint, kind: EstimatorKind) -> Result<Vec<Estimate>, CliError> {
-        estimators::follow(kind, &point.described_bench()?, &self.readings)
-    }
 }
 
 /// Measures every estimator in every world of the operating points; `finished` is called after each
@@ -135,7 +103,7 @@ pub(crate) fn run(
 mod tests {
     use super::cases::Set;
     use super::*;
-    use crate::run::force::{DEFAULT_STEP_S, ForceSource, run_bench};
+    use crate::run::force::{DEFAULT_STEP_S, ForceSource, SAMPLE_RATE_HZ, run_bench};
     use ::worlds::World;
 
     /// Both simulators integrate the same equations with different methods. The largest differences

@@ -2,8 +2,9 @@
 
 use super::cases::{self, OperatingPoint, RealWorld, Set};
 use super::estimators::{Estimate, EstimatorKind};
+use super::outcome::Outcome;
+use super::recorded::Recorded;
 use super::score::{Case, SECTIONS, START_S, reversals_s};
-use super::{Outcome, Recorded};
 use crate::cli::error::CliError;
 use crate::cli::output::{Files, Picture};
 use crate::run::conditions::BEARINGS;

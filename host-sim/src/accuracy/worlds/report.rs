@@ -1,9 +1,9 @@
 //! The tables and the page of `host-sim accuracy --worlds`.
 
-use super::Outcome;
 use super::cases::{OperatingPoint, Set};
 use super::estimators::EstimatorKind::{self, Law, LawWithDriveForce, Network};
 use super::goals::{Limit, Verdict};
+use super::outcome::Outcome;
 use super::pictures::Pictures;
 use super::score::{Case, START_S};
 use crate::cli::{limits, output};

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Time from which on errors count, s: the load has its full size.
-pub const START_S: f64 = 0.05;
+pub(crate) const START_S: f64 = 0.05;
 /// Time before and after a reversal of sliding that belongs to it, s.
 const REVERSAL_S: (f64, f64) = (3e-3, 13e-3);
 /// Estimated force without contact that counts as none, as a share of full scale.
@@ -151,7 +151,7 @@ impl Case {
     }
 
     /// Rms error of the torque around reversals of sliding as a share of full scale.
-    pub fn torque_reversal_share(&self) -> Option<f64> {
+    pub(crate) fn torque_reversal_share(&self) -> Option<f64> {
         Some(self.torque_reversal_rms_nm? / self.torque_full_scale_nm)
     }
 

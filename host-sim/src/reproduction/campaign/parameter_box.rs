@@ -62,7 +62,7 @@ const fn choice(
 }
 
 /// The box.
-pub const BOX: [Parameter; PARAMETERS] = [
+pub(crate) const BOX: [Parameter; PARAMETERS] = [
     range("floor", "floor or reference of the damping, m/s", "contact.latch_floor_m_s", 1e-3, 0.2),
     choice("damping", "reference of the damping", "contact.damping", &["latched", "reference"]),
     choice(

@@ -130,13 +130,13 @@ fn value(draw: &Draw, number: usize) -> f64 {
 }
 
 /// The parameter with the largest effect; none if the intervals of all contain 0.
-pub fn deciding(effects: &[Effect]) -> Option<&Effect> {
+pub(crate) fn deciding(effects: &[Effect]) -> Option<&Effect> {
     let significant = effects.iter().filter(|effect| effect.is_significant());
     significant.max_by(|a, b| a.difference.abs().total_cmp(&b.difference.abs()))
 }
 
 /// Shares over bands of a range: middle of the band and share. Empty for a choice.
-pub fn over_range(draws: &[(Draw, bool)], number: usize, bands: usize) -> Vec<(f64, Share)> {
+pub(crate) fn over_range(draws: &[(Draw, bool)], number: usize, bands: usize) -> Vec<(f64, Share)> {
     let Some(Values::Between(from, to)) = BOX.get(number).map(|p| p.values) else { return Vec::new() };
     let values = Values::Between(from, to);
     let mut counts = vec![(0, 0); bands];

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Short names of the claims for maps and charts.
-pub const SHORT: [&str; CLAIMS] = [
+pub(crate) const SHORT: [&str; CLAIMS] = [
     "reversal",
     "clearance",
     "Y over Z",
@@ -40,7 +40,7 @@ pub struct Mapped {
 
 impl Mapped {
     /// The parameter with the largest effect, as text.
-    pub fn decided_by(&self) -> String {
+    pub(crate) fn decided_by(&self) -> String {
         let Some(effect) = deciding(&self.effects) else {
             return "none".into();
         };
@@ -151,7 +151,7 @@ pub fn cells(row: &MappedClaim, nominal: &Nominal) -> Vec<String> {
 }
 
 /// Formats rows of cells as a Markdown table.
-pub fn markdown(rows: &[Vec<String>]) -> String {
+pub(crate) fn markdown(rows: &[Vec<String>]) -> String {
     let line = |cells: &[&str]| format!("| {} |\n", cells.join(" | "));
     let mut text = line(&HEADER);
     text.push_str(&line(&HEADER.map(|_| "---")));

@@ -13,7 +13,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Number of claims.
-pub const CLAIMS: usize = 15;
+pub(crate) const CLAIMS: usize = 15;
 
 /// Verdicts on all claims in one operation; none where the operation has none.
 pub type Row = [Option<Verdict>; CLAIMS];
@@ -87,7 +87,7 @@ fn vary(mut bench: TransmissionBench, draw: Option<&Draw>) -> Result<Transmissio
 }
 
 /// Claims 12 to 14 of the bench's own friction law, at the rig's speeds and the bench's loads.
-pub fn evaluate_law(base: &TransmissionBench, draw: Option<&Draw>) -> Result<Row, CliError> {
+pub(crate) fn evaluate_law(base: &TransmissionBench, draw: Option<&Draw>) -> Result<Row, CliError> {
     let bench = |material| {
         let mut bench = base.clone();
         bench.set_material(material);

@@ -15,7 +15,8 @@ use crate::reproduction::runs::{cases, coefficients, joint_acceleration_ratio};
 use crate::reproduction::swing::{self, Swing};
 use crate::run::conditions::{CLEARANCE_LOAD_KN, LOAD_CLEARANCE_MM, variant};
 use crate::run::force::SAMPLE_RATE_HZ;
-use crate::run::summary::{acceleration_reversals_s, fluctuation_rms_n, oscillation_window_s, peak};
+use crate::run::magnitude::peak;
+use crate::run::summary::{acceleration_reversals_s, fluctuation_rms_n, oscillation_window_s};
 use bench::BearingMaterial::{self, Babbitt, Plastic};
 use bench::description::TransmissionBench;
 use bench::integrate::IntegrationError;
@@ -79,7 +80,7 @@ pub struct SettledRun {
 
 impl SettledRun {
     /// Returns whether another bench has the same bearing, clearance and load.
-    pub fn has_conditions_of(&self, other: &TransmissionBench) -> bool {
+    pub(crate) fn has_conditions_of(&self, other: &TransmissionBench) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
         self.bench.bearing.material == other.bearing.material
             && near(self.bench.bearing.radial_clearance_m, other.bearing.radial_clearance_m)
@@ -88,7 +89,7 @@ impl SettledRun {
 }
 
 /// Returns the bench with the number of cycles of a settled run.
-pub fn with_cycles(mut bench: TransmissionBench) -> TransmissionBench {
+pub(crate) fn with_cycles(mut bench: TransmissionBench) -> TransmissionBench {
     bench.drive.cycles = CYCLES;
     bench
 }
@@ -108,7 +109,7 @@ pub fn simulate(bench: &TransmissionBench) -> Result<Vec<Snapshot>, IntegrationE
 }
 
 /// Returns the samples of an operation, from the end of the load's ramp on.
-pub fn of_operation<'a>(
+pub(crate) fn of_operation<'a>(
     bench: &TransmissionBench,
     samples: &'a [Snapshot],
     operation: Operation,

@@ -87,14 +87,14 @@ fn modulus_scan(base: &TransmissionBench, threads: usize) -> Result<Vec<(f64, f6
 /// Largest acceleration of the slider over that of the same mechanism without clearance, which
 /// decelerates hardest where crank and rod are in line. It counts from the published start over the
 /// described time.
-pub fn slider_crank_ratio() -> Result<f64, CliError> {
+pub(crate) fn slider_crank_ratio() -> Result<f64, CliError> {
     let bench = SliderCrankBench::open("slider-crank")?;
     ratio_within(&bench.plant(), (0.0, bench.duration_s()))
 }
 
 /// The same over one revolution after `revolutions` of the crank. The joint may then stay in
 /// contact.
-pub fn settled_slider_crank_ratio(revolutions: u32) -> Result<f64, CliError> {
+pub(crate) fn settled_slider_crank_ratio(revolutions: u32) -> Result<f64, CliError> {
     let plant = SliderCrankBench::open("slider-crank")?.plant();
     let period_s = core::f64::consts::TAU / plant.crank_speed_rad_s;
     let from_s = f64::from(revolutions) * period_s;

@@ -23,7 +23,7 @@ impl From<Claim> for Further {
 
 /// A claim with its verdicts. Its own one is that of one cycle from rest, as the paper ran it.
 #[derive(Clone, Debug, JsonSchema, Serialize)]
-pub struct Judged {
+pub(crate) struct Judged {
     /// The claim, and its verdict for one cycle from rest.
     #[serde(flatten)]
     pub claim: Claim,
@@ -38,7 +38,7 @@ const NETWORKS: &str = "From the outputs of the shipped networks at the bench's 
                         the bench's law with its regularised sign of 1 mm/s";
 
 /// Judges all claims on the paper's runs, on settled runs and on the shipped networks.
-pub fn evaluate_all(facts: &Facts, settled: &MotionFacts) -> Vec<Judged> {
+pub(crate) fn evaluate_all(facts: &Facts, settled: &MotionFacts) -> Vec<Judged> {
     let mut settled = further(evaluate_motion(settled));
     let mut networks = further(friction::assess_curves(&facts.networks, NETWORKS));
     let judged = |claim: Claim| Judged {

@@ -53,7 +53,7 @@ use facts::{Facts, MotionFacts};
 use model_quant::report::claims::{friction, list, list_to, training};
 
 /// Judges claims 1 to 11, which are about the motion of the bench.
-pub fn evaluate_motion(motion: &MotionFacts) -> Vec<Claim> {
+pub(crate) fn evaluate_motion(motion: &MotionFacts) -> Vec<Claim> {
     let mut claims = bearing::evaluate(motion);
     claims.extend(load::evaluate(motion));
     claims.push(joint::evaluate(&motion.joint));

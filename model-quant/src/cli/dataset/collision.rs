@@ -1,7 +1,9 @@
 //! `model-quant dataset collision`: writes the collision set of a bearing in three parts.
 
-use super::super::{CliError, parse_bearing, print, print_json};
 use super::progress::Progress;
+use crate::cli::checkpoint::parse_bearing;
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::bench_runs::{self, BenchRun, OutsideShare, bench_runs, measure_outside_share};
 use crate::data::collision::{COLUMNS, CollisionSet, LimitStatistics, window_names};
 use crate::data::features::FloatFeatures;

@@ -1,7 +1,9 @@
 //! `model-quant dataset friction`: writes the friction set of a bearing and a picture of its
 //! cleaning.
 
-use super::super::{CliError, parse_bearing, print, print_json};
+use crate::cli::checkpoint::parse_bearing;
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::cleaning_chart::comparison;
 use crate::data::file_io::{check_directory, write_atomically};
 use crate::data::friction::{CHANNELS, COLUMNS, DRAWS, FrictionSet, Group, SAMPLES, torque_errors};

@@ -1,7 +1,9 @@
 //! `model-quant import --bearing`: an imported network in a float checkpoint.
 
-use super::Arguments;
-use crate::cli::{CliError, checkpoint, print, print_json};
+use super::arguments::Arguments;
+use crate::cli::checkpoint::checkpoint;
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::file_io::write_atomically;
 use crate::exchange::onnx_import::Imported;
 use crate::exchange::samples::{Difference, Samples};

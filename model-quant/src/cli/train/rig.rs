@@ -1,7 +1,9 @@
 //! `model-quant train --friction rig`: trains and evaluates the friction network of the rig.
 
-use super::{Arguments, EpochBar, recipe};
-use crate::cli::{CliError, print, print_json};
+use super::arguments::{Arguments, recipe};
+use super::epoch_bar::EpochBar;
+use crate::cli::error::CliError;
+use crate::cli::output::{print, print_json};
 use crate::data::features::FloatFeatures;
 use crate::data::file_io::{check_directory, write_atomically};
 use crate::data::friction::FrictionSet;

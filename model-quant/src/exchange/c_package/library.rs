@@ -1,7 +1,9 @@
 //! Static libraries of the crate `c-interface`, one for each platform: where they are found.
 
-use super::PackageFile;
 use std::path::{Path, PathBuf};
+
+/// File of the folder: path with `/`, and content.
+pub(crate) type PackageFile = (String, Vec<u8>);
 
 /// File of a library in the folder of its platform.
 const FILE: &str = "libpintle_model.a";

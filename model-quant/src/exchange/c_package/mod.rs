@@ -7,14 +7,11 @@
 mod library;
 
 use inference::{Header, Model};
-pub(crate) use library::{Libraries, LibrariesError};
+pub(crate) use library::{Libraries, LibrariesError, PackageFile};
 use std::fmt::Write;
 
 /// Number of words in a line of an array.
 const WORDS_IN_A_LINE: usize = 8;
-
-/// File of the folder: path with `/`, and content.
-pub(crate) type PackageFile = (String, Vec<u8>);
 
 /// Templates that depend on the first bearing's name and on the version only.
 const TEMPLATES: [(&str, &str); 11] = [

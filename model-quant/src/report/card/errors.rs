@@ -1,6 +1,6 @@
 //! Error tables of a card: against the law by force, and for each quantisation step.
 
-use super::Facts;
+use super::facts::Facts;
 use crate::evaluate::errors::{Errors, FRICTION_RADIUS_M};
 use crate::evaluate::layers::LAYER_ROWS;
 use crate::evaluate::verdict::BANDS_N;

@@ -1,6 +1,6 @@
 //! Usage section of a card: accuracy in the bench's loop, and limits of the image with figures.
 
-use super::Facts;
+use super::facts::Facts;
 use crate::evaluate::bench_loop::{LoopSet, Spread};
 use crate::evaluate::limits::RATE_ERROR_M_S;
 use crate::evaluate::verdict::Verdict;

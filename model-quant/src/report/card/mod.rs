@@ -3,45 +3,21 @@
 //! `errors` writes the error tables, `limits` the accuracy in the bench's loop and the limits.
 
 mod errors;
+mod facts;
 mod limits;
 
-use crate::evaluate::bench_loop::BenchLoop;
-use crate::evaluate::layers::LayerError;
-use crate::evaluate::limits::Limits;
+pub use facts::Facts;
+
 use crate::evaluate::test_set::TEST_ROWS;
-use crate::evaluate::verdict::Verdict;
 use crate::network::NetworkKind;
-use crate::network::checkpoint::Checkpoint;
 use crate::network::recipe::TrainingSet;
 use crate::quantise::CALIBRATION_ROWS;
-use crate::quantise::mode::Plan;
+use inference::WINDOW;
 use inference::image::{CRC_LENGTH, FORMAT_VERSION};
-use inference::{Header, WINDOW};
 use std::fmt::Write;
 
 /// Maximum width of a line of prose.
 const WIDTH: usize = 100;
-
-/// Content of a card.
-#[derive(Clone, Copy, Debug)]
-pub struct Facts<'a> {
-    /// Checkpoint that the image was made from.
-    pub checkpoint: &'a Checkpoint,
-    /// Options of the quantisation.
-    pub plan: Plan,
-    /// Header of the image.
-    pub header: &'a Header,
-    /// Bytes of the image.
-    pub image: &'a [u8],
-    /// Results of the verification.
-    pub verdicts: &'a [Verdict],
-    /// Error of each quantisation step.
-    pub layers: &'a [LayerError],
-    /// Errors beyond the training range.
-    pub limits: &'a Limits,
-    /// Accuracy in the bench's loop, if it was measured with this image.
-    pub bench_loop: Option<&'a BenchLoop>,
-}
 
 /// Writes the card of an image as Markdown.
 pub fn card(facts: &Facts<'_>) -> String {

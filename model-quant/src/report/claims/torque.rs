@@ -5,7 +5,7 @@ use crate::data::friction_source::FrictionError;
 use crate::data::statistics::median;
 use crate::evaluate::errors::FRICTION_RADIUS_M;
 use crate::quantise::image::AnyModel;
-use crate::report::training::torque;
+use crate::report::torque;
 use bench::description::FrictionRig;
 use bench::simulate::{LOADS_N, rig_groups};
 use bench::{BearingMaterial, Channel};

@@ -1,7 +1,6 @@
 //! Figures of one bearing in the training report.
 
 use super::ReportError;
-use super::torque::{self, Curve};
 use crate::evaluate::layers::{LayerError, layer_errors};
 use crate::evaluate::test_set::{draw_test_set, image_forces_after};
 use crate::evaluate::verdict::Verdict;
@@ -12,6 +11,7 @@ use crate::network::recipe::Recipe;
 use crate::quantise::image::AnyModel;
 use crate::quantise::mode::{Mode, Packing, Plan};
 use crate::quantise::quantise;
+use crate::report::torque::{self, Curve};
 use crate::train::history::History;
 use serde::Serialize;
 

@@ -2,9 +2,8 @@
 //! claims 12 to 15, and quantisation errors.
 //!
 //! [`facts`] measures the networks, [`rig`] compares the rig's networks with its records,
-//! [`companding`] reads the comparison of targets, [`torque`] computes torque over load and speed,
-//! [`pictures`] draws and [`page`] writes the page. The report depends on checkpoint and seed alone
-//! and has the same bytes every time.
+//! [`companding`] reads the comparison of targets, [`pictures`] draws and [`page`] writes the page.
+//! The report depends on checkpoint and seed alone and has the same bytes every time.
 
 pub(crate) mod companding;
 pub(crate) mod facts;
@@ -13,7 +12,6 @@ pub(crate) mod pictures;
 pub(crate) mod rig;
 pub(crate) mod rig_pictures;
 mod tables;
-pub(crate) mod torque;
 
 use crate::data::file_io::FileError;
 

@@ -2,9 +2,9 @@
 
 use super::ReportError;
 use super::facts::BearingFacts;
-use super::torque::Curve;
 use crate::evaluate::errors::FRICTION_RADIUS_M;
 use crate::evaluate::verdict::Verdict;
+use crate::report::torque::Curve;
 use crate::train::history::{Epoch, History};
 use report::figure::{Chart, Drawing, Series, Style, lines_log_log, lines_log_x, lines_log_y};
 use report::heat::{self, Heat, Scale};

@@ -4,12 +4,13 @@ mod check;
 mod contact;
 mod measured;
 mod plant;
+mod quantity;
 
 pub use self::contact::ContactEntry;
 pub use self::measured::MeasuredEntry;
-pub(crate) use self::measured::Quantity;
+pub(crate) use self::quantity::Quantity;
 
-use super::common::plant_description;
+use super::plant::plant_description;
 use super::{is_one, is_zero, one};
 use crate::schema::{HUGE, TINY, named_field, section};
 use serde::{Deserialize, Serialize};

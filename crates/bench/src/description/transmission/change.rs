@@ -1,9 +1,14 @@
-//! Changes of a transmission bench's description: bearing material and clearance.
+//! Changes of a transmission bench's description: bearing material, clearance and servo.
 
 use super::{ShapeName, TransmissionBench};
 use contact::{BearingMaterial, FrictionKind, StribeckShape};
 
 impl TransmissionBench {
+    /// The bench with the measured motion of the fork as its input instead of the servo.
+    pub(crate) fn without_servo(&self) -> Self {
+        Self { servo: None, ..self.clone() }
+    }
+
     /// Replaces bearing material and friction by those of a trained bearing. Clearance and geometry
     /// do not change. Brown and McPhee's law keeps its own viscous part.
     pub fn set_material(&mut self, material: BearingMaterial) {

@@ -1,7 +1,5 @@
 //! Life of the bearing: wear, temperature, water, lubricant film; used by `host-sim life`.
 
-use super::TransmissionBench;
-use crate::description::Range;
 use crate::schema::section;
 
 section! {
@@ -137,20 +135,6 @@ impl Default for LifeSection {
             duty_cycles: four(),
             jump_share: jump_share(),
         }
-    }
-}
-
-impl TransmissionBench {
-    /// Ranges of a life that depend on other fields.
-    pub(super) fn life_ranges(&self) -> Vec<Range> {
-        let (bearing, life) = (&self.bearing, self.life.as_ref());
-        let largest_m = 0.1 * bearing.bearing_radius_m;
-        let limit = life.and_then(|life| life.limit_clearance_m);
-        let limit = limit.map(|m| ("life.limit_clearance_m", m, bearing.radial_clearance_m, largest_m));
-        // A film thicker than half of the clearance leaves the journal hardly any path.
-        let film = self.film.as_ref();
-        let film = film.map(|f| ("film.min_film_m", f.min_film_m, 1e-8, 0.5 * bearing.radial_clearance_m));
-        limit.into_iter().chain(film).collect()
     }
 }
 

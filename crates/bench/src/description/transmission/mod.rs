@@ -1,6 +1,7 @@
 //! Description of the transmission bench.
 
 mod change;
+mod courses;
 mod life;
 mod operation;
 mod plant;
@@ -9,12 +10,12 @@ mod servo;
 mod start;
 
 pub use life::{FilmSection, LifeSection, ThermalSection, WearSection};
-pub use profile::{CourseKind, CourseSection, LoggedCourses};
+pub use profile::{CourseKind, CourseSection};
 pub use servo::Servo;
 pub use start::Start;
 pub(crate) use start::StartState;
 
-use super::common::plant_description;
+use super::plant::plant_description;
 use super::{Extension, Load, Logging, is_one, is_zero, one};
 use crate::description::law_names::{
     CompleteLawName, DampingName, DissipationName, FrictionName, StiffnessName,

@@ -1,6 +1,7 @@
-//! Described operation of the transmission bench: drive, load, length and sample times of a run.
+//! Described operation of the transmission bench: drive, load and start, length and sample times
+//! of a run.
 
-use super::TransmissionBench;
+use super::{StartState, TransmissionBench, start};
 use crate::signals::Profile;
 
 impl TransmissionBench {
@@ -17,6 +18,11 @@ impl TransmissionBench {
     pub fn load_profile(&self) -> Profile {
         let constant = || Profile::Ramp { level: self.load.force_n, ramp_s: self.load.ramp_s };
         self.load_course().unwrap_or_else(constant)
+    }
+
+    /// Journal at the start of a run.
+    pub(crate) fn start_state(&self) -> StartState {
+        start::state(self.start.as_ref(), self.bearing.radial_clearance_m)
     }
 
     /// Length of a run in s.

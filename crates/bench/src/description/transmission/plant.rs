@@ -64,7 +64,9 @@ impl PlantDescription for TransmissionBench {
         if let Some(fork) = &self.fork {
             ranges.push(("fork.backlash_m", fork.backlash_m, 0.0, 0.1 * lever_m));
         }
-        ranges.extend(self.start_ranges());
+        if let Some(start) = &self.start {
+            ranges.extend(start.ranges(bearing.radial_clearance_m));
+        }
         ranges.extend(self.life_ranges());
         ranges
     }
@@ -146,5 +148,19 @@ impl PlantDescription for TransmissionBench {
         (start_margin_s, end_margin_s): (f64, f64),
     ) -> (f64, f64) {
         (start_s + self.load.ramp_s + start_margin_s, end_s - end_margin_s)
+    }
+}
+
+impl TransmissionBench {
+    /// Ranges of a life that depend on other fields.
+    fn life_ranges(&self) -> Vec<Range> {
+        let (bearing, life) = (&self.bearing, self.life.as_ref());
+        let largest_m = 0.1 * bearing.bearing_radius_m;
+        let limit = life.and_then(|life| life.limit_clearance_m);
+        let limit = limit.map(|m| ("life.limit_clearance_m", m, bearing.radial_clearance_m, largest_m));
+        // A film thicker than half of the clearance leaves the journal hardly any path.
+        let film = self.film.as_ref();
+        let film = film.map(|f| ("film.min_film_m", f.min_film_m, 1e-8, 0.5 * bearing.radial_clearance_m));
+        limit.into_iter().chain(film).collect()
     }
 }

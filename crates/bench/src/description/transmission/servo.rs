@@ -1,6 +1,5 @@
 //! Rudder servo of the transmission bench; its equations are in `plants::transmission::servo`.
 
-use super::TransmissionBench;
 use crate::schema::{HUGE, section};
 
 section! {
@@ -26,12 +25,5 @@ section! {
         dead_band: f64 [0.0, 0.9],
         /// Compliance of the oil column: its length over bulk modulus and area.
         compliance_m_n: f64 [1e-10, 1e-3, "m/N"],
-    }
-}
-
-impl TransmissionBench {
-    /// The bench with the measured motion of the fork as its input instead of the servo.
-    pub(crate) fn without_servo(&self) -> Self {
-        Self { servo: None, ..self.clone() }
     }
 }

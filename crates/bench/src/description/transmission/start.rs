@@ -1,6 +1,5 @@
 //! Start of a run: gap under the journal and the speed at which it lands.
 
-use super::TransmissionBench;
 use crate::description::Range;
 use crate::schema::{TINY, section};
 use contact::GRAVITY_M_S2;
@@ -32,32 +31,12 @@ pub(crate) struct StartState {
 }
 
 impl Start {
-    /// Gap in m, if the section determines it.
-    fn gap_m(&self) -> Option<f64> {
-        self.gap_m.or_else(|| self.landing_speed_m_s.map(|speed| speed * speed / (2.0 * GRAVITY_M_S2)))
-    }
-}
-
-impl TransmissionBench {
-    /// Journal at the start of a run.
-    pub(crate) fn start_state(&self) -> StartState {
-        let gap_m = self.start.as_ref().and_then(Start::gap_m);
-        let clearance_m = self.bearing.radial_clearance_m;
-        let gap_share = gap_m.map_or(GAP_SHARE, |gap_m| (gap_m / clearance_m).min(1.0));
-        let both = self.start.as_ref().and_then(|start| start.gap_m.and(start.landing_speed_m_s));
-        let fall = 2.0 * GRAVITY_M_S2 * gap_share * clearance_m;
-        let speed_m_s = both.map_or(0.0, |landing| (landing * landing - fall).max(0.0).sqrt());
-        StartState { gap_share, speed_m_s }
-    }
-
-    /// Ranges of the start that depend on the clearance and on each other.
-    pub(super) fn start_ranges(&self) -> Vec<Range> {
-        let Some(start) = &self.start else { return Vec::new() };
-        let clearance_m = self.bearing.radial_clearance_m;
+    /// Ranges that depend on the clearance and on each other.
+    pub(super) fn ranges(&self, clearance_m: f64) -> Vec<Range> {
         let fall_m_s = |gap_m: f64| (2.0 * GRAVITY_M_S2 * gap_m).sqrt();
-        let gap = start.gap_m.map(|gap_m| ("start.gap_m", gap_m, TINY, clearance_m));
-        let landing = start.landing_speed_m_s.map(|landing| {
-            let (min, max) = match start.gap_m {
+        let gap = self.gap_m.map(|gap_m| ("start.gap_m", gap_m, TINY, clearance_m));
+        let landing = self.landing_speed_m_s.map(|landing| {
+            let (min, max) = match self.gap_m {
                 Some(gap_m) => (fall_m_s(gap_m), 10.0),
                 None => (1e-9, fall_m_s(clearance_m)),
             };
@@ -65,11 +44,26 @@ impl TransmissionBench {
         });
         gap.into_iter().chain(landing).collect()
     }
+
+    /// Gap in m, if the section determines it.
+    fn gap_m(&self) -> Option<f64> {
+        self.gap_m.or_else(|| self.landing_speed_m_s.map(|speed| speed * speed / (2.0 * GRAVITY_M_S2)))
+    }
+}
+
+/// Journal at the start of a run in a bearing with a radial clearance.
+pub(super) fn state(start: Option<&Start>, clearance_m: f64) -> StartState {
+    let gap_m = start.and_then(Start::gap_m);
+    let gap_share = gap_m.map_or(GAP_SHARE, |gap_m| (gap_m / clearance_m).min(1.0));
+    let both = start.and_then(|start| start.gap_m.and(start.landing_speed_m_s));
+    let fall = 2.0 * GRAVITY_M_S2 * gap_share * clearance_m;
+    let speed_m_s = both.map_or(0.0, |landing| (landing * landing - fall).max(0.0).sqrt());
+    StartState { gap_share, speed_m_s }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::description::TransmissionBench;
     use crate::{Bench, PRESETS};
 
     fn with_start(lines: &str) -> Result<TransmissionBench, String> {

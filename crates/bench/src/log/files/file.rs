@@ -1,4 +1,4 @@
-//! Open file of a log: named columns of numbers, whatever the format.
+//! Open file of a log, and columns to write: named columns of numbers, whatever the format.
 
 use crate::log::{LogError, TextFormat};
 use std::cell::Cell;
@@ -16,6 +16,16 @@ pub(in crate::log) const MAX_VALUES: usize = 10 * MAX_ROWS;
 pub(super) const MAX_NAMES: usize = 100_000;
 /// Maximum number of listed columns of a matrix.
 pub(super) const MAX_COLUMNS: usize = 1000;
+
+/// Column of a log that is written.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::log) struct Written<'a> {
+    pub(in crate::log) name: &'a str,
+    /// Unit; empty for none.
+    pub(in crate::log) unit: &'a str,
+    /// Values, NaN where missing; all columns have as many.
+    pub(in crate::log) values: &'a [f64],
+}
 
 /// Open file of a log, split into columns. Columns may have different lengths.
 pub(in crate::log) trait LogFile {

@@ -1,7 +1,7 @@
 //! Writes a log as an uncompressed MAT-file of version 5: one column vector of doubles per signal,
 //! with its name as far as MATLAB allows it.
 
-use super::write::Written;
+use super::file::Written;
 use crate::log::LogError;
 use std::collections::HashSet;
 

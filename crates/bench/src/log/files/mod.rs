@@ -13,12 +13,12 @@ mod write;
 mod xlsx;
 
 use super::{LogError, TextFormat};
-pub(super) use file::{LogFile, MAX_ROWS, MAX_VALUES, list};
+pub(super) use file::{LogFile, MAX_ROWS, MAX_VALUES, Written, list};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 pub(super) use text::number::NO_THOUSANDS;
-pub(super) use write::{Written, bytes, is_text};
+pub(super) use write::{bytes, is_text};
 
 /// Maximum size of a file.
 const MAX_FILE_BYTES: u64 = 4 << 30;

@@ -6,8 +6,7 @@
 //! times of day in seconds. Pages may be plain or compressed with Snappy, gzip or LZ4. Logs are
 //! written as required doubles in one row group, without compression.
 
-use super::file::{LogFile, MAX_ROWS, distinct, guarded, refused};
-use super::write::Written;
+use super::file::{LogFile, MAX_ROWS, Written, distinct, guarded, refused};
 use crate::log::LogError;
 use bytes::Bytes;
 use parquet::basic::{ConvertedType, LogicalType, Repetition, TimeUnit, Type as PhysicalType};

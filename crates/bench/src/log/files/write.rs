@@ -1,20 +1,11 @@
 //! Writing of a log: CSV text, Parquet or a MAT-file.
 
+use super::file::Written;
 use super::text::number::{is_units, is_value};
 use super::text::records::MARK;
 use super::{mat_write, parquet};
 use crate::log::LogError;
 use std::path::Path;
-
-/// Column of a log that is written.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::log) struct Written<'a> {
-    pub(in crate::log) name: &'a str,
-    /// Unit; empty for none.
-    pub(in crate::log) unit: &'a str,
-    /// Values, NaN where missing; all columns have as many.
-    pub(in crate::log) values: &'a [f64],
-}
 
 /// Returns the content of a file: Parquet for `.parquet`, a MAT-file for `.mat`, else CSV.
 pub(in crate::log) fn bytes(file: &str, columns: &[Written<'_>]) -> Result<Vec<u8>, LogError> {

@@ -4,11 +4,11 @@
 //! the sampling of the log. While a coupling is loaded and slides along with the drive, 5 ms are
 //! enough. Without any of them nothing is integrated.
 
-use super::coupling::{Coupling, DriveStep};
-use super::{
-    AxisMemory, Effort, Given, Moment, Sliding, coefficient, effort_at, friction_at, memory_after,
-    presliding_sign,
+use super::balance::{
+    AxisMemory, Effort, Given, Moment, Sliding, effort_at, friction_at, memory_after, presliding_sign,
 };
+use super::coupling::{Coupling, DriveStep};
+use super::rubbing_pair::coefficient;
 use crate::description::{FrictionRig, Surface, ripples};
 use crate::signals::Motion;
 

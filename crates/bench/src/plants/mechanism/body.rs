@@ -171,3 +171,12 @@ pub(crate) fn dot3(a: [f64; 3], b: [f64; 3]) -> f64 {
 pub(crate) fn scaled<const N: usize>(a: [f64; N], factor: f64) -> [f64; N] {
     a.map(|value| value * factor)
 }
+
+/// Adds a generalised force to a body; the ground takes it without effect.
+pub(super) fn add_to(force: &mut [[f64; 3]], body: Option<usize>, direction: [f64; 3], size: f64) {
+    if let Some(on_body) = body.and_then(|body| force.get_mut(body)) {
+        for (sum, component) in on_body.iter_mut().zip(direction) {
+            *sum += size * component;
+        }
+    }
+}

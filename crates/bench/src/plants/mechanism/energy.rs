@@ -68,7 +68,7 @@ pub struct MechanismEnergy {
 
 impl MechanismEnergy {
     /// Remainder of the balance in J.
-    pub fn residual_j(&self) -> f64 {
+    pub(crate) fn residual_j(&self) -> f64 {
         self.drive_work_j + self.load_work_j
             - self.damper_heat_j
             - self.contact_damping_j

@@ -5,10 +5,9 @@
 //! both bodies are constant over the step. Their powers are those on the moving bodies, so the
 //! energy balance closes whatever the source gives.
 
-use super::body::{Frame, dot3, frame, scaled};
-use super::contact::{Contact, ContactKind, Touch};
+use super::body::{Frame, add_to, dot3, frame, scaled};
+use super::contact::{Contact, Touch};
 use super::energy::Flows;
-use super::{Evaluation, Mechanism, add_to};
 use crate::plants::transmission::{BearingForces, ContactView};
 
 /// Source of held contact forces.
@@ -30,7 +29,7 @@ pub(super) struct Held {
 }
 
 impl Held {
-    fn new(forces: BearingForces, touch: &Touch) -> Self {
+    pub(super) fn new(forces: BearingForces, touch: &Touch) -> Self {
         Self {
             forces,
             normal: touch.normal.map(|direction| scaled(direction, -forces.normal_n)),
@@ -58,40 +57,5 @@ impl Held {
         let (depth_m, rate_m_s) = contact.kind.deformation(time_s, pair);
         flows.contact_damping -= power(&self.normal) + contact.law.elastic.force_n(depth_m) * rate_m_s;
         flows.friction_heat -= power(&self.friction);
-    }
-}
-
-impl Mechanism {
-    /// Reads the forces of every held contact for the step that begins at a state.
-    pub(super) fn hold<const N: usize>(
-        &self,
-        source: &mut HeldForces<'_>,
-        (time_s, state): (f64, &[f64; N]),
-        latched_m_s: &[Option<f64>],
-        evaluation: &mut Evaluation,
-    ) {
-        let mut rates = [0.0; N];
-        self.state_derivative((time_s, state), latched_m_s, evaluation, &mut rates);
-        let half_s = 0.5 * source.step_s;
-        let middle: [f64; N] = std::array::from_fn(|i| state[i] + half_s * rates[i]);
-        for (i, contact) in self.contacts.iter().enumerate() {
-            let ContactKind::Journal { bearing_radius_m, journal_radius_m, .. } = contact.kind else {
-                continue;
-            };
-            if !source.contacts.get(i).copied().unwrap_or(false) {
-                continue;
-            }
-            let [first, second] = self.pair(contact, time_s + half_s, &middle);
-            let touch = contact.kind.at(time_s + half_s, [&first, &second]);
-            let onset_m_s = if touch.depth_m > 0.0 { touch.rate_m_s.max(0.0) } else { 0.0 };
-            let view = ContactView {
-                radial_clearance_m: bearing_radius_m - journal_radius_m,
-                deformation_m: touch.depth_m,
-                rate_m_s: touch.rate_m_s,
-                latched_m_s: latched_m_s[i].unwrap_or(onset_m_s),
-                sliding_speed_m_s: touch.sliding_m_s,
-            };
-            evaluation.held[i] = Some(Held::new((source.force)(i, &view), &touch));
-        }
     }
 }

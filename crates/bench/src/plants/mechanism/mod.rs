@@ -19,6 +19,7 @@ mod described;
 mod energy;
 mod force;
 mod held;
+mod hold;
 mod joint;
 mod run;
 mod solve;
@@ -34,7 +35,7 @@ pub use run::{BodyState, ContactState, MechanismRun, Snapshot};
 
 use super::energy::elastic_energy_j;
 use crate::signals::Motion;
-use body::{Frame, dot3, frame};
+use body::{Frame, add_to, dot3, frame};
 use contact::{Contact, Touch};
 use energy::{Flows, QUADRATURES};
 use force::{Load, Spring};
@@ -447,15 +448,6 @@ impl Evaluation {
             row.target - 2.0 * a * rate - a * a * row.value
         };
         solver.constrain(rows, (mobilities, &mechanism.masses), target, accelerations);
-    }
-}
-
-/// Adds a generalised force to a body; the ground takes it without effect.
-fn add_to(force: &mut [[f64; 3]], body: Option<usize>, direction: [f64; 3], size: f64) {
-    if let Some(on_body) = body.and_then(|body| force.get_mut(body)) {
-        for (sum, component) in on_body.iter_mut().zip(direction) {
-            *sum += size * component;
-        }
     }
 }
 

@@ -59,7 +59,7 @@ const RISE: usize = 16;
 /// States under error control, with a friction law without bristles.
 const CONTROLLED: f64 = 8.0;
 /// Number of states.
-pub const STATES: usize = 17;
+pub(crate) const STATES: usize = 17;
 
 /// States: y, z, y', z', th, th' (the last two only with a compliant drive). Then energies in J:
 /// work of the fork, its absolute work, work of the load, heat of friction, loss of the normal
@@ -250,7 +250,7 @@ impl Transmission {
     }
 
     /// Time at which the load's ramp ends, s.
-    pub fn load_ramp_end_s(&self) -> f64 {
+    pub(crate) fn load_ramp_end_s(&self) -> f64 {
         match self.load {
             Profile::Ramp { ramp_s, .. } | Profile::Raised { ramp_s, .. } => ramp_s,
             _ => 0.0,

@@ -33,7 +33,7 @@ use crate::signals::Profile;
 use contact::GRAVITY_M_S2;
 
 /// Number of states.
-pub const STATES: usize = 14;
+pub(crate) const STATES: usize = 14;
 /// States under error control: the motion and the drive's two works.
 const CONTROLLED: f64 = 10.0;
 

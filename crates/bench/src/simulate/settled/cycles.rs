@@ -1,6 +1,6 @@
 //! Figures of each cycle of a run of the transmission bench.
 
-use super::Course;
+use super::course::Course;
 use crate::plants::transmission::Snapshot;
 use crate::statistics::{Band, rms};
 

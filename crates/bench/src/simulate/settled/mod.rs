@@ -10,14 +10,13 @@
 //! .1 % of the contact force of bench B). Bands are parts of the normal force; the lowest one
 //! begins at 3 Hz and contains harmonics of a drive that is faster than a cycle in some seconds.
 
+mod course;
 mod cycles;
 mod ranges;
 
+pub use course::Course;
 pub use ranges::{RangeBin, RangeCount};
 
-use crate::integrate::Impact;
-use crate::plants::transmission::Snapshot;
-use crate::simulate::Run;
 use crate::statistics::{Estimate, estimate, estimate_tail, largest_in, mean, quantile, transient_length};
 use cycles::{Column, Kind, boundaries, columns};
 use schemars::JsonSchema;
@@ -35,43 +34,6 @@ pub const RULE: &str = "MSER (White 1997) over the cycles: the transient is as l
                         squared standard error of the mean of the others, with differences below 1 % \
                         counted as none, for peak contact force, oscillation and dissipated energy; \
                         the longest of the three, at most half the cycles";
-
-/// Course of a run, in samples of a constant rate.
-#[derive(Clone, Copy, Debug)]
-pub struct Course<'a> {
-    samples: &'a [Snapshot],
-    losses: &'a [[f64; 3]],
-    impacts: &'a [Impact],
-    end_losses: [f64; 3],
-    rate_hz: f64,
-    cycle_s: f64,
-    end_s: f64,
-    counted_from_s: f64,
-}
-
-impl<'a> Course<'a> {
-    /// Course of a run that was sampled at a rate. Its cycles are `cycle_s` long, and its peaks
-    /// count from `counted_from_s` on.
-    pub fn new(run: &'a Run, rate_hz: f64, cycle_s: f64, end_s: f64, counted_from_s: f64) -> Self {
-        let energy = &run.energy;
-        Self {
-            samples: &run.samples,
-            losses: &run.losses_j,
-            impacts: &run.impacts,
-            end_losses: [energy.friction_heat_j, energy.damping_loss_j, energy.load_friction_heat_j],
-            rate_hz,
-            cycle_s,
-            end_s,
-            counted_from_s,
-        }
-    }
-
-    /// Loss up to a sample in J; up to the end after the last one.
-    fn loss(&self, sample: usize, part: usize) -> f64 {
-        let losses = self.losses.get(sample).unwrap_or(&self.end_losses);
-        losses.get(part).copied().unwrap_or_default()
-    }
-}
 
 /// A quantity over the settled cycles.
 #[derive(Clone, Debug, JsonSchema, Serialize)]

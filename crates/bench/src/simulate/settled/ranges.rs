@@ -3,7 +3,7 @@
 //! Half of a counted range belongs to the cycle of the drive of each of its turning points. So
 //! every count is a mean over cycles, and its interval one over cycles.
 
-use super::Course;
+use super::course::Course;
 use crate::plants::transmission::Snapshot;
 use crate::statistics::{Estimate, RangeCycle, count_ranges, estimate, mean, sums_per_cycle};
 use schemars::JsonSchema;

@@ -1,6 +1,14 @@
 //! Numbers and texts of a TDMS file in either byte order.
 
-use super::Flaw;
+/// Fractions of a second in a time stamp.
+const STAMPS_PER_S: f64 = 18_446_744_073_709_551_616.0;
+
+/// Reason to stop parsing a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Flaw {
+    Damage,
+    TooLarge,
+}
 
 /// Kind of stored numbers by its code in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,10 +106,15 @@ impl Kind {
             Self::F32 => f64::from(read!(f32)),
             Self::F64 => read!(f64),
             Self::Bool => f64::from(u8::from(read!(u8) != 0)),
-            Self::Timestamp => super::seconds(read!(u128), origin),
+            Self::Timestamp => seconds(read!(u128), origin),
             Self::Other(_) => return None,
         })
     }
+}
+
+/// Seconds from one time stamp to another.
+pub(super) fn seconds(stamp: u128, origin: u128) -> f64 {
+    stamp.wrapping_sub(origin).cast_signed() as f64 / STAMPS_PER_S
 }
 
 /// Place in a file from which fields are read in order.

@@ -12,169 +12,21 @@
 //! object that a segment does not describe keeps its place in the chunks.
 
 mod bytes;
+mod objects;
 mod scale;
 mod segment;
 
 use super::file::{LogFile, MAX_NAMES, MAX_ROWS, MAX_VALUES, refused, unique_names};
 use crate::log::LogError;
-use bytes::Kind;
+use bytes::{Flaw, Kind};
+use objects::{INCREMENT, Object, Times};
 use scale::Scales;
+pub(in crate::log::files) use segment::TDMS;
 use std::collections::HashMap;
 
-/// First bytes of a file.
-pub(in crate::log::files) const TDMS: &[u8] = b"TDSm";
 const COMPLETE: &str = "a complete TDMS file";
-/// Seconds between two samples of a waveform, time of the first one since the start, and start.
-const INCREMENT: &str = "wf_increment";
-const OFFSET: &str = "wf_start_offset";
-const START: &str = "wf_start_time";
-/// Unit of the increments, if they are not seconds.
-const UNIT: &str = "wf_xunit_string";
-/// Units of time with their number in a second.
-const UNITS: [(&str, f64); 5] = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("\u{b5}s", 1e6), ("ns", 1e9)];
 /// Name of the column of times.
 const TIMES: &str = "wf_time";
-/// Fractions of a second in a time stamp.
-const STAMPS_PER_S: f64 = 18_446_744_073_709_551_616.0;
-
-/// Reason to stop parsing a file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Flaw {
-    Damage,
-    TooLarge,
-}
-
-/// Property of an object, as far as it is used.
-#[derive(Clone, Debug, PartialEq)]
-enum Property {
-    Number(f64),
-    /// Time since 1904 in 2^-64 s.
-    Stamp(u128),
-    Text(String),
-    Other,
-}
-
-type Properties = HashMap<String, Property>;
-
-/// Values at equal distances in the file, repeated in every chunk of a segment.
-#[derive(Clone, Copy, Debug)]
-struct Piece {
-    kind: Kind,
-    is_big: bool,
-    /// Place of the first value, bytes from the start of the file.
-    start: usize,
-    /// Values in each chunk, and bytes from one to the next.
-    count: usize,
-    stride: usize,
-    /// Number of chunks, and bytes from one to the next.
-    chunks: usize,
-    chunk_bytes: usize,
-}
-
-impl Piece {
-    /// Appends values that follow at the same distances, so that a file of many short segments
-    /// needs little memory; returns `false` for others.
-    fn continues(&mut self, next: &Self) -> bool {
-        let distance = next.start.saturating_sub(self.start);
-        let is_alike = (self.kind, self.is_big, self.count, self.stride)
-            == (next.kind, next.is_big, next.count, next.stride);
-        let is_even = match self.chunks {
-            1 => distance > 0,
-            chunks => self.chunk_bytes.checked_mul(chunks) == Some(distance),
-        };
-        if !is_alike || !is_even || next.chunks != 1 {
-            return false;
-        }
-        if self.chunks == 1 {
-            self.chunk_bytes = distance;
-        }
-        self.chunks += 1;
-        true
-    }
-}
-
-/// Object of a file: the file itself, a group or a channel.
-#[derive(Debug, Default)]
-struct Object {
-    path: Vec<String>,
-    properties: Properties,
-    pieces: Vec<Piece>,
-    /// Number of values in all pieces.
-    count: usize,
-    /// Content that cannot be read as numbers.
-    refusal: Option<&'static str>,
-    /// True if a waveform begins anew or changes its increment.
-    has_changed_times: bool,
-}
-
-impl Object {
-    fn number(&self, name: &str) -> Option<f64> {
-        if let Some(Property::Number(value)) = self.properties.get(name) { Some(*value) } else { None }
-    }
-
-    fn text(&self, name: &str) -> &str {
-        if let Some(Property::Text(text)) = self.properties.get(name) { text } else { "" }
-    }
-
-    /// Start of a waveform; `None` if it is not set.
-    fn start(&self) -> Option<u128> {
-        match self.properties.get(START) {
-            Some(Property::Stamp(start)) if *start != 0 => Some(*start),
-            _ => None,
-        }
-    }
-
-    /// Sets a property. A waveform may state its start again in a later segment; a start that does
-    /// not continue it, and another increment, end the times of the channel.
-    fn set(&mut self, name: String, value: Property) {
-        if !self.pieces.is_empty() && self.number(INCREMENT).is_some() {
-            let continues = match (name.as_str(), &value, self.start()) {
-                (INCREMENT, value, _) => self.properties.get(INCREMENT) == Some(value),
-                (START, Property::Stamp(new), Some(old)) if *new == old => true,
-                (START, Property::Stamp(new), Some(old)) => {
-                    let increment_s = self.number(INCREMENT).unwrap_or(0.0);
-                    let expected_s = increment_s * self.count as f64;
-                    if (seconds(*new, old) - expected_s).abs() <= 0.5 * increment_s {
-                        return;
-                    }
-                    false
-                }
-                (START, ..) => false,
-                _ => true,
-            };
-            self.has_changed_times |= !continues;
-        }
-        self.properties.insert(name, value);
-    }
-
-    /// Times of the samples of a waveform since an origin.
-    fn times(&self, origin: u128) -> Option<Times> {
-        let increment = self.number(INCREMENT).filter(|increment| *increment > 0.0)?;
-        let unit = if self.text(UNIT).is_empty() { "s" } else { self.text(UNIT) };
-        // A start is no part of another axis, such as the frequencies of a spectrum.
-        let per_second = UNITS.iter().find(|(name, _)| *name == unit).map_or(0.0, |(_, factor)| *factor);
-        let start = self.start().map_or(0.0, |start| per_second * seconds(start, origin));
-        let offset = start + self.number(OFFSET).unwrap_or(0.0);
-        Some(Times { increment, offset, count: self.count, unit: unit.into() })
-    }
-}
-
-/// Times of a waveform.
-#[derive(Clone, Debug, PartialEq)]
-struct Times {
-    increment: f64,
-    offset: f64,
-    count: usize,
-    unit: String,
-}
-
-impl Times {
-    /// First time in units of a thousandth of an increment, less than which no two waveforms are
-    /// taken to be apart: a measuring card states starts that differ by a rounding.
-    fn first_mark(&self) -> i64 {
-        (1000.0 * self.offset / self.increment).round() as i64
-    }
-}
 
 /// Column of a file.
 enum Column {
@@ -353,9 +205,4 @@ impl LogFile for Tdms {
             None => Err(refuse(format!("only {} columns", self.columns.len()))),
         }
     }
-}
-
-/// Seconds from one time stamp to another.
-fn seconds(stamp: u128, origin: u128) -> f64 {
-    stamp.wrapping_sub(origin).cast_signed() as f64 / STAMPS_PER_S
 }

@@ -1,7 +1,7 @@
 //! Scales of a TDMS channel: chains of linear and polynomial scales from the stored numbers to
 //! physical values. They are properties of a channel, or of its group or file for all channels.
 
-use super::{Properties, Property};
+use super::objects::{Properties, Property};
 
 /// Input of a scale that reads the stored numbers.
 const STORED: u32 = u32::MAX;

@@ -1,8 +1,12 @@
 //! Segments of a TDMS file: objects with their properties, and the places of their values.
 
-use super::bytes::{Cursor, Kind};
-use super::{Flaw, MAX_NAMES, MAX_VALUES, Object, Piece, Property, TDMS};
+use super::bytes::{Cursor, Flaw, Kind};
+use super::objects::{Object, Piece, Property};
+use super::{MAX_NAMES, MAX_VALUES};
 use std::collections::HashMap;
+
+/// First bytes of a file.
+pub(in crate::log::files) const TDMS: &[u8] = b"TDSm";
 
 /// Bits of the table of contents of a segment.
 const HAS_OBJECTS: u32 = 1 << 1;

@@ -11,11 +11,8 @@ use super::file::LogFile;
 use crate::log::{LogError, TextFormat};
 use detect::detect;
 use number::is_units;
-use records::{fields, for_each_row, marked_lines, without_comments};
+use records::{Refusal, fields, for_each_row, marked_lines, without_comments};
 use table::{Flaw, Table};
-
-/// Reason to refuse a text: the content found and expected.
-type Refusal = (String, &'static str);
 
 /// Text split into columns.
 pub(super) struct Text {

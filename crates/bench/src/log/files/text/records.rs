@@ -1,9 +1,11 @@
 //! Splitting of a text into rows of fields, without its comments.
 
-use super::Refusal;
 use crate::log::Separator;
 use csv::StringRecord;
 use std::borrow::Cow;
+
+/// Reason to refuse a text: the content found and expected.
+pub(super) type Refusal = (String, &'static str);
 
 /// Calls `add` with the line from 1 and the trimmed fields of each row that is not empty.
 pub(super) fn for_each_row(

@@ -1,8 +1,8 @@
 //! Columns of numbers of a text, added row by row. The text itself is not kept.
 
-use super::Refusal;
 use super::number::{NO_THOUSANDS, has_thousands, is_missing, parse};
 use super::numbers::Numbers;
+use super::records::Refusal;
 use crate::log::files::file::{MAX_NAMES, MAX_ROWS, MAX_VALUES};
 use csv::StringRecord;
 
