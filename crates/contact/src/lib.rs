@@ -21,7 +21,7 @@ mod spring_dashpot;
 mod stiffness;
 mod stiffness_kind;
 
-pub use bearing_material::{BearingMaterial, Lining, RigFriction};
+pub use bearing_material::{BearingMaterial, Lining, LoadLimits, RigFriction};
 pub use contact_law::{AdamsImpact, CompleteLawKind, CompleteLawParameters, ContactLaw};
 pub use damping::{DEFAULT_LATCH_FLOOR_M_S, Damping};
 pub use dissipation::{Dissipation, produced_restitution};

@@ -35,7 +35,7 @@ use std::time::{Duration, Instant};
                         model-quant train --set full --epochs 200 --out long --resume\n  \
                         model-quant train --bearing plastic --friction rig --out rig")]
 pub(crate) struct Arguments {
-    /// Bearing: babbitt or plastic
+    /// Bearing material, such as babbitt
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
     bearing: BearingMaterial,
     /// Output directory for BEARING.float
