@@ -22,10 +22,9 @@ fn columns(log: &RawLog) -> BTreeMap<&str, &[f64]> {
 /// `logs/make.py` states them.
 fn files() -> impl Iterator<Item = (&'static str, [&'static str; 3], [&'static str; 3])> {
     include_str!("logs/files.tsv").lines().skip(1).map(|line| {
-        let [file, time, angle, force, units @ ..] = line.splitn(7, '\t').collect::<Vec<_>>()[..] else {
-            panic!("{line}")
-        };
-        (file, [time, angle, force], units.try_into().unwrap())
+        let fields: Result<[&str; 7], _> = line.split('\t').collect::<Vec<_>>().try_into();
+        let Ok([file, time, angle, force, of_time, of_angle, of_force]) = fields else { panic!("{line}") };
+        (file, [time, angle, force], [of_time, of_angle, of_force])
     })
 }
 
