@@ -3,7 +3,7 @@
 use crate::cores::COUNTED;
 use crate::run::{ChoreError, run, target_folder};
 use crate::workspace;
-use inference::{BearingMaterial, shipped};
+use inference::shipped;
 
 #[path = "../../model-quant/src/evaluate/results_format.rs"]
 mod results_format;
@@ -18,7 +18,7 @@ pub(crate) fn verify() -> Result<(), ChoreError> {
     let image = COUNTED.build("replay")?;
     let text = COUNTED.run(&image)?;
     let sums: Option<Vec<i32>> = text.lines().map(|line| line.parse().ok()).collect();
-    let networks = 2 * BearingMaterial::ALL.len();
+    let networks = 2 * results_format::MATERIALS.len();
     let windows = sums.as_ref().map_or(0, |sums| sums.len() / networks);
     let sums = sums.filter(|sums| windows > 0 && sums.len() == networks * windows).ok_or_else(|| {
         ChoreError::File {
@@ -31,7 +31,7 @@ pub(crate) fn verify() -> Result<(), ChoreError> {
     bytes.extend([results_format::VERSION, networks as u32].map(u32::to_le_bytes).as_flattened());
     bytes.extend(NAME);
     bytes.resize(bytes.len() + results_format::NAME_LENGTH - NAME.len(), 0);
-    let bearings = BearingMaterial::ALL.iter().flat_map(|&bearing| [bearing, bearing]);
+    let bearings = results_format::MATERIALS.iter().flat_map(|&bearing| [bearing, bearing]);
     for (sums, bearing) in sums.chunks(windows).zip(bearings) {
         bytes.extend(shipped(bearing).last_chunk::<4>().into_iter().flatten());
         bytes.extend(sums.iter().flat_map(|sum| sum.to_le_bytes()));

@@ -1,13 +1,17 @@
 //! Error bars of peaks cover the true errors: at least 95 % of the peaks of every group lie within
 //! their bars of a reference at a much tighter tolerance.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+mod normal_law;
+
 use bench::Bench;
 use bench::description::{SliderCrankBench, TransmissionBench};
 use bench::integrate::integrate;
 use bench::plants::transmission::Transmission;
 use bench::simulate::peaks::{Peak, impacts_with_bars, peaks_with_bars};
 use bench::simulate::{DEFAULT_TOLERANCE, run_with_held_force, snapshots};
-use contact::{BearingMaterial, Dissipation, FrictionKind, StiffnessKind};
+use contact::{BearingMaterial, CompleteLawKind, Dissipation, FrictionKind, StiffnessKind};
+use normal_law::parameters;
 
 /// Share of the peaks that a bar must cover.
 const COVERED: f64 = 0.95;
@@ -100,11 +104,7 @@ fn laws() -> Vec<(String, TransmissionBench)> {
     let mut all = Vec::new();
     for kind in StiffnessKind::ALL {
         let name = kind.entry().name;
-        let more = match kind {
-            StiffnessKind::Linear | StiffnessKind::Hertz => "coefficient = 5e8",
-            StiffnessKind::Power => "coefficient = 5e8\nexponent = 1.1",
-            _ => "",
-        };
+        let more = parameters(kind.parameters(), "5e8");
         let law = format!("stiffness = \"{name}\"\n{more}");
         all.push(parse(name, "stiffness = \"hybrid-as-printed\"", &law));
     }
@@ -113,15 +113,8 @@ fn laws() -> Vec<(String, TransmissionBench)> {
         let law = format!("dissipation = \"{name}\"");
         all.push(parse(name, "dissipation = \"zhiying-qishao\"", &law));
     }
-    let more = [
-        ("kelvin-voigt", "coefficient = 3e8\ndamping_n_s_m = 2e4"),
-        ("anagnostopoulos", "coefficient = 3e8"),
-        (
-            "adams-impact",
-            "coefficient = 3e8\nexponent = 1.1\ndamping_n_s_m = 2e4\nfull_damping_depth_m = 1e-5",
-        ),
-    ];
-    for (name, more) in more {
+    for kind in CompleteLawKind::ALL {
+        let (name, more) = (kind.entry().name, parameters(kind.parameters(), "3e8"));
         all.push(parse(name, "[friction]", &format!("law = \"{name}\"\n{more}\n[friction]")));
     }
     for kind in FrictionKind::ALL.into_iter().filter(|kind| *kind != FrictionKind::SevenParameter) {

@@ -1,11 +1,15 @@
 //! Every law of the catalogue that a description may name runs on bench B and keeps the energy
 //! balance.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+mod normal_law;
+
 use bench::integrate::IntegrationError;
 use bench::plants::transmission::Transmission;
 use bench::simulate::{DEFAULT_TOLERANCE, Run, run_with_law};
 use bench::{Bench, DescriptionError};
-use contact::{Dissipation, FrictionKind, StiffnessKind};
+use contact::{CompleteLawKind, Dissipation, FrictionKind, StiffnessKind};
+use normal_law::parameters;
 
 const PRESET: &str = include_str!("../presets/bench-b.toml");
 const STIFFNESS: &str = "stiffness = \"hybrid-as-printed\"";
@@ -38,11 +42,7 @@ fn every_stiffness_carries_the_bench_or_reports_its_limit() {
     let mut deep = Vec::new();
     for kind in StiffnessKind::ALL {
         let name = kind.entry().name;
-        let more = match kind {
-            StiffnessKind::Linear | StiffnessKind::Hertz => "coefficient = 5e8",
-            StiffnessKind::Power => "coefficient = 5e8\nexponent = 1.1",
-            _ => "",
-        };
+        let more = parameters(kind.parameters(), "5e8");
         let law = format!("stiffness = \"{name}\"\n{more}");
         match run(&[(STIFFNESS, &law)]) {
             Ok(run) => {
@@ -83,14 +83,8 @@ fn every_dissipation_and_damping_keeps_the_balance() {
 
 #[test]
 fn laws_with_their_own_damping_keep_the_balance() {
-    for (name, more) in [
-        ("kelvin-voigt", "coefficient = 3e8\ndamping_n_s_m = 2e4"),
-        ("anagnostopoulos", "coefficient = 3e8"),
-        (
-            "adams-impact",
-            "coefficient = 3e8\nexponent = 1.1\ndamping_n_s_m = 2e4\nfull_damping_depth_m = 1e-5",
-        ),
-    ] {
+    for kind in CompleteLawKind::ALL {
+        let (name, more) = (kind.entry().name, parameters(kind.parameters(), "3e8"));
         let run = run(&[("[friction]", &format!("law = \"{name}\"\n{more}\n[friction]"))]).unwrap();
         assert!(run.energy.residual_rel < 1e-6, "{name}: {:?}", run.energy);
         assert!(run.energy.damping_loss_j > 0.0, "{name}: {:?}", run.energy);

@@ -18,25 +18,15 @@ fn columns(log: &RawLog) -> BTreeMap<&str, &[f64]> {
     log.columns.iter().map(|column| (column.name.as_str(), column.values.as_slice())).collect()
 }
 
-/// Files with the names of their columns for time, angle and force, and the units of the three.
-const FILES: [(&str, [&str; 3], [&str; 3]); 16] = [
-    ("version-5.mat", ["time", "angle", "force"], ["", "", ""]),
-    ("version-7.3.mat", ["time", "data.angle", "all(:,3)"], ["", "", ""]),
-    ("frame.parquet", ["time", "angle", "force"], ["", "", ""]),
-    ("sheets.xlsx", ["time", "angle", "force"], ["s", "rad", "N"]),
-    ("mdf-4.10.mf4", ["0/time", "angle", "force"], ["s", "rad", "N"]),
-    ("mdf-4.10-deflate.mf4", ["0/time", "angle", "force"], ["s", "rad", "N"]),
-    ("mdf-4.11-transposed.mf4", ["0/time", "angle", "force"], ["s", "rad", "N"]),
-    ("waveform.tdms", ["wf_time", "angle", "force"], ["s", "rad", "N"]),
-    ("scaled.tdms", ["time", "angle", "force"], ["s", "rad", "N"]),
-    ("interleaved.tdms", ["wf_time", "angle", "force"], ["s", "rad", "N"]),
-    ("big-endian.tdms", ["wf_time", "angle", "force"], ["s", "rad", "N"]),
-    ("big-endian-interleaved.tdms", ["wf_time", "angle", "force"], ["s", "rad", "N"]),
-    ("daqmx.tdms", ["wf_time", "angle", "force"], ["s", "", ""]),
-    ("groups.h5", ["bench/time", "bench/angle", "bench/force"], ["s", "rad", "N"]),
-    ("matrix.h5", ["log(:,1)", "log(:,2)", "log(:,3)"], ["", "", ""]),
-    ("table.h5", ["log.time", "log.angle", "log.force"], ["", "", ""]),
-];
+/// Files with the names of their columns for time, angle and force, and the units of the three, as
+/// `logs/make.py` states them.
+fn files() -> impl Iterator<Item = (&'static str, [&'static str; 3], [&'static str; 3])> {
+    include_str!("logs/files.tsv").lines().skip(1).map(|line| {
+        let fields: Result<[&str; 7], _> = line.split('\t').collect::<Vec<_>>().try_into();
+        let Ok([file, time, angle, force, of_time, of_angle, of_force]) = fields else { panic!("{line}") };
+        (file, [time, angle, force], [of_time, of_angle, of_force])
+    })
+}
 
 /// Damaged copies of each file.
 const ROUNDS: usize = 500;
@@ -45,7 +35,7 @@ const ROUNDS: usize = 500;
 fn the_files_of_other_programs_have_the_same_signals() {
     let expected = read("expected.csv");
     let expected = columns(&expected);
-    for (file, names, units) in FILES {
+    for (file, names, units) in files() {
         let log = read(file);
         let found = columns(&log);
         for ((signal, name), unit) in ["time", "angle", "force"].into_iter().zip(names).zip(units) {
@@ -93,7 +83,7 @@ fn an_old_or_unfinished_file_is_refused_with_what_is_expected() {
 
 #[test]
 fn a_description_maps_the_columns_of_every_format() {
-    for (file, [time, angle, force], _) in FILES {
+    for (file, [time, angle, force], _) in files() {
         let columns = format!(
             "t_s = \"{time}\"\nspindle_angle_rad = \"{angle}\"\n\
              drive_torque_nm = {{ from = \"{force}\", scale = 0.1 }}"
@@ -285,7 +275,7 @@ fn an_unfinished_tdms_file_is_read_as_far_as_it_goes() {
 /// Every file cut at many places: an error, or columns that are whole.
 #[test]
 fn a_truncated_file_has_no_column_that_is_cut() {
-    for (file, ..) in FILES {
+    for (file, ..) in files() {
         let bytes = std::fs::read(path(file)).unwrap();
         let whole = read(file);
         let whole = columns(&whole);
@@ -313,7 +303,7 @@ fn a_damaged_file_is_refused_or_read() {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (seed >> 33) as usize % below
     };
-    for (file, ..) in FILES {
+    for (file, ..) in files() {
         let bytes = std::fs::read(path(file)).unwrap();
         for _ in 0..ROUNDS {
             let mut damaged = bytes.clone();

@@ -1,7 +1,7 @@
 //! Bearing materials: the one table of everything that the project knows about a material.
 //!
-//! To add a material, add a variant, its place in [`BearingMaterial::ALL`] and its row in
-//! `properties`.
+//! To add a material, add a variant, its place in [`BearingMaterial::ALL`], its row in `properties`
+//! and its name in [`embed_for_each_material`](crate::embed_for_each_material).
 
 use crate::dissipation::Dissipation;
 use crate::friction::FrictionLaw;
@@ -46,6 +46,26 @@ pub struct Lining {
     pub expansion_per_k: f64,
 }
 
+/// Largest deformations and forces of a bearing: the limits of the training of its networks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LoadLimits {
+    /// Deformation in um under the loads of the transmission bench, up to 40 kN.
+    pub bench_deformation_um: u32,
+    /// Deformation in um under the loads of the friction rig, up to 300 kN.
+    pub rig_deformation_um: u32,
+    /// Force in N at a deformation of 100 um and a rate of 1 m/s (Table 2 of the paper).
+    pub paper_force_n: u32,
+}
+
+/// Calls a macro with the name of every material and gives an array in the order of
+/// [`BearingMaterial::ALL`]. The macro embeds the material's files, whose names must be literals.
+#[macro_export]
+macro_rules! embed_for_each_material {
+    ($embed:ident) => {
+        [$embed!("babbitt"), $embed!("plastic")]
+    };
+}
+
 /// Row of the table.
 struct Properties {
     name: &'static str,
@@ -56,6 +76,7 @@ struct Properties {
     friction: FrictionLaw,
     rig_friction: RigFriction,
     lining: Lining,
+    limits: LoadLimits,
 }
 
 impl BearingMaterial {
@@ -90,6 +111,11 @@ impl BearingMaterial {
                 // Engineering 37, 1981), over a hardness of 250 MPa. Expansion: tin-based white
                 // metal.
                 lining: Lining { specific_wear_rate_m3_nm: 6e-14, expansion_per_k: 23e-6 },
+                limits: LoadLimits {
+                    bench_deformation_um: 80,
+                    rig_deformation_um: 420,
+                    paper_force_n: 1_000_000,
+                },
             },
             Self::Plastic => Properties {
                 name: "plastic",
@@ -112,6 +138,11 @@ impl BearingMaterial {
                 // Orkot TLM Marine at 10 MPa and 1 m/min in water (Trelleborg, Better than Bronze,
                 // 2021). Expansion: fabric-reinforced thermoset, across its layers.
                 lining: Lining { specific_wear_rate_m3_nm: 6.184e-15, expansion_per_k: 90e-6 },
+                limits: LoadLimits {
+                    bench_deformation_um: 260,
+                    rig_deformation_um: 2_100,
+                    paper_force_n: 20_000,
+                },
             },
         }
     }
@@ -182,6 +213,11 @@ impl BearingMaterial {
     /// Wear and expansion of the lining.
     pub const fn lining(self) -> Lining {
         self.properties().lining
+    }
+
+    /// Largest deformations and forces.
+    pub const fn load_limits(self) -> LoadLimits {
+        self.properties().limits
     }
 
     /// Normal law of the bench and of the shipped networks: the hybrid stiffness as printed with

@@ -4,7 +4,7 @@ pub use crate::entry::{Entry, Group};
 
 use crate::contact_law::CompleteLawKind;
 use crate::dissipation::Dissipation;
-use crate::friction::kind::FrictionKind;
+use crate::friction::FrictionKind;
 use crate::stiffness_kind::StiffnessKind;
 
 /// Returns every law: dissipation factors, stiffness parts, complete normal laws, friction laws.

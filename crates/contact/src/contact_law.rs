@@ -9,6 +9,7 @@ use crate::error::{LawError, above_zero, at_least_zero, needed};
 use crate::normal::{FactorisedLaw, NormalLaw};
 use crate::real::Real;
 use crate::spring_dashpot::SpringDashpot;
+use crate::stiffness::Stiffness;
 
 /// IMPACT function of ADAMS.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +33,11 @@ impl<T: Real> AdamsImpact<T> {
         at_least_zero("full damping (N s/m)", full_damping_n_s_m)?;
         above_zero("depth of full damping (m)", full_damping_depth_m)?;
         Ok(Self { coefficient, exponent, full_damping_n_s_m, full_damping_depth_m })
+    }
+
+    /// Elastic part.
+    pub fn elastic(&self) -> Stiffness<T> {
+        Stiffness::Power { coefficient: self.coefficient, exponent: self.exponent }
     }
 
     /// Normal force in N, never negative.
@@ -63,6 +69,15 @@ impl<T: Real> ContactLaw<T> {
             Self::Factorised(law) => law.force_n(deformation_m, rate_m_s, latched_rate_m_s),
             Self::SpringDashpot(law) => law.force_n(deformation_m, rate_m_s),
             Self::AdamsImpact(law) => law.force_n(deformation_m, rate_m_s),
+        }
+    }
+
+    /// Elastic part, whose work a contact stores.
+    pub fn elastic(&self) -> Stiffness<T> {
+        match self {
+            Self::Factorised(law) => *law.stiffness(),
+            Self::SpringDashpot(law) => law.elastic(),
+            Self::AdamsImpact(law) => law.elastic(),
         }
     }
 
@@ -112,6 +127,16 @@ pub enum CompleteLawKind {
 impl CompleteLawKind {
     /// Every complete law.
     pub const ALL: [Self; 3] = [Self::KelvinVoigt, Self::Anagnostopoulos, Self::AdamsImpact];
+
+    /// Parameters of the law that a description gives with it, by field. Restitution and mass
+    /// belong to the bearing.
+    pub const fn parameters(self) -> &'static [&'static str] {
+        match self {
+            Self::KelvinVoigt => &["coefficient", "damping_n_s_m"],
+            Self::Anagnostopoulos => &["coefficient"],
+            Self::AdamsImpact => &["coefficient", "exponent", "damping_n_s_m", "full_damping_depth_m"],
+        }
+    }
 
     /// Builds the law after checking every parameter that it uses.
     pub fn build<T: Real>(self, parameters: &CompleteLawParameters<T>) -> Result<ContactLaw<T>, LawError> {
@@ -167,7 +192,7 @@ impl CompleteLawKind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Dissipation, Stiffness};
+    use crate::Dissipation;
 
     #[test]
     fn impact_damping_rises_as_the_cubic_step_and_stays() {

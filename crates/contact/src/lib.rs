@@ -21,15 +21,12 @@ mod spring_dashpot;
 mod stiffness;
 mod stiffness_kind;
 
-pub use bearing_material::{BearingMaterial, Lining, RigFriction};
+pub use bearing_material::{BearingMaterial, Lining, LoadLimits, RigFriction};
 pub use contact_law::{AdamsImpact, CompleteLawKind, CompleteLawParameters, ContactLaw};
 pub use damping::{DEFAULT_LATCH_FLOOR_M_S, Damping};
 pub use dissipation::{Dissipation, produced_restitution};
 pub use error::LawError;
-pub use friction::{
-    Dahl, FrictionKind, FrictionLaw, Karnopp, KarnoppState, LuGre, SevenParameter, SevenParameterState,
-    SlidingLaw, SlidingParameters, StribeckShape,
-};
+pub use friction::*;
 pub use joint::Joint;
 pub use logarithmic::{Logarithmic, LogarithmicKind};
 pub use material::{Material, effective_modulus_pa};

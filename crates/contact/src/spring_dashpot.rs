@@ -18,6 +18,7 @@
 
 use crate::error::{LawError, above_zero, at_least_zero, expect};
 use crate::real::Real;
+use crate::stiffness::Stiffness;
 
 /// `F = K d + c d'`, clamped at 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +49,11 @@ impl<T: Real> SpringDashpot<T> {
     /// `c` in N s/m.
     pub fn damping_n_s_m(&self) -> T {
         self.damping_n_s_m
+    }
+
+    /// Elastic part.
+    pub fn elastic(&self) -> Stiffness<T> {
+        Stiffness::Linear { coefficient: self.stiffness_n_m }
     }
 
     /// Normal force in N, never negative.

@@ -76,6 +76,15 @@ impl StiffnessKind {
         Self::ALL.into_iter().find(|kind| kind.entry().name == name)
     }
 
+    /// Parameters that a description must give with the part, by field.
+    pub const fn parameters(self) -> &'static [&'static str] {
+        match self {
+            Self::Linear | Self::Hertz => &["coefficient"],
+            Self::Power => &["coefficient", "exponent"],
+            _ => &[],
+        }
+    }
+
     /// Builds the part after checking every parameter that it uses.
     pub fn build<T: Real>(self, parameters: &StiffnessParameters<T>) -> Result<Stiffness<T>, LawError> {
         let joint = &parameters.joint;

@@ -8,11 +8,15 @@ use crate::image::{CRC_LENGTH, HEADER_LENGTH, prove};
 #[repr(C, align(4))]
 struct Aligned<T: ?Sized>(T);
 
+/// Embeds the image of a material by its name.
+macro_rules! image {
+    ($name:literal) => {
+        &Aligned(*include_bytes!(concat!("../models/", $name, ".pintle")))
+    };
+}
+
 /// Images in the order of [`BearingMaterial::ALL`].
-static IMAGES: [&Aligned<[u8]>; BearingMaterial::COUNT] = [
-    &Aligned(*include_bytes!("../models/babbitt.pintle")),
-    &Aligned(*include_bytes!("../models/plastic.pintle")),
-];
+static IMAGES: [&Aligned<[u8]>; BearingMaterial::COUNT] = contact::embed_for_each_material!(image);
 
 /// Returns the image of a material: both of its networks in one blob.
 pub const fn shipped(material: BearingMaterial) -> &'static [u8] {

@@ -40,7 +40,7 @@ const ROWS_LIMIT: usize = 20_000_000;
 pub(crate) struct Arguments {
     #[command(subcommand)]
     complete_set: Option<CompleteSet>,
-    /// Bearing: babbitt or plastic
+    /// Bearing material, such as babbitt
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
     bearing: BearingMaterial,
     /// Ranges and distributions

@@ -28,7 +28,7 @@ use std::path::PathBuf;
                   model-quant import exported/babbitt-friction.onnx \
                   --samples exported/babbitt-friction-samples.safetensors")]
 pub(crate) struct Arguments {
-    /// Bearing: babbitt or plastic; both if not given
+    /// Bearing material; all if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
     bearing: Option<BearingMaterial>,
     /// Float checkpoint; the shipped ones if not given

@@ -38,7 +38,7 @@ struct CArguments {
     /// Model images, at most one for each bearing; default: the shipped ones
     #[arg(value_name = "IMAGE", conflicts_with = "bearing")]
     images: Vec<PathBuf>,
-    /// Bearing of the shipped image: babbitt or plastic; both if not given
+    /// Bearing material of the shipped image; all if not given
     #[arg(long, value_parser = parse_bearing)]
     bearing: Option<BearingMaterial>,
     /// Folder with PLATFORM/libpintle_model.a; default: where the workspace or the archive has it

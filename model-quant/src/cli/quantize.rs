@@ -36,7 +36,7 @@ use std::path::PathBuf;
                         model-quant quantize --layers --mode w8a8\n  \
                         model-quant quantize --check")]
 pub(crate) struct Arguments {
-    /// Bearing: babbitt or plastic; both if not given
+    /// Bearing material; all if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
     bearing: Option<BearingMaterial>,
     /// Float checkpoint; the shipped ones if not given

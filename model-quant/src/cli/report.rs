@@ -25,7 +25,7 @@ use std::path::PathBuf;
                         model-quant train --friction rig --bearing plastic --out out && \
                         model-quant report --rig out/plastic.rig.json --out out/training")]
 pub(crate) struct Arguments {
-    /// Bearing: babbitt or plastic; both if not given
+    /// Bearing material; all if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
     bearing: Option<BearingMaterial>,
     /// Float checkpoint; the shipped ones if not given

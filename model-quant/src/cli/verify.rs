@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
                         --json\n  \
                         model-quant verify --windows model-quant/peers/windows.bin")]
 pub(crate) struct Arguments {
-    /// Bearing: babbitt or plastic; both if not given
+    /// Bearing material; all if not given
     #[arg(long, value_parser = parse_bearing, conflicts_with = "image")]
     bearing: Option<BearingMaterial>,
     /// Model image; the shipped ones if not given
@@ -65,7 +65,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), CliError> {
             let compared =
                 peers.iter().filter_map(|peer| peer.compare(&all, bearing, verdict.network, image));
             verdict.peers = compared.collect();
-            if arguments.emulated.is_some() && verdict.peers.len() < peers.len() {
+            let is_compared = all.iter().any(|windows| windows.bearing == bearing);
+            if arguments.emulated.is_some() && is_compared && verdict.peers.len() < peers.len() {
                 let found = format!("sums for another image, not {}", name.display());
                 return Err(CliError::Argument(
                     "--emulated",

@@ -2,9 +2,9 @@
 //!
 //! `paper` is Table 2 of the paper: radial clearance uniform up to 1.5 mm, deformation up to 1e-4
 //! m, rate and approach speed up to 1 m/s, independent and exponential (truncated; mean a fifth of
-//! the range). `bench` covers the states of the transmission bench: deformations up to 80 um
-//! (Babbitt) and 260 um (plastic), rates of both signs in sustained contact with the approach speed
-//! at its floor. `rig` is `bench` with the deformations under the friction rig's loads.
+//! the range). `bench` covers the states of the transmission bench: the deformations of the
+//! material's [`contact::LoadLimits`], rates of both signs in sustained contact with the approach
+//! speed at its floor. `rig` is `bench` with the deformations under the friction rig's loads.
 //!
 //! Table 2 sets no bound to the ratio of rate to approach speed. All ranges limit it to -6..=6: a
 //! rate beyond is replaced by that of the nearest limit. The networks clamp the ratio in the same
@@ -37,14 +37,12 @@ const SPEED_SCALES_NM_S: [u32; 2] = [1_000_000, 20_000_000];
 
 /// Returns the header of a model trained on a range, with training id 0.
 pub fn header(bearing: BearingMaterial, kind: RangeKind) -> Header {
+    let limits = bearing.load_limits();
     // Lowest clearance in nm, largest deformation in um, largest force in N.
-    let (clearance_low_nm, deformation_um, force_n) = match (kind, bearing) {
-        (RangeKind::Paper, BearingMaterial::Babbitt) => (1000, 100, 1_000_000),
-        (RangeKind::Paper, BearingMaterial::Plastic) => (1000, 100, 20_000),
-        (RangeKind::Bench, BearingMaterial::Babbitt) => (50_000, 80, 40_000),
-        (RangeKind::Bench, BearingMaterial::Plastic) => (50_000, 260, 40_000),
-        (RangeKind::Rig, BearingMaterial::Babbitt) => (50_000, 420, 300_000),
-        (RangeKind::Rig, BearingMaterial::Plastic) => (50_000, 2_100, 300_000),
+    let (clearance_low_nm, deformation_um, force_n) = match kind {
+        RangeKind::Paper => (1000, 100, limits.paper_force_n),
+        RangeKind::Bench => (50_000, limits.bench_deformation_um, 40_000),
+        RangeKind::Rig => (50_000, limits.rig_deformation_um, 300_000),
     };
     let [slow_speed_nm_s, fast_speed_nm_s] = SPEED_SCALES_NM_S;
     Header {

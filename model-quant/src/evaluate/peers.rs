@@ -7,7 +7,7 @@
 //! `peers/litert.bin` come from `peers/peers.py`; a controller can write one, too. Formats:
 //! `peers/README.md`.
 
-use super::results_format::{self, NAME_LENGTH, VERSION};
+use super::results_format::{self, MATERIALS, NAME_LENGTH, VERSION};
 use crate::data::draw::{Draw, Purpose};
 use crate::data::statistics::mean;
 use crate::evaluate::test_set::draw_test_set;
@@ -172,15 +172,15 @@ fn generate_windows_for(bearing: BearingMaterial) -> Result<[PeerWindows; 2], Wi
     ])
 }
 
-/// Generates the windows of all networks of the shipped images: bearings in the order of their
-/// codes, collision before friction.
+/// Generates the windows of the compared networks: bearings in the order of the files, collision
+/// before friction.
 ///
 /// # Errors
 ///
 /// A shipped image or checkpoint does not load.
 pub fn generate_windows() -> Result<Vec<PeerWindows>, WindowsError> {
     let mut windows = Vec::new();
-    for bearing in BearingMaterial::ALL {
+    for bearing in MATERIALS {
         windows.extend(generate_windows_for(bearing)?);
     }
     Ok(windows)
@@ -206,7 +206,7 @@ impl Results {
     /// Bytes of another kind or length.
     pub fn from_bytes(bytes: &[u8], must_be_equal: bool) -> Result<Self, ResultsError> {
         const COUNT: usize = RANDOM_WINDOWS + ROW_WINDOWS;
-        let expected_networks = 2 * BearingMaterial::ALL.len();
+        let expected_networks = 2 * MATERIALS.len();
         let expected = 16 + NAME_LENGTH + expected_networks * (4 + 4 * COUNT);
         let after_magic = bytes.strip_prefix(&results_format::MAGIC).ok_or(ResultsError::Magic)?;
         let (words, _) = after_magic.as_chunks::<4>();

@@ -1,5 +1,11 @@
 //! Constants of a file of results, see `peers/README.md`. `xtask` includes this file as source.
 
+use inference::BearingMaterial;
+
+/// Materials whose networks are compared, in the order of the files. A material is added here
+/// after the other runtimes have been measured with it.
+pub(crate) const MATERIALS: [BearingMaterial; 2] = [BearingMaterial::Babbitt, BearingMaterial::Plastic];
+
 /// First bytes.
 pub(crate) const MAGIC: [u8; 8] = *b"PINTLER\n";
 /// Version of the format.

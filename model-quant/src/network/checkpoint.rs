@@ -69,7 +69,7 @@ pub enum CheckpointError {
     #[error("float checkpoint: recipe: {0}")]
     Recipe(#[from] serde_json::Error),
     /// Its recipe names no known bearing.
-    #[error("float checkpoint: recipe: found bearing `{0}`, expected `babbitt` or `plastic`")]
+    #[error("float checkpoint: recipe: found bearing `{0}`, expected a bearing material")]
     Bearing(String),
     /// A weight is infinite or not a number.
     #[error("float checkpoint: found a weight that is not finite")]

@@ -3,6 +3,7 @@
 use inference::BearingMaterial;
 
 /// Checked-in files of a bearing's training.
+#[derive(Clone, Copy)]
 pub(crate) struct ShippedTraining {
     /// Bytes of the checkpoint.
     pub checkpoint: &'static [u8],
@@ -25,10 +26,8 @@ macro_rules! embedded {
 
 /// Returns the shipped training of a bearing.
 pub(crate) fn shipped_training(bearing: BearingMaterial) -> ShippedTraining {
-    match bearing {
-        BearingMaterial::Babbitt => embedded!("babbitt"),
-        BearingMaterial::Plastic => embedded!("plastic"),
-    }
+    const SHIPPED: [ShippedTraining; BearingMaterial::COUNT] = contact::embed_for_each_material!(embedded);
+    SHIPPED[bearing as usize]
 }
 
 /// Returns the bytes of the shipped checkpoint of a bearing.

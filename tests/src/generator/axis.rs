@@ -7,15 +7,13 @@
 //! logistic function; a step of friction is a ramp of 10 ms. Sensors are in `sensing`. Units: SI,
 //! efforts in N or N m.
 
+use super::axis_effects::{Added, Memory};
 use super::hidden::{HiddenEffect, total};
-use super::motion::{Load, Motion, Moved};
+use super::motion::{Load, Motion};
 use super::sensing::Signals;
-use std::f64::consts::TAU;
 
 /// Step, s.
-const STEP_S: f64 = 2.5e-4;
-/// Length of the ramp of a step of friction, s.
-const RAMP_S: f64 = 0.01;
+pub(super) const STEP_S: f64 = 2.5e-4;
 /// Motion before the log begins, s.
 const BEFORE_S: f64 = 0.2;
 
@@ -55,68 +53,6 @@ pub struct Run {
     pub length_s: f64,
     /// First time stamp of the log, s.
     pub start_s: f64,
-}
-
-/// Linear memory `state' = rate (target - state)`.
-#[derive(Clone, Copy, Default)]
-struct Memory {
-    state: f64,
-}
-
-impl Memory {
-    /// `1/(1 + x + x^2/2)` replaces the exponential: stable for any rate.
-    fn step(&mut self, rate: f64, target: f64) {
-        let x = rate * STEP_S;
-        self.state = target + (self.state - target) / (1.0 + x * (1.0 + 0.5 * x));
-    }
-}
-
-/// Parameters of the added effects.
-struct Added {
-    stribeck: Option<(f64, f64)>,
-    breakaway: Option<(f64, f64, f64)>,
-    presliding_m: f64,
-    thermal: Option<(f64, f64, f64)>,
-    step: Option<(f64, f64)>,
-    position_ripple: Option<(f64, f64, f64)>,
-    load_ripple: Option<(f64, f64, f64)>,
-    lag_s: f64,
-    coulomb_asymmetry: f64,
-    viscous_asymmetry: f64,
-    spring: f64,
-    /// Unbalanced moments at the angles 0 and a quarter of a turn, N m.
-    gravity: [f64; 2],
-    friction_slope: f64,
-}
-
-impl Added {
-    fn new(hidden: &[HiddenEffect]) -> Self {
-        let of = |name: &str| hidden.iter().find(|h| h.effect == name);
-        let three = |name, [a, b, c]: [&str; 3]| of(name).map(|h| (h.get(a), h.get(b), h.get(c)));
-        Self {
-            stribeck: of("stribeck-friction").map(|h| (h.get("effort_rise"), h.get("speed_m_s"))),
-            breakaway: three("breakaway", ["excess_effort", "rest_time_s", "distance_m"]),
-            presliding_m: total(hidden, "presliding-hysteresis", "distance_m"),
-            thermal: three("thermal-friction-drift", ["level_per_k", "resistance_k_w", "time_constant_s"]),
-            step: of("friction-step").map(|h| (h.get("coulomb_effort"), h.get("time_s"))),
-            position_ripple: three("position-ripple", ["cos_effort", "sin_effort", "period"]),
-            load_ripple: three("load-ripple", ["cos_force_n", "sin_force_n", "frequency_hz"]),
-            lag_s: total(hidden, "drive-lag", "lag_s"),
-            coulomb_asymmetry: total(hidden, "coulomb-asymmetry", "asymmetry_effort"),
-            viscous_asymmetry: total(hidden, "viscous-asymmetry", "asymmetry_effort"),
-            spring: total(hidden, "spring-effort", "stiffness"),
-            gravity: ["cos_effort", "sin_effort"].map(|p| total(hidden, "gravity-moment", p)),
-            friction_slope: total(hidden, "position-friction", "friction_slope"),
-        }
-    }
-}
-
-fn wave((cosine, sine, period): (f64, f64, f64), at: f64) -> f64 {
-    if period <= 0.0 {
-        return 0.0;
-    }
-    let (s, c) = (TAU * at / period).sin_cos();
-    cosine * c + sine * s
 }
 
 impl RealAxis {
@@ -168,53 +104,6 @@ impl RealAxis {
         }
         let outputs = outputs.into_iter().filter(|(name, _)| !name.is_empty()).collect();
         Signals { step_s: STEP_S, inputs: inputs.into(), outputs }
-    }
-
-    fn effort(
-        &self,
-        added: &Added,
-        time_s: f64,
-        driven: Moved,
-        load_n: f64,
-        (turned, adhesion, warmth): (&mut Memory, &mut Memory, &mut Memory),
-    ) -> (f64, f64) {
-        let slide = driven.speed * self.radius_m;
-        let sign = 2.0 / (1.0 + (-2.0 * slide / self.sign_width_m_s).exp()) - 1.0;
-        let load = load_n + added.load_ripple.map_or(0.0, |(c, s, f)| wave((c, s, 1.0 / f), time_s));
-        let mut dry = self.coulomb + self.load_coefficient * load.abs() * self.radius_m;
-        dry += added.friction_slope * driven.place;
-        if let Some((rise, speed)) = added.stribeck {
-            dry += rise / (slide.abs() / speed).exp();
-        }
-        if let Some((excess, rest_s, distance)) = added.breakaway {
-            let (ageing, wearing) = (1.0 / rest_s, slide.abs() / distance);
-            adhesion.step(ageing + wearing, ageing / (ageing + wearing));
-            dry += excess * adhesion.state;
-        }
-        if let Some((change, at)) = added.step {
-            dry += change * ((time_s - at) / RAMP_S + 0.5).clamp(0.0, 1.0);
-        }
-        if let Some((level, _, _)) = added.thermal {
-            dry *= (1.0 + level * warmth.state).clamp(0.0, 3.0);
-        }
-        let mut direction = sign;
-        if added.presliding_m > 0.0 {
-            turned.step(slide.abs() / added.presliding_m, sign);
-            direction = turned.state;
-        }
-        let friction = dry * direction
-            + 0.5 * added.coulomb_asymmetry * sign * sign
-            + self.viscous * driven.speed
-            + added.viscous_asymmetry * driven.speed * sign;
-        if let Some((_, resistance, time)) = added.thermal {
-            warmth.step(1.0 / time, resistance * (friction * driven.speed).max(0.0));
-        }
-        let over_place =
-            added.spring * driven.place + added.position_ripple.map_or(0.0, |r| wave(r, driven.place));
-        // A weight on an arm, as a harmonic of one turn.
-        let weight = wave((added.gravity[0], added.gravity[1], TAU), driven.place);
-        let over_place = over_place + weight;
-        (self.load_gain * load + self.inertia * driven.acceleration + friction + over_place, friction)
     }
 }
 

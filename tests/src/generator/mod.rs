@@ -5,19 +5,19 @@
 //! shaft may tilt (`tilt`). Both are written from their equations, with other integrators and steps
 //! than the engine's. [`plant`] lists them, [`record`] adds an operating point and nuisance
 //! parameters, [`conditions`] the conditions of the log, [`sensing`] the sensors. [`hidden`] is an
-//! effect, [`vocabulary`] draws it, and [`size`] measures its size. Nothing here uses the crates
+//! effect, `axis_effects` and `planar_effects` draw it and add its terms, [`vocabulary`] lists all, and [`size`] measures its size. Nothing here uses the crates
 //! `bench` or `diagnosis`.
 
 pub mod axis;
-pub mod bench_vocabulary;
+mod axis_effects;
 pub mod conditions;
 mod drawn;
 pub mod hidden;
 pub mod motion;
 pub mod noise;
 pub mod planar;
-mod planar_added;
 mod planar_data;
+mod planar_effects;
 mod planar_plant;
 pub mod plant;
 pub mod record;

@@ -6,17 +6,13 @@
 //! `docs/effects.md` documents.
 
 use super::hidden::{HiddenEffect, total};
-use super::planar_added::{Added, wave};
 use super::planar_data::{Hidden, RealBench, Row, State};
+use super::planar_effects::{Added, wave};
 use super::tilt::{LENGTH_M, NODES, Tilt};
 use std::f64::consts::{PI, TAU};
 
 /// Gravity, m/s2. Not `contact::GRAVITY_M_S2`: the generator shares no code with the engine.
 const GRAVITY: f64 = 9.81;
-/// Reference normal force of the load exponent of friction, N.
-const REFERENCE_N: f64 = 10e3;
-/// Length of the ramp of a step of friction, s.
-const RAMP_S: f64 = 4e-3;
 /// Stiffness of a fork with play, N/m, and damping of its force per closing speed, s/m.
 const FORK: (f64, f64) = (1e10, 1.0);
 /// Share of critical damping of a shaft that twists.
@@ -218,17 +214,8 @@ impl Plant {
         let normal = normal.max(0.0);
         let slide = speed * self.journal_radius_m - place.around;
         let sign = 1.0 - 2.0 / (1.0 + (2.0 * slide / 1e-3).exp());
-        let added = &self.added;
-        let mut coefficient = self.friction * (0.14 + 0.08 * (-slide.abs() / 0.02).exp());
-        if added.stribeck.0 != 0.0 {
-            coefficient += added.stribeck.0 / (slide.abs() / added.stribeck.1).exp();
-        }
-        coefficient *= 1.0 + added.coulomb_asymmetry * sign;
-        if added.load_exponent != 0.0 && normal > 0.0 {
-            coefficient *= (added.load_exponent * (normal / REFERENCE_N).ln()).exp();
-        }
-        coefficient *= 1.0 + added.step.0 * ((t - added.step.1) / RAMP_S + 0.5).clamp(0.0, 1.0);
-        let friction = -coefficient * normal * sign - (self.viscous + added.viscous_asymmetry * sign) * slide;
+        let coefficient = self.friction * (0.14 + 0.08 * (-slide.abs() / 0.02).exp());
+        let friction = self.added.friction_n((t, normal), (slide, sign), coefficient, self.viscous);
         let tilt = place.slope / place.distance;
         (
             film.0 - normal * (ny - tilt * nz) + friction * nz,

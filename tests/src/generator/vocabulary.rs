@@ -1,78 +1,37 @@
 //! Random draws of the effects: sign, phase and shape within the documented ranges. The magnitude
 //! stays free, to be scaled to a requested size.
 
-use super::drawn::Draw;
 pub use super::drawn::Drawn;
 use super::hidden::HiddenEffect;
 use super::noise::Noise;
 use super::plant::Plant;
 use super::record::Record;
+use super::{axis_effects, planar_effects};
 use std::f64::consts::TAU;
 
-/// Returns the parameters that define the size of an effect; the others define its shape.
-pub(crate) fn size_parameters(effect: &str) -> &'static [&'static str] {
-    match effect {
-        "clearance-wear" => &["clearance_increase_m"],
-        "restitution" => &["restitution_change"],
-        "journal-out-of-round" => &["cosine_m", "sine_m"],
-        "misalignment" => &["slope_y_rad", "slope_z_rad"],
-        "inertia-mismatch" => &["inertia_change", "relative_change"],
-        "shaft-flexibility" => &["compliance_rad_nm"],
-        "stribeck-friction" => &["effort_rise", "coefficient_rise"],
-        "coulomb-level" | "friction-step" => &["coulomb_effort", "relative_change"],
-        "viscous-friction" => &["viscous_effort", "viscous_n_s_m"],
-        "viscous-asymmetry" => &["asymmetry_effort", "asymmetry_n_s_m"],
-        "coulomb-asymmetry" => &["asymmetry_effort", "asymmetry"],
-        "load-dependent-friction" => &["load_coefficient", "load_exponent"],
-        "breakaway" => &["excess_effort", "excess"],
-        "presliding-hysteresis" => &["distance_m"],
-        "thermal-friction-drift" => &["level_per_k"],
-        "seal-friction" => &["seal_force_n"],
-        "position-ripple" => &["cos_effort", "sin_effort", "cos_torque_nm", "sin_torque_nm"],
-        "hydraulic-compliance" => &["compliance_m_n"],
-        "drive-lag" => &["lag_s"],
-        "load-gain" => &["gain_change"],
-        "spring-effort" => &["stiffness"],
-        "position-friction" => &["friction_slope"],
-        "load-ripple" => &["cos_force_n", "sin_force_n"],
-        "fork-backlash" => &["backlash_m"],
-        "squeeze-film" => &["viscosity_pa_s"],
-        "sensor-offset" => &["offset"],
-        "sensor-delay" => &["delay_s"],
-        "sensor-drift" => &["drift_per_s"],
-        "sensor-saturation" => &["inverse_limit"],
-        // contact-stiffness, lever-ratio, sensor-gain.
-        _ => &["relative_change"],
-    }
+/// Returns the parameters that define the size of an effect on any plant; the others define its
+/// shape.
+pub fn size_parameters(effect: &str) -> Vec<&'static str> {
+    let sensor: &[(&str, &[&str])] = &[
+        ("sensor-offset", &["offset"]),
+        ("sensor-gain", &["relative_change"]),
+        ("sensor-delay", &["delay_s"]),
+        ("sensor-drift", &["drift_per_s"]),
+        ("sensor-saturation", &["inverse_limit"]),
+    ];
+    let all = axis_effects::SIZES.iter().chain(planar_effects::SIZES).chain(sensor);
+    all.filter(|(name, _)| *name == effect).flat_map(|(_, sizes)| *sizes).copied().collect()
 }
 
 const SENSOR: [&str; 5] =
     ["sensor-offset", "sensor-gain", "sensor-delay", "sensor-drift", "sensor-saturation"];
-const ROTARY: [&str; 15] = [
-    "inertia-mismatch",
-    "stribeck-friction",
-    "coulomb-level",
-    "viscous-friction",
-    "viscous-asymmetry",
-    "coulomb-asymmetry",
-    "load-dependent-friction",
-    "position-friction",
-    "breakaway",
-    "presliding-hysteresis",
-    "thermal-friction-drift",
-    "friction-step",
-    "spring-effort",
-    "position-ripple",
-    "drive-lag",
-];
-
 /// Returns the effects that a plant can show.
 pub fn effects(plant: Plant) -> Vec<&'static str> {
     match plant {
-        Plant::Rotary => [&ROTARY[..], &SENSOR].concat(),
-        Plant::Linear => [&ROTARY[..], &["load-gain", "load-ripple"], &SENSOR].concat(),
-        Plant::Bench => [super::bench_vocabulary::EFFECTS, &SENSOR].concat(),
-        Plant::TwoPlane => [super::bench_vocabulary::TILTING, &SENSOR].concat(),
+        Plant::Rotary => [&axis_effects::ROTARY[..], &SENSOR].concat(),
+        Plant::Linear => [&axis_effects::ROTARY[..], axis_effects::LINEAR, &SENSOR].concat(),
+        Plant::Bench => [planar_effects::EFFECTS, &SENSOR].concat(),
+        Plant::TwoPlane => [planar_effects::TILTING, &SENSOR].concat(),
     }
 }
 
@@ -89,9 +48,9 @@ pub fn draw(effect: &str, record: &Record, base: &[Vec<f64>], noise: &mut Noise)
         return Some(sensor(effect, record, outputs[which], &base[which], sign));
     }
     if record.plant.is_transmission() {
-        return super::bench_vocabulary::draw(effect, sign, phase, noise);
+        return planar_effects::draw(effect, sign, phase, noise);
     }
-    Some(of_axis(effect, record, sign, phase, noise))
+    Some(axis_effects::draw(effect, record, sign, phase, noise))
 }
 
 fn sensor(effect: &str, record: &Record, channel: &str, base: &[f64], sign: f64) -> Drawn {
@@ -107,59 +66,4 @@ fn sensor(effect: &str, record: &Record, channel: &str, base: &[f64], sign: f64)
     };
     let effect = HiddenEffect::for_sensor(effect, channel, parameter, 0.0);
     Drawn { effect, sizes: vec![(parameter, share)], guess, most }
-}
-
-fn of_axis(effect: &str, record: &Record, sign: f64, phase: f64, noise: &mut Noise) -> Drawn {
-    let rotary = record.plant == Plant::Rotary;
-    // Noise floor of the effort, radius of friction, stroke, usual speed.
-    let (floor, radius, stroke, speed) = if rotary { (1.0, 0.07, 0.8, 0.6) } else { (3.0, 1.0, 0.3, 0.2) };
-    let mut between = |low: f64, high: f64| low * (high / low).powf(noise.uniform());
-    let slide = radius * speed;
-    let (sizes, guess, most, shapes): Draw = match effect {
-        "inertia-mismatch" => (vec![("inertia_change", sign)], 2.0 * floor, 1e4, vec![]),
-        "stribeck-friction" => {
-            (vec![("effort_rise", sign)], 4.0 * floor, 1e4, vec![("speed_m_s", slide * between(0.1, 0.4))])
-        }
-        "coulomb-level" => (vec![("coulomb_effort", sign)], 3.0 * floor, 1e4, vec![]),
-        "viscous-friction" => (vec![("viscous_effort", sign)], 3.0 * floor / speed, 1e4, vec![]),
-        "viscous-asymmetry" => (vec![("asymmetry_effort", sign)], 3.0 * floor / speed, 1e4, vec![]),
-        "coulomb-asymmetry" => (vec![("asymmetry_effort", sign)], 3.0 * floor, 1e4, vec![]),
-        "load-dependent-friction" => {
-            (vec![("load_coefficient", sign)], if rotary { 0.002 } else { 0.01 }, 1.0, vec![])
-        }
-        "breakaway" => {
-            let shapes = vec![
-                ("rest_time_s", between(0.1, 0.5)),
-                ("distance_m", radius * stroke * between(0.02, 0.08)),
-            ];
-            (vec![("excess_effort", 1.0)], 10.0 * floor, 1e4, shapes)
-        }
-        "presliding-hysteresis" => (vec![("distance_m", 1.0)], 1e-4, 5e-3, vec![]),
-        "thermal-friction-drift" => {
-            let shapes = vec![("resistance_k_w", 0.1), ("time_constant_s", between(4.0, 20.0))];
-            (vec![("level_per_k", sign)], 0.005, 0.4, shapes)
-        }
-        "friction-step" => {
-            let share = 0.1 + 0.8 * noise.uniform();
-            let at = record.logger.start_s + share * record.length_s();
-            (vec![("coulomb_effort", sign)], 3.0 * floor, 1e4, vec![("time_s", at)])
-        }
-        "position-ripple" => (
-            vec![("cos_effort", phase.cos()), ("sin_effort", phase.sin())],
-            2.0 * floor,
-            1e4,
-            vec![("period", stroke * between(0.06, 0.35))],
-        ),
-        "load-gain" => (vec![("gain_change", sign)], 3e-3, 1.0, vec![]),
-        "spring-effort" => (vec![("stiffness", sign)], 2.0 * floor / stroke, 1e6, vec![]),
-        "position-friction" => (vec![("friction_slope", sign)], 2.0 * floor / stroke, 1e6, vec![]),
-        "load-ripple" => (
-            vec![("cos_force_n", phase.cos()), ("sin_force_n", phase.sin())],
-            2.0 * floor,
-            1e5,
-            vec![("frequency_hz", between(2.0, 30.0))],
-        ),
-        _ => (vec![("lag_s", 1.0)], 2e-3, 0.1, vec![]),
-    };
-    Drawn { effect: HiddenEffect::new(effect, &shapes), sizes, guess, most }
 }

@@ -63,7 +63,8 @@ fn estimate(session: &mut Session, frame: &SensorFrame) -> EstimateFrame {
 
 fn models(package: &Package) -> Models {
     let package = Box::leak(Box::new(package.clone()));
-    let checked: [Option<Loaded>; 2] = model_package::check(&package.manifest, &package.payload).unwrap();
+    let checked: [Option<Loaded>; BearingMaterial::COUNT] =
+        model_package::check(&package.manifest, &package.payload).unwrap();
     Models::of_package(checked, ModelSource::BuiltIn)
 }
 

@@ -1,14 +1,9 @@
-//! A bench of any plant.
+//! A bench of any plant. The list of plants is in [`super`].
 
-use super::{
-    DescriptionError, Effect, FrictionRig, MechanismBench, Nuisances, PlantDescription, SliderCrankBench,
-    TransmissionBench,
-};
+use super::{Bench, Effect, FrictionRig, Nuisances, TransmissionBench};
 use crate::log::LogFormat;
-use crate::schema::SectionEntry;
 use crate::signals::{Channel, Sensor};
 use std::collections::BTreeMap;
-use std::ops::{Deref, DerefMut};
 
 /// Defines [`Bench`] from the list of plants: reading, writing and access to the plant.
 macro_rules! plants {
@@ -20,7 +15,7 @@ macro_rules! plants {
             $($(#[$meta])* $variant(Box<$plant>),)*
         }
 
-        impl Deref for Bench {
+        impl std::ops::Deref for Bench {
             type Target = dyn PlantDescription;
 
             fn deref(&self) -> &Self::Target {
@@ -30,7 +25,7 @@ macro_rules! plants {
             }
         }
 
-        impl DerefMut for Bench {
+        impl std::ops::DerefMut for Bench {
             fn deref_mut(&mut self) -> &mut Self::Target {
                 match self {
                     $(Self::$variant(plant) => &mut **plant,)*
@@ -51,7 +46,7 @@ macro_rules! plants {
             }
 
             /// Sections of a plant's description; none if there is no plant of this name.
-            pub fn sections(plant: &str) -> Option<Vec<SectionEntry>> {
+            pub fn sections(plant: &str) -> Option<Vec<$crate::schema::SectionEntry>> {
                 match plant {
                     $($plant::PLANT => Some($plant::sections()),)*
                     _ => None,
@@ -89,17 +84,6 @@ macro_rules! plants {
             }
         )*
     };
-}
-
-plants! {
-    /// The rudder-drive transmission bench.
-    Transmission(TransmissionBench),
-    /// A single driven axis with a measured effort: the friction rig, or a linear axis.
-    FrictionRig(FrictionRig),
-    /// A slider-crank with a clearance joint; it is run, but neither recorded nor diagnosed.
-    SliderCrank(SliderCrankBench),
-    /// A planar mechanism; it is run and recorded, but not diagnosed.
-    Mechanism(MechanismBench),
 }
 
 impl Bench {

@@ -1,6 +1,7 @@
 //! The data of a bench description: plant, sensors, uncertain parameters, log format and effects in
 //! one TOML file.
 
+#[macro_use]
 mod bench;
 mod common;
 mod direction;
@@ -17,7 +18,6 @@ mod slider_crank;
 mod transmission;
 
 pub(crate) use crate::schema::format_number;
-pub use bench::Bench;
 pub use common::Common;
 pub use drive::{Drive, DriveInput, Simulated};
 pub use effect::{Effect, Plant};
@@ -32,6 +32,17 @@ pub use slider_crank::*;
 pub use transmission::*;
 
 use crate::schema::{HUGE, TINY, section};
+
+plants! {
+    /// The rudder-drive transmission bench.
+    Transmission(TransmissionBench),
+    /// A single driven axis with a measured effort: the friction rig, or a linear axis.
+    FrictionRig(FrictionRig),
+    /// A slider-crank with a clearance joint; it is run, but neither recorded nor diagnosed.
+    SliderCrank(SliderCrankBench),
+    /// A planar mechanism; it is run and recorded, but not diagnosed.
+    Mechanism(MechanismBench),
+}
 
 section! {
     /// Force of the load cylinder.

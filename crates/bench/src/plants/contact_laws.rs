@@ -3,9 +3,9 @@
 use crate::description::{ContactSection, FrictionMemory, FrictionSection, ShapeName, TransmissionBench};
 use crate::plants::stick_slip::StickingLaw;
 use contact::{
-    AdamsImpact, CompleteLawKind, ContactLaw, Dahl, FactorisedLaw, FrictionKind, FrictionLaw, Joint, Karnopp,
-    LawError, LuGre, Material, NormalLaw, SevenParameter, SlidingLaw, SlidingParameters, SpringDashpot,
-    Stiffness, StiffnessKind, StiffnessParameters, StribeckShape, effective_modulus_pa,
+    CompleteLawParameters, ContactLaw, Dahl, FactorisedLaw, FrictionKind, FrictionLaw, Joint, LawError,
+    LuGre, Material, NormalLaw, SlidingLaw, SlidingParameters, Stiffness, StiffnessKind, StiffnessParameters,
+    StribeckShape, effective_modulus_pa,
 };
 
 /// Normal law of a joint, with its elastic part, which the energy balance needs.
@@ -39,8 +39,7 @@ impl JointLaw {
         restitution: f64,
         mass_kg: f64,
     ) -> Result<Self, LawError> {
-        let missing = |law, quantity| LawError::Missing { law, quantity };
-        let Some(complete_law) = section.law else {
+        let Some(complete) = section.law else {
             let parameters =
                 StiffnessParameters { joint, coefficient: section.coefficient, exponent: section.exponent };
             let elastic = section.stiffness.0.build(&parameters)?;
@@ -54,29 +53,16 @@ impl JointLaw {
             };
             return Ok(Self { law, elastic });
         };
-        let name = complete_law.0.entry().name;
-        let coefficient = section.coefficient.ok_or(missing(name, "a coefficient"))?;
-        let damping = section.damping_n_s_m.ok_or(missing(name, "damping_n_s_m"));
-        let linear = Stiffness::Linear { coefficient };
-        Ok(match complete_law.0 {
-            CompleteLawKind::KelvinVoigt => Self {
-                law: ContactLaw::SpringDashpot(SpringDashpot::kelvin_voigt(coefficient, damping?)?),
-                elastic: linear,
-            },
-            CompleteLawKind::Anagnostopoulos => {
-                let law = SpringDashpot::anagnostopoulos(coefficient, restitution, mass_kg)?;
-                Self { law: ContactLaw::SpringDashpot(law), elastic: linear }
-            }
-            CompleteLawKind::AdamsImpact => {
-                let exponent = section.exponent.ok_or(missing(name, "an exponent"))?;
-                let depth = section.full_damping_depth_m.ok_or(missing(name, "full_damping_depth_m"))?;
-                let law = AdamsImpact::new(coefficient, exponent, damping?, depth)?;
-                Self {
-                    law: ContactLaw::AdamsImpact(law),
-                    elastic: Stiffness::Power { coefficient, exponent },
-                }
-            }
-        })
+        let missing = LawError::Missing { law: complete.0.entry().name, quantity: "a coefficient" };
+        let law = complete.0.build(&CompleteLawParameters {
+            coefficient: section.coefficient.ok_or(missing)?,
+            exponent: section.exponent,
+            damping_n_s_m: section.damping_n_s_m,
+            full_damping_depth_m: section.full_damping_depth_m,
+            restitution: Some(restitution),
+            effective_mass_kg: Some(mass_kg),
+        })?;
+        Ok(Self { law, elastic: law.elastic() })
     }
 
     /// Builds the law of a description that was checked and then changed by an effect or a fit,
@@ -127,70 +113,47 @@ pub(crate) enum BearingFriction {
 }
 
 impl BearingFriction {
-    /// Builds the law that a section names; Stribeck's without a name.
-    pub(crate) fn from_section(section: &FrictionSection) -> Result<Self, LawError> {
+    /// Builds the law that a section names; Stribeck's without a name. A law with its own memory
+    /// also needs that section.
+    pub(crate) fn from_section(
+        section: &FrictionSection,
+        memory: Option<&FrictionMemory>,
+    ) -> Result<Self, LawError> {
         let Some(name) = section.law else {
             return Ok(Self::Sliding(SlidingLaw::Stribeck(stribeck(section))));
         };
-        let stiffness = || {
-            let law = name.0.entry().name;
-            section
-                .bristle_stiffness_per_m
-                .ok_or(LawError::Missing { law, quantity: "bristle_stiffness_per_m" })
-        };
         Ok(match name.0 {
             FrictionKind::Dahl => {
-                let law = Dahl::new(section.coulomb_coefficient, stiffness()?, 1.0)?;
-                Self::Dahl(law, section.coulomb_coefficient / stiffness()?)
+                let stiffness = bristle_stiffness(section, name.0)?;
+                let law = Dahl::new(section.coulomb_coefficient, stiffness, 1.0)?;
+                Self::Dahl(law, section.coulomb_coefficient / stiffness)
             }
             FrictionKind::LuGre => {
                 let law = LuGre {
                     coulomb_coefficient: section.coulomb_coefficient,
                     static_coefficient: section.static_coefficient,
                     stribeck_speed_m_s: section.stribeck_speed_m_s,
-                    stiffness_per_m: stiffness()?,
+                    stiffness_per_m: bristle_stiffness(section, name.0)?,
                     damping_s_m: section.bristle_damping_s_m,
                     viscous_slope_s_m: section.viscous_slope_s_m,
                 };
                 law.check()?;
                 Self::LuGre(law)
             }
-            FrictionKind::Karnopp => Self::Sticking(StickingLaw::Karnopp(karnopp(section)?)),
-            kind => {
-                let parameters = SlidingParameters {
-                    coulomb_coefficient: section.coulomb_coefficient,
-                    static_coefficient: section.static_coefficient,
-                    still_speed_m_s: section.still_speed_m_s,
-                    full_speed_m_s: section.regularisation_m_s,
-                    stribeck_speed_m_s: section.stribeck_speed_m_s,
-                    viscous_slope_s_m: section.viscous_slope_s_m,
-                    viscous_damping_n_s_m: section.viscous_damping_n_s_m,
-                    transition_force_n: section.transition_force_n,
-                };
-                match SlidingLaw::new(kind, parameters)? {
-                    SlidingLaw::Coulomb(parameters) => Self::Sticking(StickingLaw::Coulomb(parameters)),
-                    law => Self::Sliding(law),
-                }
-            }
+            kind if kind.sticks() => Self::Sticking(StickingLaw::from_section(kind, section, memory)?),
+            kind => Self::Sliding(SlidingLaw::new(kind, sliding_parameters(section))?),
         })
     }
 
-    /// Builds the law of a bench, as [`Self::from_section`]. The seven-parameter law also needs the
-    /// section of its memory.
+    /// Builds the law of a bench, as [`Self::from_section`].
     pub(crate) fn from_bench(bench: &TransmissionBench) -> Result<Self, LawError> {
-        let friction = &bench.friction;
-        match (friction.law.map(|law| law.0), &bench.friction_memory) {
-            (Some(FrictionKind::SevenParameter), Some(memory)) => {
-                Ok(Self::Sticking(StickingLaw::SevenParameter(seven_parameter(friction, memory)?)))
-            }
-            _ => Self::from_section(friction),
-        }
+        Self::from_section(&bench.friction, bench.friction_memory.as_ref())
     }
 
     /// Builds the law of a section that was checked and then changed; Stribeck's if it is out of
     /// its range.
     pub(crate) fn after_changes(section: &FrictionSection) -> Self {
-        Self::from_section(section).unwrap_or(Self::Sliding(SlidingLaw::Stribeck(stribeck(section))))
+        Self::from_section(section, None).unwrap_or(Self::Sliding(SlidingLaw::Stribeck(stribeck(section))))
     }
 
     /// Builds the law of a bench as [`Self::after_changes`].
@@ -246,35 +209,24 @@ impl BearingFriction {
     }
 }
 
-/// Builds Karnopp's law; its band is the width of the regularised sign of other laws. A joint that
-/// leaves the band must not be stopped by its viscous part, so this may not exceed the static
-/// excess there.
-fn karnopp(f: &FrictionSection) -> Result<Karnopp, LawError> {
-    let at_the_band = f.coulomb_coefficient + f.viscous_slope_s_m * f.regularisation_m_s;
-    if f.static_coefficient < at_the_band {
-        return Err(LawError::OutOfRange {
-            quantity: "static coefficient",
-            found: f.static_coefficient,
-            expected: "at least the coefficient of sliding at the edge of the band",
-        });
+/// Parameters of the laws without memory.
+pub(crate) fn sliding_parameters(section: &FrictionSection) -> SlidingParameters {
+    SlidingParameters {
+        coulomb_coefficient: section.coulomb_coefficient,
+        static_coefficient: section.static_coefficient,
+        still_speed_m_s: section.still_speed_m_s,
+        full_speed_m_s: section.regularisation_m_s,
+        stribeck_speed_m_s: section.stribeck_speed_m_s,
+        viscous_slope_s_m: section.viscous_slope_s_m,
+        viscous_damping_n_s_m: section.viscous_damping_n_s_m,
+        transition_force_n: section.transition_force_n,
     }
-    Karnopp::new(f.coulomb_coefficient, f.static_coefficient, f.viscous_slope_s_m, f.regularisation_m_s)
 }
 
-fn seven_parameter(f: &FrictionSection, memory: &FrictionMemory) -> Result<SevenParameter, LawError> {
-    let law = FrictionKind::SevenParameter.entry().name;
-    let quantity = "bristle_stiffness_per_m";
-    let law = SevenParameter {
-        stiffness_per_m: f.bristle_stiffness_per_m.ok_or(LawError::Missing { law, quantity })?,
-        coulomb_coefficient: f.coulomb_coefficient,
-        viscous_slope_s_m: f.viscous_slope_s_m,
-        long_rest_excess: f.static_coefficient - f.coulomb_coefficient,
-        stribeck_speed_m_s: f.stribeck_speed_m_s,
-        memory_s: memory.lag_s,
-        rise_s: memory.rise_s,
-    };
-    law.check()?;
-    Ok(law)
+/// Stiffness of the bristles of a law that needs it.
+pub(crate) fn bristle_stiffness(section: &FrictionSection, kind: FrictionKind) -> Result<f64, LawError> {
+    let missing = LawError::Missing { law: kind.entry().name, quantity: "bristle_stiffness_per_m" };
+    section.bristle_stiffness_per_m.ok_or(missing)
 }
 
 fn stribeck(f: &FrictionSection) -> FrictionLaw {

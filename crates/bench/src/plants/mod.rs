@@ -2,7 +2,6 @@
 
 pub(crate) mod contact_laws;
 pub mod energy;
-mod extended_friction;
 pub(crate) mod forward_axis;
 pub mod friction_rig;
 pub mod mechanism;

@@ -17,8 +17,12 @@
 //! Speeds in m/s, forces in N. Sticking of several contacts at once is not covered: their forces
 //! depend on each other.
 
+use crate::description::{FrictionMemory, FrictionSection};
 use crate::integrate::Slip;
-use contact::{Karnopp, SevenParameter, SevenParameterState, SlidingParameters};
+use crate::plants::contact_laws::{bristle_stiffness, sliding_parameters};
+use contact::{
+    FrictionKind, Karnopp, LawError, SevenParameter, SevenParameterState, SlidingLaw, SlidingParameters,
+};
 
 #[cfg(test)]
 mod block_tests;
@@ -64,6 +68,24 @@ pub(crate) struct Next {
 }
 
 impl StickingLaw {
+    /// Builds a law from a section, and from that of its memory if it has one.
+    pub(crate) fn from_section(
+        kind: FrictionKind,
+        section: &FrictionSection,
+        memory: Option<&FrictionMemory>,
+    ) -> Result<Self, LawError> {
+        match (kind, memory) {
+            (FrictionKind::Karnopp, _) => karnopp(section).map(Self::Karnopp),
+            (FrictionKind::SevenParameter, Some(memory)) => {
+                seven_parameter(section, memory).map(Self::SevenParameter)
+            }
+            _ => match SlidingLaw::new(kind, sliding_parameters(section))? {
+                SlidingLaw::Coulomb(parameters) => Ok(Self::Coulomb(parameters)),
+                _ => Err(LawError::UnknownName { group: "sticking friction" }),
+            },
+        }
+    }
+
     /// Band of speeds in m/s that counts as standstill.
     fn band_m_s(&self) -> f64 {
         match self {
@@ -210,6 +232,35 @@ impl StickingLaw {
         };
         Slip::Sliding { direction: sliding_m_s.signum(), excess }
     }
+}
+
+/// Builds Karnopp's law; its band is the width of the regularised sign of other laws. A joint that
+/// leaves the band must not be stopped by its viscous part, so this may not exceed the static
+/// excess there.
+fn karnopp(f: &FrictionSection) -> Result<Karnopp, LawError> {
+    let at_the_band = f.coulomb_coefficient + f.viscous_slope_s_m * f.regularisation_m_s;
+    if f.static_coefficient < at_the_band {
+        return Err(LawError::OutOfRange {
+            quantity: "static coefficient",
+            found: f.static_coefficient,
+            expected: "at least the coefficient of sliding at the edge of the band",
+        });
+    }
+    Karnopp::new(f.coulomb_coefficient, f.static_coefficient, f.viscous_slope_s_m, f.regularisation_m_s)
+}
+
+fn seven_parameter(f: &FrictionSection, memory: &FrictionMemory) -> Result<SevenParameter, LawError> {
+    let law = SevenParameter {
+        stiffness_per_m: bristle_stiffness(f, FrictionKind::SevenParameter)?,
+        coulomb_coefficient: f.coulomb_coefficient,
+        viscous_slope_s_m: f.viscous_slope_s_m,
+        long_rest_excess: f.static_coefficient - f.coulomb_coefficient,
+        stribeck_speed_m_s: f.stribeck_speed_m_s,
+        memory_s: memory.lag_s,
+        rise_s: memory.rise_s,
+    };
+    law.check()?;
+    Ok(law)
 }
 
 /// State of the seven-parameter law; none before a slip is chosen.

@@ -6,11 +6,7 @@ use crate::description::{
     format_number,
 };
 use crate::plants::contact_laws::{BearingFriction, JointLaw};
-use contact::{CompleteLawKind, FrictionKind, LawError, StiffnessKind};
-
-/// Friction laws with which a contact sticks and slides.
-const STICKING: [FrictionKind; 3] =
-    [FrictionKind::Coulomb, FrictionKind::Karnopp, FrictionKind::SevenParameter];
+use contact::{FrictionKind, LawError, StiffnessKind};
 
 /// Reason for which a plant with several contacts has no law that sticks.
 const SHARED_FORCES: &str = "the forces of several contacts that stick depend on each other";
@@ -20,7 +16,7 @@ const NO_DEFLECTION: &str = "the joint of a slider-crank keeps no deflection";
 /// Plants that integrate the friction law of this name, if its contacts stick. `None` for a law
 /// that every plant with a friction law integrates.
 pub fn sticking_plants(name: &str) -> Option<&'static str> {
-    let kind = FrictionKind::from_name(name).filter(|kind| STICKING.contains(kind))?;
+    let kind = FrictionKind::from_name(name).filter(|kind| kind.sticks())?;
     Some(if kind.has_state() {
         "the planar transmission bench"
     } else {
@@ -68,7 +64,7 @@ fn bearing_refusals(bench: &TransmissionBench) -> Vec<Refusal> {
         all.extend(JointLaw::from_bench(bench).err().and_then(|error| wrong("contact", error)));
     }
     let friction = &bench.friction;
-    let sticks = |kind| bench.two_plane.is_some() && STICKING.contains(&kind);
+    let sticks = |kind: FrictionKind| bench.two_plane.is_some() && kind.sticks();
     match excluded("friction.law", friction, sticks, SHARED_FORCES) {
         Some(refusal) => all.push(refusal),
         None => all.extend(memory_refusal(bench)),
@@ -95,7 +91,7 @@ fn memory_refusal(bench: &TransmissionBench) -> Option<Refusal> {
 /// Returns everything about the parameters of a friction law that is not allowed. `section` is the
 /// name of the section.
 fn friction_refusals(section: &str, friction: &FrictionSection) -> Vec<Refusal> {
-    let error = BearingFriction::from_section(friction).err();
+    let error = BearingFriction::from_section(friction, None).err();
     let mut all: Vec<Refusal> = error.and_then(|error| wrong(section, error)).into_iter().collect();
     all.extend(viscous_refusal(section, friction));
     all
@@ -131,25 +127,9 @@ fn wrong(section: &str, error: LawError) -> Option<Refusal> {
 /// Refuses parameters of the contact that the named law does not use, and misses those that it
 /// needs. With `has_own_hertz` the stiffness of Hertz may come from the joint.
 fn contact_refusals(path: &str, section: &ContactSection, has_own_hertz: bool) -> Vec<Refusal> {
-    let (law, used): (&str, &[&str]) = match section.law {
-        Some(complete) => (
-            complete.0.entry().name,
-            match complete.0 {
-                CompleteLawKind::KelvinVoigt => &["coefficient", "damping_n_s_m"],
-                CompleteLawKind::Anagnostopoulos => &["coefficient"],
-                CompleteLawKind::AdamsImpact => {
-                    &["coefficient", "exponent", "damping_n_s_m", "full_damping_depth_m"]
-                }
-            },
-        ),
-        None => (
-            section.stiffness.0.entry().name,
-            match section.stiffness.0 {
-                StiffnessKind::Linear | StiffnessKind::Hertz => &["coefficient"],
-                StiffnessKind::Power => &["coefficient", "exponent"],
-                _ => &[],
-            },
-        ),
+    let (law, used) = match section.law {
+        Some(complete) => (complete.0.entry().name, complete.0.parameters()),
+        None => (section.stiffness.0.entry().name, section.stiffness.0.parameters()),
     };
     let is_of_joint = has_own_hertz && law == StiffnessKind::Hertz.entry().name;
     let given = [
@@ -173,7 +153,7 @@ fn contact_refusals(path: &str, section: &ContactSection, has_own_hertz: bool) -
 fn presliding_refusal(bench: &TransmissionBench) -> Option<Refusal> {
     let has_effect = bench.common.effects.iter().any(|effect| effect.name == "presliding-hysteresis");
     let law = bench.friction.law?.0;
-    let (found, expected) = if STICKING.contains(&law) {
+    let (found, expected) = if law.sticks() {
         ("that sticks", "one of the two: such a law states what happens before sliding")
     } else {
         law.has_state().then_some(("with bristles", "one of the two: such a law includes pre-sliding"))?
@@ -199,7 +179,7 @@ fn mechanism_refusals(bench: &MechanismBench) -> Vec<Refusal> {
         all.extend(contact_refusals(&path, &entry.contact_section(), true));
         all.extend(entry.friction_section().iter().flat_map(|friction| {
             let field = format!("{path}.friction");
-            match excluded(&field, friction, |kind| STICKING.contains(&kind), SHARED_FORCES) {
+            match excluded(&field, friction, FrictionKind::sticks, SHARED_FORCES) {
                 Some(refusal) => vec![refusal],
                 None => friction_refusals(&path, friction),
             }

@@ -22,3 +22,17 @@ pub use record::{log_from_samples, record};
 pub use respond::{Inputs, LoggedPlant, RespondError, Response, Truth, apply_sensors, respond};
 pub use rig_groups::{LOADS_N, RigGroup, rig_groups};
 pub use run::{DEFAULT_TOLERANCE, Run, run_bench_with_law, run_with_held_force, run_with_law, snapshots};
+
+use crate::description::Bench;
+
+impl Bench {
+    /// The plant as one that records logs; none if it has no log.
+    pub fn logged(&self) -> Option<&dyn LoggedPlant> {
+        match self {
+            Self::Transmission(plant) => Some(&**plant),
+            Self::FrictionRig(plant) => Some(&**plant),
+            Self::Mechanism(plant) if !plant.measured.is_empty() => Some(&**plant),
+            Self::SliderCrank(_) | Self::Mechanism(_) => None,
+        }
+    }
+}

@@ -24,18 +24,6 @@ pub trait LoggedPlant {
     fn run(&self) -> Result<(Vec<f64>, Truth), IntegrationError>;
 }
 
-impl Bench {
-    /// The plant as one that records logs; none if it has no log.
-    pub fn logged(&self) -> Option<&dyn LoggedPlant> {
-        match self {
-            Self::Transmission(plant) => Some(&**plant),
-            Self::FrictionRig(plant) => Some(&**plant),
-            Self::Mechanism(plant) if !plant.measured.is_empty() => Some(&**plant),
-            Self::SliderCrank(_) | Self::Mechanism(_) => None,
-        }
-    }
-}
-
 /// Divides every interval of `time_s` into `fineness` equal parts.
 pub(crate) fn refined(time_s: &[f64], fineness: usize) -> Vec<f64> {
     let parts = time_s.windows(2).flat_map(|pair| {

@@ -1,7 +1,8 @@
 """Writes the log files of this folder with libraries that are independent of Pintle.
 
 Most files contain the same signals: `time` in s, 0 to 0.99 s at 100 Hz, `angle` in rad and
-`force` in N. `expected.csv` contains them as text. The functions `conversions`, `several_times` and
+`force` in N. `expected.csv` contains them as text,
+`files.tsv` the names of their columns. The functions `conversions`, `several_times` and
 `classes` write what those files leave out. Run with the versions in `requirements.txt`:
 
     python make.py
@@ -29,12 +30,38 @@ FORCE = np.round(4 * (5000 * np.sign(np.cos(2 * np.pi * 2.0 * TIME)) + 100 * TIM
 RAW = (4 * FORCE).astype(np.int16)
 SIGNALS = {"time": ("s", TIME), "angle": ("rad", ANGLE), "force": ("N", FORCE)}
 assert np.array_equal(RAW / 4, FORCE)
+# Files with these signals: names of the columns and their units.
+FILES = {
+    "version-5.mat": (["time", "angle", "force"], ["", "", ""]),
+    "version-7.3.mat": (["time", "data.angle", "all(:,3)"], ["", "", ""]),
+    "frame.parquet": (["time", "angle", "force"], ["", "", ""]),
+    "sheets.xlsx": (["time", "angle", "force"], ["s", "rad", "N"]),
+    "mdf-4.10.mf4": (["0/time", "angle", "force"], ["s", "rad", "N"]),
+    "mdf-4.10-deflate.mf4": (["0/time", "angle", "force"], ["s", "rad", "N"]),
+    "mdf-4.11-transposed.mf4": (["0/time", "angle", "force"], ["s", "rad", "N"]),
+    "waveform.tdms": (["wf_time", "angle", "force"], ["s", "rad", "N"]),
+    "scaled.tdms": (["time", "angle", "force"], ["s", "rad", "N"]),
+    "interleaved.tdms": (["wf_time", "angle", "force"], ["s", "rad", "N"]),
+    "big-endian.tdms": (["wf_time", "angle", "force"], ["s", "rad", "N"]),
+    "big-endian-interleaved.tdms": (["wf_time", "angle", "force"], ["s", "rad", "N"]),
+    "daqmx.tdms": (["wf_time", "angle", "force"], ["s", "", ""]),
+    "groups.h5": (["bench/time", "bench/angle", "bench/force"], ["s", "rad", "N"]),
+    "matrix.h5": (["log(:,1)", "log(:,2)", "log(:,3)"], ["", "", ""]),
+    "table.h5": (["log.time", "log.angle", "log.force"], ["", "", ""]),
+}
 
 
 def text():
     rows = zip(TIME, ANGLE, FORCE)
     lines = ["time,angle,force", *(f"{t},{a},{f}" for t, a, f in rows)]
     (HERE / "expected.csv").write_text("\n".join(lines) + "\n")
+
+
+def files():
+    rows = ["file", "time", "angle", "force", *(f"unit of {name}" for name in SIGNALS)], *(
+        [file, *names, *units] for file, (names, units) in FILES.items()
+    )
+    (HERE / "files.tsv").write_text("".join("\t".join(row) + "\n" for row in rows))
 
 
 def mdf():
@@ -318,5 +345,5 @@ def classes():
 
 
 if __name__ == "__main__":
-    for write in [text, mdf, tdms, hdf5, matlab, tables, conversions, several_times, classes]:
+    for write in [text, files, mdf, tdms, hdf5, matlab, tables, conversions, several_times, classes]:
         write()

@@ -7,7 +7,7 @@ use crate::cli::output::Picture;
 use bench::description::{FrictionRig, ShapeName, TransmissionBench};
 use bench::simulate::{LOADS_N, record};
 use bench::{BearingMaterial, Channel};
-use model_quant::report::claims::torque::{self, FrictionFacts, TorqueCurve};
+use model_quant::report::claims::torque::{self, TorqueCurve};
 use report::figure::{Series as Curve, Style, lines};
 use report::heat::{self, Heat, Scale};
 
@@ -117,33 +117,27 @@ pub(in crate::reproduction) fn characteristics(radius_m: f64) -> Result<[Vec<Pic
         .collect();
     let networks = torque::network_curves(&speeds).map_err(|e| failed(&e))?;
     let (mut maps, mut curves) = (Vec::new(), Vec::new());
-    for (bearing, letter) in [(BearingMaterial::Babbitt, "a"), (BearingMaterial::Plastic, "b")] {
-        maps.push(map(curves_of(&rigs, bearing), bearing, letter, radius_m)?);
-        let series: Vec<Curve> = curves_of(&rigs, bearing)
-            .iter()
-            .rev()
-            .map(|curve| line(curve, radius_m, 1e-3).styled(Style::Both))
-            .collect();
+    let babbitt = (BearingMaterial::Babbitt, "a", &rigs.babbitt, &networks.babbitt);
+    let plastic = (BearingMaterial::Plastic, "b", &rigs.plastic, &networks.plastic);
+    let captions = [
+        "Medians of the rig's records by load: the torque falls with the speed, further at higher load.",
+        "Medians of the rig's records by load: level at low speed, rising at high speed.",
+    ];
+    for ((bearing, letter, measured, network), caption) in [babbitt, plastic].into_iter().zip(captions) {
+        maps.push(map(measured, bearing, letter, radius_m)?);
+        let series: Vec<Curve> =
+            measured.iter().rev().map(|curve| line(curve, radius_m, 1e-3).styled(Style::Both)).collect();
         let title = format!("Fig. 13 ({letter}) Torque over angular velocity, {}", bearing.name());
         curves.push(Picture::draw(
             lines,
             &format!("torque-over-velocity-{}", bearing.name()),
             &chart(&title, "relative angular velocity, deg/s", "friction torque, kN m"),
             &series,
-            match bearing {
-                BearingMaterial::Babbitt => {
-                    "Medians of the rig's records by load: the torque falls with the speed, further at \
-                     higher load."
-                }
-                BearingMaterial::Plastic => {
-                    "Medians of the rig's records by load: level at low speed, rising at high speed."
-                }
-            },
+            caption,
         )?);
         let law = bearing.friction_law();
-        let mut series: Vec<Curve> =
-            curves_of(&networks, bearing).iter().rev().map(|curve| line(curve, radius_m, 1.0)).collect();
-        let points = curves_of(&networks, bearing).iter().flat_map(|curve| {
+        let mut series: Vec<Curve> = network.iter().rev().map(|curve| line(curve, radius_m, 1.0)).collect();
+        let points = network.iter().flat_map(|curve| {
             let at = |v: &f64| (degrees(*v, radius_m), radius_m * law.force_n(curve.load_n, *v).abs());
             speeds.iter().step_by(6).map(at).collect::<Vec<_>>()
         });
@@ -159,13 +153,6 @@ pub(in crate::reproduction) fn characteristics(radius_m: f64) -> Result<[Vec<Pic
         )?);
     }
     Ok([maps, curves])
-}
-
-fn curves_of(facts: &FrictionFacts, bearing: BearingMaterial) -> &[TorqueCurve] {
-    match bearing {
-        BearingMaterial::Babbitt => &facts.babbitt,
-        BearingMaterial::Plastic => &facts.plastic,
-    }
 }
 
 fn line(curve: &TorqueCurve, radius_m: f64, factor: f64) -> Curve {

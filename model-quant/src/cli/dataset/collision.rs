@@ -41,7 +41,7 @@ use std::time::Instant;
                   model-quant dataset collision --printed --out sets\n  \
                   model-quant dataset collision --summary --json")]
 pub(crate) struct Arguments {
-    /// Bearing: babbitt or plastic
+    /// Bearing material, such as babbitt
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
     bearing: BearingMaterial,
     /// Source of the rows: the ranges, or simulated runs of bench B

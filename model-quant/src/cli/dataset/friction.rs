@@ -30,7 +30,7 @@ use std::path::PathBuf;
                         A log needs t_s, load_force_n, spindle_speed_rad_s and friction_torque_nm and at \
                         least 2048 samples.")]
 pub(crate) struct Arguments {
-    /// Bearing: babbitt or plastic
+    /// Bearing material, such as babbitt
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
     bearing: BearingMaterial,
     /// Measured logs in place of the rig, one group a file, at least 3

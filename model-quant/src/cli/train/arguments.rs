@@ -24,7 +24,7 @@ use std::path::PathBuf;
                         model-quant train --set full --epochs 200 --out long --resume\n  \
                         model-quant train --bearing plastic --friction rig --out rig")]
 pub(crate) struct Arguments {
-    /// Bearing: babbitt or plastic
+    /// Bearing material, such as babbitt
     #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
     pub(super) bearing: BearingMaterial,
     /// Output directory for BEARING.float

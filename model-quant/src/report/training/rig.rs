@@ -113,8 +113,9 @@ impl RigFacts {
         let expected = "networks of the rig, as `model-quant train --friction rig` writes them";
         let file: File = FileError::json(path, &FileError::text(path)?, expected)?;
         let refused = |found: String, expected: &str| FileError::content(path, found, expected);
-        let bearing = BearingMaterial::from_name(&file.bearing)
-            .ok_or_else(|| refused(format!("bearing `{}`", file.bearing), "`babbitt` or `plastic`"))?;
+        let bearing = BearingMaterial::from_name(&file.bearing).ok_or_else(|| {
+            refused(format!("bearing `{}`", file.bearing), "the name of a bearing material")
+        })?;
         let network = |shape: Shape, parameters: &[f32]| {
             let found = shape.check().map_err(|error| error.to_string());
             let (count, given) = (found.map(|()| shape.parameters()), parameters.len());

@@ -1,7 +1,6 @@
 //! Balance of an axis at one moment: friction, effort of the drive, and the memory after a step.
 
-use crate::description::{Axis, FrictionRig, ripples};
-use crate::plants::extended_friction::smooth_step;
+use crate::description::{Axis, FrictionRig, Rubbing};
 use crate::signals::Motion;
 
 /// Number of widths beyond which the sign is 1 within rounding.
@@ -70,25 +69,21 @@ pub(super) fn friction_at(rig: &FrictionRig, now: &Moment, rubbing: &Motion, mem
     let sign = sign(rig, speed);
     let load_dependent =
         (axis.load_coefficient + now.coefficient) * now.load_n.abs() * axis.friction_radius_m;
-    let displacement = rubbing.value - axis.neutral_position;
-    let mut dry = axis.coulomb_effort + load_dependent + extension.friction_slope * displacement;
-    for term in &extension.stribeck {
-        dry += term.rise * (-speed.abs() / term.speed_m_s).exp();
-    }
-    if let Some(term) = &extension.breakaway {
-        dry += term.excess * memory.breakaway;
-    }
-    for term in &extension.friction_steps {
-        dry += term.change * smooth_step(now.time_s, term.time_s);
-    }
-    if let Some(term) = &extension.thermal {
-        dry *= term.level(memory.rise_k);
-    }
+    let at = Rubbing {
+        time_s: now.time_s,
+        displacement: rubbing.value - axis.neutral_position,
+        rate: rubbing.rate,
+        sliding_m_s: speed,
+        sign,
+        breakaway: memory.breakaway,
+        rise_k: memory.rise_k,
+    };
+    let dry = extension.dry_friction(axis.coulomb_effort + load_dependent, &at);
     let turned = if extension.presliding_distance_m > 0.0 { memory.turned } else { sign };
     dry * turned
         + 0.5 * axis.coulomb_asymmetry * sign * sign
         + axis.viscous_effort * rubbing.rate
-        + extension.viscous_asymmetry * rubbing.rate * sign
+        + extension.viscous_friction(&at)
 }
 
 /// Moment of gravity on a rotary axis at an angle in rad.
@@ -109,12 +104,12 @@ pub(in crate::plants) fn effort_at(
 ) -> Effort {
     let axis = &rig.axis;
     let friction = friction_at(rig, now, rubbing, memory);
-    let ripple = ripples(&rig.extension.position_ripples, now.motion.value);
+    let added = rig.extension.effort(&now.motion);
     let spring = axis.spring_stiffness * (now.motion.value - axis.neutral_position);
     let load = axis.load_gain * now.load_n;
     let inertial = axis.inertia * now.motion.acceleration;
     let given = axis.constant_effort + gravity_moment(axis, now.motion.value);
-    Effort { effort: load + inertial + friction + ripple + given + spring, friction }
+    Effort { effort: load + inertial + friction + added + given + spring, friction }
 }
 
 /// Returns the memory after a step, with the motion at one moment taken for the step.

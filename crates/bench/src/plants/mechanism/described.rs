@@ -33,7 +33,8 @@ impl MechanismBench {
         // Effective mass of the pair, which some laws need; the ground has an infinite one.
         let inverse_kg = [&joint.first, &joint.second].into_iter().filter_map(|name| Some(1.0 / mass(name)?));
         let mass_kg = 1.0 / inverse_kg.sum::<f64>();
-        let friction = entry.friction_section().map(|friction| BearingFriction::from_section(&friction));
+        let friction =
+            entry.friction_section().map(|friction| BearingFriction::from_section(&friction, None));
         let law = JointLaw::from_section(&section, geometry, entry.restitution, mass_kg);
         Some(law.and_then(|law| Ok((law, friction.transpose()?))))
     }

@@ -3,8 +3,8 @@
 
 use super::geometry::Geometry;
 use super::{BREAKAWAY, BRISTLE, BearingForces, ContactView, RISE, State, Transmission};
+use crate::description::Memory;
 use crate::integrate::Touch;
-use crate::plants::extended_friction::Memory;
 
 /// Action of the bearing on the shaft.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,9 +1,9 @@
 //! Equations of the two-plane bench at one state.
 
 use super::{STATES, State, TwoPlane};
+use crate::description::Memory;
 use crate::description::ripples;
 use crate::integrate::{ContactAngles, ContactReading, SlicedPlant};
-use crate::plants::extended_friction::Memory;
 use crate::plants::transmission::MAX_SINE;
 use crate::signals::Motion;
 use contact::GRAVITY_M_S2;

@@ -1,8 +1,19 @@
-//! Terms that the nominal plants leave out and effects switch on. Without any term a plant is
-//! nominal. Their equations are in `crate::effects`; their use is in `crate::plants`.
+//! Terms that the nominal plants leave out and effects switch on, with their equations. Without any
+//! term a plant is nominal. A term of friction, or of the effort of an axis, is complete here; one
+//! with a state or another force is also used in `crate::plants`.
+
+mod axis;
+mod bearing;
+
+pub use axis::AxisExtension;
+pub(crate) use axis::Rubbing;
+pub use bearing::Extension;
+pub(crate) use bearing::Memory;
 
 use crate::signals::Profile;
 
+/// Width of a change of friction, s: within one sample of a log, and smooth for the integrator.
+const STEP_WIDTH_S: f64 = 2e-3;
 /// Maximum factor of dry friction over temperature, against thermal runaway.
 const MAX_LEVEL: f64 = 3.0;
 
@@ -22,6 +33,13 @@ pub struct StepTerm {
     pub change: f64,
     /// Time of the change in the log's time, s.
     pub time_s: f64,
+}
+
+impl StepTerm {
+    /// Smooth step from 0 to the change.
+    fn at(&self, time_s: f64) -> f64 {
+        self.change * (0.5 * (1.0 + ((time_s - self.time_s) / STEP_WIDTH_S).tanh()))
+    }
 }
 
 /// Static friction that builds up at standstill and is lost by sliding.
@@ -117,76 +135,6 @@ pub struct FilmTerm {
 /// Courses that were read from files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoggedCourses {
-    pub(super) drive: Option<Profile>,
-    pub(super) load: Option<Profile>,
-}
-
-/// Terms of the transmission bench.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Extension {
-    /// Courses of drive and load that were read from files.
-    pub courses: LoggedCourses,
-    /// Friction force on the journal per sliding speed, N s/m.
-    pub viscous_n_s_m: f64,
-    /// Friction force per sliding speed that reverses its sign in backward sliding, N s/m.
-    pub viscous_asymmetry_n_s_m: f64,
-    /// Relative change of the friction level, with opposite signs in the two directions.
-    pub coulomb_asymmetry: f64,
-    /// Exponent of the normal force in the coefficient.
-    pub load_exponent: f64,
-    /// Friction that falls with speed.
-    pub stribeck: Vec<StribeckTerm>,
-    /// Changes of dry friction.
-    pub friction_steps: Vec<StepTerm>,
-    /// Static friction after a standstill.
-    pub breakaway: Option<BreakawayTerm>,
-    /// Sliding distance over which friction reverses, m; 0: none.
-    pub presliding_distance_m: f64,
-    /// Friction over temperature.
-    pub thermal: Option<ThermalTerm>,
-    /// Temperature rise at the first sample, K: a per-log parameter that no effect sets.
-    pub temperature_start_k: f64,
-    /// Compliance of the hydraulic column between drive cylinder and fork, m/N.
-    pub hydraulic_compliance_m_n: f64,
-    /// Lag of the fork after the drive cylinder, s.
-    pub drive_lag_s: f64,
-    /// Play of the fork in addition to that of `[fork]`, m.
-    pub backlash_m: f64,
-    /// Ripple of the load over time, N.
-    pub load_ripples: Vec<RippleTerm>,
-    /// Torque on the shaft over its angle, N m.
-    pub position_ripples: Vec<RippleTerm>,
-    /// Torsional compliance of the shaft between drive and load crank, rad/(N m).
-    pub shaft_compliance_rad_nm: f64,
-    /// Second harmonic of the journal's radius over its angle: cosine and sine, m.
-    pub out_of_round_m: [f64; 2],
-    /// Film in the clearance.
-    pub film: Option<FilmTerm>,
-}
-
-/// Terms of a driven axis; efforts in N or N m.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct AxisExtension {
-    /// Viscous effort per speed that reverses its sign in backward motion.
-    pub viscous_asymmetry: f64,
-    /// Dry friction per displacement from the neutral position.
-    pub friction_slope: f64,
-    /// Effort that falls with speed.
-    pub stribeck: Vec<StribeckTerm>,
-    /// Changes of dry friction.
-    pub friction_steps: Vec<StepTerm>,
-    /// Static friction after a rest.
-    pub breakaway: Option<BreakawayTerm>,
-    /// Sliding distance over which friction reverses, m at the friction radius; 0: none.
-    pub presliding_distance_m: f64,
-    /// Friction over temperature.
-    pub thermal: Option<ThermalTerm>,
-    /// Temperature rise at the first sample, K: a per-log parameter that no effect sets.
-    pub temperature_start_k: f64,
-    /// Lag of the axis after its logged motion, s.
-    pub drive_lag_s: f64,
-    /// Ripple of the load over time, N.
-    pub load_ripples: Vec<RippleTerm>,
-    /// Effort over position.
-    pub position_ripples: Vec<RippleTerm>,
+    pub(in crate::description) drive: Option<Profile>,
+    pub(in crate::description) load: Option<Profile>,
 }

@@ -1,14 +1,21 @@
-//! Random draws of the effects of the transmission bench. See [`super::vocabulary`].
+//! Effects of the transmission bench: their names, their random draws (see [`super::vocabulary`]),
+//! and the terms that they add to the planar bench of [`super::planar_plant`], in SI units.
 //!
 //! The planar generator does not show `breakaway`, `presliding-hysteresis` and
 //! `thermal-friction-drift`, because its friction has no memory; the axes hide these.
 
 use super::drawn::{Draw, Drawn};
-use super::hidden::HiddenEffect;
+use super::hidden::{HiddenEffect, total};
 use super::noise::Noise;
+use std::f64::consts::TAU;
+
+/// Reference of the load exponent, N.
+const REFERENCE_N: f64 = 10e3;
+/// Length of the ramp of a step of friction, s.
+const RAMP_S: f64 = 4e-3;
 
 /// Effects of the plant that the planar generator can show, without sensor effects.
-pub const EFFECTS: &[&str] = &[
+pub(super) const EFFECTS: &[&str] = &[
     "clearance-wear",
     "contact-stiffness",
     "restitution",
@@ -33,7 +40,7 @@ pub const EFFECTS: &[&str] = &[
 ];
 
 /// The same for the bench whose shaft may tilt.
-pub(crate) const TILTING: &[&str] = &[
+pub(super) const TILTING: &[&str] = &[
     "clearance-wear",
     "contact-stiffness",
     "restitution",
@@ -52,8 +59,33 @@ pub(crate) const TILTING: &[&str] = &[
     "load-ripple",
 ];
 
+/// Parameters that define the size of an effect, unless an axis has the same.
+pub(super) const SIZES: &[(&str, &[&str])] = &[
+    ("clearance-wear", &["clearance_increase_m"]),
+    ("contact-stiffness", &["relative_change"]),
+    ("restitution", &["restitution_change"]),
+    ("journal-out-of-round", &["cosine_m", "sine_m"]),
+    ("misalignment", &["slope_y_rad", "slope_z_rad"]),
+    ("inertia-mismatch", &["relative_change"]),
+    ("shaft-flexibility", &["compliance_rad_nm"]),
+    ("lever-ratio", &["relative_change"]),
+    ("stribeck-friction", &["coefficient_rise"]),
+    ("coulomb-level", &["relative_change"]),
+    ("viscous-friction", &["viscous_n_s_m"]),
+    ("viscous-asymmetry", &["asymmetry_n_s_m"]),
+    ("coulomb-asymmetry", &["asymmetry"]),
+    ("load-dependent-friction", &["load_exponent"]),
+    ("breakaway", &["excess"]),
+    ("friction-step", &["relative_change"]),
+    ("seal-friction", &["seal_force_n"]),
+    ("position-ripple", &["cos_torque_nm", "sin_torque_nm"]),
+    ("hydraulic-compliance", &["compliance_m_n"]),
+    ("fork-backlash", &["backlash_m"]),
+    ("squeeze-film", &["viscosity_pa_s"]),
+];
+
 /// Draws an effect of the bench.
-pub fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Drawn> {
+pub(super) fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Drawn> {
     let mut between = |low: f64, high: f64| low * (high / low).powf(noise.uniform());
     let one =
         |name: &'static str, guess: f64, most: f64| -> Draw { (vec![(name, sign)], guess, most, vec![]) };
@@ -103,6 +135,75 @@ pub fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Dr
         _ => return None,
     };
     Some(Drawn { effect: HiddenEffect::new(effect, &shapes), sizes, guess, most })
+}
+
+/// Parameters of the added terms.
+#[derive(Default)]
+pub(super) struct Added {
+    pub(super) stribeck: (f64, f64),
+    pub(super) coulomb_asymmetry: f64,
+    pub(super) viscous_asymmetry: f64,
+    pub(super) load_exponent: f64,
+    pub(super) step: (f64, f64),
+    pub(super) position_ripple: (f64, f64, f64),
+    pub(super) load_ripple: (f64, f64, f64),
+    pub(super) seal_n: f64,
+    pub(super) lag_s: f64,
+    /// Second harmonic of the journal's radius: cosine, sine.
+    pub(super) oval: (f64, f64),
+    /// Viscosity and minimum thickness of the film.
+    pub(super) film: (f64, f64),
+}
+
+impl Added {
+    pub(super) fn new(effects: &[HiddenEffect]) -> Self {
+        let of = |effect: &str, parameter: &str| total(effects, effect, parameter);
+        let three = |effect: &str, [a, b, c]: [&str; 3]| (of(effect, a), of(effect, b), of(effect, c));
+        Self {
+            stribeck: (of("stribeck-friction", "coefficient_rise"), of("stribeck-friction", "speed_m_s")),
+            coulomb_asymmetry: of("coulomb-asymmetry", "asymmetry"),
+            viscous_asymmetry: of("viscous-asymmetry", "asymmetry_n_s_m"),
+            load_exponent: of("load-dependent-friction", "load_exponent"),
+            step: (of("friction-step", "relative_change"), of("friction-step", "time_s")),
+            position_ripple: three("position-ripple", ["cos_torque_nm", "sin_torque_nm", "period_rad"]),
+            load_ripple: three("load-ripple", ["cos_force_n", "sin_force_n", "frequency_hz"]),
+            seal_n: of("seal-friction", "seal_force_n"),
+            lag_s: of("drive-lag", "lag_s"),
+            oval: (of("journal-out-of-round", "cosine_m"), of("journal-out-of-round", "sine_m")),
+            film: (of("squeeze-film", "viscosity_pa_s"), of("squeeze-film", "least_film_m")),
+        }
+    }
+}
+
+impl Added {
+    /// Returns the friction in N along the sliding direction. `coefficient` is that of the bench,
+    /// `viscous` its force over the sliding speed.
+    pub(super) fn friction_n(
+        &self,
+        (t, normal): (f64, f64),
+        (slide, sign): (f64, f64),
+        mut coefficient: f64,
+        viscous: f64,
+    ) -> f64 {
+        if self.stribeck.0 != 0.0 {
+            coefficient += self.stribeck.0 / (slide.abs() / self.stribeck.1).exp();
+        }
+        coefficient *= 1.0 + self.coulomb_asymmetry * sign;
+        if self.load_exponent != 0.0 && normal > 0.0 {
+            coefficient *= (self.load_exponent * (normal / REFERENCE_N).ln()).exp();
+        }
+        coefficient *= 1.0 + self.step.0 * ((t - self.step.1) / RAMP_S + 0.5).clamp(0.0, 1.0);
+        -coefficient * normal * sign - (viscous + self.viscous_asymmetry * sign) * slide
+    }
+}
+
+/// Returns `A cos + B sin` of a position on a period; 0 without amplitude.
+pub(super) fn wave((cosine, sine, period): (f64, f64, f64), place: f64) -> f64 {
+    if cosine == 0.0 && sine == 0.0 {
+        return 0.0;
+    }
+    let (s, c) = (TAU * place / period).sin_cos();
+    cosine * c + sine * s
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Friction of the clearance bearing with the effects that change it, planar or slice by slice.
+//! Terms of the transmission bench, and the friction of its bearing, planar or slice by slice.
 //!
 //! The dry friction `F` of the described law (or of a network) at sliding speed `v` becomes
 //!
@@ -12,12 +12,10 @@
 //! (s - w)/d_0`, with `w` in place of `s`; the sign reverses exponentially over distance (Dahl 1968
 //! with exponent 1), and as `d_0` goes to 0 `w` becomes `s`.
 
-use crate::description::Extension;
+use super::{BreakawayTerm, FilmTerm, LoggedCourses, RippleTerm, StepTerm, StribeckTerm, ThermalTerm};
 
 /// Reference of the load exponent, N.
 const REFERENCE_N: f64 = 10e3;
-/// Width of a change of friction, s: within one sample of a log, and smooth for the integrator.
-pub(crate) const STEP_WIDTH_S: f64 = 2e-3;
 /// Sign below which pre-sliding is not applied, as nothing slides.
 const MIN_SIGN: f64 = 1e-9;
 
@@ -32,9 +30,47 @@ pub(crate) struct Memory {
     pub(crate) rise_k: f64,
 }
 
-/// Smooth step from 0 to 1 at a time.
-pub(crate) fn smooth_step(time_s: f64, at_s: f64) -> f64 {
-    0.5 * (1.0 + ((time_s - at_s) / STEP_WIDTH_S).tanh())
+/// Terms of the transmission bench.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extension {
+    /// Courses of drive and load that were read from files.
+    pub courses: LoggedCourses,
+    /// Friction force on the journal per sliding speed, N s/m.
+    pub viscous_n_s_m: f64,
+    /// Friction force per sliding speed that reverses its sign in backward sliding, N s/m.
+    pub viscous_asymmetry_n_s_m: f64,
+    /// Relative change of the friction level, with opposite signs in the two directions.
+    pub coulomb_asymmetry: f64,
+    /// Exponent of the normal force in the coefficient.
+    pub load_exponent: f64,
+    /// Friction that falls with speed.
+    pub stribeck: Vec<StribeckTerm>,
+    /// Changes of dry friction.
+    pub friction_steps: Vec<StepTerm>,
+    /// Static friction after a standstill.
+    pub breakaway: Option<BreakawayTerm>,
+    /// Sliding distance over which friction reverses, m; 0: none.
+    pub presliding_distance_m: f64,
+    /// Friction over temperature.
+    pub thermal: Option<ThermalTerm>,
+    /// Temperature rise at the first sample, K: a per-log parameter that no effect sets.
+    pub temperature_start_k: f64,
+    /// Compliance of the hydraulic column between drive cylinder and fork, m/N.
+    pub hydraulic_compliance_m_n: f64,
+    /// Lag of the fork after the drive cylinder, s.
+    pub drive_lag_s: f64,
+    /// Play of the fork in addition to that of `[fork]`, m.
+    pub backlash_m: f64,
+    /// Ripple of the load over time, N.
+    pub load_ripples: Vec<RippleTerm>,
+    /// Torque on the shaft over its angle, N m.
+    pub position_ripples: Vec<RippleTerm>,
+    /// Torsional compliance of the shaft between drive and load crank, rad/(N m).
+    pub shaft_compliance_rad_nm: f64,
+    /// Second harmonic of the journal's radius over its angle: cosine and sine, m.
+    pub out_of_round_m: [f64; 2],
+    /// Film in the clearance.
+    pub film: Option<FilmTerm>,
 }
 
 impl Extension {
@@ -74,7 +110,7 @@ impl Extension {
             dry *= 1.0 + term.excess * memory.breakaway;
         }
         for term in &self.friction_steps {
-            dry *= 1.0 + term.change * smooth_step(time_s, term.time_s);
+            dry *= 1.0 + term.at(time_s);
         }
         if let Some(term) = &self.thermal {
             dry *= term.level(memory.rise_k);
