@@ -77,7 +77,9 @@ proptest! {
 
     #[test]
     fn friction_laws_agree(v in 1e-5..0.1_f64) {
-        let is_tested = |kind: &FrictionKind| !kind.has_state() && (!kind.sticks() || *kind == FrictionKind::Coulomb);
+        let is_tested = |kind: &FrictionKind| {
+            !kind.has_state() && (!kind.sticks() || *kind == FrictionKind::Coulomb)
+        };
         for kind in FrictionKind::ALL.into_iter().filter(is_tested) {
             let (single, double) = (friction_force::<f32>(kind, v), friction_force::<f64>(kind, v));
             prop_assert!((single - double).abs() < 1e-5 * 250.0, "{:?}: {} {}", kind, single, double);

@@ -5,8 +5,8 @@
 //! shaft may tilt (`tilt`). Both are written from their equations, with other integrators and steps
 //! than the engine's. [`plant`] lists them, [`record`] adds an operating point and nuisance
 //! parameters, [`conditions`] the conditions of the log, [`sensing`] the sensors. [`hidden`] is an
-//! effect, `axis_effects` and `planar_effects` draw it and add its terms, [`vocabulary`] lists all, and [`size`] measures its size. Nothing here uses the crates
-//! `bench` or `diagnosis`.
+//! effect, `axis_effects` and `planar_effects` draw it and add its terms, [`vocabulary`] lists all,
+//! and [`size`] measures its size. Nothing here uses the crates `bench` or `diagnosis`.
 
 pub mod axis;
 mod axis_effects;

@@ -84,22 +84,32 @@ pub(super) const SIZES: &[(&str, &[&str])] = &[
     ("squeeze-film", &["viscosity_pa_s"]),
 ];
 
+/// Effects with one size of either sign: its parameter, its guess and its largest value.
+const ONE_SIZE: &[(&str, &str, f64, f64)] = &[
+    ("clearance-wear", "clearance_increase_m", 5e-5, 3e-4),
+    ("contact-stiffness", "relative_change", 0.2, 0.7),
+    ("restitution", "restitution_change", 0.1, 0.3),
+    ("inertia-mismatch", "relative_change", 0.3, 0.7),
+    ("lever-ratio", "relative_change", 0.015, 0.25),
+    ("coulomb-level", "relative_change", 0.2, 0.9),
+    ("viscous-friction", "viscous_n_s_m", 200.0, 1e5),
+    ("viscous-asymmetry", "asymmetry_n_s_m", 200.0, 1e5),
+    ("coulomb-asymmetry", "asymmetry", 0.05, 0.9),
+    ("load-dependent-friction", "load_exponent", 0.1, 0.9),
+];
+
 /// Draws an effect of the bench.
 pub(super) fn draw(effect: &str, sign: f64, phase: f64, noise: &mut Noise) -> Option<Drawn> {
     let mut between = |low: f64, high: f64| low * (high / low).powf(noise.uniform());
-    let one =
-        |name: &'static str, guess: f64, most: f64| -> Draw { (vec![(name, sign)], guess, most, vec![]) };
+    if let Some(&(_, name, guess, most)) = ONE_SIZE.iter().find(|(known, ..)| *known == effect) {
+        return Some(Drawn {
+            effect: HiddenEffect::new(effect, &[]),
+            sizes: vec![(name, sign)],
+            guess,
+            most,
+        });
+    }
     let (sizes, guess, most, shapes): Draw = match effect {
-        "clearance-wear" => one("clearance_increase_m", 5e-5, 3e-4),
-        "contact-stiffness" => one("relative_change", 0.2, 0.7),
-        "restitution" => one("restitution_change", 0.1, 0.3),
-        "inertia-mismatch" => one("relative_change", 0.3, 0.7),
-        "lever-ratio" => one("relative_change", 0.015, 0.25),
-        "coulomb-level" => one("relative_change", 0.2, 0.9),
-        "viscous-friction" => one("viscous_n_s_m", 200.0, 1e5),
-        "viscous-asymmetry" => one("asymmetry_n_s_m", 200.0, 1e5),
-        "coulomb-asymmetry" => one("asymmetry", 0.05, 0.9),
-        "load-dependent-friction" => one("load_exponent", 0.1, 0.9),
         "stribeck-friction" => {
             (vec![("coefficient_rise", sign)], 0.03, 0.13, vec![("speed_m_s", between(0.005, 0.03))])
         }
