@@ -125,7 +125,7 @@ fn assertions(board: &Board) -> String {
         format!(
             "ASSERT(ORIGIN({name}) == {origin:#x} && LENGTH({name}) == {length:#x}, \
              \"{name} is not that of {}\");\n",
-            board.microcontroller.memory_map.path
+            board.name
         )
     };
     board.microcontroller.memory_map.regions().map(assertion).collect()

@@ -414,7 +414,8 @@ fn the_page_shows_a_run_in_a_browser() {
     let output = match output {
         Ok(output) => output,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            eprintln!("skipped: chromium is not installed");
+            // The harness captures `eprintln!` of a test that passes, but not this.
+            writeln!(std::io::stderr(), "skipped: pages in a browser; chromium is not installed").unwrap();
             return;
         }
         Err(error) => panic!("chromium: {error}"),

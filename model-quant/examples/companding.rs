@@ -76,7 +76,10 @@ impl Source for Part<'_> {
 fn arguments() -> Result<(BearingMaterial, usize), String> {
     let mut given = std::env::args().skip(1);
     let bearing = given.next().map_or(Ok(BearingMaterial::Babbitt), |name| {
-        BearingMaterial::from_name(&name).ok_or(format!("found `{name}`, expected a bearing material"))
+        BearingMaterial::from_name(&name).ok_or(format!(
+            "found `{name}`, expected one of {:?}",
+            BearingMaterial::ALL.map(BearingMaterial::name)
+        ))
     })?;
     let epochs = given.next().map_or(Ok(60), |text| {
         let epochs = text.parse().ok().filter(|epochs| (1..=100_000).contains(epochs));

@@ -96,7 +96,8 @@ fn other_files_are_refused() {
         Results::from_bytes(&bytes, true),
         Err(ResultsError::Length { found: expected + 1, expected })
     );
-    let expected = results().map(|peer| peer.networks.len())[0];
+    // Two networks of two materials.
+    let expected = 4;
     let found = expected as u32 + 1;
     bytes[12] = found as u8;
     assert_eq!(Results::from_bytes(&bytes, true), Err(ResultsError::Networks { found, expected }));

@@ -90,7 +90,8 @@ enum Command {
     },
     /// Verify the shipped model images against laws, float networks and other runtimes.
     Verify,
-    /// Measure and write the golden figures, the tables of `docs/figures.md` and the README's run.
+    /// Write the tables of boards and constants; measure and write the golden figures, their tables
+    /// and the README's run.
     Bless,
     /// Hide effects in generated logs and report how well the diagnosis finds them.
     #[command(disable_help_flag = true)]
@@ -196,12 +197,12 @@ fn main() -> ExitCode {
 
 /// Writes all golden figures and the blocks of documents.
 fn bless() -> Result<(), run::ChoreError> {
+    board_tables::bless()?;
+    sensitivity::bless()?;
     golden::bless()?;
     cycles::bless()?;
     budget::bless()?;
-    readme::bless()?;
-    board_tables::bless()?;
-    sensitivity::bless()
+    readme::bless()
 }
 
 /// Returns the exit code of a command and prints the error, if any.

@@ -2,6 +2,7 @@
 
 use std::ffi::OsStr;
 use std::io::Read;
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -133,7 +134,8 @@ pub(crate) fn output_with_timeout(command: &mut Command, timeout: Duration) -> R
     let line = line(command);
     let failed = |status: String| ChoreError::Failed { line: line.clone(), status };
     let cause = |error: std::io::Error| failed(error.to_string());
-    let mut child = command.spawn().map_err(not_started(command))?;
+    // Its own group, so that the timeout ends the programs that it started, too.
+    let mut child = command.process_group(0).spawn().map_err(not_started(command))?;
     // Read while the program runs: it would block on a full pipe.
     let output = child.stdout.take().map(|mut output| {
         std::thread::spawn(move || {
@@ -147,7 +149,7 @@ pub(crate) fn output_with_timeout(command: &mut Command, timeout: Duration) -> R
             Some(status) => break (status, true),
             None if start.elapsed() > timeout => {
                 // The kill fails if the program has just ended; that is fine.
-                let _ = child.kill();
+                let _ = Command::new("kill").args(["-KILL", "--", &format!("-{}", child.id())]).status();
                 break (child.wait().map_err(cause)?, false);
             }
             None => std::thread::sleep(Duration::from_millis(10)),
@@ -207,6 +209,9 @@ mod tests {
         let start = Instant::now();
         let late = shell("exec sleep 60", Duration::from_millis(100)).unwrap_err().to_string();
         assert!(late.contains("after 0 s") && start.elapsed() < Duration::from_secs(30), "{late}");
+        let start = Instant::now();
+        let grandchild = shell("sleep 60 & wait", Duration::from_millis(100));
+        assert!(grandchild.is_err() && start.elapsed() < Duration::from_secs(30));
         let failed = shell("echo cause; exit 3", long).unwrap_err().to_string();
         assert!(failed.contains("3") && failed.contains("it printed: cause"), "{failed}");
     }

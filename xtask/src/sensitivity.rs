@@ -17,8 +17,7 @@ use std::time::Duration;
 /// Folder of the modules with constants.
 const SOURCE: &str = "crates/diagnosis/src";
 /// Modules with a `tuning.rs`.
-pub(crate) const MODULES: [&str; 7] =
-    ["check", "data", "experiment", "fit", "inspection", "search", "verdict"];
+pub(crate) const MODULES: [&str; 6] = ["check", "data", "experiment", "fit", "search", "verdict"];
 /// File with the results.
 const RECORD: &str = "tests/golden/tuning.json";
 /// Place of the table.
@@ -58,6 +57,8 @@ pub(crate) fn sensitivity(modules: &[String]) -> Result<(), ChoreError> {
     for module in modules {
         let file = tree.join(SOURCE).join(module).join("tuning.rs");
         let text = text_of(&file)?;
+        let known = record.entry(module.clone()).or_default();
+        known.retain(|name, _| constants(&text).iter().any(|(constant, _)| constant == name));
         for (name, value) in constants(&text) {
             let known = record.entry(module.clone()).or_default();
             if known.get(&name).is_some_and(|known| known.value == value) {
@@ -114,7 +115,7 @@ fn failing(tree: &Path) -> Result<Vec<String>, ChoreError> {
     let mut tests = cargo();
     tests.current_dir(tree).args(["test", "--package", "diagnosis", "--no-fail-fast"]).args(TESTS);
     tests.env("CARGO_TARGET_DIR", target_folder().join("sensitivity")).env("CARGO_INCREMENTAL", "1");
-    let ended = output_with_timeout(tests.stdout(Stdio::piped()).stderr(Stdio::null()), TIMEOUT)?;
+    let ended = output_with_timeout(tests.stdout(Stdio::piped()), TIMEOUT)?;
     if !ended.is_in_time {
         return Ok(vec![LATE.into()]);
     }
@@ -147,24 +148,34 @@ fn read() -> Result<Record, ChoreError> {
 
 /// Writes the table of the recorded results.
 pub(crate) fn bless() -> Result<(), ChoreError> {
-    TABLE.write(&table(&read()?))
+    TABLE.write(&table(&read()?)?)
 }
 
 /// Writes the record and the table.
 fn write(record: &Record) -> Result<(), ChoreError> {
     write_atomically(root().join(RECORD), serde_json::to_string_pretty(record).unwrap_or_default() + "\n")?;
-    TABLE.write(&table(record))
+    TABLE.write(&table(record)?)
 }
 
-fn table(record: &Record) -> String {
-    let mut text = String::from("| constant | value | half | double |\n|---|---|---|---|\n");
+fn table(record: &Record) -> Result<String, ChoreError> {
+    let texts: Result<Vec<String>, ChoreError> =
+        MODULES.iter().map(|module| text_of(&source(module))).collect();
+    let all = texts?.iter().map(|text| constants(text).len()).sum::<usize>();
+    let measured = record.values().map(BTreeMap::len).sum::<usize>();
+    let mut text = format!("{measured} of {all} constants are measured.\n\n");
+    text.push_str("| constant | value | half | double |\n|---|---|---|---|\n");
     for (module, constants) in record {
         for (name, Failures { value, half, double }) in constants {
             // Writing to a string does not fail.
             let _ = writeln!(text, "| `{module}::{name}` | {value} | {} | {} |", words(half), words(double));
         }
     }
-    text
+    Ok(text)
+}
+
+/// Returns the file with the constants of a module.
+fn source(module: &str) -> PathBuf {
+    root().join(SOURCE).join(module).join("tuning.rs")
 }
 
 /// Returns the first of the failing tests and the number of the others.
@@ -195,12 +206,12 @@ mod tests {
     fn recorded_values_are_those_of_the_source_and_the_table_is_that_of_the_record() {
         let record = read().unwrap();
         for (module, results) in &record {
-            let file = root().join(SOURCE).join(module).join("tuning.rs");
-            let constants: BTreeMap<_, _> = constants(&text_of(&file).unwrap()).into_iter().collect();
+            let text = text_of(&source(module)).unwrap();
+            let constants: BTreeMap<_, _> = constants(&text).into_iter().collect();
             for (name, failures) in results {
                 assert_eq!(constants.get(name), Some(&failures.value), "{module}::{name}: measure again");
             }
         }
-        TABLE.check(&table(&record)).unwrap();
+        TABLE.check(&table(&record).unwrap()).unwrap();
     }
 }

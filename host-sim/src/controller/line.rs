@@ -52,7 +52,7 @@ pub(super) struct Wait {
 }
 
 impl Wait {
-    /// Starts a timeout now.
+    /// Creates a timeout that starts now.
     pub(super) fn new(what: &'static str, timeout: Duration, cause: &'static str) -> Self {
         Self { what, until: Instant::now() + timeout, timeout, cause }
     }

@@ -63,8 +63,8 @@ impl Plan {
         let [flash, stack, ram] = ["FLASH", "STACK", "RAM"].map(|name| map.region(name));
         let (Some(flash), Some(stack), Some(ram)) = (flash, stack, ram) else {
             return Err(FlashError::Board(format!(
-                "{}: found no FLASH, STACK and RAM in {}",
-                board.name, map.path
+                "{}: found no FLASH, STACK and RAM in its memory map",
+                board.name
             )));
         };
         let bytes = std::fs::read(path).map_err(|source| FlashError::unreadable(path, source))?;

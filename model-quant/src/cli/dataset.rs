@@ -4,7 +4,7 @@ mod collision;
 mod friction;
 mod progress;
 
-use crate::cli::checkpoint::parse_bearing;
+use crate::cli::checkpoint::BearingParser;
 use crate::cli::error::CliError;
 use crate::cli::output::{print, print_json};
 use crate::data::csv::table;
@@ -40,8 +40,8 @@ const ROWS_LIMIT: usize = 20_000_000;
 pub(crate) struct Arguments {
     #[command(subcommand)]
     complete_set: Option<CompleteSet>,
-    /// Bearing material, such as babbitt
-    #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
+    /// Bearing material
+    #[arg(long, value_parser = BearingParser, default_value = "babbitt")]
     bearing: BearingMaterial,
     /// Ranges and distributions
     #[arg(long, value_enum, default_value_t = RangeKind::Bench)]

@@ -1,6 +1,6 @@
 //! `model-quant export`: trained networks as ONNX and safetensors.
 
-use crate::cli::checkpoint::{bearings, checkpoint, parse_bearing};
+use crate::cli::checkpoint::{BearingParser, bearings, checkpoint};
 use crate::cli::error::CliError;
 use crate::cli::output::{print, print_json};
 use crate::data::file_io::write_atomically;
@@ -29,7 +29,7 @@ use std::path::PathBuf;
                   --samples exported/babbitt-friction-samples.safetensors")]
 pub(crate) struct Arguments {
     /// Bearing material; all if not given
-    #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
+    #[arg(long, value_parser = BearingParser, conflicts_with = "checkpoint")]
     bearing: Option<BearingMaterial>,
     /// Float checkpoint; the shipped ones if not given
     #[arg(long, value_name = "FILE")]

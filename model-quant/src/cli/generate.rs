@@ -1,6 +1,6 @@
 //! `model-quant generate c`: a model for programs in C or C++.
 
-use crate::cli::checkpoint::{bearings, parse_bearing};
+use crate::cli::checkpoint::{BearingParser, bearings};
 use crate::cli::error::CliError;
 use crate::cli::output::{print, print_json};
 use crate::data::file_io::{check_directory, write_atomically};
@@ -39,7 +39,7 @@ struct CArguments {
     #[arg(value_name = "IMAGE", conflicts_with = "bearing")]
     images: Vec<PathBuf>,
     /// Bearing material of the shipped image; all if not given
-    #[arg(long, value_parser = parse_bearing)]
+    #[arg(long, value_parser = BearingParser)]
     bearing: Option<BearingMaterial>,
     /// Folder with PLATFORM/libpintle_model.a; default: where the workspace or the archive has it
     #[arg(long, value_name = "DIR")]

@@ -1,6 +1,6 @@
 //! `model-quant quantize`: model images and cards from float checkpoints.
 
-use crate::cli::checkpoint::{bearings, checkpoint, parse_bearing};
+use crate::cli::checkpoint::{BearingParser, bearings, checkpoint};
 use crate::cli::error::CliError;
 use crate::cli::output::{print, print_json};
 use crate::data::file_io::{check_directory, write_atomically};
@@ -37,7 +37,7 @@ use std::path::PathBuf;
                         model-quant quantize --check")]
 pub(crate) struct Arguments {
     /// Bearing material; all if not given
-    #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
+    #[arg(long, value_parser = BearingParser, conflicts_with = "checkpoint")]
     bearing: Option<BearingMaterial>,
     /// Float checkpoint; the shipped ones if not given
     #[arg(long, value_name = "FILE")]

@@ -1,6 +1,6 @@
 //! `model-quant report`: writes the training report.
 
-use crate::cli::checkpoint::{bearings, checkpoint, parse_bearing};
+use crate::cli::checkpoint::{BearingParser, bearings, checkpoint};
 use crate::cli::error::CliError;
 use crate::cli::output::{print, print_json};
 use crate::data::file_io::{check_directory, write_atomically};
@@ -26,7 +26,7 @@ use std::path::PathBuf;
                         model-quant report --rig out/plastic.rig.json --out out/training")]
 pub(crate) struct Arguments {
     /// Bearing material; all if not given
-    #[arg(long, value_parser = parse_bearing, conflicts_with = "checkpoint")]
+    #[arg(long, value_parser = BearingParser, conflicts_with = "checkpoint")]
     bearing: Option<BearingMaterial>,
     /// Float checkpoint; the shipped ones if not given
     #[arg(long, value_name = "FILE")]

@@ -1,6 +1,6 @@
 //! `model-quant verify`: compares images with laws, float networks and other runtimes.
 
-use crate::cli::checkpoint::{bearings, checkpoint, parse_bearing};
+use crate::cli::checkpoint::{BearingParser, bearings, checkpoint};
 use crate::cli::error::CliError;
 use crate::cli::output::{print, print_json};
 use crate::data::file_io::write_atomically;
@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
                         model-quant verify --windows model-quant/peers/windows.bin")]
 pub(crate) struct Arguments {
     /// Bearing material; all if not given
-    #[arg(long, value_parser = parse_bearing, conflicts_with = "image")]
+    #[arg(long, value_parser = BearingParser, conflicts_with = "image")]
     bearing: Option<BearingMaterial>,
     /// Model image; the shipped ones if not given
     #[arg(long, value_name = "FILE")]

@@ -7,6 +7,7 @@
 
 use crate::data::ranges::header;
 use crate::network::recipe::Recipe;
+use crate::network::shipped::bearing_names;
 use crate::network::{Network, NetworkKind, Shape};
 use inference::image::checksum;
 use inference::{BearingMaterial, Header};
@@ -69,7 +70,7 @@ pub enum CheckpointError {
     #[error("float checkpoint: recipe: {0}")]
     Recipe(#[from] serde_json::Error),
     /// Its recipe names no known bearing.
-    #[error("float checkpoint: recipe: found bearing `{0}`, expected a bearing material")]
+    #[error("float checkpoint: recipe: found bearing `{0}`, expected {names}", names = bearing_names())]
     Bearing(String),
     /// A weight is infinite or not a number.
     #[error("float checkpoint: found a weight that is not finite")]

@@ -34,3 +34,8 @@ pub(crate) fn shipped_training(bearing: BearingMaterial) -> ShippedTraining {
 pub fn shipped_checkpoint(bearing: BearingMaterial) -> &'static [u8] {
     shipped_training(bearing).checkpoint
 }
+
+/// Returns the names of the bearing materials for an error.
+pub(crate) fn bearing_names() -> String {
+    BearingMaterial::ALL.map(|material| format!("`{}`", material.name())).join(" or ")
+}

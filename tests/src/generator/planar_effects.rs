@@ -59,7 +59,8 @@ pub(super) const TILTING: &[&str] = &[
     "load-ripple",
 ];
 
-/// Parameters that define the size of an effect, unless an axis has the same.
+/// Parameters that define the size of an effect. Effects whose parameters have the same names on an
+/// axis are left out.
 pub(super) const SIZES: &[(&str, &[&str])] = &[
     ("clearance-wear", &["clearance_increase_m"]),
     ("contact-stiffness", &["relative_change"]),

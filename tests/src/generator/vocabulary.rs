@@ -25,6 +25,7 @@ pub fn size_parameters(effect: &str) -> Vec<&'static str> {
 
 const SENSOR: [&str; 5] =
     ["sensor-offset", "sensor-gain", "sensor-delay", "sensor-drift", "sensor-saturation"];
+
 /// Returns the effects that a plant can show.
 pub fn effects(plant: Plant) -> Vec<&'static str> {
     match plant {
@@ -66,4 +67,18 @@ fn sensor(effect: &str, record: &Record, channel: &str, base: &[f64], sign: f64)
     };
     let effect = HiddenEffect::for_sensor(effect, channel, parameter, 0.0);
     Drawn { effect, sizes: vec![(parameter, share)], guess, most }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_of_every_plant_has_parameters_of_its_size() {
+        for plant in [Plant::Rotary, Plant::Linear, Plant::Bench, Plant::TwoPlane] {
+            for effect in effects(plant) {
+                assert!(!size_parameters(effect).is_empty(), "{effect}");
+            }
+        }
+    }
 }

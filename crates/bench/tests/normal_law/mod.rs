@@ -7,7 +7,8 @@ pub(crate) fn parameters(fields: &[&str], coefficient: &str) -> String {
             "coefficient" => coefficient,
             "exponent" => "1.1",
             "damping_n_s_m" => "2e4",
-            _ => "1e-5",
+            "full_damping_depth_m" => "1e-5",
+            other => panic!("no value for {other}"),
         };
         format!("{field} = {value}\n")
     };

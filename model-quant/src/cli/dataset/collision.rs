@@ -1,7 +1,7 @@
 //! `model-quant dataset collision`: writes the collision set of a bearing in three parts.
 
 use super::progress::Progress;
-use crate::cli::checkpoint::parse_bearing;
+use crate::cli::checkpoint::BearingParser;
 use crate::cli::error::CliError;
 use crate::cli::output::{print, print_json};
 use crate::data::bench_runs::{self, BenchRun, OutsideShare, bench_runs, measure_outside_share};
@@ -41,8 +41,8 @@ use std::time::Instant;
                   model-quant dataset collision --printed --out sets\n  \
                   model-quant dataset collision --summary --json")]
 pub(crate) struct Arguments {
-    /// Bearing material, such as babbitt
-    #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
+    /// Bearing material
+    #[arg(long, value_parser = BearingParser, default_value = "babbitt")]
     bearing: BearingMaterial,
     /// Source of the rows: the ranges, or simulated runs of bench B
     #[arg(long, value_enum, default_value_t = Source::Table)]

@@ -1,7 +1,7 @@
 //! `model-quant dataset friction`: writes the friction set of a bearing and a picture of its
 //! cleaning.
 
-use crate::cli::checkpoint::parse_bearing;
+use crate::cli::checkpoint::BearingParser;
 use crate::cli::error::CliError;
 use crate::cli::output::{print, print_json};
 use crate::data::cleaning_chart::comparison;
@@ -30,8 +30,8 @@ use std::path::PathBuf;
                         A log needs t_s, load_force_n, spindle_speed_rad_s and friction_torque_nm and at \
                         least 2048 samples.")]
 pub(crate) struct Arguments {
-    /// Bearing material, such as babbitt
-    #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
+    /// Bearing material
+    #[arg(long, value_parser = BearingParser, default_value = "babbitt")]
     bearing: BearingMaterial,
     /// Measured logs in place of the rig, one group a file, at least 3
     #[arg(long, value_name = "FILE", num_args = 1..)]

@@ -1,6 +1,6 @@
 //! Arguments of `model-quant import`.
 
-use crate::cli::checkpoint::parse_bearing;
+use crate::cli::checkpoint::BearingParser;
 use crate::quantise::mode::{Mode, Packing};
 use inference::BearingMaterial;
 use std::path::PathBuf;
@@ -63,8 +63,8 @@ pub(crate) struct Arguments {
     /// Storage of 8-bit weights for 16-bit activations
     #[arg(long, value_enum, default_value_t)]
     pub(super) packing: Packing,
-    /// Replace a network of this bearing's float checkpoint instead: babbitt or plastic
-    #[arg(long, value_parser = parse_bearing, conflicts_with_all = ["full_scale", "mode", "packing", "name"])]
+    /// Replace a network of this bearing's float checkpoint instead
+    #[arg(long, value_parser = BearingParser, conflicts_with_all = ["full_scale", "mode", "packing", "name"])]
     pub(super) bearing: Option<BearingMaterial>,
     /// Float checkpoint; the shipped one if not given
     #[arg(long, value_name = "FILE", requires = "bearing")]

@@ -1,6 +1,6 @@
 //! Arguments of `model-quant train`, and the recipe that they select.
 
-use crate::cli::checkpoint::parse_bearing;
+use crate::cli::checkpoint::BearingParser;
 use crate::cli::error::CliError;
 use crate::data::ranges::RangeKind;
 use crate::network::checkpoint::Checkpoint;
@@ -24,8 +24,8 @@ use std::path::PathBuf;
                         model-quant train --set full --epochs 200 --out long --resume\n  \
                         model-quant train --bearing plastic --friction rig --out rig")]
 pub(crate) struct Arguments {
-    /// Bearing material, such as babbitt
-    #[arg(long, value_parser = parse_bearing, default_value = "babbitt")]
+    /// Bearing material
+    #[arg(long, value_parser = BearingParser, default_value = "babbitt")]
     pub(super) bearing: BearingMaterial,
     /// Output directory for BEARING.float
     #[arg(long, value_name = "DIR", default_value = ".")]

@@ -15,6 +15,7 @@ use crate::evaluate::errors::Errors;
 use crate::evaluate::goals::FRICTION_R2;
 use crate::evaluate::rig::{TestGroup, test_groups};
 use crate::network::recipe::Recipe;
+use crate::network::shipped::bearing_names;
 use crate::network::{Network, NetworkKind, Shape};
 use crate::train::rig::SMOOTHING_S;
 use inference::BearingMaterial;
@@ -113,9 +114,8 @@ impl RigFacts {
         let expected = "networks of the rig, as `model-quant train --friction rig` writes them";
         let file: File = FileError::json(path, &FileError::text(path)?, expected)?;
         let refused = |found: String, expected: &str| FileError::content(path, found, expected);
-        let bearing = BearingMaterial::from_name(&file.bearing).ok_or_else(|| {
-            refused(format!("bearing `{}`", file.bearing), "the name of a bearing material")
-        })?;
+        let bearing = BearingMaterial::from_name(&file.bearing)
+            .ok_or_else(|| refused(format!("bearing `{}`", file.bearing), &bearing_names()))?;
         let network = |shape: Shape, parameters: &[f32]| {
             let found = shape.check().map_err(|error| error.to_string());
             let (count, given) = (found.map(|()| shape.parameters()), parameters.len());
