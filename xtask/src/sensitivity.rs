@@ -71,7 +71,8 @@ pub(crate) fn sensitivity(modules: &[String]) -> Result<(), ChoreError> {
                 found
             });
             let failures = Failures { value, half: half?, double: double? };
-            eprintln!("{module}::{name} = {}: half {}", failures.value, words(&failures.half));
+            let [half, double] = [&failures.half, &failures.double].map(|tests| words(tests));
+            eprintln!("{module}::{name} = {}: half {half}, double {double}", failures.value);
             known.insert(name, failures);
             write(&record)?;
         }
@@ -184,7 +185,7 @@ fn words(failures: &[String]) -> String {
         [] => "passes".into(),
         [one] if one == BUILD || one == LATE => format!("fails: {one}"),
         [one] => format!("fails `{one}`"),
-        [first, others @ ..] => format!("fails `{first}` and {} others", others.len()),
+        [first, others @ ..] => format!("fails `{first}` and {} more", others.len()),
     }
 }
 

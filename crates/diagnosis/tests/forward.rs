@@ -172,6 +172,32 @@ fn a_change_in_an_open_loop_is_named_from_the_speed() {
     }
 }
 
+/// The noise of the effort moves an open loop, so it depends on its draw what is named. The test
+/// above takes a draw in which the change is. The counts are those of this engine, not goals.
+#[test]
+#[ignore = "48 logs, some minutes: cargo test -p diagnosis --test forward -- --ignored --nocapture"]
+fn changes_in_an_open_loop_are_named_in_some_draws_of_the_noise() {
+    let base = World { closed: false, ..DESCRIBED };
+    let counts = [
+        (base, "no change"),
+        (World { viscous_n_s_m: 180.0, ..base }, "viscous-friction"),
+        (World { coulomb_n: 24.0, ..base }, "coulomb-level"),
+        (World { mass_kg: 46.0, ..base }, "inertia-mismatch"),
+    ]
+    .map(|(world, name)| {
+        let (mut right, mut wrong) = (0, 0);
+        for seed in 1..=12 {
+            let causes = diagnosed(world, seed).causes;
+            let is_right = |cause: &diagnosis::Cause| cause.effect == name;
+            right += usize::from(causes.iter().any(is_right));
+            wrong += usize::from(!causes.iter().all(is_right));
+        }
+        println!("{name}: named in {right} of 12 logs, something else in {wrong}");
+        (right, wrong)
+    });
+    assert_eq!(counts, [(0, 0); 4]);
+}
+
 #[test]
 fn an_evaluation_compares_the_position_of_an_open_loop_with_the_noise_of_its_input() {
     let world = World { closed: false, ..DESCRIBED };
