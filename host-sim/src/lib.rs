@@ -13,6 +13,7 @@ pub mod device;
 mod diagnose;
 mod evaluate;
 pub mod flash;
+mod fmu;
 mod impact_text;
 mod inspect;
 pub mod journal;

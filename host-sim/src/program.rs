@@ -4,8 +4,8 @@ use crate::cli::console::ConsoleOptions;
 use crate::cli::error::CliError;
 use crate::cli::{progress, provenance};
 use crate::commands::{
-    accuracy, check, claims, compare, completions, describe, diagnose, evaluate, figures, flash, laws, life,
-    link, log, manual, record, replay, run, schema, sweep, update, validate,
+    accuracy, check, claims, compare, completions, describe, diagnose, evaluate, export_fmu, figures, flash,
+    laws, life, link, log, manual, record, replay, run, schema, sweep, update, validate,
 };
 use crate::run::RunArgs;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -70,6 +70,8 @@ enum Command {
     Accuracy(accuracy::AccuracyArgs),
     /// Wear the bearing over its life; predict its clearance and track it with the controller.
     Life(life::LifeArgs),
+    /// Write a functional mock-up unit (FMU): contact, bench or mechanism for other simulators.
+    ExportFmu(export_fmu::ExportFmuArgs),
     /// Write the firmware to a board, or check what would be written.
     Flash(flash::FlashArgs),
     /// List the contact and friction laws that a bench description may name.
@@ -130,6 +132,7 @@ fn dispatch(command: Command) -> Result<(), CliError> {
         Command::Claims(args) => claims::run(&args),
         Command::Accuracy(args) => accuracy::run(&args),
         Command::Life(args) => life::run(&args),
+        Command::ExportFmu(args) => export_fmu::run(&args),
         Command::Flash(args) => flash::run(&args),
         Command::Laws(args) => laws::run(&args),
         Command::Link(args) => link::run(&args),

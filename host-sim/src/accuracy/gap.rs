@@ -7,10 +7,10 @@
 
 use super::conditions::{Condition, LawRun};
 use crate::cli::error::CliError;
-use crate::run::force::contact_state;
 use bench::plants::transmission::ContactView;
 use inference::{Model, Pair, shipped};
 use model_quant::network::float_pair::FloatPair;
+use pintle_fmu::contact_state;
 use schemars::JsonSchema;
 use serde::Serialize;
 

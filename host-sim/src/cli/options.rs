@@ -84,7 +84,7 @@ impl BenchOptions {
 
     /// Opens the bench as [`Self::open`] does, also a mechanism with `[[measured]]`.
     pub(crate) fn open_recorded(&self) -> Result<Bench, CliError> {
-        let mut bench = Bench::open(&self.bench)?;
+        let bench = self.open_any()?;
         if bench.logged().is_none() {
             let expected = match bench {
                 Bench::Mechanism(_) => "a mechanism with `[[measured]]`, or another plant with a log",
@@ -96,6 +96,12 @@ impl BenchOptions {
                 bench.plant_name()
             )));
         }
+        Ok(bench)
+    }
+
+    /// Opens the bench of any plant, applies the changes and checks the result.
+    pub(crate) fn open_any(&self) -> Result<Bench, CliError> {
+        let mut bench = Bench::open(&self.bench)?;
         self.check_changes(&bench)?;
         if let (Some(load_kn), Some(load)) = (self.load_kn, bench.load_mut()) {
             load.force_n = load_kn * 1e3;

@@ -8,6 +8,7 @@ pub mod completions;
 pub mod describe;
 pub mod diagnose;
 pub mod evaluate;
+pub mod export_fmu;
 pub mod figures;
 pub mod flash;
 pub mod laws;

@@ -10,7 +10,7 @@ use crate::run::slider_crank::SliderCrankSummary;
 use crate::run::summary::Summary;
 use crate::serve::event::Event;
 use crate::validation::Cases;
-use crate::{accuracy, life, logs, reproduction, shard, sweep};
+use crate::{accuracy, fmu, life, logs, reproduction, shard, sweep};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use diagnosis::{Diagnosis, Evaluation, Inspection};
@@ -23,7 +23,7 @@ use serde_json::json;
 type Entry = (&'static str, &'static str, fn() -> Schema);
 
 /// All schemas.
-const ALL: [Entry; 23] = [
+const ALL: [Entry; 24] = [
     ("accuracy", "accuracy: accuracy.json", stamped::<accuracy::Outcome>),
     ("accuracy-worlds", "accuracy --worlds: worlds.json", stamped::<accuracy::worlds::Outcome>),
     ("check", "check: check.json", stamped::<Inspection>),
@@ -32,6 +32,7 @@ const ALL: [Entry; 23] = [
     ("describe", "describe --json", schema_of::<describe::Described>),
     ("diagnose", "diagnose: diagnosis.json", stamped::<Diagnosis>),
     ("evaluate", "evaluate: evaluation.json", stamped::<Evaluation>),
+    ("export-fmu", "export-fmu --json", schema_of::<fmu::export::Exported>),
     (
         "figures",
         "figures, sweep clearance, sweep load: sweep.json",

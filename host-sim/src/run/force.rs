@@ -10,9 +10,10 @@ use bench::simulate::peaks::{Peak, peaks_with_bars};
 use bench::simulate::{DEFAULT_TOLERANCE, Run, run_bench_with_law, run_with_held_force, snapshots};
 use bench::sticking_plants;
 use clap::ValueEnum;
-use inference::{ContactState, Flags, Model, Pair, shipped};
+use inference::{Flags, Model, Pair, shipped};
 use model_quant::network::float_pair::FloatPair;
 use model_quant::network::shipped::shipped_checkpoint;
+use pintle_fmu::contact_state;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -92,17 +93,6 @@ pub fn identity(source: ForceSource, material: BearingMaterial) -> String {
         ForceSource::QuantisedNet => shipped(material),
     };
     bytes.last_chunk::<4>().map_or_else(String::new, |sum| format!("{:08x}", u32::from_le_bytes(*sum)))
-}
-
-/// Inputs of the networks for a contact.
-pub(crate) fn contact_state(view: &ContactView) -> ContactState {
-    ContactState {
-        radial_clearance_m: view.radial_clearance_m as f32,
-        deformation_m: view.deformation_m as f32,
-        deformation_rate_m_s: view.rate_m_s as f32,
-        approach_speed_m_s: view.latched_m_s as f32,
-        sliding_speed_m_s: view.sliding_speed_m_s as f32,
-    }
 }
 
 /// Runs a resolved bench over its drive's cycles, sampled at [`SAMPLE_RATE_HZ`]. `step_s` is the

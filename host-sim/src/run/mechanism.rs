@@ -152,25 +152,12 @@ fn contacts(bench: &MechanismBench, RunWithBars { run, bars_n }: &RunWithBars) -
 }
 
 fn to_csv(bench: &MechanismBench, samples: &[Snapshot]) -> String {
-    let mut header = vec!["t_s".to_owned()];
-    for body in &bench.body {
-        let name = &body.name;
-        header.extend(["x_m", "y_m", "angle_rad"].map(|quantity| format!("{name}_{quantity}")));
-    }
-    for name in bench.contact_names() {
-        let quantities = ["deformation_m", "normal_n", "friction_n", "sliding_m_s"];
-        header.extend(quantities.map(|quantity| format!("{name}_{quantity}")));
-    }
-    header.extend(bench.drive_names().into_iter().map(|(name, unit)| format!("{name}_drive_{unit}")));
+    let header: Vec<String> = std::iter::once("t_s".to_owned()).chain(bench.columns()).collect();
     let mut csv = header.join(",");
     csv.push('\n');
     for sample in samples {
-        let bodies = sample.bodies.iter().flat_map(|body| body.position);
-        let contacts =
-            sample.contacts.iter().flat_map(|c| [c.deformation_m, c.normal_n, c.friction_n, c.sliding_m_s]);
-        let values = std::iter::once(sample.time_s).chain(bodies).chain(contacts);
-        let row: Vec<String> =
-            values.chain(sample.drives.iter().copied()).map(|value| format!("{value:e}")).collect();
+        let values = std::iter::once(sample.time_s).chain(sample.row());
+        let row: Vec<String> = values.map(|value| format!("{value:e}")).collect();
         csv.push_str(&row.join(","));
         csv.push('\n');
     }

@@ -3,7 +3,7 @@
 
 use super::RunArgs;
 use super::arguments::communication_step_s;
-use super::force::{ForceSource, contact_state};
+use super::force::ForceSource;
 use crate::cli::error::CliError;
 use bench::BearingMaterial;
 use bench::description::MechanismBench;
@@ -12,6 +12,7 @@ use bench::plants::transmission::{BearingForces, ContactView};
 use bench::simulate::RunWithBars;
 use inference::{Flags, Model, Pair, shipped};
 use model_quant::network::float_pair::FloatPair;
+use pintle_fmu::contact_state;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -6,7 +6,10 @@
 //! follows.
 
 use super::measure::Span;
-use super::{CHATTER_CONTACTS, ContactReading, Impact, IntegrationError, SlicedPlant, Slip, Touch};
+use super::{
+    CHATTER_CONTACTS, ContactPhase, ContactReading, Impact, Integration, IntegrationError, Pause,
+    SlicedPlant, Slip, Touch,
+};
 use differential_equations::prelude::ODE;
 use std::collections::VecDeque;
 
@@ -17,6 +20,44 @@ const BISECTIONS: usize = 60;
 
 /// Time and state at which a contact or its slip begins or ends.
 pub(super) type Event<const N: usize> = (f64, [f64; N]);
+
+/// Contacts at the start of a span.
+#[derive(Clone, Copy)]
+pub(super) enum Start<'a> {
+    /// Start of a run: true for each contact that touches, with the latched speed 0.
+    InContact(&'a [bool]),
+    /// Continuation.
+    Resumed(&'a Pause),
+}
+
+impl Start<'_> {
+    /// First step in s to try in a span.
+    pub(super) fn first_step_s(&self, span_s: f64, largest_step_s: f64) -> f64 {
+        match self {
+            Self::Resumed(pause) if pause.step_s > 0.0 => pause.step_s.min(span_s),
+            _ => span_s.min(largest_step_s) * 1e-3,
+        }
+    }
+}
+
+/// A contact in which a run starts.
+fn in_contact<P: SlicedPlant<N>, const N: usize>(
+    plant: &P,
+    slice: usize,
+    start_s: f64,
+    initial: &mut [f64; N],
+) -> ContactPhase {
+    let slip = plant.next_slice_slip(slice, start_s, initial, Touch::default());
+    let impact = Impact {
+        contact: slice,
+        onset_s: start_s,
+        peak_s: start_s,
+        sticks: usize::from(slip.is_sticking()),
+        angles: plant.slice_angles(slice, start_s, initial),
+        ..Impact::default()
+    };
+    ContactPhase { latched_m_s: Some(0.0), slip, impact: Some(impact) }
+}
 
 /// The plant between two events: each contact touches, with a latched speed, or has a gap.
 pub(super) struct Phase<'a, P> {
@@ -89,13 +130,12 @@ pub(super) struct Contacts<'a, P> {
 }
 
 impl<'a, P> Contacts<'a, P> {
-    /// Contacts at the start of a run, not yet read; one that starts in contact has the latched
-    /// speed 0.
+    /// Contacts at the start of a span, not yet read.
     pub(super) fn new<const N: usize>(
         plant: &'a P,
         start_s: f64,
         initial: &mut [f64; N],
-        in_contact: &[bool],
+        start: Start<'_>,
     ) -> Self
     where
         P: SlicedPlant<N>,
@@ -104,28 +144,39 @@ impl<'a, P> Contacts<'a, P> {
         let phase = Phase { plant, latched_m_s: Vec::with_capacity(count), slips: Vec::with_capacity(count) };
         let mut contacts = Self { phase, contacts: Vec::with_capacity(count), impacts: Vec::new() };
         for slice in 0..count {
-            let is_touching = in_contact.get(slice).copied().unwrap_or(false);
-            contacts.phase.latched_m_s.push(is_touching.then_some(0.0));
-            let mut slip = Slip::Smooth;
-            if is_touching {
-                slip = plant.next_slice_slip(slice, start_s, initial, Touch::default());
-                contacts.impacts.push(Impact {
-                    contact: slice,
-                    onset_s: start_s,
-                    peak_s: start_s,
-                    sticks: usize::from(slip.is_sticking()),
-                    angles: plant.slice_angles(slice, start_s, initial),
-                    ..Impact::default()
-                });
-            }
+            let ContactPhase { latched_m_s, slip, impact } = match start {
+                Start::Resumed(pause) => pause.contacts.get(slice).copied().unwrap_or_default(),
+                Start::InContact(flags) if flags.get(slice).copied().unwrap_or(false) => {
+                    in_contact(plant, slice, start_s, initial)
+                }
+                Start::InContact(_) => ContactPhase::default(),
+            };
+            contacts.phase.latched_m_s.push(latched_m_s);
             contacts.phase.slips.push(slip);
+            contacts.impacts.extend(impact);
             contacts.contacts.push(Contact {
-                is_touching,
+                is_touching: latched_m_s.is_some(),
                 impact: contacts.impacts.len().saturating_sub(1),
                 ..Contact::default()
             });
         }
         contacts
+    }
+
+    /// Result of an integration that ends here.
+    pub(super) fn end<const N: usize>(self, state: [f64; N], steps: usize, step_s: f64) -> Integration<N> {
+        let phases = self.contacts.iter().zip(&self.phase.latched_m_s).zip(&self.phase.slips);
+        let contacts = phases.map(|((contact, latched_m_s), slip)| ContactPhase {
+            latched_m_s: *latched_m_s,
+            slip: *slip,
+            impact: self.impacts.get(contact.impact).copied().filter(|_| contact.is_touching),
+        });
+        Integration {
+            state,
+            steps,
+            pause: Pause { contacts: contacts.collect(), step_s },
+            impacts: self.impacts,
+        }
     }
 
     /// Reads every contact at the end of a step and returns whether any may have changed within it.

@@ -15,11 +15,11 @@ mod measure;
 mod outcome;
 mod plant;
 
-pub use outcome::{CHATTER_CONTACTS, Impact, Integration, IntegrationError};
+pub use outcome::{CHATTER_CONTACTS, ContactPhase, Impact, Integration, IntegrationError, Pause};
 pub(crate) use plant::SlicedPlant;
 pub use plant::{ContactAngles, ContactPlant, ContactReading, Slip, Touch};
 
-use contacts::{Contacts, Phase};
+use contacts::{Contacts, Phase, Start};
 use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
 use differential_equations::ode::OrdinaryNumericalMethod;
 use differential_equations::prelude::{Error, Interpolation, ODE};
@@ -59,9 +59,21 @@ pub fn integrate<P: ContactPlant<N>, const N: usize>(
     tolerances: &Tolerances<N>,
     mut observe: impl FnMut(f64, &[f64; N], Touch),
 ) -> Result<Integration<N>, IntegrationError> {
-    integrate_phases(plant, span_s, initial, &[in_contact], samples_s, tolerances, |t, s, phase| {
+    let start = Start::InContact(&[in_contact]);
+    integrate_phases(plant, span_s, (initial, start), samples_s, tolerances, &mut |t, s, phase| {
         observe(t, s, phase.touch(0));
     })
+}
+
+/// Continues an integration that ended at the start of `span_s`.
+pub(crate) fn resume<P: SlicedPlant<N>, const N: usize>(
+    plant: &P,
+    span_s: (f64, f64),
+    (initial, pause): ([f64; N], &Pause),
+    tolerances: &Tolerances<N>,
+) -> Result<Integration<N>, IntegrationError> {
+    let start = Start::Resumed(pause);
+    integrate_phases(plant, span_s, (initial, start), &[], tolerances, &mut |_, _, _| {})
 }
 
 /// Integrates a plant with any number of contacts, as [`integrate`]: `in_contact` and the latched
@@ -75,7 +87,8 @@ pub(crate) fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
     tolerances: &Tolerances<N>,
     mut observe: impl FnMut(f64, &[f64; N], &[Option<f64>]),
 ) -> Result<Integration<N>, IntegrationError> {
-    integrate_phases(plant, span_s, initial, in_contact, samples_s, tolerances, |t, s, phase| {
+    let start = Start::InContact(in_contact);
+    integrate_phases(plant, span_s, (initial, start), samples_s, tolerances, &mut |t, s, phase| {
         observe(t, s, &phase.latched_m_s);
     })
 }
@@ -84,31 +97,31 @@ pub(crate) fn integrate_slices<P: SlicedPlant<N>, const N: usize>(
 fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
     plant: &P,
     (start_s, end_s): (f64, f64),
-    mut initial: [f64; N],
-    in_contact: &[bool],
+    (mut initial, begin): ([f64; N], Start<'_>),
     samples_s: &[f64],
     tolerances: &Tolerances<N>,
-    mut observe: impl FnMut(f64, &[f64; N], &Phase<'_, P>),
+    observe: &mut dyn FnMut(f64, &[f64; N], &Phase<'_, P>),
 ) -> Result<Integration<N>, IntegrationError> {
     let limit = STEPS_ALLOWANCE + ((end_s - start_s) * STEPS_PER_SECOND) as usize;
-    let mut contacts = Contacts::new(plant, start_s, &mut initial, in_contact);
+    let mut contacts = Contacts::new(plant, start_s, &mut initial, begin);
     let mut method: Method<N> = ExplicitRungeKutta::dopri5()
         .rtol(tolerances.relative)
         .atol(tolerances.absolute)
         .max_steps(usize::MAX)
         .h_max(tolerances.largest_step_s)
-        .h0((end_s - start_s).min(tolerances.largest_step_s) * 1e-3);
+        .h0(begin.first_step_s(end_s - start_s, tolerances.largest_step_s));
     plant.change(start_s, &initial, &contacts.phase.latched_m_s);
     contacts.read_start(start_s, &initial);
     let mut change_s = plant.next_change_s(start_s);
     start(&mut method, &contacts.phase, (start_s, end_s), &initial)?;
     let mut next_sample = samples_s.partition_point(|&t| t < start_s);
-    let mut steps = 0;
+    let (mut steps, mut step_s) = (0, method.h0);
     while method.t() < end_s {
         if steps >= limit {
             return Err(IntegrationError::TooManySteps { steps, limit, time_s: method.t() });
         }
         steps += 1;
+        step_s = method.h();
         // A change within rounding of the end would leave no interval to integrate.
         let has_change = end_s - change_s > f64::EPSILON * end_s.abs();
         if !advance(&mut method, &contacts.phase, if has_change { change_s } else { end_s })? {
@@ -137,7 +150,7 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
             state = located;
             contacts.switch(to, &mut state, tolerances.largest_step_s)?;
             if to >= end_s {
-                return Ok(Integration { state, impacts: contacts.impacts, steps });
+                return Ok(contacts.end(state, steps, step_s));
             }
             method.h0 = (reached - from).min(end_s - to).max(f64::EPSILON * end_s.abs()) * RESTART_SHARE;
         } else {
@@ -154,7 +167,7 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
         }
         start(&mut method, &contacts.phase, (to, end_s), &state)?;
     }
-    Ok(Integration { state: *method.y(), impacts: contacts.impacts, steps })
+    Ok(contacts.end(*method.y(), steps, step_s))
 }
 
 /// Starts the method at a time and a state.

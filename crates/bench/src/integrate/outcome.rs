@@ -1,13 +1,14 @@
 //! Results of an integration: impacts, final state, errors.
 
-use super::ContactAngles;
+use super::{ContactAngles, Slip};
+use serde::{Deserialize, Serialize};
 
 /// Onsets of one contact within one largest step at which a run counts as chattering; and changes
 /// of its slip.
 pub const CHATTER_CONTACTS: usize = 500;
 
 /// One period in contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Impact {
     /// Index of the contact; 0 if the plant has one.
     pub contact: usize,
@@ -69,6 +70,28 @@ pub struct Integration<const N: usize> {
     pub impacts: Vec<Impact>,
     /// Accepted and rejected steps.
     pub steps: usize,
+    /// Contacts at the end, from which another integration continues.
+    pub pause: Pause,
+}
+
+/// Memory of the integrator between two spans, besides the state of the plant.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Pause {
+    /// Contacts in the order of the plant.
+    pub contacts: Vec<ContactPhase>,
+    /// Step in s that the method would take next.
+    pub step_s: f64,
+}
+
+/// A contact between two spans.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactPhase {
+    /// Latched approach speed in m/s; none in a gap.
+    pub latched_m_s: Option<f64>,
+    /// Motion along the surface.
+    pub slip: Slip,
+    /// Period in contact so far; none in a gap.
+    pub impact: Option<Impact>,
 }
 
 /// Error that ended an integration early.

@@ -1,7 +1,9 @@
 //! Interface between the integrator and a plant with contacts.
 
+use serde::{Deserialize, Serialize};
+
 /// Angles at which a contact begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactAngles {
     /// Angle of the crank, rad.
     pub crank_rad: f64,
@@ -23,7 +25,7 @@ pub struct ContactReading {
 
 /// Motion of a contact along its surface. With a friction law that sticks, each kind is smooth up
 /// to its end, which the integrator locates.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Slip {
     /// Friction is a function of the state.
     #[default]

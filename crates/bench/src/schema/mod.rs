@@ -13,6 +13,11 @@ mod units;
 pub use field_type::{FieldKind, FieldType};
 pub(crate) use field_type::{Placeholder, format_number, named_field};
 
+/// Unit of a number by the suffix of its name; empty if the name has no unit.
+pub fn unit_of_name(name: &str) -> &'static str {
+    units::of_name(name)
+}
+
 /// Lower bound for values that must be above 0.
 pub(crate) const TINY: f64 = 1e-12;
 /// Upper bound far beyond any machine. It protects the model from overflow.

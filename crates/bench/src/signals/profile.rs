@@ -77,6 +77,13 @@ pub enum Profile {
         /// Ramp length in s; 0: none.
         ramp_s: f64,
     },
+    /// Uniformly accelerated motion.
+    Accelerated {
+        /// Time of `motion` in s.
+        at_s: f64,
+        /// Motion at that time.
+        motion: Motion,
+    },
 }
 
 impl Profile {
@@ -132,6 +139,14 @@ impl Profile {
                 Motion { value: half * sin, rate: half * w * cos, acceleration: -half * w * w * sin }
             }
             Self::Schedule(schedule) => schedule.at(time_s),
+            Self::Accelerated { at_s, motion } => {
+                let (after_s, acceleration) = (time_s - at_s, motion.acceleration);
+                Motion {
+                    value: motion.value + after_s * (motion.rate + 0.5 * after_s * acceleration),
+                    rate: motion.rate + after_s * acceleration,
+                    acceleration,
+                }
+            }
             Self::Repeated { curve, period_s } => curve.at(time_s.rem_euclid(*period_s)),
             Self::Raised { mean, course, ramp_s } => {
                 let motion = course.at(time_s);

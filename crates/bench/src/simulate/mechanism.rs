@@ -4,6 +4,8 @@ use super::error_bars::error_bars;
 use super::peaks::TIGHTER;
 use crate::description::{JointKind, JointSection, MechanismBench};
 use crate::integrate::IntegrationError;
+#[cfg(doc)]
+use crate::plants::mechanism::Snapshot;
 use crate::plants::mechanism::{HeldForces, MechanismRun, RunOptions};
 use contact::BearingMaterial;
 use std::collections::BTreeMap;
@@ -64,13 +66,17 @@ impl MechanismBench {
         let mechanism = self
             .mechanism()
             .map_err(|error| IntegrationError::Stopped { time_s: 0.0, reason: error.to_string() })?;
-        let options = RunOptions {
+        mechanism.run(samples_s, &self.run_options(tolerance), held)
+    }
+
+    /// Options of a run at a relative tolerance.
+    pub(super) fn run_options(&self, tolerance: f64) -> RunOptions {
+        RunOptions {
             duration_s: self.run.duration_s,
             tolerance,
             largest_step_s: self.run.largest_step_s,
             is_closed: self.run.closed_start,
-        };
-        mechanism.run(samples_s, &options, held)
+        }
     }
 
     /// Runs the described mechanism at its tolerance, a tighter and a wider one.
@@ -99,6 +105,20 @@ impl MechanismBench {
             (1..=count).map(move |n| if count == 1 { pair.clone() } else { format!("{pair}_{n}") })
         };
         distinct(self.joint.iter().flat_map(of_joint).collect())
+    }
+
+    /// Names of the columns of a log after the time, in the order of [`Snapshot::row`].
+    pub fn columns(&self) -> Vec<String> {
+        let with = |name: &str, quantities: &[&str]| -> Vec<String> {
+            quantities.iter().map(|quantity| format!("{name}_{quantity}")).collect()
+        };
+        let bodies = self.body.iter().flat_map(|body| with(&body.name, &["x_m", "y_m", "angle_rad"]));
+        let contacts = self
+            .contact_names()
+            .into_iter()
+            .flat_map(|name| with(&name, &["deformation_m", "normal_n", "friction_n", "sliding_m_s"]));
+        let drives = self.drive_names().into_iter().map(|(name, unit)| format!("{name}_drive_{unit}"));
+        bodies.chain(contacts).chain(drives).collect()
     }
 
     /// Returns for each contact in the order of a run whether it is that of a clearance joint.

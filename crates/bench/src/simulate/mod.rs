@@ -15,6 +15,7 @@ pub(crate) mod respond;
 mod rig_groups;
 mod run;
 pub mod settled;
+pub mod stepped;
 mod transmission_log;
 
 pub use mechanism::RunWithBars;
@@ -22,6 +23,7 @@ pub use record::{log_from_samples, record};
 pub use respond::{Inputs, LoggedPlant, RespondError, Response, Truth, apply_sensors, respond};
 pub use rig_groups::{LOADS_N, RigGroup, rig_groups};
 pub use run::{DEFAULT_TOLERANCE, Run, run_bench_with_law, run_with_held_force, run_with_law, snapshots};
+pub use transmission_log::{CHANNELS, ChannelReading};
 
 use crate::description::Bench;
 

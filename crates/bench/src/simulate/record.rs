@@ -1,7 +1,7 @@
 //! Logs of simulated benches as their sensors would record them, from a seed.
 
 use super::respond::{Truth, read_samples};
-use super::transmission_log::{CHANNELS, outputs_from};
+use super::transmission_log::all_outputs_from;
 use crate::description::Bench;
 use crate::integrate::IntegrationError;
 use crate::log::MeasuredLog;
@@ -27,7 +27,7 @@ pub fn log_from_samples(
     seed: u64,
 ) -> MeasuredLog {
     let time_s: Vec<f64> = samples.iter().map(|s| s.time_s).collect();
-    let truth = Truth { outputs: outputs_from(samples, CHANNELS), fineness: samples_per_row.max(1) };
+    let truth = Truth { outputs: all_outputs_from(samples), fineness: samples_per_row.max(1) };
     record_sensors(&bench.resolved(), &time_s, truth, seed)
 }
 

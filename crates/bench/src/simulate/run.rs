@@ -2,15 +2,15 @@
 //! held over a step.
 
 use crate::description::TransmissionBench;
-use crate::integrate::{ContactPlant, Impact, IntegrationError, integrate};
+use crate::integrate::{Impact, IntegrationError, integrate};
 use crate::plants::energy::EnergyAudit;
 use crate::plants::transmission::{
-    BearingForces, ContactView, MOVING, OnShaft, PLAIN, Reduced, STATES, ServoPlant, Snapshot, State,
-    Transmission,
+    BearingForces, ContactView, MOVING, PLAIN, Reduced, ServoPlant, Snapshot, Transmission,
 };
 use crate::plants::two_plane::{TwoPlane, run_two_plane};
 use crate::signals::Profile;
 use crate::simulate::peaks::Extremes;
+use crate::simulate::stepped::HeldMemory;
 
 /// Relative tolerance of a run unless stated otherwise.
 pub const DEFAULT_TOLERANCE: f64 = 1e-7;
@@ -48,7 +48,7 @@ impl Run {
 
 impl Transmission {
     /// Refuses contacts that are deeper than the range of the normal law.
-    fn check_deformation(&self, impacts: &[Impact]) -> Result<(), IntegrationError> {
+    pub(super) fn check_deformation(&self, impacts: &[Impact]) -> Result<(), IntegrationError> {
         let deformation_m = impacts.iter().map(|i| i.max_deformation_m).fold(0.0, f64::max);
         match self.largest_deformation_m().filter(|largest| deformation_m > *largest) {
             Some(largest_m) => Err(IntegrationError::OutsideLaw { deformation_m, largest_m }),
@@ -170,34 +170,6 @@ fn run_reduced<const N: usize>(
     Ok(samples)
 }
 
-/// Takes one step of the classical fourth-order Runge-Kutta method under a held bearing force, and
-/// returns the state, its rates under that force, and the loss of holding it in J. Every
-/// communication step begins with another force, so a library's stepper would have to be set up
-/// anew each time.
-fn held_step(
-    plant: &Transmission,
-    bearing: &OnShaft,
-    time_s: f64,
-    state: &State,
-    step_s: f64,
-) -> (State, State, f64) {
-    let rates = |time_s: f64, state: &State| {
-        let mut rates = [0.0; STATES];
-        let hold_loss_w = plant.dynamics(time_s, state, bearing, &mut rates);
-        (rates, hold_loss_w)
-    };
-    let half = 0.5 * step_s;
-    let along = |rates: &State, by: f64| -> State { std::array::from_fn(|i| state[i] + by * rates[i]) };
-    let (first, loss_1) = rates(time_s, state);
-    let (second, loss_2) = rates(time_s + half, &along(&first, half));
-    let (third, loss_3) = rates(time_s + half, &along(&second, half));
-    let (fourth, loss_4) = rates(time_s + step_s, &along(&third, step_s));
-    let sum = |i: usize| first[i] + 2.0 * (second[i] + third[i]) + fourth[i];
-    // The last stage's rates equal those of the end up to the method's own order.
-    let hold_loss_j = step_s / 6.0 * (loss_1 + 2.0 * (loss_2 + loss_3) + loss_4);
-    (std::array::from_fn(|i| state[i] + step_s / 6.0 * sum(i)), fourth, hold_loss_j)
-}
-
 /// Integrates the plant with an external bearing force that is held over a communication step of
 /// `step_s`.
 ///
@@ -215,75 +187,29 @@ pub fn run_with_held_force(
     mut force: impl FnMut(&ContactView) -> BearingForces,
 ) -> Result<Run, IntegrationError> {
     let count = (end_s / step_s).round() as usize;
-    let initial = plant.initial_state(0.0);
-    let mut state = initial;
-    let mut rates = [0.0; STATES];
-    plant.dynamics(0.0, &state, &OnShaft::default(), &mut rates);
+    let mut memory = HeldMemory::start(plant, 0.0);
+    let initial = *memory.state();
     let mut samples = Vec::with_capacity(samples_s.len());
     let mut losses_j = Vec::with_capacity(samples_s.len());
-    let mut next_sample = 0;
+    let (mut next_sample, mut hold_loss_j) = (0, 0.0);
     let mut impacts: Vec<Impact> = Vec::new();
     let mut extremes = Extremes::default();
-    let (mut contact, mut latched, mut hold_loss_j) = (false, 0.0, 0.0);
     for step in 0..count {
         let time_s = step as f64 * step_s;
-        let half = 0.5 * step_s;
-        let middle: State = std::array::from_fn(|i| state[i] + half * rates[i]);
-        let geometry = plant.geometry(time_s + half, &middle);
-        let mut view = plant.view(&geometry, latched);
-        let touching = view.deformation_m > 0.0;
-        if touching && !contact {
-            latched = view.rate_m_s.max(0.0);
-            view.latched_m_s = latched;
-            impacts.push(Impact {
-                onset_s: time_s,
-                peak_s: time_s,
-                approach_speed_m_s: latched,
-                angles: plant.angles(time_s, &state),
-                ..Impact::default()
-            });
-        } else if !touching && contact {
-            latched = 0.0;
-            view.latched_m_s = 0.0;
-            if let Some(impact) = impacts.last_mut() {
-                impact.separation_s = Some(time_s);
-                impact.separation_speed_m_s = -view.rate_m_s;
-            }
-        }
-        contact = touching;
-        let forces = plant.with_effects(time_s + half, &middle, &view, force(&view));
-        if !(forces.normal_n.is_finite() && forces.friction_n.is_finite()) {
-            return Err(IntegrationError::Stopped {
-                time_s,
-                reason: "the bearing force is not finite".into(),
-            });
-        }
-        if touching && let Some(impact) = impacts.last_mut() {
-            impact.max_deformation_m = impact.max_deformation_m.max(view.deformation_m);
-            let work_j = forces.normal_n * view.rate_m_s * step_s;
-            impact.energy_lost_j += work_j;
-            impact.compression_work_j += work_j.max(0.0);
-            if forces.normal_n > impact.peak_force_n {
-                (impact.peak_force_n, impact.peak_s) = (forces.normal_n, time_s);
-            }
-        }
-        let snapshot = plant.snapshot(time_s, &state, latched, forces);
+        let moment = memory.step(plant, time_s, step_s, &mut force)?;
+        impacts.extend(moment.ended);
+        hold_loss_j += moment.hold_loss_j;
         if time_s >= plant.load_ramp_end_s() {
-            extremes.update(&snapshot);
+            extremes.update(&moment.snapshot);
         }
         while samples_s.get(next_sample).is_some_and(|&t| t < time_s + 0.5 * step_s) {
-            samples.push(snapshot);
-            losses_j.push(plant.losses_j(&state));
+            samples.push(moment.snapshot);
+            losses_j.push(moment.losses_j);
             next_sample += 1;
         }
-        let bearing = plant.on_shaft_at(&geometry, &forces);
-        let loss_j;
-        (state, rates, loss_j) = held_step(plant, &bearing, time_s, &state, step_s);
-        hold_loss_j += loss_j;
-        if !state.iter().all(|v| v.is_finite()) {
-            return Err(IntegrationError::Stopped { time_s, reason: "the state is no longer finite".into() });
-        }
     }
-    let energy = plant.audit((0.0, &initial), (count as f64 * step_s, &state)).with_hold_loss(hold_loss_j);
+    impacts.extend(memory.impact);
+    let end_s = count as f64 * step_s;
+    let energy = plant.audit((0.0, &initial), (end_s, memory.state())).with_hold_loss(hold_loss_j);
     Ok(Run { extremes: Some(extremes), ..Run::new((samples, losses_j), (impacts, count), energy) })
 }

@@ -14,19 +14,22 @@ pub(super) const FINENESS: usize = 8;
 /// Half window in s of the polynomial that smooths a drive displacement with its velocity.
 const DRIVE_HALF_WINDOW_S: f64 = 0.010;
 
-/// Inputs and outputs of the transmission bench's log.
-pub(super) const CHANNELS: &[Channel] = &[
-    Channel::DriveDisplacement,
-    Channel::DriveVelocity,
-    Channel::LoadForce,
-    Channel::ShaftAngle,
-    Channel::ShaftSpeed,
-    Channel::JournalY,
-    Channel::JournalZ,
-    Channel::BearingForceY,
-    Channel::BearingForceZ,
-    Channel::FrictionTorque,
-    Channel::DriveForce,
+/// Reading of a channel in a state of the bench.
+pub type ChannelReading = (Channel, fn(&Snapshot) -> f64);
+
+/// Channels of the transmission bench's log.
+pub const CHANNELS: &[ChannelReading] = &[
+    (Channel::DriveDisplacement, |s| s.drive.value),
+    (Channel::DriveVelocity, |s| s.drive.rate),
+    (Channel::LoadForce, |s| s.load_force_n),
+    (Channel::ShaftAngle, |s| s.angle_rad),
+    (Channel::ShaftSpeed, |s| s.speed_rad_s),
+    (Channel::JournalY, |s| s.y_m),
+    (Channel::JournalZ, |s| s.z_m),
+    (Channel::BearingForceY, |s| s.force_y_n),
+    (Channel::BearingForceZ, |s| s.force_z_n),
+    (Channel::FrictionTorque, |s| s.friction_torque_nm),
+    (Channel::DriveForce, |s| s.drive_force_n),
 ];
 
 impl LoggedPlant for TransmissionBench {
@@ -51,29 +54,17 @@ impl LoggedPlant for TransmissionBench {
         let fine_s = refined(&self.sample_times_s(self.logging.sample_rate_hz), FINENESS);
         let profiles = (self.drive_profile(), self.load_profile());
         let samples = snapshots(self, profiles, self.duration_s(), &fine_s, DEFAULT_TOLERANCE)?;
-        Ok((fine_s, Truth { outputs: outputs_from(&samples, CHANNELS), fineness: FINENESS }))
+        Ok((fine_s, Truth { outputs: all_outputs_from(&samples), fineness: FINENESS }))
     }
 }
 
 /// True outputs of a run on the given channels. Channels that the bench does not have are left out.
 pub(super) fn outputs_from(samples: &[Snapshot], channels: &[Channel]) -> Response {
-    let mut response = Response::new();
-    for &channel in channels {
-        let read: fn(&Snapshot) -> f64 = match channel {
-            Channel::ShaftAngle => |s| s.angle_rad,
-            Channel::ShaftSpeed => |s| s.speed_rad_s,
-            Channel::JournalY => |s| s.y_m,
-            Channel::JournalZ => |s| s.z_m,
-            Channel::BearingForceY => |s| s.force_y_n,
-            Channel::BearingForceZ => |s| s.force_z_n,
-            Channel::FrictionTorque => |s| s.friction_torque_nm,
-            Channel::DriveForce => |s| s.drive_force_n,
-            Channel::DriveDisplacement => |s| s.drive.value,
-            Channel::DriveVelocity => |s| s.drive.rate,
-            Channel::LoadForce => |s| s.load_force_n,
-            _ => continue,
-        };
-        response.insert(channel, samples.iter().map(read).collect());
-    }
-    response
+    let wanted = CHANNELS.iter().filter(|(channel, _)| channels.contains(channel));
+    wanted.map(|(channel, read)| (*channel, samples.iter().map(read).collect())).collect()
+}
+
+/// True outputs of a run on every channel.
+pub(super) fn all_outputs_from(samples: &[Snapshot]) -> Response {
+    CHANNELS.iter().map(|(channel, read)| (*channel, samples.iter().map(read).collect())).collect()
 }

@@ -76,6 +76,16 @@ pub(crate) struct Load {
 }
 
 impl Load {
+    /// Load of 0 at the centre of mass of a body.
+    pub(super) fn at_centre(body: usize) -> Self {
+        Self {
+            at: Marker { body: Some(body), local_m: [0.0; 2] },
+            force_n: [0.0; 2],
+            torque_nm: 0.0,
+            ramp_s: 0.0,
+        }
+    }
+
     /// Generalised force on the body, and its power in W.
     pub(super) fn at_state(&self, time_s: f64, frames: &[Frame]) -> ([f64; 3], f64) {
         let share = if time_s < self.ramp_s {

@@ -30,8 +30,8 @@ pub(crate) use builder::Builder;
 pub use energy::MechanismEnergy;
 pub use held::HeldForces;
 pub(crate) use joint::DriveMotion;
-pub(crate) use run::RunOptions;
 pub use run::{BodyState, ContactState, MechanismRun, Snapshot};
+pub(crate) use run::{Resumed, RunOptions};
 
 use super::energy::elastic_energy_j;
 use crate::signals::Motion;
@@ -115,6 +115,15 @@ impl Mechanism {
         self.order = [first, then].concat();
         self.masses = self.bodies.iter().map(Body::masses).collect();
         self
+    }
+
+    /// Adds a load at the centre of mass of each body, in their order, and returns the index of the
+    /// first one.
+    pub(crate) fn add_external_loads(&mut self) -> usize {
+        let first = self.loads.len();
+        let loads = (0..self.bodies.len()).map(Load::at_centre);
+        self.loads.extend(loads);
+        first
     }
 
     /// Index of the first work in a state.

@@ -5,7 +5,8 @@ use super::contact::Contact;
 use super::held::HeldForces;
 use super::{Evaluation, Mechanism, MechanismEnergy, QUADRATURES};
 use crate::integrate::{
-    ContactAngles, ContactReading, Impact, IntegrationError, SlicedPlant, Tolerances, integrate_slices,
+    ContactAngles, ContactReading, Impact, Integration, IntegrationError, Pause, SlicedPlant, Tolerances,
+    integrate_slices, resume,
 };
 use crate::plants::transmission::BearingForces;
 use std::cell::RefCell;
@@ -48,6 +49,16 @@ pub struct Snapshot {
     pub drives: Vec<f64>,
 }
 
+impl Snapshot {
+    /// Values of a log's columns after the time: positions of the bodies, contacts, drives.
+    pub fn row(&self) -> impl Iterator<Item = f64> {
+        let bodies = self.bodies.iter().flat_map(|body| body.position);
+        let contacts =
+            self.contacts.iter().flat_map(|c| [c.deformation_m, c.normal_n, c.friction_n, c.sliding_m_s]);
+        bodies.chain(contacts).chain(self.drives.iter().copied())
+    }
+}
+
 /// Result of a run.
 #[derive(Clone, Debug)]
 pub struct MechanismRun {
@@ -61,6 +72,15 @@ pub struct MechanismRun {
     pub energy: MechanismEnergy,
     /// Integrator steps.
     pub steps: usize,
+}
+
+/// A mechanism at the end of a span from which it can continue.
+pub(crate) struct Resumed {
+    pub(crate) state: Vec<f64>,
+    /// Periods in contact that the span touches.
+    pub(crate) impacts: Vec<Impact>,
+    pub(crate) pause: Pause,
+    pub(crate) snapshot: Snapshot,
 }
 
 /// Start and length of a run with its error control.
@@ -81,6 +101,8 @@ struct Padded<'a, 'b> {
     mechanism: &'a Mechanism,
     evaluation: RefCell<Evaluation>,
     held: Option<RefCell<&'a mut HeldForces<'b>>>,
+    /// True if the run is one communication step of the held forces.
+    is_single_step: bool,
 }
 
 impl Padded<'_, '_> {
@@ -139,6 +161,9 @@ impl<const N: usize> SlicedPlant<N> for Padded<'_, '_> {
     }
 
     fn next_change_s(&self, time_s: f64) -> f64 {
+        if self.is_single_step {
+            return f64::INFINITY;
+        }
         let step_s = self.held.as_ref().and_then(|held| Some(held.try_borrow().ok()?.step_s));
         step_s.map_or(f64::INFINITY, |step_s| ((time_s / step_s).round() + 1.0) * step_s)
     }
@@ -178,6 +203,51 @@ impl Mechanism {
         }
     }
 
+    /// Continues a run from a state over a span, which is one communication step of held forces.
+    pub(crate) fn resume(
+        &self,
+        span_s: (f64, f64),
+        from: (&[f64], &Pause),
+        options: &RunOptions,
+        held: Option<&mut HeldForces<'_>>,
+    ) -> Result<Resumed, IntegrationError> {
+        match self.states() {
+            0..=12 => self.resume_padded::<12>(span_s, from, options, held),
+            13..=24 => self.resume_padded::<24>(span_s, from, options, held),
+            25..=48 => self.resume_padded::<48>(span_s, from, options, held),
+            49..=128 => self.resume_padded::<128>(span_s, from, options, held),
+            _ => self.resume_padded::<MAX_STATES>(span_s, from, options, held),
+        }
+    }
+
+    fn resume_padded<const N: usize>(
+        &self,
+        span_s: (f64, f64),
+        (state, pause): (&[f64], &Pause),
+        options: &RunOptions,
+        held: Option<&mut HeldForces<'_>>,
+    ) -> Result<Resumed, IntegrationError> {
+        let initial: [f64; N] = std::array::from_fn(|i| state.get(i).copied().unwrap_or_default());
+        let (evaluation, held) = (RefCell::new(self.evaluation()), held.map(RefCell::new));
+        let plant = Padded { mechanism: self, evaluation, held, is_single_step: true };
+        let Integration { state, impacts, pause, .. } =
+            resume(&plant, span_s, (initial, &pause.clone()), &self.tolerances(options))?;
+        self.check_deformation(&impacts)?;
+        let latched: Vec<Option<f64>> = pause.contacts.iter().map(|contact| contact.latched_m_s).collect();
+        let snapshot = self.snapshot(span_s.1, &state, &latched, &mut plant.evaluation.into_inner());
+        let state = state[..self.states().min(N)].to_vec();
+        Ok(Resumed { state, impacts, pause, snapshot })
+    }
+
+    /// Mechanism at its start, with the contacts that a run starts in.
+    pub(crate) fn start(&self, is_closed: bool) -> (Vec<f64>, Vec<bool>, Snapshot) {
+        let state = self.initial_state(is_closed);
+        let touching = self.start_contacts(&state);
+        let latched: Vec<Option<f64>> = touching.iter().map(|touches| touches.then_some(0.0)).collect();
+        let snapshot = self.snapshot(0.0, &state, &latched, &mut self.evaluation());
+        (state, touching, snapshot)
+    }
+
     fn run_padded<const N: usize>(
         &self,
         samples_s: &[f64],
@@ -191,7 +261,8 @@ impl Mechanism {
         let end_s = options.duration_s;
         let mut latched = vec![None; self.contacts.len()];
         let held = held.map(RefCell::new);
-        let plant = Padded { mechanism: self, evaluation: RefCell::new(self.evaluation()), held };
+        let evaluation = RefCell::new(self.evaluation());
+        let plant = Padded { mechanism: self, evaluation, held, is_single_step: false };
         let result = integrate_slices(
             &plant,
             (0.0, end_s),

@@ -24,6 +24,7 @@
 
 pub(crate) use bearing::OnShaft;
 pub(crate) use geometry::MAX_SINE;
+pub use joint::{JointContact, JointMemory, JointMotion};
 pub(crate) use reduced::{MOVING, PLAIN, Reduced};
 pub(crate) use servo::ServoPlant;
 
@@ -33,6 +34,7 @@ mod bearing;
 mod dynamics;
 mod fork;
 mod geometry;
+mod joint;
 mod reduced;
 mod servo;
 mod shaft;
@@ -242,6 +244,11 @@ impl Transmission {
     /// Journal radius in m.
     pub fn journal_radius_m(&self) -> f64 {
         self.journal_radius_m
+    }
+
+    /// Replaces the drive and the load.
+    pub(crate) fn set_profiles(&mut self, drive: Profile, load: Profile) {
+        (self.drive, self.load) = (drive, load);
     }
 
     /// Radial clearance in m.

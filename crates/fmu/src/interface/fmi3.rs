@@ -1,0 +1,383 @@
+//! FMI 3.0 for co-simulation.
+
+use super::{
+    Component, Log, Status, absent, call, deserialise, free, free_state, read, save, serialise, slice,
+    slice_mut, state, state_size, text, write,
+};
+use crate::instance::Instance;
+use crate::variable::Type;
+use std::ffi::{CString, c_char, c_void};
+use std::path::Path;
+
+type Logger = unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char);
+
+struct Sink {
+    logger: Option<Logger>,
+    environment: *mut c_void,
+}
+
+impl Log for Sink {
+    fn report(&self, status: Status, message: &str) {
+        if let (Some(logger), Ok(message)) = (self.logger, CString::new(message.replace('\0', " "))) {
+            // SAFETY: the program's function, with strings that live through the call.
+            unsafe { logger(self.environment, status, c"logStatusError".as_ptr(), message.as_ptr()) };
+        }
+    }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi3GetVersion() -> *const c_char {
+    c"3.0".as_ptr()
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3SetDebugLogging(
+    _: *mut c_void,
+    _: bool,
+    _: usize,
+    _: *const *const c_char,
+) -> Status {
+    Status::Ok
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3InstantiateModelExchange(
+    _: *const c_char,
+    _: *const c_char,
+    _: *const c_char,
+    _: bool,
+    _: bool,
+    environment: *mut c_void,
+    logger: Option<Logger>,
+) -> *mut c_void {
+    let error = Err("found a call for model exchange; the unit is for co-simulation".into());
+    Component::open(error, Sink { logger, environment })
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3InstantiateScheduledExecution(
+    _: *const c_char,
+    _: *const c_char,
+    _: *const c_char,
+    _: bool,
+    _: bool,
+    environment: *mut c_void,
+    logger: Option<Logger>,
+    _: *mut c_void,
+    _: *mut c_void,
+    _: *mut c_void,
+) -> *mut c_void {
+    let error = Err("found a call for scheduled execution; the unit is for co-simulation".into());
+    Component::open(error, Sink { logger, environment })
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3InstantiateCoSimulation(
+    _name: *const c_char,
+    token: *const c_char,
+    resources: *const c_char,
+    _visible: bool,
+    _logging: bool,
+    _has_events: bool,
+    _may_return_early: bool,
+    _: *const u32,
+    _: usize,
+    environment: *mut c_void,
+    logger: Option<Logger>,
+    _intermediate: *mut c_void,
+) -> *mut c_void {
+    // SAFETY: the program's promises.
+    let (token, resources) = unsafe { (text(token), text(resources)) };
+    let open = || Instance::open(Path::new(&resources), &token);
+    let instance = std::panic::catch_unwind(open).unwrap_or_else(|_| Err("a defect of the unit".into()));
+    Component::open(instance, Sink { logger, environment })
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3FreeInstance(component: *mut c_void) {
+    // SAFETY: the program's promise.
+    unsafe { free::<Sink>(component) };
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3EnterInitializationMode(
+    component: *mut c_void,
+    has_tolerance: bool,
+    tolerance: f64,
+    start_s: f64,
+    _has_stop: bool,
+    _stop_s: f64,
+) -> Status {
+    let enter = |instance: &mut Instance| {
+        instance.set_up(start_s, has_tolerance.then_some(tolerance))?;
+        instance.enter_initialisation()
+    };
+    // SAFETY: the program's promise.
+    unsafe { call::<Sink>(component, enter) }
+}
+
+/// Defines functions that call one of the instance's without arguments.
+macro_rules! transitions {
+    ($($name:ident => $run:expr;)*) => {
+        $(
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn $name(component: *mut c_void) -> Status {
+                // SAFETY: the program's promise.
+                unsafe { call::<Sink>(component, $run) }
+            }
+        )*
+    };
+}
+
+transitions! {
+    fmi3ExitInitializationMode => |instance| instance.exit_initialisation();
+    fmi3Terminate => |instance| instance.terminate();
+    fmi3Reset => |instance| { instance.reset(); Ok(()) };
+    fmi3EnterEventMode => |_| absent(1, "event");
+    fmi3EnterStepMode => |_| Ok(());
+    fmi3EnterConfigurationMode => |_| absent(1, "structural parameter");
+    fmi3ExitConfigurationMode => |_| absent(1, "structural parameter");
+    fmi3EvaluateDiscreteStates => |_| Ok(());
+}
+
+/// Defines the functions that read and set variables of a type.
+macro_rules! accessors {
+    ($($get:ident, $set:ident, $value:ty, $kind:expr, $to:expr, $from:expr;)*) => {
+        $(
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn $get(
+                component: *mut c_void,
+                references: *const u32,
+                count: usize,
+                values: *mut $value,
+                values_count: usize,
+            ) -> Status {
+                // SAFETY: the program's promises.
+                unsafe {
+                    let (references, values) = (slice(references, count), slice_mut(values, values_count));
+                    call::<Sink>(component, |instance| read(instance, references, values, ($kind, $to)))
+                }
+            }
+
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn $set(
+                component: *mut c_void,
+                references: *const u32,
+                count: usize,
+                values: *const $value,
+                values_count: usize,
+            ) -> Status {
+                // SAFETY: the program's promises.
+                unsafe {
+                    let (references, values) = (slice(references, count), slice(values, values_count));
+                    call::<Sink>(component, |instance| write(instance, references, values, ($kind, $from)))
+                }
+            }
+        )*
+    };
+}
+
+accessors! {
+    fmi3GetFloat64, fmi3SetFloat64, f64, Type::Real, |value| value, |value| value;
+    fmi3GetInt32, fmi3SetInt32, i32, Type::Integer, |value| value as i32, f64::from;
+    fmi3GetBoolean, fmi3SetBoolean, bool, Type::Boolean, |value| value != 0.0,
+        |value| f64::from(u8::from(value));
+}
+
+/// Defines the functions for types that no unit has.
+macro_rules! absent_types {
+    ($($get:ident, $set:ident, $kind:literal;)*) => {
+        $(
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn $get(
+                component: *mut c_void,
+                _: *const u32,
+                count: usize,
+                _: *mut c_void,
+                _: usize,
+            ) -> Status {
+                // SAFETY: the program's promise.
+                unsafe { call::<Sink>(component, |_| absent(count, $kind)) }
+            }
+
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn $set(
+                component: *mut c_void,
+                _: *const u32,
+                count: usize,
+                _: *const c_void,
+                _: usize,
+            ) -> Status {
+                // SAFETY: the program's promise.
+                unsafe { call::<Sink>(component, |_| absent(count, $kind)) }
+            }
+        )*
+    };
+}
+
+absent_types! {
+    fmi3GetFloat32, fmi3SetFloat32, "Float32";
+    fmi3GetInt8, fmi3SetInt8, "Int8";
+    fmi3GetUInt8, fmi3SetUInt8, "UInt8";
+    fmi3GetInt16, fmi3SetInt16, "Int16";
+    fmi3GetUInt16, fmi3SetUInt16, "UInt16";
+    fmi3GetUInt32, fmi3SetUInt32, "UInt32";
+    fmi3GetInt64, fmi3SetInt64, "Int64";
+    fmi3GetUInt64, fmi3SetUInt64, "UInt64";
+    fmi3GetString, fmi3SetString, "String";
+}
+
+/// Defines functions of parts of the standard that no unit has. Only the first three arguments,
+/// which all of them share, are read.
+macro_rules! absent_parts {
+    ($($name:ident, $part:literal;)*) => {
+        $(
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn $name(component: *mut c_void, _: *const u32, count: usize) -> Status {
+                // SAFETY: the program's promise.
+                unsafe { call::<Sink>(component, |_| absent(count, $part)) }
+            }
+        )*
+    };
+}
+
+absent_parts! {
+    fmi3GetBinary, "Binary";
+    fmi3SetBinary, "Binary";
+    fmi3GetClock, "Clock";
+    fmi3SetClock, "Clock";
+    fmi3GetIntervalDecimal, "Clock";
+    fmi3GetIntervalFraction, "Clock";
+    fmi3GetShiftDecimal, "Clock";
+    fmi3GetShiftFraction, "Clock";
+    fmi3SetIntervalDecimal, "Clock";
+    fmi3SetIntervalFraction, "Clock";
+    fmi3SetShiftDecimal, "Clock";
+    fmi3SetShiftFraction, "Clock";
+    fmi3GetOutputDerivatives, "derivative of an output";
+    fmi3GetDirectionalDerivative, "directional derivative";
+    fmi3GetAdjointDerivative, "adjoint derivative";
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3GetNumberOfVariableDependencies(
+    component: *mut c_void,
+    _: u32,
+    _: *mut usize,
+) -> Status {
+    // SAFETY: the program's promise.
+    unsafe { call::<Sink>(component, |_| absent(1, "array")) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3GetVariableDependencies(component: *mut c_void, _: u32) -> Status {
+    // SAFETY: the program's promise.
+    unsafe { call::<Sink>(component, |_| absent(1, "array")) }
+}
+
+/// Defines functions for other kinds of units, which some programs require in every library. Only
+/// the first argument, which all of them share, is read.
+macro_rules! other_kinds {
+    ($($name:ident, $kind:literal;)*) => {
+        $(
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn $name(component: *mut c_void) -> Status {
+                // SAFETY: the program's promise.
+                unsafe { call::<Sink>(component, |_| absent(1, $kind)) }
+            }
+        )*
+    };
+}
+
+other_kinds! {
+    fmi3EnterContinuousTimeMode, "continuous state";
+    fmi3CompletedIntegratorStep, "continuous state";
+    fmi3SetTime, "continuous state";
+    fmi3SetContinuousStates, "continuous state";
+    fmi3GetContinuousStateDerivatives, "continuous state";
+    fmi3GetEventIndicators, "event";
+    fmi3GetContinuousStates, "continuous state";
+    fmi3GetNominalsOfContinuousStates, "continuous state";
+    fmi3GetNumberOfEventIndicators, "event";
+    fmi3GetNumberOfContinuousStates, "continuous state";
+    fmi3ActivateModelPartition, "model partition";
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3UpdateDiscreteStates(component: *mut c_void) -> Status {
+    // SAFETY: the program's promise.
+    unsafe { call::<Sink>(component, |_| absent(1, "event")) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3GetFMUState(component: *mut c_void, place: *mut *mut c_void) -> Status {
+    // SAFETY: the program's promises.
+    unsafe { call::<Sink>(component, |instance| save(instance, place)) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3SetFMUState(component: *mut c_void, saved: *mut c_void) -> Status {
+    // SAFETY: the program's promises.
+    unsafe { call::<Sink>(component, |instance| instance.restore(state(saved)?.clone())) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3FreeFMUState(component: *mut c_void, place: *mut *mut c_void) -> Status {
+    // SAFETY: the program's promises.
+    unsafe { call::<Sink>(component, |_| free_state(place)) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3SerializedFMUStateSize(
+    component: *mut c_void,
+    saved: *mut c_void,
+    size: *mut usize,
+) -> Status {
+    // SAFETY: the program's promises.
+    unsafe { call::<Sink>(component, |_| state_size(saved, size)) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3SerializeFMUState(
+    component: *mut c_void,
+    saved: *mut c_void,
+    bytes: *mut u8,
+    size: usize,
+) -> Status {
+    // SAFETY: the program's promises.
+    unsafe { call::<Sink>(component, |_| serialise(saved, bytes, size)) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3DeserializeFMUState(
+    component: *mut c_void,
+    bytes: *const u8,
+    size: usize,
+    place: *mut *mut c_void,
+) -> Status {
+    // SAFETY: the program's promises.
+    unsafe { call::<Sink>(component, |_| deserialise(bytes, size, place)) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3DoStep(
+    component: *mut c_void,
+    start_s: f64,
+    step_s: f64,
+    _no_return_before: bool,
+    event_needed: *mut bool,
+    terminate: *mut bool,
+    early_return: *mut bool,
+    last_time_s: *mut f64,
+) -> Status {
+    // SAFETY: the program's promises.
+    unsafe {
+        for flag in [event_needed, terminate, early_return] {
+            flag.as_mut().into_iter().for_each(|flag| *flag = false);
+        }
+        let status = call::<Sink>(component, |instance| instance.step(start_s, step_s));
+        let reached_s = if status == Status::Ok { start_s + step_s } else { start_s };
+        last_time_s.as_mut().into_iter().for_each(|place| *place = reached_s);
+        status
+    }
+}
