@@ -2,3 +2,4 @@
 
 pub(crate) mod export;
 mod libraries;
+pub(crate) mod plant;

@@ -5,6 +5,7 @@ use super::force::ForceSource;
 use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
 use crate::controller::choice::ProbeOptions;
+use crate::fmu::plant::PlantOptions;
 use crate::serve::options::ServeOptions;
 use clap::{ArgGroup, Args, Parser, ValueEnum};
 use link::ContactSource;
@@ -53,6 +54,7 @@ impl From<ContactChoice> for ContactSource {
     host-sim run --cycles 20 --serve\n  \
     host-sim run --serve 127.0.0.1:0 --watch-speed 0.1 --serve-for 60\n  \
     HOST_SIM_SERVE_TOKEN=$(openssl rand -hex 16) host-sim run --serve 0.0.0.0:8750\n  \
+    host-sim run --plant-fmu shaft.fmu --plant-output journal_y_m=shaft.y --plant-input force_y_n=shaft.fy\n  \
     host-sim run --controller attached --port /dev/ttyUSB0 --on-restart continue --record out/run/link.rec")]
 pub struct RunArgs {
     /// The bench.
@@ -114,6 +116,9 @@ pub struct RunArgs {
     /// Server of the live view in browsers.
     #[command(flatten)]
     pub serve: ServeOptions,
+    /// Plant of another program.
+    #[command(flatten)]
+    pub plant: PlantOptions,
     /// Folder for log.csv, estimates.csv, impacts.csv, estimated_impacts.csv, run.json and
     /// report.html; of three or more cycles cycles.csv; on a bench in two planes tilt.csv.
     #[arg(long, default_value = "out/run", value_name = "DIR")]
@@ -156,6 +161,7 @@ impl RunArgs {
             ("--record", self.record.is_some(), with_controller),
             ("--watch", self.watch, with_controller),
             ("--serve", self.serve.serve.is_some(), with_controller),
+            ("--plant-fmu", self.plant.plant_fmu.is_some(), with_controller),
             ("--step-us", !has_networks && self.step_us != own.step_us, "a contact with networks"),
         ];
         match changed.into_iter().find(|(_, is_changed, _)| *is_changed) {

@@ -2,6 +2,8 @@
 //! the quantised networks.
 
 use crate::cli::error::CliError;
+use crate::fmu::plant::PlantFigures;
+use crate::run::networks::Networks;
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
 use bench::plants::transmission::{BearingForces, ContactView, Transmission};
@@ -10,10 +12,8 @@ use bench::simulate::peaks::{Peak, peaks_with_bars};
 use bench::simulate::{DEFAULT_TOLERANCE, Run, run_bench_with_law, run_with_held_force, snapshots};
 use bench::sticking_plants;
 use clap::ValueEnum;
-use inference::{Flags, Model, Pair, shipped};
-use model_quant::network::float_pair::FloatPair;
+use inference::{Flags, shipped};
 use model_quant::network::shipped::shipped_checkpoint;
-use pintle_fmu::contact_state;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -73,6 +73,8 @@ pub struct ForcedRun {
     pub tilt: Option<Tilt>,
     /// The slices at every sample, on a bench in two planes.
     pub tilting: Vec<TwoPlaneSnapshot>,
+    /// Unit of another program that was the plant.
+    pub plant: Option<PlantFigures>,
 }
 
 /// Largest tilt of a run.
@@ -170,7 +172,7 @@ fn run_tilting(bench: &TransmissionBench, source: ForceSource) -> Result<ForcedR
 }
 
 impl ForcedRun {
-    fn from_run(run: Run) -> Self {
+    pub(crate) fn from_run(run: Run) -> Self {
         Self {
             run,
             wall_s: 0.0,
@@ -179,6 +181,7 @@ impl ForcedRun {
             without_contact_n: 0.0,
             tilt: None,
             tilting: Vec::new(),
+            plant: None,
         }
     }
 }
@@ -205,7 +208,6 @@ fn run_planar(
     }
     let plant = &Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let (samples_s, end_s) = (&bench.sample_times_s(SAMPLE_RATE_HZ), bench.duration_s());
-    let bearing = bench.bearing.material;
     let every = ((end_s / step_s / 100.0) as usize).max(1);
     let (mut steps, mut contacts, mut outside) = (0_usize, 0_usize, 0_usize);
     let mut without_contact_n = 0.0_f64;
@@ -228,23 +230,11 @@ fn run_planar(
             let law = plant.law(view);
             held(view, [law.normal_n, law.friction_n], Flags::NONE)
         })?,
-        ForceSource::FloatNet => {
-            let mut pair =
-                FloatPair::new(bearing).map_err(|e| CliError::Work(format!("shipped checkpoint: {e}")))?;
+        ForceSource::FloatNet | ForceSource::QuantisedNet => {
+            let mut networks = Networks::new(source, bench.bearing.material)?;
             run_with_held_force(plant, end_s, samples_s, step_s, |view| {
-                let estimate = pair.push(&contact_state(view));
-                let forces = [estimate.normal_force_n, estimate.friction_force_n].map(f64::from);
-                held(view, forces, estimate.flags)
-            })?
-        }
-        ForceSource::QuantisedNet => {
-            let model =
-                Model::load(shipped(bearing)).map_err(|e| CliError::Work(format!("shipped image: {e}")))?;
-            let mut pair: Pair = Pair::new(model);
-            run_with_held_force(plant, end_s, samples_s, step_s, |view| {
-                let estimate = pair.push(&contact_state(view));
-                let forces = [estimate.normal_force_n(), estimate.friction_force_n()].map(f64::from);
-                held(view, forces, estimate.flags)
+                let (forces, flags) = networks.push(view);
+                held(view, forces, flags)
             })?
         }
     };

@@ -4,15 +4,14 @@
 use super::RunArgs;
 use super::arguments::communication_step_s;
 use super::force::ForceSource;
+use super::networks::Networks;
 use crate::cli::error::CliError;
 use bench::BearingMaterial;
 use bench::description::MechanismBench;
 use bench::plants::mechanism::{HeldForces, MechanismRun};
 use bench::plants::transmission::{BearingForces, ContactView};
 use bench::simulate::RunWithBars;
-use inference::{Flags, Model, Pair, shipped};
-use model_quant::network::float_pair::FloatPair;
-use pintle_fmu::contact_state;
+use inference::Flags;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -25,38 +24,6 @@ pub(crate) struct NetworkFigures {
     outside_training_share: f64,
     /// Largest force of a network without contact.
     without_contact_n: f64,
-}
-
-/// Networks of one contact with their history.
-enum Networks {
-    Float(Box<FloatPair>),
-    Quantised(Box<Pair<'static>>),
-}
-
-impl Networks {
-    fn new(source: ForceSource, bearing: BearingMaterial) -> Result<Self, CliError> {
-        let refused = |error: String| CliError::Work(format!("shipped networks: {error}"));
-        if source == ForceSource::FloatNet {
-            let pair = FloatPair::new(bearing).map_err(|error| refused(error.to_string()))?;
-            return Ok(Self::Float(Box::new(pair)));
-        }
-        let model = Model::load(shipped(bearing)).map_err(|error| refused(error.to_string()))?;
-        Ok(Self::Quantised(Box::new(Pair::new(model))))
-    }
-
-    /// Normal and friction force in N, and the flags of the estimate.
-    fn push(&mut self, view: &ContactView) -> ([f64; 2], Flags) {
-        match self {
-            Self::Float(pair) => {
-                let found = pair.push(&contact_state(view));
-                ([found.normal_force_n, found.friction_force_n].map(f64::from), found.flags)
-            }
-            Self::Quantised(pair) => {
-                let found = pair.push(&contact_state(view));
-                ([found.normal_force_n(), found.friction_force_n()].map(f64::from), found.flags)
-            }
-        }
-    }
 }
 
 /// Chooses the source of the contact forces and refuses one that the mechanism cannot have.

@@ -14,6 +14,7 @@ pub mod magnitude;
 pub(crate) mod mechanism;
 mod mechanism_networks;
 mod mechanism_sketch;
+pub(crate) mod networks;
 pub(crate) mod page;
 pub(crate) mod report;
 pub mod same_signals;
@@ -29,6 +30,7 @@ pub use arguments::{ControllerChoice, RunArgs};
 use crate::cli::error::CliError;
 use crate::cli::progress;
 use crate::controller::Recording;
+use crate::fmu::plant::PlantUnit;
 use crate::live::LiveViews;
 use crate::live::pace::Pace;
 use crate::serve::Server;
@@ -93,29 +95,29 @@ pub(crate) fn execute_live(args: &RunArgs, server: Option<&Server>) -> Result<Fi
 
     let bar = progress::bar(progress::PERCENT);
     bar.set_message(format!("bench with {}", args.force().name()));
-    let forced = force::run_bench(&resolved, args.force(), step_s, || bar.inc(1))?;
+    let unit = PlantUnit::open(&args.plant)?;
+    let forced = match &unit {
+        Some(unit) => unit.run(&resolved, args.force(), step_s, || bar.inc(1))?,
+        None => force::run_bench(&resolved, args.force(), step_s, || bar.inc(1))?,
+    };
+    let is_controlled = args.force() == ForceSource::Law && unit.is_none();
     let mut summary = Summary {
         figures: Figures::from_run(&resolved, args.force(), &forced, SAMPLE_RATE_HZ),
-        tolerance: (args.force() == ForceSource::Law).then_some(DEFAULT_TOLERANCE),
-        communication_step_s: (args.force() != ForceSource::Law).then_some(step_s),
+        tolerance: is_controlled.then_some(DEFAULT_TOLERANCE),
+        communication_step_s: (!is_controlled).then_some(step_s),
         wall_s: forced.wall_s,
         wall_s_per_simulated_s: forced.wall_s / resolved.duration_s(),
-        energy: forced
-            .run
-            .energy
-            .terms()
-            .map(|(name, value)| (name.to_owned(), value.into()))
-            .into_iter()
-            .collect(),
+        energy: if unit.is_some() { Default::default() } else { energy_terms(&forced) },
         peaks: forced.peaks.iter().map(PeakRow::from).collect(),
         law_peaks: Vec::new(),
         tilt: forced.tilt,
-        servo: servo::ServoFigures::from_run(&resolved, &forced.run.samples),
-        settled: settled::describe(&resolved, &forced.run, args.seed),
+        servo: servo::ServoFigures::from_run(&resolved, &forced.run.samples).filter(|_| unit.is_none()),
+        settled: settled::describe(&resolved, &forced.run, args.seed).filter(|_| unit.is_none()),
+        plant: forced.plant.clone(),
         estimator: None,
         against_law: None,
     };
-    let law = if args.force() == ForceSource::Law {
+    let law = if is_controlled || unit.is_some() {
         None
     } else {
         let law = force::run_bench(&resolved, ForceSource::Law, step_s, || {})?;
@@ -157,6 +159,12 @@ pub(crate) fn execute_live(args: &RunArgs, server: Option<&Server>) -> Result<Fi
     }
     bar.finish_and_clear();
     Ok(Finished { bench: resolved, summary, forced, law, exchange, recording })
+}
+
+/// Terms of the energy balance in J, and its relative residual.
+fn energy_terms(forced: &ForcedRun) -> serde_json::Map<String, serde_json::Value> {
+    let terms = forced.run.energy.terms();
+    terms.map(|(name, value)| (name.to_owned(), value.into())).into_iter().collect()
 }
 
 /// Title of a run's live views.

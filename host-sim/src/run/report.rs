@@ -26,7 +26,10 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         row("largest deformation", format!("{:.1} um", figures.max_deformation_m * 1e6)),
         row("oscillation, rms", format!("{:.0} N", figures.oscillation_rms_n)),
         row("periods in contact", figures.contacts.to_string()),
-        row("energy residual", format!("{:.1e}", figures.energy_residual_rel)),
+        row(
+            "energy residual",
+            figures.energy_residual_rel.map_or_else(|| "unknown".into(), |rel| format!("{rel:.1e}")),
+        ),
         row("outside the training range", format!("{:.2} %", 100.0 * figures.outside_training_share)),
         row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
     ];
@@ -210,6 +213,9 @@ pub(super) fn recorded_rows(finished: &Finished) -> Vec<Vec<String>> {
 }
 
 pub(super) fn energy_rows(finished: &Finished) -> Vec<Vec<String>> {
+    if finished.forced.plant.is_some() {
+        return vec![vec!["balance".into(), "unknown: the plant is that of another program".into()]];
+    }
     finished.forced.run.energy.terms().iter().map(|(name, value)| vec![label(name), number(*value)]).collect()
 }
 

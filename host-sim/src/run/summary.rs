@@ -1,5 +1,6 @@
 //! The figures of a run, with the stable names of the machine-readable output.
 
+use crate::fmu::plant::PlantFigures;
 use crate::run::estimator_summary::EstimatorSummary;
 use crate::run::force::{ForceSource, ForcedRun, Tilt};
 use crate::run::magnitude::{after_start, peak};
@@ -53,8 +54,9 @@ pub struct Figures {
     /// Sticking of the contact; absent with a friction law that does not stick.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sticking: Option<Sticking>,
-    /// Energy residual relative to the drive's absolute work.
-    pub energy_residual_rel: f64,
+    /// Energy residual relative to the drive's absolute work; none with the plant of another
+    /// program.
+    pub energy_residual_rel: Option<f64>,
     /// Share of the contact samples outside the networks' training range.
     pub outside_training_share: f64,
     /// Error bars of the peaks, in their units.
@@ -160,6 +162,9 @@ pub struct Summary {
     /// Settled operation, of a run with at least three cycles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settled: Option<Settled>,
+    /// Unit of another program that was the plant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<PlantFigures>,
     /// Results of the estimator, if there was a controller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSummary>,
@@ -222,7 +227,7 @@ impl Figures {
             contacts: forced.run.impacts.len(),
             sticking: Sticking::new(Some(&bench.friction), &forced.run.impacts)
                 .filter(|_| force == ForceSource::Law),
-            energy_residual_rel: forced.run.energy_residual_rel,
+            energy_residual_rel: forced.plant.is_none().then_some(forced.run.energy_residual_rel),
             outside_training_share: forced.outside_training_share,
             error_bars: PerPeak::read(&forced.peaks, |p| p.error_bar),
             peak_times_s: PerPeak::read(&forced.peaks, |p| p.time_s),

@@ -34,7 +34,8 @@ impl Start<'_> {
     /// First step in s to try in a span.
     pub(super) fn first_step_s(&self, span_s: f64, largest_step_s: f64) -> f64 {
         match self {
-            Self::Resumed(pause) if pause.step_s > 0.0 => pause.step_s.min(span_s),
+            // The last step may have been cut to a rest of rounding.
+            Self::Resumed(pause) if pause.step_s > 0.0 => pause.step_s.clamp(span_s * 1e-3, span_s),
             _ => span_s.min(largest_step_s) * 1e-3,
         }
     }

@@ -116,7 +116,8 @@ fn integrate_phases<P: SlicedPlant<N>, const N: usize>(
     start(&mut method, &contacts.phase, (start_s, end_s), &initial)?;
     let mut next_sample = samples_s.partition_point(|&t| t < start_s);
     let (mut steps, mut step_s) = (0, method.h0);
-    while method.t() < end_s {
+    // A step to the end may miss it by rounding, which leaves no interval to integrate.
+    while end_s - method.t() > f64::EPSILON * end_s.abs() {
         if steps >= limit {
             return Err(IntegrationError::TooManySteps { steps, limit, time_s: method.t() });
         }

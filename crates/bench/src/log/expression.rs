@@ -25,12 +25,15 @@ const FUNCTIONS_OF_TWO: [(&str, Binary); 1] = [("atan2", f64::atan2)];
 const CONSTANTS: [(&str, f64); 2] = [("pi", core::f64::consts::PI), ("deg", core::f64::consts::PI / 180.0)];
 
 /// Reason why a text is no expression.
-#[derive(Debug, PartialEq)]
-pub(super) struct SyntaxError {
-    pub(super) found: String,
+#[derive(Debug, PartialEq, thiserror::Error)]
+#[error("character {position}: found {found}; expected {expected}")]
+pub struct SyntaxError {
+    /// Part that was found.
+    pub found: String,
     /// Character of the text, from 1.
-    pub(super) position: usize,
-    pub(super) expected: &'static str,
+    pub position: usize,
+    /// Part that was expected.
+    pub expected: &'static str,
 }
 
 /// Step of an evaluation on a stack.
@@ -46,22 +49,22 @@ enum Operation {
 
 /// An expression whose columns have been looked up.
 #[derive(Debug, Default)]
-pub(super) struct Expression {
+pub struct Expression {
     /// Indices of the columns, each once.
-    pub(super) columns: Vec<usize>,
+    pub columns: Vec<usize>,
     /// Names that are no columns, each once.
-    pub(super) unknown: Vec<String>,
+    pub unknown: Vec<String>,
     operations: Vec<Operation>,
 }
 
 impl Expression {
     /// The expression that is one column.
-    pub(super) fn column(index: usize) -> Self {
+    pub fn column(index: usize) -> Self {
         Self { columns: vec![index], operations: vec![Operation::Column(0)], ..Self::default() }
     }
 
     /// Parses a text; `locate` returns the index of a column by name.
-    pub(super) fn parse(text: &str, locate: &dyn Fn(&str) -> Option<usize>) -> Result<Self, SyntaxError> {
+    pub fn parse(text: &str, locate: &dyn Fn(&str) -> Option<usize>) -> Result<Self, SyntaxError> {
         if text.len() > MAX_LENGTH {
             let found = format!("more than {MAX_LENGTH} bytes");
             return Err(SyntaxError { found, position: 1, expected: "a shorter expression" });
@@ -75,7 +78,7 @@ impl Expression {
     }
 
     /// Value for the readings of the columns in one row; `stack` is working memory.
-    pub(super) fn value(&self, readings: &[f64], stack: &mut Vec<f64>) -> f64 {
+    pub fn value(&self, readings: &[f64], stack: &mut Vec<f64>) -> f64 {
         stack.clear();
         for operation in &self.operations {
             let value = match *operation {

@@ -11,6 +11,7 @@ mod reader;
 mod resample;
 
 pub use error::LogError;
+pub use expression::{Expression, SyntaxError};
 pub(crate) use format::columns;
 pub use format::{Column, ColumnId, Columns, LogFormat, Separator, TIME, TextFormat, is_signal};
 pub use measured::MeasuredLog;

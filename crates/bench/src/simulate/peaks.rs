@@ -48,7 +48,7 @@ pub struct Extremes([(f64, f64); QUANTITIES.len()]);
 
 impl Extremes {
     /// Adds the state of the bench at one time.
-    pub(crate) fn update(&mut self, snapshot: &Snapshot) {
+    pub fn update(&mut self, snapshot: &Snapshot) {
         for ((largest, time_s), (_, read)) in self.0.iter_mut().zip(QUANTITIES) {
             let size = read(snapshot).abs();
             if size > *largest {

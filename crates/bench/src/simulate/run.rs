@@ -208,7 +208,7 @@ pub fn run_with_held_force(
             next_sample += 1;
         }
     }
-    impacts.extend(memory.impact);
+    impacts.extend(memory.contact.impact);
     let end_s = count as f64 * step_s;
     let energy = plant.audit((0.0, &initial), (end_s, memory.state())).with_hold_loss(hold_loss_j);
     Ok(Run { extremes: Some(extremes), ..Run::new((samples, losses_j), (impacts, count), energy) })

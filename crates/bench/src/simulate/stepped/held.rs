@@ -1,10 +1,70 @@
 //! Steps of the transmission bench under a bearing force that is held over each of them.
 
-use crate::integrate::{ContactPlant, Impact, IntegrationError};
+use crate::integrate::{ContactAngles, ContactPlant, Impact, IntegrationError};
 use crate::plants::transmission::{
     BearingForces, ContactView, OnShaft, STATES, Snapshot, State, Transmission,
 };
 use serde::{Deserialize, Serialize};
+
+/// Contact whose force is held over each step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HeldContact {
+    /// Approach speed at the onset of the contact in m/s; none in a gap.
+    latched_m_s: Option<f64>,
+    /// Period in contact so far; none in a gap.
+    pub impact: Option<Impact>,
+}
+
+impl HeldContact {
+    /// Latched approach speed in m/s; 0 in a gap.
+    pub fn latched_m_s(&self) -> f64 {
+        self.latched_m_s.unwrap_or_default()
+    }
+
+    /// Opens or closes the latch for a view, writes the latched speed into it, and returns the
+    /// period in contact that has ended.
+    pub fn switch(
+        &mut self,
+        time_s: f64,
+        view: &mut ContactView,
+        angles: impl FnOnce() -> ContactAngles,
+    ) -> Option<Impact> {
+        let touches = view.deformation_m > 0.0;
+        view.latched_m_s = self.latched_m_s();
+        if touches == self.latched_m_s.is_some() {
+            return None;
+        }
+        if touches {
+            view.latched_m_s = view.rate_m_s.max(0.0);
+            self.latched_m_s = Some(view.latched_m_s);
+            self.impact = Some(Impact {
+                onset_s: time_s,
+                peak_s: time_s,
+                approach_speed_m_s: view.latched_m_s,
+                angles: angles(),
+                ..Impact::default()
+            });
+            return None;
+        }
+        (self.latched_m_s, view.latched_m_s) = (None, 0.0);
+        let mut ended = self.impact.take()?;
+        ended.separation_s = Some(time_s);
+        ended.separation_speed_m_s = -view.rate_m_s;
+        Some(ended)
+    }
+
+    /// Adds a step with a normal force to the open period in contact.
+    pub fn measure(&mut self, (time_s, step_s): (f64, f64), view: &ContactView, normal_n: f64) {
+        let Some(impact) = &mut self.impact else { return };
+        impact.max_deformation_m = impact.max_deformation_m.max(view.deformation_m);
+        let work_j = normal_n * view.rate_m_s * step_s;
+        impact.energy_lost_j += work_j;
+        impact.compression_work_j += work_j.max(0.0);
+        if normal_n > impact.peak_force_n {
+            (impact.peak_force_n, impact.peak_s) = (normal_n, time_s);
+        }
+    }
+}
 
 /// State of the bench under a held force between two steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,10 +72,7 @@ pub(in crate::simulate) struct HeldMemory {
     pub(super) state: State,
     /// Rates at the state, which extrapolate it to the middle of the next step.
     rates: State,
-    /// Approach speed at the onset of the contact in m/s; none in a gap.
-    latched_m_s: Option<f64>,
-    /// Period in contact so far; none in a gap.
-    pub(in crate::simulate) impact: Option<Impact>,
+    pub(in crate::simulate) contact: HeldContact,
 }
 
 /// Readings of one step under a held force.
@@ -35,12 +92,7 @@ impl HeldMemory {
     pub(in crate::simulate) fn start(plant: &Transmission, time_s: f64) -> Self {
         let (state, mut rates) = (plant.initial_state(time_s), [0.0; STATES]);
         plant.dynamics(time_s, &state, &OnShaft::default(), &mut rates);
-        Self { state, rates, latched_m_s: None, impact: None }
-    }
-
-    /// Latched approach speed in m/s; 0 in a gap.
-    pub(super) fn latched_m_s(&self) -> f64 {
-        self.latched_m_s.unwrap_or_default()
+        Self { state, rates, contact: HeldContact::default() }
     }
 
     /// State reached.
@@ -62,22 +114,15 @@ impl HeldMemory {
         let half = 0.5 * step_s;
         let middle: State = std::array::from_fn(|i| self.state[i] + half * self.rates[i]);
         let geometry = plant.geometry(time_s + half, &middle);
-        let mut view = plant.view(&geometry, self.latched_m_s());
-        let ended = self.switch(plant, time_s, &mut view);
+        let mut view = plant.view(&geometry, 0.0);
+        let state = &self.state;
+        let ended = self.contact.switch(time_s, &mut view, || plant.angles(time_s, state));
         let forces = plant.with_effects(time_s + half, &middle, &view, force(&view));
         if !(forces.normal_n.is_finite() && forces.friction_n.is_finite()) {
             return Err(stopped("the bearing force is not finite"));
         }
-        if let Some(impact) = &mut self.impact {
-            impact.max_deformation_m = impact.max_deformation_m.max(view.deformation_m);
-            let work_j = forces.normal_n * view.rate_m_s * step_s;
-            impact.energy_lost_j += work_j;
-            impact.compression_work_j += work_j.max(0.0);
-            if forces.normal_n > impact.peak_force_n {
-                (impact.peak_force_n, impact.peak_s) = (forces.normal_n, time_s);
-            }
-        }
-        let snapshot = plant.snapshot(time_s, &self.state, self.latched_m_s(), forces);
+        self.contact.measure((time_s, step_s), &view, forces.normal_n);
+        let snapshot = plant.snapshot(time_s, &self.state, self.contact.latched_m_s(), forces);
         let losses_j = plant.losses_j(&self.state);
         let bearing = plant.on_shaft_at(&geometry, &forces);
         let hold_loss_j;
@@ -87,31 +132,6 @@ impl HeldMemory {
         } else {
             Err(stopped("the state is no longer finite"))
         }
-    }
-
-    /// Opens or closes the latch and the impact, and returns the impact that has ended.
-    fn switch(&mut self, plant: &Transmission, time_s: f64, view: &mut ContactView) -> Option<Impact> {
-        let touches = view.deformation_m > 0.0;
-        if touches == self.latched_m_s.is_some() {
-            return None;
-        }
-        if touches {
-            view.latched_m_s = view.rate_m_s.max(0.0);
-            self.latched_m_s = Some(view.latched_m_s);
-            self.impact = Some(Impact {
-                onset_s: time_s,
-                peak_s: time_s,
-                approach_speed_m_s: view.latched_m_s,
-                angles: plant.angles(time_s, &self.state),
-                ..Impact::default()
-            });
-            return None;
-        }
-        (self.latched_m_s, view.latched_m_s) = (None, 0.0);
-        let mut ended = self.impact.take()?;
-        ended.separation_s = Some(time_s);
-        ended.separation_speed_m_s = -view.rate_m_s;
-        Some(ended)
     }
 }
 

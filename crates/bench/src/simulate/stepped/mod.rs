@@ -5,6 +5,7 @@ mod held;
 mod mechanism;
 mod transmission;
 
+pub use held::HeldContact;
 pub(super) use held::HeldMemory;
 pub use mechanism::{MechanismMemory, SteppedMechanism};
 pub use transmission::{BenchMemory, External, SteppedBench};

@@ -114,10 +114,10 @@ impl SteppedBench {
         for step in 0..count {
             let time_s = start_s + f64::from(step) * step_s;
             let Kind::Held(held) = &mut memory.kind else { return Err(other_kind(time_s)) };
-            let was_touching = held.0.impact.is_some();
+            let was_touching = held.0.contact.impact.is_some();
             let moment = held.0.step(&self.plant, time_s, step_s, force)?;
             held.1 = [moment.snapshot.forces.normal_n, moment.snapshot.forces.friction_n];
-            let impact = held.0.impact;
+            let impact = held.0.contact.impact;
             for impact in moment.ended.into_iter().chain(impact) {
                 memory.count(&impact, !was_touching);
             }
@@ -137,7 +137,7 @@ impl SteppedBench {
             Kind::Held(held) => {
                 let (HeldMemory { state, .. }, [normal_n, friction_n]) = &**held;
                 let forces = BearingForces { normal_n: *normal_n, friction_n: *friction_n };
-                let latched_m_s = held.0.latched_m_s();
+                let latched_m_s = held.0.contact.latched_m_s();
                 return self.plant.snapshot(time_s, state, latched_m_s, forces);
             }
             Kind::Law(law) => law,
