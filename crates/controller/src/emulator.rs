@@ -11,6 +11,6 @@ pub const MACHINE: &str = "netduinoplus2";
 /// Frequency of the emulated SysTick, Hz.
 pub const SYSTICK_HZ: u32 = PLL_HZ;
 /// Duration of an instruction in emulated time, ns.
-pub const INSTRUCTION_NS: u32 = 64;
+const INSTRUCTION_NS: u32 = 64;
 /// SysTick counts of an instruction: 10.752.
 pub const TICKS_PER_INSTRUCTION: f64 = SYSTICK_HZ as f64 * INSTRUCTION_NS as f64 / 1e9;

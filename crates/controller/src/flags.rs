@@ -7,7 +7,7 @@ use inference::Flags;
 /// uncertainty explain. The deviations of force and torque are wider then.
 pub const MODEL_MISFIT: Flags = Flags::from_bits(1 << 15);
 /// The journal is further outside the clearance than any bearing deforms
-/// ([`crate::estimator::MAX_DEFORMATION_NM`]).
+/// (`MAX_DEFORMATION_NM` in `estimator/plausibility.rs`).
 pub const IMPLAUSIBLE_POSITION: Flags = Flags::from_bits(1 << 16);
 /// A sensor moved further since the last sample than the machine can; the sample is predicted.
 pub const JUMP: Flags = Flags::from_bits(1 << 17);
@@ -58,7 +58,7 @@ pub const SENSOR_FAULT: Flags = Flags::from_bits(
 );
 
 /// Flags about the networks alone: no reason to distrust an estimate with the law as its source.
-pub const NETWORK_FAULT: Flags = Flags::from_bits(
+pub(crate) const NETWORK_FAULT: Flags = Flags::from_bits(
     NETWORK_OUTSIDE_LAW.bits()
         | Flags::NON_FINITE.bits()
         | Flags::WARMING_UP.bits()

@@ -28,7 +28,7 @@ pub struct CollisionColumn {
     /// without contact.
     pub root_force_factor_q30: u32,
     /// Inputs that lie outside the training range.
-    pub flags: Flags,
+    pub(crate) flags: Flags,
 }
 
 /// Feature formulas with the constants of one image.

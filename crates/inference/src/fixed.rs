@@ -6,7 +6,7 @@
 /// Returns `numerator / denominator` times 2^32; `u32::MAX` from 1 on and for a denominator of 0.
 /// The result is never too high and at most 12 counts too low (9 in 4e8 random pairs).
 #[inline]
-pub fn fraction(numerator: u32, denominator: u32) -> u32 {
+pub(crate) fn fraction(numerator: u32, denominator: u32) -> u32 {
     let shift = denominator.leading_zeros() & 31;
     let (scaled, divisor) = (numerator << shift, denominator << shift);
     // Larger than the high half of the divisor, so no digit becomes too large.
@@ -21,21 +21,21 @@ pub fn fraction(numerator: u32, denominator: u32) -> u32 {
 /// Returns [`fraction`] of two 64-bit numbers, both rounded down to 32 significant bits of the
 /// denominator. The numerator must not exceed the denominator, or it is truncated.
 #[inline]
-pub fn fraction_wide(numerator: u64, denominator: u64) -> u32 {
+pub(crate) fn fraction_wide(numerator: u64, denominator: u64) -> u32 {
     let shift = 32u32.saturating_sub(denominator.leading_zeros());
     fraction((numerator >> shift) as u32, (denominator >> shift) as u32)
 }
 
 /// Division by a constant as a multiplication with its reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Reciprocal {
+pub(crate) struct Reciprocal {
     multiplier: u32,
     shift: u32,
 }
 
 impl Reciprocal {
     /// Prepares the division by a number above 0.
-    pub fn new(denominator: u32) -> Self {
+    pub(crate) fn new(denominator: u32) -> Self {
         let shift = 31u32.saturating_sub(denominator.leading_zeros());
         let multiplier = (1u64 << 32).wrapping_shl(shift) / u64::from(denominator.max(1));
         // The reciprocal of a power of two needs 33 bits; one count less is used.
@@ -44,7 +44,7 @@ impl Reciprocal {
 
     /// Returns `numerator / denominator` times 2^`fraction_bits` (0 to 32), saturated.
     #[inline]
-    pub fn fraction(self, numerator: u32, fraction_bits: u32) -> u32 {
+    pub(crate) fn fraction(self, numerator: u32, fraction_bits: u32) -> u32 {
         let product = u64::from(numerator).wrapping_mul(u64::from(self.multiplier));
         let value = product >> (self.shift.wrapping_add(32).wrapping_sub(fraction_bits) & 63);
         value.min(u64::from(u32::MAX)) as u32
@@ -56,7 +56,7 @@ impl Reciprocal {
 /// Two Newton steps from a linear start value. The square root of the standard library branches on
 /// small numbers.
 #[inline]
-pub fn root(fraction: u32) -> u32 {
+pub(crate) fn root(fraction: u32) -> u32 {
     // Normalised by an even shift to 2^30..2^32, where 0.686 x + 22102 is within 3 % of the root of
     // 2^16 x.
     let shift = (fraction | 1).leading_zeros() & !1;

@@ -44,7 +44,7 @@ impl ContactState {
 
     /// Decides whether the rate of the deformation and the approach speed fit into a [`Sample`]. If
     /// not, their ratio changes in the conversion.
-    pub fn rates_fit(&self) -> bool {
+    pub(crate) fn rates_fit(&self) -> bool {
         let rate_nm_s = scaled(self.deformation_rate_m_s, 1e9);
         // The conversion to integers saturates below 2^31 and 2^32.
         rate_nm_s > -2_147_483_648.0

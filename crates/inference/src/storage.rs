@@ -47,7 +47,7 @@ pub const fn groups<S: Storage>(taps: usize) -> usize {
 
 /// Number of words of a convolution's output with this number of taps: its groups, its bias and its
 /// multiplier.
-pub const fn scaled_groups<S: Storage>(taps: usize) -> usize {
+pub(crate) const fn scaled_groups<S: Storage>(taps: usize) -> usize {
     groups::<S>(taps).wrapping_add(2)
 }
 

@@ -75,7 +75,7 @@ pub struct Wiring {
 impl Wiring {
     /// Probes of 2 mm over 10 V from +y and +z on inputs 0 and 1, 1 mm from the centred journal; a
     /// transmitter of 250 bar over 250 ohm on input 2 and a piston of 20 cm2: 50 kN.
-    pub const NOMINAL: Self = Self {
+    pub(crate) const NOMINAL: Self = Self {
         probe_inputs: [0, 1],
         load_input: 2,
         probe_range: InputRange::Unipolar10V,

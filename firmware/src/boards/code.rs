@@ -62,7 +62,7 @@ pub fn code_check() -> CodeCheck {
 
 /// Reads a word of the flash.
 #[must_use]
-pub fn code_word(address: usize) -> u32 {
+pub(super) fn code_word(address: usize) -> u32 {
     #[expect(unsafe_code, reason = "the check's addresses are those of flash, in whole words")]
     unsafe {
         (address as *const u32).read_volatile()

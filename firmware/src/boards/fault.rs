@@ -13,7 +13,8 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SCB;
 use link::start::{FaultKind, ResetReason, StartReport};
 
-use super::{build_id, memory};
+use super::image::build_id;
+use super::memory;
 use controller::supervisor::record::build_hash;
 use controller::supervisor::start::{Status, given_up, report};
 

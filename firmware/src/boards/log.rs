@@ -61,4 +61,4 @@ unsafe impl defmt::Logger for Logger {
     }
 }
 
-defmt::timestamp!("{=u32:us}", super::uptime_us());
+defmt::timestamp!("{=u32:us}", super::timer::uptime_us());

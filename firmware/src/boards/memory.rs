@@ -96,7 +96,7 @@ pub fn stack_mark() -> Mark {
 }
 
 /// Searches further and returns the result so far.
-pub fn stack_used(mark: &mut Mark) -> StackReport {
+pub(super) fn stack_used(mark: &mut Mark) -> StackReport {
     const WORDS_A_CALL: usize = 128;
     let lowest = guard_end() as *const u32;
     mark.search(WORDS_A_CALL, |index| {

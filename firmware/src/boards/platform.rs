@@ -5,7 +5,10 @@ use controller::supervisor::paint::Mark;
 use controller::supervisor::{Attendance, Party};
 use link::start::StackReport;
 
-use super::{Timer, check_in, code_word, stack_used, uptime_us};
+use super::check_in::check_in;
+use super::code::code_word;
+use super::memory::stack_used;
+use super::timer::{Timer, uptime_us};
 
 /// Register of check-ins and timer of the work in lockstep.
 pub struct Platform<'a> {

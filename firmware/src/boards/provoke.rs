@@ -6,21 +6,13 @@
 //! is wrong on purpose.
 
 use core::hint::black_box;
-use core::sync::atomic::{AtomicU8, Ordering};
 
 use cortex_m_semihosting::nr;
 use link::start::{ResetReason, StartReport};
 
-use super::{check_in, memory};
+use super::check_in::{check_in, keep_away};
+use super::memory;
 use controller::supervisor::{Attendance, Party};
-
-/// Bits of the parties that no longer check in.
-static AWAY: AtomicU8 = AtomicU8::new(0);
-
-/// Decides whether a party is prevented from checking in.
-pub(super) fn keeps_away(party: Party) -> bool {
-    AWAY.load(Ordering::Relaxed) & party.bit() != 0
-}
 
 /// Commits the fault that the command line names, if any.
 pub fn provoke(start: &StartReport, attendance: &Attendance) {
@@ -51,7 +43,7 @@ fn starve(party: Party, attendance: &Attendance) {
         for party in Party::ALL {
             check_in(attendance, party);
         }
-        AWAY.store(party.bit(), Ordering::Relaxed);
+        keep_away(party);
     }
 }
 

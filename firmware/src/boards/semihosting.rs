@@ -28,7 +28,7 @@ pub struct Files {
 impl Files {
     /// Opens the pipes. Returns `None` if the host has not created them.
     #[must_use]
-    pub fn open() -> Option<Self> {
+    pub(super) fn open() -> Option<Self> {
         let input = open(INPUT, nr::open::R_BINARY)?;
         let output = open(OUTPUT, nr::open::W_TRUNC_BINARY)?;
         Some(Self { input, output, buffer: [0; MAX_FRAME], unread: 0..0 })

@@ -6,7 +6,7 @@ use controller::service::{LineReport, Purpose, Received, Transport};
 use heapless::spsc::{Consumer, Producer};
 use link::LineErrors;
 
-use super::{Inbox, Receiver, Transmitter};
+use super::microcontroller::{Inbox, Receiver, Transmitter};
 
 /// Received bytes that found no room.
 static DROPPED_BYTES: AtomicU32 = AtomicU32::new(0);

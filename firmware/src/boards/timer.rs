@@ -29,7 +29,7 @@ static UPTIME_US: AtomicU32 = AtomicU32::new(0);
 
 /// Returns the time from the start to the last timer tick, us, modulo 2^32.
 #[must_use]
-pub fn uptime_us() -> u32 {
+pub(super) fn uptime_us() -> u32 {
     UPTIME_US.load(Ordering::Relaxed)
 }
 

@@ -1,13 +1,12 @@
 //! Effects of a driven axis: their names, their random draws, and the terms that they add to the
 //! balance of [`super::axis`]. Units: SI, efforts in N or N m.
 
-use super::axis::{RealAxis, STEP_S};
+use super::axis_data::{RealAxis, STEP_S};
 use super::drawn::{Draw, Drawn};
 use super::hidden::{HiddenEffect, total};
 use super::motion::Moved;
 use super::noise::Noise;
 use super::plant::Plant;
-use super::record::Record;
 use std::f64::consts::TAU;
 
 /// Length of the ramp of a step of friction, s.
@@ -56,9 +55,16 @@ pub(super) const SIZES: &[(&str, &[&str])] = &[
     ("load-ripple", &["cos_force_n", "sin_force_n"]),
 ];
 
-/// Draws an effect of an axis.
-pub(super) fn draw(effect: &str, record: &Record, sign: f64, phase: f64, noise: &mut Noise) -> Drawn {
-    let rotary = record.plant == Plant::Rotary;
+/// Draws an effect of an axis whose log has a start and a length in s.
+pub(super) fn draw(
+    effect: &str,
+    plant: Plant,
+    (start_s, length_s): (f64, f64),
+    sign: f64,
+    phase: f64,
+    noise: &mut Noise,
+) -> Drawn {
+    let rotary = plant == Plant::Rotary;
     // Noise floor of the effort, radius of friction, stroke, usual speed.
     let (floor, radius, stroke, speed) = if rotary { (1.0, 0.07, 0.8, 0.6) } else { (3.0, 1.0, 0.3, 0.2) };
     let mut between = |low: f64, high: f64| low * (high / low).powf(noise.uniform());
@@ -89,7 +95,7 @@ pub(super) fn draw(effect: &str, record: &Record, sign: f64, phase: f64, noise: 
         }
         "friction-step" => {
             let share = 0.1 + 0.8 * noise.uniform();
-            let at = record.logger.start_s + share * record.length_s();
+            let at = start_s + share * length_s;
             (vec![("coulomb_effort", sign)], 3.0 * floor, 1e4, vec![("time_s", at)])
         }
         "position-ripple" => (

@@ -9,6 +9,7 @@
 //! and [`size`] measures its size. Nothing here uses the crates `bench` or `diagnosis`.
 
 pub mod axis;
+mod axis_data;
 mod axis_effects;
 pub mod conditions;
 mod drawn;

@@ -5,7 +5,8 @@
 //! the start phase in the motion, offsets within the resolution of the readings, and the initial
 //! temperature.
 
-use super::axis::{RealAxis, Run};
+use super::axis::Run;
+use super::axis_data::RealAxis;
 use super::conditions::Conditions;
 use super::hidden::HiddenEffect;
 use super::motion::{Course, Load, Motion};

@@ -51,7 +51,8 @@ pub fn draw(effect: &str, record: &Record, base: &[Vec<f64>], noise: &mut Noise)
     if record.plant.is_transmission() {
         return planar_effects::draw(effect, sign, phase, noise);
     }
-    Some(axis_effects::draw(effect, record, sign, phase, noise))
+    let log_s = (record.logger.start_s, record.length_s());
+    Some(axis_effects::draw(effect, record.plant, log_s, sign, phase, noise))
 }
 
 fn sensor(effect: &str, record: &Record, channel: &str, base: &[f64], sign: f64) -> Drawn {

@@ -15,7 +15,7 @@ const HALF: I34F30 = I34F30::lit("0.5");
 
 /// Applies a calibration.
 #[derive(Clone, Debug)]
-pub struct Calibrator {
+pub(crate) struct Calibrator {
     config: Config,
     angle: AngleState,
 }
@@ -45,7 +45,7 @@ impl Calibrator {
 
     /// Takes the calibration of all channels.
     #[must_use]
-    pub fn new(calibration: &[Calibration; CHANNELS]) -> Self {
+    pub(crate) fn new(calibration: &[Calibration; CHANNELS]) -> Self {
         let gain = |channel: &Calibration| {
             let scaled = (u64::from(channel.gain_ppm) << U2F30::FRAC_NBITS).wrapping_add(500_000) / 1_000_000;
             U2F30::from_bits(u32::try_from(scaled).unwrap_or(u32::MAX))
@@ -61,7 +61,7 @@ impl Calibrator {
     }
 
     /// Returns the calibrated frame.
-    pub fn apply(&mut self, frame: &SensorFrame) -> SensorFrame {
+    pub(crate) fn apply(&mut self, frame: &SensorFrame) -> SensorFrame {
         let Self { config, angle: state } = self;
         let [y, z, angle, load] = config.offsets;
         let [y_gain, z_gain, angle_gain, load_gain] = config.gains;

@@ -7,7 +7,7 @@ mod validate;
 mod wiring;
 
 pub use bench_b::BENCH_B;
-pub use calibration::Calibrator;
+pub(crate) use calibration::Calibrator;
 pub use validate::validate;
 pub use wiring::wiring;
 

@@ -25,8 +25,10 @@ use link::crc32::Digest;
 use link::track::MonitorConfiguration;
 use link::{BenchConfiguration, EstimateFrame, Refusal, SensorFrame};
 
-pub use plausibility::{Findings, Limits, MAX_DEFORMATION_NM, Plausibility, STUCK_SAMPLES, SwingLimit};
-pub use setup::{SAMPLE_PERIOD_RANGE_US, bench_ranges, filter_configuration};
+pub use plausibility::STUCK_SAMPLES;
+pub(crate) use plausibility::{Limits, Plausibility, SwingLimit};
+pub(crate) use setup::bench_ranges;
+pub use setup::{SAMPLE_PERIOD_RANGE_US, filter_configuration};
 
 use crate::filter::{FilterEstimate, FilterState, Measurement, NetworkForces};
 use crate::flags::{
@@ -102,12 +104,12 @@ impl Estimator {
 
     /// Returns the checks of the samples, with the findings in the last one.
     #[must_use]
-    pub const fn plausibility(&self) -> &Plausibility {
+    pub(crate) const fn plausibility(&self) -> &Plausibility {
         &self.plausibility
     }
 
     /// Returns the checks of the samples, to set limits and the drivers' status of the next one.
-    pub const fn plausibility_mut(&mut self) -> &mut Plausibility {
+    pub(crate) const fn plausibility_mut(&mut self) -> &mut Plausibility {
         &mut self.plausibility
     }
 
@@ -131,7 +133,7 @@ impl Estimator {
 
     /// Switches to another model of the same bearing from the next sample on. The networks'
     /// history starts anew; the filter continues.
-    pub fn switch(&mut self, model: Model<'static>) {
+    pub(crate) fn switch(&mut self, model: Model<'static>) {
         self.setup.set_model(&model);
         self.pair.switch(model);
     }

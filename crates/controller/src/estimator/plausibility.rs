@@ -35,10 +35,10 @@ use crate::flags::{
     STUCK, TIME_FAULT,
 };
 use crate::integrity::{Words, words};
-pub use swing::SwingLimit;
+pub(crate) use swing::SwingLimit;
 
 /// Deformation above which the position cannot be true, nm.
-pub const MAX_DEFORMATION_NM: u32 = 500_000;
+const MAX_DEFORMATION_NM: u32 = 500_000;
 /// Default number of samples with one code after which a sensor counts as stuck: 10 ms at 10 kHz.
 pub const STUCK_SAMPLES: u8 = 100;
 /// Journal speed that the machine cannot exceed, nm/us (mm/s): 0.5 m/s.
@@ -64,20 +64,20 @@ const CLIP: i32 = 8;
 
 /// Limits that depend on the sensors; `u32::MAX` for none.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Samples of one code after which a channel is stuck.
-    pub stuck_samples: [u32; CHANNELS],
+    pub(crate) stuck_samples: [u32; CHANNELS],
     /// Largest short-term standard deviation, in the channel's unit.
-    pub noise: [u32; CHANNELS],
+    pub(crate) noise: [u32; CHANNELS],
     /// Magnitude at the rail, in the channel's unit.
-    pub rail: [u32; CHANNELS],
+    pub(crate) rail: [u32; CHANNELS],
     /// Limits of the swing.
-    pub swing: SwingLimit,
+    pub(crate) swing: SwingLimit,
 }
 
 impl Limits {
     /// No limit but the default of stuck positions and angles.
-    pub const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         stuck_samples: [STUCK_SAMPLES as u32, STUCK_SAMPLES as u32, STUCK_SAMPLES as u32, u32::MAX],
         noise: [u32::MAX; CHANNELS],
         rail: [u32::MAX; CHANNELS],
@@ -87,25 +87,18 @@ impl Limits {
 
 /// Findings in a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Findings {
+pub(crate) struct Findings {
     /// One bit a channel for each kind: bits 0 to 3 missing, 4 to 7 saturated, then stuck, noisy,
     /// jumped.
-    pub events: u32,
+    pub(crate) events: u32,
     /// The events as flags, with those of the sample as a whole.
-    pub flags: Flags,
+    pub(crate) flags: Flags,
 }
 
 impl Findings {
-    /// Returns the channels with an event, one bit each. Kinds: 0 missing, 1 saturated, 2 stuck, 3
-    /// noisy, 4 jumped.
-    #[must_use]
-    pub const fn channels(&self, kind: u32) -> u8 {
-        (self.events >> (4 * (kind % 8)) & 0xf) as u8
-    }
-
     /// Returns true if anything but noise was found in the load.
     #[must_use]
-    pub const fn is_load_faulty(&self) -> bool {
+    pub(crate) const fn is_load_faulty(&self) -> bool {
         self.events & !MOTION & !(0xf << NOISE) != 0
     }
 }
@@ -154,7 +147,7 @@ words!(Config { period_us, max_distance_squared, channels, bends, swing });
 
 /// Checks of the samples of one run.
 #[derive(Clone, Debug)]
-pub struct Plausibility {
+pub(crate) struct Plausibility {
     config: Config,
     state: State,
 }
@@ -192,7 +185,7 @@ fn is_beyond(value: i32, limit: u32) -> bool {
 impl Plausibility {
     /// Creates the checks for a bearing and a sample period, with [`Limits::NONE`].
     #[must_use]
-    pub fn new(radial_clearance_nm: u32, period_us: u32) -> Self {
+    pub(crate) fn new(radial_clearance_nm: u32, period_us: u32) -> Self {
         let max_distance_nm = u64::from(radial_clearance_nm.saturating_add(MAX_DEFORMATION_NM));
         let mut checks = Self {
             config: Config {
@@ -209,7 +202,7 @@ impl Plausibility {
     }
 
     /// Sets the limits that depend on the sensors. Noise and stuck codes are counted from 0 again.
-    pub fn set_limits(&mut self, limits: &Limits) {
+    pub(crate) fn set_limits(&mut self, limits: &Limits) {
         let config = &mut self.config;
         let journal_nm =
             config.period_us.saturating_mul(MAX_JOURNAL_SPEED_NM_US).saturating_add(JOURNAL_ALLOWANCE_NM);
@@ -257,26 +250,26 @@ impl Plausibility {
     }
 
     /// Stores the status that the drivers report for the next sample.
-    pub const fn set_status(&mut self, status: SensorStatus) {
+    pub(crate) const fn set_status(&mut self, status: SensorStatus) {
         self.state.status = status;
     }
 
     /// Findings of the last sample, by channel.
     #[must_use]
-    pub const fn findings(&self) -> &Findings {
+    pub(crate) const fn findings(&self) -> &Findings {
         &self.state.findings
     }
 
     /// Number of samples that sequence numbers or time leave out before the last sample; more than
     /// 2^31 if it was repeated or out of order.
     #[must_use]
-    pub const fn lost(&self) -> u32 {
+    pub(crate) const fn lost(&self) -> u32 {
         self.state.lost
     }
 
     /// Takes a sample and returns the flags that concern the motion. Findings about the load alone
     /// are in [`Self::findings`] only: the last good load is used then.
-    pub fn check(&mut self, frame: &SensorFrame) -> Flags {
+    pub(crate) fn check(&mut self, frame: &SensorFrame) -> Flags {
         let Self { config, state } = self;
         let is_first = !state.has_previous;
         if is_first {

@@ -31,7 +31,7 @@ pub const SAMPLE_PERIOD_RANGE_US: RangeInclusive<i64> = 50..=1_000;
 ///
 /// The networks are trained on a narrower range of clearances and flag the others.
 #[must_use]
-pub fn bench_ranges(bench: &BenchConfiguration) -> [(Field, i64, RangeInclusive<i64>); 5] {
+pub(crate) fn bench_ranges(bench: &BenchConfiguration) -> [(Field, i64, RangeInclusive<i64>); 5] {
     [
         (Field::Bearing, bench.bearing.into(), bearings()),
         (Field::RadialClearance, bench.radial_clearance_nm.into(), 1_000..=5_000_000),

@@ -36,9 +36,9 @@ pub struct FilterEstimate {
     /// Standard deviation of the friction factor.
     pub friction_sd: f32,
     /// Direction of the journal from the bearing's centre along Y.
-    pub normal_y: f32,
+    pub(crate) normal_y: f32,
     /// The same along Z.
-    pub normal_z: f32,
+    pub(crate) normal_z: f32,
     /// Rate of the deformation, m/s.
     pub deformation_rate_m_s: f32,
     /// Approach speed of the onset, m/s, corrected by the estimated damping; at least its floor.
@@ -48,7 +48,7 @@ pub struct FilterEstimate {
     /// Normal force of the described law at this contact, N.
     pub law_force_n: f32,
     /// Friction force of the described law at this contact, N.
-    pub law_friction_n: f32,
+    pub(crate) law_friction_n: f32,
     /// True as long as the start still dominates the uncertainty.
     pub is_converging: bool,
     /// False if the innovations are larger than model and sensors explain. The variances of force

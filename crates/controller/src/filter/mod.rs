@@ -18,6 +18,7 @@ mod estimate;
 mod measurement;
 mod model;
 mod motion;
+mod noise_levels;
 mod ratios;
 mod state;
 

@@ -1,12 +1,13 @@
 //! Steps of the filter: prediction, correction, onset of contact, estimate.
 
 use super::arithmetic::{larger, root, sine, smaller};
-use super::configuration::{FilterConfiguration, GRAVITY, NoiseLevels};
+use super::configuration::{FilterConfiguration, GRAVITY};
 use super::contact::{Deviations, Forces};
 use super::drive::{DriveModel, DriveTracker};
 use super::estimate::FilterEstimate;
 use super::measurement::Measurement;
 use super::motion::{Dynamics, Evaluated, Inputs};
+use super::noise_levels::NoiseLevels;
 use super::ratios::Ratios;
 use super::state::{Bias, CLEARANCE, Covariance, DAMPING, FRICTION, MASS, Motion, RESIDUAL, STIFFNESS};
 use crate::integrity::words;
@@ -423,7 +424,7 @@ impl BenchModel {
         let (force_y_n, force_z_n) = forces.components();
         let is_estimated = covariance.bias_variance(MASS) > 0.0;
         let mass = if is_estimated { 0.0 } else { self.config.uncertainty.mass_share };
-        let least = self.levels.least_force_variance;
+        let least = self.levels.min_force_variance;
         let projection = covariance.project(&forces.normal_gradient());
         let sliding = forces.sliding_gradient();
         let shared = projection.motion.dot(&sliding) + projection.bias[FRICTION] * by_friction_factor;

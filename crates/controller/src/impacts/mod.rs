@@ -36,7 +36,7 @@ use crate::flags::{HELD, IMPLAUSIBLE_POSITION, NOT_STARTED, TIME_FAULT, TRIPPED}
 use crate::integrity::{Checksum, Guarded, Words, words};
 
 /// Number of standard deviations that the peak of an impact exceeds.
-pub const SIGNIFICANT_SDS: f32 = 3.0;
+const SIGNIFICANT_SDS: f32 = 3.0;
 /// Time in contact after which an impact has become sustained contact, us.
 pub const SETTLED_US: u32 = 50_000;
 
@@ -115,13 +115,13 @@ words!(State { phase, last, contact });
 
 /// Finds impacts in the estimates of a run.
 #[derive(Clone, Debug, Default)]
-pub struct ImpactTracker {
+pub(crate) struct ImpactTracker {
     state: Guarded<State>,
 }
 
 /// Event of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Found {
+pub(crate) enum Found {
     /// An impact whose record ends with this estimate; its number is 0.
     Impact(ImpactRecord),
     /// The state was corrupted: an open impact is lost.
@@ -131,7 +131,7 @@ pub enum Found {
 impl ImpactTracker {
     /// Takes an estimate with the rate of its deformation in m/s.
     #[inline(never)]
-    pub fn step(&mut self, estimate: &EstimateFrame, rate_m_s: f32) -> Option<Found> {
+    pub(crate) fn step(&mut self, estimate: &EstimateFrame, rate_m_s: f32) -> Option<Found> {
         let is_corrupted = self.state.is_corrupted();
         let state = self.state.value_mut();
         if is_corrupted {
@@ -170,7 +170,7 @@ impl ImpactTracker {
     }
 
     /// Ends an open impact with its run.
-    pub fn finish(&mut self) -> Option<Found> {
+    pub(crate) fn finish(&mut self) -> Option<Found> {
         let is_corrupted = self.state.is_corrupted();
         let state = self.state.value_mut();
         let is_open = state.phase == Phase::Contact;

@@ -111,7 +111,7 @@ impl Monitor {
 
     /// Sets whether the networks are known to be corrupted. If so, no estimate is trusted from the
     /// next sample on.
-    pub const fn set_networks_corrupted(&mut self, are_corrupted: bool) {
+    pub(crate) const fn set_networks_corrupted(&mut self, are_corrupted: bool) {
         self.are_networks_corrupted = are_corrupted;
     }
 
@@ -154,7 +154,7 @@ impl Monitor {
     }
 
     /// Continues with another model of the same bearing from the next sample on.
-    pub fn switch(&mut self, model: Model<'static>) {
+    pub(crate) fn switch(&mut self, model: Model<'static>) {
         self.estimator.switch(model);
     }
 

@@ -51,7 +51,7 @@ impl<COUNTER: QuadratureCounter> Incremental<COUNTER> {
     }
 
     /// Returns the counts of a revolution.
-    pub const fn counts_per_revolution(&self) -> u32 {
+    pub(crate) const fn counts_per_revolution(&self) -> u32 {
         self.counts_per_revolution
     }
 

@@ -33,7 +33,7 @@ pub use incremental::{Incremental, QuadratureCounter};
 pub use link::InputRange;
 pub use probes::{Opposite, ProbePair};
 pub use sampler::{FaultCounts, LoadInput, Probe, Sampler, Wiring};
-pub use scale::{Scale, TABLE_POINTS};
+pub use scale::Scale;
 pub use transmitter::Transmitter;
 
 /// Reason why a channel has no value.

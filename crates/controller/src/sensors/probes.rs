@@ -69,7 +69,7 @@ impl ProbePair {
 
     /// Returns the centre of the journal, (y, z) in nm.
     #[must_use]
-    pub fn centre_nm(&self, gaps_nm: [i32; 2]) -> [i32; 2] {
+    pub(crate) fn centre_nm(&self, gaps_nm: [i32; 2]) -> [i32; 2] {
         let [along, across] = self.closed_nm(gaps_nm);
         let along_true = along.wrapping_add(self.curvature_nm(across));
         let across_true = across.wrapping_add(self.curvature_nm(along));

@@ -113,7 +113,7 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
     }
 
     /// Changes the wiring. The next sample configures the converter again.
-    pub fn rewire(&mut self, wiring: Wiring) {
+    pub(crate) fn rewire(&mut self, wiring: Wiring) {
         self.wiring = wiring;
         self.configured = false;
         self.in_step = false;
@@ -175,7 +175,7 @@ impl<SPI: SpiDevice, ANGLE: AngleSensor> Sampler<SPI, ANGLE> {
 
     /// Returns the last sample.
     #[must_use]
-    pub const fn latest(&self) -> SensorFrame {
+    pub(crate) const fn latest(&self) -> SensorFrame {
         self.frame
     }
 

@@ -8,7 +8,7 @@ use fixed::types::extra::U16;
 use fixed::types::{I16F16, I32F0};
 
 /// Number of points of a linearisation table: one every 4096 codes, and the end.
-pub const TABLE_POINTS: usize = 17;
+const TABLE_POINTS: usize = 17;
 const SPACING_BITS: u32 = 12;
 const HALF: FixedI64<U16> = FixedI64::lit("0.5");
 
@@ -26,7 +26,7 @@ pub struct Scale {
 impl Scale {
     /// Returns the length of a code, nm.
     #[must_use]
-    pub fn length_nm(&self, code: u16) -> i32 {
+    pub(crate) fn length_nm(&self, code: u16) -> i32 {
         let error_nm = self.table_nm.map_or(0, |table| error_nm(table, code));
         linear(code, self.zero_code, self.gain_nm).wrapping_sub(error_nm).clamp(MIN_NM, MAX_NM) as i32
     }

@@ -49,7 +49,7 @@ impl Transmitter {
     /// # Errors
     ///
     /// No intact loop carries this current.
-    pub fn force_mn(&self, code: u16) -> Result<i64, SensorFault> {
+    pub(crate) fn force_mn(&self, code: u16) -> Result<i64, SensorFault> {
         let current_na = linear(code, self.zero_code, self.gain_na);
         if current_na < MIN_NA {
             Err(SensorFault::BrokenWire)

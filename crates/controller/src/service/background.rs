@@ -4,8 +4,8 @@
 use link::start::StackReport;
 use rtic_core::Mutex;
 
+use super::pace::Pacing;
 use super::shared_session::{SampleSource, SharedSession};
-use super::{Pacing, Stop};
 use crate::session::{Session, TickSource};
 use crate::supervisor::paint::Mark;
 use crate::supervisor::self_test::Progress;
@@ -67,24 +67,20 @@ impl Background {
     }
 
     /// Checks configuration and code, and advances the self-test and the search for the stack's
-    /// depth.
-    ///
-    /// # Errors
-    ///
-    /// Configuration or code are corrupted. The next start finds corrupted code as well and refuses
-    /// every run.
+    /// depth. Returns true if configuration or code are corrupted. The next start finds corrupted
+    /// code as well and refuses every run.
     pub(super) fn step<S: SampleSource>(
         &mut self,
         pacing: Pacing,
         shared: &mut impl Mutex<T = SharedSession<S>>,
         platform: &impl Platform,
-    ) -> Result<(), Stop> {
+    ) -> bool {
         let is_code_corrupted = self
             .code
             .as_mut()
             .is_some_and(|code| code.step(CODE_WORDS_PER_PASS, |address| platform.code_word(address)));
         if is_code_corrupted || shared.lock(|shared| shared.session.is_configuration_corrupted()) {
-            return Err(Stop::Corrupted);
+            return true;
         }
         self.passes = self.passes.wrapping_add(1);
         if pacing == Pacing::Timer || self.passes.is_multiple_of(LOCKSTEP_PASSES_PER_SELF_TEST) {
@@ -94,6 +90,6 @@ impl Background {
             let stack = platform.search_stack(&mut self.stack);
             shared.lock(|shared| shared.session.set_stack_report(stack));
         }
-        Ok(())
+        false
     }
 }

@@ -31,23 +31,13 @@ use crate::session::{NoTicks, Status};
 use crate::store::{Keeper, SlotMemory, Store};
 use crate::supervisor::Party;
 pub use background::{Background, Platform};
-pub use pace::Pace;
+pub use pace::{Pace, Pacing};
 pub use shared_session::{SampleSource, SharedSession, Tick};
 use transport::Event;
 pub use transport::{Ports, Purpose, Received, Transport, Unconnected};
 
 /// Maximum number of received bytes that one pass reads.
 const MAX_BYTES_PER_PASS: usize = 256;
-
-/// Event that starts the estimate of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pacing {
-    /// The timer: samples wait for its tick.
-    Timer,
-    /// The host: the service estimates each sample when it arrives, so that the instruction count
-    /// of a tick repeats exactly. Only the emulator does this.
-    Lockstep,
-}
 
 /// Reason for the end of the service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,7 +111,8 @@ impl<M: SlotMemory> LinkService<M> {
         send_impacts(ports, shared);
         shared.lock(|shared| shared.session.set_line_report(ports.line()));
         self.send_telemetry(ports, shared, platform, parties);
-        self.background.step(self.pacing, shared, platform)
+        let is_corrupted = self.background.step(self.pacing, shared, platform);
+        if is_corrupted { Err(Stop::Corrupted) } else { Ok(()) }
     }
 
     /// Decodes received bytes until one request is served or the pass has read enough of them.

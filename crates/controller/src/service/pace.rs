@@ -1,4 +1,14 @@
-//! Period of the timer that paces the tick.
+//! Pace of the estimates: the event that starts them, and the period of the timer.
+
+/// Event that starts the estimate of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pacing {
+    /// The timer: samples wait for its tick.
+    Timer,
+    /// The host: the service estimates each sample when it arrives, so that the instruction count
+    /// of a tick repeats exactly. Only the emulator does this.
+    Lockstep,
+}
 
 /// Periods of a timer that loads a new period when it has counted the old one, us.
 #[derive(Clone, Copy, Debug)]

@@ -91,7 +91,7 @@ impl Session {
     /// only written while no run is on. The caller saves it, calls [`Session::set_saved`], and then
     /// has the session handle the message.
     #[must_use]
-    pub fn configuration_to_save(&self, message: &ToController) -> Option<ControllerConfiguration> {
+    pub(crate) fn configuration_to_save(&self, message: &ToController) -> Option<ControllerConfiguration> {
         let next = self.conversation.next_number();
         match message {
             ToController::Command(NumberedCommand { id, command: Command::Keep }) if *id == next => {
@@ -102,7 +102,7 @@ impl Session {
     }
 
     /// Sets whether the configuration of [`Session::configuration_to_save`] has been saved.
-    pub const fn set_saved(&mut self, is_saved: bool) {
+    pub(crate) const fn set_saved(&mut self, is_saved: bool) {
         self.is_saved = is_saved;
     }
 }

@@ -42,7 +42,8 @@ use conversation::Conversation;
 pub use conversation::Identity;
 use run::Run;
 pub use run::own_estimate_interval;
-pub use telemetry::{LineReport, Status};
+pub use telemetry::LineReport;
+pub(crate) use telemetry::Status;
 use telemetry::{Telemetry, count};
 pub use ticks::{NoTicks, TickSource};
 
@@ -112,13 +113,13 @@ impl Session {
     /// Returns true if a bit of what the configuration sets has flipped. Call it often during a
     /// run.
     #[must_use]
-    pub fn is_configuration_corrupted(&self) -> bool {
+    pub(crate) fn is_configuration_corrupted(&self) -> bool {
         self.run.as_ref().is_some_and(Run::is_configuration_corrupted)
     }
 
     /// Notes that the code in flash is not what was built: every configuration is refused, and the
     /// hello frame names no model.
-    pub const fn mark_code_corrupted(&mut self) {
+    pub(crate) const fn mark_code_corrupted(&mut self) {
         self.conversation.mark_code_corrupted();
     }
 
@@ -128,13 +129,13 @@ impl Session {
     }
 
     /// Sets the use of the stack for the hello frame.
-    pub const fn set_stack_report(&mut self, stack: StackReport) {
+    pub(crate) const fn set_stack_report(&mut self, stack: StackReport) {
         self.conversation.set_stack_report(stack);
     }
 
     /// Sets the status of the other parts for the reports. To be called before a command is handled
     /// and whenever [`Session::is_telemetry_due`].
-    pub const fn update_status(&mut self, status: Status) {
+    pub(crate) const fn update_status(&mut self, status: Status) {
         self.telemetry.status = status;
     }
 
@@ -152,7 +153,7 @@ impl Session {
     }
 
     /// Returns the wiring of a newly accepted configuration once, for the controller's own sensors.
-    pub fn take_wiring(&mut self) -> Option<Wiring> {
+    pub(crate) fn take_wiring(&mut self) -> Option<Wiring> {
         let is_new = core::mem::replace(&mut self.has_new_wiring, false);
         self.configuration.as_ref().filter(|_| is_new).and_then(wiring)
     }
@@ -164,7 +165,7 @@ impl Session {
     ///
     /// Nothing is configured, there are no sensors, or a tick takes longer than the bench's sample
     /// period.
-    pub fn start_sampling(&mut self) -> Result<u16, Refusal> {
+    pub(crate) fn start_sampling(&mut self) -> Result<u16, Refusal> {
         let run = self.run.as_mut().ok_or(Refusal::NotConfigured)?;
         let shortest_period_us = self.shortest_period_us.ok_or(Refusal::NoSensors)?;
         run.start_sampling(shortest_period_us).map_err(Refusal::Configuration)
@@ -173,7 +174,7 @@ impl Session {
     /// Decides whether the run uses the controller's own samples: then [`Session::tick_own_sample`]
     /// is due every timer tick.
     #[must_use]
-    pub fn is_sampling(&self) -> bool {
+    pub(crate) fn is_sampling(&self) -> bool {
         self.run.as_ref().is_some_and(Run::is_sampling)
     }
 
@@ -257,7 +258,7 @@ impl Session {
 
     /// Decides whether a frame of slow telemetry is due.
     #[must_use]
-    pub const fn is_telemetry_due(&self) -> bool {
+    pub(crate) const fn is_telemetry_due(&self) -> bool {
         self.telemetry.schedule.is_due()
     }
 
@@ -307,33 +308,33 @@ impl Session {
 
     /// Counts a timer tick of a configured session without a sample. In lockstep the timer paces
     /// nothing.
-    pub fn count_idle_tick(&mut self) {
+    pub(crate) fn count_idle_tick(&mut self) {
         let is_idle = self.run.is_some() && self.conversation.target() == Target::Silicon;
         count(&mut self.telemetry.counters.idle_ticks, is_idle);
     }
 
     /// Counts a sample without room in the queue.
-    pub fn count_dropped_sample(&mut self) {
+    pub(crate) fn count_dropped_sample(&mut self) {
         count(&mut self.telemetry.counters.dropped_samples, true);
     }
 
     /// Counts an estimate without room in the queue or that the transport did not take.
-    pub fn count_dropped_estimate(&mut self) {
+    pub(crate) fn count_dropped_estimate(&mut self) {
         count(&mut self.telemetry.counters.dropped_estimates, true);
     }
 
     /// Counts a record of an impact that the transport did not take.
-    pub fn count_dropped_impact(&mut self) {
+    pub(crate) fn count_dropped_impact(&mut self) {
         count(&mut self.telemetry.counters.dropped_impacts, true);
     }
 
     /// Counts another reply that the transport did not take.
-    pub fn count_dropped_answer(&mut self) {
+    pub(crate) fn count_dropped_answer(&mut self) {
         count(&mut self.telemetry.counters.dropped_answers, true);
     }
 
     /// Sets the counters of bytes that were lost on the way in.
-    pub const fn set_line_report(&mut self, line: LineReport) {
+    pub(crate) const fn set_line_report(&mut self, line: LineReport) {
         self.telemetry.counters.dropped_bytes = line.dropped_bytes;
         self.telemetry.counters.line_errors = line.errors;
     }

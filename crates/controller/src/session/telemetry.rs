@@ -11,15 +11,15 @@ use crate::flags::{MODEL_MISFIT, OVER_FORCE, SENSOR_FAULT, SEQUENCE_GAP, TIME_FA
 
 /// State of the parts of the controller that the session does not own, for its reports.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Status {
+pub(crate) struct Status {
     /// Time since the start, us, modulo 2^32.
-    pub uptime_us: u32,
+    pub(crate) uptime_us: u32,
     /// Check-ins in the order of [`PARTIES`].
-    pub parties: [Presence; PARTIES.len()],
+    pub(crate) parties: [Presence; PARTIES.len()],
     /// State of the model store.
-    pub models: UpdateStatus,
+    pub(crate) models: UpdateStatus,
     /// Last sample of the controller's own sensors.
-    pub sample: Option<SensorFrame>,
+    pub(crate) sample: Option<SensorFrame>,
 }
 
 /// Losses on the way in, counted since the start.

@@ -8,9 +8,9 @@ use embedded_storage::nor_flash::{NorFlashError, NorFlashErrorKind};
 
 /// Polls before an erase operation times out: about 6 s at 168 MHz and 10 cycles per poll. A sector
 /// of 128 KiB takes at most 2 s.
-pub const ERASE_POLLS: u32 = 100_000_000;
+const ERASE_POLLS: u32 = 100_000_000;
 /// Polls before a word times out: about 6 ms. A word takes at most 100 us.
-pub const PROGRAM_POLLS: u32 = 100_000;
+const PROGRAM_POLLS: u32 = 100_000;
 
 /// Status of the flash controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

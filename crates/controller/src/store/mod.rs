@@ -21,8 +21,9 @@ pub mod key;
 mod memory;
 mod models;
 mod receive;
+mod reception;
 mod refusals;
-pub mod scrub;
+mod scrub;
 mod slot;
 
 use link::update::{ModelSource, SlotState, UpdateAnswer, UpdateRefusal, UpdateRequest, UpdateStatus};
@@ -30,12 +31,12 @@ use link::update::{ModelSource, SlotState, UpdateAnswer, UpdateRefusal, UpdateRe
 pub use keeper::Keeper;
 pub use memory::SlotMemory;
 pub use models::{Loaded, Models};
-pub use refusals::Refusals;
-pub use scrub::Scrubber;
+use refusals::Refusals;
+pub(crate) use scrub::Scrubber;
 pub use slot::PAYLOAD;
 
 use model_package::signature::KEY_LENGTH;
-use receive::{Reception, claimed_version};
+use reception::{Reception, claimed_version};
 use slot::{Marked, Slot};
 
 /// The slots and the update in progress.

@@ -1,33 +1,15 @@
-//! Reception of an update into the slot that is not in use.
+//! Steps of an update into the slot that is not in use.
 
-use link::update::{CHUNK_LENGTH, Receiving, SignedManifest, SlotState, UpdateChunk, UpdateRefusal};
-use model_package::{Manifest, authenticate};
+use link::update::{CHUNK_LENGTH, SignedManifest, SlotState, UpdateChunk, UpdateRefusal};
+use model_package::authenticate;
 
 use super::memory::SlotMemory;
 use super::models::Models;
+use super::reception::{Reception, claimed_version};
 use super::slot::{Marked, Slot};
 use super::{Running, Store};
 
 const CHUNK: u32 = CHUNK_LENGTH as u32;
-
-/// The update in progress.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Reception {
-    slot: Slot,
-    signed: SignedManifest,
-    manifest: Manifest,
-    next_offset: u32,
-}
-
-impl Reception {
-    pub(super) const fn report(&self) -> Receiving {
-        Receiving {
-            version: self.manifest.version,
-            next_offset: self.next_offset,
-            length: self.manifest.length(),
-        }
-    }
-}
 
 impl<M: SlotMemory> Store<M> {
     /// Begins an update or resumes one after a lost link or a reset. `is_blocked` is true while the
@@ -148,14 +130,4 @@ impl<M: SlotMemory> Store<M> {
             None => first,
         }
     }
-}
-
-/// Returns the version in an unchecked manifest.
-pub(super) fn claimed_version(signed: &SignedManifest) -> u32 {
-    signed
-        .manifest
-        .as_flattened()
-        .get(12..16)
-        .and_then(<[u8]>::first_chunk)
-        .map_or(0, |b| u32::from_le_bytes(*b))
 }

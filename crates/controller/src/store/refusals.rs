@@ -5,7 +5,7 @@ use link::update::{REFUSALS, RefusedPackage, UpdateRefusal};
 
 /// Records of refused packages; a new one replaces the oldest.
 #[derive(Debug, Default)]
-pub struct Refusals {
+pub(crate) struct Refusals {
     records: Deque<RefusedPackage, REFUSALS>,
     count: u16,
 }
@@ -13,12 +13,12 @@ pub struct Refusals {
 impl Refusals {
     /// Creates an empty list.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { records: Deque::new(), count: 0 }
     }
 
     /// Adds a record and returns its reason.
-    pub fn add(&mut self, slot: Option<u8>, version: u32, reason: UpdateRefusal) -> UpdateRefusal {
+    pub(crate) fn add(&mut self, slot: Option<u8>, version: u32, reason: UpdateRefusal) -> UpdateRefusal {
         if self.records.is_full() {
             self.records.pop_front();
         }
@@ -30,13 +30,13 @@ impl Refusals {
 
     /// Returns the number of refusals so far.
     #[must_use]
-    pub const fn count(&self) -> u16 {
+    pub(crate) const fn count(&self) -> u16 {
         self.count
     }
 
     /// Returns a record; 0 is the newest.
     #[must_use]
-    pub fn get(&self, index: u8) -> Option<RefusedPackage> {
+    pub(crate) fn get(&self, index: u8) -> Option<RefusedPackage> {
         self.records.iter().rev().nth(usize::from(index)).copied()
     }
 }

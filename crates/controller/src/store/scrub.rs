@@ -9,7 +9,7 @@ use link::crc32::{INITIAL, RESIDUE, update_word};
 
 /// Reads one image repeatedly.
 #[derive(Clone, Debug)]
-pub struct Scrubber {
+pub(crate) struct Scrubber {
     words: &'static [[u8; 4]],
     position: usize,
     sum: u32,
@@ -19,7 +19,7 @@ pub struct Scrubber {
 impl Scrubber {
     /// Starts a round over an image.
     #[must_use]
-    pub const fn new(image: &'static [u8]) -> Self {
+    pub(crate) const fn new(image: &'static [u8]) -> Self {
         let words = image.as_chunks::<4>().0;
         // An empty image would pass: a word of zeros is its own checksum.
         Self { words, position: 0, sum: INITIAL, is_corrupted: words.is_empty() }
@@ -27,7 +27,7 @@ impl Scrubber {
 
     /// Reads one word. Returns whether any round so far had a wrong CRC.
     #[inline]
-    pub fn step(&mut self) -> bool {
+    pub(crate) fn step(&mut self) -> bool {
         let word = self.words.get(self.position).copied().unwrap_or_default();
         let sum = update_word(self.sum, u32::from_le_bytes(word));
         let next = self.position.wrapping_add(1);
@@ -39,18 +39,19 @@ impl Scrubber {
         self.position = next & keep as usize;
         self.is_corrupted
     }
-
-    /// Returns the words of a round: the ticks that it takes.
-    #[must_use]
-    pub const fn round(&self) -> usize {
-        self.words.len()
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use inference::{BearingMaterial, shipped};
+
+    impl Scrubber {
+        /// Returns the words of a round: the ticks that it takes.
+        fn round(&self) -> usize {
+            self.words.len()
+        }
+    }
 
     #[test]
     fn an_intact_image_passes_every_round() {

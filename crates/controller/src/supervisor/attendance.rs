@@ -16,7 +16,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use link::start::{MISSING_INFERENCE, MISSING_LINK, MISSING_SAMPLING, MISSING_SELF_TEST, Presence};
 
 /// Longest period, us. It is short enough that the wrap of the time cannot hide a missing party.
-pub const MAX_US: u32 = 600_000_000;
+const MAX_US: u32 = 600_000_000;
 
 /// A party whose work must not stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,7 +157,7 @@ impl Attendance {
 
     /// Returns every party in the order of [`link::start::PARTIES`]. It also determines the longest
     /// absences, so one caller must call it often and before its own check-in.
-    pub fn look(&self, now_us: u32) -> [Presence; 4] {
+    pub(crate) fn look(&self, now_us: u32) -> [Presence; 4] {
         Party::ALL.map(|party| self.watch(party).presence(now_us))
     }
 

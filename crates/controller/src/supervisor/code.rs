@@ -1,8 +1,8 @@
 //! Continuous check of the code in flash: a flipped bit ends the run.
 //!
 //! The check is a CRC-32 ([`link::crc32`]) over code and constants except the networks, which
-//! [`crate::store::scrub`] checks and which may be replaced. It detects every change within a word
-//! and every two flipped bits; of all other changes it misses one in four thousand million.
+//! [`crate::store::Scrubber`] checks and which may be replaced. It detects every change within a
+//! word and every two flipped bits; of all other changes it misses one in four thousand million.
 //!
 //! The build seals an image: it replaces the word [`UNSEALED`], which the check leaves out, by the
 //! CRC. Thereby a flip before the start is detected as well. The CRC of an image without a seal is
@@ -17,7 +17,7 @@ use link::crc32::Digest;
 pub const UNSEALED: u32 = 0x5EA1_0FF5;
 /// Number of address ranges that are checked: vector table and code, then the constants around the
 /// built-in model images and the seal.
-pub const SPANS: usize = BearingMaterial::COUNT + 3;
+pub(crate) const SPANS: usize = BearingMaterial::COUNT + 3;
 
 /// Returns the address ranges to check: the code, then what the model images and the seal leave of
 /// the constants. `seal` is the address of the seal.
@@ -77,7 +77,7 @@ impl CodeCheck {
     }
 
     /// Reads at most `count` words. Returns whether any pass so far had a wrong CRC.
-    pub fn step(&mut self, count: usize, read: impl Fn(usize) -> u32) -> bool {
+    pub(crate) fn step(&mut self, count: usize, read: impl Fn(usize) -> u32) -> bool {
         let Some(span) = self.spans.get(self.span) else {
             self.end_of_pass();
             return self.is_corrupted;
@@ -97,7 +97,7 @@ impl CodeCheck {
     }
 
     /// Reads everything once. Returns whether it is corrupted.
-    pub fn pass(&mut self, read: impl Fn(usize) -> u32) -> bool {
+    pub(crate) fn pass(&mut self, read: impl Fn(usize) -> u32) -> bool {
         for _ in 0..=SPANS {
             self.step(usize::MAX / 8, &read);
         }

@@ -6,14 +6,14 @@
 //! resets. The next start reads the record once ([`start::report`]), and the hello frame carries
 //! it.
 
-pub mod attendance;
+mod attendance;
 pub mod code;
 pub mod light;
 pub mod paint;
 pub mod record;
-pub mod self_test;
+pub(crate) mod self_test;
 pub mod start;
 
 pub use attendance::{Attendance, Party, Periods, Verdict};
 pub use code::CodeCheck;
-pub use self_test::SelfTest;
+pub(crate) use self_test::SelfTest;

@@ -6,7 +6,7 @@
 //! used word holds the value of the paint.
 
 /// Value that start-up paints with (`paint-stack` of the runtime).
-pub const PAINT: u32 = 0xCCCC_CCCC;
+pub(crate) const PAINT: u32 = 0xCCCC_CCCC;
 
 /// A search that extends over many calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

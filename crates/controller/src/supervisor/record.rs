@@ -23,9 +23,9 @@ pub const WORDS: usize = 13;
 /// First word; changes with the layout.
 pub const MAGIC: u32 = 0x504E_4601;
 /// The record has not been reported yet.
-pub const FRESH: u32 = 0xF7E5_F7E5;
+const FRESH: u32 = 0xF7E5_F7E5;
 /// A start has reported the record; it remains for its count.
-pub const REPORTED: u32 = 0x0DD0_0DD0;
+const REPORTED: u32 = 0x0DD0_0DD0;
 
 const STARVED: u32 = 0x100;
 

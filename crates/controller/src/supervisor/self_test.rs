@@ -15,13 +15,13 @@ use inference::{BearingMaterial, Model, Pair, Sample, shipped};
 use link::crc32::Digest;
 
 /// Bytes of an image per step.
-pub const CHUNK: usize = 64;
+pub(crate) const CHUNK: usize = 64;
 /// Samples of a round: enough to replace the history of either network once.
-pub const SAMPLES: u32 = 64;
+const SAMPLES: u32 = 64;
 
 /// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
+pub(crate) enum Progress {
     /// The round has not ended.
     Working,
     /// A round ended without a difference.
@@ -39,7 +39,7 @@ enum Stage {
 }
 
 /// The self-test.
-pub struct SelfTest {
+pub(crate) struct SelfTest {
     bearing: BearingMaterial,
     stage: Stage,
     references: [Option<u32>; BearingMaterial::COUNT],
@@ -54,13 +54,13 @@ impl Default for SelfTest {
 impl SelfTest {
     /// Creates a self-test that starts with the first bearing.
     #[must_use]
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let [bearing, ..] = BearingMaterial::ALL;
         Self { bearing, stage: first(bearing), references: [None; BearingMaterial::COUNT] }
     }
 
     /// Runs one step.
-    pub fn step(&mut self) -> Progress {
+    pub(crate) fn step(&mut self) -> Progress {
         let progress = match &mut self.stage {
             Stage::Failed => Progress::Failed,
             Stage::Image { left, sum } => {

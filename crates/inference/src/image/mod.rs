@@ -23,7 +23,8 @@
 //! * a head: i32 multiplier and u32 shift of its scale (multiplier / 2^shift), one i32 bias per
 //!   output, the weights.
 //!
-//! [`crate::storage`] defines the order; every group of weights takes four bytes.
+//! Every group of weights takes four bytes. Outputs are stored in blocks of four, the rest one by
+//! one; [`crate::storage`] defines the order.
 
 mod error;
 mod header;

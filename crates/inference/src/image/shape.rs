@@ -42,7 +42,7 @@ pub struct LayerShape {
 
 impl LayerShape {
     /// Returns the bytes in an image.
-    pub const fn to_bytes(self) -> [u8; SHAPE_LENGTH] {
+    pub(crate) const fn to_bytes(self) -> [u8; SHAPE_LENGTH] {
         let [inputs_low, inputs_high] = self.inputs.to_le_bytes();
         let [outputs_low, outputs_high] = self.outputs.to_le_bytes();
         let kind = match self.kind {
@@ -100,7 +100,7 @@ impl LayerShape {
     }
 
     /// Number of weights in four bytes.
-    pub const fn taps_per_group(&self) -> usize {
+    const fn taps_per_group(&self) -> usize {
         match self.form {
             WeightForm::Packed => 4,
             WeightForm::Wide => 2,

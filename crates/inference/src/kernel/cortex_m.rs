@@ -38,7 +38,7 @@ mod layer;
 
 pub(crate) use difference::difference;
 
-use super::{BLOCK, Engine, Kernel, LayerOutcome, Quad};
+use super::engine::{BLOCK, Engine, Kernel, LayerOutcome, Quad, blockwise};
 use crate::activation::Activation;
 use crate::storage::{Packed8, Packed16, Storage, Wide, groups};
 use core::arch::{asm, naked_asm};
@@ -316,7 +316,7 @@ kernel!(Wide, 2, 2,
         };
         match wide.and_then(|outputs| layer::run::<IN, OUT, K, N>(blocks, columns, outputs)) {
             Some(outcome) => outcome,
-            None => super::blockwise::<Self, Wide, B, IN, OUT, K, N>(blocks, columns, outputs),
+            None => blockwise::<Self, Wide, B, IN, OUT, K, N>(blocks, columns, outputs),
         }
     }
 );

@@ -1,6 +1,6 @@
 //! Kernels in safe Rust for any target: the reference for the others.
 
-use super::{BLOCK, Engine, Kernel, Quad};
+use super::engine::{BLOCK, Engine, Kernel, Quad};
 use crate::activation::Activation;
 use crate::storage::Storage;
 
@@ -49,5 +49,19 @@ impl<S: Storage> Kernel<S> for Portable {
                 sum.wrapping_add(S::weight(group, tap).wrapping_mul(input.widen()))
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn requantise_rounds_to_nearest(sum in any::<i32>(), multiplier in 1..i32::MAX) {
+            let exact = f64::from(sum) * f64::from(multiplier) / 4_294_967_296.0;
+            prop_assert!((f64::from(Portable::requantise(sum, multiplier)) - exact).abs() <= 0.5);
+        }
     }
 }

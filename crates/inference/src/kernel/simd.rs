@@ -4,7 +4,8 @@
 //! (`pmaddwd` of SSE2 or its NEON equivalent): eight products per instruction at one position. The
 //! crate `wide` offers it on every host through safe functions.
 
-use super::{BLOCK, Engine, Kernel, Portable, Quad};
+use super::engine::{BLOCK, Engine, Kernel, Quad};
+use super::portable::Portable;
 use crate::storage::{Packed8, Packed16, Storage, Wide};
 use wide::{i16x8, i32x4};
 

@@ -14,10 +14,13 @@ use stm32f4xx_hal::rcc::RccExt;
 
 pub use light::Light;
 pub use sensors::Sensors;
-pub use serial::{Inbox, Receiver, Transmitter};
+pub use serial::Receiver;
+pub(super) use serial::{Inbox, Transmitter};
 pub use watchdog::Watchdog;
 
-use super::{BOARD, Board, Files, Link, Probe, Storage, Timer, build_id, fault, guard, timer};
+use super::image::{BOARD, build_id};
+use super::started::{Board, Link};
+use super::{Files, Probe, Storage, Timer, fault, guard, timer};
 use clock_tree::ClockTree;
 use controller::clock::{Clocks, INTERNAL_HZ, bring_up};
 use controller::session::Identity;

@@ -13,7 +13,7 @@ use core::sync::atomic::{AtomicU8, Ordering};
 use link::LineErrors;
 use stm32f4xx_hal::pac::{DMA2, USART6};
 
-use crate::boards::ReceiveEvent;
+use crate::boards::receive_event::ReceiveEvent;
 use controller::buffers::dma_ring::DmaRing;
 
 /// Polls for room in the transmitter before a byte is dropped: about 20 byte times at 168 MHz.
@@ -93,7 +93,7 @@ fn port() -> &'static stm32f4xx_hal::pac::usart6::RegisterBlock {
 
 impl Receiver {
     /// Reads the received byte and its errors. Reading clears the interrupt and the errors.
-    pub fn fetch(&mut self) -> ReceiveEvent {
+    pub(in crate::boards) fn fetch(&mut self) -> ReceiveEvent {
         let status = port().sr().read();
         let (overrun, framing, noise) = (status.ore().bit(), status.fe().bit(), status.nf().bit());
         let full = self.bytes && status.rxne().bit();
@@ -109,7 +109,7 @@ impl Receiver {
 
 impl Inbox {
     /// Takes the next byte that DMA has stored.
-    pub fn take(&mut self) -> Option<u8> {
+    pub(in crate::boards) fn take(&mut self) -> Option<u8> {
         let dma = self.stream.as_ref()?;
         let stream = dma.st(STREAM);
         if !stream.cr().read().en().bit() {
@@ -137,7 +137,7 @@ impl Inbox {
     }
 
     /// Returns the number of bytes that were overwritten before they were taken.
-    pub fn lost(&self) -> u32 {
+    pub(in crate::boards) fn lost(&self) -> u32 {
         self.ring.lost()
     }
 }
@@ -145,7 +145,7 @@ impl Inbox {
 impl Transmitter {
     /// Sends bytes, with a timeout for each. Returns false if the port did not take all.
     #[must_use]
-    pub fn write(&mut self, bytes: &[u8]) -> bool {
+    pub(in crate::boards) fn write(&mut self, bytes: &[u8]) -> bool {
         bytes.iter().all(|&byte| {
             let room = (0..POLLS).any(|_| port().sr().read().txe().bit_is_set());
             if room {

@@ -28,18 +28,19 @@ const GRAVITY_M_S2: f32 = contact::GRAVITY_M_S2 as f32;
 
 /// Parameters of the swing's limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SwingLimit {
+pub(crate) struct SwingLimit {
     /// Radial clearance, m.
-    pub radial_clearance_m: f32,
+    pub(crate) radial_clearance_m: f32,
     /// Journal radius, m.
-    pub journal_radius_m: f32,
+    pub(crate) journal_radius_m: f32,
     /// Acceleration of the journal by the load, m/s2 per N: `|1 - R_l/R_d|/m`.
-    pub per_load: f32,
+    pub(crate) per_load: f32,
 }
 
 impl SwingLimit {
     /// No limit.
-    pub const NONE: Self = Self { radial_clearance_m: f32::INFINITY, journal_radius_m: 0.0, per_load: 0.0 };
+    pub(crate) const NONE: Self =
+        Self { radial_clearance_m: f32::INFINITY, journal_radius_m: 0.0, per_load: 0.0 };
 }
 
 /// Limits of the displacement.

@@ -2,6 +2,14 @@
 
 use super::*;
 
+impl Findings {
+    /// Returns the channels with an event, one bit each. Kinds: 0 missing, 1 saturated, 2 stuck, 3
+    /// noisy, 4 jumped.
+    fn channels(&self, kind: u32) -> u8 {
+        (self.events >> (4 * (kind % 8)) & 0xf) as u8
+    }
+}
+
 const CLEARANCE_NM: u32 = 500_000;
 
 /// A lively but possible sample.

@@ -30,7 +30,7 @@
 //! registers that it uses. Its 56 bytes of stack keep the stack pointer aligned to 8. It accesses
 //! no other memory.
 
-use crate::kernel::{BLOCK, LayerOutcome, Quad};
+use crate::kernel::engine::{BLOCK, LayerOutcome, Quad};
 use core::arch::naked_asm;
 
 /// Products of outputs 0 to 3 with a pair of activations: `$a` to `$d` are the weights.

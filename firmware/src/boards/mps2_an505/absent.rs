@@ -1,0 +1,44 @@
+//! Parts that this board does not have or use.
+
+use controller::store::controller::FlashError;
+
+/// No watchdog.
+pub struct Watchdog;
+
+impl Watchdog {
+    /// Does nothing.
+    pub fn kick(&mut self) {}
+}
+
+/// No sensors.
+pub type Sensors = core::convert::Infallible;
+
+/// No flash to write.
+#[derive(Debug)]
+pub(in crate::boards) enum Sectors {}
+
+impl Sectors {
+    pub(in crate::boards) const fn start(&self) -> usize {
+        match *self {}
+    }
+
+    pub(in crate::boards) const fn length(&self) -> usize {
+        match *self {}
+    }
+
+    pub(in crate::boards) fn erase(&mut self, _start: usize, _length: usize) -> Result<(), FlashError> {
+        match *self {}
+    }
+
+    pub(in crate::boards) fn program(&mut self, _address: usize, _bytes: &[u8]) -> Result<(), FlashError> {
+        match *self {}
+    }
+}
+
+/// No light.
+pub struct Light;
+
+impl Light {
+    /// Does nothing.
+    pub fn show(&mut self, _on: bool) {}
+}
