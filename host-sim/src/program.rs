@@ -98,6 +98,12 @@ enum OwnCommand {
     Man(manual::ManualArgs),
 }
 
+/// Returns the definition of the command line.
+#[must_use]
+pub fn definition() -> clap::Command {
+    Program::command()
+}
+
 /// Runs the program with the process's arguments and returns its exit code.
 #[must_use]
 pub fn main() -> ExitCode {
@@ -144,8 +150,8 @@ fn dispatch(command: Command) -> Result<(), CliError> {
 
 fn dispatch_own(command: OwnCommand) -> Result<(), CliError> {
     match command {
-        OwnCommand::Completions(args) => completions::run(&args, Program::command()),
+        OwnCommand::Completions(args) => completions::run(&args, definition()),
         OwnCommand::Schema(args) => schema::run(&args),
-        OwnCommand::Man(args) => manual::run(&args, Program::command()),
+        OwnCommand::Man(args) => manual::run(&args, definition()),
     }
 }

@@ -22,6 +22,11 @@ pub(crate) fn parse_board(name: &str) -> Result<Firmware, boards::UnknownBoard> 
     boards::find(name).map(Firmware).ok_or(boards::UnknownBoard)
 }
 
+/// Builds the image of a board, or the one that provokes faults on demand, and returns its path.
+pub(crate) fn image(board: Firmware, is_provoking: bool) -> Result<PathBuf, ChoreError> {
+    if is_provoking { board.build_provoking() } else { board.build() }
+}
+
 impl Firmware {
     /// Builds the image and returns its path.
     pub(crate) fn build(&self) -> Result<PathBuf, ChoreError> {

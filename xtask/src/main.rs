@@ -3,6 +3,7 @@
 
 mod archive;
 mod board_tables;
+mod book;
 mod budget;
 mod c_check;
 mod c_library;
@@ -154,6 +155,8 @@ enum Command {
         #[arg(value_parser = sensitivity::MODULES, default_values = sensitivity::MODULES)]
         modules: Vec<String>,
     },
+    /// Build the documentation site in `target/book` with mdBook, and check its links.
+    Book,
     /// Build the release archive: programs, firmware, completions, manual pages, documents.
     Archive,
     /// Report flash, RAM and stack of the image, and whether it contains a reachable panic.
@@ -168,8 +171,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Setup => setup::setup().map(|_| ()),
         Command::Test { long } => test::test(long),
-        Command::Firmware { board, provoke } => if provoke { board.build_provoking() } else { board.build() }
-            .map(|elf| println!("{}", elf.display())),
+        Command::Firmware { board, provoke } => firmware::image(board, provoke).map(|elf| print_path(&elf)),
         Command::Language { paths, by_file } => language::language(&paths, by_file),
         Command::Miri => miri::miri(),
         Command::CLibrary { check } => c_check::build_or_check(check),
@@ -183,7 +185,8 @@ fn main() -> ExitCode {
         Command::Flash(args) => flash::flash(&args),
         Command::Stack { json } => stack::stack(json),
         Command::Sensitivity { modules } => sensitivity::sensitivity(&modules),
-        Command::Archive => archive::archive().map(|path| println!("{}", path.display())),
+        Command::Book => book::book().map(|page| print_path(&page)),
+        Command::Archive => archive::archive().map(|path| print_path(&path)),
         Command::Size { json } => size::size(json),
         Command::Faults { arguments } => return exit(campaigns::emulated("faults", &arguments)),
         Command::Soak { arguments } => return exit(campaigns::emulated("soak", &arguments)),
@@ -193,6 +196,10 @@ fn main() -> ExitCode {
         Command::Mystery { arguments } => return exit(campaigns::computed("mystery", &arguments)),
     };
     exit(result.map(|()| ExitCode::SUCCESS))
+}
+
+fn print_path(path: &std::path::Path) {
+    println!("{}", path.display());
 }
 
 /// Writes all golden figures and the blocks of documents.
@@ -222,15 +229,22 @@ mod tests {
     use clap::Parser;
 
     #[test]
-    fn the_commands_in_the_readmes_are_accepted() {
-        let readmes = [include_str!("../README.md"), include_str!("../../firmware/README.md")];
-        let commands: Vec<&str> = readmes
-            .iter()
-            .flat_map(|text| text.lines())
-            .filter_map(|line| line.trim_start_matches("$ ").strip_prefix("cargo xtask "))
-            .filter_map(|line| line.contains(" #").then(|| line.split('#').next()).flatten())
+    fn the_commands_in_the_documents_are_accepted() {
+        let path = |name: &str| crate::run::root().join(name);
+        let pages = std::fs::read_dir(path("docs")).unwrap().map(|entry| entry.unwrap().path());
+        let readmes =
+            ["README.md", "CONTRIBUTING.md", "firmware/README.md", "tests/README.md", "xtask/README.md"];
+        let documents =
+            pages.filter(|path| path.extension().is_some_and(|e| e == "md")).chain(readmes.map(path));
+        let texts: Vec<String> = documents.map(|path| std::fs::read_to_string(path).unwrap()).collect();
+        // Lines of code blocks: every other part between fences.
+        let blocks = texts.iter().flat_map(|text| text.split("```").skip(1).step_by(2));
+        let commands: Vec<&str> = blocks
+            .flat_map(str::lines)
+            .filter_map(|line| line.trim().trim_start_matches("$ ").strip_prefix("cargo xtask "))
+            .filter_map(|line| line.split(" #").next())
             .collect();
-        assert!(commands.len() >= 9, "{commands:?}");
+        assert!(commands.len() >= 20, "{commands:?}");
         for command in commands {
             let words = std::iter::once("xtask").chain(command.split_whitespace());
             let parsed = Cli::try_parse_from(words);

@@ -1,4 +1,5 @@
-//! The README's excerpt and picture of the default run, both taken from that run.
+//! The README's excerpt of the default run, and the pictures of the documents that are charts of
+//! reports.
 
 use crate::document::Block;
 use crate::run::{ChoreError, output_of, root, target_folder, write_atomically};
@@ -7,10 +8,20 @@ use std::path::PathBuf;
 
 /// Place of the excerpt.
 const EXCERPT: Block = Block { file: "README.md", name: "run" };
-/// Picture of the estimate, relative to the workspace.
-const PICTURE: &str = "docs/images/estimate.svg";
-/// Title of that picture in the report of a run.
-const TITLE: &str = "Estimated contact force";
+/// Pictures: file, arguments of the command that writes the report, title of the chart.
+const PICTURES: [Picture; 3] = [
+    Picture { file: "docs/images/estimate.svg", arguments: &["run"], title: "Estimated contact force" },
+    Picture {
+        file: "docs/images/four-bar.svg",
+        arguments: &["run", "--bench", "examples/four-bar.toml"],
+        title: "Contact force",
+    },
+    Picture {
+        file: "docs/images/diagnosis.svg",
+        arguments: &["diagnose", "examples/logs/servo-axis.mat", "--bench", "examples/servo-axis.toml"],
+        title: "drive_torque_nm over speed",
+    },
+];
 /// First words of the lines that the README shows. None of them depends on the machine's speed.
 const LINES: [&str; 10] = [
     "bearing  ",
@@ -25,30 +36,54 @@ const LINES: [&str; 10] = [
     "estimator, deadline misses",
 ];
 
-/// Excerpt and picture of one run.
-struct Shown {
-    excerpt: String,
-    picture: String,
+/// A picture of the documents: a chart of a report.
+#[derive(Clone, Copy, Debug)]
+struct Picture {
+    /// Path relative to the workspace.
+    file: &'static str,
+    /// Arguments of `host-sim`.
+    arguments: &'static [&'static str],
+    /// Title of the chart.
+    title: &'static str,
 }
 
-/// Runs the default bench and picks what the README shows.
-fn run_default() -> Result<Shown, ChoreError> {
-    let out = target_folder().join("readme");
-    let printed = output_of(workspace::program("host-sim")?.args(["run", "--out"]).arg(&out))?;
-    let line = |start: &&str| printed.lines().find(|line| line.starts_with(start));
-    let lines: Option<Vec<&str>> = LINES.iter().map(line).collect();
-    let lines =
-        lines.ok_or_else(|| missing("output of `host-sim run`", printed.clone(), "the README's lines"))?;
-    let file = out.join("report.html");
-    let report = read(file.clone())?;
-    let picture = picture(&report).ok_or_else(|| missing(file, "no such chart".into(), TITLE))?;
-    Ok(Shown { excerpt: format!("```text\n{}\n```", lines.join("\n")), picture: picture + "\n" })
+impl Picture {
+    /// Runs the command. Returns its output and the chart.
+    fn draw(self) -> Result<(String, String), ChoreError> {
+        let out = target_folder().join("readme");
+        let mut command = workspace::program("host-sim")?;
+        let printed = output_of(command.args(self.arguments).arg("--out").arg(&out))?;
+        let file = out.join("report.html");
+        let report = read(file.clone())?;
+        let chart = chart(&report, self.title);
+        let chart = chart.ok_or_else(|| missing(file, "no such chart".into(), self.title))?;
+        Ok((printed, chart + "\n"))
+    }
+}
+
+/// Runs the commands. Returns the README's excerpt and the pictures.
+fn draw_all() -> Result<(String, Vec<(Picture, String)>), ChoreError> {
+    let mut drawn = vec![];
+    let mut excerpt = String::new();
+    for picture in PICTURES {
+        let (printed, chart) = picture.draw()?;
+        if picture.arguments == ["run"] {
+            let line = |start: &&str| printed.lines().find(|line| line.starts_with(start));
+            let lines: Option<Vec<&str>> = LINES.iter().map(line).collect();
+            let lines = lines
+                .ok_or_else(|| missing("output of `host-sim run`", printed.clone(), "the README's lines"))?;
+            excerpt = format!("```text\n{}\n```", lines.join("\n"));
+        }
+        drawn.push((picture, chart));
+    }
+    Ok((excerpt, drawn))
 }
 
 /// Returns the chart with the title from the text of a report.
-fn picture(report: &str) -> Option<String> {
+fn chart(report: &str, title: &str) -> Option<String> {
+    let title = format!(">\n{title}\n<");
     let charts = report.split_inclusive("</svg>").filter_map(|part| part.find("<svg").map(|at| &part[at..]));
-    charts.into_iter().find(|chart| chart.contains(TITLE)).map(str::to_owned)
+    charts.into_iter().find(|chart| chart.contains(&title)).map(str::to_owned)
 }
 
 fn missing(file: impl Into<PathBuf>, found: String, expected: &'static str) -> ChoreError {
@@ -60,25 +95,27 @@ fn read(file: PathBuf) -> Result<String, ChoreError> {
         .map_err(|error| missing(file, error.to_string(), "a file that can be read"))
 }
 
-/// Writes excerpt and picture.
+/// Writes excerpt and pictures.
 pub(crate) fn bless() -> Result<(), ChoreError> {
-    let shown = run_default()?;
-    EXCERPT.write(&shown.excerpt)?;
-    write_atomically(root().join(PICTURE), shown.picture)
+    let (excerpt, drawn) = draw_all()?;
+    EXCERPT.write(&excerpt)?;
+    drawn.into_iter().try_for_each(|(picture, chart)| write_atomically(root().join(picture.file), chart))
 }
 
-/// Compares excerpt and picture with a new run.
+/// Compares excerpt and pictures with new runs.
 pub(crate) fn check() -> Result<(), ChoreError> {
-    let shown = run_default()?;
-    EXCERPT.check(&shown.excerpt)?;
-    if read(root().join(PICTURE))? == shown.picture {
-        return Ok(());
+    let (excerpt, drawn) = draw_all()?;
+    EXCERPT.check(&excerpt)?;
+    for (picture, chart) in drawn {
+        if read(root().join(picture.file))? != chart {
+            return Err(ChoreError::Differs {
+                what: picture.file.into(),
+                found: "another picture than that of a new run".into(),
+                expected: "the same bytes; if the change is intended: cargo xtask bless".into(),
+            });
+        }
     }
-    Err(ChoreError::Differs {
-        what: PICTURE.into(),
-        found: "another picture than that of a new run".into(),
-        expected: "the same bytes; if the change is intended: cargo xtask bless".into(),
-    })
+    Ok(())
 }
 
 #[cfg(test)]
@@ -87,9 +124,9 @@ mod tests {
 
     #[test]
     fn the_chart_with_the_title_is_taken_from_a_report() {
-        let report = format!("<p><svg a>x</svg><p><svg b>{TITLE}</svg>");
-        assert_eq!(picture(&report).unwrap(), format!("<svg b>{TITLE}</svg>"));
-        assert_eq!(picture("<svg a>x</svg>"), None);
+        let report = "<p><svg a>x</svg><p><svg b><text>\nForce\n</text></svg>";
+        assert_eq!(chart(report, "Force").unwrap(), "<svg b><text>\nForce\n</text></svg>");
+        assert_eq!(chart(report, "For"), None);
     }
 
     /// First cells of a document's table rows, each with the numbers of the second cell.

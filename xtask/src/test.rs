@@ -3,7 +3,9 @@
 use crate::golden::Comparison;
 use crate::run::{ChoreError, cargo, run, succeeds};
 use crate::tally::Tally;
-use crate::{budget, c_check, cycles, firmware, golden, kernels, language, readme, setup, verify, workspace};
+use crate::{
+    book, budget, c_check, cycles, firmware, golden, kernels, language, readme, setup, verify, workspace,
+};
 use std::time::Instant;
 
 /// Ignored tests that write golden files: `--long` does not run them.
@@ -73,6 +75,7 @@ fn checks() -> Result<Vec<String>, ChoreError> {
     kernels::kernels()?;
     verify::verify()?;
     skipped.extend(c_check::check()?);
+    skipped.extend(book::check()?);
     for (figures, comparison) in [
         ("instruction counts", golden::check()?),
         ("cycles", cycles::check()?),

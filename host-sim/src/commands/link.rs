@@ -62,8 +62,8 @@ pub struct LinkArgs {
     /// again.
     #[arg(long, conflicts_with_all = ["stop", "keep"])]
     pub sample: bool,
-    /// Show the newest estimate, the counters, the tracked values and the newest raw sample of its
-    /// own sensors, twice a second, for so many seconds.
+    /// Show the newest estimate, the counters, the tracked values and the newest raw sample of the
+    /// controller's sensors, twice a second, for so many seconds.
     #[arg(long, value_name = "SECONDS")]
     pub follow: Option<u32>,
     /// Save the configuration over a loss of power; this ends the run.

@@ -57,6 +57,11 @@ enum Command {
     Man(shell::ManualArguments),
 }
 
+/// Returns the definition of the command line.
+pub fn definition() -> clap::Command {
+    Arguments::command()
+}
+
 /// Parses the command line and runs the command.
 pub fn main() -> ExitCode {
     match run(&Arguments::parse()) {
@@ -82,7 +87,7 @@ fn run(arguments: &Arguments) -> Result<(), CliError> {
         Command::Key(arguments) => key::run(arguments),
         Command::Package(arguments) => package::run(arguments),
         Command::Report(arguments) => report::run(arguments),
-        Command::Completions(arguments) => shell::completions(arguments, Arguments::command()),
-        Command::Man(arguments) => shell::manual(arguments, Arguments::command()),
+        Command::Completions(arguments) => shell::completions(arguments, definition()),
+        Command::Man(arguments) => shell::manual(arguments, definition()),
     }
 }
