@@ -6,6 +6,7 @@
 use crate::c_library;
 use crate::compile::host;
 use crate::firmware::Firmware;
+use crate::fmu;
 use crate::run::{ChoreError, cargo, output_of, root, run, succeeds, target_folder, write_atomically};
 use controller::boards::BOARDS;
 use std::path::{Path, PathBuf};
@@ -37,6 +38,7 @@ pub(crate) fn archive() -> Result<PathBuf, ChoreError> {
     }
     firmware(&tree.join("share/pintle/firmware"))?;
     copy_tree(&c_library::build()?, &tree.join("share/pintle/c-libraries"))?;
+    copy_tree(&fmu::build()?, &tree.join("share/pintle/fmu-libraries"))?;
     shells(&tree)?;
     for document in DOCUMENTS {
         copy_tree(&root().join(document), &tree.join("share/doc/pintle").join(document))?;

@@ -15,6 +15,7 @@ mod cycles;
 mod document;
 mod firmware;
 mod flash;
+mod fmu;
 mod golden;
 mod insn;
 mod kernels;
@@ -89,25 +90,17 @@ enum Command {
         #[arg(long)]
         check: bool,
     },
+    /// Build the library of exported units (FMI) for every platform whose target is installed.
+    FmuLibrary {
+        /// Export units, validate them with FMPy, and run them in FMPy and libcosim.
+        #[arg(long)]
+        check: bool,
+    },
     /// Verify the shipped model images against laws, float networks and other runtimes.
     Verify,
     /// Write the tables of boards and constants; measure and write the golden figures, their tables
     /// and the README's run.
     Bless,
-    /// Hide effects in generated logs and report how well the diagnosis finds them.
-    #[command(disable_help_flag = true)]
-    HiddenEffects {
-        /// See `cargo xtask hidden-effects --help`.
-        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-        arguments: Vec<OsString>,
-    },
-    /// Write a log with a hidden effect for you to find, and show its label later.
-    #[command(disable_help_flag = true)]
-    Mystery {
-        /// See `cargo xtask mystery --help`.
-        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-        arguments: Vec<OsString>,
-    },
     /// Count instructions of the reference network, its layers and a controller tick.
     Insn {
         /// Print as JSON.
@@ -132,20 +125,6 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Inject seeded faults into the emulated controller and classify the reactions.
-    #[command(disable_help_flag = true)]
-    Faults {
-        /// See `cargo xtask faults --help`.
-        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-        arguments: Vec<OsString>,
-    },
-    /// Compare the emulated controller with the host's over many samples, bit for bit.
-    #[command(disable_help_flag = true)]
-    Soak {
-        /// See `cargo xtask soak --help`.
-        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-        arguments: Vec<OsString>,
-    },
     /// Halve and double the tuned constants of the diagnosis, and record the tests that fail.
     ///
     /// Takes about a minute for each constant. A stopped run continues.
@@ -165,6 +144,42 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Campaigns and programs of the tests.
+    #[command(flatten)]
+    Campaign(Campaign),
+}
+
+/// Campaigns and programs of the tests, with options of their own.
+#[derive(Subcommand)]
+enum Campaign {
+    /// Hide effects in generated logs and report how well the diagnosis finds them.
+    #[command(disable_help_flag = true)]
+    HiddenEffects {
+        /// See `cargo xtask hidden-effects --help`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
+    },
+    /// Write a log with a hidden effect for you to find, and show its label later.
+    #[command(disable_help_flag = true)]
+    Mystery {
+        /// See `cargo xtask mystery --help`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
+    },
+    /// Inject seeded faults into the emulated controller and classify the reactions.
+    #[command(disable_help_flag = true)]
+    Faults {
+        /// See `cargo xtask faults --help`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
+    },
+    /// Compare the emulated controller with the host's over many samples, bit for bit.
+    #[command(disable_help_flag = true)]
+    Soak {
+        /// See `cargo xtask soak --help`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
+    },
 }
 
 fn main() -> ExitCode {
@@ -175,6 +190,7 @@ fn main() -> ExitCode {
         Command::Language { paths, by_file } => language::language(&paths, by_file),
         Command::Miri => miri::miri(),
         Command::CLibrary { check } => c_check::build_or_check(check),
+        Command::FmuLibrary { check } => fmu::build_or_check(check),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
         Command::Bless => bless(),
@@ -188,14 +204,19 @@ fn main() -> ExitCode {
         Command::Book => book::book().map(|page| print_path(&page)),
         Command::Archive => archive::archive().map(|path| print_path(&path)),
         Command::Size { json } => size::size(json),
-        Command::Faults { arguments } => return exit(campaigns::emulated("faults", &arguments)),
-        Command::Soak { arguments } => return exit(campaigns::emulated("soak", &arguments)),
-        Command::HiddenEffects { arguments } => {
-            return exit(campaigns::computed("hidden_effects", &arguments));
-        }
-        Command::Mystery { arguments } => return exit(campaigns::computed("mystery", &arguments)),
+        Command::Campaign(campaign) => return exit(run_campaign(&campaign)),
     };
     exit(result.map(|()| ExitCode::SUCCESS))
+}
+
+/// Runs a campaign and returns the exit code of its program.
+fn run_campaign(campaign: &Campaign) -> Result<ExitCode, run::ChoreError> {
+    match campaign {
+        Campaign::Faults { arguments } => campaigns::emulated("faults", arguments),
+        Campaign::Soak { arguments } => campaigns::emulated("soak", arguments),
+        Campaign::HiddenEffects { arguments } => campaigns::computed("hidden_effects", arguments),
+        Campaign::Mystery { arguments } => campaigns::computed("mystery", arguments),
+    }
 }
 
 fn print_path(path: &std::path::Path) {

@@ -92,7 +92,7 @@ impl Instance {
         let is_before = matches!(phase, Phase::Instantiated | Phase::Initialising);
         match variable.causality {
             Causality::Time | Causality::Output => {
-                return Err(format!("{name}: found a value for an output"));
+                return Err(format!("{name}: found a value; expected none: it is an output"));
             }
             Causality::Fixed if !is_before => {
                 return Err(format!(
@@ -100,7 +100,7 @@ impl Instance {
                 ));
             }
             _ if phase == Phase::Terminated => {
-                return Err(format!("{name}: found a value after the end of the simulation"));
+                return Err(format!("{name}: found a value; expected none after the end of the simulation"));
             }
             _ => {}
         }
@@ -259,5 +259,105 @@ impl State {
     /// State from its bytes.
     pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
         postcard::from_bytes(bytes).map_err(|error| format!("state: {error}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Kind;
+    use bench::Bench;
+
+    fn instance(kind: Kind, bench: &str, has_networks: bool) -> Instance {
+        let bench = Bench::open(bench).unwrap();
+        let model = Model::new(kind, bench, Path::new("."), has_networks, Vec::new()).unwrap();
+        let mut instance = Instance::new(model, "{test}".into());
+        instance.set_up(0.0, None).unwrap();
+        instance.enter_initialisation().unwrap();
+        instance.exit_initialisation().unwrap();
+        instance
+    }
+
+    /// Outputs after each of some steps from a number on.
+    fn steps(instance: &mut Instance, numbers: std::ops::Range<u32>) -> Vec<Vec<f64>> {
+        let step_s = 1e-4;
+        let outputs: Vec<(u32, Type)> = instance
+            .model
+            .variables()
+            .iter()
+            .zip(0..)
+            .filter(|(v, _)| v.causality == Causality::Output)
+            .map(|(v, reference)| (reference, v.kind))
+            .collect();
+        numbers
+            .map(|number| {
+                // A contact is pressed deeper and deeper.
+                if let Some(at) =
+                    instance.model.variables().iter().position(|v| v.name == "journal_speed_rad_s")
+                {
+                    let depth_m = -0.5e-3 - f64::from(number) * 1e-7;
+                    let z = instance.model.variables().iter().position(|v| v.name == "journal_z_m").unwrap();
+                    instance.set(z as u32, Type::Real, depth_m).unwrap();
+                    instance.set(at as u32, Type::Real, 1.0).unwrap();
+                }
+                instance.step(f64::from(number) * step_s, step_s).unwrap();
+                outputs.iter().map(|(reference, kind)| instance.get(*reference, *kind).unwrap()).collect()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_restored_state_continues_to_the_bit_with_laws_and_with_networks() {
+        for (kind, bench) in
+            [(Kind::Contact, "bench-b"), (Kind::Bench, "bench-b"), (Kind::Mechanism, "four-bar")]
+        {
+            for has_networks in [false, true] {
+                let mut first = instance(kind, bench, has_networks);
+                steps(&mut first, 0..30);
+                let bytes = first.save().to_bytes().unwrap();
+                let expected = steps(&mut first, 30..50);
+                assert!(expected.iter().flatten().any(|value| *value != 0.0));
+                first.restore(State::from_bytes(&bytes).unwrap()).unwrap();
+                assert_eq!(steps(&mut first, 30..50), expected, "{kind:?} {has_networks}");
+                let mut other = instance(kind, bench, has_networks);
+                other.restore(State::from_bytes(&bytes).unwrap()).unwrap();
+                assert_eq!(steps(&mut other, 30..50), expected, "{kind:?} {has_networks}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_reset_instance_starts_anew_and_a_foreign_state_is_refused() {
+        let mut first = instance(Kind::Bench, "bench-b", true);
+        let expected = steps(&mut first, 0..20);
+        first.reset();
+        assert!(first.step(0.0, 1e-4).is_err(), "not initialised");
+        first.enter_initialisation().unwrap();
+        first.exit_initialisation().unwrap();
+        assert_eq!(steps(&mut first, 0..20), expected);
+        let foreign = instance(Kind::Contact, "bench-b", false).save();
+        assert!(first.restore(foreign).unwrap_err().contains("another unit"));
+        assert!(State::from_bytes(&[1, 2, 3]).is_err());
+    }
+
+    #[test]
+    fn a_failed_step_leaves_the_state_and_the_networks_as_they_were() {
+        let mut first = instance(Kind::Bench, "bench-b", true);
+        steps(&mut first, 0..20);
+        let before = first.save();
+        let load = first.model.variables().iter().position(|v| v.name == "load_n").unwrap();
+        assert!(first.step(1.0, 1e-4).unwrap_err().contains("expected 0.002"));
+        assert!(first.step(20.0 * 1e-4, f64::NAN).is_err());
+        assert!(first.set(load as u32, Type::Real, f64::INFINITY).is_err());
+        assert!(first.set(load as u32, Type::Integer, 1.0).is_err());
+        assert_eq!(first.save(), before);
+        let expected = steps(&mut instance_at(&before), 20..30);
+        assert_eq!(steps(&mut first, 20..30), expected);
+    }
+
+    fn instance_at(state: &State) -> Instance {
+        let mut other = instance(Kind::Bench, "bench-b", true);
+        other.restore(state.clone()).unwrap();
+        other
     }
 }

@@ -221,6 +221,7 @@ impl Model {
                 networks: has_networks.then(|| networks(bench.bearing.material)).transpose()?,
                 bench: SteppedBench::new(&bench, own(own::TOLERANCE)),
                 network_step_s,
+                journal_radius_m: bench.bearing.bearing_radius_m - bench.bearing.radial_clearance_m,
                 has_external_drive: own(own::EXTERNAL_DRIVE) != 0.0,
                 has_external_load: own(own::EXTERNAL_LOAD) != 0.0,
                 flags: Flags::NONE,

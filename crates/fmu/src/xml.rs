@@ -40,7 +40,8 @@ pub(crate) fn description(model: &Model, version: Version, guid: &str, tool: &st
         xml,
         "<fmiModelDescription fmiVersion=\"{fmi}\" modelName=\"pintle {kind}\" {identifier}=\"{guid}\"\n  \
          description=\"{meaning}\" generationTool=\"{tool}\"\n  variableNamingConvention=\"flat\">\n  \
-         <CoSimulation modelIdentifier=\"{MODEL_IDENTIFIER}\" canHandleVariableCommunicationStepSize=\"true\"\n    \
+         <CoSimulation modelIdentifier=\"{MODEL_IDENTIFIER}\"\n    \
+         canHandleVariableCommunicationStepSize=\"true\"\n    \
          canGetAndSet{state}=\"true\" canSerialize{state}=\"true\"/>\n",
         kind = model.kind().name(),
         meaning = meaning(model.kind()),

@@ -136,11 +136,22 @@ fn a_contact_unit_catches_a_falling_mass_up_to_its_largest_stable_step() {
     let import = open(&model(Kind::Contact, "bench-b", false), Version::Two);
     let (reference_n, rest_m) = drop_on_contact(&import, 1e-6);
     assert!(reference_n > 981.0 && (-0.52e-3..-0.5e-3).contains(&rest_m), "{reference_n} {rest_m}");
-    for (step_s, tolerance) in [(1e-5, 0.01), (5e-5, 0.05), (1e-4, 0.1)] {
+    // Shares of the peak, as docs/fmi.md states them; none where the mass does not come to rest.
+    let table = [
+        (1e-5, Some(0.003)),
+        (5e-5, Some(0.016)),
+        (1e-4, Some(0.03)),
+        (2e-4, None),
+        (5e-4, None),
+        (1e-3, None),
+    ];
+    for (step_s, limit) in table {
         let (peak_n, end_m) = drop_on_contact(&import, step_s);
-        let error = peak_n / reference_n - 1.0;
-        println!("{step_s:e} s: peak {peak_n:.1} N, {:+.2} %, end {:+.2e} m", 100.0 * error, end_m - rest_m);
-        assert!(error.abs() < tolerance, "{step_s}: {peak_n} for {reference_n}");
+        let (error, distance_m) = (peak_n / reference_n - 1.0, (end_m - rest_m).abs());
+        println!("{step_s:e} s: peak {:+.2} %, {distance_m:.1e} m from rest", 100.0 * error);
+        if let Some(limit) = limit {
+            assert!(error.abs() < limit && distance_m < 1e-9, "{step_s}: {error} {distance_m}");
+        }
     }
 }
 
@@ -174,7 +185,7 @@ fn wrong_calls_are_refused_with_a_message() {
         (&[("bearing.radial_clearance_m", 1.0)], "bearing.radial_clearance_m"),
     ] {
         let message = refused(settings);
-        assert!(message.contains(expected) && message.contains("found"), "{message}");
+        assert!(message.contains(expected) && message.contains("expected"), "{message}");
     }
     let mut slave = Slave::start(&import, &[], 0.0).unwrap();
     let late = slave.set(variable("shaft.mass_kg"), 120.0).unwrap_err().to_string();
@@ -247,15 +258,13 @@ fn files_that_are_no_units_are_refused() {
     };
     assert!(with("readme.txt", "").contains("modelDescription.xml"));
     assert!(with("modelDescription.xml", "<a").contains("modelDescription.xml"));
-    for (xml, expected) in [
-        ("<fmiModelDescription fmiVersion=\"1.0\"/>", "fmiVersion"),
-        ("<fmiModelDescription fmiVersion=\"2.0\"/>", "CoSimulation"),
-        (
-            "<fmiModelDescription fmiVersion=\"2.0\"><CoSimulation modelIdentifier=\"../a\"/></fmiModelDescription>",
-            "modelIdentifier",
-        ),
+    for (version, content, expected) in [
+        ("1.0", "", "fmiVersion"),
+        ("2.0", "", "CoSimulation"),
+        ("2.0", "<CoSimulation modelIdentifier=\"../a\"/>", "modelIdentifier"),
     ] {
-        assert!(with("modelDescription.xml", xml).contains(expected), "{xml}");
+        let xml = format!("<fmiModelDescription fmiVersion=\"{version}\">{content}</fmiModelDescription>");
+        assert!(with("modelDescription.xml", &xml).contains(expected), "{xml}");
     }
     // A path out of the folder is not written.
     with("../escaped.txt", "x");

@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// What to export.
+/// Content of a unit and where it comes from.
 pub(crate) struct Export<'a> {
     pub(crate) kind: Kind,
     pub(crate) version: Version,

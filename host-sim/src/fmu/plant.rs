@@ -280,6 +280,13 @@ impl PlantUnit {
                 &format!("{}, the unit's only step,", own_s * 1e6),
             );
         }
+        if let Some(own_s) = self.import.internal_step_s().filter(|own_s| *own_s > 0.0) {
+            let count = (step_s / own_s).round();
+            if count < 1.0 || (count * own_s - step_s).abs() > 1e-9 * step_s {
+                let expected = format!("a multiple of {}, the unit's internal step,", own_s * 1e6);
+                return refuse("--step-us", &format!("{}", step_s * 1e6), &expected);
+            }
+        }
         match JointContact::new(bench) {
             Some(contact) => Ok(contact),
             None => refuse("friction.law", "one that sticks", "one without sticking"),

@@ -54,7 +54,7 @@ impl From<ContactChoice> for ContactSource {
     host-sim run --cycles 20 --serve\n  \
     host-sim run --serve 127.0.0.1:0 --watch-speed 0.1 --serve-for 60\n  \
     HOST_SIM_SERVE_TOKEN=$(openssl rand -hex 16) host-sim run --serve 0.0.0.0:8750\n  \
-    host-sim run --plant-fmu shaft.fmu --plant-output journal_y_m=shaft.y --plant-input force_y_n=shaft.fy\n  \
+    host-sim run --plant-fmu shaft.fmu --plant-output journal_y_m=shaft.y\n  \
     host-sim run --controller attached --port /dev/ttyUSB0 --on-restart continue --record out/run/link.rec")]
 pub struct RunArgs {
     /// The bench.

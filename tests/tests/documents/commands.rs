@@ -13,7 +13,7 @@ const REFERENCE: &str = "docs/commands.md";
 
 /// Commands that are not run, by a part of their line, and why. Those of `host-sim` and
 /// `model-quant` are parsed.
-const NOT_RUN: [(&str, &str); 14] = [
+const NOT_RUN: [(&str, &str); 15] = [
     ("--controller attached", "needs a board"),
     ("host-sim flash", "needs the image of a board, or the board"),
     ("dfu-util", "needs a board"),
@@ -25,6 +25,7 @@ const NOT_RUN: [(&str, &str); 14] = [
     ("hq ", "needs a cluster"),
     ("examples/scale-out", "needs a cluster"),
     ("model-quant generate c", "needs libraries that `cargo xtask c-library` links"),
+    ("shaft.fmu", "stands for a file of the reader"),
     ("bench.mf4", "stands for a file of the reader"),
     ("bench.tdms", "stands for a file of the reader"),
     ("bench.mat", "stands for a file of the reader"),

@@ -12,6 +12,16 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// Motion after a time in s at the same second derivative.
+    #[must_use]
+    pub fn after(&self, time_s: f64) -> Self {
+        Self {
+            value: self.value + time_s * (self.rate + 0.5 * time_s * self.acceleration),
+            rate: self.rate + time_s * self.acceleration,
+            acceleration: self.acceleration,
+        }
+    }
+
     /// Interpolates towards the motion `h` later, at a `share` of the way. Each quantity uses its
     /// own two values, with the next derivative as the slope.
     ///

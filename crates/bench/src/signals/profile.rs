@@ -139,14 +139,7 @@ impl Profile {
                 Motion { value: half * sin, rate: half * w * cos, acceleration: -half * w * w * sin }
             }
             Self::Schedule(schedule) => schedule.at(time_s),
-            Self::Accelerated { at_s, motion } => {
-                let (after_s, acceleration) = (time_s - at_s, motion.acceleration);
-                Motion {
-                    value: motion.value + after_s * (motion.rate + 0.5 * after_s * acceleration),
-                    rate: motion.rate + after_s * acceleration,
-                    acceleration,
-                }
-            }
+            Self::Accelerated { at_s, motion } => motion.after(time_s - at_s),
             Self::Repeated { curve, period_s } => curve.at(time_s.rem_euclid(*period_s)),
             Self::Raised { mean, course, ramp_s } => {
                 let motion = course.at(time_s);

@@ -1,4 +1,4 @@
-//! Functions of a unit's library for the two versions of the interface, behind one set of calls.
+//! Functions of a unit's library for the two versions of the interface as one set of calls.
 #![allow(unsafe_code, reason = "calls of functions in a loaded library")]
 
 use crate::variable::Type;

@@ -26,7 +26,7 @@ pub enum ImportError {
     Unusable {
         /// Path of the unit.
         file: String,
-        /// What was found and expected.
+        /// Reason: found and expected content.
         reason: String,
     },
     /// A call failed: the function, its status, and the messages of the unit.
@@ -74,6 +74,7 @@ struct Description {
     variables: Vec<ImportedVariable>,
     has_variable_step: bool,
     proposed_step_s: Option<f64>,
+    internal_step_s: Option<f64>,
 }
 
 impl Import {
@@ -109,6 +110,11 @@ impl Import {
     /// Step that the model description proposes, in s.
     pub fn proposed_step_s(&self) -> Option<f64> {
         self.description.proposed_step_s
+    }
+
+    /// Step of the unit's own solver in s, if it states one; FMI 2.0 cannot.
+    pub fn internal_step_s(&self) -> Option<f64> {
+        self.description.internal_step_s
     }
 
     /// Variable by its name.
@@ -198,6 +204,7 @@ fn describe(document: &Document<'_>) -> Result<Description, String> {
             .map(|node| variable(node, version, types))
             .collect::<Result<_, _>>()?,
         has_variable_step: slave.attribute("canHandleVariableCommunicationStepSize") == Some("true"),
+        internal_step_s: slave.attribute("fixedInternalStepSize").and_then(|text| text.parse().ok()),
         proposed_step_s: child(root, "DefaultExperiment")
             .and_then(|experiment| experiment.attribute("stepSize")?.parse().ok()),
     })

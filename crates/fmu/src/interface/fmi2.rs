@@ -41,7 +41,7 @@ impl Log for Sink {
     }
 }
 
-/// Kind of unit that a program wants: `fmi2CoSimulation`.
+/// Kind of unit that a program requires: `fmi2CoSimulation`.
 const CO_SIMULATION: c_int = 1;
 
 #[unsafe(no_mangle)]

@@ -20,6 +20,8 @@ pub(crate) struct BenchSimulator {
     pub(crate) has_external_drive: bool,
     /// True if an input gives the load.
     pub(crate) has_external_load: bool,
+    /// Radius of the journal in m.
+    pub(crate) journal_radius_m: f64,
     /// Flags of all estimates of the last step.
     pub(crate) flags: Flags,
 }
@@ -54,13 +56,17 @@ pub(crate) fn outputs() -> Vec<Variable> {
     let channel = |(channel, _): &bench::simulate::ChannelReading| {
         output(channel.name(), channel.unit(), channel.meaning())
     };
+    let rates = vec![
+        output("journal_velocity_y_m_s", "m/s", "Velocity of the journal's centre along Y"),
+        output("journal_velocity_z_m_s", "m/s", "Velocity of the journal's centre along Z"),
+    ];
     let contacts = vec![
         output("contacts", "", "Contacts that have begun").with(Type::Integer, 0.0),
         output("peak_force_n", "N", "Largest normal force of the present contact, or of the last one"),
         output("network_flags", "", "Flags of the networks over the last step; 0 with the laws")
             .with(Type::Integer, 0.0),
     ];
-    [CHANNELS.iter().map(channel).collect(), view_outputs(), contacts].concat()
+    [CHANNELS.iter().map(channel).collect(), rates, view_outputs(), contacts].concat()
 }
 
 impl BenchSimulator {
@@ -111,6 +117,18 @@ impl BenchSimulator {
         let forces = [snapshot.forces.normal_n, snapshot.forces.friction_n];
         let view = view_values(&snapshot.contact, forces);
         let last = [f64::from(memory.contacts), memory.peak_force_n, f64::from(self.flags.bits())];
-        channels.chain(view).chain(last).collect()
+        channels.chain(self.journal_velocity_m_s(snapshot)).chain(view).chain(last).collect()
+    }
+
+    /// Velocity of the journal's centre along Y and Z, from those along and across the contact.
+    fn journal_velocity_m_s(&self, snapshot: &Snapshot) -> [f64; 2] {
+        let distance_m = snapshot.y_m.hypot(snapshot.z_m);
+        if distance_m == 0.0 {
+            return [0.0; 2];
+        }
+        let [ny, nz] = [snapshot.y_m / distance_m, snapshot.z_m / distance_m];
+        let along = snapshot.contact.rate_m_s;
+        let across = snapshot.contact.sliding_speed_m_s - snapshot.speed_rad_s * self.journal_radius_m;
+        [along * ny + across * nz, along * nz - across * ny]
     }
 }

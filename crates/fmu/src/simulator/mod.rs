@@ -1,4 +1,4 @@
-//! Simulators of the three kinds of units behind one interface.
+//! Simulators of the three kinds of units with one interface.
 
 pub(crate) mod bench;
 pub(crate) mod contact;

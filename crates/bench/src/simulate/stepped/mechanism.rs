@@ -29,7 +29,7 @@ pub struct SteppedMechanism {
 }
 
 impl SteppedMechanism {
-    /// Builds a mechanism; `has_networks` tells whether the described networks give forces. The
+    /// Builds a mechanism; with `has_networks` the described networks give forces. The
     /// error is that of a run.
     pub fn new(bench: &MechanismBench, has_networks: bool) -> Result<Self, IntegrationError> {
         let refused = |reason: String| IntegrationError::Stopped { time_s: 0.0, reason };
