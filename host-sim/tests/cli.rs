@@ -69,6 +69,14 @@ fn wrong_input_exits_with_2_names_the_field_and_leaves_no_files() {
         (&["link", "--controller", "attached", "--probe", "st-link"], "expected VID:PID or VID:PID:SERIAL"),
         (&["link", "--controller", "attached", "--probe", "--board", "a"], "expected one of stm32f405"),
         (&["run", "--dropout-samples", "1.5"], "--dropout-samples: found 1.5; expected an integer"),
+        (&["export-fmu", "bench", "--bench", "friction-rig"], "expected `transmission-bench`"),
+        (&["export-fmu", "mechanism"], "plant: found `transmission-bench`; expected `mechanism`"),
+        (&["export-fmu", "contact", "--bench", "sticking.toml"], "friction.law: found one that sticks"),
+        (&["export-fmu", "bench", "--libraries", "none"], "none: found none of linux64/pintle_fmu.so"),
+        (&["export-fmu", "bench", "--image", "broken.toml"], "broken.toml: "),
+        (&["run", "--plant-fmu", "broken.toml"], "broken.toml: found no ZIP archive"),
+        (&["run", "--plant-output", "journal_y_m=y"], "--plant-fmu <FILE>"),
+        (&["run", "--bench", "four-bar", "--plant-fmu", "a.fmu"], "--plant-fmu: found plant `mechanism`"),
     ] {
         let output = host_sim(directory.path(), arguments);
         let message = text(&output.stderr);
@@ -192,6 +200,53 @@ fn missing_readings_are_reported_and_reduce_accuracy() {
     // Four channels with 2 % of gaps each, and the samples after every gap.
     assert!(gaps.0 > complete.0 + 0.05, "{complete:?}, {gaps:?}");
     assert!(gaps.1 > complete.1, "{complete:?}, {gaps:?}");
+}
+
+#[test]
+fn an_exported_bench_is_the_plant_of_another_run() {
+    let directory = tempfile::tempdir().unwrap();
+    let exported = json(&host_sim(directory.path(), &["export-fmu", "bench", "--out", "b.fmu", "--json"]));
+    assert_eq!((exported["unit"].as_str(), exported["fmi"].as_str()), (Some("bench"), Some("2.0")));
+    assert!(exported["outputs"].as_array().unwrap().iter().any(|name| name == "journal_z_m"));
+    let law = json(&host_sim(directory.path(), &["run", "--force", "law", "--json"]));
+    let unit = json(&host_sim(
+        directory.path(),
+        &["run", "--plant-fmu", "b.fmu", "--force", "law", "--out", "unit", "--json"],
+    ));
+    let peak = |run: &serde_json::Value| run["peak_contact_force_n"].as_f64().unwrap();
+    assert!((peak(&unit) / peak(&law) - 1.0).abs() < 0.02, "{} {}", peak(&unit), peak(&law));
+    assert_eq!(unit["plant"]["inputs"], serde_json::json!([]));
+    assert_eq!(unit["energy_residual_rel"], serde_json::Value::Null);
+    let error = unit["estimator"]["force_rms_error_n"].as_f64().unwrap();
+    assert!(error < 0.02 * peak(&unit), "{error}");
+    let wrong = host_sim(
+        directory.path(),
+        &[
+            "run",
+            "--plant-fmu",
+            "b.fmu",
+            "--plant-output",
+            "journal_y=1",
+            "--plant-set",
+            "x=1",
+            "--out",
+            "no",
+        ],
+    );
+    let message = text(&wrong.stderr);
+    assert_eq!(wrong.status.code(), Some(2), "{message}");
+    assert!(message.contains("the quantity `journal_y`") && message.contains("--plant-set: found x=1"));
+    assert!(!directory.path().join("no").exists());
+    for (option, value, expected) in [
+        ("--load-kn", "1", "--load-kn: found a load"),
+        ("--plant-set", "drive.cycles=1.5", "--plant-set: found drive.cycles=1.5"),
+        ("--plant-input", "force_y_n=journal_y_m", "an input of the unit: drive_m"),
+    ] {
+        let arguments = ["run", "--plant-fmu", "b.fmu", option, value, "--out", "no"];
+        let wrong = host_sim(directory.path(), &arguments);
+        let message = text(&wrong.stderr);
+        assert!(wrong.status.code() == Some(2) && message.contains(expected), "{message}");
+    }
 }
 
 #[test]

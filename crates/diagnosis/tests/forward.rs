@@ -175,7 +175,7 @@ fn a_change_in_an_open_loop_is_named_from_the_speed() {
 /// The noise of the effort moves an open loop, so it depends on its draw what is named. The test
 /// above takes a draw in which the change is. The counts are those of this engine, not goals.
 #[test]
-#[ignore = "48 logs, some minutes: cargo test -p diagnosis --test forward -- --ignored --nocapture"]
+#[ignore = "48 logs, 15 minutes: cargo test -p diagnosis --test forward -- --ignored --nocapture"]
 fn changes_in_an_open_loop_are_named_in_some_draws_of_the_noise() {
     let base = World { closed: false, ..DESCRIBED };
     let counts = [
@@ -195,7 +195,7 @@ fn changes_in_an_open_loop_are_named_in_some_draws_of_the_noise() {
         println!("{name}: named in {right} of 12 logs, something else in {wrong}");
         (right, wrong)
     });
-    assert_eq!(counts, [(0, 0); 4]);
+    assert_eq!(counts, [(0, 1), (4, 1), (4, 1), (3, 1)]);
 }
 
 #[test]

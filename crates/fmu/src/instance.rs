@@ -1,6 +1,6 @@
 //! An instance of a unit, independent of the version of the interface.
 
-use crate::model::Model;
+use crate::model::{Model, TOLERANCE};
 use crate::simulator::{Memory, Simulator};
 use crate::variable::{Causality, Type, Variable};
 use serde::{Deserialize, Serialize};
@@ -104,7 +104,7 @@ impl Instance {
             }
             _ => {}
         }
-        if !variable.admits(value) {
+        if !variable.kind.admits(value) {
             return Err(format!("{name}: found {value}; expected a finite number of type {kind:?}"));
         }
         if let Some((low, high)) = variable.range.filter(|(low, high)| !(low..=high).contains(&&value)) {
@@ -128,7 +128,7 @@ impl Instance {
         }
         let inputs = self.model.inputs(&self.state.values);
         if let (true, Some(simulator), Some(memory)) = (self.is_stale, &self.simulator, &self.state.memory)
-            && let Some(outputs) = simulator.direct(memory, inputs)
+            && let Some(outputs) = simulator.direct(memory, inputs)?
         {
             self.model.outputs_mut(&mut self.state.values).copy_from_slice(&outputs);
             self.is_stale = false;
@@ -152,10 +152,14 @@ impl Instance {
         if !start_s.is_finite() {
             return Err(format!("start time: found {start_s}; expected a finite time"));
         }
-        if let Some(tolerance) = tolerance {
-            let reference =
-                self.model.variables().iter().position(|v| v.name == "tolerance").unwrap_or_default();
-            self.set(reference as u32, Type::Real, tolerance)?;
+        // A contact integrates nothing, so it has no tolerance.
+        let reference = self.model.variables().iter().position(|variable| variable.name == TOLERANCE);
+        if let (Some(tolerance), Some(reference)) = (tolerance, reference) {
+            // The program's value is a wish; 0 or less is none.
+            let range = self.model.variables().get(reference).and_then(|variable| variable.range);
+            if let Some((low, high)) = range.filter(|_| tolerance > 0.0) {
+                self.set(reference as u32, Type::Real, tolerance.clamp(low, high))?;
+            }
         }
         self.state.time_s = start_s;
         Ok(())
@@ -269,7 +273,10 @@ mod tests {
     use bench::Bench;
 
     fn instance(kind: Kind, bench: &str, has_networks: bool) -> Instance {
-        let bench = Bench::open(bench).unwrap();
+        let mut bench = Bench::open(bench).unwrap();
+        if let (Bench::Mechanism(plant), true) = (&mut bench, has_networks) {
+            plant.contact[0].network = Some(bench::BearingMaterial::Babbitt);
+        }
         let model = Model::new(kind, bench, Path::new("."), has_networks, Vec::new()).unwrap();
         let mut instance = Instance::new(model, "{test}".into());
         instance.set_up(0.0, None).unwrap();

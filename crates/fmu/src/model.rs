@@ -14,6 +14,8 @@ use bench::simulate::stepped::{SteppedBench, SteppedMechanism};
 use bench::{BearingMaterial, Bench};
 use inference::{Flags, shipped};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use toml::Table;
 
@@ -54,15 +56,8 @@ pub(crate) struct Settings {
     pub(crate) has_networks: bool,
     /// Identifier that the model description has, too.
     pub(crate) guid: String,
-}
-
-/// Numbers of the unit's own parameters, after those of the description.
-mod own {
-    pub(super) const USE_NETWORKS: usize = 0;
-    pub(super) const NETWORK_STEP: usize = 1;
-    pub(super) const TOLERANCE: usize = 2;
-    pub(super) const EXTERNAL_DRIVE: usize = 3;
-    pub(super) const EXTERNAL_LOAD: usize = 4;
+    /// Fingerprint of the table of variables, so that a library of another version is noticed.
+    pub(crate) table: String,
 }
 
 /// A unit's model, not yet started.
@@ -75,8 +70,6 @@ pub struct Model {
     table: Table,
     leaves: Vec<Leaf>,
     variables: Vec<Variable>,
-    /// Index of the first variable that is not a number of the description.
-    first_own: usize,
     first_input: usize,
     first_output: usize,
     images: Vec<(BearingMaterial, Vec<u8>)>,
@@ -99,11 +92,10 @@ impl Model {
         let table: Table = text.parse().map_err(|error: toml::de::Error| error.to_string())?;
         let sections = Bench::sections(bench.plant_name()).unwrap_or_default();
         let (leaves, mut variables): (Vec<Leaf>, Vec<Variable>) =
-            collect(&table, &sections).into_iter().unzip();
+            collect(kind, &table, &sections).into_iter().unzip();
         let time = Variable::real(Causality::Time, "time", "s", "Simulated time");
         variables.insert(0, time);
-        let first_own = variables.len();
-        variables.extend(own_parameters(kind, has_networks));
+        variables.extend(own_parameters(&bench, kind, has_networks));
         let first_input = variables.len();
         let (inputs, outputs) = match (kind, &bench) {
             (Kind::Mechanism, Bench::Mechanism(plant)) => {
@@ -116,18 +108,11 @@ impl Model {
         let first_output = variables.len();
         variables.extend(outputs);
         let folder = folder.to_owned();
-        let model = Self {
-            kind,
-            bench,
-            folder,
-            table,
-            leaves,
-            variables,
-            first_own,
-            first_input,
-            first_output,
-            images,
-        };
+        let model = Self { kind, bench, folder, table, leaves, variables, first_input, first_output, images };
+        let mut names = BTreeSet::new();
+        if let Some(twice) = model.variables.iter().find(|variable| !names.insert(&variable.name)) {
+            return Err(format!("{}: found two variables of this name; expected one", twice.name));
+        }
         model.simulator(&model.start_values())?;
         Ok(model)
     }
@@ -149,6 +134,13 @@ impl Model {
         };
         let images = BearingMaterial::ALL.iter().filter_map(image).collect();
         let model = Self::new(settings.kind, bench, resources, settings.has_networks, images)?;
+        if model.fingerprint() != settings.table {
+            return Err(
+                "library: found another table of variables; expected that of the unit: the library is of \
+                        another version"
+                    .into(),
+            );
+        }
         Ok((model, settings.guid))
     }
 
@@ -167,6 +159,15 @@ impl Model {
         &self.variables
     }
 
+    /// Fingerprint of the table of variables.
+    pub(crate) fn fingerprint(&self) -> String {
+        let mut hash = Sha256::new();
+        for variable in &self.variables {
+            hash.update(format!("{variable:?}\n"));
+        }
+        hash.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+    }
+
     /// Image of a material's networks.
     pub(crate) fn image(&self, material: BearingMaterial) -> &[u8] {
         let own = self.images.iter().find(|(known, _)| *known == material);
@@ -174,11 +175,11 @@ impl Model {
     }
 
     /// Materials whose networks the unit may use.
-    pub(crate) fn materials(&self) -> Vec<BearingMaterial> {
+    pub fn materials(&self) -> Vec<BearingMaterial> {
         match &self.bench {
             Bench::Transmission(bench) => vec![bench.bearing.material],
             Bench::Mechanism(plant) => {
-                let found: std::collections::BTreeSet<_> = plant.networks().into_iter().flatten().collect();
+                let found: BTreeSet<_> = plant.networks().into_iter().flatten().collect();
                 found.into_iter().collect()
             }
             _ => Vec::new(),
@@ -207,23 +208,37 @@ impl Model {
 
     /// Builds the simulator with the parameters among the values of all variables.
     pub(crate) fn simulator(&self, values: &[f64]) -> Result<Simulator, String> {
-        let own = |i: usize| values.get(self.first_own + i).copied().unwrap_or_default();
-        let has_networks = own(own::USE_NETWORKS) != 0.0;
-        let network_step_s = own(own::NETWORK_STEP);
+        let own = |name: &str| {
+            let index = self.variables.iter().position(|variable| variable.name == name);
+            index.and_then(|index| values.get(index)).copied().unwrap_or_default()
+        };
+        let has_networks = own(USE_NETWORKS) != 0.0;
+        let network_step_s = own(NETWORK_STEP);
         let networks = |material| Networks::new(self.image(material));
+        if has_networks && self.materials().is_empty() {
+            return Err("use_networks: found true; expected false: no contact has a `network`".into());
+        }
+        if own(EXTERNAL_DRIVE) != 0.0 && self.bench.effects().iter().any(|effect| effect.name == LAG) {
+            return Err(format!("external_drive: found true with the effect `{LAG}`; expected one of them"));
+        }
         match (self.kind, self.with_parameters(values)?.resolved()) {
             (Kind::Contact, Bench::Transmission(bench)) => {
                 let networks = has_networks.then(|| networks(bench.bearing.material)).transpose()?;
                 let contact = JointContact::new(&bench).ok_or(STICKS)?;
                 Ok(Simulator::Contact(ContactSimulator { contact, networks }))
             }
+            (Kind::Bench, Bench::Transmission(bench)) if has_networks && bench.servo.is_some() => Err(
+                "servo: found a section with use_networks; expected the laws: a held force is no part of \
+                     its loop"
+                    .into(),
+            ),
             (Kind::Bench, Bench::Transmission(bench)) => Ok(Simulator::Bench(Box::new(BenchSimulator {
                 networks: has_networks.then(|| networks(bench.bearing.material)).transpose()?,
-                bench: SteppedBench::new(&bench, own(own::TOLERANCE)),
+                bench: SteppedBench::new(&bench, own(TOLERANCE)),
                 network_step_s,
-                journal_radius_m: bench.bearing.bearing_radius_m - bench.bearing.radial_clearance_m,
-                has_external_drive: own(own::EXTERNAL_DRIVE) != 0.0,
-                has_external_load: own(own::EXTERNAL_LOAD) != 0.0,
+                largest_drive_m: bench.servo.is_none().then_some(bench.geometry.drive_lever_radius_m),
+                has_external_drive: own(EXTERNAL_DRIVE) != 0.0,
+                has_external_load: own(EXTERNAL_LOAD) != 0.0,
                 flags: Flags::NONE,
             }))),
             (Kind::Mechanism, Bench::Mechanism(plant)) => {
@@ -232,7 +247,7 @@ impl Model {
                 };
                 let pairs = plant.networks().into_iter().map(of_contact).collect::<Result<_, _>>()?;
                 let mut plant: MechanismBench = *plant;
-                plant.run.tolerance = own(own::TOLERANCE);
+                plant.run.tolerance = own(TOLERANCE);
                 let mechanism =
                     SteppedMechanism::new(&plant, has_networks).map_err(|error| error.to_string())?;
                 Ok(Simulator::Mechanism(Box::new(MechanismSimulator {
@@ -268,28 +283,43 @@ pub(crate) fn image_file(material: BearingMaterial) -> String {
     format!("{}.pintle", material.name())
 }
 
-/// Parameters of every unit: those of [`own`] in their order.
-fn own_parameters(kind: Kind, has_networks: bool) -> Vec<Variable> {
+/// Names of the parameters that are no numbers of the description.
+pub(crate) const USE_NETWORKS: &str = "use_networks";
+const NETWORK_STEP: &str = "network_step_s";
+pub(crate) const TOLERANCE: &str = "tolerance";
+pub(crate) const EXTERNAL_DRIVE: &str = "external_drive";
+pub(crate) const EXTERNAL_LOAD: &str = "external_load";
+
+/// Parameters that are no numbers of the description.
+fn own_parameters(bench: &Bench, kind: Kind, has_networks: bool) -> Vec<Variable> {
     let fixed = |name, unit, meaning| Variable::real(Causality::Fixed, name, unit, meaning);
-    let networks = fixed("use_networks", "", "True: the trained networks give the forces of their contacts");
+    let networks = fixed(USE_NETWORKS, "", "True: the trained networks give the forces of their contacts");
+    let mut all = vec![networks.with(Type::Boolean, f64::from(u8::from(has_networks)))];
+    if kind == Kind::Contact {
+        return all;
+    }
     let step = Variable {
         range: Some((1e-7, 1e-3)),
-        ..fixed("network_step_s", "s", "Longest communication step of networks within a step of the unit")
+        ..fixed(NETWORK_STEP, "s", "Longest communication step of networks within a step of the unit")
     };
     let tolerance = Variable {
         range: Some((1e-13, 1e-2)),
-        ..fixed("tolerance", "", "Relative tolerance of the integrator")
+        ..fixed(TOLERANCE, "", "Relative tolerance of the integrator")
     };
-    let mut all = vec![
-        networks.with(Type::Boolean, f64::from(u8::from(has_networks))),
-        step.with(Type::Real, NETWORK_STEP_S),
-        tolerance.with(Type::Real, DEFAULT_TOLERANCE),
-    ];
+    let described = match bench {
+        Bench::Mechanism(plant) => plant.run.tolerance,
+        _ => DEFAULT_TOLERANCE,
+    };
+    all.push(step.with(Type::Real, NETWORK_STEP_S));
+    all.push(tolerance.with(Type::Real, described));
     if kind == Kind::Bench {
         all.extend(simulator::bench::parameters());
     }
     all
 }
+
+/// Effect that delays the drive by reading its motion before the present step.
+const LAG: &str = "drive-lag";
 
 /// Default communication step of the networks in s, as in `host-sim run`.
 const NETWORK_STEP_S: f64 = 1e-5;

@@ -1,6 +1,6 @@
 //! A unit as a file: a ZIP archive of model description, libraries and resources.
 
-use crate::model::{DESCRIPTION, Model, SETTINGS, Settings, image_file};
+use crate::model::{DESCRIPTION, Model, SETTINGS, Settings, USE_NETWORKS, image_file};
 use crate::xml::{MODEL_IDENTIFIER, Version, description};
 use sha2::{Digest, Sha256};
 use std::io::{Cursor, Write};
@@ -70,8 +70,8 @@ pub fn pack(
     }
     let guid = identifier(&description(model, version, "", tool), &resources, &entries);
     let xml = description(model, version, &guid, tool);
-    let has_networks = model.variables().iter().any(|v| v.name == "use_networks" && v.start != 0.0);
-    let settings = Settings { kind: model.kind(), has_networks, guid };
+    let has_networks = model.variables().iter().any(|v| v.name == USE_NETWORKS && v.start != 0.0);
+    let settings = Settings { kind: model.kind(), has_networks, guid, table: model.fingerprint() };
     let settings = toml::to_string(&settings).map_err(|error| error.to_string())?;
     resources.push((SETTINGS.to_owned(), settings.into_bytes()));
     entries.insert(0, ("modelDescription.xml".to_owned(), xml.into_bytes()));

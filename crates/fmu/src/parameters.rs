@@ -1,12 +1,28 @@
 //! Numbers of a bench description as parameters of a unit.
 
+use crate::model::Kind;
 use crate::variable::{Causality, Type, Variable};
 use bench::schema::{FieldEntry, SectionEntry, unit_of_name};
 use toml::{Table, Value};
 
-/// Sections about logs and diagnosis, which a simulation does not read.
-const UNUSED: [&str; 9] =
-    ["plant", "sensors", "uncertain", "nuisances", "log", "columns", "measured", "logging", "life"];
+/// Sections about logs, diagnosis and life, and numbers that a program sets in another way.
+const UNUSED: [&str; 13] = [
+    "plant",
+    "sensors",
+    "uncertain",
+    "nuisances",
+    "log",
+    "columns",
+    "measured",
+    "logging",
+    "life",
+    "two_plane",
+    "run.duration_s",
+    "run.samples",
+    "run.tolerance",
+];
+/// Sections that the contact alone reads.
+const OF_CONTACT: [&str; 3] = ["bearing", "contact", "friction"];
 
 /// Number of a description and where it is.
 #[derive(Clone, Debug)]
@@ -22,11 +38,12 @@ enum Step {
     Index(usize),
 }
 
-/// Collects the numbers of a description with their variables. Entries of a list are named by
-/// their `name`, or numbered from 1.
-pub(crate) fn collect(description: &Table, sections: &[SectionEntry]) -> Vec<(Leaf, Variable)> {
+/// Collects the numbers of a description that a unit reads, with their variables. Entries of a
+/// list are named by their `name`, or numbered from 1.
+pub(crate) fn collect(kind: Kind, description: &Table, sections: &[SectionEntry]) -> Vec<(Leaf, Variable)> {
     let mut found = Vec::new();
-    for (name, value) in description.iter().filter(|(name, _)| !UNUSED.contains(&name.as_str())) {
+    let is_read = |name: &str| kind != Kind::Contact || OF_CONTACT.contains(&name);
+    for (name, value) in description.iter().filter(|(name, _)| is_read(name)) {
         let section = sections.iter().find(|section| section.name == name);
         let fields = section.map_or(&[][..], |section| section.fields);
         walk(value, &mut vec![Step::Key(name.clone())], name.clone(), None, fields, &mut found);
@@ -42,6 +59,9 @@ fn walk(
     fields: &[FieldEntry],
     found: &mut Vec<(Leaf, Variable)>,
 ) {
+    if UNUSED.contains(&name.as_str()) {
+        return;
+    }
     match value {
         Value::Float(number) => found.push((leaf(path, false), variable(&name, *number, false, field))),
         Value::Integer(number) => {
@@ -57,8 +77,14 @@ fn walk(
         }
         Value::Array(entries) => {
             for (index, entry) in entries.iter().enumerate() {
-                let own = entry.get("name").and_then(Value::as_str);
-                let label = own.map_or_else(|| (index + 1).to_string(), str::to_owned);
+                let name_of = |entry: &Value| entry.get("name").and_then(Value::as_str).map(str::to_owned);
+                let own = name_of(entry);
+                // Effects on sensors do not act on the motion.
+                if name == "effects" && own.as_ref().is_some_and(|own| own.starts_with("sensor-")) {
+                    continue;
+                }
+                let is_unique = entries.iter().filter(|other| name_of(other) == own).count() == 1;
+                let label = own.filter(|_| is_unique).unwrap_or_else(|| (index + 1).to_string());
                 path.push(Step::Index(index));
                 walk(entry, path, format!("{name}.{label}"), field, fields, found);
                 path.pop();
@@ -95,6 +121,46 @@ impl Leaf {
         }
         if let Some(place) = place {
             *place = if self.is_integer { Value::Integer(number as i64) } else { Value::Float(number) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bench::Bench;
+
+    #[test]
+    fn every_parameter_reaches_its_own_place_in_the_description() {
+        for (kind, name) in
+            [(Kind::Contact, "bench-b"), (Kind::Bench, "bench-b"), (Kind::Mechanism, "four-bar")]
+        {
+            let bench = Bench::open(name).unwrap();
+            let table: Table = bench.to_toml().unwrap().parse().unwrap();
+            let sections = Bench::sections(bench.plant_name()).unwrap();
+            let leaves = collect(kind, &table, &sections);
+            for (i, (leaf, variable)) in leaves.iter().enumerate() {
+                let mut changed = table.clone();
+                leaf.put(&mut changed, variable.start + 1.0);
+                let found = collect(kind, &changed, &sections);
+                let starts = found.iter().zip(&leaves).enumerate();
+                for (other, ((_, found), (_, known))) in starts {
+                    assert_eq!(found.name, known.name);
+                    let expected = known.start + f64::from(u8::from(other == i));
+                    assert_eq!(found.start, expected, "{} changed, {} read", variable.name, known.name);
+                }
+            }
+            let names: Vec<&str> = leaves.iter().map(|(_, variable)| variable.name.as_str()).collect();
+            let has = |name: &str| names.contains(&name);
+            match kind {
+                Kind::Contact => assert!(has("bearing.radial_clearance_m") && !has("shaft.mass_kg")),
+                Kind::Bench => {
+                    assert!(has("shaft.mass_kg") && has("drive.cycles") && !has("logging.sample_rate_hz"))
+                }
+                Kind::Mechanism => {
+                    assert!(has("body.crank.mass_kg") && has("joint.3.clearance_m") && !has("run.tolerance"));
+                }
+            }
         }
     }
 }

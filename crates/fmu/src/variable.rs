@@ -64,15 +64,17 @@ impl Variable {
     pub(crate) fn with(self, kind: Type, start: f64) -> Self {
         Self { kind, start, ..self }
     }
+}
 
-    /// Returns whether a value is one of the type's.
-    pub(crate) fn admits(&self, value: f64) -> bool {
-        match self.kind {
-            Type::Real => value.is_finite(),
-            Type::Integer => {
+impl Type {
+    /// Returns whether a number is one of the type's.
+    pub(crate) fn admits(self, value: f64) -> bool {
+        match self {
+            Self::Real => value.is_finite(),
+            Self::Integer => {
                 value.fract() == 0.0 && (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&value)
             }
-            Type::Boolean => value == 0.0 || value == 1.0,
+            Self::Boolean => value == 0.0 || value == 1.0,
         }
     }
 }

@@ -56,9 +56,19 @@ impl fmt::Display for Exported {
 pub(crate) fn write(mut bench: Bench, export: &Export<'_>, out: &Path) -> Result<Exported, CliError> {
     let folder = Path::new(export.described_in).parent().unwrap_or(Path::new("")).to_owned();
     let files = named_files(&mut bench, &folder)?;
-    let images = export.images.iter().map(|path| image(path)).collect::<Result<_, _>>()?;
+    let images = export.images.iter().map(|path| image(path)).collect::<Result<Vec<_>, _>>()?;
+    let given: Vec<BearingMaterial> = images.iter().map(|(material, _)| *material).collect();
     let refused = |reason: String| CliError::Input(format!("{}: {reason}", export.described_in));
     let model = Model::new(export.kind, bench, &folder, export.has_networks, images).map_err(refused)?;
+    let materials = model.materials();
+    if let Some(path) = export.images.iter().zip(&given).find(|(_, m)| !materials.contains(m)).map(|(p, _)| p)
+    {
+        return Err(CliError::Input(format!(
+            "--image {}: found networks of another material; expected those of {}",
+            path.display(),
+            materials.iter().map(|material| material.name()).collect::<Vec<_>>().join(", ")
+        )));
+    }
     let libraries = libraries::read(export.libraries).map_err(CliError::Input)?;
     let tool = format!("host-sim {}", env!("CARGO_PKG_VERSION"));
     let unit = pack(&model, export.version, &libraries, &files, &tool).map_err(CliError::Work)?;

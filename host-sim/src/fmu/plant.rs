@@ -4,12 +4,14 @@
 use crate::cli::error::CliError;
 use crate::run::force::{ForceSource, ForcedRun, SAMPLE_RATE_HZ};
 use crate::run::networks::Networks;
+use bench::Bench;
 use bench::description::TransmissionBench;
 use bench::integrate::ContactAngles;
 use bench::log::Expression;
 use bench::plants::transmission::{
     BearingForces, ContactView, JointContact, JointMemory, JointMotion, Snapshot,
 };
+use bench::schema::unit_of_name;
 use bench::signals::Motion;
 use bench::simulate::Run;
 use bench::simulate::peaks::Extremes;
@@ -55,6 +57,8 @@ pub struct PlantFigures {
     pub outputs: Vec<&'static str>,
     /// Forces that the unit takes; empty: it moves without the bearing's force.
     pub inputs: Vec<&'static str>,
+    /// Options `--plant-output`, `--plant-input` and `--plant-set` as given.
+    pub settings: Vec<String>,
 }
 
 /// Quantities that a unit may give. The rates of the others follow from differences where they are
@@ -85,6 +89,7 @@ pub(crate) struct PlantUnit {
     quantities: [Option<Expression>; QUANTITIES.len()],
     forces: [Option<ImportedVariable>; FORCES.len()],
     start: Vec<(ImportedVariable, f64)>,
+    settings: Vec<String>,
 }
 
 impl From<ImportError> for CliError {
@@ -99,8 +104,19 @@ impl From<ImportError> for CliError {
 impl PlantUnit {
     /// Opens the unit of the options and resolves the names; none without a unit. All flaws are
     /// reported at once.
-    pub(crate) fn open(options: &PlantOptions) -> Result<Option<Self>, CliError> {
+    pub(crate) fn open(
+        options: &PlantOptions,
+        described: &Bench,
+        has_load_option: bool,
+    ) -> Result<Option<Self>, CliError> {
         let Some(file) = &options.plant_fmu else { return Ok(None) };
+        let refuse = |what: &str| Err(CliError::Input(format!("{what}; expected none with --plant-fmu")));
+        if !described.effects().is_empty() {
+            return refuse("effects: found some, which act on the equations that the unit replaces");
+        }
+        if has_load_option {
+            return refuse("--load-kn: found a load, which the unit gives");
+        }
         let import = Import::open(file)?;
         let mut unit = Self {
             file: file.clone(),
@@ -109,6 +125,7 @@ impl PlantUnit {
             quantities: [const { None }; QUANTITIES.len()],
             forces: [const { None }; FORCES.len()],
             start: Vec::new(),
+            settings: [&options.plant_output[..], &options.plant_input, &options.plant_set].concat(),
         };
         let mut flaws = Vec::new();
         for given in &options.plant_output {
@@ -120,7 +137,7 @@ impl PlantUnit {
         for given in &options.plant_set {
             flaws.extend(unit.add_start(given).err());
         }
-        unit.add_same_names();
+        flaws.extend(unit.add_same_names());
         if unit.quantities[..2].iter().all(Option::is_none) {
             let names: Vec<&str> = unit.read.iter().map(|v| v.name.as_str()).take(40).collect();
             flaws.push(format!(
@@ -148,18 +165,30 @@ impl PlantUnit {
         if let Some(unknown) = expression.unknown.first() {
             return refuse(&format!("the variable `{unknown}`"), "a variable of the unit");
         }
-        self.quantities[place] = Some(expression);
+        if self.quantities[place].replace(expression).is_some() {
+            return refuse("the quantity twice", "it once");
+        }
         Ok(())
     }
 
-    /// Takes variables that have the names of quantities, where none was given.
-    fn add_same_names(&mut self) {
+    /// Takes results of the unit that have the names of quantities, where none was given. Returns
+    /// those whose unit is another one.
+    fn add_same_names(&mut self) -> Vec<String> {
+        let mut flaws = Vec::new();
         for (name, place) in QUANTITIES.iter().zip(&mut self.quantities) {
-            let index = self.read.iter().position(|variable| variable.name == *name);
-            if let (None, Some(index)) = (&place, index) {
+            let is_result = |v: &ImportedVariable| ["output", "local"].contains(&v.causality.as_str());
+            let index = self.read.iter().position(|variable| variable.name == *name && is_result(variable));
+            let (None, Some(index)) = (&place, index) else { continue };
+            let (found, expected) = (&self.read[index].unit, unit_of_name(name));
+            if found.is_empty() || found == expected {
                 *place = Some(Expression::column(index));
+            } else {
+                flaws.push(format!(
+                    "{name}: found the unit {found}; expected {expected}, or --plant-output with a factor"
+                ));
             }
         }
+        flaws
     }
 
     fn add_input(&mut self, given: &str) -> Result<(), String> {
@@ -176,17 +205,27 @@ impl PlantUnit {
                 inputs.collect::<Vec<_>>().join(", ")
             ));
         };
-        self.forces[place] = Some(variable.clone());
+        let variable = variable.clone();
+        if self.forces[place].is_some() || self.forces.iter().flatten().any(|taken| *taken == variable) {
+            return Err(format!("--plant-input: found {given} beside another of it; expected each once"));
+        }
+        self.forces[place] = Some(variable);
         Ok(())
     }
 
     fn add_start(&mut self, given: &str) -> Result<(), String> {
         let known = given.rsplit_once('=').and_then(|(name, number)| {
             let variable = self.import.variable(name.trim()).filter(|v| v.kind.is_some())?;
-            Some((variable.clone(), number.trim().parse::<f64>().ok().filter(|number| number.is_finite())?))
+            let number = number.trim().parse::<f64>().ok().filter(|number| variable.admits(*number))?;
+            let is_new = self.start.iter().all(|(known, _)| known.name != variable.name);
+            is_new.then(|| (variable.clone(), number))
         });
-        let refused =
-            || format!("--plant-set: found {given}; expected VARIABLE=NUMBER with a variable of the unit");
+        let refused = || {
+            format!(
+                "--plant-set: found {given}; expected VARIABLE=NUMBER with a variable of the unit and a \
+                 number of its type, each once"
+            )
+        };
         self.start.push(known.ok_or_else(refused)?);
         Ok(())
     }
@@ -223,7 +262,7 @@ impl PlantUnit {
             let angles = || ContactAngles { crank_rad: values[2], contact_rad: values[1].atan2(values[0]) };
             impacts.extend(held.switch(time_s, &mut view, angles));
             memory.latched_m_s = (view.deformation_m > 0.0).then_some(held.latched_m_s());
-            let forces = force.at(&contact, &view, &memory);
+            let forces = force.at(&contact, &view, &memory)?;
             held.measure((time_s, step_s), &view, forces.normal_n);
             let (force_n, torque_nm) = contact.on_journal(&motion, &forces);
             for (variable, value) in self.forces.iter().zip([force_n[0], force_n[1], torque_nm]) {
@@ -232,9 +271,7 @@ impl PlantUnit {
                 }
             }
             let snapshot = snapshot(time_s, &values, (view, forces), (force_n, torque_nm));
-            if time_s >= bench.load.ramp_s {
-                extremes.update(&snapshot);
-            }
+            extremes.update(&snapshot);
             while samples_s.get(samples.len()).is_some_and(|&t| t < time_s + 0.5 * step_s) {
                 samples.push(snapshot);
             }
@@ -271,14 +308,8 @@ impl PlantUnit {
         if bench.two_plane.is_some() {
             return refuse("two_plane", "a section", "a planar bench");
         }
-        if let (false, Some(own_s)) = (self.import.has_variable_step(), self.import.proposed_step_s())
-            && (own_s - step_s).abs() > 1e-9 * own_s
-        {
-            return refuse(
-                "--step-us",
-                &format!("{}", step_s * 1e6),
-                &format!("{}, the unit's only step,", own_s * 1e6),
-            );
+        if bench.servo.is_some() {
+            return refuse("servo", "a section", "none: the unit moves the drive");
         }
         if let Some(own_s) = self.import.internal_step_s().filter(|own_s| *own_s > 0.0) {
             let count = (step_s / own_s).round();
@@ -332,6 +363,7 @@ impl PlantUnit {
             fmi: self.import.version(),
             outputs: outputs.map(|(name, _)| *name).collect(),
             inputs: inputs.map(|(name, _)| *name).collect(),
+            settings: self.settings.clone(),
         }
     }
 }
@@ -385,8 +417,16 @@ impl Force {
         Ok(Self { networks, contacts: 0, outside: 0, without_contact_n: 0.0 })
     }
 
-    fn at(&mut self, contact: &JointContact, view: &ContactView, memory: &JointMemory) -> BearingForces {
-        let Some(networks) = &mut self.networks else { return contact.law(view, memory) };
+    fn at(
+        &mut self,
+        contact: &JointContact,
+        view: &ContactView,
+        memory: &JointMemory,
+    ) -> Result<BearingForces, CliError> {
+        let Some(networks) = &mut self.networks else {
+            contact.check_deformation(view)?;
+            return Ok(contact.law(view, memory));
+        };
         let ([normal_n, friction_n], flags) = networks.push(view);
         if view.deformation_m > 0.0 {
             self.contacts += 1;
@@ -394,7 +434,7 @@ impl Force {
         } else {
             self.without_contact_n = self.without_contact_n.max(normal_n.abs()).max(friction_n.abs());
         }
-        BearingForces { normal_n, friction_n }
+        Ok(BearingForces { normal_n, friction_n })
     }
 
     fn outside_share(&self) -> f64 {

@@ -70,7 +70,8 @@ pub struct RunArgs {
     /// Source of elastic force, damping and friction in the estimate.
     #[arg(long, value_enum, default_value = "network")]
     pub contact: ContactChoice,
-    /// Communication step of the networks in microseconds: their force is held constant over it.
+    /// Communication step of the networks and of --plant-fmu in microseconds: the force is held
+    /// constant over it.
     #[arg(long, default_value_t = 10.0, value_name = "US", allow_negative_numbers = true)]
     pub step_us: f64,
     /// Seed of the sensors' noise.

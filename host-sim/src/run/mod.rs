@@ -95,7 +95,7 @@ pub(crate) fn execute_live(args: &RunArgs, server: Option<&Server>) -> Result<Fi
 
     let bar = progress::bar(progress::PERCENT);
     bar.set_message(format!("bench with {}", args.force().name()));
-    let unit = PlantUnit::open(&args.plant)?;
+    let unit = PlantUnit::open(&args.plant, &described, args.bench.load_kn.is_some())?;
     let forced = match &unit {
         Some(unit) => unit.run(&resolved, args.force(), step_s, || bar.inc(1))?,
         None => force::run_bench(&resolved, args.force(), step_s, || bar.inc(1))?,

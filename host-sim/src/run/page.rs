@@ -5,7 +5,7 @@ use super::exchange::ExchangeResult;
 use super::impacts::TABLE_HEADER;
 use super::report::{
     EQUIVALENCE_HEADER, PEAK_HEADER, counted_rows, energy_rows, equivalence_rows, impact_header, impact_rows,
-    peak_rows, recorded_rows, rows,
+    or_unknown, peak_rows, recorded_rows, rows,
 };
 use super::{Finished, servo, settled, tilt};
 use crate::cli::limits;
@@ -25,13 +25,13 @@ pub(crate) fn page(finished: &Finished) -> Result<Page, String> {
     let mut page = Page::new("Transmission bench: one run");
     page.lead(&format!(
         "{}, radial clearance {:.2} mm, load {:+.1} kN, bearing force from {}: peak contact force {:.0} N, \
-         oscillation {:.0} N rms.",
+         oscillation {} rms.",
         figures.bearing.name(),
         figures.clearance_mm,
         figures.load_kn,
         figures.force.name(),
         figures.peak_contact_force_n,
-        figures.oscillation_rms_n,
+        or_unknown(figures.oscillation_rms_n),
     ));
     page.note(
         "Peaks and errors count from the end of the load's ramp. Forces are those of the \
@@ -55,7 +55,15 @@ pub(crate) fn page(finished: &Finished) -> Result<Page, String> {
         impacts_section(&mut page, finished);
     }
     audit_sections(&mut page, finished);
-    limits::section(&mut page, &finished.bench);
+    match &summary.plant {
+        Some(plant) => {
+            page.note(&format!(
+                "The plant is the unit {}; this program does not know its omissions.",
+                plant.file
+            ));
+        }
+        None => limits::section(&mut page, &finished.bench),
+    }
     Ok(page)
 }
 

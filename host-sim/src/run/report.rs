@@ -9,6 +9,11 @@ use crate::run::summary::{PeakRow, Sticking, Summary};
 use bench::integrate::Impact;
 use report::text_table;
 
+/// A force, or `unknown` where it is not a number.
+pub(super) fn or_unknown(force_n: f64) -> String {
+    if force_n.is_nan() { "unknown".into() } else { format!("{force_n:.0} N") }
+}
+
 /// Rows with name and value, unit included.
 pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
     let row = |name: &str, value: String| [name.to_owned(), value];
@@ -24,7 +29,7 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         row("peak force along Z", format!("{:.0} N", figures.peak_force_z_n)),
         row("peak friction torque", format!("{:.1} N m", figures.peak_friction_torque_nm)),
         row("largest deformation", format!("{:.1} um", figures.max_deformation_m * 1e6)),
-        row("oscillation, rms", format!("{:.0} N", figures.oscillation_rms_n)),
+        row("oscillation, rms", or_unknown(figures.oscillation_rms_n)),
         row("periods in contact", figures.contacts.to_string()),
         row(
             "energy residual",
@@ -33,6 +38,10 @@ pub(crate) fn rows(summary: &Summary) -> Vec<[String; 2]> {
         row("outside the training range", format!("{:.2} %", 100.0 * figures.outside_training_share)),
         row("wall time per simulated second", format!("{:.3} s", summary.wall_s_per_simulated_s)),
     ];
+    if let Some(plant) = &summary.plant {
+        let takes = if plant.inputs.is_empty() { "takes no force" } else { "takes the force" };
+        rows.insert(2, row("plant", format!("{}, FMI {}, {takes}", plant.model, plant.fmi)));
+    }
     let tolerance = summary.tolerance.map(|t| row("relative tolerance", format!("{t:.0e}")));
     let step = summary.communication_step_s.map(|s| row("communication step", format!("{:.1} us", 1e6 * s)));
     rows.extend(tolerance.into_iter().chain(step));

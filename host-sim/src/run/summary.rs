@@ -47,7 +47,8 @@ pub struct Figures {
     /// Largest deformation.
     pub max_deformation_m: f64,
     /// Rms of the contact force less its 20 ms moving mean, around the first sign change of the
-    /// angular acceleration.
+    /// angular acceleration; null with the plant of another program.
+    #[schemars(with = "Option<f64>")]
     pub oscillation_rms_n: f64,
     /// Number of contacts.
     pub contacts: usize,
@@ -223,7 +224,11 @@ impl Figures {
             peak_force_z_n: value("peak_force_z_n"),
             peak_friction_torque_nm: value("peak_friction_torque_nm"),
             max_deformation_m: value("max_deformation_m"),
-            oscillation_rms_n: oscillation_rms_n(bench, &forced.run.samples, rate_hz),
+            // Its window follows from the described drive.
+            oscillation_rms_n: match &forced.plant {
+                Some(_) => f64::NAN,
+                None => oscillation_rms_n(bench, &forced.run.samples, rate_hz),
+            },
             contacts: forced.run.impacts.len(),
             sticking: Sticking::new(Some(&bench.friction), &forced.run.impacts)
                 .filter(|_| force == ForceSource::Law),

@@ -256,13 +256,14 @@ impl Functions {
         Ok(status)
     }
 
-    /// Takes a step. Returns the status and the time reached.
+    /// Takes a step. Returns the status, and the time reached; none if the unit ends the
+    /// simulation.
     pub(super) fn step(
         &self,
         component: Component,
         start_s: f64,
         step_s: f64,
-    ) -> Result<(c_int, f64), MissingFunction> {
+    ) -> Result<(c_int, Option<f64>), MissingFunction> {
         type Two = unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int;
         type Three = unsafe extern "C" fn(
             Component,
@@ -274,14 +275,14 @@ impl Functions {
             *mut bool,
             *mut f64,
         ) -> c_int;
-        let mut reached_s = start_s + step_s;
+        let (mut reached_s, mut end) = (start_s + step_s, false);
         // SAFETY: types of the standard; the flags live through the call.
         let status = unsafe {
             match self.version {
                 Version::Two => self.function::<Two>("DoStep", "")?(component, start_s, step_s, 1),
                 Version::Three => {
                     let step: Three = self.function("", "DoStep")?;
-                    let (mut event, mut end, mut early) = (false, false, false);
+                    let (mut event, mut early) = (false, false);
                     step(
                         component,
                         start_s,
@@ -295,6 +296,6 @@ impl Functions {
                 }
             }
         };
-        Ok((status, reached_s))
+        Ok((status, (!end).then_some(reached_s)))
     }
 }

@@ -56,6 +56,13 @@ pub struct ImportedVariable {
     pub unit: String,
 }
 
+impl ImportedVariable {
+    /// Returns whether a number is one of the variable's type.
+    pub fn admits(&self, value: f64) -> bool {
+        self.kind.is_some_and(|kind| kind.admits(value))
+    }
+}
+
 /// An unpacked unit for co-simulation.
 #[derive(Debug)]
 pub struct Import {
@@ -72,8 +79,6 @@ struct Description {
     guid: String,
     name: String,
     variables: Vec<ImportedVariable>,
-    has_variable_step: bool,
-    proposed_step_s: Option<f64>,
     internal_step_s: Option<f64>,
 }
 
@@ -100,16 +105,6 @@ impl Import {
     /// Variables in the order of the model description.
     pub fn variables(&self) -> &[ImportedVariable] {
         &self.description.variables
-    }
-
-    /// Returns whether the unit takes communication steps of any length.
-    pub fn has_variable_step(&self) -> bool {
-        self.description.has_variable_step
-    }
-
-    /// Step that the model description proposes, in s.
-    pub fn proposed_step_s(&self) -> Option<f64> {
-        self.description.proposed_step_s
     }
 
     /// Step of the unit's own solver in s, if it states one; FMI 2.0 cannot.
@@ -203,10 +198,7 @@ fn describe(document: &Document<'_>) -> Result<Description, String> {
             .filter(Node::is_element)
             .map(|node| variable(node, version, types))
             .collect::<Result<_, _>>()?,
-        has_variable_step: slave.attribute("canHandleVariableCommunicationStepSize") == Some("true"),
         internal_step_s: slave.attribute("fixedInternalStepSize").and_then(|text| text.parse().ok()),
-        proposed_step_s: child(root, "DefaultExperiment")
-            .and_then(|experiment| experiment.attribute("stepSize")?.parse().ok()),
     })
 }
 

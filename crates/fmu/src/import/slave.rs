@@ -2,11 +2,17 @@
 
 use super::library::{Callbacks, Component, Functions, Messages, MissingFunction};
 use super::{Import, ImportError, ImportedVariable};
+use std::cell::Cell;
 use std::ffi::{CString, c_int};
+use std::path::Path;
 use std::sync::PoisonError;
 
 /// Highest status of the standard that is no failure: a warning.
 const WARNING: c_int = 1;
+/// Status after which an instance can only be freed.
+const ERROR: c_int = 3;
+/// Status after which nothing may be called.
+const FATAL: c_int = 4;
 
 /// Running instance of a unit.
 pub struct Slave {
@@ -17,6 +23,8 @@ pub struct Slave {
     _callbacks: Box<Callbacks>,
     is_running: bool,
     time_s: f64,
+    /// Worst status so far, which decides what may still be called.
+    worst: Cell<c_int>,
 }
 
 impl Slave {
@@ -32,9 +40,10 @@ impl Slave {
             .map_err(|reason| import.unusable(reason))?;
         let messages = Box::new(Messages::default());
         let callbacks = Box::new(Callbacks::new(&messages));
-        let resources = import.folder.path().join("resources");
+        let resources = std::path::absolute(import.folder.path().join("resources"))
+            .map_err(|error| import.unusable(error.to_string()))?;
         let resources = match import.version() {
-            "2.0" => format!("file://{}", resources.display()),
+            "2.0" => uri(&resources),
             _ => format!("{}/", resources.display()),
         };
         let text = |text: &str| CString::new(text).map_err(|error| import.unusable(error.to_string()));
@@ -50,6 +59,7 @@ impl Slave {
             _callbacks: callbacks,
             is_running: false,
             time_s: start_s,
+            worst: Cell::new(0),
         };
         if component.is_null() {
             return Err(slave.failed("Instantiate", 3));
@@ -100,6 +110,9 @@ impl Slave {
             Err(name) => return self.check("DoStep", Err(name)),
         };
         self.check("DoStep", Ok(status))?;
+        let Some(reached_s) = reached_s else {
+            return Err(self.failed("DoStep, which ended the simulation,", status));
+        };
         if (reached_s - self.time_s - step_s).abs() > 1e-6 * step_s {
             return Err(self.failed("DoStep, which returned early,", status));
         }
@@ -112,6 +125,7 @@ impl Slave {
         function: &'static str,
         status: Result<c_int, MissingFunction>,
     ) -> Result<(), ImportError> {
+        self.worst.set(self.worst.get().max(status.as_ref().copied().unwrap_or_default()));
         match status {
             Ok(status) if status <= WARNING => Ok(()),
             Ok(status) => Err(self.failed(function, status)),
@@ -126,16 +140,30 @@ impl Slave {
     }
 }
 
+/// File URI of an absolute path.
+fn uri(path: &Path) -> String {
+    let mut uri = String::from("file://");
+    for byte in path.to_string_lossy().bytes() {
+        if byte.is_ascii_alphanumeric() || b"/-._~".contains(&byte) {
+            uri.push(char::from(byte));
+        } else {
+            uri.push_str(&format!("%{byte:02X}"));
+        }
+    }
+    uri
+}
+
 fn missing(function: &str) -> String {
     format!("found no function {function}; expected one that the standard requires")
 }
 
 impl Drop for Slave {
     fn drop(&mut self) {
-        if self.component.is_null() {
+        // The standard forbids every call after a fatal status, and the end after an error.
+        if self.component.is_null() || self.worst.get() >= FATAL {
             return;
         }
-        if self.is_running {
+        if self.is_running && self.worst.get() < ERROR {
             // A unit that cannot end its simulation is freed all the same.
             let _ = self.functions.transition(self.component, "Terminate");
         }

@@ -227,86 +227,59 @@ absent_types! {
     fmi3GetString, fmi3SetString, "String";
 }
 
-/// Defines functions of parts of the standard that no unit has. Only the first three arguments,
-/// which all of them share, are read.
+/// Defines functions of parts of the standard that no unit has, with the types of their arguments
+/// after the instance.
 macro_rules! absent_parts {
-    ($($name:ident, $part:literal;)*) => {
+    ($($name:ident($($argument:ty),*), $part:literal;)*) => {
         $(
             #[unsafe(no_mangle)]
-            unsafe extern "C" fn $name(component: *mut c_void, _: *const u32, count: usize) -> Status {
+            unsafe extern "C" fn $name(component: *mut c_void, $(_: $argument),*) -> Status {
                 // SAFETY: the program's promise.
-                unsafe { call::<Sink>(component, |_| absent(count, $part)) }
+                unsafe { call::<Sink>(component, |_| absent(1, $part)) }
             }
         )*
     };
 }
+
+/// References of variables.
+type References = *const u32;
+/// Array that is not read.
+type Array = *const c_void;
+/// Array that is not written.
+type Place = *mut c_void;
 
 absent_parts! {
-    fmi3GetBinary, "Binary";
-    fmi3SetBinary, "Binary";
-    fmi3GetClock, "Clock";
-    fmi3SetClock, "Clock";
-    fmi3GetIntervalDecimal, "Clock";
-    fmi3GetIntervalFraction, "Clock";
-    fmi3GetShiftDecimal, "Clock";
-    fmi3GetShiftFraction, "Clock";
-    fmi3SetIntervalDecimal, "Clock";
-    fmi3SetIntervalFraction, "Clock";
-    fmi3SetShiftDecimal, "Clock";
-    fmi3SetShiftFraction, "Clock";
-    fmi3GetOutputDerivatives, "derivative of an output";
-    fmi3GetDirectionalDerivative, "directional derivative";
-    fmi3GetAdjointDerivative, "adjoint derivative";
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3GetNumberOfVariableDependencies(
-    component: *mut c_void,
-    _: u32,
-    _: *mut usize,
-) -> Status {
-    // SAFETY: the program's promise.
-    unsafe { call::<Sink>(component, |_| absent(1, "array")) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3GetVariableDependencies(component: *mut c_void, _: u32) -> Status {
-    // SAFETY: the program's promise.
-    unsafe { call::<Sink>(component, |_| absent(1, "array")) }
-}
-
-/// Defines functions for other kinds of units, which some programs require in every library. Only
-/// the first argument, which all of them share, is read.
-macro_rules! other_kinds {
-    ($($name:ident, $kind:literal;)*) => {
-        $(
-            #[unsafe(no_mangle)]
-            unsafe extern "C" fn $name(component: *mut c_void) -> Status {
-                // SAFETY: the program's promise.
-                unsafe { call::<Sink>(component, |_| absent(1, $kind)) }
-            }
-        )*
-    };
-}
-
-other_kinds! {
-    fmi3EnterContinuousTimeMode, "continuous state";
-    fmi3CompletedIntegratorStep, "continuous state";
-    fmi3SetTime, "continuous state";
-    fmi3SetContinuousStates, "continuous state";
-    fmi3GetContinuousStateDerivatives, "continuous state";
-    fmi3GetEventIndicators, "event";
-    fmi3GetContinuousStates, "continuous state";
-    fmi3GetNominalsOfContinuousStates, "continuous state";
-    fmi3GetNumberOfEventIndicators, "event";
-    fmi3GetNumberOfContinuousStates, "continuous state";
-    fmi3ActivateModelPartition, "model partition";
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3UpdateDiscreteStates(component: *mut c_void) -> Status {
-    // SAFETY: the program's promise.
-    unsafe { call::<Sink>(component, |_| absent(1, "event")) }
+    fmi3GetBinary(References, usize, *mut usize, Place, usize), "Binary";
+    fmi3SetBinary(References, usize, *const usize, Array, usize), "Binary";
+    fmi3GetClock(References, usize, *mut bool), "Clock";
+    fmi3SetClock(References, usize, *const bool), "Clock";
+    fmi3GetIntervalDecimal(References, usize, *mut f64, Place), "Clock";
+    fmi3GetIntervalFraction(References, usize, *mut u64, *mut u64, Place), "Clock";
+    fmi3GetShiftDecimal(References, usize, *mut f64), "Clock";
+    fmi3GetShiftFraction(References, usize, *mut u64, *mut u64), "Clock";
+    fmi3SetIntervalDecimal(References, usize, *const f64), "Clock";
+    fmi3SetIntervalFraction(References, usize, *const u64, *const u64), "Clock";
+    fmi3SetShiftDecimal(References, usize, *const f64), "Clock";
+    fmi3SetShiftFraction(References, usize, *const u64, *const u64), "Clock";
+    fmi3GetOutputDerivatives(References, usize, *const i32, *mut f64, usize), "derivative of an output";
+    fmi3GetDirectionalDerivative(References, usize, References, usize, *const f64, usize, *mut f64, usize),
+        "directional derivative";
+    fmi3GetAdjointDerivative(References, usize, References, usize, *const f64, usize, *mut f64, usize),
+        "adjoint derivative";
+    fmi3GetNumberOfVariableDependencies(u32, *mut usize), "array";
+    fmi3GetVariableDependencies(u32, *mut usize, *mut u32, *mut usize, Place, usize), "array";
+    fmi3UpdateDiscreteStates(*mut bool, *mut bool, *mut bool, *mut bool, *mut bool, *mut f64), "event";
+    fmi3EnterContinuousTimeMode(), "continuous state";
+    fmi3CompletedIntegratorStep(bool, *mut bool, *mut bool), "continuous state";
+    fmi3SetTime(f64), "continuous state";
+    fmi3SetContinuousStates(*const f64, usize), "continuous state";
+    fmi3GetContinuousStateDerivatives(*mut f64, usize), "continuous state";
+    fmi3GetEventIndicators(*mut f64, usize), "event";
+    fmi3GetContinuousStates(*mut f64, usize), "continuous state";
+    fmi3GetNominalsOfContinuousStates(*mut f64, usize), "continuous state";
+    fmi3GetNumberOfEventIndicators(*mut usize), "event";
+    fmi3GetNumberOfContinuousStates(*mut usize), "continuous state";
+    fmi3ActivateModelPartition(u32, f64), "model partition";
 }
 
 #[unsafe(no_mangle)]

@@ -2,6 +2,7 @@
 
 use super::PlantMemory;
 use super::contact::{view_outputs, view_values};
+use crate::model::{EXTERNAL_DRIVE, EXTERNAL_LOAD};
 use crate::networks::Networks;
 use crate::variable::{Causality, Type, Variable};
 use bench::plants::transmission::Snapshot;
@@ -20,8 +21,9 @@ pub(crate) struct BenchSimulator {
     pub(crate) has_external_drive: bool,
     /// True if an input gives the load.
     pub(crate) has_external_load: bool,
-    /// Radius of the journal in m.
-    pub(crate) journal_radius_m: f64,
+    /// Largest position in m that the inputs may give the drive; none with a servo, whose order
+    /// they give.
+    pub(crate) largest_drive_m: Option<f64>,
     /// Flags of all estimates of the last step.
     pub(crate) flags: Flags,
 }
@@ -30,8 +32,8 @@ pub(crate) struct BenchSimulator {
 pub(crate) fn parameters() -> Vec<Variable> {
     let choice = |name, meaning| Variable::real(Causality::Fixed, name, "", meaning).with(Type::Boolean, 0.0);
     vec![
-        choice("external_drive", "True: the inputs drive_* replace the described motion of the drive"),
-        choice("external_load", "True: the input load_n replaces the described load"),
+        choice(EXTERNAL_DRIVE, "True: the inputs drive_* replace the described motion of the drive"),
+        choice(EXTERNAL_LOAD, "True: the input load_n replaces the described load"),
     ]
 }
 
@@ -79,6 +81,17 @@ impl BenchSimulator {
         }
     }
 
+    /// Refuses a motion of the drive that the lever cannot follow.
+    fn check(&self, external: &External, step_s: f64) -> Result<(), String> {
+        let (Some(drive), Some(largest_m)) = (external.drive, self.largest_drive_m) else { return Ok(()) };
+        match [drive.value, drive.after(step_s).value].into_iter().find(|x| x.abs() >= largest_m) {
+            Some(x_m) => Err(format!(
+                "drive_m: found {x_m} m within the step; expected less than the lever of {largest_m} m"
+            )),
+            None => Ok(()),
+        }
+    }
+
     pub(super) fn start(&mut self, time_s: f64, inputs: &[f64]) -> (PlantMemory, Vec<f64>) {
         let external = self.external(inputs);
         let memory = self.bench.start(time_s, &external, self.networks.is_some());
@@ -94,6 +107,7 @@ impl BenchSimulator {
         inputs: &[f64],
     ) -> Result<Vec<f64>, String> {
         let external = self.external(inputs);
+        self.check(&external, span_s.1 - span_s.0)?;
         self.flags = Flags::NONE;
         match &mut self.networks {
             None => self.bench.step(memory, span_s, &external),
@@ -117,18 +131,6 @@ impl BenchSimulator {
         let forces = [snapshot.forces.normal_n, snapshot.forces.friction_n];
         let view = view_values(&snapshot.contact, forces);
         let last = [f64::from(memory.contacts), memory.peak_force_n, f64::from(self.flags.bits())];
-        channels.chain(self.journal_velocity_m_s(snapshot)).chain(view).chain(last).collect()
-    }
-
-    /// Velocity of the journal's centre along Y and Z, from those along and across the contact.
-    fn journal_velocity_m_s(&self, snapshot: &Snapshot) -> [f64; 2] {
-        let distance_m = snapshot.y_m.hypot(snapshot.z_m);
-        if distance_m == 0.0 {
-            return [0.0; 2];
-        }
-        let [ny, nz] = [snapshot.y_m / distance_m, snapshot.z_m / distance_m];
-        let along = snapshot.contact.rate_m_s;
-        let across = snapshot.contact.sliding_speed_m_s - snapshot.speed_rad_s * self.journal_radius_m;
-        [along * ny + across * nz, along * nz - across * ny]
+        channels.chain(SteppedBench::journal_velocity_m_s(memory)).chain(view).chain(last).collect()
     }
 }

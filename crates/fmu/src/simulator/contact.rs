@@ -79,24 +79,27 @@ fn motion(inputs: &[f64]) -> JointMotion {
 }
 
 impl ContactSimulator {
-    pub(super) fn start(&mut self, inputs: &[f64]) -> (PlantMemory, Vec<f64>) {
+    pub(super) fn start(&mut self, inputs: &[f64]) -> Result<(PlantMemory, Vec<f64>), String> {
         let memory = JointMemory::default();
-        (PlantMemory::Contact(memory), self.read(&memory, inputs))
+        Ok((PlantMemory::Contact(memory), self.read(&memory, inputs)?))
     }
 
     /// Outputs for a motion of the journal. The networks see it as their next reading.
-    pub(super) fn read(&self, memory: &JointMemory, inputs: &[f64]) -> Vec<f64> {
+    pub(super) fn read(&self, memory: &JointMemory, inputs: &[f64]) -> Result<Vec<f64>, String> {
         let motion = motion(inputs);
         let view = self.contact.view(&motion, memory);
         let (forces, flags) = match &self.networks {
             Some(networks) => networks.clone().push(&view),
-            None => (self.contact.law(&view, memory), Flags::NONE),
+            None => {
+                self.contact.check_deformation(&view).map_err(|error| error.to_string())?;
+                (self.contact.law(&view, memory), Flags::NONE)
+            }
         };
         let ([y_n, z_n], torque_nm) = self.contact.on_journal(&motion, &forces);
         let mut outputs = vec![y_n, z_n, torque_nm];
         outputs.extend(view_values(&view, [forces.normal_n, forces.friction_n]));
         outputs.push(f64::from(flags.bits()));
-        outputs
+        Ok(outputs)
     }
 
     pub(super) fn step(
@@ -104,13 +107,13 @@ impl ContactSimulator {
         memory: &mut JointMemory,
         (start_s, end_s): (f64, f64),
         inputs: &[f64],
-    ) -> Vec<f64> {
+    ) -> Result<Vec<f64>, String> {
         let view = self.contact.view(&motion(inputs), memory);
-        let outputs = self.read(memory, inputs);
+        let outputs = self.read(memory, inputs)?;
         self.networks.iter_mut().for_each(|networks| {
             networks.push(&view);
         });
         self.contact.advance(memory, &view, end_s - start_s);
-        outputs
+        Ok(outputs)
     }
 }

@@ -43,7 +43,7 @@ impl Simulator {
     /// Starts a simulation.
     pub(crate) fn start(&mut self, time_s: f64, inputs: &[f64]) -> Result<Started, String> {
         let (plant, outputs) = match self {
-            Self::Contact(own) => own.start(inputs),
+            Self::Contact(own) => own.start(inputs)?,
             Self::Bench(own) => own.start(time_s, inputs),
             Self::Mechanism(own) => own.start(time_s)?,
         };
@@ -58,7 +58,7 @@ impl Simulator {
         inputs: &[f64],
     ) -> Result<Vec<f64>, String> {
         let outputs = match (&mut *self, &mut memory.plant) {
-            (Self::Contact(own), PlantMemory::Contact(plant)) => own.step(plant, span_s, inputs),
+            (Self::Contact(own), PlantMemory::Contact(plant)) => own.step(plant, span_s, inputs)?,
             (Self::Bench(own), PlantMemory::Bench(plant)) => own.step(plant, span_s, inputs)?,
             (Self::Mechanism(own), PlantMemory::Mechanism(plant)) => own.step(plant, span_s, inputs)?,
             _ => return Err("the state is that of another kind of unit".into()),
@@ -68,10 +68,10 @@ impl Simulator {
     }
 
     /// Outputs that follow from the present inputs without a step; none where they do not.
-    pub(crate) fn direct(&self, memory: &Memory, inputs: &[f64]) -> Option<Vec<f64>> {
+    pub(crate) fn direct(&self, memory: &Memory, inputs: &[f64]) -> Result<Option<Vec<f64>>, String> {
         match (self, &memory.plant) {
-            (Self::Contact(own), PlantMemory::Contact(plant)) => Some(own.read(plant, inputs)),
-            _ => None,
+            (Self::Contact(own), PlantMemory::Contact(plant)) => own.read(plant, inputs).map(Some),
+            _ => Ok(None),
         }
     }
 

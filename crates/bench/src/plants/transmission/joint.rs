@@ -2,6 +2,7 @@
 
 use super::{BearingForces, ContactView, Transmission};
 use crate::description::TransmissionBench;
+use crate::integrate::IntegrationError;
 use serde::{Deserialize, Serialize};
 
 /// Motion of the journal relative to the bearing, in axes that do not turn.
@@ -68,6 +69,15 @@ impl JointContact {
             rate_m_s,
             latched_m_s: if deformation_m > 0.0 { latched_m_s } else { 0.0 },
             sliding_speed_m_s: motion.speed_rad_s * self.plant.journal_radius_m + vy * nz - vz * ny,
+        }
+    }
+
+    /// Refuses a contact that is deeper than the range of the normal law.
+    pub fn check_deformation(&self, view: &ContactView) -> Result<(), IntegrationError> {
+        let deformation_m = view.deformation_m;
+        match self.plant.largest_deformation_m().filter(|largest| deformation_m > *largest) {
+            Some(largest_m) => Err(IntegrationError::OutsideLaw { deformation_m, largest_m }),
+            None => Ok(()),
         }
     }
 

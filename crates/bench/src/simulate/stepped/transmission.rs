@@ -118,11 +118,22 @@ impl SteppedBench {
             let moment = held.0.step(&self.plant, time_s, step_s, force)?;
             held.1 = [moment.snapshot.forces.normal_n, moment.snapshot.forces.friction_n];
             let impact = held.0.contact.impact;
-            for impact in moment.ended.into_iter().chain(impact) {
-                memory.count(&impact, !was_touching);
+            let impacts: Vec<Impact> = moment.ended.into_iter().chain(impact).collect();
+            self.plant.check_deformation(&impacts)?;
+            for impact in &impacts {
+                memory.count(impact, !was_touching);
             }
         }
         Ok(())
+    }
+
+    /// Velocity of the journal's centre along Y and Z in m/s.
+    pub fn journal_velocity_m_s(memory: &BenchMemory) -> [f64; 2] {
+        let state = match &memory.kind {
+            Kind::Law(law) => &law.state[..],
+            Kind::Held(held) => &held.0.state[..],
+        };
+        [2, 3].map(|i| state.get(i).copied().unwrap_or_default())
     }
 
     /// Quantities of the bench at a time that a step has reached which began at `from_s`.
