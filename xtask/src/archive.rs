@@ -7,7 +7,7 @@ use crate::c_library;
 use crate::compile::host;
 use crate::firmware::Firmware;
 use crate::fmu;
-use crate::run::{ChoreError, cargo, output_of, root, run, succeeds, target_folder, write_atomically};
+use crate::run::{ChoreError, cargo, copy, output_of, root, run, succeeds, target_folder, write_atomically};
 use controller::boards::BOARDS;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -138,11 +138,6 @@ fn failed(path: &Path) -> impl Fn(std::io::Error) -> ChoreError {
 
 fn create_parent(file: &Path) -> Result<(), ChoreError> {
     file.parent().map_or(Ok(()), |parent| std::fs::create_dir_all(parent).map_err(failed(parent)))
-}
-
-fn copy(from: &Path, to: &Path) -> Result<(), ChoreError> {
-    create_parent(to)?;
-    std::fs::copy(from, to).map(drop).map_err(failed(from))
 }
 
 /// Copies a file, or a folder with everything in it.

@@ -1,7 +1,7 @@
 //! Static library for C (`crates/c-interface`), for the default controller and for this machine.
 
 use crate::compile::{self, host};
-use crate::run::{ChoreError, root, run, target_folder};
+use crate::run::{ChoreError, copy, root, run, target_folder};
 use crate::setup::{TARGET, Toolchain, target};
 use std::path::PathBuf;
 
@@ -20,14 +20,7 @@ pub(crate) fn build() -> Result<PathBuf, ChoreError> {
         command.env("RUSTFLAGS", format!("--remap-path-prefix={}=pintle", root().display()));
         run(&mut command)?;
         let built = target_folder().join(platform).join("c-library").join(FILE);
-        let copy = folder.join(platform).join(FILE);
-        std::fs::create_dir_all(folder.join(platform)).and_then(|()| std::fs::copy(&built, &copy)).map_err(
-            |error| ChoreError::File {
-                file: copy.clone(),
-                found: error.to_string(),
-                expected: "a library that can be copied",
-            },
-        )?;
+        copy(&built, &folder.join(platform).join(FILE))?;
     }
     Ok(folder)
 }

@@ -169,6 +169,16 @@ pub(crate) fn write_atomically(file: PathBuf, content: impl AsRef<[u8]>) -> Resu
     })
 }
 
+/// Copies a file and creates the folders of the copy.
+pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), ChoreError> {
+    let folder = to.parent().map_or(Ok(()), std::fs::create_dir_all);
+    folder.and_then(|()| std::fs::copy(from, to)).map(drop).map_err(|error| ChoreError::File {
+        file: from.to_owned(),
+        found: error.to_string(),
+        expected: "a file that can be copied",
+    })
+}
+
 /// Runs a program and returns its standard output.
 pub(crate) fn output_of(command: &mut Command) -> Result<String, ChoreError> {
     let output = command.stderr(Stdio::inherit()).output().map_err(not_started(command))?;

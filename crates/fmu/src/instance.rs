@@ -350,14 +350,24 @@ mod tests {
     #[test]
     fn a_failed_step_leaves_the_state_and_the_networks_as_they_were() {
         let mut first = instance(Kind::Bench, "bench-b", true);
+        let place = |name: &str, of: &Instance| of.model.variables().iter().position(|v| v.name == name);
+        let (load, switch) = (place("load_n", &first).unwrap(), place("external_load", &first).unwrap());
+        first.reset();
+        first.set(switch as u32, Type::Boolean, 1.0).unwrap();
+        first.enter_initialisation().unwrap();
+        first.exit_initialisation().unwrap();
         steps(&mut first, 0..20);
         let before = first.save();
-        let load = first.model.variables().iter().position(|v| v.name == "load_n").unwrap();
         assert!(first.step(1.0, 1e-4).unwrap_err().contains("expected 0.002"));
         assert!(first.step(20.0 * 1e-4, f64::NAN).is_err());
         assert!(first.set(load as u32, Type::Real, f64::INFINITY).is_err());
         assert!(first.set(load as u32, Type::Integer, 1.0).is_err());
         assert_eq!(first.save(), before);
+        // A load beyond all numbers ends a step in its middle, after the networks have read.
+        let set = |instance: &mut Instance, value: f64| instance.set(load as u32, Type::Real, value).unwrap();
+        set(&mut first, 1e300);
+        assert!(first.step(20.0 * 1e-4, 1e-4).is_err());
+        set(&mut first, 0.0);
         let expected = steps(&mut instance_at(&before), 20..30);
         assert_eq!(steps(&mut first, 20..30), expected);
     }

@@ -355,3 +355,24 @@ fn check_transmission(kind: Kind, bench: &TransmissionBench) -> Result<(), Strin
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_library_with_another_table_of_variables_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        let bench = Bench::open("bench-b").unwrap();
+        let model = Model::new(Kind::Bench, bench, folder.path(), false, Vec::new()).unwrap();
+        std::fs::write(folder.path().join(DESCRIPTION), model.bench.to_toml().unwrap()).unwrap();
+        let write = |table: String| {
+            let settings = Settings { kind: Kind::Bench, has_networks: false, guid: "{a}".into(), table };
+            std::fs::write(folder.path().join(SETTINGS), toml::to_string(&settings).unwrap()).unwrap();
+        };
+        write(model.fingerprint());
+        assert_eq!(Model::read(folder.path()).unwrap().1, "{a}");
+        write("0".into());
+        assert!(Model::read(folder.path()).unwrap_err().contains("another version"));
+    }
+}

@@ -43,7 +43,7 @@ pub enum UnitForce {
 #[command(after_help = "Examples:\n  host-sim export-fmu bench --out bench.fmu\n  \
     host-sim export-fmu contact --bearing plastic --clearance-mm 1 --force quantised-net\n  \
     host-sim export-fmu mechanism --bench examples/four-bar.toml --fmi 3.0 --out four-bar.fmu\n\n\
-    docs/fmi.md describes units, variables, and the error of a contact by the step.")]
+    docs/fmi.md describes units, variables and the largest stable steps.")]
 pub struct ExportFmuArgs {
     /// Content of the unit.
     #[arg(value_enum)]

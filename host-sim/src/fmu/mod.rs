@@ -2,4 +2,5 @@
 
 pub(crate) mod export;
 mod libraries;
-pub(crate) mod plant;
+mod plant;
+pub(crate) mod plant_unit;

@@ -5,7 +5,7 @@ use super::force::ForceSource;
 use crate::cli::error::CliError;
 use crate::cli::options::BenchOptions;
 use crate::controller::choice::ProbeOptions;
-use crate::fmu::plant::PlantOptions;
+use crate::fmu::plant_unit::PlantOptions;
 use crate::serve::options::ServeOptions;
 use clap::{ArgGroup, Args, Parser, ValueEnum};
 use link::ContactSource;

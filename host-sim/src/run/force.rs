@@ -2,11 +2,11 @@
 //! the quantised networks.
 
 use crate::cli::error::CliError;
-use crate::fmu::plant::PlantFigures;
-use crate::run::networks::Networks;
+use crate::fmu::plant_unit::PlantFigures;
+use crate::run::networks::{Networks, Readings};
 use bench::BearingMaterial;
 use bench::description::TransmissionBench;
-use bench::plants::transmission::{BearingForces, ContactView, Transmission};
+use bench::plants::transmission::{ContactView, Transmission};
 use bench::plants::two_plane::{TwoPlane, TwoPlaneSnapshot, run_two_plane};
 use bench::simulate::peaks::{Peak, peaks_with_bars};
 use bench::simulate::{DEFAULT_TOLERANCE, Run, run_bench_with_law, run_with_held_force, snapshots};
@@ -209,35 +209,28 @@ fn run_planar(
     let plant = &Transmission::new(bench, bench.drive_profile(), bench.load_profile());
     let (samples_s, end_s) = (&bench.sample_times_s(SAMPLE_RATE_HZ), bench.duration_s());
     let every = ((end_s / step_s / 100.0) as usize).max(1);
-    let (mut steps, mut contacts, mut outside) = (0_usize, 0_usize, 0_usize);
-    let mut without_contact_n = 0.0_f64;
-    let mut held = |view: &ContactView, [normal_n, friction_n]: [f64; 2], flags: Flags| {
+    let (mut steps, mut readings) = (0_usize, Readings::default());
+    let mut held = |view: &ContactView, reading: ([f64; 2], Flags)| {
         steps += 1;
         if steps.is_multiple_of(every) {
             tick();
         }
-        if view.deformation_m > 0.0 {
-            contacts += 1;
-            outside += usize::from(flags.intersects(Flags::OUTSIDE_TRAINING));
-        } else {
-            without_contact_n = without_contact_n.max(normal_n.abs()).max(friction_n.abs());
-        }
-        BearingForces { normal_n, friction_n }
+        readings.count(view, reading)
     };
     let run = match source {
         ForceSource::Law => run_bench_with_law(bench, samples_s, DEFAULT_TOLERANCE)?,
         ForceSource::HeldLaw => run_with_held_force(plant, end_s, samples_s, step_s, |view| {
             let law = plant.law(view);
-            held(view, [law.normal_n, law.friction_n], Flags::NONE)
+            held(view, ([law.normal_n, law.friction_n], Flags::NONE))
         })?,
         ForceSource::FloatNet | ForceSource::QuantisedNet => {
             let mut networks = Networks::new(source, bench.bearing.material)?;
-            run_with_held_force(plant, end_s, samples_s, step_s, |view| {
-                let (forces, flags) = networks.push(view);
-                held(view, forces, flags)
-            })?
+            run_with_held_force(plant, end_s, samples_s, step_s, |view| held(view, networks.push(view)))?
         }
     };
-    let outside_training_share = if contacts > 0 { outside as f64 / contacts as f64 } else { 0.0 };
-    Ok(ForcedRun { outside_training_share, without_contact_n, ..ForcedRun::from_run(run) })
+    Ok(ForcedRun {
+        outside_training_share: readings.outside_share(),
+        without_contact_n: readings.without_contact_n,
+        ..ForcedRun::from_run(run)
+    })
 }

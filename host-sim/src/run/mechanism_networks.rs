@@ -4,14 +4,13 @@
 use super::RunArgs;
 use super::arguments::communication_step_s;
 use super::force::ForceSource;
-use super::networks::Networks;
+use super::networks::{Networks, Readings};
 use crate::cli::error::CliError;
 use bench::BearingMaterial;
 use bench::description::MechanismBench;
 use bench::plants::mechanism::{HeldForces, MechanismRun};
 use bench::plants::transmission::{BearingForces, ContactView};
 use bench::simulate::RunWithBars;
-use inference::Flags;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -69,21 +68,18 @@ fn run_once(
     let of_contact =
         |material: &Option<BearingMaterial>| material.map(|m| Networks::new(source, m)).transpose();
     let mut networks = materials.iter().map(of_contact).collect::<Result<Vec<_>, _>>()?;
-    let (mut touching, mut outside, mut without_contact_n) = (0_usize, 0_usize, 0.0_f64);
+    let mut readings = Readings::default();
     let mut force = |contact: usize, view: &ContactView| {
         let Some(Some(network)) = networks.get_mut(contact) else { return BearingForces::default() };
-        let ([normal_n, friction_n], flags) = network.push(view);
-        if view.deformation_m > 0.0 {
-            touching += 1;
-            outside += usize::from(flags.intersects(Flags::OUTSIDE_TRAINING));
-        } else {
-            without_contact_n = without_contact_n.max(normal_n.abs()).max(friction_n.abs());
-        }
-        BearingForces { normal_n, friction_n }
+        readings.count(view, network.push(view))
     };
     let contacts = materials.iter().map(Option::is_some).collect();
     let held = HeldForces { step_s, contacts, force: &mut force };
     let run = bench.simulate_held(samples_s, bench.run.tolerance, held)?;
-    let outside_training_share = if touching > 0 { outside as f64 / touching as f64 } else { 0.0 };
-    Ok((run, NetworkFigures { communication_step_s: step_s, outside_training_share, without_contact_n }))
+    let figures = NetworkFigures {
+        communication_step_s: step_s,
+        outside_training_share: readings.outside_share(),
+        without_contact_n: readings.without_contact_n,
+    };
+    Ok((run, figures))
 }

@@ -30,7 +30,7 @@ pub use arguments::{ControllerChoice, RunArgs};
 use crate::cli::error::CliError;
 use crate::cli::progress;
 use crate::controller::Recording;
-use crate::fmu::plant::PlantUnit;
+use crate::fmu::plant_unit::PlantUnit;
 use crate::live::LiveViews;
 use crate::live::pace::Pace;
 use crate::serve::Server;

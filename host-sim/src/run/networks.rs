@@ -3,7 +3,7 @@
 use super::force::ForceSource;
 use crate::cli::error::CliError;
 use bench::BearingMaterial;
-use bench::plants::transmission::ContactView;
+use bench::plants::transmission::{BearingForces, ContactView};
 use inference::{Flags, Model, Pair, shipped};
 use model_quant::network::float_pair::FloatPair;
 use pintle_fmu::contact_state;
@@ -40,5 +40,36 @@ impl Networks {
                 ([found.normal_force_n(), found.friction_force_n()].map(f64::from), found.flags)
             }
         }
+    }
+}
+
+/// Counts over the forces that a run holds.
+#[derive(Default)]
+pub(crate) struct Readings {
+    touching: usize,
+    outside: usize,
+    /// Largest force without contact in N.
+    pub(crate) without_contact_n: f64,
+}
+
+impl Readings {
+    /// Counts a reading and returns its forces.
+    pub(crate) fn count(
+        &mut self,
+        view: &ContactView,
+        ([normal_n, friction_n], flags): ([f64; 2], Flags),
+    ) -> BearingForces {
+        if view.deformation_m > 0.0 {
+            self.touching += 1;
+            self.outside += usize::from(flags.intersects(Flags::OUTSIDE_TRAINING));
+        } else {
+            self.without_contact_n = self.without_contact_n.max(normal_n.abs()).max(friction_n.abs());
+        }
+        BearingForces { normal_n, friction_n }
+    }
+
+    /// Share of the readings in contact that are outside the networks' training range.
+    pub(crate) fn outside_share(&self) -> f64 {
+        if self.touching > 0 { self.outside as f64 / self.touching as f64 } else { 0.0 }
     }
 }

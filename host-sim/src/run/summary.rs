@@ -1,6 +1,6 @@
 //! The figures of a run, with the stable names of the machine-readable output.
 
-use crate::fmu::plant::PlantFigures;
+use crate::fmu::plant_unit::PlantFigures;
 use crate::run::estimator_summary::EstimatorSummary;
 use crate::run::force::{ForceSource, ForcedRun, Tilt};
 use crate::run::magnitude::{after_start, peak};

@@ -1,9 +1,6 @@
 //! FMI 2.0 for co-simulation.
 
-use super::{
-    Component, Log, Status, absent, call, deserialise, free, free_state, read, save, serialise, slice,
-    slice_mut, state, state_size, text, write,
-};
+use super::{Component, Log, Status, absent, call, free, read, slice, slice_mut, text, write};
 use crate::instance::Instance;
 use crate::variable::Type;
 use std::ffi::{CString, c_char, c_int, c_void};
@@ -132,20 +129,8 @@ unsafe extern "C" fn fmi2SetupExperiment(
     unsafe { call::<Sink>(component, |instance| instance.set_up(start_s, tolerance)) }
 }
 
-/// Defines functions that call one of the instance's without arguments.
-macro_rules! transitions {
-    ($($name:ident => $run:expr;)*) => {
-        $(
-            #[unsafe(no_mangle)]
-            unsafe extern "C" fn $name(component: *mut c_void) -> Status {
-                // SAFETY: the program's promise.
-                unsafe { call::<Sink>(component, $run) }
-            }
-        )*
-    };
-}
-
 transitions! {
+    Sink;
     fmi2EnterInitializationMode => |instance| instance.enter_initialisation();
     fmi2ExitInitializationMode => |instance| instance.exit_initialisation();
     fmi2Terminate => |instance| instance.terminate();
@@ -217,54 +202,10 @@ unsafe extern "C" fn fmi2SetString(
     unsafe { call::<Sink>(component, |_| absent(count, "String")) }
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2GetFMUstate(component: *mut c_void, place: *mut *mut c_void) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |instance| save(instance, place)) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SetFMUstate(component: *mut c_void, saved: *mut c_void) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |instance| instance.restore(state(saved)?.clone())) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2FreeFMUstate(component: *mut c_void, place: *mut *mut c_void) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |_| free_state(place)) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    component: *mut c_void,
-    saved: *mut c_void,
-    size: *mut usize,
-) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |_| state_size(saved, size)) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SerializeFMUstate(
-    component: *mut c_void,
-    saved: *mut c_void,
-    bytes: *mut u8,
-    size: usize,
-) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |_| serialise(saved, bytes, size)) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    component: *mut c_void,
-    bytes: *const u8,
-    size: usize,
-    place: *mut *mut c_void,
-) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |_| deserialise(bytes, size, place)) }
+state_functions! {
+    Sink;
+    fmi2GetFMUstate, fmi2SetFMUstate, fmi2FreeFMUstate,
+    fmi2SerializedFMUstateSize, fmi2SerializeFMUstate, fmi2DeSerializeFMUstate
 }
 
 #[unsafe(no_mangle)]

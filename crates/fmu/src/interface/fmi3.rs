@@ -1,9 +1,6 @@
 //! FMI 3.0 for co-simulation.
 
-use super::{
-    Component, Log, Status, absent, call, deserialise, free, free_state, read, save, serialise, slice,
-    slice_mut, state, state_size, text, write,
-};
+use super::{Component, Log, Status, absent, call, free, read, slice, slice_mut, text, write};
 use crate::instance::Instance;
 use crate::variable::Type;
 use std::ffi::{CString, c_char, c_void};
@@ -116,20 +113,8 @@ unsafe extern "C" fn fmi3EnterInitializationMode(
     unsafe { call::<Sink>(component, enter) }
 }
 
-/// Defines functions that call one of the instance's without arguments.
-macro_rules! transitions {
-    ($($name:ident => $run:expr;)*) => {
-        $(
-            #[unsafe(no_mangle)]
-            unsafe extern "C" fn $name(component: *mut c_void) -> Status {
-                // SAFETY: the program's promise.
-                unsafe { call::<Sink>(component, $run) }
-            }
-        )*
-    };
-}
-
 transitions! {
+    Sink;
     fmi3ExitInitializationMode => |instance| instance.exit_initialisation();
     fmi3Terminate => |instance| instance.terminate();
     fmi3Reset => |instance| { instance.reset(); Ok(()) };
@@ -282,54 +267,10 @@ absent_parts! {
     fmi3ActivateModelPartition(u32, f64), "model partition";
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3GetFMUState(component: *mut c_void, place: *mut *mut c_void) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |instance| save(instance, place)) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SetFMUState(component: *mut c_void, saved: *mut c_void) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |instance| instance.restore(state(saved)?.clone())) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3FreeFMUState(component: *mut c_void, place: *mut *mut c_void) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |_| free_state(place)) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SerializedFMUStateSize(
-    component: *mut c_void,
-    saved: *mut c_void,
-    size: *mut usize,
-) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |_| state_size(saved, size)) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SerializeFMUState(
-    component: *mut c_void,
-    saved: *mut c_void,
-    bytes: *mut u8,
-    size: usize,
-) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |_| serialise(saved, bytes, size)) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3DeserializeFMUState(
-    component: *mut c_void,
-    bytes: *const u8,
-    size: usize,
-    place: *mut *mut c_void,
-) -> Status {
-    // SAFETY: the program's promises.
-    unsafe { call::<Sink>(component, |_| deserialise(bytes, size, place)) }
+state_functions! {
+    Sink;
+    fmi3GetFMUState, fmi3SetFMUState, fmi3FreeFMUState,
+    fmi3SerializedFMUStateSize, fmi3SerializeFMUState, fmi3DeserializeFMUState
 }
 
 #[unsafe(no_mangle)]

@@ -7,6 +7,73 @@
 #![allow(unsafe_code, reason = "the boundary to C, as the standard defines it")]
 #![allow(non_snake_case, reason = "names of the standard")]
 
+/// Defines functions that call one of the instance's without arguments; `$sink` is the log.
+macro_rules! transitions {
+    ($sink:ty; $($name:ident => $run:expr;)*) => {
+        $(
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn $name(component: *mut c_void) -> Status {
+                // SAFETY: the program's promise.
+                unsafe { call::<$sink>(component, $run) }
+            }
+        )*
+    };
+}
+
+/// Defines the functions that save, restore and serialise a state; `$sink` is the log.
+macro_rules! state_functions {
+    (
+        $sink:ty;
+        $get:ident, $set:ident, $free:ident, $size:ident, $serialise:ident, $deserialise:ident
+    ) => {
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $get(component: *mut c_void, place: *mut *mut c_void) -> Status {
+            // SAFETY: the program's promises.
+            unsafe { call::<$sink>(component, |instance| super::save(instance, place)) }
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $set(component: *mut c_void, saved: *mut c_void) -> Status {
+            // SAFETY: the program's promises.
+            unsafe { call::<$sink>(component, |instance| instance.restore(super::state(saved)?.clone())) }
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $free(component: *mut c_void, place: *mut *mut c_void) -> Status {
+            // SAFETY: the program's promises.
+            unsafe { call::<$sink>(component, |_| super::free_state(place)) }
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $size(component: *mut c_void, saved: *mut c_void, size: *mut usize) -> Status {
+            // SAFETY: the program's promises.
+            unsafe { call::<$sink>(component, |_| super::state_size(saved, size)) }
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $serialise(
+            component: *mut c_void,
+            saved: *mut c_void,
+            bytes: *mut u8,
+            size: usize,
+        ) -> Status {
+            // SAFETY: the program's promises.
+            unsafe { call::<$sink>(component, |_| super::serialise(saved, bytes, size)) }
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $deserialise(
+            component: *mut c_void,
+            bytes: *const u8,
+            size: usize,
+            place: *mut *mut c_void,
+        ) -> Status {
+            // SAFETY: the program's promises.
+            unsafe { call::<$sink>(component, |_| super::deserialise(bytes, size, place)) }
+        }
+    };
+}
+
 mod fmi2;
 mod fmi3;
 
