@@ -9,6 +9,7 @@ use crate::commands::{
 };
 use crate::run::RunArgs;
 use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -107,19 +108,49 @@ pub fn definition() -> clap::Command {
 /// Runs the program with the process's arguments and returns its exit code.
 #[must_use]
 pub fn main() -> ExitCode {
-    let program = Program::parse();
-    program.console.apply();
+    ExitCode::from(run_with(std::env::args_os().collect()))
+}
+
+/// Runs the program with arguments, the first of which is its name. Prints an error and returns the
+/// exit code.
+#[must_use]
+pub fn run_with(arguments: Vec<OsString>) -> u8 {
+    let program = match Program::try_parse_from(&arguments) {
+        Ok(program) => program,
+        Err(usage) => {
+            // Nothing is left to do if the terminal is gone.
+            let _ = usage.print();
+            return u8::try_from(usage.exit_code()).unwrap_or(u8::MAX);
+        }
+    };
     let start = Instant::now();
-    let command = program.command.unwrap_or_else(|| Command::Run(RunArgs::default_job()));
-    let result = provenance::note_time().and_then(|()| dispatch(command));
+    let result = start_command(program, arguments);
     progress::print_duration(start);
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(error) => {
             anstream::eprintln!("\u{1b}[1;31merror:\u{1b}[0m {error}");
-            ExitCode::from(error.exit_code())
+            error.exit_code()
         }
     }
+}
+
+/// Runs a command for another program, as [`run_with`] does, and returns the error. Calls do not
+/// overlap: the options for the terminal are those of the process.
+///
+/// # Errors
+///
+/// Those of the command; wrong arguments are wrong input.
+pub fn call(arguments: Vec<OsString>) -> Result<(), CliError> {
+    let usage = |error: clap::Error| CliError::Input(error.to_string().trim_end().to_owned());
+    start_command(Program::try_parse_from(&arguments).map_err(usage)?, arguments)
+}
+
+/// Makes the options those of the process, and runs the command.
+fn start_command(program: Program, arguments: Vec<OsString>) -> Result<(), CliError> {
+    program.console.apply();
+    provenance::note_start(arguments)?;
+    dispatch(program.command.unwrap_or_else(|| Command::Run(RunArgs::default_job())))
 }
 
 fn dispatch(command: Command) -> Result<(), CliError> {

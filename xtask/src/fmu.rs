@@ -1,7 +1,8 @@
 //! Library of exported functional mock-up units, and their check with other programs.
 
 use crate::compile::{self, host};
-use crate::run::{ChoreError, output_of, root, run, succeeds, target_folder};
+use crate::environment;
+use crate::run::{ChoreError, copy, output_of, root, run, target_folder};
 use crate::setup::Toolchain;
 use crate::workspace;
 use std::path::{Path, PathBuf};
@@ -37,14 +38,7 @@ pub(crate) fn build() -> Result<PathBuf, ChoreError> {
             format!("--remap-path-prefix={}=pintle --remap-path-prefix={home}=cargo", root().display());
         run(command.env("RUSTFLAGS", remapped))?;
         let built = target_folder().join(target).join("fmu-library").join(built);
-        let copy = folder.join(platform).join(file);
-        std::fs::create_dir_all(folder.join(platform)).and_then(|()| std::fs::copy(&built, &copy)).map_err(
-            |error| ChoreError::File {
-                file: copy.clone(),
-                found: error.to_string(),
-                expected: "a library that can be copied",
-            },
-        )?;
+        copy(&built, &folder.join(platform).join(file))?;
     }
     Ok(folder)
 }
@@ -69,7 +63,7 @@ pub(crate) fn build_or_check(is_checked: bool) -> Result<(), ChoreError> {
 pub(crate) fn check() -> Result<Vec<String>, ChoreError> {
     let masters = root().join("crates/fmu/tests/masters");
     let folder = target_folder().join("fmu-check");
-    let python = match environment(&folder.join("python"), &masters.join("requirements.txt")) {
+    let python = match environment::kept(&folder.join("python"), &masters.join("requirements.txt")) {
         Ok(python) => python,
         Err(error) => return Ok(vec![format!("units in other programs: {error}")]),
     };
@@ -87,25 +81,4 @@ pub(crate) fn check() -> Result<Vec<String>, ChoreError> {
     let found = output_of(Command::new(python).arg(masters.join("check.py")).args(&files))?;
     found.lines().filter(|line| !line.starts_with('[')).for_each(|line| println!("{line}"));
     Ok(Vec::new())
-}
-
-/// Creates a virtual environment with the packages of a file if it is missing, and returns its
-/// interpreter.
-fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf, ChoreError> {
-    let python = folder.join("bin/python");
-    let wanted = std::fs::read(requirements).unwrap_or_default();
-    let installed = folder.join("requirements.txt");
-    if succeeds(Command::new(&python).arg("--version"))
-        && std::fs::read(&installed).is_ok_and(|t| t == wanted)
-    {
-        return Ok(python);
-    }
-    run(Command::new("python3").args(["-m", "venv"]).arg(folder))?;
-    run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "--requirement"]).arg(requirements))?;
-    std::fs::write(&installed, wanted).map_err(|error| ChoreError::File {
-        file: installed.clone(),
-        found: error.to_string(),
-        expected: "a file that can be written",
-    })?;
-    Ok(python)
 }

@@ -13,6 +13,7 @@ mod cores;
 mod counts;
 mod cycles;
 mod document;
+mod environment;
 mod firmware;
 mod flash;
 mod fmu;
@@ -22,6 +23,7 @@ mod kernels;
 mod language;
 mod memory_map;
 mod miri;
+mod python;
 mod readme;
 mod run;
 mod seal;
@@ -93,6 +95,13 @@ enum Command {
     /// Build the library of exported units (FMI) for every platform whose target is installed.
     FmuLibrary {
         /// Export units, validate them with FMPy, and run them in FMPy and libcosim.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Build the wheel of the Python package with maturin, and print its path.
+    Wheel {
+        /// Check the package instead: install a wheel in a fresh virtual environment, and run its
+        /// tests, types and notebooks.
         #[arg(long)]
         check: bool,
     },
@@ -191,6 +200,7 @@ fn main() -> ExitCode {
         Command::Miri => miri::miri(),
         Command::CLibrary { check } => c_check::build_or_check(check),
         Command::FmuLibrary { check } => fmu::build_or_check(check),
+        Command::Wheel { check } => python::build_or_check(check),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
         Command::Bless => bless(),

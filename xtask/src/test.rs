@@ -4,7 +4,8 @@ use crate::golden::Comparison;
 use crate::run::{ChoreError, cargo, run, succeeds};
 use crate::tally::Tally;
 use crate::{
-    book, budget, c_check, cycles, firmware, fmu, golden, kernels, language, readme, setup, verify, workspace,
+    book, budget, c_check, cycles, firmware, fmu, golden, kernels, language, python, readme, setup, verify,
+    workspace,
 };
 use std::time::Instant;
 
@@ -76,6 +77,7 @@ fn checks() -> Result<Vec<String>, ChoreError> {
     verify::verify()?;
     skipped.extend(c_check::check()?);
     skipped.extend(fmu::check()?);
+    skipped.extend(python::check()?);
     skipped.extend(book::check()?);
     for (figures, comparison) in [
         ("instruction counts", golden::check()?),

@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 use std::ffi::OsString;
 use std::io::Read;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Mutex, PoisonError};
 
 /// Options that do not change a result, each with a value. A token must not be in a result.
 const WITHOUT_EFFECT: [&str; 8] =
@@ -28,8 +28,8 @@ const SERVE: &str = "--serve";
 /// Results in the folder of a run.
 const RESULTS: [&str; 2] = ["run.json", "log.csv"];
 
-/// Time of this process; set once, before the command starts.
-static NOW: OnceLock<DateTime<Utc>> = OnceLock::new();
+/// Start of the current command.
+static START: Mutex<Option<Start>> = Mutex::new(None);
 
 /// Variable with the time of a reproducible report, in seconds since 1970.
 const EPOCH: &str = "SOURCE_DATE_EPOCH";
@@ -65,13 +65,21 @@ pub(crate) struct Stamped<'a, T> {
     pub(crate) provenance: Provenance,
 }
 
-/// Notes the time of the process's results: that of `SOURCE_DATE_EPOCH`, or now without it.
+/// Arguments and time of a command.
+#[derive(Clone)]
+struct Start {
+    arguments: Vec<OsString>,
+    time: DateTime<Utc>,
+}
+
+/// Notes the arguments of a command, of which the first is the program, and its time: that of
+/// `SOURCE_DATE_EPOCH`, or now without it.
 ///
 /// # Errors
 ///
 /// The variable is not a number of seconds after 1970.
-pub(crate) fn note_time() -> Result<(), CliError> {
-    let now = match std::env::var_os(EPOCH) {
+pub(crate) fn note_start(arguments: Vec<OsString>) -> Result<(), CliError> {
+    let time = match std::env::var_os(EPOCH) {
         None => Utc::now(),
         Some(text) => {
             let seconds = text.to_str().and_then(|text| text.parse().ok()).filter(|seconds| *seconds >= 0);
@@ -80,14 +88,17 @@ pub(crate) fn note_time() -> Result<(), CliError> {
             })?
         }
     };
-    NOW.get_or_init(|| now);
+    *START.lock().unwrap_or_else(PoisonError::into_inner) = Some(Start { arguments, time });
     Ok(())
 }
 
 impl Provenance {
-    /// Returns the origin of a result of this process.
+    /// Returns the origin of a result of the current command, or else of this process.
     pub(crate) fn of_process() -> Self {
-        Self::new(std::env::args_os().skip(1), *NOW.get_or_init(Utc::now))
+        let noted = START.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let of_process = || Start { arguments: std::env::args_os().collect(), time: Utc::now() };
+        let Start { arguments, time } = noted.unwrap_or_else(of_process);
+        Self::new(arguments.into_iter().skip(1), time)
     }
 
     fn new(arguments: impl Iterator<Item = OsString>, now: DateTime<Utc>) -> Self {

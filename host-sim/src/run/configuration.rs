@@ -110,7 +110,7 @@ pub fn controller_configuration(
 /// # Errors
 ///
 /// A value of the description is out of the configuration's range.
-pub(crate) fn lockstep_configuration(
+pub fn lockstep_configuration(
     plant: &Transmission,
     bench: &TransmissionBench,
     rate_hz: f64,

@@ -7,10 +7,10 @@ use std::fmt::Write as _;
 pub(crate) const FILE_NAME: &str = "estimates.csv";
 
 /// A column with a value of an estimate.
-type Column = (&'static str, fn(&EstimateFrame) -> f32);
+pub type Column = (&'static str, fn(&EstimateFrame) -> f32);
 
 /// Columns after `sequence` and `t_s`, before `flags` and `saturated`.
-const COLUMNS: [Column; 19] = [
+pub const COLUMNS: [Column; 19] = [
     ("normal_force_n", |e| e.normal_force_n),
     ("normal_force_sd_n", |e| e.normal_force_sd_n),
     ("force_y_n", |e| e.force_y_n),

@@ -26,7 +26,7 @@ approach_speed_m_s,separation_speed_m_s,energy_lost_j,speed_ratio,flags,end";
 
 /// Formats records as CSV with the shortest numbers that read back exactly. The speed ratio of a
 /// contact that did not separate is empty.
-pub(crate) fn to_csv(records: &[ImpactRecord]) -> String {
+pub fn to_csv(records: &[ImpactRecord]) -> String {
     let mut text = format!("{HEADER}\n");
     for r in records {
         // Writing to text does not fail.

@@ -4,7 +4,7 @@
 pub mod arguments;
 pub mod conditions;
 pub mod configuration;
-pub(crate) mod estimates;
+pub mod estimates;
 mod estimator;
 pub mod estimator_summary;
 pub mod exchange;

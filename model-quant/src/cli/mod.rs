@@ -19,6 +19,7 @@ mod verify;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use error::CliError;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Maximum number of worker threads.
@@ -62,20 +63,34 @@ pub fn definition() -> clap::Command {
     Arguments::command()
 }
 
-/// Parses the command line and runs the command.
+/// Runs the program with the process's arguments and returns its exit code.
 pub fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
+    ExitCode::from(run_with(std::env::args_os().collect()))
+}
+
+/// Runs the program with arguments, the first of which is its name. Prints an error and returns the
+/// exit code.
+pub fn run_with(arguments: Vec<OsString>) -> u8 {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(usage) => {
+            // Nothing is left to do if the terminal is gone.
+            let _ = usage.print();
+            return u8::try_from(usage.exit_code()).unwrap_or(u8::MAX);
+        }
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.into()).build();
+    match pool.map_err(CliError::from).and_then(|pool| pool.install(|| run(&arguments))) {
+        Ok(()) => 0,
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::from(error.exit_code())
+            error.exit_code()
         }
     }
 }
 
 /// Runs a command.
 fn run(arguments: &Arguments) -> Result<(), CliError> {
-    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.into()).build_global()?;
     match &arguments.command {
         Command::Dataset(arguments) => dataset::run(arguments),
         Command::Train(arguments) => train::run(arguments),

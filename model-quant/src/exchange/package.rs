@@ -115,7 +115,7 @@ impl Package {
     /// # Errors
     ///
     /// The bytes are not a package or differ from the manifest.
-    pub(crate) fn parse(bytes: &[u8]) -> Result<Self, PackageError> {
+    pub fn parse(bytes: &[u8]) -> Result<Self, PackageError> {
         let short = PackageError::Length { found: bytes.len(), expected: SIGNED };
         let Some((head, payload)) = bytes.split_at_checked(SIGNED) else { return Err(short) };
         let &[a, b, c, d, e] = head.as_chunks::<32>().0 else { return Err(short) };

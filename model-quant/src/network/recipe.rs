@@ -93,7 +93,38 @@ fn portable() -> InstructionSet {
     InstructionSet::Portable
 }
 
+/// Number of a recipe that is out of its range.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: found {found}; expected {expected}", option.trim_start_matches("--"))]
+pub struct RecipeError {
+    /// Option of the command line that sets the number.
+    pub option: &'static str,
+    /// Number found.
+    pub found: usize,
+    /// Range expected.
+    pub expected: &'static str,
+}
+
 impl Recipe {
+    /// Checks the numbers of rows and epochs.
+    ///
+    /// # Errors
+    ///
+    /// The first number that is out of its range.
+    pub fn check(&self) -> Result<(), RecipeError> {
+        for (option, found, low, high, expected) in [
+            ("--rows", self.rows, self.batch, 10_000_000, "at least a batch of 512, at most 10000000"),
+            ("--epochs", self.epochs, 1, 100_000, "1 to 100000"),
+            ("--grid-epochs", self.grid_epochs, 0, 100_000, "0 to 100000"),
+            ("--patience", self.patience.unwrap_or(1), 1, 100_000, "1 to 100000"),
+        ] {
+            if !(low..=high).contains(&found) {
+                return Err(RecipeError { option, found, expected });
+            }
+        }
+        Ok(())
+    }
+
     /// Recipe of the shipped models.
     pub fn standard(bearing: inference::BearingMaterial) -> Self {
         Self {

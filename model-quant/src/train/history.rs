@@ -90,7 +90,7 @@ pub(crate) fn epochs(outcome: &Outcome) -> Vec<Value> {
 }
 
 /// Text of the history file for a checkpoint with this training id.
-pub(crate) fn file(outcome: &Outcome, training_id: u64) -> String {
+pub fn file(outcome: &Outcome, training_id: u64) -> String {
     let lines: Vec<String> = epochs(outcome).iter().map(Value::to_string).collect();
     format!(
         "{{\"bearing\":{},\n\"training_id\":\"{training_id:016x}\",\n\"recipe\":{},\n\"epochs\":[\n{}\n]}}\n",

@@ -10,7 +10,7 @@ mod fixed_point_forward;
 pub(crate) mod freezer;
 #[cfg(test)]
 mod gradient_tests;
-pub(crate) mod history;
+pub mod history;
 mod lanes;
 mod layout;
 mod optimiser;

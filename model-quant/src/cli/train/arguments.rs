@@ -4,7 +4,7 @@ use crate::cli::checkpoint::BearingParser;
 use crate::cli::error::CliError;
 use crate::data::ranges::RangeKind;
 use crate::network::checkpoint::Checkpoint;
-use crate::network::recipe::{GridMethod, InstructionSet, Recipe, TrainingSet};
+use crate::network::recipe::{GridMethod, InstructionSet, Recipe, RecipeError, TrainingSet};
 use crate::network::shipped::shipped_checkpoint;
 use inference::BearingMaterial;
 use std::path::PathBuf;
@@ -114,15 +114,7 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
              which this machine does not support"
         )));
     }
-    for (name, value, low, high, expected) in [
-        ("--rows", recipe.rows, recipe.batch, 10_000_000, "at least a batch of 512, at most 10000000"),
-        ("--epochs", recipe.epochs, 1, 100_000, "1 to 100000"),
-        ("--grid-epochs", recipe.grid_epochs, 0, 100_000, "0 to 100000"),
-        ("--patience", recipe.patience.unwrap_or(1), 1, 100_000, "1 to 100000"),
-    ] {
-        if !(low..=high).contains(&value) {
-            return Err(CliError::Argument(name, value.to_string(), expected));
-        }
-    }
+    let refused = |e: RecipeError| CliError::Argument(e.option, e.found.to_string(), e.expected);
+    recipe.check().map_err(refused)?;
     Ok(recipe)
 }

@@ -1,0 +1,207 @@
+"""Bench descriptions: their laws, runs and records, and what is done with logs of the bench."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from pintle import _native
+from pintle.commands import Results, collect, command
+from pintle.controller import Controller, Estimates
+from pintle.diagnosis import Diagnosis, Evaluation, Inspection
+from pintle.logs import Log, as_files, read_log
+
+
+def presets() -> list[str]:
+    """Names of the benches that the package contains."""
+    return _native.presets()
+
+
+def laws() -> pd.DataFrame:
+    """Every contact and friction law: field of a description, name, description, range, source."""
+    columns = ["field", "name", "description", "range", "source"]
+    return pd.DataFrame(_native.laws(), columns=columns)
+
+
+class Run(Results):
+    """Result of a run: ``figures`` of ``run.json``, tables and report."""
+
+    JSON = "run.json"
+
+    @property
+    def log(self) -> pd.DataFrame:
+        """What the bench's sensors recorded; of a mechanism or slider-crank its true states."""
+        return self.table("log.csv")
+
+    @property
+    def impacts(self) -> pd.DataFrame:
+        """Every period in contact."""
+        return self.table("impacts.csv")
+
+    @property
+    def estimates(self) -> pd.DataFrame:
+        """One estimate of the controller for every sample."""
+        return self.table("estimates.csv")
+
+    @property
+    def estimated_impacts(self) -> pd.DataFrame:
+        """Impacts as the controller recorded them."""
+        return self.table("estimated_impacts.csv")
+
+
+class Bench:
+    """Bench description: a preset, a file, or a text in TOML.
+
+    A description does not change; ``replace`` returns a new one.
+
+    Raises:
+        InputError: The description is wrong; the text lists every wrong entry.
+    """
+
+    def __init__(self, name_or_file: str | Path = "bench-b") -> None:
+        self._text, self._plant = _native.open_description(os.fspath(name_or_file))
+
+    @classmethod
+    def from_text(cls, text: str, folder: str | Path = ".") -> Bench:
+        """Reads a description in TOML; ``folder`` is that of the files which it names."""
+        bench = cls.__new__(cls)
+        file = os.fspath(Path(folder) / "description")
+        bench._text, bench._plant = _native.parse_description(text, file)
+        return bench
+
+    @property
+    def text(self) -> str:
+        """Complete description in TOML."""
+        return self._text
+
+    @property
+    def plant(self) -> str:
+        """Name of the plant."""
+        return self._plant
+
+    def __repr__(self) -> str:
+        return f"<Bench with plant {self._plant}>"
+
+    def replace(self, changes: Mapping[str, bool | float | str]) -> Bench:
+        """Returns the description with other entries.
+
+        A key is the path of an entry with dots: ``{"bearing.radial_clearance_m": 1e-3}``. An entry
+        of a list is in brackets, by its ``name`` or its number from 1: ``body[crank].mass_kg``.
+        """
+        bench = Bench.__new__(Bench)
+        plain = [(path, _plain(value)) for path, value in changes.items()]
+        bench._text, bench._plant = _native.change_description(self._text, plain)
+        return bench
+
+    def contact_forces(
+        self,
+        deformation_m: npt.ArrayLike,
+        rate_m_s: npt.ArrayLike = 0.0,
+        approach_m_s: npt.ArrayLike = 0.0,
+        sliding_m_s: npt.ArrayLike = 0.0,
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Normal and friction force of the description's laws in N, for arrays of any one shape.
+
+        Args:
+            deformation_m: Depth of the contact, negative in a gap.
+            rate_m_s: Its rate.
+            approach_m_s: Approach speed at the onset of the contact.
+            sliding_m_s: Sliding speed; friction has the opposite sign. A law with a state is in its
+                steady state.
+        """
+        shape, state = flattened(deformation_m, rate_m_s, approach_m_s, sliding_m_s)
+        normal_n, friction_n = _native.contact_forces(self._text, *state)
+        return normal_n.reshape(shape), friction_n.reshape(shape)
+
+    def run(
+        self,
+        *,
+        force: str | None = None,
+        controller: str | None = None,
+        contact: str | None = None,
+        seed: int | None = None,
+        step_us: float | None = None,
+        elf: str | Path | None = None,
+        **options: Any,
+    ) -> Run:
+        """Runs the bench; of a transmission bench with the controller's estimator in the loop.
+
+        Args:
+            force: Source of the contact force: ``law``, ``held-law``, ``float-net`` or
+                ``quantised-net``.
+            controller: ``native``, ``emulated``, ``attached`` or ``none``.
+            contact: Contact in the estimate: ``network`` or ``law``.
+            seed: Seed of the sensors' noise.
+            step_us: Time over which the networks' force is held.
+            elf: Firmware of the emulated controller.
+            options: Other options of ``host-sim run``, such as ``cycles=3`` or
+                ``dropout_share=0.01``.
+        """
+        options |= {"force": force, "controller": controller, "contact": contact, "seed": seed}
+        return Run(collect("run", description=self._text, step_us=step_us, elf=elf, **options))
+
+    def record(self, seed: int = 1, **options: Any) -> pd.DataFrame:
+        """Simulates a log as the bench's sensors would record it.
+
+        ``options`` are those of ``host-sim record``, such as ``cycles=5``.
+        """
+        with tempfile.TemporaryDirectory(prefix="pintle-") as folder:
+            bench, log = Path(folder) / "bench.toml", Path(folder) / "log.parquet"
+            bench.write_text(self._text, encoding="utf-8")
+            command("record", bench=bench, seed=seed, out=log, **options)
+            return read_log(log)
+
+    def estimate(
+        self, log: pd.DataFrame, *, contact: str = "network", controller: Controller | None = None
+    ) -> Estimates:
+        """Estimates the contact of a log with the controller's code.
+
+        Args:
+            log: Columns ``t_s`` (or an index of that name), ``journal_y_m``, ``journal_z_m``,
+                ``shaft_angle_rad`` and ``load_force_n`` at one interval of 50 us to 1 ms, rounded
+                to microseconds. A missing reading is marked for the controller.
+            contact: ``network`` or ``law``.
+            controller: A controller; by default the code in this process.
+        """
+        controller = Controller.native() if controller is None else controller
+        return controller.estimate_log(self._text, log, contact)
+
+    def check(self, *logs: Log) -> Inspection:
+        """Judges logs before a diagnosis: quality, units, parameters that they do not show."""
+        with as_files(logs) as paths:
+            return Inspection(collect("check", *paths, description=self._text))
+
+    def evaluate(self, *logs: Log) -> Evaluation:
+        """Simulates the bench under the inputs of logs and compares; fits nothing."""
+        with as_files(logs) as paths:
+            return Evaluation(collect("evaluate", *paths, description=self._text))
+
+    def diagnose(self, *logs: Log, held_out: Sequence[Log] = ()) -> Diagnosis:
+        """Finds what the simulation gets wrong in logs, names the cause and measures the gain.
+
+        Args:
+            logs: Logs of this bench, with the columns that its description names.
+            held_out: Logs on which nothing is fitted; without them a part of each log is held out.
+        """
+        with as_files(logs) as paths, as_files(held_out) as kept:
+            files = collect("diagnose", *paths, description=self._text, held_out=kept or None)
+        extended = files.get("extended-bench.toml")
+        return Diagnosis(files, Bench.from_text(extended.decode()) if extended else None)
+
+
+def _plain(value: Any) -> Any:
+    """Converts a number of numpy."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def flattened(*arrays: npt.ArrayLike) -> tuple[tuple[int, ...], list[npt.NDArray[np.float64]]]:
+    """Returns the common shape of arrays, and each in that shape as one dimension."""
+    common = np.broadcast_arrays(*(np.asarray(array, dtype=np.float64) for array in arrays))
+    return common[0].shape, [np.ascontiguousarray(array).reshape(-1) for array in common]

@@ -1,0 +1,44 @@
+//! Log files of every format as arrays.
+
+use crate::arrays::Numbers;
+use crate::error::{input, work};
+use bench::log::{RawColumn, RawLog};
+use numpy::PyArray1;
+use pyo3::{Bound, PyResult, Python, pyfunction};
+use std::path::PathBuf;
+
+/// Column: name, unit, group, values.
+type Column<'py> = (String, String, String, Bound<'py, PyArray1<f64>>);
+
+/// Reads the columns of numbers of a log. Returns the file's format and the columns.
+#[pyfunction]
+pub(crate) fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<(&'static str, Vec<Column<'_>>)> {
+    let log = py.detach(|| RawLog::read(&path)).map_err(input)?;
+    let column = |column: RawColumn| {
+        let name = column.label();
+        (name, column.unit, column.group, PyArray1::from_vec(py, column.values))
+    };
+    Ok((log.file_format, log.columns.into_iter().map(column).collect()))
+}
+
+/// Writes columns with names and units: Parquet to `.parquet`, a MAT-file to `.mat`, else CSV.
+#[pyfunction]
+pub(crate) fn write_log(path: PathBuf, columns: Vec<(String, String, Numbers<'_>)>) -> PyResult<()> {
+    let column = |(index, (name, unit, values)): (usize, (String, String, Numbers<'_>))| RawColumn {
+        index,
+        name,
+        unit,
+        group: String::new(),
+        time: None,
+        values: values.as_array().to_vec(),
+    };
+    let columns: Vec<RawColumn> = columns.into_iter().enumerate().map(column).collect();
+    let log = RawLog {
+        source: path.display().to_string(),
+        file_format: "",
+        format: Default::default(),
+        columns: Vec::new(),
+        others: Vec::new(),
+    };
+    log.write(&path, &columns.iter().collect::<Vec<_>>()).map_err(work)
+}
