@@ -22,8 +22,13 @@ pub fn open<C: Serialize, R: DeserializeOwned>(
     path: &Path,
     campaign: C,
 ) -> Result<(Journal, Vec<R>), JournalError> {
-    let program = std::env::current_exe().map_err(|source| unusable(path, source))?;
-    Journal::open(path, &Header { campaign, program: checksum(&program)? })
+    Journal::open(path, &header(campaign)?)
+}
+
+/// Header of the journals of a campaign that this program runs.
+pub fn header<C: Serialize>(campaign: C) -> Result<impl Serialize, JournalError> {
+    let program = std::env::current_exe().map_err(|source| unusable(Path::new("this program"), source))?;
+    Ok(Header { campaign, program: checksum(&program)? })
 }
 
 /// Checksum of a file.

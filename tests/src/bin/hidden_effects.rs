@@ -4,6 +4,7 @@
 //! continue. Prints the figures with their goals and writes the published pages on request.
 
 use clap::Parser;
+use host_sim::shard::{self, MergeError, Shard};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -12,7 +13,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use system_tests::generator::plant::Plant;
 use system_tests::hidden_effects::CampaignError;
-use system_tests::hidden_effects::cell::{Arm, Campaign};
+use system_tests::hidden_effects::cell::{Arm, Campaign, Cell};
 use system_tests::hidden_effects::compare::Outcome;
 use system_tests::hidden_effects::page::{page, stem, summary};
 use system_tests::hidden_effects::run::run;
@@ -24,7 +25,9 @@ use system_tests::journal::{self, JournalError};
 #[derive(Parser)]
 #[command(
     name = "hidden-effects",
-    after_help = "Example:\n  cargo xtask hidden-effects --seeds 100 --out out/hidden-effects\n\n\
+    after_help = "Examples:\n  cargo xtask hidden-effects --seeds 100 --out out/hidden-effects\n  \
+    cargo xtask hidden-effects --shard 2/4 --out out/shard-2\n  \
+    cargo xtask hidden-effects --merge out/shard-1 out/shard-2 out/shard-3 out/shard-4\n\n\
     An interrupted campaign continues if it is started again with the same options.\n\
     Exit codes: 0 done, 1 the work failed, 2 the arguments are wrong."
 )]
@@ -47,6 +50,13 @@ struct Cli {
     /// Questions: clean, single, deleted, two, pair, changed, hard.
     #[arg(long, value_delimiter = ',', default_value = "clean,single,deleted,two,pair,changed,hard")]
     arms: Vec<Arm>,
+    /// Run one of N parts of the campaign and write its journal, but no figures.
+    #[arg(long, value_name = "I/N", conflicts_with = "bless")]
+    shard: Option<Shard>,
+    /// Merge the journals in the folders of all parts instead of running cells; the other options
+    /// are those of the parts.
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with = "shard")]
+    merge: Vec<PathBuf>,
     /// Cells at the same time; 0: one on each core.
     #[arg(long, default_value_t = 0)]
     threads: usize,
@@ -98,37 +108,67 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::from(if matches!(error, CampaignError::Journal(JournalError::Other { .. })) {
-                2
-            } else {
-                1
-            })
+            let is_input = match &error {
+                CampaignError::Journal(error) | CampaignError::Merge(MergeError::Journal(error)) => {
+                    matches!(error, JournalError::Other { .. })
+                }
+                CampaignError::Merge(_) => true,
+                _ => false,
+            };
+            ExitCode::from(if is_input { 2 } else { 1 })
         }
     }
 }
 
+/// Name of the journal in the folder of a campaign.
+const JOURNAL: &str = "journal.jsonl";
+
 fn campaign(cli: &Cli) -> Result<(), CampaignError> {
-    let chosen = || Campaign {
-        seeds: cli.seeds,
-        bench_seeds: cli.bench_seeds,
-        skipped_seeds: cli.skip_seeds,
-        bench_alone: false,
-        is_sample: false,
-        plants: cli.plant.clone(),
-        sizes: cli.sizes.clone(),
-        arms: cli.arms.clone(),
-    };
     let campaign = match (cli.quick, cli.sample) {
         (true, _) => Campaign::quick(),
         (_, true) => Campaign::sample(),
-        _ => chosen(),
+        _ => Campaign {
+            seeds: cli.seeds,
+            bench_seeds: cli.bench_seeds,
+            skipped_seeds: cli.skip_seeds,
+            bench_alone: false,
+            is_sample: false,
+            plants: cli.plant.clone(),
+            sizes: cli.sizes.clone(),
+            arms: cli.arms.clone(),
+        },
     };
-    let (journal, finished) = journal::open(&cli.out.join("journal.jsonl"), campaign.clone())?;
+    let cells = campaign.cells();
+    let (outcomes, mut failed) = if cli.merge.is_empty() {
+        execute(cli, &campaign, &cells)?
+    } else {
+        let header = journal::header(campaign.clone())?;
+        (shard::merge(&cli.merge, &cli.out, JOURNAL, &header, cells.len())?, Vec::new())
+    };
+    if let Some(shard) = cli.shard {
+        println!("shard {shard}: {} of {} cells, {} failed", outcomes.len(), cells.len(), failed.len());
+    } else {
+        publish(cli, &campaign, &outcomes, failed.is_empty())?;
+    }
+    let Some(last) = failed.pop() else { return Ok(()) };
+    failed.iter().for_each(|error| eprintln!("error: {error}"));
+    Err(last)
+}
+
+/// Runs the cells that the journal lacks. Returns the outcomes in the order of the cells, and the
+/// errors of cells that failed.
+fn execute(
+    cli: &Cli,
+    campaign: &Campaign,
+    cells: &[Cell],
+) -> Result<(Vec<Outcome>, Vec<CampaignError>), CampaignError> {
+    let (journal, finished) = journal::open(&cli.out.join(JOURNAL), campaign.clone())?;
     let mut finished: BTreeMap<usize, Outcome> =
         Vec::into_iter(finished).map(|outcome: Outcome| (outcome.cell.index, outcome)).collect();
-    let cells = campaign.cells();
-    let open: Vec<_> = cells.iter().filter(|c| !finished.contains_key(&c.index)).collect();
-    let bar = if cli.json { ProgressBar::hidden() } else { ProgressBar::new(cells.len() as u64) };
+    let shard = cli.shard.unwrap_or(Shard::ALL);
+    let own: Vec<_> = cells.iter().filter(|cell| shard.contains(cell.index)).collect();
+    let open: Vec<_> = own.iter().filter(|cell| !finished.contains_key(&cell.index)).collect();
+    let bar = if cli.json { ProgressBar::hidden() } else { ProgressBar::new(own.len() as u64) };
     if let Ok(style) = ProgressStyle::with_template("hidden effects {bar:40} {pos}/{len} {elapsed} eta {eta}")
     {
         bar.set_style(style);
@@ -143,7 +183,7 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
     // A cell that fails is reported at the end, because the journal may hold hours of others. It is
     // asked again when the campaign continues. A journal that cannot be written ends the campaign:
     // results after half a line would be lost.
-    let one = |cell: &&_| -> Option<Result<Result<Outcome, CampaignError>, CampaignError>> {
+    let one = |cell: &&&Cell| -> Option<Result<Result<Outcome, CampaignError>, CampaignError>> {
         if late() {
             return None;
         }
@@ -165,8 +205,17 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
             Err(error) => failed.push(error),
         }
     }
-    let outcomes: Vec<Outcome> = finished.into_values().collect();
-    let mut figures = figures(&cli.date.clone().unwrap_or_else(today), &campaign, &outcomes);
+    Ok((finished.into_values().collect(), failed))
+}
+
+/// Writes and prints the figures; with `--bless` also the golden ones, if they are complete.
+fn publish(
+    cli: &Cli,
+    campaign: &Campaign,
+    outcomes: &[Outcome],
+    is_complete: bool,
+) -> Result<(), CampaignError> {
+    let mut figures = figures(&cli.date.clone().unwrap_or_else(today), campaign, outcomes);
     figures.notes.clone_from(&cli.note);
     let json = serde_json::to_string_pretty(&figures).unwrap_or_default() + "\n";
     write(&cli.out.join("figures.json"), &json)?;
@@ -176,14 +225,7 @@ fn campaign(cli: &Cli) -> Result<(), CampaignError> {
     } else {
         print!("{}", summary(&figures));
     }
-    if let Some(last) = failed.pop() {
-        failed.iter().for_each(|error| eprintln!("error: {error}"));
-        return Err(last);
-    }
-    if cli.bless {
-        bless(&figures, &json)?;
-    }
-    Ok(())
+    if cli.bless && is_complete { bless(&figures, &json) } else { Ok(()) }
 }
 
 /// Writes the pages from the golden figures.

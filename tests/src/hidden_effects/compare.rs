@@ -32,6 +32,12 @@ impl Named {
     }
 }
 
+impl host_sim::shard::Numbered for Outcome {
+    fn number(&self) -> usize {
+        self.cell.index
+    }
+}
+
 /// Result of a cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {

@@ -32,6 +32,9 @@ pub enum CampaignError {
     /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] crate::journal::JournalError),
+    /// Shards cannot be merged.
+    #[error(transparent)]
+    Merge(#[from] host_sim::shard::MergeError),
     /// The engine rejected a log.
     #[error("cell {cell}: {found}")]
     Engine {
