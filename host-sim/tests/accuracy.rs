@@ -66,6 +66,26 @@ fn a_number_of_worlds_out_of_range_is_refused() {
     }
 }
 
+/// Compares cases with those of the published campaign (`cargo xtask accuracy`).
+fn assert_golden(cases: &[Value]) {
+    let golden: Vec<Value> =
+        serde_json::from_str(include_str!("../../tests/golden/accuracy-worlds.json")).unwrap();
+    let is_same = |a: &Value, b: &Value| {
+        ["world", "bearing", "clearance_mm", "load_kn"].iter().all(|name| a[name] == b[name])
+    };
+    let mut compared = 0;
+    for case in cases.iter().filter(|case| case["estimator"] == "network") {
+        let known = golden.iter().find(|known| is_same(case, known)).unwrap_or_else(|| panic!("{case}"));
+        for name in ["rms_n", "max_n", "full_scale_n", "torque_rms_nm", "torque_full_scale_nm"] {
+            let (found, expected) = (number(case, &format!("/{name}")), number(known, &format!("/{name}")));
+            // The worlds use the system's sine and exponential.
+            assert!((found / expected - 1.0).abs() < 1e-6, "{name}: {found}, golden {expected}: {case}");
+        }
+        compared += 1;
+    }
+    assert_eq!(compared, 4 * 21);
+}
+
 #[test]
 fn worlds_are_measured_with_every_estimator_and_stored_with_a_page() {
     let directory = tempfile::tempdir().unwrap();
@@ -93,6 +113,7 @@ fn worlds_are_measured_with_every_estimator_and_stored_with_a_page() {
         let both = [network, law].map(|case| number(case, "/rms_n"));
         assert!((both[0] / both[1] - 1.0).abs() < 0.5, "{world}: {both:?}");
     }
+    assert_golden(cases);
     // The described world is the bench of the physics: 6241 N along Y with friction.
     let full_scale = number(of("exact", "network"), "/full_scale_n");
     assert!((full_scale / 6258.0 - 1.0).abs() < 0.01, "{full_scale}");

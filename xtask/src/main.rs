@@ -1,6 +1,7 @@
 //! Commands of the workspace: setup, tests, instruction counts, sizes, campaigns. CI calls nothing
 //! else.
 
+mod accuracy;
 mod archive;
 mod board_tables;
 mod book;
@@ -143,6 +144,12 @@ enum Command {
         #[arg(value_parser = sensitivity::MODULES, default_values = sensitivity::MODULES)]
         modules: Vec<String>,
     },
+    /// Measure the accuracy in 160 drawn worlds and compare it with the golden figures; minutes.
+    Accuracy {
+        /// Write golden figures and documents instead.
+        #[arg(long)]
+        bless: bool,
+    },
     /// Build the documentation site in `target/book` with mdBook, and check its links.
     Book,
     /// Build the release archive: programs, firmware, completions, manual pages, documents.
@@ -200,6 +207,7 @@ fn main() -> ExitCode {
         Command::Miri => miri::miri(),
         Command::CLibrary { check } => c_check::build_or_check(check),
         Command::FmuLibrary { check } => fmu::build_or_check(check),
+        Command::Accuracy { bless } => accuracy::measure(bless),
         Command::Wheel { check } => python::build_or_check(check),
         Command::Verify => verify::verify(),
         Command::Kernels => kernels::kernels(),
@@ -240,6 +248,7 @@ fn bless() -> Result<(), run::ChoreError> {
     golden::bless()?;
     cycles::bless()?;
     budget::bless()?;
+    accuracy::write_documents()?;
     readme::bless()
 }
 
