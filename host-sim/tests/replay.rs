@@ -279,8 +279,22 @@ fn a_measured_log_gives_the_estimates_of_its_run() {
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name).join("estimates.csv")).unwrap();
     assert!(read("a") == read("b"), "the log's estimates are not the run's");
 
-    // Logs that the controller cannot process.
+    // The controller notices missing rows.
     let log = std::fs::read_to_string(folder.path().join("out/run/log.csv")).unwrap();
+    let holes: Vec<&str> =
+        log.lines().enumerate().filter(|(i, _)| !(5000..5100).contains(i)).map(|(_, line)| line).collect();
+    std::fs::write(folder.path().join("holes.csv"), holes.join("\n")).unwrap();
+    let output =
+        host_sim(folder.path(), &["replay", "holes.csv", "--bench", "fast.toml", "--out", "d", "--json"]);
+    let printed = json(&output);
+    assert_eq!(printed.get("samples").unwrap(), 9_900, "{}", text(&output.stderr));
+    assert_eq!(printed.pointer("/counters/sequence_gaps").unwrap(), 1);
+    assert!(read("d").lines().last().unwrap().starts_with("9999,"));
+
+    // Logs that the controller cannot process.
+    let twice = log.replacen("\n0.0002,", "\n0.00011,", 1);
+    assert!(twice != log);
+    std::fs::write(folder.path().join("twice.csv"), twice).unwrap();
     let thinned: String = log
         .lines()
         .enumerate()
@@ -292,6 +306,7 @@ fn a_measured_log_gives_the_estimates_of_its_run() {
     for (name, expected) in [
         ("slow.csv", "slow.csv: found 5000 us between samples; expected 50 to 1000 us"),
         ("few.csv", "few.csv: no column `journal_z_m`"),
+        ("twice.csv", "twice.csv: found rows 2 and 3 in one period of 100 us; expected one"),
     ] {
         let output = host_sim(folder.path(), &["replay", name, "--out", "c"]);
         let message = text(&output.stderr);

@@ -140,9 +140,10 @@ fn run_log(args: &ReplayArgs) -> Result<(), CliError> {
     let bench = args.bench.open()?;
     let measured = MeasuredLog::read(&args.file, &bench.log_format())?;
     let resolved = TransmissionBench::from_bench(bench.resolved(), &args.bench.bench)?;
-    let frames = log::frames(&measured)?;
+    let period_s = log::period_s(&measured)?;
+    let frames = log::frames(&measured, period_s)?;
     let plant = Transmission::new(&resolved, resolved.drive_profile(), resolved.load_profile());
-    let rate_hz = 1.0 / log::period_s(&measured)?;
+    let rate_hz = 1.0 / period_s;
     let configuration = lockstep_configuration(&plant, &resolved, rate_hz, ContactSource::default())?;
     let mut controller =
         choice::open(args.controller, args.elf.as_deref(), args.port.as_deref(), &args.probe)?;

@@ -28,16 +28,33 @@ pub(crate) fn period_s(log: &MeasuredLog) -> Result<f64, CliError> {
     }
 }
 
-pub(crate) fn frames(log: &MeasuredLog) -> Result<Vec<SensorFrame>, CliError> {
+/// Returns the samples of a log. Their numbers follow from the times, so the controller notices a
+/// missing row.
+///
+/// # Errors
+///
+/// A channel is missing, or two rows belong to one period.
+pub(crate) fn frames(log: &MeasuredLog, period_s: f64) -> Result<Vec<SensorFrame>, CliError> {
     let y = log.need(Channel::JournalY)?;
     let z = log.need(Channel::JournalZ)?;
     let angle = log.need(Channel::ShaftAngle)?;
     let load = log.need(Channel::LoadForce)?;
     let start = log.time_s.first().copied().unwrap_or_default();
-    let rows = log.time_s.iter().zip(y).zip(z).zip(angle).zip(load).enumerate();
-    Ok(rows
-        .map(|(index, ((((t, y), z), angle), load))| {
-            sensing::frame(index as u32, t - start, [*y, *z, *angle, *load])
-        })
-        .collect())
+    let rows = log.time_s.iter().zip(y).zip(z).zip(angle).zip(load);
+    let frame = |((((t, y), z), angle), load): ((((&f64, &f64), &f64), &f64), &f64)| {
+        // `as` saturates.
+        let number = ((t - start) / period_s).round() as u32;
+        sensing::frame(number, t - start, [*y, *z, *angle, *load])
+    };
+    let frames: Vec<SensorFrame> = rows.map(frame).collect();
+    match frames.array_windows().position(|[before, after]| after.sequence <= before.sequence) {
+        None => Ok(frames),
+        Some(row) => Err(CliError::Input(format!(
+            "{}: found rows {} and {} in one period of {:.0} us; expected one",
+            log.source,
+            row + 1,
+            row + 2,
+            1e6 * period_s
+        ))),
+    }
 }
