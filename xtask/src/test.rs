@@ -64,6 +64,8 @@ fn checks() -> Result<Vec<String>, ChoreError> {
     if !setup::browser() {
         skipped.push("pages in a browser: chromium is not installed".into());
     }
+    // Firmware is linked on one core, so the tests are built beside it.
+    let build = std::thread::spawn(|| run(workspace::tests().args(["--quiet", "--no-run"])));
     firmware::OTHER_CORE.build()?;
     firmware::DEFAULT.build_provoking()?;
     firmware::DEFAULT.build()?;
@@ -74,6 +76,7 @@ fn checks() -> Result<Vec<String>, ChoreError> {
     }
     language::check()?;
     kernels::kernels()?;
+    build.join().unwrap_or_else(|_| Err(ChoreError::ByHand("the build of the tests panicked".into())))?;
     verify::verify()?;
     skipped.extend(c_check::check()?);
     skipped.extend(fmu::check()?);
